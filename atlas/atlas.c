@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "atlas/atlas.h"
+
+#include "atlas/palette.h"
+#include "base/memory.h"
+
+#include <string.h>
+
+static void object_finish(conus_object *object)
+{
+    memory_free((char *)object->name);
+    memory_free((char *)object->abbreviation);
+}
+
+void conus_atlas_destroy(conus_atlas *atlas)
+{
+    if (!atlas) {
+        return;
+    }
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        volume_finish(&atlas->volumes[i]);
+    }
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        object_finish(&atlas->objects[i]);
+    }
+    memory_free(atlas->volumes);
+    memory_free(atlas->objects);
+    memory_free(atlas->object_volume);
+    memory_free(atlas->label_source);
+    notes_finish(&atlas->notes);
+    memory_free(atlas);
+}
+
+/* Appends `volume` (taken over on success) and reports its index. */
+static conus_status append_volume(conus_atlas *atlas, struct volume *volume, size_t *index)
+{
+    struct volume *volumes = memory_resize(atlas->volumes, atlas->volume_count + 1, sizeof *volumes);
+    if (!volumes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    atlas->volumes = volumes;
+    *index = atlas->volume_count++;
+    volumes[*index] = *volume;
+    *volume = (struct volume){0};
+    return CONUS_OK;
+}
+
+static conus_status reserve_objects(conus_atlas *atlas, size_t count)
+{
+    conus_object *objects = memory_resize(atlas->objects, count, sizeof *objects);
+    if (!objects) {
+        return CONUS_ERROR_MEMORY;
+    }
+    atlas->objects = objects;
+    size_t *volumes = memory_resize(atlas->object_volume, count, sizeof *volumes);
+    if (!volumes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    atlas->object_volume = volumes;
+    return CONUS_OK;
+}
+
+conus_status atlas_append_object(conus_atlas *atlas, const conus_object *object, size_t volume)
+{
+    conus_status status = reserve_objects(atlas, atlas->object_count + 1);
+    conus_object copy = *object;
+    copy.name = status ? NULL : memory_text(object->name, strlen(object->name));
+    copy.abbreviation = status ? NULL : memory_text(object->abbreviation, strlen(object->abbreviation));
+    if (!copy.name || !copy.abbreviation) {
+        object_finish(&copy);
+        return CONUS_ERROR_MEMORY;
+    }
+    atlas->object_volume[atlas->object_count] = volume;
+    atlas->objects[atlas->object_count++] = copy;
+    return CONUS_OK;
+}
+
+conus_status atlas_start(conus_atlas **out, const conus_volume_info *info, const char *label_source)
+{
+    conus_atlas *atlas = memory_zeroed(1, sizeof *atlas);
+    struct volume volume = {0};
+    size_t index;
+    conus_status status = atlas ? volume_init(&volume, info) : CONUS_ERROR_MEMORY;
+    if (!status) {
+        atlas->label_source = memory_text(label_source, strlen(label_source));
+        status = atlas->label_source ? append_volume(atlas, &volume, &index) : CONUS_ERROR_MEMORY;
+    }
+    volume_finish(&volume);
+    if (status) {
+        conus_atlas_destroy(atlas);
+        return status;
+    }
+    *out = atlas;
+    return CONUS_OK;
+}
+
+/* Number of voxels of a mask that volume->objects16 or 32 holds. */
+static conus_status mark_pathway(struct volume *volume, uint32_t number, uint64_t *voxels)
+{
+    float threshold = (float)volume->info.threshold;
+    bool narrow = number <= UINT16_MAX;
+    volume->objects16 = narrow ? memory_zeroed(volume->voxel_count, sizeof *volume->objects16) : NULL;
+    volume->objects32 = narrow ? NULL : memory_zeroed(volume->voxel_count, sizeof *volume->objects32);
+    if (!volume->objects16 && !volume->objects32) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *voxels = 0;
+    for (size_t i = 0; i < volume->voxel_count; i++) {
+        if (volume->values[i] >= threshold) { /* Eq. 6 */
+            *voxels += 1;
+            if (narrow) {
+                volume->objects16[i] = (uint16_t)number;
+            } else {
+                volume->objects32[i] = number;
+            }
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_object pathway_object(const conus_atlas *atlas, const char *name, uint64_t voxels, const double spacing[3])
+{
+    uint32_t ordinal = (uint32_t)(atlas->object_count - atlas->area_count) + 1;
+    conus_object object = {.kind = CONUS_PATHWAY, .label = ordinal, .name = name, .abbreviation = "", .named = true};
+    object.voxels = voxels;
+    object.volume_mm3 = (double)voxels * spacing[0] * spacing[1] * spacing[2];
+    palette_colour(object.rgb, 1000 + ordinal);
+    return object;
+}
+
+conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info, float *values, const char *name)
+{
+    struct volume volume = {0};
+    uint64_t voxels = 0;
+    size_t index;
+    conus_status status = volume_init(&volume, info);
+    if (!status) {
+        volume.values = values;
+        status = mark_pathway(&volume, (uint32_t)atlas->object_count + 1, &voxels);
+    }
+    if (!status) {
+        conus_object object = pathway_object(atlas, name, voxels, info->spacing);
+        status = atlas_append_object(atlas, &object, atlas->volume_count);
+    }
+    if (!status) {
+        status = append_volume(atlas, &volume, &index);
+        if (status) {
+            object_finish(&atlas->objects[--atlas->object_count]);
+        }
+    }
+    if (status) {
+        volume.values = NULL; /* stays the caller's */
+    }
+    volume_finish(&volume);
+    return status;
+}
+
+conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info, float *values)
+{
+    struct volume volume = {0};
+    conus_status status = volume_init(&volume, info);
+    struct volume *old = (struct volume *)atlas_context(atlas);
+    if (!status && old) {
+        volume_finish(old);
+        *old = volume;
+        old->values = values;
+        return CONUS_OK;
+    }
+    size_t index;
+    status = status ? status : append_volume(atlas, &volume, &index);
+    if (!status) {
+        atlas->volumes[index].values = values;
+    }
+    volume_finish(&volume);
+    return status;
+}
+
+const struct volume *atlas_context(const conus_atlas *atlas)
+{
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        if (atlas->volumes[i].info.role == CONUS_CONTEXT) {
+            return &atlas->volumes[i];
+        }
+    }
+    return NULL;
+}
+
+const struct volume *atlas_object_volume(const conus_atlas *atlas, uint32_t number)
+{
+    return &atlas->volumes[atlas->object_volume[number - 1]];
+}
+
+size_t conus_atlas_object_count(const conus_atlas *atlas)
+{
+    return atlas ? atlas->object_count : 0;
+}
+
+const conus_object *conus_atlas_object(const conus_atlas *atlas, size_t number)
+{
+    return atlas && number >= 1 && number <= atlas->object_count ? &atlas->objects[number - 1] : NULL;
+}
+
+size_t conus_atlas_volume_count(const conus_atlas *atlas)
+{
+    return atlas ? atlas->volume_count : 0;
+}
+
+const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, size_t index)
+{
+    return atlas && index < atlas->volume_count ? &atlas->volumes[index].info : NULL;
+}
+
+const char *conus_atlas_label_source(const conus_atlas *atlas)
+{
+    return atlas ? atlas->label_source : "";
+}
+
+size_t conus_atlas_note_count(const conus_atlas *atlas)
+{
+    return atlas ? atlas->notes.count : 0;
+}
+
+const char *conus_atlas_note(const conus_atlas *atlas, size_t index)
+{
+    return atlas && index < atlas->notes.count ? atlas->notes.lines[index] : NULL;
+}

@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "atlas/labels.h"
+
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void label_finish(struct label *label)
+{
+    memory_free(label->name);
+    memory_free(label->abbreviation);
+}
+
+void label_table_finish(struct label_table *table)
+{
+    for (size_t i = 0; i < table->count; i++) {
+        label_finish(&table->entries[i]);
+    }
+    memory_free(table->entries);
+    *table = (struct label_table){0};
+}
+
+struct label *label_table_add(struct label_table *table, uint32_t number)
+{
+    if (table->count == table->capacity) {
+        size_t capacity = table->capacity ? 2 * table->capacity : 64;
+        struct label *entries = memory_resize(table->entries, capacity, sizeof *entries);
+        if (!entries) {
+            return NULL;
+        }
+        table->entries = entries;
+        table->capacity = capacity;
+    }
+    struct label *label = &table->entries[table->count++];
+    *label = (struct label){.number = number};
+    return label;
+}
+
+static char *utf8_from_latin1(struct text text)
+{
+    char *out = memory_raw(2 * text.size + 1, 1);
+    size_t size = 0;
+    for (size_t i = 0; out && i < text.size; i++) {
+        unsigned char c = (unsigned char)text.data[i];
+        if (c < 0x80) {
+            out[size++] = (char)c;
+        } else {
+            out[size++] = (char)(0xc0 | c >> 6);
+            out[size++] = (char)(0x80 | (c & 0x3f));
+        }
+    }
+    if (out) {
+        out[size] = '\0';
+    }
+    return out;
+}
+
+conus_status label_set_text(char **field, struct text text)
+{
+    text = text_trim(text);
+    if (!text.size) {
+        return CONUS_OK;
+    }
+    char *copy = text_is_utf8(text) ? memory_text(text.data, text.size) : utf8_from_latin1(text);
+    if (!copy) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (char *c = copy; *c; c++) {
+        *c = (unsigned char)*c < 0x20 || *c == 0x7f ? ' ' : *c;
+    }
+    memory_free(*field);
+    *field = copy;
+    return CONUS_OK;
+}
+
+static int compare(const void *a, const void *b)
+{
+    const struct label *x = a;
+    const struct label *y = b;
+    return (x->number > y->number) - (x->number < y->number);
+}
+
+/* qsort is not stable; the order of appearance decides which duplicate is kept. */
+static conus_status sort_stably(struct label_table *table)
+{
+    size_t n = table->count;
+    struct label *from = table->entries;
+    struct label *spare = memory_raw(n, sizeof *spare);
+    if (!spare) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t width = 1; width < n; width *= 2) {
+        for (size_t start = 0; start < n; start += 2 * width) {
+            size_t middle = start + width < n ? start + width : n;
+            size_t end = start + 2 * width < n ? start + 2 * width : n;
+            size_t a = start;
+            size_t b = middle;
+            for (size_t k = start; k < end; k++) {
+                bool first = b == end || (a < middle && compare(&from[a], &from[b]) <= 0);
+                spare[k] = from[first ? a++ : b++];
+            }
+        }
+        memcpy(from, spare, n * sizeof *from);
+    }
+    memory_free(spare);
+    return CONUS_OK;
+}
+
+static conus_status note_conflict(struct notes *notes, const struct label *kept, const struct label *dropped)
+{
+    if (!kept->name || !dropped->name || !strcmp(kept->name, dropped->name)) {
+        return CONUS_OK;
+    }
+    return notes_add(notes, "label %u is named twice in the label table: \"%s\" is used, \"%s\" is not", kept->number,
+                     kept->name, dropped->name);
+}
+
+conus_status label_table_sort(struct label_table *table, struct notes *notes)
+{
+    conus_status status = sort_stably(table);
+    size_t kept = 0;
+    for (size_t i = 0; !status && i < table->count; i++) {
+        struct label *label = &table->entries[i];
+        if (kept && table->entries[kept - 1].number == label->number) {
+            status = note_conflict(notes, &table->entries[kept - 1], label);
+            label_finish(label);
+            *label = (struct label){0};
+        } else {
+            struct label moved = *label;
+            *label = (struct label){0};
+            table->entries[kept++] = moved;
+        }
+    }
+    table->count = status ? table->count : kept;
+    return status;
+}
+
+struct label *label_table_find(const struct label_table *table, uint32_t number)
+{
+    struct label key = {.number = number};
+    return table->count ? bsearch(&key, table->entries, table->count, sizeof key, compare) : NULL;
+}

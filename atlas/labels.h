@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A label table: what a file says about the numbers in a labelled volume. */
+#ifndef CONUS_ATLAS_LABELS_H
+#define CONUS_ATLAS_LABELS_H
+
+#include "base/notes.h"
+#include "base/text.h"
+
+struct label {
+    uint32_t number;    /**< The atlas's own label; never 0 (background is not an area).   */
+    char *name;         /**< UTF-8, owned; NULL where the table has only a colour.         */
+    char *abbreviation; /**< UTF-8, owned; NULL if none.                                   */
+    char hemisphere;    /**< 'L', 'R', 'B' or 0.                                           */
+    bool has_rgb;
+    uint8_t rgb[3]; /**< sRGB.                                                         */
+    bool has_parent;
+    uint32_t parent; /**< Label number of the parent in the area tree.                  */
+};
+
+/** Sorted by number, without duplicates, once label_table_sort() has run. */
+struct label_table {
+    struct label *entries;
+    size_t count;
+    size_t capacity;
+};
+
+void label_table_finish(struct label_table *table);
+
+/** Appends an entry for @p number and returns it for filling in; NULL without memory. Valid until the next call. */
+struct label *label_table_add(struct label_table *table, uint32_t number);
+
+/** Copies @p text into *@p field (name or abbreviation), trimmed. Bytes that are not UTF-8 are taken as ISO-8859-1;
+ * control characters become spaces. Empty text leaves NULL. */
+conus_status label_set_text(char **field, struct text text);
+
+/** Sorts by number. Of entries with one number the first is kept; where a later one has another name, a note in
+ * @p notes says so. */
+conus_status label_table_sort(struct label_table *table, struct notes *notes);
+
+/** The entry of @p number in a sorted table, or NULL. */
+struct label *label_table_find(const struct label_table *table, uint32_t number);
+
+#endif

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "atlas/palette.h"
+
+#include <math.h>
+
+/* HSV to RGB after A. R. Smith, "Color Gamut Transform Pairs", SIGGRAPH 1978, in its closed form. */
+static uint8_t channel(double hue, double saturation, double value, double offset)
+{
+    double k = fmod(offset + hue * 6, 6);
+    double slope = fmax(0, fmin(1, fmin(k, 4 - k)));
+    return (uint8_t)lround(255 * value * (1 - saturation * slope));
+}
+
+void palette_colour(uint8_t rgb[3], size_t index)
+{
+    static const double offsets[3] = {5, 3, 1};
+    static const double values[3] = {0.95, 0.75, 0.85};
+    const double golden = 0.61803398874989485;
+    double hue = fmod(0.08 + golden * (double)index, 1);
+    double saturation = 0.45 + 0.25 * (double)(index / 3 % 2);
+    for (int i = 0; i < 3; i++) {
+        rgb[i] = channel(hue, saturation, values[index % 3], offsets[i]);
+    }
+}

@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* atlas_create(): from labels of any size and a label table to areas with dense numbers. */
+#include "atlas/atlas.h"
+#include "atlas/label_map.h"
+#include "atlas/palette.h"
+#include "base/buffer.h"
+#include "base/memory.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Voxels of each label present, counted run by run: neighbours along i mostly share their label. */
+static conus_status count_labels(struct label_map *voxels, const uint32_t *labels, size_t count)
+{
+    for (size_t start = 0; start < count;) {
+        size_t end = start + 1;
+        while (end < count && labels[end] == labels[start]) {
+            end++;
+        }
+        if (labels[start]) {
+            uint64_t *n = label_map_at(voxels, labels[start]);
+            if (!n) {
+                return CONUS_ERROR_MEMORY;
+            }
+            *n += end - start;
+        }
+        start = end;
+    }
+    return CONUS_OK;
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a;
+    uint32_t y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* The sorted union of the labels present and those of the table: an area is one or the other. */
+static conus_status unite_labels(uint32_t **out, size_t *out_count, const struct label_map *present,
+                                 const struct label_table *table)
+{
+    uint32_t *numbers = memory_raw(present->count + table->count, sizeof *numbers);
+    size_t count = 0;
+    if (!numbers) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; present->slots && i <= present->mask; i++) {
+        if (present->slots[i].used) {
+            numbers[count++] = present->slots[i].label;
+        }
+    }
+    for (size_t i = 0; i < table->count; i++) {
+        numbers[count++] = table->entries[i].number;
+    }
+    qsort(numbers, count, sizeof *numbers, compare_numbers);
+    size_t kept = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!kept || numbers[kept - 1] != numbers[i]) {
+            numbers[kept++] = numbers[i];
+        }
+    }
+    *out = numbers;
+    *out_count = kept;
+    return CONUS_OK;
+}
+
+static conus_status append_area(conus_atlas *atlas, uint32_t number, const struct label *label, uint64_t voxels)
+{
+    char digits[16];
+    const double *spacing = atlas->volumes[0].info.spacing;
+    snprintf(digits, sizeof digits, "%u", number);
+    conus_object area = {.kind = CONUS_AREA, .label = number, .name = digits, .abbreviation = "", .voxels = voxels};
+    area.volume_mm3 = (double)voxels * spacing[0] * spacing[1] * spacing[2];
+    palette_colour(area.rgb, atlas->object_count);
+    if (label) {
+        area.named = label->name != NULL;
+        area.name = label->name ? label->name : digits;
+        area.abbreviation = label->abbreviation ? label->abbreviation : "";
+        area.hemisphere = label->hemisphere;
+        memcpy(area.rgb, label->has_rgb ? label->rgb : area.rgb, sizeof area.rgb);
+    }
+    return atlas_append_object(atlas, &area, 0);
+}
+
+static conus_status append_areas(conus_atlas *atlas, struct label_map *voxels, const struct label_table *table)
+{
+    uint32_t *numbers = NULL;
+    size_t count = 0;
+    conus_status status = unite_labels(&numbers, &count, voxels, table);
+    for (size_t i = 0; !status && i < count; i++) {
+        uint64_t *value = label_map_at(voxels, numbers[i]);
+        status =
+            value ? append_area(atlas, numbers[i], label_table_find(table, numbers[i]), *value) : CONUS_ERROR_MEMORY;
+        if (!status) {
+            *value = i + 1; /* from here on the map gives the area's dense number */
+        }
+    }
+    atlas->area_count = atlas->object_count;
+    memory_free(numbers);
+    return status;
+}
+
+static conus_status number_voxels(struct volume *volume, struct label_map *number_of, const uint32_t *labels,
+                                  size_t area_count)
+{
+    bool narrow = area_count <= UINT16_MAX;
+    volume->objects16 = narrow ? memory_zeroed(volume->voxel_count, sizeof *volume->objects16) : NULL;
+    volume->objects32 = narrow ? NULL : memory_zeroed(volume->voxel_count, sizeof *volume->objects32);
+    if (!volume->objects16 && !volume->objects32) {
+        return CONUS_ERROR_MEMORY;
+    }
+    uint32_t last = 0;
+    uint32_t number = 0;
+    for (size_t i = 0; i < volume->voxel_count; i++) {
+        if (labels[i] != last) {
+            last = labels[i];
+            number = last ? (uint32_t)*label_map_at(number_of, last) : 0; /* counted before: it is there */
+        }
+        if (number && narrow) {
+            volume->objects16[i] = (uint16_t)number;
+        } else if (number) {
+            volume->objects32[i] = number;
+        }
+    }
+    return CONUS_OK;
+}
+
+/* True when following the parents of `object` comes back to it. */
+static bool is_cyclic(const conus_atlas *atlas, size_t object)
+{
+    uint32_t at = atlas->objects[object - 1].parent;
+    for (size_t steps = 0; at && steps <= atlas->object_count; steps++) {
+        if (at == object) {
+            return true;
+        }
+        at = atlas->objects[at - 1].parent;
+    }
+    return false;
+}
+
+static conus_status link_parents(conus_atlas *atlas, struct label_map *number_of, const struct label_table *table)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < table->count; i++) {
+        const struct label *label = &table->entries[i];
+        if (!label->has_parent) {
+            continue;
+        }
+        uint64_t *child = label_map_at(number_of, label->number);
+        conus_object *area = child ? &atlas->objects[*child - 1] : NULL;
+        uint64_t *parent = label_map_at(number_of, label->parent);
+        if (!area || !parent) {
+            return CONUS_ERROR_MEMORY;
+        }
+        area->parent = (uint32_t)*parent;
+        size_t number = (size_t)(area - atlas->objects) + 1;
+        if (!area->parent || is_cyclic(atlas, number)) {
+            status = notes_add(&atlas->notes, "area %u: its parent %u %s: treated as a root", label->number,
+                               label->parent, area->parent ? "lies below it" : "is not in the label table");
+            area->parent = 0;
+        }
+    }
+    return status;
+}
+
+/* "N labels ... : 3, 17, 20, ..." for the areas that `wanted` picks. */
+static conus_status note_areas(conus_atlas *atlas, const char *what, bool (*wanted)(const conus_object *))
+{
+    struct buffer list = {0};
+    size_t count = 0;
+    for (size_t i = 0; i < atlas->area_count; i++) {
+        if (wanted(&atlas->objects[i]) && count++ < 8) {
+            buffer_format(&list, "%s%u", count > 1 ? ", " : "", atlas->objects[i].label);
+        }
+    }
+    conus_status status = buffer_status(&list);
+    if (!status && count) {
+        status = notes_add(&atlas->notes, "%s: %zu (%s%s)", what, count, list.data, count > 8 ? ", ..." : "");
+    }
+    buffer_finish(&list);
+    return status;
+}
+
+static bool has_no_name(const conus_object *area)
+{
+    return !area->named;
+}
+
+static bool has_no_voxels(const conus_object *area)
+{
+    return !area->voxels;
+}
+
+static conus_status add_notes(conus_atlas *atlas, bool has_table)
+{
+    conus_status status = CONUS_OK;
+    if (has_table) {
+        status = note_areas(atlas, "labels in the volume that the label table does not name", has_no_name);
+        status = status ? status : note_areas(atlas, "areas of the label table without a voxel", has_no_voxels);
+    }
+    if (!status && !atlas->area_count) {
+        status = notes_add(&atlas->notes, "the volume has no label but 0: nothing can be selected");
+    }
+    return status;
+}
+
+conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, const uint32_t *labels,
+                          const struct label_table *table, const char *label_source, struct notes *notes)
+{
+    conus_atlas *atlas = NULL;
+    struct label_map map = {0}; /* label -> voxels, then label -> area number */
+    conus_status status = atlas_start(&atlas, info, label_source);
+    if (status) {
+        return status;
+    }
+    status = count_labels(&map, labels, atlas->volumes[0].voxel_count);
+    status = status ? status : append_areas(atlas, &map, table);
+    status = status ? status : number_voxels(&atlas->volumes[0], &map, labels, atlas->area_count);
+    status = status ? status : link_parents(atlas, &map, table);
+    status = status ? status : add_notes(atlas, table->count > 0);
+    status = status ? status : notes_move(&atlas->notes, notes);
+    label_map_finish(&map);
+    if (status) {
+        conus_atlas_destroy(atlas);
+        return status;
+    }
+    *out = atlas;
+    return CONUS_OK;
+}

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Where a voxel grid lies in the world. */
+#ifndef CONUS_ATLAS_SPACE_H
+#define CONUS_ATLAS_SPACE_H
+
+#include "base/status.h"
+
+/** Checks @p world_from_voxel (finite, not singular) and derives info's spacing and orientation from it.
+ * The error names @p transform, the words for where the matrix comes from. */
+conus_status space_describe(conus_volume_info *info, const double world_from_voxel[16], const char *transform);
+
+/** Name of a NIfTI xform code, "unknown" outside 0..5. */
+const char *space_code_name(int code);
+
+#endif

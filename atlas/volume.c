@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "atlas/volume.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+
+#include <string.h>
+
+void volume_finish(struct volume *volume)
+{
+    memory_free(volume->path);
+    memory_free(volume->objects16);
+    memory_free(volume->objects32);
+    memory_free(volume->values);
+    *volume = (struct volume){0};
+}
+
+conus_status volume_init(struct volume *out, const conus_volume_info *info)
+{
+    struct volume volume = {.info = *info};
+    if (!memory_multiply(info->dim[0], info->dim[1], &volume.voxel_count) ||
+        !memory_multiply(volume.voxel_count, info->dim[2], &volume.voxel_count)) {
+        return fail(CONUS_ERROR_DATA, "%zu x %zu x %zu voxels are too many to count", info->dim[0], info->dim[1],
+                    info->dim[2]);
+    }
+    if (!mat4_invert_affine(volume.voxel_from_world, info->world_from_voxel)) {
+        return fail(CONUS_ERROR_DATA, "%s: the matrix is singular, an invertible one is needed", info->transform);
+    }
+    const char *path = info->path ? info->path : "";
+    volume.path = memory_text(path, strlen(path));
+    if (!volume.path) {
+        return CONUS_ERROR_MEMORY;
+    }
+    volume.info.path = volume.path;
+    *out = volume;
+    return CONUS_OK;
+}

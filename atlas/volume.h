@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A volume as the engines see it: one object number per voxel, and for scalar volumes the value too. */
+#ifndef CONUS_ATLAS_VOLUME_H
+#define CONUS_ATLAS_VOLUME_H
+
+#include "base/status.h"
+
+struct volume {
+    conus_volume_info info;
+    char *path; /**< Owned; info.path points to it.                                           */
+    double voxel_from_world[16];
+    size_t voxel_count;  /**< dim[0] dim[1] dim[2]; i runs fastest.                                     */
+    uint16_t *objects16; /**< Object number per voxel, 0 = none. One of the two, by the number of       */
+    uint32_t *objects32; /**< objects; a context volume has neither.                                    */
+    float *values;       /**< Scaled value per voxel; NULL for a parcellation.                          */
+};
+
+void volume_finish(struct volume *volume);
+
+/** Fills the parts that follow from @p info: copies path, inverts the affine, counts voxels. */
+conus_status volume_init(struct volume *out, const conus_volume_info *info);
+
+/** Object of the voxel with linear index @p voxel. */
+static inline uint32_t volume_object(const struct volume *volume, size_t voxel)
+{
+    return volume->objects16 ? volume->objects16[voxel] : volume->objects32[voxel];
+}
+
+#endif

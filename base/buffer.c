@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/buffer.h"
+
+#include "base/memory.h"
+#include "base/text.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+void buffer_finish(struct buffer *buffer)
+{
+    memory_free(buffer->data);
+    *buffer = (struct buffer){0};
+}
+
+/* Makes room for `more` bytes and a NUL; doubles, so that appending n bytes costs O(n). */
+static bool reserve(struct buffer *buffer, size_t more)
+{
+    size_t needed;
+    if (buffer->failed || __builtin_add_overflow(buffer->size, more, &needed) || needed == SIZE_MAX) {
+        buffer->failed = true;
+        return false;
+    }
+    if (needed + 1 <= buffer->capacity) {
+        return true;
+    }
+    size_t capacity = buffer->capacity < SIZE_MAX / 2 ? 2 * buffer->capacity : needed + 1;
+    capacity = capacity < needed + 1 ? needed + 1 : capacity;
+    char *data = memory_resize(buffer->data, capacity, 1);
+    if (!data) {
+        buffer->failed = true;
+        return false;
+    }
+    buffer->data = data;
+    buffer->capacity = capacity;
+    return true;
+}
+
+void buffer_append(struct buffer *buffer, const void *bytes, size_t size)
+{
+    if (!reserve(buffer, size)) {
+        return;
+    }
+    if (size) {
+        memcpy(buffer->data + buffer->size, bytes, size);
+    }
+    buffer->size += size;
+    buffer->data[buffer->size] = '\0';
+}
+
+void buffer_text(struct buffer *buffer, const char *text)
+{
+    buffer_append(buffer, text, strlen(text));
+}
+
+void buffer_format(struct buffer *buffer, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    int length = vsnprintf(NULL, 0, format, args);
+    va_end(args);
+    if (length < 0 || !reserve(buffer, (size_t)length)) {
+        buffer->failed = true;
+        return;
+    }
+    va_start(args, format);
+    vsnprintf(buffer->data + buffer->size, (size_t)length + 1, format, args);
+    va_end(args);
+    buffer->size += (size_t)length;
+}
+
+void buffer_number(struct buffer *buffer, double value)
+{
+    char text[TEXT_NUMBER_SIZE];
+    text_number(text, value);
+    buffer_text(buffer, text);
+}
+
+conus_status buffer_status(const struct buffer *buffer)
+{
+    return buffer->failed ? fail(CONUS_ERROR_MEMORY, "no memory for a text of %zu bytes", buffer->size) : CONUS_OK;
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * Growable text or bytes. Appending never reports: a failed buffer stays failed, and buffer_status() tells at the
+ * end, so that a writer is a straight line of appends. */
+#ifndef CONUS_BASE_BUFFER_H
+#define CONUS_BASE_BUFFER_H
+
+#include "base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct buffer {
+    char *data; /**< `size` bytes and a final NUL; NULL when nothing was appended. */
+    size_t size;
+    size_t capacity;
+    bool failed; /**< An append found no memory. */
+};
+
+void buffer_finish(struct buffer *buffer);
+
+void buffer_append(struct buffer *buffer, const void *bytes, size_t size);
+void buffer_text(struct buffer *buffer, const char *text);
+void buffer_format(struct buffer *buffer, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/** Appends @p value as text_number() writes it. */
+void buffer_number(struct buffer *buffer, double value);
+
+/** CONUS_OK, or CONUS_ERROR_MEMORY when an append failed. */
+conus_status buffer_status(const struct buffer *buffer);
+
+#endif

@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/file.h"
+
+#include "base/memory.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <nettle/sha2.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+void bytes_finish(struct bytes *bytes)
+{
+    memory_free(bytes->data);
+    *bytes = (struct bytes){0};
+}
+
+static conus_status fail_errno(const char *path, const char *action)
+{
+    return fail(CONUS_ERROR_IO, "%s: cannot %s: %s", path, action, strerror(errno));
+}
+
+/* Reads up to `size` bytes; fewer only at the end of the file. */
+static bool read_fully(int descriptor, uint8_t *data, size_t size, size_t *got)
+{
+    for (*got = 0; *got < size;) {
+        ssize_t n = read(descriptor, data + *got, size - *got);
+        if (n < 0 && errno != EINTR) {
+            return false;
+        }
+        if (n == 0) {
+            break;
+        }
+        *got += n > 0 ? (size_t)n : 0;
+    }
+    return true;
+}
+
+static conus_status read_descriptor(struct bytes *out, const char *path, int descriptor, uint64_t limit)
+{
+    struct stat info;
+    if (fstat(descriptor, &info)) {
+        return fail_errno(path, "read");
+    }
+    if (!S_ISREG(info.st_mode)) {
+        return fail(CONUS_ERROR_IO, "%s: cannot read: %s, a regular file is needed", path,
+                    S_ISDIR(info.st_mode) ? "is a folder" : "is a device or pipe");
+    }
+    if ((uint64_t)info.st_size > limit) {
+        return fail(CONUS_ERROR_MEMORY, "%s: file of %lld bytes, allowed are %llu (--max-memory)", path,
+                    (long long)info.st_size, (unsigned long long)limit);
+    }
+    struct bytes bytes = {.data = memory_raw((size_t)info.st_size, 1)};
+    if (!bytes.data) {
+        return fail_in(CONUS_ERROR_MEMORY, path);
+    }
+    if (!read_fully(descriptor, bytes.data, (size_t)info.st_size, &bytes.size)) {
+        bytes_finish(&bytes);
+        return fail_errno(path, "read");
+    }
+    *out = bytes;
+    return CONUS_OK;
+}
+
+conus_status file_read(struct bytes *out, const char *path, uint64_t limit)
+{
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (descriptor < 0) {
+        return fail_errno(path, "open");
+    }
+    conus_status status = read_descriptor(out, path, descriptor, limit);
+    close(descriptor);
+    return status;
+}
+
+static bool write_fully(int descriptor, const uint8_t *data, size_t size)
+{
+    while (size) {
+        ssize_t n = write(descriptor, data, size);
+        if (n < 0 && errno != EINTR) {
+            return false;
+        }
+        data += n > 0 ? n : 0;
+        size -= n > 0 ? (size_t)n : 0;
+    }
+    return true;
+}
+
+static conus_status write_directly(const char *path, const void *data, size_t size)
+{
+    int descriptor = open(path, O_WRONLY | O_CLOEXEC);
+    if (descriptor < 0) {
+        return fail_errno(path, "open");
+    }
+    bool written = write_fully(descriptor, data, size);
+    conus_status status = written ? CONUS_OK : fail_errno(path, "write");
+    close(descriptor);
+    return status;
+}
+
+static conus_status write_and_rename(const char *path, const char *temporary, const void *data, size_t size)
+{
+    int descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor < 0) {
+        return fail_errno(path, "write");
+    }
+    bool written = write_fully(descriptor, data, size) && fsync(descriptor) == 0;
+    written = close(descriptor) == 0 && written;
+    if (!written || rename(temporary, path)) {
+        conus_status status = fail_errno(path, "write");
+        unlink(temporary);
+        return status;
+    }
+    return CONUS_OK;
+}
+
+conus_status file_write(const char *path, const void *data, size_t size)
+{
+    struct stat info;
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
+        return S_ISDIR(info.st_mode) ? fail(CONUS_ERROR_IO, "%s: cannot write: is a folder", path)
+                                     : write_directly(path, data, size);
+    }
+    size_t length = strlen(path) + 32;
+    char *temporary = memory_raw(length, 1);
+    if (!temporary) {
+        return fail_in(CONUS_ERROR_MEMORY, path);
+    }
+    snprintf(temporary, length, "%s.%ld.part", path, (long)getpid());
+    conus_status status = write_and_rename(path, temporary, data, size);
+    memory_free(temporary);
+    return status;
+}
+
+bool file_exists(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && S_ISREG(info.st_mode);
+}
+
+bool file_is_folder(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
+char *file_beside(const char *path, const char *name)
+{
+    const char *slash = strrchr(path, '/');
+    size_t folder = slash && name[0] != '/' ? (size_t)(slash - path) + 1 : 0;
+    char *joined = memory_raw(folder + strlen(name) + 1, 1);
+    if (joined) {
+        memcpy(joined, path, folder);
+        memcpy(joined + folder, name, strlen(name) + 1);
+    }
+    return joined;
+}
+
+void file_sha256(char out[65], const struct bytes *bytes)
+{
+    struct sha256_ctx context;
+    uint8_t digest[SHA256_DIGEST_SIZE];
+    sha256_init(&context);
+    sha256_update(&context, bytes->size, bytes->data);
+    sha256_digest(&context, sizeof digest, digest);
+    for (size_t i = 0; i < sizeof digest; i++) {
+        snprintf(out + 2 * i, 3, "%02x", digest[i]);
+    }
+}

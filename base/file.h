@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Whole files in, whole files out. */
+#ifndef CONUS_BASE_FILE_H
+#define CONUS_BASE_FILE_H
+
+#include "base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/** Bytes on the heap. */
+struct bytes {
+    uint8_t *data;
+    size_t size;
+};
+
+void bytes_finish(struct bytes *bytes);
+
+/** Reads the regular file @p path, which may not be larger than @p limit bytes. @p out is the caller's to finish.
+ * Errors: CONUS_ERROR_IO (message with the path) when it cannot be read, CONUS_ERROR_MEMORY above the limit. */
+conus_status file_read(struct bytes *out, const char *path, uint64_t limit);
+
+/** Writes @p size bytes so that @p path appears whole or not at all: a temporary file beside it, flushed to the disk
+ * and renamed. Anything that is not a regular file (a pipe, /dev/stdout) is written directly. */
+conus_status file_write(const char *path, const void *data, size_t size);
+
+bool file_exists(const char *path);
+bool file_is_folder(const char *path);
+
+/** "folder of @p path" + "/" + @p name, or a copy of @p name where it is absolute or @p path has no folder. NULL
+ * without memory; memory_free() it. */
+char *file_beside(const char *path, const char *name);
+
+/** Lower-case SHA-256 of @p bytes in hexadecimal, with a final NUL. */
+void file_sha256(char out[65], const struct bytes *bytes);
+
+#endif

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/memory.h"
+
+#include "base/status.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void *check(void *block, size_t count, size_t size)
+{
+    if (!block) {
+        fail(CONUS_ERROR_MEMORY, "no memory for %zu elements of %zu bytes", count, size);
+    }
+    return block;
+}
+
+void *memory_zeroed(size_t count, size_t size)
+{
+    return check(calloc(count ? count : 1, size ? size : 1), count, size);
+}
+
+void *memory_raw(size_t count, size_t size)
+{
+    size_t bytes;
+    bool fits = memory_multiply(count, size, &bytes);
+    return check(fits ? malloc(bytes ? bytes : 1) : NULL, count, size);
+}
+
+void *memory_resize(void *block, size_t count, size_t size)
+{
+    size_t bytes;
+    bool fits = memory_multiply(count, size, &bytes);
+    return check(fits ? realloc(block, bytes ? bytes : 1) : NULL, count, size);
+}
+
+char *memory_text(const char *text, size_t length)
+{
+    char *copy = memory_raw(length + 1, 1);
+    if (copy) {
+        if (length) {
+            memcpy(copy, text, length);
+        }
+        copy[length] = '\0';
+    }
+    return copy;
+}
+
+void memory_free(void *block)
+{
+    free(block);
+}

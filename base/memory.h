@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The only place of the library that calls malloc: sizes are multiplied with a check, failure sets the
+ * message, and the tests make the n-th call fail by wrapping malloc, calloc and realloc. */
+#ifndef CONUS_BASE_MEMORY_H
+#define CONUS_BASE_MEMORY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/** @p count zeroed elements of @p size bytes; NULL with a message when it overflows or there is no memory.
+ * Zero elements give a valid pointer. End it with memory_free(). */
+void *memory_zeroed(size_t count, size_t size);
+
+/** The same, not zeroed: for big arrays that are written whole. */
+void *memory_raw(size_t count, size_t size);
+
+/** Resizes @p block to @p count elements of @p size bytes; NULL (and @p block as it was) on failure. */
+void *memory_resize(void *block, size_t count, size_t size);
+
+/** A copy of @p length bytes of @p text with a final NUL. */
+char *memory_text(const char *text, size_t length);
+
+/** Frees; NULL is fine. */
+void memory_free(void *block);
+
+/** a * b into *product; false when it does not fit. */
+static inline bool memory_multiply(size_t a, size_t b, size_t *product)
+{
+    return !__builtin_mul_overflow(a, b, product);
+}
+
+#endif

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/notes.h"
+
+#include "base/memory.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+void notes_finish(struct notes *notes)
+{
+    for (size_t i = 0; i < notes->count; i++) {
+        memory_free(notes->lines[i]);
+    }
+    memory_free(notes->lines);
+    *notes = (struct notes){0};
+}
+
+static conus_status reserve(struct notes *notes, size_t more)
+{
+    char **lines = memory_resize(notes->lines, notes->count + more, sizeof *lines);
+    if (!lines) {
+        return CONUS_ERROR_MEMORY;
+    }
+    notes->lines = lines;
+    return CONUS_OK;
+}
+
+conus_status notes_add(struct notes *notes, const char *format, ...)
+{
+    char text[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    char *line = memory_text(text, strlen(text));
+    if (!line || reserve(notes, 1)) {
+        memory_free(line);
+        return CONUS_ERROR_MEMORY;
+    }
+    notes->lines[notes->count++] = line;
+    return CONUS_OK;
+}
+
+conus_status notes_move(struct notes *notes, struct notes *from)
+{
+    if (reserve(notes, from->count + 1)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < from->count; i++) {
+        notes->lines[notes->count++] = from->lines[i];
+    }
+    memory_free(from->lines);
+    *from = (struct notes){0};
+    return CONUS_OK;
+}

@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/text.h"
+
+#include <locale.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+struct text text_from(const char *string)
+{
+    return (struct text){string, strlen(string)};
+}
+
+/* Splits rest at `length` bytes and drops `ending` more. */
+static struct text take(struct text *rest, size_t length, size_t ending)
+{
+    struct text taken = {rest->data, length};
+    rest->data += length + ending;
+    rest->size -= length + ending;
+    return taken;
+}
+
+bool text_line(struct text *rest, struct text *line)
+{
+    if (!rest->size) {
+        return false;
+    }
+    size_t length = 0;
+    while (length < rest->size && rest->data[length] != '\n' && rest->data[length] != '\r') {
+        length++;
+    }
+    size_t ending = length < rest->size;
+    if (length + 1 < rest->size && rest->data[length] == '\r' && rest->data[length + 1] == '\n') {
+        ending = 2;
+    }
+    *line = take(rest, length, ending);
+    return true;
+}
+
+bool text_field(struct text *rest, char separator, bool *more, struct text *field)
+{
+    if (!*more) {
+        return false;
+    }
+    const char *end = rest->size ? memchr(rest->data, separator, rest->size) : NULL;
+    *more = end != NULL;
+    *field = take(rest, end ? (size_t)(end - rest->data) : rest->size, end != NULL);
+    return true;
+}
+
+static bool is_space(char c)
+{
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+bool text_word(struct text *rest, struct text *word)
+{
+    while (rest->size && is_space(*rest->data)) {
+        take(rest, 1, 0);
+    }
+    size_t length = 0;
+    while (length < rest->size && !is_space(rest->data[length])) {
+        length++;
+    }
+    *word = take(rest, length, 0);
+    return length > 0;
+}
+
+struct text text_trim(struct text text)
+{
+    while (text.size && is_space(text.data[0])) {
+        take(&text, 1, 0);
+    }
+    while (text.size && is_space(text.data[text.size - 1])) {
+        text.size--;
+    }
+    return text;
+}
+
+bool text_equal(struct text text, const char *string)
+{
+    return text.size == strlen(string) && memcmp(text.data, string, text.size) == 0;
+}
+
+bool text_equal_ignoring_case(struct text text, const char *string)
+{
+    return text.size == strlen(string) && strncasecmp(text.data, string, text.size) == 0;
+}
+
+bool text_starts(struct text text, const char *prefix)
+{
+    size_t size = strlen(prefix);
+    return text.size >= size && memcmp(text.data, prefix, size) == 0;
+}
+
+bool text_to_double(struct text text, double *out)
+{
+    char copy[64];
+    if (!text.size || text.size >= sizeof copy || is_space(text.data[0])) {
+        return false;
+    }
+    memcpy(copy, text.data, text.size);
+    copy[text.size] = '\0';
+    locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0); /* glibc hands out a static one */
+    char *end = copy;
+    double value = strtod_l(copy, &end, c_locale);
+    freelocale(c_locale);
+    if (end != copy + text.size) {
+        return false;
+    }
+    *out = value;
+    return true;
+}
+
+bool text_to_uint(struct text text, uint64_t limit, uint64_t *out)
+{
+    uint64_t value = 0;
+    for (size_t i = 0; i < text.size; i++) {
+        char c = text.data[i];
+        if (c < '0' || c > '9' || __builtin_mul_overflow(value, 10U, &value) ||
+            __builtin_add_overflow(value, (uint64_t)(c - '0'), &value)) {
+            return false;
+        }
+    }
+    if (!text.size || value > limit) {
+        return false;
+    }
+    *out = value;
+    return true;
+}
+
+bool text_to_int(struct text text, int64_t *out)
+{
+    bool negative = text.size && text.data[0] == '-';
+    uint64_t value;
+    if (text.size && (text.data[0] == '-' || text.data[0] == '+')) {
+        take(&text, 1, 0);
+    }
+    if (!text_to_uint(text, INT64_MAX, &value)) {
+        return false;
+    }
+    *out = negative ? -(int64_t)value : (int64_t)value;
+    return true;
+}
+
+/* Length of the UTF-8 sequence at the start of `text`, 0 if it is not one (Unicode 15, table 3-7). */
+static size_t utf8_length(struct text text)
+{
+    const unsigned char *s = (const unsigned char *)text.data;
+    if (s[0] < 0x80) {
+        return 1;
+    }
+    size_t length = s[0] >= 0xc2 && s[0] <= 0xdf ? 2 : (s[0] & 0xf0) == 0xe0 ? 3 : s[0] >= 0xf0 && s[0] <= 0xf4 ? 4 : 0;
+    if (!length || length > text.size) {
+        return 0;
+    }
+    for (size_t i = 1; i < length; i++) {
+        if ((s[i] & 0xc0) != 0x80) {
+            return 0;
+        }
+    }
+    bool overlong = (s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xf0 && s[1] < 0x90);
+    bool outside = (s[0] == 0xed && s[1] > 0x9f) || (s[0] == 0xf4 && s[1] > 0x8f);
+    return overlong || outside ? 0 : length;
+}
+
+bool text_is_utf8(struct text text)
+{
+    while (text.size) {
+        size_t length = utf8_length(text);
+        if (!length) {
+            return false;
+        }
+        take(&text, length, 0);
+    }
+    return true;
+}
+
+/* printf follows the locale; numbers in files do not. */
+static void point_for_comma(char *text)
+{
+    char *comma = strchr(text, ',');
+    if (comma) {
+        *comma = '.';
+    }
+}
+
+char *text_number(char out[TEXT_NUMBER_SIZE], double value)
+{
+    double wanted;
+    snprintf(out, TEXT_NUMBER_SIZE, "%.9g", value == 0 ? 0.0 : value); /* no "-0" */
+    point_for_comma(out);
+    if (!isfinite(value) || !text_to_double(text_from(out), &wanted)) {
+        return out;
+    }
+    for (int digits = 1; digits < 9; digits++) {
+        char shorter[TEXT_NUMBER_SIZE];
+        double got;
+        snprintf(shorter, sizeof shorter, "%.*g", digits, wanted);
+        point_for_comma(shorter);
+        if (text_to_double(text_from(shorter), &got) && got == wanted) {
+            memcpy(out, shorter, sizeof shorter);
+            break;
+        }
+    }
+    return out;
+}

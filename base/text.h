@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * Reading and writing text from untrusted files: bounded, and blind to the process's locale. */
+#ifndef CONUS_BASE_TEXT_H
+#define CONUS_BASE_TEXT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/** A piece of text inside bytes that someone else owns; not NUL-terminated. */
+struct text {
+    const char *data;
+    size_t size;
+};
+
+/** A text over a C string. */
+struct text text_from(const char *string);
+
+/** Takes the next line off @p rest (ended by LF, CR, CRLF or the end) into @p line, without its ending.
+ * False when nothing is left. */
+bool text_line(struct text *rest, struct text *line);
+
+/** Takes the next field off @p rest, up to the single byte @p separator or the end. False when nothing is left;
+ * "a,,b" has an empty field in the middle, and "a," an empty one at the end. Start with *more = true. */
+bool text_field(struct text *rest, char separator, bool *more, struct text *field);
+
+/** Takes the next run without white space off @p rest. False when only white space is left. */
+bool text_word(struct text *rest, struct text *word);
+
+/** @p text without white space at both ends. */
+struct text text_trim(struct text text);
+
+bool text_equal(struct text text, const char *string);
+bool text_equal_ignoring_case(struct text text, const char *string);
+bool text_starts(struct text text, const char *prefix);
+
+/** The whole of @p text as a number ('.' is the decimal point; "nan" and "inf" are read). False if it is none. */
+bool text_to_double(struct text text, double *out);
+
+/** The whole of @p text as a decimal integer without sign, at most @p limit. False if it is none. */
+bool text_to_uint(struct text text, uint64_t limit, uint64_t *out);
+
+/** The whole of @p text as a decimal integer, a leading sign allowed. False if it is none or does not fit. */
+bool text_to_int(struct text text, int64_t *out);
+
+/** True when @p text is valid UTF-8 (no surrogates, nothing above U+10FFFF, no overlong forms). */
+bool text_is_utf8(struct text text);
+
+enum { TEXT_NUMBER_SIZE = 32 };
+
+/** @p value in the fewest digits (9 at most) that read back as the same 9-digit number; "nan", "inf" or "-inf"
+ * else. Never locale's decimal comma. Returns @p out. */
+char *text_number(char out[TEXT_NUMBER_SIZE], double value);
+
+#endif

@@ -1,0 +1,367 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file conus.h
+ * What does this beam, probe or pointing hand reach in the brain?
+ *
+ * Load an atlas, aim a cone at it from a pose with six degrees of freedom, and read off the areas and pathways in
+ * the cone, with shares and contact positions:
+ *
+ *     conus_atlas *atlas = NULL;
+ *     conus_selector *selector = NULL;
+ *     conus_selection *selection = NULL;
+ *     conus_pose pose;
+ *     conus_status status = conus_atlas_load(&atlas, "aal.nii.gz", NULL);
+ *     if (!status) status = conus_selector_create(&selector, atlas, NULL);
+ *     if (!status) status = conus_pose_toward(&pose, (double[]){-90, 20, 20}, (double[]){0, -10, 10}, NULL);
+ *     if (!status) status = conus_select(&selection, selector, &pose, 20 * M_PI / 180);
+ *     for (size_t i = 0; i < conus_selection_count(selection); i++) ...
+ *     if (status) fprintf(stderr, "%s\n", conus_message());
+ *     conus_selection_destroy(selection); conus_selector_destroy(selector); conus_atlas_destroy(atlas);
+ *
+ * CONVENTIONS (they hold for every function; exceptions are stated where they occur)
+ *   Space      World is right-handed RAS+: +x right, +y anterior, +z superior, in millimetres. Angles in radians.
+ *   Matrices   Column-major double[16], column vectors, last row 0 0 0 1. `a_from_b` maps b coordinates to a.
+ *   Errors     A function that can fail returns conus_status; its outputs are untouched on failure, and
+ *              conus_message() says in one line what was found and what is allowed.
+ *   Ownership  `conus_x **out` is yours: end it with conus_x_destroy(), which accepts NULL.
+ *              A returned `const T *` is borrowed: it lives as long as the object it came from.
+ *   Options    A zeroed struct is the default; NULL means the same.
+ *   Counting   Accessors of a NULL object count 0. Objects of an atlas are numbered from 1; 0 is "nothing".
+ *   Threads    An atlas may be shared by threads once nothing is added to it any more. A selector or renderer belongs
+ *              to one thread at a time; one that uses GL, to the thread that made it.
+ */
+#ifndef CONUS_CONUS_H
+#define CONUS_CONUS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define CONUS_API __attribute__((visibility("default")))
+#define CONUS_CHECKED __attribute__((visibility("default"), warn_unused_result))
+#else
+#define CONUS_API
+#define CONUS_CHECKED
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define CONUS_VERSION "0.1.0"
+
+typedef struct conus_atlas conus_atlas;         /**< Volumes, areas and pathways of one brain.            */
+typedef struct conus_pose_list conus_pose_list; /**< Poses read from a file.                              */
+typedef struct conus_selector conus_selector;   /**< An engine made ready for one atlas.                  */
+typedef struct conus_selection conus_selection; /**< The answer to one query. Immutable.                  */
+typedef struct conus_report conus_report;       /**< Answers collected for writing.                       */
+typedef struct conus_renderer conus_renderer;   /**< GL objects of one atlas, for pictures.               */
+typedef struct conus_image conus_image;         /**< Named float and uint32 channels of one picture.      */
+
+/* ---- Status ----------------------------------------------------------------------------------------------- */
+
+typedef enum conus_status {
+    CONUS_OK = 0,
+    CONUS_ERROR_ARGUMENT,    /**< An argument breaks its documented range.                                     */
+    CONUS_ERROR_MEMORY,      /**< An allocation failed, or the input asks for more than the allowed memory.    */
+    CONUS_ERROR_IO,          /**< The system refused to read or write.                                         */
+    CONUS_ERROR_DATA,        /**< The file is damaged, contradicts itself or is not of its format.             */
+    CONUS_ERROR_UNSUPPORTED, /**< Valid, but beyond this library.                                              */
+    CONUS_ERROR_GL           /**< No usable OpenGL 4.5 context, or the driver failed.                          */
+} conus_status;
+
+CONUS_API const char *conus_version(void);                  /**< "0.1.0"; static.                              */
+CONUS_API const char *conus_status_name(conus_status code); /**< "CONUS_ERROR_DATA"; static.                   */
+/** One line about the last failure on this thread, "" if there was none. Borrowed, thread-local. */
+CONUS_API const char *conus_message(void);
+
+/* ---- Atlas ------------------------------------------------------------------------------------------------ */
+
+typedef struct conus_load_options {
+    const char *labels;  /**< Path of a label table that replaces what lies beside or inside the file.          */
+    uint64_t max_memory; /**< Largest file, and largest volume unpacked, in bytes; 0 = 8 GiB.                   */
+} conus_load_options;
+
+/** Loads a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, or an FSL atlas XML of type Label.
+ * @p path may end in ",volume=K" to choose volume K (from 0) of a 4-D file. docs/formats.md says how the label table is
+ * found. Values must be whole numbers from 0 to 4294967295; 0 is background. */
+CONUS_CHECKED conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options);
+CONUS_API void conus_atlas_destroy(conus_atlas *atlas);
+
+typedef struct conus_pathway_options {
+    double threshold; /**< Values at or above it are the pathway (Eq. 6); 0 = a quarter of the file's scale.   */
+    const char *name; /**< NULL = the file's name without its ending.                                         */
+    uint64_t max_memory;
+} conus_pathway_options;
+
+/** Adds a scalar (probability) volume as one selectable pathway. */
+CONUS_CHECKED conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path,
+                                                   const conus_pathway_options *options);
+/** Sets the volume that is drawn around the areas (a T1, say); never selectable. Only max_memory is used. */
+CONUS_CHECKED conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path,
+                                                   const conus_load_options *options);
+
+typedef enum conus_kind {
+    CONUS_AREA = 1,
+    CONUS_PATHWAY,
+    CONUS_UNASSIGNED /**< Of a result: what the cone's pixels hit when they hit no object. */
+} conus_kind;
+
+/** An area or a pathway. */
+typedef struct conus_object {
+    conus_kind kind;
+    uint32_t label;           /**< The atlas's own number of the area; a pathway's ordinal, from 1.             */
+    const char *name;         /**< UTF-8. An area that no table names is called by its number.                  */
+    const char *abbreviation; /**< UTF-8; "" if the table gives none.                                           */
+    char hemisphere;          /**< 'L', 'R' or 'B' (both) where the table says so, else 0.                      */
+    bool named;               /**< The table has a name for it.                                                 */
+    uint8_t rgb[3];           /**< sRGB, from the table or else generated.                                      */
+    uint32_t parent;          /**< Number of the object that contains it in the area tree, 0 if none.           */
+    uint64_t voxels;          /**< Voxels of its own (without its children's).                                  */
+    double volume_mm3;        /**< The same in mm^3.                                                            */
+} conus_object;
+
+/** Areas come first, ordered by label; pathways follow in the order in which they were added. */
+CONUS_API size_t conus_atlas_object_count(const conus_atlas *atlas);
+/** Object @p number, 1 to count; NULL outside. */
+CONUS_API const conus_object *conus_atlas_object(const conus_atlas *atlas, size_t number);
+
+typedef enum conus_role { CONUS_PARCELLATION = 1, CONUS_SCALAR, CONUS_CONTEXT } conus_role;
+
+typedef struct conus_volume_info {
+    conus_role role;
+    const char *path;            /**< Of the voxels, as opened.                                                */
+    char sha256[65];             /**< Of that file's bytes.                                                    */
+    char format[48];             /**< "NIfTI-1, gzip, big-endian".                                             */
+    char datatype[16];           /**< "uint8", "float64".                                                      */
+    size_t dim[3];               /**< Voxels along i, j, k.                                                    */
+    size_t volume, volume_count; /**< Which of how many volumes of a 4-D file.                                 */
+    double world_from_voxel[16]; /**< Maps voxel indices (centres at whole numbers) to world mm.               */
+    double spacing[3];           /**< Edge lengths of a voxel in mm.                                           */
+    char orientation[4];         /**< Towards which i, j, k grow: "RAS", "LPI".                                */
+    char transform[96];          /**< Where world_from_voxel comes from: "sform, code 4 (MNI 152)".            */
+    double slope, intercept;     /**< Of the stored values; 1 and 0 if unscaled.                               */
+    double minimum, maximum;     /**< Of the scaled values.                                                    */
+    double threshold;            /**< Of a pathway; else 0.                                                    */
+} conus_volume_info;
+
+/** Volume 0 is the parcellation; pathways and the context follow. */
+CONUS_API size_t conus_atlas_volume_count(const conus_atlas *atlas);
+CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, size_t index);
+
+/** Where the names come from, in words: "ITK-SNAP labels in aal.label", "none found". */
+CONUS_API const char *conus_atlas_label_source(const conus_atlas *atlas);
+
+/** What a careful user should know about this atlas, a line each: labels without names, a guessed space, ... */
+CONUS_API size_t conus_atlas_note_count(const conus_atlas *atlas);
+CONUS_API const char *conus_atlas_note(const conus_atlas *atlas, size_t index);
+
+/* ---- Poses ------------------------------------------------------------------------------------------------ */
+
+/** Rigid position and orientation of a device. It looks down its own -z; +y is up (Eq. 2). */
+typedef struct conus_pose {
+    double world_from_device[16];
+} conus_pose;
+
+/** A device at @p origin looking along @p direction (any length but 0); @p up NULL = Eq. 2's default. */
+CONUS_CHECKED conus_status conus_pose_along(conus_pose *out, const double origin[3], const double direction[3],
+                                            const double up[3]);
+/** A device at @p origin looking at the point @p target. */
+CONUS_CHECKED conus_status conus_pose_toward(conus_pose *out, const double origin[3], const double target[3],
+                                             const double up[3]);
+/** From a rigid, right-handed matrix; deviations up to 1e-3 (rounded digits in files) are made exact. */
+CONUS_CHECKED conus_status conus_pose_from_matrix(conus_pose *out, const double world_from_device[16]);
+/** From a position and a quaternion (w, x, y, z) of any length but 0. */
+CONUS_CHECKED conus_status conus_pose_from_quaternion(conus_pose *out, const double origin[3], const double wxyz[4]);
+
+typedef enum conus_space { CONUS_RAS = 0, CONUS_LPS } conus_space;
+
+/** One row of a pose file. */
+typedef struct conus_pose_row {
+    const char *id; /**< Column query_id, or the row's number from 1. */
+    size_t line;    /**< Line in the file, from 1.                     */
+    conus_pose pose;
+    double angle;      /**< Column angle, full opening; 0 if absent.      */
+    const char *error; /**< NULL, or why the row is no pose.             */
+} conus_pose_row;
+
+/** Reads poses: a table (TSV or CSV) with a header naming its columns, or four lines of four numbers, a row-major
+ * world_from_device (docs/formats.md). A bad row is kept with its error. */
+CONUS_CHECKED conus_status conus_pose_list_load(conus_pose_list **out, const char *path, conus_space space);
+CONUS_API size_t conus_pose_list_count(const conus_pose_list *list);
+CONUS_API const conus_pose_row *conus_pose_list_row(const conus_pose_list *list, size_t index);
+CONUS_API void conus_pose_list_destroy(conus_pose_list *list);
+
+/* ---- Selection -------------------------------------------------------------------------------------------- */
+
+typedef enum conus_engine { CONUS_ENGINE_AUTO = 0, CONUS_ENGINE_RAYS, CONUS_ENGINE_GL } conus_engine;
+typedef enum conus_aperture { CONUS_CIRCLE = 0, CONUS_SQUARE } conus_aperture;
+typedef enum conus_sampling { CONUS_EXACT = 0, CONUS_SLICES } conus_sampling;
+
+/** Receives a driver's or engine's messages, one line each, on the thread that called into the library. */
+typedef void (*conus_log)(void *user, const char *line);
+
+typedef struct conus_selector_options {
+    conus_engine engine;     /**< auto: gl on a hardware renderer that is already in use, else rays.             */
+    conus_aperture aperture; /**< Which pixels count as the cone (Eq. 3).                                        */
+    conus_sampling sampling; /**< Exact cells (Eq. 5) or the paper's slices (Eq. 7).                             */
+    uint32_t resolution;     /**< n of the n x n buffer, 1 to 1024; 0 = 16.                                      */
+    uint32_t slices;         /**< N of Eq. 7; the ID pass takes N/5. 0 = default.                                */
+    const char *score;       /**< Ranking, a name from conus_score(); NULL = "share".                            */
+    conus_log log;           /**< NULL = silent.                                                                 */
+    void *log_user;
+} conus_selector_options;
+
+/** Builds the engine. The atlas must outlive the selector, and nothing may be added to it meanwhile. */
+CONUS_CHECKED conus_status conus_selector_create(conus_selector **out, const conus_atlas *atlas,
+                                                 const conus_selector_options *options);
+CONUS_API void conus_selector_destroy(conus_selector *selector);
+/** The engine in use, in words: "rays, avx512", "gl, llvmpipe (LLVM 15.0.6, 256 bits)". */
+CONUS_API const char *conus_selector_engine(const conus_selector *selector);
+
+/** Aims a cone with full opening @p angle, in (0, pi), from @p pose. */
+CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *selector, const conus_pose *pose,
+                                        double angle);
+CONUS_API void conus_selection_destroy(conus_selection *selection);
+
+/** One object met by the cone. */
+typedef struct conus_result {
+    conus_kind kind;
+    uint32_t object;   /**< Number in the atlas; 0 for CONUS_UNASSIGNED.                                        */
+    uint32_t rank;     /**< From 1; 0 for CONUS_UNASSIGNED.                                                     */
+    double score;      /**< By the selector's score; higher is better.                                          */
+    uint32_t pixels;   /**< Pixels of the cone that meet it first.                                              */
+    double share;      /**< Its part of the cone's solid angle (Eq. 4); all shares sum to 1.                    */
+    double center_px;  /**< Smallest distance of its pixels to the buffer's centre, in pixels.                  */
+    double offset;     /**< Smallest angle of its rays to the axis, radians.                                    */
+    double distance;   /**< Nearest first contact of any of its pixels, mm from the apex.                       */
+    double contact[3]; /**< World position of its contact (Eq. 11).                                             */
+} conus_result;
+
+/** Results by rank, unassigned last (there even if nothing is unassigned). */
+CONUS_API size_t conus_selection_count(const conus_selection *selection);
+CONUS_API const conus_result *conus_selection_result(const conus_selection *selection, size_t index);
+
+/** The evidence behind the results: for each of n x n pixels, row j = 0 at the device's bottom (Eq. 3). */
+typedef struct conus_evidence {
+    uint32_t resolution;
+    const uint32_t *object; /**< [n*n] object met first, 0 if none; pixels outside the aperture too.             */
+    const double *distance; /**< [n*n] mm from the apex along the ray, infinity if nothing.                      */
+    const uint64_t *voxel;  /**< [n*n] linear index i + dim0 (j + dim1 k) in the object's volume; UINT64_MAX.     */
+    const bool *in_cone;    /**< [n*n] the aperture.                                                             */
+} conus_evidence;
+
+CONUS_API conus_evidence conus_selection_evidence(const conus_selection *selection);
+/** World position of the contact at @p pixel (row-major index); NaN where it hit nothing. */
+CONUS_API void conus_selection_position(const conus_selection *selection, size_t pixel, double out[3]);
+
+typedef struct conus_score_info {
+    const char *name, *description;
+} conus_score_info;
+
+/** The table of rankings: entry @p index, NULL past the last. */
+CONUS_API const conus_score_info *conus_score(size_t index);
+
+/* ---- Reports ---------------------------------------------------------------------------------------------- */
+
+typedef enum conus_format { CONUS_TABLE = 0, CONUS_TSV, CONUS_JSON, CONUS_NDJSON } conus_format;
+
+typedef struct conus_report_options {
+    conus_format format;
+    conus_space space;   /**< Of the positions written.                                                          */
+    bool all_voxels;     /**< conus_report_voxels(): areas' voxels too, not only pathways'.                      */
+    const char *command; /**< The command line, for the provenance; NULL = none.                                 */
+} conus_report_options;
+
+/** Starts a report on answers of @p selector. Strings of @p options must outlive the report. */
+CONUS_CHECKED conus_status conus_report_create(conus_report **out, const conus_selector *selector,
+                                               const conus_report_options *options);
+/** Adds one answer; @p query_id is copied. */
+CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *query_id,
+                                            const conus_selection *selection);
+/** The whole text in the report's format. Borrowed until the next call on the report. */
+CONUS_CHECKED conus_status conus_report_text(conus_report *report, const char **text, size_t *size);
+/** The voxels met first, as TSV: query kind index name i j k x y z value distance_mm. Borrowed likewise. */
+CONUS_CHECKED conus_status conus_report_voxels(conus_report *report, const char **text, size_t *size);
+/** The JSON sidecar: columns, units, space, atlas files with SHA-256, settings, version. Borrowed likewise. */
+CONUS_CHECKED conus_status conus_report_sidecar(conus_report *report, const char **text, size_t *size);
+CONUS_API void conus_report_destroy(conus_report *report);
+
+/* ---- Pictures --------------------------------------------------------------------------------------------- */
+
+/** Grey-value presets for the context volume: entry @p index, NULL past the last. */
+CONUS_API const char *conus_transfer_preset(size_t index);
+
+typedef struct conus_renderer_options {
+    const char *transfer; /**< Preset name or TF file (docs/formats.md) of the context; NULL = "brain".       */
+    uint64_t max_memory;  /**< Of textures, in bytes; 0 = 8 GiB.                                             */
+    conus_log log;
+    void *log_user;
+} conus_renderer_options;
+
+CONUS_CHECKED conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atlas,
+                                                 const conus_renderer_options *options);
+CONUS_API void conus_renderer_destroy(conus_renderer *renderer);
+/** "llvmpipe (LLVM 15.0.6, 256 bits)"; what GL calls its renderer. */
+CONUS_API const char *conus_renderer_device(const conus_renderer *renderer);
+
+typedef struct conus_view {
+    uint32_t width, height;   /**< Pixels, 1 to 16384; 0 = 1400 x 1050.                                           */
+    uint32_t slices;          /**< N of Eq. 7; 0 = default.                                                       */
+    double field_of_view;     /**< Vertical, radians, in (0, pi); 0 = 30 degrees.                                 */
+    const conus_pose *camera; /**< NULL = one that shows the whole atlas, from the cone's side where one is drawn. */
+    const conus_selection *selection; /**< NULL = none; else draws its cone, axis and contacts.                   */
+    bool no_skipping; /**< Blend every sample: the same picture, slower (for comparison).                 */
+    bool no_legend;   /**< Leave out the text.                                                            */
+} conus_view;
+
+/** Draws the atlas. Channels R, G, B, A: float, linear light, A = opacity. */
+CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view);
+
+/** What the device saw: channels id (uint32: the atlas's own label), object (uint32), X, Y, Z, t (float, world mm),
+ * top row first as in every image, with atlas and pose as attributes; a PNG of it is in the areas' colours. */
+CONUS_CHECKED conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection);
+
+CONUS_API uint32_t conus_image_width(const conus_image *image);
+CONUS_API uint32_t conus_image_height(const conus_image *image);
+/** Name of channel @p index, NULL past the last. */
+CONUS_API const char *conus_image_channel(const conus_image *image, size_t index);
+/** Pixels of a float channel, row-major, top row first; NULL if there is none of that name and type. */
+CONUS_API const float *conus_image_floats(const conus_image *image, const char *channel);
+/** Pixels of a uint32 channel, likewise. */
+CONUS_API const uint32_t *conus_image_uints(const conus_image *image, const char *channel);
+/** Reads .exr (scan lines, one part) or .png (as linear R, G, B, A). */
+CONUS_CHECKED conus_status conus_image_load(conus_image **out, const char *path);
+/** Writes by ending: .exr all channels, .png 8-bit sRGB of R, G, B, A. */
+CONUS_CHECKED conus_status conus_image_write(const conus_image *image, const char *path);
+CONUS_API void conus_image_destroy(conus_image *image);
+
+/* ---- Phantoms and files ----------------------------------------------------------------------------------- */
+
+typedef struct conus_phantom_options {
+    uint32_t size;     /**< Voxels along the longest edge, 16 to 512; 0 = 64.                                   */
+    double spacing[3]; /**< mm; zeros = 1, 1, 1.                                                                */
+    double oblique;    /**< Turns the grid about (1, 1, 1) by this angle, radians.                              */
+    bool flip[3];      /**< Lets i, j, k grow towards left, posterior, inferior.                                */
+} conus_phantom_options;
+
+typedef struct conus_phantom_info {
+    const char *name, *description;
+} conus_phantom_info;
+
+/** The table of phantoms: entry @p index, NULL past the last. */
+CONUS_API const conus_phantom_info *conus_phantom(size_t index);
+/** Writes phantom @p kind into the folder @p folder (made if missing): KIND.nii.gz, its label table KIND.tsv, and
+ * KIND.json with the shapes in world mm, from which every answer follows in closed form (docs/formats.md). */
+CONUS_CHECKED conus_status conus_phantom_write(const char *kind, const char *folder,
+                                               const conus_phantom_options *options);
+
+/** Writes a file that appears whole or not at all. */
+CONUS_CHECKED conus_status conus_write_file(const char *path, const void *data, size_t size);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

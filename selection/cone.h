@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A cone: a pose, an opening angle and the pixels it is looked at through (Eq. 3). */
+#ifndef CONUS_SELECTION_CONE_H
+#define CONUS_SELECTION_CONE_H
+
+#include "base/status.h"
+
+struct cone {
+    conus_pose pose;
+    double angle;        /**< Full opening angle, radians, in (0, pi). */
+    uint32_t resolution; /**< n */
+    conus_aperture aperture;
+};
+
+/** CONUS_ERROR_ARGUMENT with what is allowed, unless angle and resolution are in their ranges. */
+conus_status cone_check(const struct cone *cone);
+
+/** Buffer coordinates u (or v) of pixel column (or row) @p i: (2i + 1)/n - 1 (Eq. 3). */
+static inline double cone_coordinate(uint32_t i, uint32_t resolution)
+{
+    return (2.0 * i + 1) / resolution - 1;
+}
+
+/** Unit direction in world space of the ray of pixel column @p i, row @p j (Eq. 3). */
+void cone_ray(double out[3], const struct cone *cone, uint32_t i, uint32_t j);
+
+/** Distance of a pixel's centre from the buffer's, r = sqrt(u^2 + v^2), 1 at the circle's rim (Eq. 3). */
+double cone_radius(const struct cone *cone, uint32_t i, uint32_t j);
+
+/** Whether the aperture lets the pixel through: r <= 1, or always for a square one (Eq. 3). */
+bool cone_has_pixel(const struct cone *cone, uint32_t i, uint32_t j);
+
+/** Weight of a pixel, proportional to its solid angle: (1 + tan^2(angle/2) r^2)^(-3/2) (Eq. 4). */
+double cone_weight(const struct cone *cone, uint32_t i, uint32_t j);
+
+#endif

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/evidence.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+
+conus_status evidence_init(struct evidence *out, uint32_t resolution)
+{
+    size_t pixels = (size_t)resolution * resolution;
+    struct evidence evidence = {.resolution = resolution};
+    evidence.object = memory_raw(pixels, sizeof *evidence.object);
+    evidence.distance = memory_raw(pixels, sizeof *evidence.distance);
+    evidence.voxel = memory_raw(pixels, sizeof *evidence.voxel);
+    if (!evidence.object || !evidence.distance || !evidence.voxel) {
+        evidence_finish(&evidence);
+        return CONUS_ERROR_MEMORY;
+    }
+    evidence_clear(&evidence);
+    *out = evidence;
+    return CONUS_OK;
+}
+
+void evidence_finish(struct evidence *evidence)
+{
+    memory_free(evidence->object);
+    memory_free(evidence->distance);
+    memory_free(evidence->voxel);
+    *evidence = (struct evidence){0};
+}
+
+void evidence_clear(struct evidence *evidence)
+{
+    size_t pixels = (size_t)evidence->resolution * evidence->resolution;
+    for (size_t i = 0; i < pixels; i++) {
+        evidence->object[i] = 0;
+        evidence->distance[i] = INFINITY;
+        evidence->voxel[i] = EVIDENCE_NO_VOXEL;
+    }
+}
+
+void engine_destroy(struct engine *engine)
+{
+    if (engine) {
+        engine->functions->destroy(engine);
+    }
+}

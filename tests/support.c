@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+void test_near(double got, double wanted, double tolerance, const char *what, const char *file, int line)
+{
+    if (!(fabs(got - wanted) <= tolerance)) {
+        print_error("%s = %.12g, wanted %.12g +- %g\n", what, got, wanted, tolerance);
+        _fail(file, line);
+    }
+}
+
+void test_status(conus_status got, conus_status wanted, const char *what, const char *file, int line)
+{
+    if (got != wanted) {
+        print_error("%s gave %s (%s), wanted %s\n", what, conus_status_name(got), conus_message(),
+                    conus_status_name(wanted));
+        _fail(file, line);
+    }
+}
+
+static long fail_at = -1;
+static bool has_failed;
+
+static bool must_fail(void)
+{
+    if (fail_at < 0) {
+        return false;
+    }
+    if (fail_at > 0) {
+        fail_at--;
+        return false;
+    }
+    has_failed = true;
+    return true;
+}
+
+/* The linker sends the library's calls here (--wrap). */
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *block, size_t size);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *block, size_t size);
+
+void *__wrap_malloc(size_t size)
+{
+    return must_fail() ? NULL : __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return must_fail() ? NULL : __real_calloc(count, size);
+}
+
+void *__wrap_realloc(void *block, size_t size)
+{
+    return must_fail() ? NULL : __real_realloc(block, size);
+}
+
+void test_fail_allocation(long n)
+{
+    fail_at = n;
+    has_failed = false;
+}
+
+bool test_allocation_failed(void)
+{
+    return has_failed;
+}
+
+void test_every_allocation(conus_status (*attempt)(void *data), void *data)
+{
+    enum { LIMIT = 100000 };
+    for (long n = 0; n < LIMIT; n++) {
+        test_fail_allocation(n);
+        conus_status status = attempt(data);
+        bool failed = test_allocation_failed();
+        test_fail_allocation(-1);
+        if (!failed) {
+            assert_ok(status);
+            return;
+        }
+        if (status) {
+            assert_fails(status, CONUS_ERROR_MEMORY);
+        }
+    }
+    fail_msg("still failing after %d allocations", LIMIT);
+}
+
+static const char *existing(char *path, const char *what)
+{
+    if (access(path, R_OK)) {
+        print_message("skipped: no %s (%s)\n", what, path);
+        skip();
+    }
+    return path;
+}
+
+const char *test_mricron(const char *name)
+{
+    static char path[512];
+    snprintf(path, sizeof path, "/usr/share/mricron/templates/%s", name);
+    return existing(path, "mricron-data");
+}
+
+const char *test_shared(const char *name)
+{
+    static char path[1024];
+    const char *folder = getenv("CONUS_SHARED_DATA");
+    snprintf(path, sizeof path, "%s/%s", folder ? folder : CONUS_SOURCE_DIR "/../shared/data", name);
+    return existing(path, "shared data");
+}
+
+const char *test_scratch(const char *name)
+{
+    static char folder[64];
+    static char paths[4][256];
+    static int turn;
+    if (!folder[0]) {
+        snprintf(folder, sizeof folder, "scratch-%ld", (long)getpid());
+        mkdir(folder, 0777);
+    }
+    char *path = paths[turn++ % 4];
+    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
+    return path;
+}
+
+double test_random(uint64_t *state, double low, double high)
+{
+    uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
+    z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);
+    return low + (high - low) * ((double)((z ^ z >> 31) >> 11) * 0x1p-53);
+}

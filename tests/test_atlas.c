@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "atlas/atlas.h"
+#include "atlas/space.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "test.h"
+
+#include <string.h>
+
+static conus_volume_info grid_info(size_t n)
+{
+    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "test", .dim = {n, 1, 1}, .slope = 1};
+    double m[16];
+    mat4_identity(m);
+    m[0] = 2;
+    assert_ok(space_describe(&info, m, "identity"));
+    return info;
+}
+
+static conus_status name_label(struct label_table *table, uint32_t number, const char *name)
+{
+    struct label *label = label_table_add(table, number);
+    return label ? label_set_text(&label->name, text_from(name)) : CONUS_ERROR_MEMORY;
+}
+
+static conus_status make_atlas(conus_atlas **out)
+{
+    static const uint32_t labels[8] = {0, 4000000001U, 4000000001U, 7, 0, 7, 7, 300};
+    conus_volume_info info = grid_info(8);
+    struct label_table table = {0};
+    struct notes notes = {0};
+    conus_status status = name_label(&table, 4000000001U, "far");
+    status = status ? status : name_label(&table, 7, "seven");
+    status = status ? status : name_label(&table, 9, "absent");
+    status = status ? status : name_label(&table, 7, "also seven");
+    status = status ? status : label_table_sort(&table, &notes);
+    if (!status) {
+        table.entries[0].has_parent = true; /* 7 below 9, 9 below 7: a cycle */
+        table.entries[0].parent = 9;
+        table.entries[1].has_parent = true;
+        table.entries[1].parent = 7;
+        table.entries[2].has_parent = true; /* 4000000001 below 300, which is no entry but a label present */
+        table.entries[2].parent = 300;
+        status = atlas_create(out, &info, labels, &table, "made here", &notes);
+    }
+    notes_finish(&notes);
+    label_table_finish(&table);
+    return status;
+}
+
+static void areas_are_dense_and_keep_their_labels(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    assert_ok(make_atlas(&atlas));
+    const uint32_t wanted[] = {7, 9, 300, 4000000001U};
+    const uint64_t voxels[] = {3, 0, 1, 2};
+    const char *const names[] = {"seven", "absent", "300", "far"};
+    assert_int_equal(conus_atlas_object_count(atlas), 4);
+    for (size_t i = 0; i < 4; i++) {
+        const conus_object *area = conus_atlas_object(atlas, i + 1);
+        assert_int_equal(area->label, wanted[i]);
+        assert_int_equal(area->voxels, voxels[i]);
+        assert_string_equal(area->name, names[i]);
+        assert_near(area->volume_mm3, 2.0 * (double)voxels[i], 1e-12);
+        assert_int_equal(area->named, i != 2);
+    }
+    assert_null(conus_atlas_object(atlas, 0));
+    assert_null(conus_atlas_object(atlas, 5));
+    const uint32_t numbers[8] = {0, 4, 4, 1, 0, 1, 1, 3};
+    for (size_t i = 0; i < 8; i++) {
+        assert_int_equal(volume_object(&atlas->volumes[0], i), numbers[i]);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+static bool has_note(const conus_atlas *atlas, const char *part)
+{
+    for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
+        if (strstr(conus_atlas_note(atlas, i), part)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void oddities_are_noted(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    assert_ok(make_atlas(&atlas));
+    assert_true(has_note(atlas, "label 7 is named twice"));
+    assert_true(has_note(atlas, "does not name: 1 (300)"));
+    assert_true(has_note(atlas, "without a voxel: 1 (9)"));
+    assert_true(has_note(atlas, "lies below it"));
+    assert_int_equal(conus_atlas_object(atlas, 1)->parent, 2);
+    assert_int_equal(conus_atlas_object(atlas, 2)->parent, 0);
+    assert_int_equal(conus_atlas_object(atlas, 4)->parent, 3);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status make_with_pathway(void *data)
+{
+    (void)data;
+    conus_atlas *atlas = NULL;
+    conus_volume_info info = grid_info(4);
+    float *values = NULL;
+    conus_status status = make_atlas(&atlas);
+    if (!status) {
+        values = memory_zeroed(4, sizeof *values);
+        status = values ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    if (!status) {
+        values[1] = 0.25F;
+        values[2] = 0.2499F;
+        info.role = CONUS_SCALAR;
+        info.threshold = 0.25;
+        status = atlas_add_pathway(atlas, &info, values, "tract");
+        values = status ? values : NULL;
+    }
+    if (!status) {
+        const conus_object *pathway = conus_atlas_object(atlas, 5);
+        assert_int_equal(pathway->kind, CONUS_PATHWAY);
+        assert_int_equal(pathway->label, 1);
+        assert_int_equal(pathway->voxels, 1); /* Eq. 6: at or above the threshold */
+        assert_int_equal(volume_object(atlas_object_volume(atlas, 5), 1), 5);
+    }
+    memory_free(values);
+    conus_atlas_destroy(atlas);
+    return status;
+}
+
+static void pathways_follow_the_areas(void **state)
+{
+    (void)state;
+    assert_ok(make_with_pathway(NULL));
+}
+
+static void every_failing_allocation_is_clean(void **state)
+{
+    (void)state;
+    test_every_allocation(make_with_pathway, NULL);
+}
+
+static void orientation_follows_the_affine(void **state)
+{
+    (void)state;
+    conus_volume_info info = {0};
+    double m[16] = {-2, 0.1, 0, 0, 0, 0, -3, 0, 0, 1, 0, 0, 0, 0, 0, 1};
+    assert_ok(space_describe(&info, m, "sform"));
+    assert_string_equal(info.orientation, "LIA");
+    assert_near(info.spacing[1], 3, 1e-12);
+    m[0] = m[1] = 0;
+    assert_fails(space_describe(&info, m, "sform"), CONUS_ERROR_DATA);
+}
+
+static void latin1_names_become_utf8(void **state)
+{
+    (void)state;
+    char *name = NULL;
+    assert_ok(label_set_text(&name, text_from("  Br\xfc"
+                                              "cke\t ")));
+    assert_string_equal(name, "Br\xc3\xbc"
+                              "cke");
+    assert_ok(label_set_text(&name, text_from("a\tb")));
+    assert_string_equal(name, "a b");
+    memory_free(name);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(areas_are_dense_and_keep_their_labels),
+        cmocka_unit_test(oddities_are_noted),
+        cmocka_unit_test(pathways_follow_the_areas),
+        cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(orientation_follows_the_affine),
+        cmocka_unit_test(latin1_names_become_utf8),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

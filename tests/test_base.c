@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/buffer.h"
+#include "base/file.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "base/text.h"
+#include "test.h"
+
+#include <locale.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void lines_end_in_any_way(void **state)
+{
+    (void)state;
+    struct text rest = text_from("a\nb\rc\r\n\nd");
+    const char *const wanted[] = {"a", "b", "c", "", "d"};
+    struct text line;
+    for (size_t i = 0; i < 5; i++) {
+        assert_true(text_line(&rest, &line));
+        assert_true(text_equal(line, wanted[i]));
+    }
+    assert_false(text_line(&rest, &line));
+}
+
+static void empty_fields_are_fields(void **state)
+{
+    (void)state;
+    struct text rest = text_from("a\t\tb\t");
+    const char *const wanted[] = {"a", "", "b", ""};
+    struct text field;
+    bool more = true;
+    for (size_t i = 0; i < 4; i++) {
+        assert_true(text_field(&rest, '\t', &more, &field));
+        assert_true(text_equal(field, wanted[i]));
+    }
+    assert_false(text_field(&rest, '\t', &more, &field));
+}
+
+static void numbers_are_read_whole_or_not(void **state)
+{
+    (void)state;
+    double number;
+    uint64_t natural;
+    int64_t integer;
+    assert_true(text_to_double(text_from("-2.5e3"), &number));
+    assert_near(number, -2500, 0);
+    const char *const none[] = {"", " 1", "1 ", "1,5", "x", "1.5mm", "--1"};
+    for (size_t i = 0; i < sizeof none / sizeof none[0]; i++) {
+        assert_false(text_to_double(text_from(none[i]), &number));
+    }
+    assert_true(text_to_uint(text_from("4294967295"), UINT32_MAX, &natural));
+    assert_false(text_to_uint(text_from("4294967296"), UINT32_MAX, &natural));
+    assert_false(text_to_uint(text_from("18446744073709551616"), UINT64_MAX, &natural));
+    assert_false(text_to_uint(text_from("-1"), 10, &natural));
+    assert_true(text_to_int(text_from("-17"), &integer));
+    assert_int_equal(integer, -17);
+}
+
+static void numbers_are_written_short_and_without_locale(void **state)
+{
+    (void)state;
+    char out[TEXT_NUMBER_SIZE];
+    setlocale(LC_ALL, "de_DE.UTF-8"); /* where installed, printf would write a comma */
+    assert_string_equal(text_number(out, 0.1), "0.1");
+    assert_string_equal(text_number(out, -0.0), "0");
+    assert_string_equal(text_number(out, 25.5314207153), "25.5314207");
+    assert_string_equal(text_number(out, 3e-20), "3e-20");
+    assert_string_equal(text_number(out, INFINITY), "inf");
+    setlocale(LC_ALL, "C");
+    uint64_t seed = 1;
+    for (int i = 0; i < 1000; i++) {
+        double value = exp(test_random(&seed, -40, 40));
+        assert_near(strtod(text_number(out, value), NULL), value, 5e-9 * value);
+    }
+}
+
+static void utf8_is_told_from_latin1(void **state)
+{
+    (void)state;
+    assert_true(text_is_utf8(text_from("Gyrus \xc3\xa9 \xe2\x82\xac \xf0\x9f\xa7\xa0")));
+    const char *const not [] = {"\xe9", "\xc3", "\xc0\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xe0\x80\x80"};
+    for (size_t i = 0; i < sizeof not / sizeof not [0]; i++) {
+        assert_false(text_is_utf8(text_from(not [i])));
+    }
+}
+
+static void inverse_undoes_an_affine(void **state)
+{
+    (void)state;
+    uint64_t seed = 2;
+    for (int k = 0; k < 100; k++) {
+        double m[16] = {0};
+        double inverse[16];
+        double product[16];
+        for (int i = 0; i < 12; i++) {
+            m[i / 3 * 4 + i % 3] = test_random(&seed, -3, 3);
+        }
+        m[15] = 1;
+        if (fabs(mat4_determinant3(m)) < 0.1) {
+            continue;
+        }
+        assert_true(mat4_invert_affine(inverse, m));
+        mat4_multiply(product, inverse, m);
+        for (int i = 0; i < 16; i++) {
+            assert_near(product[i], i % 5 == 0, 1e-10);
+        }
+    }
+    double flat[16] = {1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1};
+    assert_false(mat4_invert_affine(flat, flat));
+    flat[0] = NAN;
+    assert_false(mat4_invert_affine(flat, flat));
+}
+
+static void files_appear_whole(void **state)
+{
+    (void)state;
+    const char *path = test_scratch("whole.txt");
+    struct bytes bytes = {0};
+    assert_ok(file_write(path, "one", 3));
+    assert_ok(file_write(path, "three", 5));
+    assert_ok(file_read(&bytes, path, 100));
+    assert_int_equal(bytes.size, 5);
+    assert_memory_equal(bytes.data, "three", 5);
+    bytes_finish(&bytes);
+    assert_fails(file_read(&bytes, path, 4), CONUS_ERROR_MEMORY);
+    assert_fails(file_read(&bytes, "/nowhere/at all", 4), CONUS_ERROR_IO);
+    assert_fails(file_read(&bytes, "/", 4), CONUS_ERROR_IO);
+    assert_fails(file_write("/nowhere/at all", "x", 1), CONUS_ERROR_IO);
+}
+
+static void sha256_of_abc(void **state)
+{
+    (void)state;
+    char hex[65];
+    struct bytes abc = {(uint8_t *)"abc", 3}; /* FIPS 180-4 example */
+    file_sha256(hex, &abc);
+    assert_string_equal(hex, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+static conus_status build_text(void *data)
+{
+    (void)data;
+    struct buffer buffer = {0};
+    for (int i = 0; i < 100; i++) {
+        buffer_format(&buffer, "%d,", i);
+        buffer_number(&buffer, i / 7.0);
+    }
+    conus_status status = buffer_status(&buffer);
+    if (!status) {
+        assert_int_equal(strlen(buffer.data), buffer.size);
+    }
+    buffer_finish(&buffer);
+    return status;
+}
+
+static void buffers_remember_failure(void **state)
+{
+    (void)state;
+    test_every_allocation(build_text, NULL);
+}
+
+static void messages_are_one_line(void **state)
+{
+    (void)state;
+    fail(CONUS_ERROR_DATA, "name \"%s\"", "a\nb\x1b[31m");
+    fail_in(CONUS_ERROR_DATA, "file.nii");
+    assert_string_equal(conus_message(), "file.nii: name \"a b [31m\"");
+    assert_null(memory_raw(SIZE_MAX, 2));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lines_end_in_any_way),
+        cmocka_unit_test(empty_fields_are_fields),
+        cmocka_unit_test(numbers_are_read_whole_or_not),
+        cmocka_unit_test(numbers_are_written_short_and_without_locale),
+        cmocka_unit_test(utf8_is_told_from_latin1),
+        cmocka_unit_test(inverse_undoes_an_affine),
+        cmocka_unit_test(files_appear_whole),
+        cmocka_unit_test(sha256_of_abc),
+        cmocka_unit_test(buffers_remember_failure),
+        cmocka_unit_test(messages_are_one_line),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
