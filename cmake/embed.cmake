@@ -9,6 +9,7 @@ if(CMAKE_SCRIPT_MODE_FILE)
 endif()
 
 function(conus_embed_shaders target)
+  set(outputs "")
   foreach(path IN LISTS ARGN)
     get_filename_component(name "${path}" NAME)
     string(REGEX REPLACE "\\.glsl$" "" name "${name}")
@@ -19,5 +20,8 @@ function(conus_embed_shaders target)
               -P "${PROJECT_SOURCE_DIR}/cmake/embed.cmake"
       DEPENDS "${path}" "${PROJECT_SOURCE_DIR}/cmake/embed.cmake" VERBATIM)
     target_sources(${target} PRIVATE "${out}")
+    list(APPEND outputs "${out}")
   endforeach()
+  add_custom_target(${target}_shaders DEPENDS ${outputs}) # a rule reaches a target of another folder only this way
+  add_dependencies(${target} ${target}_shaders)
 endfunction()

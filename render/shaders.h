@@ -1,0 +1,9 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The shaders of render/shaders/, embedded by the build: NAME.glsl is shader_NAME, dots as underscores. */
+#ifndef CONUS_RENDER_SHADERS_H
+#define CONUS_RENDER_SHADERS_H
+
+extern const char shader_common[];
+extern const char shader_screen_vert[];
+
+#endif
