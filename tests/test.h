@@ -17,6 +17,8 @@
 #include "conus/conus.h"
 
 #undef fail /* cmocka's; ours sets a message. Use fail_msg() to fail a test. */
+#undef fail_msg
+#define fail_msg(...) (print_error(__VA_ARGS__), print_error("\n"), _fail(__FILE__, __LINE__))
 
 /** Fails unless |got - wanted| <= tolerance (NaN never passes). */
 #define assert_near(got, wanted, tolerance)                                                                            \
