@@ -6,30 +6,35 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The axes get distinct letters: the most aligned pair of (voxel axis, world axis) is named first, as in nibabel's
- * io_orientation for matrices without shear. */
+/* Of the pairs (voxel axis, world axis) that are both still free, the most aligned one. */
+static void find_closest_pair(int *voxel, int *world, const double m[16], const bool voxel_done[3],
+                              const bool world_done[3])
+{
+    double best = -1;
+    for (int pair = 0; pair < 9; pair++) {
+        int v = pair / 3;
+        int w = pair % 3;
+        double cosine = fabs(m[4 * v + w]) / vec3_length(m + 4 * v);
+        if (!voxel_done[v] && !world_done[w] && cosine > best) {
+            best = cosine;
+            *voxel = v;
+            *world = w;
+        }
+    }
+}
+
+/* The axes get distinct letters, as in nibabel's io_orientation for matrices without shear. */
 static void name_axes(char orientation[4], const double m[16])
 {
     static const char letters[2][4] = {"LPI", "RAS"};
     bool voxel_done[3] = {false};
     bool world_done[3] = {false};
     for (int pass = 0; pass < 3; pass++) {
-        int best_v = 0;
-        int best_w = 0;
-        double best = -1;
-        for (int v = 0; v < 3; v++) {
-            double length = vec3_length(m + 4 * v);
-            for (int w = 0; w < 3; w++) {
-                double cosine = fabs(m[4 * v + w]) / length;
-                if (!voxel_done[v] && !world_done[w] && cosine > best) {
-                    best = cosine;
-                    best_v = v;
-                    best_w = w;
-                }
-            }
-        }
-        voxel_done[best_v] = world_done[best_w] = true;
-        orientation[best_v] = letters[m[4 * best_v + best_w] > 0][best_w];
+        int v = 0;
+        int w = 0;
+        find_closest_pair(&v, &w, m, voxel_done, world_done);
+        voxel_done[v] = world_done[w] = true;
+        orientation[v] = letters[m[4 * v + w] > 0][w];
     }
     orientation[3] = '\0';
 }

@@ -340,8 +340,9 @@ CONUS_API void conus_image_destroy(conus_image *image);
 /* ---- Phantoms and files ----------------------------------------------------------------------------------- */
 
 typedef struct conus_phantom_options {
-    uint32_t size;     /**< Voxels along the longest edge, 16 to 512; 0 = 64.                                   */
-    double spacing[3]; /**< mm; zeros = 1, 1, 1.                                                                */
+    uint32_t size;     /**< Voxels along the longest edge, 16 to 512; 0 = 64. Size times the smallest spacing
+                            is the cube around the origin for which the shapes are made: 64 mm, or scaled.      */
+    double spacing[3]; /**< mm; zeros = 1, 1, 1. At least 4 voxels must fit along every edge.                   */
     double oblique;    /**< Turns the grid about (1, 1, 1) by this angle, radians.                              */
     bool flip[3];      /**< Lets i, j, k grow towards left, posterior, inferior.                                */
 } conus_phantom_options;
