@@ -2,7 +2,6 @@
 #include "base/text.h"
 
 #include <locale.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -189,21 +188,7 @@ static void point_for_comma(char *text)
 
 char *text_number(char out[TEXT_NUMBER_SIZE], double value)
 {
-    double wanted;
     snprintf(out, TEXT_NUMBER_SIZE, "%.9g", value == 0 ? 0.0 : value); /* no "-0" */
     point_for_comma(out);
-    if (!isfinite(value) || !text_to_double(text_from(out), &wanted)) {
-        return out;
-    }
-    for (int digits = 1; digits < 9; digits++) {
-        char shorter[TEXT_NUMBER_SIZE];
-        double got;
-        snprintf(shorter, sizeof shorter, "%.*g", digits, wanted);
-        point_for_comma(shorter);
-        if (text_to_double(text_from(shorter), &got) && got == wanted) {
-            memcpy(out, shorter, sizeof shorter);
-            break;
-        }
-    }
     return out;
 }

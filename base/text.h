@@ -49,8 +49,8 @@ bool text_is_utf8(struct text text);
 
 enum { TEXT_NUMBER_SIZE = 32 };
 
-/** @p value in the fewest digits (9 at most) that read back as the same 9-digit number; "nan", "inf" or "-inf"
- * else. Never locale's decimal comma. Returns @p out. */
+/** @p value with up to 9 digits and no needless zeros; "nan", "inf" or "-inf" else. Never the locale's decimal comma,
+ * never "-0". Returns @p out. */
 char *text_number(char out[TEXT_NUMBER_SIZE], double value);
 
 #endif

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The table for people: the columns that a reader at a desk wants, aligned, with units. */
+#include "base/math3.h"
+#include "selection/report.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { NAME_LIMIT = 48 };
+
+/* Columns on a terminal of a UTF-8 text, one per code point (good enough for area names). */
+static int width_of(const char *text)
+{
+    int width = 0;
+    for (; *text; text++) {
+        width += ((unsigned char)*text & 0xc0) != 0x80;
+    }
+    return width;
+}
+
+static const char *name_of(const conus_report *report, const conus_result *result)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, result->object);
+    return object ? object->name : "(nothing met)";
+}
+
+static int name_width(const conus_report *report)
+{
+    int width = 12;
+    for (size_t i = 0; i < report->row_count; i++) {
+        int wanted = width_of(name_of(report, &report->rows[i].result));
+        width = wanted > width ? wanted : width;
+    }
+    return width < NAME_LIMIT ? width : NAME_LIMIT;
+}
+
+/* The name padded or cut (with "...") to `width` columns. */
+static void write_name(struct buffer *out, const char *name, int width)
+{
+    int columns = width_of(name);
+    int keep = columns > width ? width - 3 : columns;
+    const char *end = name;
+    for (int kept = 0; *end; end++) {
+        if (((unsigned char)*end & 0xc0) != 0x80 && kept++ == keep) {
+            break;
+        }
+    }
+    buffer_append(out, name, (size_t)(end - name));
+    buffer_format(out, "%s%*s", columns > width ? "..." : "", columns > width ? 0 : width - columns, "");
+}
+
+static void write_query(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    const double *m = query->cone.pose.world_from_device;
+    double origin[3] = {m[12], m[13], m[14]};
+    double axis[3] = {-m[8], -m[9], -m[10]};
+    const char *shape = query->cone.aperture == CONUS_SQUARE ? "square pyramid" : "cone";
+    report_point(report, origin);
+    report_point(report, axis);
+    if (report->query_count > 1) {
+        buffer_format(out, "query %s: ", query->id);
+    }
+    buffer_format(out, "%s of %.4g degrees from (%.2f, %.2f, %.2f) along (%.4f, %.4f, %.4f), %s mm\n", shape,
+                  degrees_from_radians(query->cone.angle), origin[0], origin[1], origin[2], axis[0], axis[1], axis[2],
+                  report->options.space == CONUS_LPS ? "LPS" : "RAS");
+}
+
+static void write_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, result->object);
+    char rank[16] = "";
+    char label[16] = "";
+    if (object) {
+        snprintf(rank, sizeof rank, "%u", result->rank);
+        snprintf(label, sizeof label, "%u", object->label);
+    }
+    buffer_format(out, "%4s  ", rank);
+    write_name(out, name_of(report, result), width);
+    buffer_format(out, "  %10s  %6.2f %%  %6u", label, 100 * result->share, result->pixels);
+    if (object) {
+        double contact[3];
+        memcpy(contact, result->contact, sizeof contact);
+        report_point(report, contact);
+        buffer_format(out, "  %9.2f  %8.2f  %8.2f %8.2f %8.2f", result->distance, degrees_from_radians(result->offset),
+                      contact[0], contact[1], contact[2]);
+    }
+    buffer_text(out, "\n");
+}
+
+static void write_heading(struct buffer *out, int width)
+{
+    buffer_format(out, "%4s  %-*s  %10s  %8s  %6s  %9s  %8s  %26s\n", "rank", width, "name", "label", "share", "pixels",
+                  "nearest", "off axis", "contact x, y, z");
+    buffer_format(out, "%4s  %-*s  %10s  %8s  %6s  %9s  %8s  %26s\n", "", width, "", "", "of cone", "", "mm", "degrees",
+                  "mm");
+}
+
+void report_write_table(struct buffer *out, const conus_report *report)
+{
+    int width = name_width(report);
+    size_t row = 0;
+    for (size_t i = 0; i < report->query_count; i++) {
+        write_query(out, report, &report->queries[i]);
+        write_heading(out, width);
+        for (; row < report->row_count && report->rows[row].query == i; row++) {
+            write_result(out, report, &report->rows[row].result, width);
+        }
+        buffer_format(out, "%u pixels in the cone (%u x %u buffer); ranked by %s; engine %s, %s\n%s",
+                      report->queries[i].cone_pixels, report->queries[i].cone.resolution,
+                      report->queries[i].cone.resolution, report->score, report->engine,
+                      report->selector.sampling == CONUS_SLICES ? "slices" : "exact",
+                      i + 1 < report->query_count ? "\n" : "");
+    }
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The selector and its answers, from inside. */
+#ifndef CONUS_SELECTION_SELECTION_H
+#define CONUS_SELECTION_SELECTION_H
+
+#include "selection/evidence.h"
+#include "selection/score.h"
+
+struct conus_selector {
+    const conus_atlas *atlas;
+    conus_selector_options options; /**< Defaults filled in; strings are not kept (score is looked up). */
+    const struct score *score;
+    struct engine *engine;
+};
+
+struct conus_selection {
+    const conus_atlas *atlas; /**< Must outlive the selection. */
+    conus_sampling sampling;
+    char engine[96];
+    struct cone cone;
+    struct evidence evidence;
+    bool *in_cone; /**< [n*n] */
+    struct statistics statistics;
+};
+
+#endif
