@@ -3,7 +3,6 @@
 #include "selection/report.h"
 
 #include <jansson.h>
-#include <stdlib.h>
 
 static const size_t NUMBERS = JSON_REAL_PRECISION(9);
 
@@ -34,17 +33,21 @@ static json_t *json_from_row(const conus_report *report, const struct report_row
     return object;
 }
 
+static int append(const char *text, size_t size, void *out)
+{
+    buffer_append(out, text, size);
+    return 0;
+}
+
 /* Appends the text of `root`, which is taken over. */
 static conus_status dump(struct buffer *out, json_t *root, size_t flags)
 {
-    char *text = root ? json_dumps(root, flags | NUMBERS) : NULL;
+    int failed = root ? json_dump_callback(root, append, out, flags | NUMBERS) : -1;
     json_decref(root);
-    if (!text) {
+    if (failed) {
         return fail(CONUS_ERROR_MEMORY, "no memory for the JSON report");
     }
-    buffer_text(out, text);
     buffer_text(out, "\n");
-    free(text);
     return CONUS_OK;
 }
 
