@@ -90,7 +90,7 @@ static void make_rigid(double out[16], const double m[16])
     double x[3];
     double y[3];
     double z[3];
-    vec3_normalise(z, m + 8);
+    vec3_scale(z, m + 8, 1 / vec3_length(m + 8));
     vec3_cross(x, m + 4, z);
     vec3_normalise(x, x);
     vec3_cross(y, z, x);
