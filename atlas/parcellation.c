@@ -37,7 +37,7 @@ static int compare_numbers(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The sorted union of the labels present and those of the table: an area is one or the other. */
+/* The sorted union of the labels present and those that the table names: an area is one or the other. */
 static conus_status unite_labels(uint32_t **out, size_t *out_count, const struct label_map *present,
                                  const struct label_table *table)
 {
@@ -52,7 +52,9 @@ static conus_status unite_labels(uint32_t **out, size_t *out_count, const struct
         }
     }
     for (size_t i = 0; i < table->count; i++) {
-        numbers[count++] = table->entries[i].number;
+        if (table->entries[i].name) { /* else only a colour, which makes no area of a label that is absent */
+            numbers[count++] = table->entries[i].number;
+        }
     }
     qsort(numbers, count, sizeof *numbers, compare_numbers);
     size_t kept = 0;
@@ -149,13 +151,16 @@ static conus_status link_parents(conus_atlas *atlas, struct label_map *number_of
             continue;
         }
         uint64_t *child = label_map_at(number_of, label->number);
-        conus_object *area = child ? &atlas->objects[*child - 1] : NULL;
+        uint64_t number = child ? *child : 0;
         uint64_t *parent = label_map_at(number_of, label->parent);
-        if (!area || !parent) {
+        if (!child || !parent) {
             return CONUS_ERROR_MEMORY;
         }
+        if (!number) { /* neither named nor present */
+            continue;
+        }
+        conus_object *area = &atlas->objects[number - 1];
         area->parent = (uint32_t)*parent;
-        size_t number = (size_t)(area - atlas->objects) + 1;
         if (!area->parent || is_cyclic(atlas, number)) {
             status = notes_add(&atlas->notes, "area %u: its parent %u %s: treated as a root", label->number,
                                label->parent, area->parent ? "lies below it" : "is not in the label table");
@@ -193,6 +198,16 @@ static bool has_no_voxels(const conus_object *area)
     return !area->voxels;
 }
 
+static bool has_names(const struct label_table *table)
+{
+    for (size_t i = 0; i < table->count; i++) {
+        if (table->entries[i].name) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static conus_status add_notes(conus_atlas *atlas, bool has_table)
 {
     conus_status status = CONUS_OK;
@@ -219,7 +234,7 @@ conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, cons
     status = status ? status : append_areas(atlas, &map, table);
     status = status ? status : number_voxels(&atlas->volumes[0], &map, labels, atlas->area_count);
     status = status ? status : link_parents(atlas, &map, table);
-    status = status ? status : add_notes(atlas, table->count > 0);
+    status = status ? status : add_notes(atlas, has_names(table));
     status = status ? status : notes_move(&atlas->notes, notes);
     label_map_finish(&map);
     if (status) {

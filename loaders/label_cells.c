@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Cells and entries of label tables, whatever the format. */
+#include "loaders/label_parse.h"
+
+#include "base/memory.h"
+
+#include <string.h>
+
+/* Cells end up in messages: long ones are cut. */
+static int shown(struct text cell)
+{
+    return cell.size < 60 ? (int)cell.size : 60;
+}
+
+conus_status label_cell_number(uint32_t *out, struct text cell, const char *where)
+{
+    uint64_t number;
+    if (!text_to_uint(cell, UINT32_MAX, &number)) {
+        return fail(CONUS_ERROR_DATA, "%s: label \"%.*s\", a whole number from 0 to 4294967295 is needed", where,
+                    shown(cell), cell.data);
+    }
+    *out = (uint32_t)number;
+    return CONUS_OK;
+}
+
+conus_status label_cell_channel(uint8_t *out, struct text cell, const char *channel, const char *where)
+{
+    uint64_t value;
+    if (!text_to_uint(cell, 255, &value)) {
+        return fail(CONUS_ERROR_DATA, "%s: %s is \"%.*s\", a whole number from 0 to 255 is needed", where, channel,
+                    shown(cell), cell.data);
+    }
+    *out = (uint8_t)value;
+    return CONUS_OK;
+}
+
+conus_status label_cell_fraction(uint8_t *out, struct text cell, const char *channel, const char *where)
+{
+    double value;
+    if (!text_to_double(cell, &value) || !(value >= 0 && value <= 1)) {
+        return fail(CONUS_ERROR_DATA, "%s: %s is \"%.*s\", a number from 0 to 1 is needed", where, channel, shown(cell),
+                    cell.data);
+    }
+    *out = (uint8_t)(value * 255 + 0.5);
+    return CONUS_OK;
+}
+
+conus_status label_cell_rgb(struct label *label, const struct text cells[3],
+                            conus_status (*parse_channel)(uint8_t *, struct text, const char *, const char *),
+                            const char *where)
+{
+    static const char *const channels[] = {"red", "green", "blue"};
+    conus_status status = CONUS_OK;
+    for (int i = 0; !status && i < 3; i++) {
+        status = parse_channel(&label->rgb[i], cells[i], channels[i], where);
+    }
+    label->has_rgb = !status;
+    return status;
+}
+
+static int hex_digit(char c)
+{
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                  : -1;
+}
+
+conus_status label_cell_hex(uint8_t out[3], struct text cell, const char *where)
+{
+    size_t start = cell.size == 7 && cell.data[0] == '#';
+    bool fine = cell.size - start == 6;
+    for (size_t i = 0; fine && i < 3; i++) {
+        int high = hex_digit(cell.data[start + 2 * i]);
+        int low = hex_digit(cell.data[start + 2 * i + 1]);
+        fine = high >= 0 && low >= 0;
+        out[i] = fine ? (uint8_t)(16 * high + low) : 0;
+    }
+    return fine ? CONUS_OK
+                : fail(CONUS_ERROR_DATA, "%s: colour \"%.*s\", #rrggbb in hexadecimal is needed", where, shown(cell),
+                       cell.data);
+}
+
+char label_hemisphere_of(struct text cell)
+{
+    static const struct {
+        const char *word;
+        char hemisphere;
+    } words[] = {
+        {"L", 'L'},  {"left", 'L'}, {"lh", 'L'},   {"R", 'R'},         {"right", 'R'},
+        {"rh", 'R'}, {"B", 'B'},    {"both", 'B'}, {"bilateral", 'B'},
+    };
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (text_equal_ignoring_case(cell, words[i].word)) {
+            return words[i].hemisphere;
+        }
+    }
+    return 0;
+}
+
+static bool names_background(const char *name)
+{
+    static const char *const words[] = {"unknown", "unclassified", "background", "clear",   "clear label",
+                                        "none",    "unlabeled",    "unlabelled", "outside", "exterior",
+                                        "empty",   "null",         "???",        "*.*.*",   "0"};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (text_equal_ignoring_case(text_from(name), words[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+conus_status label_keep(struct label_table *table, struct label *label, struct notes *notes)
+{
+    struct label *entry = label->number ? label_table_add(table, label->number) : NULL;
+    if (entry) {
+        *entry = *label;
+        return CONUS_OK;
+    }
+    conus_status status = label->number ? CONUS_ERROR_MEMORY : CONUS_OK;
+    if (!label->number && label->name && !names_background(label->name)) {
+        status = notes_add(notes,
+                           "the label table calls label 0 \"%s\", but 0 is background: if the table counts from 0 "
+                           "and the volume from 1, all names are off by one",
+                           label->name);
+    }
+    memory_free(label->name);
+    memory_free(label->abbreviation);
+    return status;
+}

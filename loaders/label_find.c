@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where a volume's label table is: inside the file, then beside it (docs/formats.md has the order). */
+#include "loaders/label_files.h"
+
+#include "base/buffer.h"
+#include "base/memory.h"
+#include "loaders/label_parse.h"
+#include "loaders/label_search.h"
+
+#include <string.h>
+#include <strings.h>
+
+enum { LABEL_FILE_LIMIT = 64 << 20, EXTENSION_AFNI = 4, EXTENSION_WORKBENCH = 30 };
+
+size_t volume_stem_length(const char *path)
+{
+    static const char *const endings[] = {".nii.gz", ".hdr.gz", ".img.gz", ".mgh.gz", ".nii",
+                                          ".hdr",    ".img",    ".mgz",    ".mgh"};
+    size_t length = strlen(path);
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        size_t ending = strlen(endings[i]);
+        if (length > ending && strcasecmp(path + length - ending, endings[i]) == 0) {
+            return length - ending;
+        }
+    }
+    return length;
+}
+
+const char *path_base(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static char *join(const char *stem, size_t length, const char *ending)
+{
+    char *path = memory_raw(length + strlen(ending) + 1, 1);
+    if (path) {
+        memcpy(path, stem, length);
+        memcpy(path + length, ending, strlen(ending) + 1);
+    }
+    return path;
+}
+
+static bool has_colours(const struct label_table *table)
+{
+    for (size_t i = 0; i < table->count; i++) {
+        if (table->entries[i].has_rgb) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Colours `table` from the .lut at `path`, if there is one. */
+static conus_status colour_from(struct label_table *table, const char *path, bool *found)
+{
+    struct bytes bytes = {0};
+    *found = false;
+    if (!file_exists(path)) {
+        return CONUS_OK;
+    }
+    conus_status status = file_read(&bytes, path, LABEL_FILE_LIMIT);
+    if (status) {
+        return status;
+    }
+    if (label_is_lut(bytes.data, bytes.size)) {
+        label_lut_apply(table, bytes.data);
+        *found = true;
+    }
+    bytes_finish(&bytes);
+    return CONUS_OK;
+}
+
+static conus_status read_table(struct label_table *out, const char **format, const char *path, struct notes *notes)
+{
+    struct bytes bytes = {0};
+    conus_status status = file_read(&bytes, path, LABEL_FILE_LIMIT);
+    if (status) {
+        return status;
+    }
+    status = label_bytes_parse(out, format, bytes.data, bytes.size, notes);
+    bytes_finish(&bytes);
+    return status ? fail_in(status, path) : CONUS_OK;
+}
+
+conus_status label_file_read(struct label_table *out, const char **format, const char *path, struct notes *notes)
+{
+    struct label_table table = {0};
+    conus_status status = read_table(&table, format, path, notes);
+    if (!status && !has_colours(&table)) {
+        const char *dot = strrchr(path_base(path), '.');
+        char *lut = join(path, dot ? (size_t)(dot - path) : strlen(path), ".lut");
+        bool found;
+        status = lut ? colour_from(&table, lut, &found) : CONUS_ERROR_MEMORY;
+        memory_free(lut);
+    }
+    if (status) {
+        label_table_finish(&table);
+        return status;
+    }
+    *out = table;
+    return CONUS_OK;
+}
+
+void label_search_finish(struct label_search *search)
+{
+    label_table_finish(&search->table);
+    buffer_finish(&search->source);
+    buffer_finish(&search->complaint);
+}
+
+/* Failures that speak about one candidate are kept for later: another may do. */
+static conus_status complain(struct label_search *search, conus_status status)
+{
+    if (status == CONUS_ERROR_MEMORY) {
+        return status;
+    }
+    if (!search->complaint.size) {
+        buffer_text(&search->complaint, conus_message());
+    }
+    return buffer_status(&search->complaint);
+}
+
+conus_status label_search_bytes(struct label_search *search, const char *name, bool inside, struct text text)
+{
+    const struct label_format *format = label_format_of(text);
+    if (!format) {
+        const char *dot = strrchr(name, '.');
+        bool expected = !inside && !(dot && strcasecmp(dot, ".json") == 0); /* BIDS has a .json beside every image */
+        return expected ? notes_add(search->notes, "%s is not a label table of a known format: passed over", name)
+                        : CONUS_OK;
+    }
+    conus_status status = label_text_parse(&search->table, format, text, search->notes);
+    if (status) {
+        return complain(search, fail_in(status, name));
+    }
+    search->found = true;
+    buffer_format(&search->source, "%s %s %s", format->name, inside ? "inside" : "in", name);
+    return buffer_status(&search->source);
+}
+
+conus_status label_search_file(struct label_search *search, const char *path)
+{
+    struct bytes bytes = {0};
+    if (search->found || !file_exists(path)) {
+        return CONUS_OK;
+    }
+    conus_status status = file_read(&bytes, path, LABEL_FILE_LIMIT);
+    if (status) {
+        return complain(search, status);
+    }
+    if (!label_is_lut(bytes.data, bytes.size)) {
+        status = label_search_bytes(search, path_base(path), false, label_text_of(bytes.data, bytes.size));
+    }
+    bytes_finish(&bytes);
+    return status;
+}
+
+static conus_status search_embedded(struct label_search *search)
+{
+    struct text text = search->volume->embedded;
+    text = label_text_of((const uint8_t *)text.data, text.size);
+    if (search->found || !text.size) {
+        return CONUS_OK;
+    }
+    return label_search_bytes(search, path_base(search->volume->path), true, text);
+}
+
+static conus_status search_beside(struct label_search *search)
+{
+    static const char *const endings[] = {".nii.txt", ".txt",     ".tsv", ".json",    ".label",
+                                          ".ctbl",    ".niml.lt", ".csv", ".nii.lut", ".lut"};
+    const char *path = search->volume->path;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && !search->found && i < sizeof endings / sizeof endings[0]; i++) {
+        char *beside = join(path, volume_stem_length(path), endings[i]);
+        status = beside ? label_search_file(search, beside) : CONUS_ERROR_MEMORY;
+        memory_free(beside);
+    }
+    return status;
+}
+
+static conus_status colour_beside(struct label_search *search)
+{
+    static const char *const endings[] = {".nii.lut", ".lut"};
+    const char *path = search->volume->path;
+    bool coloured = has_colours(&search->table);
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && !coloured && i < sizeof endings / sizeof endings[0]; i++) {
+        char *lut = join(path, volume_stem_length(path), endings[i]);
+        status = lut ? colour_from(&search->table, lut, &coloured) : CONUS_ERROR_MEMORY;
+        if (!status && coloured) {
+            buffer_format(&search->source, ", colours in %s", path_base(lut));
+            status = buffer_status(&search->source);
+        }
+        memory_free(lut);
+    }
+    return status;
+}
+
+/* Entries without names, for colours to go to. */
+static conus_status number_entries(struct label_table *table)
+{
+    for (uint32_t number = 1; number < 256; number++) {
+        if (!label_table_add(table, number)) {
+            return CONUS_ERROR_MEMORY;
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status settle(struct label_search *search)
+{
+    if (search->found) {
+        return search->complaint.size ? notes_add(search->notes, "%s: passed over", search->complaint.data) : CONUS_OK;
+    }
+    if (search->complaint.size) {
+        return fail(CONUS_ERROR_DATA, "%s", search->complaint.data);
+    }
+    const char *name = path_base(search->volume->path);
+    buffer_text(&search->source, "none found");
+    conus_status status =
+        notes_add(search->notes,
+                  "no label table found (looked inside %s; beside it for %.*s with .nii.txt, .txt, .tsv, "
+                  ".json, .label, .ctbl, .niml.lt, .csv or .lut): areas are called by their numbers",
+                  name, (int)volume_stem_length(name), name);
+    return status ? status : number_entries(&search->table);
+}
+
+conus_status label_table_of_volume(struct label_table *out, char **source, const struct volume_file *volume,
+                                   struct notes *notes)
+{
+    struct label_search search = {.volume = volume, .notes = notes};
+    conus_status status = search_embedded(&search);
+    status = status ? status : search_beside(&search);
+    status = status ? status : settle(&search);
+    status = status ? status : colour_beside(&search);
+    char *words = status ? NULL : memory_text(search.source.data, search.source.size);
+    if (!words) {
+        label_search_finish(&search);
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    if (!search.found && !has_colours(&search.table)) {
+        label_table_finish(&search.table);
+    }
+    *source = words;
+    *out = search.table;
+    search.table = (struct label_table){0};
+    label_search_finish(&search);
+    return CONUS_OK;
+}

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The search for a volume's label table, step by step. Only loaders/label_*.c include it. */
+#ifndef CONUS_LOADERS_LABEL_SEARCH_H
+#define CONUS_LOADERS_LABEL_SEARCH_H
+
+#include "atlas/labels.h"
+#include "base/buffer.h"
+#include "loaders/volume_file.h"
+
+struct label_search {
+    const struct volume_file *volume;
+    struct notes *notes;
+    struct label_table table;
+    bool found;              /**< table is filled; the later steps do nothing.           */
+    struct buffer source;    /**< "MRIcron text in aal.nii.txt".                         */
+    struct buffer complaint; /**< The first candidate that was damaged: an error only if nothing else is found. */
+};
+
+void label_search_finish(struct label_search *search);
+
+/** Tries @p text, called @p name in messages, which lies inside the volume's file or in a file of its own. */
+conus_status label_search_bytes(struct label_search *search, const char *name, bool inside, struct text text);
+
+/** Tries the file @p path, if it exists. */
+conus_status label_search_file(struct label_search *search, const char *path);
+
+/** Length of @p path without the ending of a volume (.nii.gz, .mgz, ...). */
+size_t volume_stem_length(const char *path);
+
+/** What follows the last '/'. */
+const char *path_base(const char *path);
+
+#endif

@@ -1,0 +1,316 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/file.h"
+#include "base/memory.h"
+#include "loaders/label_files.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct parsed {
+    struct label_table table;
+    struct notes notes;
+    const char *format;
+};
+
+static conus_status parse(struct parsed *out, const char *text)
+{
+    *out = (struct parsed){0};
+    return label_bytes_parse(&out->table, &out->format, (const uint8_t *)text, strlen(text), &out->notes);
+}
+
+static void parsed_finish(struct parsed *parsed)
+{
+    label_table_finish(&parsed->table);
+    notes_finish(&parsed->notes);
+}
+
+static bool has_note(const struct notes *notes, const char *part)
+{
+    for (size_t i = 0; i < notes->count; i++) {
+        if (strstr(notes->lines[i], part)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The table in one line: "1 Precentral_L (PRE) #0a0b0c L <7; 2 ..." */
+static const char *shown(const struct label_table *table)
+{
+    static char text[4096];
+    size_t size = 0;
+    text[0] = '\0';
+    for (size_t i = 0; i < table->count && size < sizeof text; i++) {
+        const struct label *l = &table->entries[i];
+        size += (size_t)snprintf(text + size, sizeof text - size, "%s%u %s", i ? "; " : "", l->number,
+                                 l->name ? l->name : "-");
+        size += l->abbreviation ? (size_t)snprintf(text + size, sizeof text - size, " (%s)", l->abbreviation) : 0;
+        size += l->has_rgb ? (size_t)snprintf(text + size, sizeof text - size, " #%02x%02x%02x", l->rgb[0], l->rgb[1],
+                                              l->rgb[2])
+                           : 0;
+        size += l->hemisphere ? (size_t)snprintf(text + size, sizeof text - size, " %c", l->hemisphere) : 0;
+        size += l->has_parent ? (size_t)snprintf(text + size, sizeof text - size, " <%u", l->parent) : 0;
+    }
+    return text;
+}
+
+struct sample {
+    const char *format, *text, *table;
+};
+
+static const struct sample samples[] = {
+    {"MRIcron text", "1 Precentral_L 2001\r\n2 Precentral_R 2002\r\n\r\n", "1 Precentral_L; 2 Precentral_R"},
+    {"MRIcron text", "1 Area 17\n2 Area 18\n", "1 Area 17; 2 Area 18"},
+    {"MRIcron text", "1\tArea 17\n2\tPole 18\n", "1 Area 17; 2 Pole 18"},
+    {"MRIcron text", "0\tUnclassified\r1\tFrontal Pole\r4294967295\tInsular Cortex  ",
+     "1 Frontal Pole; 4294967295 Insular Cortex"},
+    {"MRIcron text", "\xef\xbb\xbf# a comment\n\n 7   Gyrus, \"pars\" # 3\n", "7 Gyrus, \"pars\" # 3"},
+    {"MRIcron text", "3 c\n1 a\n2\n", "1 a; 2 -; 3 c"},
+    {"MRIcron text",
+     "1 Br\xc3\xbc"
+     "cke\n2 Ge\xdf\n",
+     "1 Br\xc3\xbc"
+     "cke; 2 Ge\xc3\x9f"},
+    {"AAL text", "FAG Precentral_L 2001\nFAD Precentral_R 2002\n", "2001 Precentral_L (FAG); 2002 Precentral_R (FAD)"},
+    {"AAL text", "Insula_L 3\nInsula_R 4\n", "3 Insula_L; 4 Insula_R"},
+    {"FreeSurfer colour table", "#No. Label Name: R G B A\n0 Unknown 0 0 0 0\n17 Left-Hippocampus 220 216 20 0\n",
+     "17 Left-Hippocampus #dcd814"},
+    {"FreeSurfer colour table", "1 Left Hippocampus 1 2 3 0\n2 Right 1 4 5 6 255\n3 Pole 4 5 6 7\n",
+     "1 Left Hippocampus #010203; 2 Right 1 #040506; 3 Pole #040506"},
+    {"FreeSurfer colour table", "5 a 1 2 3\n6 b 4 5 6\n", "5 a #010203; 6 b #040506"},
+    {"MRtrix or FreeSurfer colour table", "1 L.H Left-Hip 1 2 3 255\n2 L.A Left-Amy 4 5 6 255\n",
+     "1 Left-Hip (L.H) #010203; 2 Left-Amy (L.A) #040506"},
+    {"MRtrix or FreeSurfer colour table", "1 Left Hip 1 2 3 255\n2 Left Amy 4 5 6 255\n",
+     "1 Left Hip #010203; 2 Left Amy #040506"},
+    {"Slicer colour table", "# Color table file /tmp/x.ctbl\n# 3 values\n0 background 0 0 0 0\n1 left_lung 1 2 3 255\n",
+     "1 left lung #010203"},
+    {"Slicer colour table",
+     "LabelValue,Name,Color_R,Color_G,Color_B,Color_A\n1,\"lung, \"\"left\"\"\",1,2,3,255\n2,heart,4,5,6,255\n",
+     "1 lung, \"left\" #010203; 2 heart #040506"},
+    {"FSLeyes colour table", "1  0.00000 0.93333 1.00000 Frontal Pole\n2 0 0 0 Insular Cortex\n",
+     "1 Frontal Pole #00eeff; 2 Insular Cortex #000000"},
+    {"ITK-SNAP labels",
+     "################\n# ITK-SnAP Label Description File\n    0     0    0    0        0  0  0    \"Clear Label\"\n"
+     "    1   255    0    7     1.00  1  1    \"Label 1\"\r\n",
+     "1 Label 1 #ff0007"},
+    {"BIDS label table",
+     "name\tindex\tabbreviation\tcolor\themisphere\tmapping\textra\nVisual 1\t1\tV1\t#FF0a00\tL\t17\tx\n"
+     "Visual 2\t2\tn/a\tn/a\tn/a\tn/a\tn/a\n",
+     "1 Visual 1 (V1) #ff0a00 L; 2 Visual 2"},
+    {"CSV label table",
+     "id,acronym,name,parent_structure_id,color_hex_triplet\n8,grey,\"Grey, all\",997,BFDBE2\n997,root,root,,FFFFFF\n",
+     "8 Grey, all (grey) #bfdbe2 <997; 997 root (root) #ffffff"},
+    {"Workbench label list", "LEFT AREA 1\n1 10 20 30 255\nRIGHT 2\n2 40 50 60 255\n",
+     "1 LEFT AREA 1 #0a141e; 2 RIGHT 2 #28323c"},
+    {"BrainGlobe structures",
+     "[{\"acronym\":\"root\",\"id\":997,\"name\":\"root\",\"structure_id_path\":[997],\"rgb_triplet\":[255,255,255]},"
+     "{\"acronym\":\"CH\",\"id\":312782656,\"name\":\"Cerebrum\",\"structure_id_path\":[997,312782656],\"rgb_triplet\":"
+     "null}]",
+     "997 root (root) #ffffff; 312782656 Cerebrum (CH) <997"},
+    {"NiiVue labels", "{\"R\":[0,205],\"G\":[0,62],\"B\":[0,78],\"labels\":[\"\",\"Red nucleus\"]}",
+     "1 Red nucleus #cd3e4e"},
+    {"NiiVue labels", "{\"R\":[1],\"G\":[2],\"B\":[3],\"I\":[500],\"labels\":[\"x\"]}", "500 x #010203"},
+};
+enum { SAMPLE_COUNT = sizeof samples / sizeof samples[0] };
+
+static void formats_are_told_by_content(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < SAMPLE_COUNT; i++) {
+        struct parsed parsed;
+        assert_ok(parse(&parsed, samples[i].text));
+        assert_string_equal(parsed.format, samples[i].format);
+        assert_string_equal(shown(&parsed.table), samples[i].table);
+        parsed_finish(&parsed);
+    }
+}
+
+static void every_prefix_is_read_or_refused(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < SAMPLE_COUNT; i++) {
+        for (size_t size = 0; size < strlen(samples[i].text); size++) {
+            uint8_t *exact = malloc(size ? size : 1);
+            assert_non_null(exact);
+            memcpy(exact, samples[i].text, size);
+            struct parsed parsed = {0};
+            conus_status status = label_bytes_parse(&parsed.table, &parsed.format, exact, size, &parsed.notes);
+            if (status) {
+                assert_fails(status, CONUS_ERROR_DATA);
+                assert_null(parsed.format);
+                assert_int_equal(parsed.table.count, 0);
+            }
+            free(exact);
+            parsed_finish(&parsed);
+        }
+    }
+}
+
+static conus_status parse_sample(void *data)
+{
+    struct parsed parsed;
+    conus_status status = parse(&parsed, data);
+    parsed_finish(&parsed);
+    return status;
+}
+
+static void every_failing_allocation_is_clean(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < SAMPLE_COUNT; i++) {
+        test_every_allocation(parse_sample, (void *)samples[i].text);
+    }
+}
+
+static void refuses(const char *text, const char *message)
+{
+    struct parsed parsed;
+    assert_fails(parse(&parsed, text), CONUS_ERROR_DATA);
+    if (!strstr(conus_message(), message)) {
+        fail_msg("\"%s\" is not in \"%s\"", message, conus_message());
+    }
+    parsed_finish(&parsed);
+}
+
+static void bad_cells_are_named_with_their_line(void **state)
+{
+    (void)state;
+    refuses("1 a\n3.5 b\n", "MRIcron text: line 2: label \"3.5\", a whole number from 0 to 4294967295");
+    refuses("# c\n1 a\n\n-2 b\n", "line 4: label \"-2\"");
+    refuses("4294967296 a\n", "line 1: label \"4294967296\"");
+    refuses("1 a\n2 b\nc d\n", "line 3: label \"c\"");
+    refuses("1 a 0 nan 0 0\n", "line 1: green is \"nan\", a whole number from 0 to 255");
+    refuses("1 a 0 0 256 0\n", "line 1: blue is \"256\"");
+    refuses("1 a 0.5 0 6 0\n", "line 1: red is \"0.5\"");
+    refuses("1 a 1 2 3 4\n2 b 1 2 3 4\n3 c 1 2 3\n", "line 3: 3 numbers after the name, 4 (R G B A)");
+    refuses("1 0.5 0.5 1.5 a\n", "line 1: blue is \"1.5\", a number from 0 to 1");
+    refuses("1 1 2 3 1.0 1 1 \"open\n", "line 1: no name in quotation marks");
+    refuses("1 1 2 3 nan 1 1 \"a\"\n", "line 1: opacity is \"nan\"");
+    refuses("index\tname\n1\ta\nx\tb\n", "BIDS label table: line 3: label \"x\"");
+    refuses("index\tname\tcolor\n1\ta\tred\n", "line 2: colour \"red\", #rrggbb");
+    refuses("index\tname\n1\ta\tb\n", "line 2: 3 columns, the header has 2");
+    refuses("id,name\n1,\"a\n", "line 2: a quotation mark is not closed");
+    refuses("[{\"id\":1.5,\"acronym\":\"a\"}]", "structure 1: id must be a whole number");
+    refuses("[{\"id\":7,\"acronym\":\"a\",\"structure_id_path\":[1,8]}]", "structure_id_path ends in 8, its own id 7");
+    refuses("[{\"id\":7,\"acronym\":\"a\",\"rgb_triplet\":[1,2]}]", "three whole numbers");
+    refuses("[{\"id\":7,\"acronym\":\"a\"},]", "BrainGlobe structures: line 1");
+    refuses("{\"R\":[0,1],\"G\":[0],\"B\":[0],\"labels\":[\"\"]}", "R has 2 entries, labels has 1");
+    refuses("0 nothing\n", "no label but 0");
+}
+
+static void what_is_no_table_is_refused(void **state)
+{
+    (void)state;
+    static const char known[] = "not a label table of a known format";
+    refuses("", known);
+    refuses(" \n\n", known);
+    refuses("# only comments\n", known);
+    refuses("<!DOCTYPE html><html><body>404 Not Found</body></html>", known);
+    refuses("About this atlas: it was made from 20 brains.\nSee http://example.org\n", known);
+    refuses("1 0 0 10\n0 1 0 20\n0 0 1 30\n0 0 0 1\n", known); /* a transform */
+    refuses("1\n2\n3\n", known);
+    refuses("{\"Name\": \"a BIDS sidecar\"}", known);
+    refuses("\xff\xfe"
+            "1\n",
+            "UTF-16");
+    struct parsed parsed = {0};
+    uint8_t zeros[512] = {0};
+    assert_fails(label_bytes_parse(&parsed.table, &parsed.format, zeros, sizeof zeros, &parsed.notes),
+                 CONUS_ERROR_DATA);
+}
+
+static void oddities_are_noted(void **state)
+{
+    (void)state;
+    struct parsed parsed;
+    assert_ok(parse(&parsed, "index\tname\themisphere\n0\tLeft Frontal Pole\tL\n1\tRight\tmiddle\n1\tWrong\tR\n"));
+    assert_int_equal(parsed.table.count, 1);
+    assert_true(has_note(&parsed.notes, "calls label 0 \"Left Frontal Pole\""));
+    assert_true(has_note(&parsed.notes, "hemisphere \"middle\" is none of L, R, B"));
+    assert_true(has_note(&parsed.notes, "label 1 is named twice"));
+    parsed_finish(&parsed);
+    assert_ok(parse(&parsed, "0\tUnclassified\n1\ta\n"));
+    assert_int_equal(parsed.notes.count, 0);
+    parsed_finish(&parsed);
+}
+
+static void a_lut_gives_colours_only(void **state)
+{
+    (void)state;
+    struct parsed parsed = {0};
+    uint8_t lut[768] = {0};
+    lut[7] = 10, lut[256 + 7] = 20, lut[512 + 7] = 30;
+    assert_ok(label_bytes_parse(&parsed.table, &parsed.format, lut, sizeof lut, &parsed.notes));
+    assert_string_equal(parsed.format, "MRIcron colours");
+    const struct label *seven = label_table_find(&parsed.table, 7);
+    assert_non_null(seven);
+    assert_null(seven->name);
+    assert_int_equal(seven->rgb[1], 20);
+    parsed_finish(&parsed);
+}
+
+/* Number of labels, first and last name of tables that others wrote. */
+static void real_tables_are_read(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *path, *format;
+        size_t count;
+        const char *first, *last;
+    } files[] = {
+        {"labels/bids/tpl-MNI152NLin2009cAsym_atlas-4S_scale-156_res-01_dseg.tsv", "BIDS label table", 156, "LH_Vis_1",
+         "Cerebellar_Region10"},
+        {"labels/bids/tpl-MNI152NLin6Asym_atlas-HOCPAL_dseg.tsv", "BIDS label table", 51, "Right Frontal Pole",
+         "Right Occipital Pole"},
+        {"labels/brainglobe/ccf25.structures.json", "BrainGlobe structures", 840,
+         "Tuberomammillary nucleus, ventral part", NULL},
+        {"labels/freesurfer/FreeSurferColorLUT.txt", "FreeSurfer colour table", 0, "Left-Cerebral-Exterior",
+         "wm_rh_S_temporal_transverse"},
+        {"labels/fsleyes-lut/harvard-oxford-cortical.lut", "FSLeyes colour table", 48, "Frontal Pole",
+         "Occipital Pole"},
+        {"labels/itksnap/MRIcrop-seg.label", "ITK-SNAP labels", 0, "vent-lat", "arteries"},
+        {"labelvol/bigbrain-subcort/bigbrain.json", "NiiVue labels", 22, "Left-red-nucleus", "Right-amygdala"},
+        {"labelvol/julich31/Julich.json", "NiiVue labels", 207, "Area 3b (PostCG)", "Area TeI (STG)"},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        struct parsed parsed = {0};
+        assert_ok(label_file_read(&parsed.table, &parsed.format, test_shared(files[i].path), &parsed.notes));
+        assert_string_equal(parsed.format, files[i].format);
+        assert_true(!files[i].count || files[i].count == parsed.table.count);
+        assert_string_equal(parsed.table.entries[0].name, files[i].first);
+        if (files[i].last) {
+            assert_string_equal(parsed.table.entries[parsed.table.count - 1].name, files[i].last);
+        }
+        parsed_finish(&parsed);
+    }
+}
+
+static void a_lut_beside_an_override_colours_it(void **state)
+{
+    (void)state;
+    struct parsed parsed = {0};
+    assert_ok(label_file_read(&parsed.table, &parsed.format, test_mricron("aal.nii.txt"), &parsed.notes));
+    assert_int_equal(parsed.table.count, 116);
+    assert_string_equal(parsed.table.entries[115].name, "Vermis_10");
+    assert_true(parsed.table.entries[0].has_rgb);
+    assert_int_equal(parsed.table.entries[0].rgb[0], 204);
+    parsed_finish(&parsed);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(formats_are_told_by_content),
+        cmocka_unit_test(every_prefix_is_read_or_refused),
+        cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(bad_cells_are_named_with_their_line),
+        cmocka_unit_test(what_is_no_table_is_refused),
+        cmocka_unit_test(oddities_are_noted),
+        cmocka_unit_test(a_lut_gives_colours_only),
+        cmocka_unit_test(real_tables_are_read),
+        cmocka_unit_test(a_lut_beside_an_override_colours_it),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
