@@ -169,3 +169,8 @@ void file_sha256(char out[65], const struct bytes *bytes)
         snprintf(out + 2 * i, 3, "%02x", digest[i]);
     }
 }
+
+conus_status conus_write_file(const char *path, const void *data, size_t size)
+{
+    return file_write(path, data, size);
+}

@@ -316,7 +316,7 @@ typedef struct conus_view {
     bool no_legend;   /**< Leave out the text.                                                            */
 } conus_view;
 
-/** Draws the atlas. Channels R, G, B, A: float, linear light, A = opacity. */
+/** Draws the atlas. Channels R, G, B, A: float, linear light, A = opacity, R, G, B premultiplied by it. */
 CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view);
 
 /** What the device saw: channels id (uint32: the atlas's own label), object (uint32), X, Y, Z, t (float, world mm),
@@ -331,9 +331,9 @@ CONUS_API const char *conus_image_channel(const conus_image *image, size_t index
 CONUS_API const float *conus_image_floats(const conus_image *image, const char *channel);
 /** Pixels of a uint32 channel, likewise. */
 CONUS_API const uint32_t *conus_image_uints(const conus_image *image, const char *channel);
-/** Reads .exr (scan lines, one part) or .png (as linear R, G, B, A). */
+/** Reads OpenEXR (flat scan lines, one part) or PNG (as linear, premultiplied R, G, B, A); the content decides. */
 CONUS_CHECKED conus_status conus_image_load(conus_image **out, const char *path);
-/** Writes by ending: .exr all channels, .png 8-bit sRGB of R, G, B, A. */
+/** Writes by ending: .exr all channels, .png 8-bit sRGB of R, G, B and A (A not premultiplied). */
 CONUS_CHECKED conus_status conus_image_write(const conus_image *image, const char *path);
 CONUS_API void conus_image_destroy(conus_image *image);
 
