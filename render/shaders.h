@@ -4,6 +4,7 @@
 #define CONUS_RENDER_SHADERS_H
 
 extern const char shader_common[];
+extern const char shader_id_frag[];
 extern const char shader_screen_vert[];
 
 #endif

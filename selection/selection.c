@@ -34,7 +34,7 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
         const struct engine_options engine = {selector->options.sampling, selector->options.slices,
                                               selector->options.log, selector->options.log_user};
         status = selector->options.engine == CONUS_ENGINE_GL
-                     ? fail(CONUS_ERROR_UNSUPPORTED, "engine: gl is not built in")
+                     ? engine_gl_create(&selector->engine, atlas, &engine)
                      : engine_rays_create(&selector->engine, atlas, &engine);
     }
     if (status) {

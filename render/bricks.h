@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file How far around each brick of 8 x 8 x 8 voxels there is no object: what lets a shader's ray leap. */
+#ifndef CONUS_RENDER_BRICKS_H
+#define CONUS_RENDER_BRICKS_H
+
+#include "atlas/volume.h"
+
+enum { BRICKS_EDGE = 8 };
+
+struct bricks {
+    size_t dim[3];     /**< Bricks along i, j, k; the last may reach beyond the grid.                    */
+    uint8_t *distance; /**< [dim[0] dim[1] dim[2]], i fastest. 0 where the brick holds an object; else d: bricks that
+                          differ by less than d in every index hold none (255 at most).                  */
+};
+
+/** @p volume must have objects. */
+conus_status bricks_init(struct bricks *out, const struct volume *volume);
+void bricks_finish(struct bricks *bricks);
+
+#endif

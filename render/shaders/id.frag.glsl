@@ -1,0 +1,215 @@
+// The ID pass: per pixel, the first voxel along its ray that belongs to an object (Eq. 5), or the first of the planes of
+// Eq. 7 on which the ray samples one. In double precision and `precise`, so that it takes the very cells that the CPU
+// takes. Rays come prepared from the CPU. Drawn once per volume; a later volume (MERGE) only overwrites what is farther.
+//
+// Defines: SLICES, MERGE (0 or 1), BRICK_SHIFT, RAY_DOUBLES, and the bindings *_UNIT (textures) and *_BUFFER.
+
+layout(binding = OBJECTS_UNIT) uniform usampler3D objects;
+layout(std430, binding = IDENTIFIER_BUFFER) readonly restrict buffer Identifiers { uint identifiers[]; };
+layout(std430, binding = RAY_BUFFER) readonly restrict buffer Rays { double rays[]; };
+uniform int resolution, first_ray;
+
+#if SLICES
+uniform int slice_count;
+uniform double slice_start, slice_spacing;
+#else
+layout(binding = BRICKS_UNIT) uniform usampler3D bricks;
+#endif
+
+#if MERGE
+layout(binding = NEAREST_ID_UNIT) uniform usampler2D nearest_id; // this target itself: each pixel reads only its own
+layout(binding = NEAREST_T_UNIT) uniform usampler2D nearest_t;
+#endif
+
+layout(location = 0) out uint out_id;
+layout(location = 1) out vec4 out_voxel; // i, j, k, and t rounded to a float
+layout(location = 2) out uvec2 out_t;    // the bits of t, a double
+
+const double NEVER = packDouble2x32(uvec2(0u, 0x7ff00000u)); // infinity
+
+struct Ray {
+    dvec3 origin, direction, inverse; // in index space; inverse is infinite where the ray does not move
+    double per_depth;                 // mm along the ray per mm of depth
+};
+
+struct Hit {
+    uint id; // 0: none
+    dvec3 cell;
+    double t;
+};
+
+Ray load_ray()
+{
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    int at = (first_ray + pixel.y * resolution + pixel.x) * RAY_DOUBLES;
+    return Ray(dvec3(rays[at], rays[at + 1], rays[at + 2]), dvec3(rays[at + 3], rays[at + 4], rays[at + 5]),
+               dvec3(rays[at + 6], rays[at + 7], rays[at + 8]), rays[at + 9]);
+}
+
+uint identify(dvec3 cell)
+{
+    return identifiers[texelFetch(objects, ivec3(cell), 0).r];
+}
+
+// Index of the cell [i - 1/2, i + 1/2) that holds x, whichever way x + 1/2 is rounded.
+dvec3 cell_of(dvec3 x)
+{
+    precise dvec3 cell = floor(x + 0.5);
+    cell = mix(cell, cell - 1.0, greaterThan(cell - 0.5, x));
+    return mix(cell, cell + 1.0, lessThanEqual(cell + 0.5, x));
+}
+
+#if SLICES
+Hit walk(Ray ray, ivec3 dim, double limit)
+{
+    for (int k = 0; k < slice_count; k++) {
+        precise double depth = slice_start + (double(k) + 0.5) * slice_spacing;
+        precise double t = depth * ray.per_depth;
+        precise dvec3 point = ray.origin + t * ray.direction;
+        dvec3 cell = cell_of(point);
+        if (t > limit) {
+            break;
+        }
+        if (is_inside(ivec3(cell), dim)) {
+            uint id = identify(cell);
+            if (id != 0u) {
+                return Hit(id, cell, t);
+            }
+        }
+    }
+    return Hit(0u, dvec3(0.0), NEVER);
+}
+#else
+struct Crossing {
+    double t;
+    int axis; // -1: the ray's start
+};
+
+// When the ray leaves the cell along each axis (half = 0.5), or enters it (-0.5).
+dvec3 crossing_times(Ray ray, dvec3 sign, dvec3 cell, double half_cell)
+{
+    precise dvec3 t = ((cell + half_cell * sign) - ray.origin) * ray.inverse;
+    return t;
+}
+
+// Which axes' crossings at t come before `crossing`; equal times are in the order of the axes.
+bvec3 are_before(dvec3 t, Crossing crossing)
+{
+    return mix(lessThan(t, dvec3(crossing.t)), lessThanEqual(t, dvec3(crossing.t)),
+               lessThan(ivec3(0, 1, 2), ivec3(crossing.axis)));
+}
+
+// Where axes are just after a crossing of another one, when they were in `from` before; they stop at `end`.
+// The guess is off by one at most; the crossings themselves decide.
+dvec3 catch_up(Ray ray, dvec3 sign, Crossing crossing, dvec3 from, dvec3 end)
+{
+    dvec3 cell = clamp(floor(ray.origin + crossing.t * ray.direction + 0.5), min(from, end), max(from, end));
+    for (;;) {
+        bvec3 late = not(are_before(crossing_times(ray, sign, cell, -0.5), crossing));
+        dvec3 earlier = mix(cell, cell - sign, late);
+        earlier = mix(earlier, cell, equal(cell, from));
+        if (earlier == cell) {
+            break;
+        }
+        cell = earlier;
+    }
+    for (;;) {
+        bvec3 early = are_before(crossing_times(ray, sign, cell, 0.5), crossing);
+        dvec3 later = mix(cell, cell + sign, early);
+        later = mix(later, cell, equal(cell, end));
+        if (later == cell) {
+            break;
+        }
+        cell = later;
+    }
+    return cell;
+}
+
+// The first cell in the grid: the origin's, or that behind the last crossing that brings the ray in. False: it misses.
+bool enter_grid(Ray ray, dvec3 sign, dvec3 end, dvec3 dim, out dvec3 cell, out double t)
+{
+    Crossing last = Crossing(0.0, -1);
+    dvec3 first = mix(dvec3(0.0), dim - 1.0, lessThan(sign, dvec3(0.0)));
+    dvec3 entry = crossing_times(ray, sign, first, -0.5);
+    cell = cell_of(ray.origin);
+    for (int axis = 0; axis < 3; axis++) {
+        if ((first[axis] - cell[axis]) * sign[axis] > 0.0) {
+            if (entry[axis] >= last.t) {
+                last = Crossing(entry[axis], axis);
+            }
+            cell[axis] = first[axis];
+        }
+    }
+    t = last.t;
+    if (!(t < NEVER) || any(greaterThanEqual((cell - end) * sign, dvec3(0.0)))) {
+        return false;
+    }
+    if (last.axis >= 0) {
+        cell = mix(catch_up(ray, sign, last, cell, end), cell, equal(ivec3(0, 1, 2), ivec3(last.axis)));
+    }
+    return is_inside(ivec3(cell), ivec3(dim));
+}
+
+// Leaves the box whose last cells in the ray's direction are `last`, all of it empty; the time of it.
+double leave_box(Ray ray, dvec3 sign, dvec3 end, dvec3 last, inout dvec3 cell)
+{
+    dvec3 t = crossing_times(ray, sign, last, 0.5);
+    Crossing first = Crossing(t.x, 0);
+    if (t.y < first.t) {
+        first = Crossing(t.y, 1);
+    }
+    if (t.z < first.t) {
+        first = Crossing(t.z, 2);
+    }
+    bvec3 crossed = equal(ivec3(0, 1, 2), ivec3(first.axis));
+    if (last != cell) {
+        cell = catch_up(ray, sign, first, cell, end);
+    }
+    cell = mix(cell, last + sign, crossed);
+    return first.t;
+}
+
+Hit walk(Ray ray, ivec3 dim, double limit)
+{
+    dvec3 sign = mix(dvec3(1.0), dvec3(-1.0), lessThan(ray.direction, dvec3(0.0)));
+    dvec3 end = mix(dvec3(dim), dvec3(-1.0), lessThan(sign, dvec3(0.0)));
+    dvec3 cell;
+    double t;
+    if (!enter_grid(ray, sign, end, dvec3(dim), cell, t)) {
+        return Hit(0u, dvec3(0.0), NEVER);
+    }
+    while (t <= limit && is_inside(ivec3(cell), dim)) {
+        ivec3 brick = ivec3(cell) >> BRICK_SHIFT;
+        int empty = int(texelFetch(bricks, brick, 0).r);
+        uint id = empty == 0 ? identify(cell) : 0u;
+        if (id != 0u) {
+            return Hit(id, cell, t);
+        }
+        dvec3 high = dvec3(((brick + empty) << BRICK_SHIFT) - 1);
+        dvec3 low = dvec3((brick + 1 - empty) << BRICK_SHIFT);
+        dvec3 last = empty == 0 ? cell : mix(high, low, lessThan(sign, dvec3(0.0)));
+        t = leave_box(ray, sign, end, last, cell);
+    }
+    return Hit(0u, dvec3(0.0), NEVER);
+}
+#endif
+
+void main()
+{
+    double limit = NEVER;
+    uint rival = 0u;
+#if MERGE
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    rival = texelFetch(nearest_id, pixel, 0).r;
+    if (rival != 0u) {
+        limit = packDouble2x32(texelFetch(nearest_t, pixel, 0).rg);
+    }
+#endif
+    Hit hit = walk(load_ray(), textureSize(objects, 0), limit);
+    if (hit.id == 0u || (hit.t == limit && rival < hit.id)) {
+        discard;
+    }
+    out_id = hit.id;
+    out_voxel = vec4(hit.cell, hit.t);
+    out_t = unpackDouble2x32(hit.t);
+}

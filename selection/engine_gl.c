@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/evidence.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+#include "render/context.h"
+#include "render/id_pass.h"
+#include "selection/traverse.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const uint64_t memory_limit = (uint64_t)8 << 30;
+
+struct gl_engine {
+    struct engine base;
+    const conus_atlas *atlas;
+    struct gl_context *context;
+    struct id_pass *pass;
+    uint32_t slices;
+    size_t *volumes; /* [volume_count] of the atlas, in the order in which the pass has them */
+    size_t volume_count;
+};
+
+static void destroy(struct engine *engine)
+{
+    struct gl_engine *gl = (struct gl_engine *)engine;
+    struct gl_current previous = {0};
+    if (gl->context && !gl_context_use(gl->context, &previous)) {
+        id_pass_destroy(gl->pass);
+        gl_current_restore(&previous);
+    }
+    gl_context_destroy(gl->context);
+    memory_free(gl->volumes);
+    memory_free(gl);
+}
+
+/* ---- A look ------------------------------------------------------------------------------------------------- */
+
+static void view_axis(double out[3], const struct cone *cone)
+{
+    vec3_scale(out, cone->pose.world_from_device + 8, -1); /* the device looks down its -z */
+}
+
+static void prepare_rays(struct id_ray *out, const struct volume *volume, const struct cone *cone)
+{
+    uint32_t n = cone->resolution;
+    double origin[3];
+    double axis[3];
+    mat4_point(origin, volume->voxel_from_world, cone->pose.world_from_device + 12);
+    view_axis(axis, cone);
+    for (uint32_t pixel = 0; pixel < n * n; pixel++) {
+        double direction[3];
+        struct traverse_ray ray;
+        cone_ray(direction, cone, pixel % n, pixel / n);
+        out[pixel].per_depth = 1 / vec3_dot(direction, axis);
+        mat4_direction(direction, volume->voxel_from_world, direction);
+        traverse_ray_init(&ray, origin, direction);
+        memcpy(out[pixel].origin, ray.origin, sizeof ray.origin);
+        memcpy(out[pixel].direction, ray.direction, sizeof ray.direction);
+        memcpy(out[pixel].inverse, ray.inverse, sizeof ray.inverse);
+    }
+}
+
+static conus_status draw(struct gl_engine *gl, const struct cone *cone)
+{
+    double axis[3];
+    view_axis(axis, cone);
+    conus_status status = id_pass_begin(gl->pass, cone->resolution);
+    for (size_t i = 0; i < gl->volume_count && !status; i++) {
+        const struct volume *volume = &gl->atlas->volumes[gl->volumes[i]];
+        const size_t *dim = volume->info.dim;
+        struct slices slices = slices_over(dim, volume->info.world_from_voxel, cone->pose.world_from_device + 12, axis,
+                                           slices_of_id_pass(gl->slices, dim));
+        prepare_rays(id_pass_rays(gl->pass), volume, cone);
+        status = id_pass_draw(gl->pass, i, &slices);
+    }
+    return status;
+}
+
+static uint64_t linear_index(const conus_atlas *atlas, uint32_t object, const float voxel[4])
+{
+    const size_t *dim = atlas_object_volume(atlas, object)->info.dim;
+    return (uint64_t)voxel[0] + dim[0] * ((uint64_t)voxel[1] + dim[1] * (uint64_t)voxel[2]);
+}
+
+static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+{
+    struct gl_engine *gl = (struct gl_engine *)engine;
+    struct gl_current previous = {0};
+    struct id_pixels pixels = {0};
+    conus_status status = gl_context_use(gl->context, &previous);
+    if (status) {
+        return status;
+    }
+    status = draw(gl, cone);
+    status = status ? status : id_pass_read(gl->pass, &pixels);
+    gl_current_restore(&previous);
+    if (status) {
+        return status;
+    }
+    evidence_clear(out);
+    for (size_t i = 0; i < (size_t)cone->resolution * cone->resolution; i++) {
+        uint32_t object = pixels.identifiers[i];
+        if (object) {
+            out->object[i] = object;
+            out->distance[i] = pixels.distances[i];
+            out->voxel[i] = linear_index(gl->atlas, object, pixels.voxels[i]);
+        }
+    }
+    return CONUS_OK;
+}
+
+/* ---- Creation ----------------------------------------------------------------------------------------------- */
+
+/* Identifiers are the objects' numbers: dense, from 1, integers all the way. */
+static conus_status create_pass(struct gl_engine *gl, conus_sampling sampling)
+{
+    size_t count = gl->atlas->object_count + 1;
+    uint32_t *identifiers = memory_raw(count, sizeof *identifiers);
+    if (!identifiers) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < count; i++) {
+        identifiers[i] = (uint32_t)i;
+    }
+    conus_status status = id_pass_create(&gl->pass, sampling, identifiers, count);
+    memory_free(identifiers);
+    return status;
+}
+
+static conus_status upload_volumes(struct gl_engine *gl)
+{
+    uint64_t memory_left = memory_limit;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < gl->atlas->volume_count && !status; i++) {
+        if (gl->atlas->volumes[i].info.role != CONUS_CONTEXT) {
+            status = id_pass_add_volume(gl->pass, &gl->atlas->volumes[i], &memory_left);
+            gl->volumes[gl->volume_count] = i;
+            gl->volume_count += !status;
+        }
+    }
+    return status;
+}
+
+static conus_status fill(struct gl_engine *gl, const struct engine_options *options)
+{
+    gl->volumes = memory_raw(gl->atlas->volume_count, sizeof *gl->volumes);
+    if (!gl->volumes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    conus_status status = gl_context_create(&gl->context, options->log, options->log_user);
+    if (status) {
+        return status;
+    }
+    snprintf(gl->base.name, sizeof gl->base.name, "gl, %s", gl_context_renderer(gl->context));
+    struct gl_current previous = {0};
+    status = gl_context_use(gl->context, &previous);
+    if (status) {
+        return status;
+    }
+    status = create_pass(gl, options->sampling);
+    status = status ? status : upload_volumes(gl);
+    gl_current_restore(&previous);
+    return status;
+}
+
+conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options)
+{
+    static const struct engine_functions functions = {.look = look, .destroy = destroy};
+    struct gl_engine *gl = memory_zeroed(1, sizeof *gl);
+    if (!gl) {
+        return CONUS_ERROR_MEMORY;
+    }
+    gl->base.functions = &functions;
+    gl->atlas = atlas;
+    gl->slices = options->slices;
+    conus_status status = fill(gl, options);
+    if (status) {
+        destroy(&gl->base);
+        return status;
+    }
+    *out = &gl->base;
+    return CONUS_OK;
+}
