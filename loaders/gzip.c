@@ -121,7 +121,7 @@ static void stream_close(struct stream *stream)
 
 conus_status gzip_head(struct bytes *out, const uint8_t *data, size_t size, size_t limit)
 {
-    struct stream *stream;
+    struct stream *stream = NULL;
     limit = smaller(limit, INFLATE_RATIO * ((uint64_t)size + 1));
     uint8_t *kept = memory_raw(limit, 1);
     conus_status status = kept ? stream_open(&stream, data, size) : CONUS_ERROR_MEMORY;
@@ -165,7 +165,7 @@ static size_t count_junk(const uint8_t *data, size_t size)
 
 static conus_status unpack_in_pieces(uint8_t *kept, struct gzip_range *range, const uint8_t *data, size_t size)
 {
-    struct stream *stream;
+    struct stream *stream = NULL;
     conus_status status = stream_open(&stream, data, size);
     if (status) {
         return status;

@@ -69,7 +69,7 @@ static conus_status set_parent(struct label *label, const json_t *path, const ch
     if (!length) {
         return CONUS_OK;
     }
-    uint32_t last;
+    uint32_t last = 0;
     conus_status status = read_number(&last, json_array_get(path, length - 1), "the end of structure_id_path", where);
     if (!status && last != label->number) {
         return fail(CONUS_ERROR_DATA, "%s: structure_id_path ends in %u, its own id %u is needed", where, last,

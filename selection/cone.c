@@ -17,13 +17,17 @@ conus_status cone_check(const struct cone *cone)
     return CONUS_OK;
 }
 
-void cone_ray(double out[3], const struct cone *cone, uint32_t i, uint32_t j)
+void cone_ray_at(double out[3], const struct cone *cone, double slope, uint32_t i, uint32_t j)
 {
-    double slope = tan(cone->angle / 2);
     double in_device[3] = {cone_coordinate(i, cone->resolution) * slope, cone_coordinate(j, cone->resolution) * slope,
                            -1};
     vec3_scale(in_device, in_device, 1 / vec3_length(in_device));
     mat4_direction(out, cone->pose.world_from_device, in_device);
+}
+
+void cone_ray(double out[3], const struct cone *cone, uint32_t i, uint32_t j)
+{
+    cone_ray_at(out, cone, tan(cone->angle / 2), i, j);
 }
 
 double cone_radius(const struct cone *cone, uint32_t i, uint32_t j)

@@ -1,21 +1,35 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "selection/evidence.h"
+#include "selection/engine_rays.h"
 
 #include "base/math3.h"
 #include "base/memory.h"
-#include "selection/traverse.h"
+#include "render/slices.h"
 
 #include <stdio.h>
 
+/* Pixels are taken in blocks of BLOCK x BLOCK, and in a block in tiles of 4 x 2, so that the rays that share a vector
+ * are neighbours both ways. */
+enum { BLOCK = 16, TILE_WIDTH = 4, TILE_HEIGHT = 2 };
+
 struct target {
     const struct volume *volume;
-    struct leap_map map;
+    struct leap_map map; /* exact sampling  */
+    uint32_t slices;     /* sampled slices  */
 };
 
 struct rays_engine {
     struct engine base;
+    conus_sampling sampling;
+    const struct traverse_kernel *kernel;
     size_t target_count;
     struct target targets[];
+};
+
+/* One block of pixels on its way. */
+struct block {
+    size_t pixel[TRAVERSE_BUNDLE];
+    double direction[3][TRAVERSE_BUNDLE]; /* in the world */
+    struct traverse_bundle bundle;
 };
 
 static void destroy(struct engine *engine)
@@ -28,81 +42,167 @@ static void destroy(struct engine *engine)
 }
 
 /* Nearest first; of equally near ones the object with the lower number. */
-static void keep_nearer(struct evidence *out, size_t pixel, const struct volume *volume,
-                        struct traverse_contact contact)
+static void keep_nearer(struct evidence *out, size_t pixel, const struct volume *volume, double t, uint64_t voxel)
 {
-    if (contact.voxel == UINT64_MAX || contact.t > out->distance[pixel]) {
+    if (voxel == UINT64_MAX || t > out->distance[pixel]) {
         return;
     }
-    uint32_t object = volume_object(volume, (size_t)contact.voxel);
-    if (contact.t < out->distance[pixel] || object < out->object[pixel]) {
+    uint32_t object = volume_object(volume, (size_t)voxel);
+    if (t < out->distance[pixel] || object < out->object[pixel]) {
         out->object[pixel] = object;
-        out->distance[pixel] = contact.t;
-        out->voxel[pixel] = contact.voxel;
+        out->distance[pixel] = t;
+        out->voxel[pixel] = voxel;
     }
 }
 
-static void look_at(const struct target *target, struct evidence *out, const struct cone *cone)
+static void add_pixel(struct block *block, const struct cone *cone, double slope, uint32_t i, uint32_t j)
 {
-    double origin[3];
-    mat4_point(origin, target->volume->voxel_from_world, cone->pose.world_from_device + 12);
-    uint32_t n = cone->resolution;
-    for (uint32_t j = 0; j < n; j++) {
-        for (uint32_t i = 0; i < n; i++) {
-            size_t pixel = (size_t)j * n + i;
-            double direction[3];
-            struct traverse_ray ray;
-            cone_ray(direction, cone, i, j);
-            mat4_direction(direction, target->volume->voxel_from_world, direction);
-            traverse_ray_init(&ray, origin, direction);
-            keep_nearer(out, pixel, target->volume, traverse_one(&target->map, &ray, out->distance[pixel]));
+    size_t ray = block->bundle.count++;
+    double direction[3];
+    block->pixel[ray] = (size_t)j * cone->resolution + i;
+    cone_ray_at(direction, cone, slope, i, j);
+    for (int a = 0; a < 3; a++) {
+        block->direction[a][ray] = direction[a];
+    }
+}
+
+/* Fills the block of pixels whose lowest column and row are given. */
+static void block_init(struct block *block, const struct cone *cone, uint32_t column, uint32_t row)
+{
+    double slope = tan(cone->angle / 2);
+    block->bundle.count = 0;
+    for (uint32_t k = 0; k < BLOCK * BLOCK; k++) {
+        uint32_t tile = k / (TILE_WIDTH * TILE_HEIGHT);
+        uint32_t i = column + tile % (BLOCK / TILE_WIDTH) * TILE_WIDTH + k % TILE_WIDTH;
+        uint32_t j = row + tile / (BLOCK / TILE_WIDTH) * TILE_HEIGHT + k / TILE_WIDTH % TILE_HEIGHT;
+        if (i < cone->resolution && j < cone->resolution) {
+            add_pixel(block, cone, slope, i, j);
+        }
+    }
+}
+
+/* Directions and limits of the block's rays in the index space of the volume. */
+static void aim(struct block *block, const struct volume *volume, const struct evidence *evidence)
+{
+    const double *m = volume->voxel_from_world;
+    struct traverse_bundle *bundle = &block->bundle;
+    for (size_t ray = 0; ray < bundle->count; ray++) {
+        double x = block->direction[0][ray];
+        double y = block->direction[1][ray];
+        double z = block->direction[2][ray];
+        for (int a = 0; a < 3; a++) {
+            bundle->direction[a][ray] = m[a] * x + m[4 + a] * y + m[8 + a] * z; /* as mat4_direction() */
+        }
+        bundle->limit[ray] = evidence->distance[block->pixel[ray]];
+    }
+}
+
+/* Eq. 7: the first of the planes, at depths along the axis, on which the ray meets an object's voxel. */
+static void sample_slices(const struct volume *volume, const struct slices *slices, struct traverse_bundle *bundle,
+                          size_t ray, double per_depth)
+{
+    const size_t *dim = volume->info.dim;
+    bundle->voxel[ray] = UINT64_MAX;
+    for (uint32_t k = 0; k < slices->count; k++) {
+        double t = slices_depth(slices, k) * per_depth;
+        double cell[3];
+        bool inside = true;
+        for (int a = 0; a < 3; a++) {
+            cell[a] = floor(bundle->origin[a] + t * bundle->direction[a][ray] + 0.5);
+            inside = inside && cell[a] >= 0 && cell[a] < (double)dim[a];
+        }
+        size_t voxel = inside ? (size_t)cell[0] + dim[0] * ((size_t)cell[1] + dim[1] * (size_t)cell[2]) : 0;
+        if (inside && volume_object(volume, voxel)) {
+            bundle->t[ray] = t;
+            bundle->voxel[ray] = voxel;
+            return;
+        }
+    }
+}
+
+static void walk_slices(const struct target *target, struct block *block, const struct cone *cone)
+{
+    const struct volume *volume = target->volume;
+    const double *device = cone->pose.world_from_device;
+    double axis[3];
+    vec3_scale(axis, device + 8, -1);
+    struct slices slices =
+        slices_over(volume->info.dim, volume->info.world_from_voxel, device + 12, axis, target->slices);
+    for (size_t ray = 0; ray < block->bundle.count; ray++) {
+        double direction[3] = {block->direction[0][ray], block->direction[1][ray], block->direction[2][ray]};
+        sample_slices(volume, &slices, &block->bundle, ray, 1 / vec3_dot(direction, axis));
+    }
+}
+
+static void look_through(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
+                         struct block *block)
+{
+    for (size_t i = 0; i < engine->target_count; i++) {
+        const struct volume *volume = engine->targets[i].volume;
+        struct traverse_bundle *bundle = &block->bundle;
+        mat4_point(bundle->origin, volume->voxel_from_world, cone->pose.world_from_device + 12);
+        aim(block, volume, out);
+        if (engine->sampling == CONUS_SLICES) {
+            walk_slices(&engine->targets[i], block, cone);
+        } else {
+            traverse_bundle_walk(engine->kernel, &engine->targets[i].map, bundle);
+        }
+        for (size_t ray = 0; ray < bundle->count; ray++) {
+            keep_nearer(out, block->pixel[ray], volume, bundle->t[ray], bundle->voxel[ray]);
         }
     }
 }
 
 static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
-    const struct rays_engine *rays = (const struct rays_engine *)engine;
     evidence_clear(out);
-    for (size_t i = 0; i < rays->target_count; i++) {
-        look_at(&rays->targets[i], out, cone);
+    struct block block;
+    for (uint32_t row = 0; row < cone->resolution; row += BLOCK) {
+        for (uint32_t column = 0; column < cone->resolution; column += BLOCK) {
+            block_init(&block, cone, column, row);
+            look_through((const struct rays_engine *)engine, out, cone, &block);
+        }
     }
     return CONUS_OK;
 }
 
-static conus_status add_targets(struct rays_engine *engine, const conus_atlas *atlas)
+static conus_status add_target(struct rays_engine *engine, const struct volume *volume, uint32_t slices)
 {
-    for (size_t i = 0; i < atlas->volume_count; i++) {
-        const struct volume *volume = &atlas->volumes[i];
-        if (volume->info.role == CONUS_CONTEXT) {
-            continue;
-        }
-        struct target *target = &engine->targets[engine->target_count];
-        target->volume = volume;
-        conus_status status = leap_map_init(&target->map, volume);
-        if (status) {
-            return status;
-        }
-        engine->target_count++;
-    }
-    return CONUS_OK;
+    struct target *target = &engine->targets[engine->target_count];
+    *target = (struct target){.volume = volume};
+    target->slices = slices_of_id_pass(slices, volume->info.dim);
+    conus_status status = engine->sampling == CONUS_EXACT ? leap_map_init(&target->map, volume) : CONUS_OK;
+    engine->target_count += !status;
+    return status;
 }
 
-conus_status engine_rays_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options)
+conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atlas,
+                                     const struct engine_options *options, const struct traverse_kernel *kernel)
 {
-    (void)options;
     static const struct engine_functions functions = {.look = look, .destroy = destroy};
     struct rays_engine *engine = memory_zeroed(1, sizeof *engine + atlas->volume_count * sizeof engine->targets[0]);
     if (!engine) {
         return CONUS_ERROR_MEMORY;
     }
     engine->base.functions = &functions;
-    snprintf(engine->base.name, sizeof engine->base.name, "rays, scalar");
-    conus_status status = add_targets(engine, atlas);
+    engine->sampling = options->sampling;
+    engine->kernel = kernel;
+    snprintf(engine->base.name, sizeof engine->base.name, "rays, %s", kernel->name);
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < atlas->volume_count && !status; i++) {
+        if (atlas->volumes[i].info.role != CONUS_CONTEXT) {
+            status = add_target(engine, &atlas->volumes[i], options->slices);
+        }
+    }
     if (status) {
         destroy(&engine->base);
         return status;
     }
     *out = &engine->base;
     return CONUS_OK;
+}
+
+conus_status engine_rays_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options)
+{
+    return engine_rays_create_with(out, atlas, options, traverse_best_kernel());
 }

@@ -5,39 +5,307 @@
 
 #include <string.h>
 
+/* Fine distances are counted up to FINE_LEVELS in PLANES bits; farther away whole bricks are counted. */
+enum { PLANES = 4, FINE_LEVELS = (1 << PLANES) - 1, FAR_BRICKS = 32, BRICK_WORDS = LEAP_BRICK };
+
+/* A brick as bits: word k % 8, bit i % 8 + 8 (j % 8). */
+struct bits {
+    uint64_t word[BRICK_WORDS];
+};
+
+/* What making a map needs besides. Bricks here have an empty border of one brick all around, so that every brick has
+ * its neighbours. */
+struct workshop {
+    ptrdiff_t stride[3];
+    size_t brick_count;
+    struct bits *grown;  /* the occupied voxels, dilated so far */
+    struct bits *other;  /* the target of a dilation's steps    */
+    struct bits *planes; /* [brick][PLANES] codes, bit by bit   */
+    uint8_t *distance;   /* to the nearest occupied brick       */
+};
+
 void leap_map_finish(struct leap_map *map)
 {
     memory_free(map->codes);
     *map = (struct leap_map){0};
 }
 
-static void mark_voxels(struct leap_map *map, const struct volume *volume)
+static void workshop_finish(struct workshop *shop)
 {
-    size_t voxel = 0;
-    for (size_t k = 0; k < map->dim[2]; k++) {
-        for (size_t j = 0; j < map->dim[1]; j++) {
-            for (size_t i = 0; i < map->dim[0]; i++) {
-                map->codes[leap_map_at(map, i, j, k)] = !volume_object(volume, voxel++);
+    memory_free(shop->grown);
+    memory_free(shop->other);
+    memory_free(shop->planes);
+    memory_free(shop->distance);
+}
+
+static conus_status workshop_init(struct workshop *shop, const struct leap_map *map)
+{
+    size_t count = 1;
+    *shop = (struct workshop){0};
+    for (int a = 0; a < 3; a++) {
+        shop->stride[a] = (ptrdiff_t)count;
+        if (!memory_multiply(count, map->bricks[a] + 2, &count)) {
+            return fail(CONUS_ERROR_MEMORY, "out of memory");
+        }
+    }
+    shop->brick_count = count;
+    shop->grown = memory_zeroed(count, sizeof *shop->grown);
+    shop->other = memory_zeroed(count, sizeof *shop->other);
+    shop->planes = memory_zeroed(count, PLANES * sizeof *shop->planes);
+    shop->distance = memory_raw(count, sizeof *shop->distance);
+    return shop->grown && shop->other && shop->planes && shop->distance ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static size_t shop_brick(const struct workshop *shop, size_t i, size_t j, size_t k)
+{
+    return (i + 1) * (size_t)shop->stride[0] + (j + 1) * (size_t)shop->stride[1] + (k + 1) * (size_t)shop->stride[2];
+}
+
+/* One bit per object of a run of at most 8 voxels. */
+static uint64_t row_bits16(const uint16_t *objects, size_t count)
+{
+    uint64_t bits = 0;
+    if (count == LEAP_BRICK) {
+        uint64_t halves[2];
+        memcpy(halves, objects, sizeof halves);
+        if (!(halves[0] | halves[1])) {
+            return 0;
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        bits |= (uint64_t)(objects[i] != 0) << i;
+    }
+    return bits;
+}
+
+static uint64_t row_bits32(const uint32_t *objects, size_t count)
+{
+    uint64_t bits = 0;
+    for (size_t i = 0; i < count; i++) {
+        bits |= (uint64_t)(objects[i] != 0) << i;
+    }
+    return bits;
+}
+
+/* Marks one row of voxels along i, starting at linear index `voxel`. */
+static void mark_row(struct workshop *shop, const struct volume *volume, size_t j, size_t k, size_t voxel)
+{
+    size_t dim = volume->info.dim[0];
+    struct bits *brick = &shop->grown[shop_brick(shop, 0, j / LEAP_BRICK, k / LEAP_BRICK)];
+    for (size_t i = 0; i < dim; i += LEAP_BRICK, brick++) {
+        size_t count = dim - i < LEAP_BRICK ? dim - i : LEAP_BRICK;
+        uint64_t bits = volume->objects16 ? row_bits16(volume->objects16 + voxel + i, count)
+                                          : row_bits32(volume->objects32 + voxel + i, count);
+        brick->word[k % LEAP_BRICK] |= bits << (LEAP_BRICK * (j % LEAP_BRICK));
+    }
+}
+
+static void mark_occupied(struct workshop *shop, const struct volume *volume)
+{
+    for (size_t k = 0; k < volume->info.dim[2]; k++) {
+        for (size_t j = 0; j < volume->info.dim[1]; j++) {
+            mark_row(shop, volume, j, k, volume->info.dim[0] * (j + volume->info.dim[1] * k));
+        }
+    }
+}
+
+/* Calls step for every row of bricks along i, that is for bricks first .. first + map->bricks[0] - 1. */
+typedef void row_step(struct workshop *shop, size_t first, size_t count);
+
+static void for_rows(struct workshop *shop, const struct leap_map *map, row_step *step)
+{
+    for (size_t k = 0; k < map->bricks[2]; k++) {
+        for (size_t j = 0; j < map->bricks[1]; j++) {
+            step(shop, shop_brick(shop, 0, j, k), map->bricks[0]);
+        }
+    }
+}
+
+/* Adds 1 to the code of every voxel that the growth has not reached. */
+static void count_row(struct workshop *shop, size_t first, size_t count)
+{
+    for (size_t b = first; b < first + count; b++) {
+        for (int w = 0; w < BRICK_WORDS; w++) {
+            uint64_t carry = ~shop->grown[b].word[w];
+            for (int p = 0; p < PLANES; p++) {
+                uint64_t *plane = &shop->planes[b * PLANES + (size_t)p].word[w];
+                uint64_t sum = *plane ^ carry;
+                carry &= *plane;
+                *plane = sum;
             }
         }
+    }
+}
+
+#define EVERY_ROW(byte) (UINT64_C(0x0101010101010101) * (byte))
+
+static void grow_row_along_i(struct workshop *shop, size_t first, size_t count)
+{
+    const struct bits *from = shop->grown;
+    for (size_t b = first; b < first + count; b++) {
+        for (int w = 0; w < BRICK_WORDS; w++) {
+            uint64_t x = from[b].word[w];
+            uint64_t up = (x << 1 & EVERY_ROW(0xfe)) | (from[b - 1].word[w] >> 7 & EVERY_ROW(0x01));
+            uint64_t down = (x >> 1 & EVERY_ROW(0x7f)) | (from[b + 1].word[w] << 7 & EVERY_ROW(0x80));
+            shop->other[b].word[w] = x | up | down;
+        }
+    }
+}
+
+static void grow_row_along_j(struct workshop *shop, size_t first, size_t count)
+{
+    const struct bits *from = shop->other;
+    size_t step = (size_t)shop->stride[1];
+    for (size_t b = first; b < first + count; b++) {
+        for (int w = 0; w < BRICK_WORDS; w++) {
+            uint64_t x = from[b].word[w];
+            uint64_t up = x << 8 | from[b - step].word[w] >> 56;
+            uint64_t down = x >> 8 | from[b + step].word[w] << 56;
+            shop->grown[b].word[w] = x | up | down;
+        }
+    }
+}
+
+static void grow_row_along_k(struct workshop *shop, size_t first, size_t count)
+{
+    const struct bits *from = shop->grown;
+    size_t step = (size_t)shop->stride[2];
+    for (size_t b = first; b < first + count; b++) {
+        uint64_t before = from[b - step].word[BRICK_WORDS - 1];
+        for (int w = 0; w < BRICK_WORDS; w++) {
+            uint64_t after = w + 1 < BRICK_WORDS ? from[b].word[w + 1] : from[b + step].word[0];
+            shop->other[b].word[w] = before | from[b].word[w] | after;
+            before = from[b].word[w];
+        }
+    }
+}
+
+static void count_fine_distances(struct workshop *shop, const struct leap_map *map)
+{
+    for_rows(shop, map, count_row);
+    for (int level = 1; level < FINE_LEVELS; level++) {
+        for_rows(shop, map, grow_row_along_i);
+        for_rows(shop, map, grow_row_along_j);
+        for_rows(shop, map, grow_row_along_k);
+        struct bits *grown = shop->other;
+        shop->other = shop->grown;
+        shop->grown = grown;
+        for_rows(shop, map, count_row);
+    }
+}
+
+static void mark_distance_row(struct workshop *shop, size_t first, size_t count)
+{
+    for (size_t b = first; b < first + count; b++) {
+        uint64_t any = 0;
+        for (int w = 0; w < BRICK_WORDS; w++) {
+            any |= shop->grown[b].word[w];
+        }
+        shop->distance[b] = any ? 0 : FAR_BRICKS;
+    }
+}
+
+/* Lowers a brick's distance to 1 + that of the 13 neighbours before it (sign 1) or behind it (sign -1). */
+static void relax_brick(struct workshop *shop, size_t brick, ptrdiff_t sign)
+{
+    uint8_t best = shop->distance[brick];
+    for (int n = 0; n < 13; n++) {
+        ptrdiff_t offset = (n % 3 - 1) * shop->stride[0] + (n / 3 % 3 - 1) * shop->stride[1];
+        offset -= n < 9 ? shop->stride[2] : 0;
+        uint8_t further = (uint8_t)(shop->distance[(ptrdiff_t)brick + sign * offset] + 1);
+        best = further < best ? further : best;
+    }
+    shop->distance[brick] = best;
+}
+
+static void relax_row(struct workshop *shop, size_t first, size_t count)
+{
+    for (size_t b = first; b < first + count; b++) {
+        relax_brick(shop, b, 1);
+    }
+}
+
+static void relax_row_backwards(struct workshop *shop, size_t first, size_t count)
+{
+    for (size_t b = first + count; b-- > first;) {
+        relax_brick(shop, b, -1);
+    }
+}
+
+static void count_brick_distances(struct workshop *shop, const struct leap_map *map)
+{
+    memset(shop->distance, FAR_BRICKS, shop->brick_count);
+    for_rows(shop, map, mark_distance_row);
+    for_rows(shop, map, relax_row);
+    for (size_t k = map->bricks[2]; k-- > 0;) {
+        for (size_t j = map->bricks[1]; j-- > 0;) {
+            relax_row_backwards(shop, shop_brick(shop, 0, j, k), map->bricks[0]);
+        }
+    }
+}
+
+/* spread[b] has bit n of b in its n-th byte. */
+static void make_spread(uint64_t spread[256])
+{
+    for (unsigned b = 0; b < 256; b++) {
+        uint8_t bytes[8];
+        for (unsigned n = 0; n < 8; n++) {
+            bytes[n] = (uint8_t)(b >> n & 1);
+        }
+        memcpy(&spread[b], bytes, sizeof bytes);
+    }
+}
+
+static void write_fine_codes(uint8_t *codes, const struct bits planes[PLANES], const uint64_t spread[256])
+{
+    for (int row = 0; row < BRICK_WORDS * LEAP_BRICK; row++) {
+        uint64_t eight = 0;
+        for (int p = 0; p < PLANES; p++) {
+            eight += spread[planes[p].word[row / LEAP_BRICK] >> LEAP_BRICK * (row % LEAP_BRICK) & 0xff] << p;
+        }
+        memcpy(codes + (ptrdiff_t)row * LEAP_BRICK, &eight, sizeof eight);
+    }
+}
+
+/* A voxel of a brick n bricks away from an occupied one has n - 1 whole empty bricks on every side. */
+static void write_codes(struct leap_map *map, const struct workshop *shop)
+{
+    uint64_t spread[256];
+    make_spread(spread);
+    uint8_t *codes = map->codes;
+    for (size_t brick = 0; brick < map->bricks[0] * map->bricks[1] * map->bricks[2]; brick++) {
+        size_t i = brick % map->bricks[0];
+        size_t j = brick / map->bricks[0] % map->bricks[1];
+        size_t b = shop_brick(shop, i, j, brick / map->bricks[0] / map->bricks[1]);
+        int far = 1 + LEAP_BRICK * (shop->distance[b] - 1);
+        if (far > FINE_LEVELS) {
+            memset(codes, far < UINT8_MAX ? far : UINT8_MAX, LEAP_BRICK_VOXELS);
+        } else {
+            write_fine_codes(codes, shop->planes + b * PLANES, spread);
+        }
+        codes += LEAP_BRICK_VOXELS;
     }
 }
 
 conus_status leap_map_init(struct leap_map *out, const struct volume *volume)
 {
     struct leap_map map = {0};
+    struct workshop shop;
     size_t count = 1;
     for (int a = 0; a < 3; a++) {
         map.dim[a] = volume->info.dim[a];
         map.bricks[a] = (map.dim[a] + LEAP_BRICK - 1) / LEAP_BRICK;
-        count *= map.bricks[a]; /* below the number of voxels, which was checked */
+        count *= map.bricks[a]; /* at most the number of voxels, which was checked */
     }
-    map.codes = memory_raw(count, LEAP_BRICK_VOXELS);
-    if (!map.codes) {
-        return CONUS_ERROR_MEMORY;
+    conus_status status = workshop_init(&shop, &map);
+    map.codes = status ? NULL : memory_raw(count + 1, LEAP_BRICK_VOXELS);
+    if (map.codes) {
+        mark_occupied(&shop, volume);
+        count_brick_distances(&shop, &map);
+        count_fine_distances(&shop, &map);
+        write_codes(&map, &shop);
+        *out = map;
     }
-    memset(map.codes, 1, count * LEAP_BRICK_VOXELS);
-    mark_voxels(&map, volume);
-    *out = map;
-    return CONUS_OK;
+    workshop_finish(&shop);
+    return map.codes ? CONUS_OK : CONUS_ERROR_MEMORY;
 }

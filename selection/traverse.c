@@ -3,6 +3,12 @@
 
 #include <math.h>
 
+/* After it the ray is in the next cell of the axis. */
+struct crossing {
+    double t;
+    int axis;
+};
+
 double traverse_cell(double x)
 {
     double cell = floor(x + 0.5);
@@ -40,13 +46,14 @@ static double entry_time(const struct traverse_ray *ray, int a, double cell)
     return crossing_time(ray, a, cell, -0.5);
 }
 
-static bool is_before(double t, int axis, struct traverse_crossing crossing)
+static bool is_before(double t, int axis, struct crossing crossing)
 {
     return t < crossing.t || (t == crossing.t && axis < crossing.axis);
 }
 
-double traverse_cell_after(const struct traverse_ray *ray, int axis, struct traverse_crossing crossing, double from,
-                           double end)
+/* The cell of `axis` in which the ray is just after the crossing of another axis, when it was in `from` some time
+ * before; past `end`, the first cell beyond the grid in the ray's direction, it does not look. */
+static double cell_after(const struct traverse_ray *ray, int axis, struct crossing crossing, double from, double end)
 {
     double sign = ray->sign[axis];
     double guess = floor(ray->origin[axis] + crossing.t * ray->direction[axis] + 0.5);
@@ -67,12 +74,12 @@ static double end_of(const struct leap_map *map, const struct traverse_ray *ray,
 }
 
 /* Moves all axes but that of the crossing to where they are after it. */
-static void catch_up(const struct leap_map *map, const struct traverse_ray *ray, struct traverse_crossing crossing,
+static void catch_up(const struct leap_map *map, const struct traverse_ray *ray, struct crossing crossing,
                      double cell[3])
 {
     for (int a = 0; a < 3; a++) {
         if (a != crossing.axis) {
-            cell[a] = traverse_cell_after(ray, a, crossing, cell[a], end_of(map, ray, a));
+            cell[a] = cell_after(ray, a, crossing, cell[a], end_of(map, ray, a));
         }
     }
 }
@@ -87,63 +94,141 @@ static bool is_inside(const struct leap_map *map, const double cell[3])
     return true;
 }
 
-/* The ray's first cell in the grid: its origin's, or that behind the last crossing that brings it in. */
-static bool enter_grid(const struct leap_map *map, const struct traverse_ray *ray, double cell[3], double *t)
+bool traverse_enter(const struct leap_map *map, const struct traverse_ray *ray, struct traverse_place *out)
 {
-    struct traverse_crossing last = {.t = 0, .axis = -1};
+    struct crossing last = {.t = 0, .axis = -1};
     for (int a = 0; a < 3; a++) {
-        cell[a] = traverse_cell(ray->origin[a]);
-        double first = ray->sign[a] > 0 ? 0 : (double)map->dim[a] - 1;
-        if ((first - cell[a]) * ray->sign[a] > 0) {
-            double entry = entry_time(ray, a, first);
+        out->cell[a] = traverse_cell(ray->origin[a]);
+        double face = ray->sign[a] > 0 ? 0 : (double)map->dim[a] - 1;
+        if ((face - out->cell[a]) * ray->sign[a] > 0) {
+            double entry = entry_time(ray, a, face);
             if (entry >= last.t) {
-                last = (struct traverse_crossing){.t = entry, .axis = a};
+                last = (struct crossing){.t = entry, .axis = a};
             }
-            cell[a] = first;
+            out->cell[a] = face;
         }
     }
+    out->t = last.t;
     if (last.axis >= 0 && last.t < INFINITY) {
-        catch_up(map, ray, last, cell);
+        catch_up(map, ray, last, out->cell);
     }
-    *t = last.t;
-    return last.t < INFINITY && is_inside(map, cell);
+    return last.t < INFINITY && is_inside(map, out->cell);
 }
 
-/* Leaves the box of @p radius cells around the cell; all of it is empty. */
-static struct traverse_crossing leap(const struct leap_map *map, const struct traverse_ray *ray, double radius,
-                                     double cell[3])
+bool traverse_leap(const struct leap_map *map, const struct traverse_ray *ray, double radius,
+                   struct traverse_place *place)
 {
-    struct traverse_crossing first = {.t = INFINITY, .axis = 0};
+    struct crossing first = {.t = INFINITY, .axis = 0};
     for (int a = 0; a < 3; a++) {
-        double t = exit_time(ray, a, cell[a] + radius * ray->sign[a]);
+        double t = exit_time(ray, a, place->cell[a] + radius * ray->sign[a]);
         if (t < first.t) {
-            first = (struct traverse_crossing){.t = t, .axis = a};
+            first = (struct crossing){.t = t, .axis = a};
         }
     }
-    cell[first.axis] += (radius + 1) * ray->sign[first.axis];
+    place->t = first.t;
+    place->cell[first.axis] += (radius + 1) * ray->sign[first.axis];
     if (first.t < INFINITY) {
-        catch_up(map, ray, first, cell);
+        catch_up(map, ray, first, place->cell);
     }
-    return first;
+    return first.t < INFINITY && is_inside(map, place->cell);
 }
 
 struct traverse_contact traverse_one(const struct leap_map *map, const struct traverse_ray *ray, double limit)
 {
-    struct traverse_contact none = {.t = INFINITY, .voxel = UINT64_MAX};
-    double cell[3];
-    double t;
-    if (!enter_grid(map, ray, cell, &t)) {
-        return none;
-    }
-    while (t <= limit && t < INFINITY && is_inside(map, cell)) {
-        size_t i = (size_t)cell[0];
-        size_t j = (size_t)cell[1];
-        size_t k = (size_t)cell[2];
+    struct traverse_place at;
+    bool inside = traverse_enter(map, ray, &at);
+    while (inside && at.t <= limit) {
+        size_t i = (size_t)at.cell[0];
+        size_t j = (size_t)at.cell[1];
+        size_t k = (size_t)at.cell[2];
         uint8_t code = map->codes[leap_map_at(map, i, j, k)];
         if (!code) {
-            return (struct traverse_contact){.t = t, .voxel = i + map->dim[0] * (j + map->dim[1] * k)};
+            return (struct traverse_contact){.t = at.t, .voxel = i + map->dim[0] * (j + map->dim[1] * k)};
         }
-        t = leap(map, ray, code - 1, cell).t;
+        inside = traverse_leap(map, ray, code - 1, &at);
     }
-    return none;
+    return (struct traverse_contact){.t = INFINITY, .voxel = UINT64_MAX};
+}
+
+static void walk_one_by_one(const struct leap_map *map, struct traverse_bundle *bundle)
+{
+    for (size_t i = 0; i < bundle->count; i++) {
+        struct traverse_ray ray;
+        double direction[3] = {bundle->direction[0][i], bundle->direction[1][i], bundle->direction[2][i]};
+        traverse_ray_init(&ray, bundle->origin, direction);
+        struct traverse_contact contact = traverse_one(map, &ray, bundle->limit[i]);
+        bundle->t[i] = contact.t;
+        bundle->voxel[i] = contact.voxel;
+    }
+}
+
+static bool everywhere(void)
+{
+    return true;
+}
+
+#if defined(__x86_64__)
+static bool has_avx512(void)
+{
+    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
+}
+
+static bool has_avx2(void)
+{
+    return __builtin_cpu_supports("avx2");
+}
+#endif
+
+const struct traverse_kernel *traverse_kernel(size_t index)
+{
+    static const struct traverse_kernel kernels[] = {
+#if defined(__x86_64__)
+        {.name = "avx512", .is_supported = has_avx512, .walk = traverse_walk_avx512},
+        {.name = "avx2", .is_supported = has_avx2, .walk = traverse_walk_avx2},
+        {.name = "sse2", .is_supported = everywhere, .walk = traverse_walk_plain},
+#else
+        {.name = "vector", .is_supported = everywhere, .walk = traverse_walk_plain},
+#endif
+        {.name = "scalar", .is_supported = everywhere, .walk = walk_one_by_one},
+    };
+    return index < sizeof kernels / sizeof kernels[0] ? &kernels[index] : NULL;
+}
+
+const struct traverse_kernel *traverse_best_kernel(void)
+{
+    size_t i = 0;
+    while (!traverse_kernel(i)->is_supported()) {
+        i++;
+    }
+    return traverse_kernel(i);
+}
+
+/* Repeats the last ray. */
+static void pad(struct traverse_bundle *bundle)
+{
+    size_t last = bundle->count - 1;
+    for (; bundle->count % TRAVERSE_LANES; bundle->count++) {
+        for (int a = 0; a < 3; a++) {
+            bundle->direction[a][bundle->count] = bundle->direction[a][last];
+        }
+        bundle->limit[bundle->count] = bundle->limit[last];
+    }
+}
+
+void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct leap_map *map,
+                          struct traverse_bundle *bundle)
+{
+    bool is_near = true;
+    for (int a = 0; a < 3; a++) {
+        is_near = is_near && fabs(bundle->origin[a]) < TRAVERSE_FAR && (double)map->dim[a] < TRAVERSE_FAR;
+    }
+    size_t count = bundle->count;
+    if (is_near && count > 0) {
+        pad(bundle);
+        kernel->walk(map, bundle);
+    } else {
+        walk_one_by_one(map, bundle);
+    }
+    bundle->count = count;
 }

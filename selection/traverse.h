@@ -20,10 +20,10 @@ struct traverse_ray {
     double sign[3]; /**< +1 or -1 */
 };
 
-/** A crossing: after it the ray is in the next cell of @p axis. */
-struct traverse_crossing {
+/** Where a ray is: in the cell with these indices (whole numbers) since @p t mm. */
+struct traverse_place {
+    double cell[3];
     double t;
-    int axis;
 };
 
 /** The first voxel with an object. */
@@ -37,12 +37,51 @@ double traverse_cell(double x);
 
 void traverse_ray_init(struct traverse_ray *out, const double origin[3], const double direction[3]);
 
-/** The cell of @p axis in which the ray is just after @p crossing of another axis, when it was in @p from some time
- * before; @p end is the first cell beyond the grid in the ray's direction, past which it does not look. */
-double traverse_cell_after(const struct traverse_ray *ray, int axis, struct traverse_crossing crossing, double from,
-                           double end);
+/** The ray's first place in the grid; false if it misses it. */
+bool traverse_enter(const struct leap_map *map, const struct traverse_ray *ray, struct traverse_place *out);
+
+/** Leaves the box of @p radius cells around @p place, which must be empty; false if the ray is out of the grid then. */
+bool traverse_leap(const struct leap_map *map, const struct traverse_ray *ray, double radius,
+                   struct traverse_place *place);
 
 /** Walks one ray; gives up beyond @p limit mm. */
 struct traverse_contact traverse_one(const struct leap_map *map, const struct traverse_ray *ray, double limit);
+
+enum { TRAVERSE_BUNDLE = 256, TRAVERSE_LANES = 16 };
+
+/** Origins farther away than so many voxels need traverse_one(). */
+#define TRAVERSE_FAR 0x1p25
+
+/** Rays with one origin, neighbours side by side: what a kernel walks at once. */
+struct traverse_bundle {
+    size_t count; /**< Of rays, at most TRAVERSE_BUNDLE. */
+    double origin[3];
+    double direction[3][TRAVERSE_BUNDLE]; /**< Per mm, in index space. */
+    double limit[TRAVERSE_BUNDLE];        /**< Give up beyond.         */
+    double t[TRAVERSE_BUNDLE];            /**< Out: as in traverse_contact. */
+    uint64_t voxel[TRAVERSE_BUNDLE];
+};
+
+/** One way to walk bundles. Kernels need `count` to be a multiple of TRAVERSE_LANES and near origins;
+ * traverse_bundle_walk() sees to both. */
+struct traverse_kernel {
+    const char *name; /**< "avx512" */
+    bool (*is_supported)(void);
+    void (*walk)(const struct leap_map *map, struct traverse_bundle *bundle);
+};
+
+/* By instruction set: traverse_avx512.c, traverse_avx2.c, traverse_plain.c; all of them from traverse_lanes.h. */
+void traverse_walk_avx512(const struct leap_map *map, struct traverse_bundle *bundle);
+void traverse_walk_avx2(const struct leap_map *map, struct traverse_bundle *bundle);
+void traverse_walk_plain(const struct leap_map *map, struct traverse_bundle *bundle);
+
+/** Entry @p index of the table of kernels, the fastest first; NULL past the last. The last runs on any machine. */
+const struct traverse_kernel *traverse_kernel(size_t index);
+
+/** The fastest that this machine can run. */
+const struct traverse_kernel *traverse_best_kernel(void);
+
+void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct leap_map *map,
+                          struct traverse_bundle *bundle);
 
 #endif

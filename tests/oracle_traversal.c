@@ -5,12 +5,14 @@
 
 #include <math.h>
 
+static const struct oracle_hit nothing = {.distance = INFINITY, .voxel = EVIDENCE_NO_VOXEL};
+
 /* A ray on its way; t_next[a] is when it leaves its cell along axis a. */
 struct walk {
-    const double *origin;
-    double inverse[3];
+    double origin[3], inverse[3];
     long cell[3], step[3], dim[3];
     double t, t_next[3];
+    double face[3]; /* the plane crossed at t_next */
 };
 
 static long cell_holding(double x)
@@ -19,11 +21,15 @@ static long cell_holding(double x)
     return x - (double)cell >= 0.5 ? cell + 1 : cell;
 }
 
-/* When the ray crosses into `cell` along axis a from the cell before it. */
+/* The face through which the ray comes into `cell` along axis a. */
+static double face_before(const struct walk *walk, int a, long cell)
+{
+    return (double)(walk->step[a] > 0 ? cell : cell + 1) - 0.5;
+}
+
 static double entry(const struct walk *walk, int a, long cell)
 {
-    long plane = walk->step[a] > 0 ? cell : cell + 1;
-    return ((double)plane - 0.5 - walk->origin[a]) * walk->inverse[a];
+    return (face_before(walk, a, cell) - walk->origin[a]) * walk->inverse[a];
 }
 
 /* Puts the walk on its start or, from outside, on the crossing that brings the last of the axes into the grid. */
@@ -52,6 +58,7 @@ static bool start(struct walk *walk)
         }
     }
     for (int a = 0; a < 3; a++) {
+        walk->face[a] = face_before(walk, a, walk->cell[a] + walk->step[a]);
         walk->t_next[a] = walk->step[a] ? entry(walk, a, walk->cell[a] + walk->step[a]) : INFINITY;
         if (walk->cell[a] < 0 || walk->cell[a] >= walk->dim[a]) {
             return false;
@@ -60,10 +67,42 @@ static bool start(struct walk *walk)
     return true;
 }
 
+/* Crosses the next face of axis a; false when that leaves the grid. */
+static inline bool step(struct walk *walk, int a)
+{
+    walk->t = walk->t_next[a];
+    walk->cell[a] += walk->step[a];
+    walk->face[a] += (double)walk->step[a];
+    walk->t_next[a] = (walk->face[a] - walk->origin[a]) * walk->inverse[a];
+    return walk->cell[a] >= 0 && walk->cell[a] < walk->dim[a] && walk->step[a];
+}
+
+static struct oracle_hit follow(const struct volume *volume, const struct walk *start_of_walk)
+{
+    struct walk walk = *start_of_walk;
+    long row = walk.dim[0];
+    long layer = walk.dim[0] * walk.dim[1];
+    bool inside = true;
+    while (inside) {
+        size_t voxel = (size_t)(walk.cell[0] + row * walk.cell[1] + layer * walk.cell[2]);
+        uint32_t object = volume_object(volume, voxel);
+        if (object) {
+            return (struct oracle_hit){.object = object, .distance = walk.t, .voxel = voxel};
+        }
+        if (walk.t_next[0] <= walk.t_next[1] && walk.t_next[0] <= walk.t_next[2]) {
+            inside = step(&walk, 0);
+        } else if (walk.t_next[1] <= walk.t_next[2]) {
+            inside = step(&walk, 1);
+        } else {
+            inside = step(&walk, 2);
+        }
+    }
+    return nothing;
+}
+
 struct oracle_hit oracle_ray(const struct volume *volume, const double origin[3], const double direction[3])
 {
-    const struct oracle_hit none = {.distance = INFINITY, .voxel = EVIDENCE_NO_VOXEL};
-    struct walk walk = {.origin = origin};
+    struct walk walk = {.origin = {origin[0], origin[1], origin[2]}};
     for (int a = 0; a < 3; a++) {
         walk.dim[a] = (long)volume->info.dim[a];
         walk.cell[a] = cell_holding(origin[a]);
@@ -71,34 +110,19 @@ struct oracle_hit oracle_ray(const struct volume *volume, const double origin[3]
         walk.step[a] = isinf(walk.inverse[a]) ? 0 : direction[a] > 0 ? 1 : -1;
     }
     if (!start(&walk)) {
-        return none;
+        return nothing;
     }
-    const long stride[3] = {1, walk.dim[0], walk.dim[0] * walk.dim[1]};
-    long voxel = walk.cell[0] + stride[1] * walk.cell[1] + stride[2] * walk.cell[2];
-    for (;;) {
-        uint32_t object = volume_object(volume, (size_t)voxel);
-        if (object) {
-            return (struct oracle_hit){.object = object, .distance = walk.t, .voxel = (uint64_t)voxel};
-        }
-        int a = walk.t_next[1] < walk.t_next[0] ? 1 : 0;
-        a = walk.t_next[2] < walk.t_next[a] ? 2 : a;
-        walk.cell[a] += walk.step[a];
-        if (walk.cell[a] < 0 || walk.cell[a] >= walk.dim[a] || !walk.step[a]) {
-            return none;
-        }
-        walk.t = walk.t_next[a];
-        walk.t_next[a] = entry(&walk, a, walk.cell[a] + walk.step[a]);
-        voxel += walk.step[a] * stride[a];
-    }
+    return follow(volume, &walk);
 }
 
 static void look_at(struct evidence *out, const struct volume *volume, const struct cone *cone)
 {
     double origin[3];
+    double slope = tan(cone->angle / 2);
     mat4_point(origin, volume->voxel_from_world, cone->pose.world_from_device + 12);
     for (uint32_t pixel = 0; pixel < cone->resolution * cone->resolution; pixel++) {
         double direction[3];
-        cone_ray(direction, cone, pixel % cone->resolution, pixel / cone->resolution);
+        cone_ray_at(direction, cone, slope, pixel % cone->resolution, pixel / cone->resolution);
         mat4_direction(direction, volume->voxel_from_world, direction);
         struct oracle_hit hit = oracle_ray(volume, origin, direction);
         if (hit.object && (hit.distance < out->distance[pixel] ||

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * conus-bench: scenarios in a table, and what they share: interleaved timing, statistics, JSON. A scenario may use the
+ * library's internals. Every ratio stands on variants that ran side by side in one process and gave equal answers. */
+#ifndef CONUS_APPS_BENCH_H
+#define CONUS_APPS_BENCH_H
+
+#include "atlas/atlas.h"
+
+#include <jansson.h>
+
+struct bench_options {
+    const char *atlas; /**< Path.                                  */
+    double angle;      /**< Full opening, degrees.                 */
+    size_t poses;
+    size_t repeats; /**< Rounds in which every variant runs once. */
+};
+
+/** Everything measured, as it goes into the JSON. */
+struct bench {
+    struct bench_options options;
+    json_t *runs;
+    json_t *ratios;
+    char driver[128]; /**< Engine or GL renderer in use. */
+};
+
+/** Something to time. */
+struct bench_variant {
+    const char *name;
+    void (*run)(void *data);
+    void *data;
+    bool equal;                       /**< Its answers equal the first variant's.       */
+    double median_ms, min_ms, p90_ms; /**< Out: one run / `per`.  */
+};
+
+/** Times the variants in turn, options.repeats times after one round to warm up, and adds them to the runs. Times are
+ * those of one run divided by @p per (queries in a run, say); @p angle_deg 0 where there is no cone. */
+conus_status bench_measure(struct bench *bench, const char *scenario, struct bench_variant *variants, size_t count,
+                           size_t per, double angle_deg);
+
+/** Adds ratio @p key = @p above / @p below, by medians; null with the reason where their answers differ. */
+conus_status bench_ratio(struct bench *bench, const char *key, const struct bench_variant *above,
+                         const struct bench_variant *below);
+
+/** Milliseconds on a clock that only goes forward. */
+double bench_now(void);
+
+/** A deterministic generator (SplitMix64); uniform in [low, high). */
+double bench_random(uint64_t *state, double low, double high);
+
+struct bench_scenario {
+    const char *name, *description;
+    conus_status (*run)(struct bench *bench);
+};
+
+conus_status bench_volume(struct bench *bench);
+
+#endif

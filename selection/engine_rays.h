@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The rays engine with its kernel chosen by hand, for tests and measurements. */
+#ifndef CONUS_SELECTION_ENGINE_RAYS_H
+#define CONUS_SELECTION_ENGINE_RAYS_H
+
+#include "selection/evidence.h"
+#include "selection/traverse.h"
+
+/** engine_rays_create() with @p kernel, which this machine must support. */
+conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atlas,
+                                     const struct engine_options *options, const struct traverse_kernel *kernel);
+
+#endif
