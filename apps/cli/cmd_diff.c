@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/commands.h"
+#include "cli/messages.h"
+#include "cli/output.h"
+#include "cli/results_file.h"
+#include "cli/settings.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct diff_settings {
+    struct common_settings common;
+    double tolerance;
+};
+
+static const struct option own_options[] = {
+    {.name = "tolerance",
+     .type = OPTION_NUMBER,
+     .offset = offsetof(struct diff_settings, tolerance),
+     .value = "T",
+     .help = "numbers that differ by T or less are the same (default 0)",
+     .low = 0,
+     .high = 1e30},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"Options", own_options, 0},
+    {"", plain_options, offsetof(struct diff_settings, common)},
+    {0},
+};
+
+/** A comparison of two tables: columns come in a's order. */
+struct comparison {
+    const struct results *a, *b;
+    double tolerance;
+    FILE *out;
+    size_t same, changed, removed, added, columns;
+};
+
+static void put_columns(struct comparison *diff, const struct results *of, const struct results *in, const char *where)
+{
+    for (size_t c = 0; c < of->columns; c++) {
+        size_t column;
+        if (!results_column(in, of->cells[c], &column)) {
+            fprintf(diff->out, "column    %s is only in %s\n", of->cells[c], where);
+            diff->columns++;
+        }
+    }
+}
+
+static const char *cell_named(const struct results *results, size_t row, const char *name)
+{
+    size_t column;
+    return results_column(results, name, &column) ? results_cell(results, row, column) : NULL;
+}
+
+static void put_row(struct comparison *diff, const char *what, const struct results *results, size_t row)
+{
+    static const char *const more[] = {"name", "pathway", "i", "j", "k"};
+    fprintf(diff->out, "%-8s  query %s: %s %s", what, cell_named(results, row, "query"),
+            cell_named(results, row, "kind"), cell_named(results, row, "index"));
+    for (size_t i = 0; i < sizeof more / sizeof more[0]; i++) {
+        const char *cell = cell_named(results, row, more[i]);
+        fprintf(diff->out, "%s%s", cell ? " " : "", cell ? cell : "");
+    }
+}
+
+static bool cells_agree(const char *a, const char *b, double tolerance)
+{
+    double x;
+    double y;
+    return strcmp(a, b) == 0 || (number_parse(a, &x) && number_parse(b, &y) && fabs(x - y) <= tolerance);
+}
+
+/* Compares row of a with its fellow in b, and writes what differs. */
+static void compare_rows(struct comparison *diff, size_t row, size_t other)
+{
+    bool changed = false;
+    for (size_t c = 0; c < diff->a->columns; c++) {
+        const char *name = diff->a->cells[c];
+        const char *one = results_cell(diff->a, row, c);
+        const char *two = cell_named(diff->b, other, name);
+        if (!two || cells_agree(one, two, diff->tolerance)) {
+            continue;
+        }
+        if (!changed) {
+            put_row(diff, "changed", diff->a, row);
+        }
+        fprintf(diff->out, "%s %s %s -> %s", changed ? "," : ":", name, one, two);
+        changed = true;
+    }
+    fputs(changed ? "\n" : "", diff->out);
+    diff->changed += changed;
+    diff->same += !changed;
+}
+
+static void compare_tables(struct comparison *diff)
+{
+    size_t other;
+    put_columns(diff, diff->a, diff->b, "the first");
+    put_columns(diff, diff->b, diff->a, "the second");
+    for (size_t row = 0; row < diff->a->rows; row++) {
+        if (results_find(diff->b, diff->a, row, &other)) {
+            compare_rows(diff, row, other);
+        } else {
+            put_row(diff, "removed", diff->a, row);
+            fputc('\n', diff->out);
+            diff->removed++;
+        }
+    }
+    for (size_t row = 0; row < diff->b->rows; row++) {
+        if (!results_find(diff->a, diff->b, row, &other)) {
+            put_row(diff, "added", diff->b, row);
+            fputc('\n', diff->out);
+            diff->added++;
+        }
+    }
+    fprintf(diff->out, "%zu rows the same, %zu changed, %zu removed, %zu added\n", diff->same, diff->changed,
+            diff->removed, diff->added);
+}
+
+static int write_tables(struct comparison *diff)
+{
+    char *text = NULL;
+    size_t size = 0;
+    diff->out = open_memstream(&text, &size);
+    if (diff->out) {
+        compare_tables(diff);
+    }
+    int code = EXIT_DATA;
+    if (!diff->out || fclose(diff->out)) {
+        complain("not enough memory");
+    } else {
+        code = output_write(NULL, text, size);
+    }
+    free(text);
+    bool differ = diff->columns + diff->changed + diff->removed + diff->added > 0;
+    return code ? code : differ ? EXIT_DIFFERENT : EXIT_DONE;
+}
+
+static int diff_tables(const char *a, const char *b, double tolerance)
+{
+    struct results first = {0};
+    struct results second = {0};
+    int code = results_load(&first, a);
+    code = code ? code : results_load(&second, b);
+    if (!code) {
+        struct comparison diff = {.a = &first, .b = &second, .tolerance = tolerance};
+        code = write_tables(&diff);
+    }
+    results_finish(&first);
+    results_finish(&second);
+    return code;
+}
+
+static int run(const void *given, const struct arguments *arguments)
+{
+    const struct diff_settings *settings = given;
+    const char *a = arguments->operands[0];
+    const char *b = arguments->operands[1];
+    return diff_tables(a, b, settings->tolerance);
+}
+
+const struct command cmd_diff = {
+    .name = "diff",
+    .summary = "compare two results",
+    .operands = {"A", "B"},
+    .description =
+        "Compares two TSV results of query row by row (matched by query, kind and index) and names what was\n"
+        "added, removed or changed. Exit code 0: the\n"
+        "same, 1: different.",
+    .examples = "  conus diff rays.tsv gl.tsv --tolerance 1e-4\n",
+    .groups = groups,
+    .settings_size = sizeof(struct diff_settings),
+    .run = run,
+};

@@ -1,0 +1,377 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/commands.h"
+#include "cli/info_json.h"
+#include "cli/messages.h"
+#include "cli/output.h"
+#include "cli/settings.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum info_format { INFO_TABLE, INFO_TSV, INFO_JSON };
+
+struct info_settings {
+    struct atlas_settings atlas;
+    size_t format; /* enum info_format */
+    struct common_settings common;
+};
+
+static const char *const formats[] = {"table", "tsv", "json", NULL};
+
+static const struct option own_options[] = {
+    {.name = "format",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct info_settings, format),
+     .value = "FORMAT",
+     .help = "everything for people, only the areas as tab-separated values, or everything for programs:",
+     .choices = formats},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"What is loaded", atlas_options, offsetof(struct info_settings, atlas)},
+    {"", own_options, 0},
+    {"", plain_options, offsetof(struct info_settings, common)},
+    {0},
+};
+
+static void put_range(FILE *out, const conus_volume_info *info, char axis, size_t row)
+{
+    const double *m = info->world_from_voxel;
+    double low = m[12 + row];
+    double high = low;
+    for (size_t i = 0; i < 3; i++) {
+        double from = -0.5 * m[4 * i + row];
+        double to = ((double)info->dim[i] - 0.5) * m[4 * i + row];
+        low += from < to ? from : to;
+        high += from < to ? to : from;
+    }
+    fprintf(out, "%s%c %.6g to %.6g", row ? ", " : "", axis, low, high);
+}
+
+static void put_volume(FILE *out, const conus_volume_info *info)
+{
+    fprintf(out, "  file         %s\n", info->path);
+    fprintf(out, "  format       %s, %s", info->format, info->datatype);
+    if (info->volume_count > 1) {
+        fprintf(out, ", volume %zu of 0 to %zu", info->volume, info->volume_count - 1);
+    }
+    fprintf(out, "\n  size         %zu x %zu x %zu voxels of %.6g x %.6g x %.6g mm\n", info->dim[0], info->dim[1],
+            info->dim[2], info->spacing[0], info->spacing[1], info->spacing[2]);
+    fprintf(out, "  orientation  %s: %s\n", info->orientation, info->transform);
+    fputs("  covers       ", out);
+    for (size_t row = 0; row < 3; row++) {
+        put_range(out, info, "xyz"[row], row);
+    }
+    fprintf(out, " mm\n  values       %.9g to %.9g", info->minimum, info->maximum);
+    if (info->slope != 1 || info->intercept != 0) {
+        fprintf(out, ", stored * %.9g + %.9g", info->slope, info->intercept);
+    }
+    fprintf(out, "\n  sha256       %s\n", info->sha256);
+}
+
+static void put_volumes(FILE *out, const conus_atlas *atlas)
+{
+    size_t pathway = 0;
+    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
+        const conus_volume_info *info = conus_atlas_volume(atlas, i);
+        if (info->role == CONUS_PARCELLATION) {
+            fputs("Atlas\n", out);
+            put_volume(out, info);
+            fprintf(out, "  labels       %s\n", conus_atlas_label_source(atlas));
+        } else if (info->role == CONUS_SCALAR) {
+            fprintf(out, "\nPathway %zu\n", ++pathway);
+            put_volume(out, info);
+            fprintf(out, "  threshold    %.9g\n", info->threshold);
+        } else {
+            fputs("\nContext\n", out);
+            put_volume(out, info);
+        }
+    }
+}
+
+static void put_notes(FILE *out, const conus_atlas *atlas)
+{
+    size_t count = conus_atlas_note_count(atlas);
+    fputs(count ? "\nNotes\n" : "", out);
+    for (size_t i = 0; i < count; i++) {
+        fprintf(out, "  %s\n", conus_atlas_note(atlas, i));
+    }
+}
+
+/** One column of the list of areas. */
+struct column {
+    const char *name;
+    bool right; /* aligned */
+    void (*put)(FILE *out, const conus_atlas *atlas, const conus_object *object);
+};
+
+static void put_kind(FILE *out, const conus_atlas *atlas, const conus_object *object)
+{
+    (void)atlas;
+    fputs(object->kind == CONUS_AREA ? "area" : "pathway", out);
+}
+
+static void put_index(FILE *out, const conus_atlas *atlas, const conus_object *object)
+{
+    (void)atlas;
+    fprintf(out, "%u", object->label);
+}
+
+static void put_text(FILE *out, const char *text)
+{
+    for (const char *c = *text ? text : "n/a"; *c; c++) {
+        fputc((unsigned char)*c < 0x20 ? ' ' : *c, out);
+    }
+}
+
+static void put_name(FILE *out, const conus_atlas *atlas, const conus_object *object)
+{
+    (void)atlas;
+    put_text(out, object->name);
+}
+
+static void put_abbreviation(FILE *out, const conus_atlas *atlas, const conus_object *object)
+{
+    (void)atlas;
+    put_text(out, object->abbreviation);
+}
+
+static void put_hemisphere(FILE *out, const conus_atlas *atlas, const conus_object *object)
+{
+    (void)atlas;
+    put_text(out, (char[]){object->hemisphere, '\0'});
+}
+
+static void put_parent(FILE *out, const conus_atlas *atlas, const conus_object *object)
+{
+    const conus_object *parent = conus_atlas_object(atlas, object->parent);
+    if (parent) {
+        fprintf(out, "%u", parent->label);
+    } else {
+        fputs("n/a", out);
+    }
+}
+
+static void put_color(FILE *out, const conus_atlas *atlas, const conus_object *object)
+{
+    (void)atlas;
+    fprintf(out, "#%02x%02x%02x", object->rgb[0], object->rgb[1], object->rgb[2]);
+}
+
+static void put_voxels(FILE *out, const conus_atlas *atlas, const conus_object *object)
+{
+    (void)atlas;
+    fprintf(out, "%llu", (unsigned long long)object->voxels);
+}
+
+static void put_mm3(FILE *out, const conus_atlas *atlas, const conus_object *object)
+{
+    (void)atlas;
+    fprintf(out, "%.9g", object->volume_mm3);
+}
+
+static const struct column columns[] = {
+    {"kind", false, put_kind},
+    {"index", true, put_index},
+    {"name", false, put_name},
+    {"abbreviation", false, put_abbreviation},
+    {"hemisphere", false, put_hemisphere},
+    {"parent", true, put_parent},
+    {"color", false, put_color},
+    {"voxels", true, put_voxels},
+    {"volume_mm3", true, put_mm3},
+};
+
+enum { COLUMN_COUNT = sizeof columns / sizeof columns[0] };
+
+static void put_tsv(FILE *out, const conus_atlas *atlas)
+{
+    for (size_t c = 0; c < COLUMN_COUNT; c++) {
+        fprintf(out, "%s%s", c ? "\t" : "", columns[c].name);
+    }
+    fputc('\n', out);
+    for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
+        for (size_t c = 0; c < COLUMN_COUNT; c++) {
+            fputs(c ? "\t" : "", out);
+            columns[c].put(out, atlas, conus_atlas_object(atlas, i));
+        }
+        fputc('\n', out);
+    }
+}
+
+/* Characters on the screen: UTF-8 without continuation bytes. */
+static int text_width(const char *text)
+{
+    int width = 0;
+    for (; *text && *text != '\t' && *text != '\n'; text++) {
+        width += ((unsigned char)*text & 0xc0) != 0x80;
+    }
+    return width;
+}
+
+/* Walks the cells of tab-separated lines. */
+static const char *next_cell(const char *cell)
+{
+    cell += strcspn(cell, "\t\n");
+    return *cell ? cell + 1 : cell;
+}
+
+/** How a column is shown in the table. */
+struct layout {
+    int width[COLUMN_COUNT];
+    bool shown[COLUMN_COUNT]; /* some row has a value */
+};
+
+static struct layout measure(const char *tsv)
+{
+    struct layout layout = {0};
+    size_t cells = 0;
+    for (const char *cell = tsv; *cell; cell = next_cell(cell)) {
+        size_t c = cells % COLUMN_COUNT;
+        int width = text_width(cell);
+        layout.width[c] = width > layout.width[c] ? width : layout.width[c];
+        layout.shown[c] = layout.shown[c] || (cells >= COLUMN_COUNT && strncmp(cell, "n/a", 3) != 0);
+        cells++;
+    }
+    return layout;
+}
+
+static void put_cell(FILE *out, const char *cell, int width, bool right)
+{
+    int length = (int)strcspn(cell, "\t\n");
+    int blank = width - text_width(cell);
+    fprintf(out, "  %*s%.*s%*s", right ? blank : 0, "", length, cell, right ? 0 : blank, "");
+}
+
+/* Sets out the tab-separated lines in columns; those without any value are left out. */
+static void put_aligned(FILE *out, const char *tsv)
+{
+    struct layout layout = measure(tsv);
+    size_t cells = 0;
+    for (const char *cell = tsv; *cell; cell = next_cell(cell)) {
+        size_t c = cells++ % COLUMN_COUNT;
+        if (layout.shown[c]) {
+            put_cell(out, cell, layout.width[c], columns[c].right);
+        }
+        fputs(c + 1 == COLUMN_COUNT ? "\n" : "", out);
+    }
+}
+
+static size_t count_objects(const conus_atlas *atlas, bool (*which)(const conus_object *))
+{
+    size_t count = 0;
+    for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
+        count += which(conus_atlas_object(atlas, i));
+    }
+    return count;
+}
+
+static bool is_area(const conus_object *object)
+{
+    return object->kind == CONUS_AREA;
+}
+
+static bool is_nameless(const conus_object *object)
+{
+    return is_area(object) && !object->named;
+}
+
+static bool is_empty(const conus_object *object)
+{
+    return is_area(object) && object->voxels == 0;
+}
+
+static int put_table(FILE *out, const conus_atlas *atlas)
+{
+    char *tsv = NULL;
+    size_t size = 0;
+    FILE *cells = open_memstream(&tsv, &size);
+    if (!cells) {
+        return EXIT_DATA;
+    }
+    put_tsv(cells, atlas);
+    if (fclose(cells)) {
+        free(tsv);
+        return EXIT_DATA;
+    }
+    size_t areas = count_objects(atlas, is_area);
+    put_volumes(out, atlas);
+    put_notes(out, atlas);
+    fprintf(out, "\n%zu areas (%zu without a name, %zu without voxels), %zu pathways\n", areas,
+            count_objects(atlas, is_nameless), count_objects(atlas, is_empty), conus_atlas_object_count(atlas) - areas);
+    put_aligned(out, tsv);
+    free(tsv);
+    return EXIT_DONE;
+}
+
+static int put_json(FILE *out, const conus_atlas *atlas)
+{
+    char *text = info_json(atlas);
+    if (!text) {
+        return EXIT_DATA;
+    }
+    fputs(text, out);
+    free(text);
+    return EXIT_DONE;
+}
+
+static int put_atlas(FILE *out, const conus_atlas *atlas, enum info_format format)
+{
+    if (format == INFO_JSON) {
+        return put_json(out, atlas);
+    }
+    if (format == INFO_TABLE) {
+        return put_table(out, atlas);
+    }
+    put_tsv(out, atlas);
+    return EXIT_DONE;
+}
+
+/* All text first, then one write: nothing comes out of a failure. */
+static int write_atlas(const conus_atlas *atlas, enum info_format format)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    int code = out ? put_atlas(out, atlas, format) : EXIT_DATA;
+    if (out && fclose(out)) {
+        code = EXIT_DATA;
+    }
+    if (code) {
+        complain("not enough memory");
+    } else {
+        code = output_write(NULL, text, size);
+    }
+    free(text);
+    return code;
+}
+
+static int run(const void *given, const struct arguments *arguments)
+{
+    const struct info_settings *settings = given;
+    conus_atlas *atlas = NULL;
+    int code = settings_load_atlas(&atlas, arguments->operands[0], &settings->atlas);
+    if (code) {
+        return code;
+    }
+    if (!code) {
+        code = write_atlas(atlas, (enum info_format)settings->format);
+    }
+    conus_atlas_destroy(atlas);
+    return code;
+}
+
+const struct command cmd_info = {
+    .name = "info",
+    .summary = "show what an atlas contains and how it was read",
+    .operands = {"ATLAS"},
+    .description = "Shows file, size, orientation and transform of every volume, where the names come from, and the\n"
+                   "areas and pathways. ATLAS is a labelled volume: .nii, .hdr/.img, .mgz or an FSL atlas .xml; for a\n"
+                   "4-D file, FILE,volume=K chooses volume K from 0.",
+    .examples = "  conus info aal.nii.gz\n"
+                "  conus info aal.nii.gz --labels my_names.txt --format tsv\n",
+    .groups = groups,
+    .settings_size = sizeof(struct info_settings),
+    .run = run,
+};

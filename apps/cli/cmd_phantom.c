@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/commands.h"
+#include "cli/messages.h"
+#include "cli/settings.h"
+
+#include <string.h>
+
+struct phantom_settings {
+    struct common_settings common;
+    const char *output;
+    uint32_t size;
+    double spacing[3];
+    double oblique; /* degrees */
+    const char *flip;
+};
+
+static const struct option own_options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct phantom_settings, output),
+     .value = "DIR",
+     .help = "folder for KIND.nii.gz, KIND.tsv and KIND.json; made if missing",
+     .required = true},
+    {.name = "size",
+     .type = OPTION_COUNT,
+     .offset = offsetof(struct phantom_settings, size),
+     .value = "N",
+     .help = "voxels along the longest edge, 16 to 512 (default 64)",
+     .low = 16,
+     .high = 512},
+    {.name = "spacing",
+     .type = OPTION_VECTOR,
+     .offset = offsetof(struct phantom_settings, spacing),
+     .value = "X,Y,Z",
+     .help = "edge lengths of a voxel, mm (default 1,1,1)",
+     .low = 0.001,
+     .high = 1000},
+    {.name = "oblique",
+     .type = OPTION_NUMBER,
+     .offset = offsetof(struct phantom_settings, oblique),
+     .value = "DEGREES",
+     .help = "turn the grid by this angle about (1,1,1); the shapes stay where they are",
+     .low = -180,
+     .high = 180},
+    {.name = "flip",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct phantom_settings, flip),
+     .value = "AXES",
+     .help = "letters of x, y, z: voxel indices grow towards left, posterior, inferior there"},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"Options", own_options, 0},
+    {"", plain_options, offsetof(struct phantom_settings, common)},
+    {0},
+};
+
+static const char *phantom_name(const void *list, size_t index)
+{
+    (void)list;
+    const conus_phantom_info *phantom = conus_phantom(index);
+    return phantom ? phantom->name : NULL;
+}
+
+static bool check_kind(const char *kind)
+{
+    const char *name;
+    for (size_t i = 0; (name = phantom_name(NULL, i)); i++) {
+        if (strcmp(name, kind) == 0) {
+            return true;
+        }
+    }
+    const char *near = closest_name(kind, phantom_name, NULL);
+    if (near) {
+        complain("unknown phantom \"%s\"; did you mean %s?", kind, near);
+    } else {
+        complain("unknown phantom \"%s\"; conus phantom --help lists them", kind);
+    }
+    return false;
+}
+
+static bool read_flip(bool flip[3], const char *axes)
+{
+    static const char known[] = "xyz";
+    for (const char *c = axes; *c; c++) {
+        const char *axis = strchr(known, *c);
+        if (!axis || flip[axis - known]) {
+            complain("--flip: \"%s\" is not letters of x, y, z, each at most once", axes);
+            return false;
+        }
+        flip[axis - known] = true;
+    }
+    return true;
+}
+
+static int run(const void *given, const struct arguments *arguments)
+{
+    const struct phantom_settings *settings = given;
+    conus_phantom_options phantom = {.size = settings->size, .oblique = radians(settings->oblique)};
+    memcpy(phantom.spacing, settings->spacing, sizeof phantom.spacing);
+    if (!check_kind(arguments->operands[0]) || (settings->flip && !read_flip(phantom.flip, settings->flip))) {
+        return EXIT_USAGE;
+    }
+    conus_status status = conus_phantom_write(arguments->operands[0], settings->output, &phantom);
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
+static void list_kinds(FILE *out)
+{
+    const conus_phantom_info *phantom;
+    fputs("Kinds\n", out);
+    for (size_t i = 0; (phantom = conus_phantom(i)); i++) {
+        fprintf(out, "  %-26s  %s\n", phantom->name, phantom->description);
+    }
+}
+
+const struct command cmd_phantom = {
+    .name = "phantom",
+    .summary = "write a synthetic atlas whose answers are known in closed form",
+    .operands = {"KIND"},
+    .form = "-o DIR",
+    .description =
+        "Writes an atlas of simple shapes, its label table and a description of the shapes in mm, from which\n"
+        "every answer follows.",
+    .examples = "  conus phantom sphere -o phantoms\n"
+                "  conus phantom torus -o phantoms --size 128 --spacing 1,1,2 --oblique 30 --flip x\n",
+    .groups = groups,
+    .settings_size = sizeof(struct phantom_settings),
+    .more_help = list_kinds,
+    .run = run,
+};

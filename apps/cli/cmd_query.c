@@ -1,0 +1,329 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/commands.h"
+#include "cli/messages.h"
+#include "cli/output.h"
+#include "cli/settings.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct query_settings {
+    struct atlas_settings atlas;
+    struct aim_settings aim;
+    struct engine_settings engine;
+    struct common_settings common;
+    size_t format; /* conus_format */
+    const char *output;
+    const char *voxels;
+    size_t voxels_of;
+};
+
+static const char *const formats[] = {"table", "tsv", "json", "ndjson", NULL};
+static const char *const voxel_kinds[] = {"pathways", "all", NULL};
+
+static const struct option output_options[] = {
+    {.name = "format",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct query_settings, format),
+     .value = "FORMAT",
+     .help = "of the answer; without it the ending of -o decides, else it is a table:",
+     .choices = formats},
+    {.name = "output",
+     .letter = 'o',
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct query_settings, output),
+     .value = "FILE",
+     .help = "write the answer to FILE; a .json beside a .tsv describes its columns, settings and sources"},
+    {.name = "voxels",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct query_settings, voxels),
+     .value = "FILE.tsv",
+     .help = "write the voxels met first, with indices, positions and values"},
+    {.name = "voxels-of",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct query_settings, voxels_of),
+     .value = "KIND",
+     .help = "whose voxels:",
+     .choices = voxel_kinds},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"Where the cone is", aim_options, offsetof(struct query_settings, aim)},
+    {"How it looks", engine_options, offsetof(struct query_settings, engine)},
+    {"", slices_options, offsetof(struct query_settings, engine)},
+    {"What it may find", atlas_options, offsetof(struct query_settings, atlas)},
+    {"What is written", output_options, 0},
+    {"", quiet_options, offsetof(struct query_settings, common)},
+    {0},
+};
+
+/** A query under way. */
+struct query {
+    const struct query_settings *settings;
+    const struct arguments *arguments;
+    conus_format format;
+    char *command_line;
+    conus_atlas *atlas;
+    conus_pose_list *poses;
+    conus_selector *selector;
+    conus_report *report;
+    bool failed; /* some poses had no answer */
+};
+
+static void query_finish(struct query *query)
+{
+    conus_report_destroy(query->report);
+    conus_selector_destroy(query->selector);
+    conus_pose_list_destroy(query->poses);
+    conus_atlas_destroy(query->atlas);
+    free(query->command_line);
+}
+
+static conus_format format_of(const struct query_settings *settings, const struct arguments *arguments)
+{
+    static const struct {
+        const char *ending;
+        conus_format format;
+    } endings[] = {{".tsv", CONUS_TSV}, {".json", CONUS_JSON}, {".ndjson", CONUS_NDJSON}, {".jsonl", CONUS_NDJSON}};
+    if (option_given(arguments, "format") || output_is_stdout(settings->output)) {
+        return (conus_format)settings->format;
+    }
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        if (path_ends(settings->output, endings[i].ending)) {
+            return endings[i].format;
+        }
+    }
+    return CONUS_TABLE;
+}
+
+/* No two outputs may be one file, and none may be the atlas. */
+static bool check_paths(const struct query_settings *settings, const struct arguments *arguments)
+{
+    const char *paths[] = {settings->output, settings->voxels};
+    static const char *const names[] = {"output", "voxels"};
+    for (size_t i = 0; i < 2; i++) {
+        if (paths[i] && paths_equal(paths[i], arguments->operands[0])) {
+            complain("--%s would overwrite the atlas %s", names[i], paths[i]);
+            return false;
+        }
+        for (size_t j = 0; paths[i] && j < i; j++) {
+            if (paths[j] && paths_equal(paths[i], paths[j])) {
+                complain("--%s and --%s are the same file %s", names[j], names[i], paths[i]);
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static bool check_outputs(const struct query_settings *settings, const struct arguments *arguments)
+{
+    if (!option_needs(arguments, "voxels-of", "voxels")) {
+        return false;
+    }
+    return check_paths(settings, arguments);
+}
+
+static bool check(const struct query_settings *settings, const struct arguments *arguments)
+{
+    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
+        complain("--slices has no effect without --sampling slices");
+        return false;
+    }
+    return settings_check_aim(arguments, true) && check_outputs(settings, arguments);
+}
+
+static int load_poses(struct query *query)
+{
+    const struct aim_settings *aim = &query->settings->aim;
+    conus_status status = conus_pose_list_load(&query->poses, aim->pose, (conus_space)aim->space);
+    if (status) {
+        return complain_status(status);
+    }
+    size_t count = conus_pose_list_count(query->poses);
+    for (size_t i = 0; i < count && aim->angle; i++) {
+        if (!conus_pose_list_row(query->poses, i)->angle) {
+            return EXIT_DONE;
+        }
+    }
+    return aim->angle ? complain_usage("--angle has no effect: every pose in %s has its own", aim->pose) : EXIT_DONE;
+}
+
+/* Answers one pose into the report. */
+static conus_status answer(struct query *query, const char *id, const conus_pose *pose, double angle)
+{
+    conus_selection *selection = NULL;
+    conus_status status = conus_select(&selection, query->selector, pose, angle);
+    if (!status) {
+        status = conus_report_add(query->report, id, selection);
+    }
+    conus_selection_destroy(selection);
+    return status;
+}
+
+static int answer_row(struct query *query, const conus_pose_row *row)
+{
+    const struct aim_settings *aim = &query->settings->aim;
+    if (row->error) {
+        complain("%s:%zu: %s", aim->pose, row->line, row->error);
+        query->failed = true;
+        return EXIT_DONE;
+    }
+    conus_status status = answer(query, row->id, &row->pose, row->angle ? row->angle : settings_angle(aim));
+    if (status == CONUS_ERROR_ARGUMENT) {
+        complain("%s:%zu: %s", aim->pose, row->line, conus_message());
+        query->failed = true;
+        return EXIT_DONE;
+    }
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
+static int answer_all(struct query *query)
+{
+    const struct aim_settings *aim = &query->settings->aim;
+    if (!query->poses) {
+        conus_pose pose;
+        int code = settings_pose(&pose, aim, query->arguments);
+        if (code) {
+            return code;
+        }
+        conus_status status = answer(query, "1", &pose, settings_angle(aim));
+        return status ? complain_status(status) : EXIT_DONE;
+    }
+    int code = EXIT_DONE;
+    for (size_t i = 0; !code && i < conus_pose_list_count(query->poses); i++) {
+        code = answer_row(query, conus_pose_list_row(query->poses, i));
+    }
+    return code;
+}
+
+static conus_status start(struct query *query)
+{
+    const struct query_settings *settings = query->settings;
+    const conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
+    conus_status status = conus_selector_create(&query->selector, query->atlas, &engine);
+    if (status) {
+        return status;
+    }
+    if (settings->common.verbose) {
+        complain("engine: %s", conus_selector_engine(query->selector));
+    }
+    const conus_report_options report = {.format = query->format,
+                                         .space = (conus_space)settings->aim.space,
+                                         .all_voxels = settings->voxels_of == 1,
+                                         .command = query->command_line};
+    return conus_report_create(&query->report, query->selector, &report);
+}
+
+/* "answer.tsv" -> "answer.json". The caller frees it. */
+static char *sidecar_path(const char *path)
+{
+    char *sidecar = NULL;
+    int stem = (int)(strlen(path) - strlen(".tsv"));
+    return asprintf(&sidecar, "%.*s.json", stem, path) < 0 ? NULL : sidecar;
+}
+
+static int write_sidecar(struct query *query)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    const char *output = query->settings->output;
+    if (output_is_stdout(output) || query->format != CONUS_TSV || !path_ends(output, ".tsv")) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_report_sidecar(query->report, &text, &size);
+    if (status) {
+        return complain_status(status);
+    }
+    char *path = sidecar_path(output);
+    if (!path) {
+        complain("%s: not enough memory", output);
+        return EXIT_DATA;
+    }
+    int code = output_write(path, text, size);
+    free(path);
+    return code;
+}
+
+static int write_voxels(struct query *query)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    if (!query->settings->voxels) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_report_voxels(query->report, &text, &size);
+    return status ? complain_status(status) : output_write(query->settings->voxels, text, size);
+}
+
+static int write_answer(struct query *query)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    conus_status status = conus_report_text(query->report, &text, &size);
+    return status ? complain_status(status) : output_write(query->settings->output, text, size);
+}
+
+/* The answer comes last: where it is, all that belongs to it is there, too. */
+static int write_all(struct query *query)
+{
+    static int (*const steps[])(struct query *) = {write_sidecar, write_voxels, write_answer};
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        int code = steps[i](query);
+        if (code) {
+            return code;
+        }
+    }
+    return query->failed ? EXIT_DIFFERENT : EXIT_DONE;
+}
+
+static int work(struct query *query)
+{
+    const struct query_settings *settings = query->settings;
+    int code = settings->aim.pose ? load_poses(query) : EXIT_DONE;
+    if (!code) {
+        code = settings_load_atlas(&query->atlas, query->arguments->operands[0], &settings->atlas);
+    }
+    if (code) {
+        return code;
+    }
+    settings_say_notes(query->atlas, &settings->common);
+    conus_status status = start(query);
+    code = status ? complain_status(status) : answer_all(query);
+    return code ? code : write_all(query);
+}
+
+static int run(const void *given, const struct arguments *arguments)
+{
+    const struct query_settings *settings = given;
+    if (!check(settings, arguments)) {
+        return EXIT_USAGE;
+    }
+    struct query query = {.settings = settings, .arguments = arguments, .format = format_of(settings, arguments)};
+    query.command_line = arguments_text(arguments);
+    if (!query.command_line) {
+        complain("not enough memory");
+        return EXIT_DATA;
+    }
+    int code = work(&query);
+    query_finish(&query);
+    return code;
+}
+
+const struct command cmd_query = {
+    .name = "query",
+    .summary = "name the areas and pathways in a cone, with shares and contact positions",
+    .operands = {"ATLAS"},
+    .form = "(--origin X,Y,Z (--toward X,Y,Z | --direction X,Y,Z) | --pose FILE)",
+    .description = "Looks from a device's position through N x N pixels into the atlas and reports every area and\n"
+                   "pathway that a pixel of the cone meets first: its share of the cone, its pixels, its nearest\n"
+                   "contact and where it is, in mm.",
+    .examples = "  conus query aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
+                "  conus query aal.nii.gz --pose poses.tsv --angle 5 -o answers.tsv\n"
+                "  conus query aal.nii.gz --origin 0,0,90 --direction 0,0,-1 --format json\n",
+    .groups = groups,
+    .settings_size = sizeof(struct query_settings),
+    .more_help = help_scores,
+    .run = run,
+};

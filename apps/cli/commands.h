@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The commands, one file each. */
+#ifndef CONUS_CLI_COMMANDS_H
+#define CONUS_CLI_COMMANDS_H
+
+#include "cli/options.h"
+
+extern const struct command cmd_info;
+extern const struct command cmd_query;
+extern const struct command cmd_phantom;
+extern const struct command cmd_diff;
+
+#endif

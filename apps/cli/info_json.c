@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/info_json.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { DIGITS = 9 };
+
+static json_t *text_or_null(const char *text)
+{
+    return *text ? json_string(text) : json_null();
+}
+
+static json_t *hemisphere(char letter)
+{
+    return letter ? json_pack("s#", &letter, (size_t)1) : json_null();
+}
+
+static json_t *sizes(const size_t values[3])
+{
+    return json_pack("[I,I,I]", (json_int_t)values[0], (json_int_t)values[1], (json_int_t)values[2]);
+}
+
+/* Row by row, as people write a matrix. */
+static json_t *matrix(const double m[16])
+{
+    json_t *rows = json_array();
+    for (size_t i = 0; i < 4; i++) {
+        json_array_append_new(rows, json_pack("[f,f,f,f]", m[i], m[4 + i], m[8 + i], m[12 + i]));
+    }
+    return rows;
+}
+
+static json_t *volume(const conus_volume_info *info)
+{
+    static const char *const roles[] = {
+        [CONUS_PARCELLATION] = "parcellation", [CONUS_SCALAR] = "pathway", [CONUS_CONTEXT] = "context"};
+    json_t *json =
+        json_pack("{s:s,s:s,s:s,s:s,s:s,s:o,s:I,s:I,s:o,s:[f,f,f],s:s,s:s,s:f,s:f,s:f,s:f}", "role", roles[info->role],
+                  "path", info->path, "sha256", info->sha256, "format", info->format, "datatype", info->datatype, "dim",
+                  sizes(info->dim), "volume", (json_int_t)info->volume, "volume_count", (json_int_t)info->volume_count,
+                  "world_from_voxel", matrix(info->world_from_voxel), "spacing_mm", info->spacing[0], info->spacing[1],
+                  info->spacing[2], "orientation", info->orientation, "transform", info->transform, "slope",
+                  info->slope, "intercept", info->intercept, "minimum", info->minimum, "maximum", info->maximum);
+    if (info->role == CONUS_SCALAR) {
+        json_object_set_new(json, "threshold", json_real(info->threshold));
+    }
+    return json;
+}
+
+static json_t *parent(const conus_atlas *atlas, const conus_object *object)
+{
+    const conus_object *other = conus_atlas_object(atlas, object->parent);
+    return other ? json_integer(other->label) : json_null();
+}
+
+static json_t *object(const conus_atlas *atlas, const conus_object *object)
+{
+    char color[8];
+    snprintf(color, sizeof color, "#%02x%02x%02x", object->rgb[0], object->rgb[1], object->rgb[2]);
+    return json_pack("{s:s,s:I,s:s,s:b,s:o,s:o,s:o,s:s,s:I,s:f}", "kind",
+                     object->kind == CONUS_AREA ? "area" : "pathway", "index", (json_int_t)object->label, "name",
+                     object->name, "named", object->named, "abbreviation", text_or_null(object->abbreviation),
+                     "hemisphere", hemisphere(object->hemisphere), "parent", parent(atlas, object), "color", color,
+                     "voxels", (json_int_t)object->voxels, "volume_mm3", object->volume_mm3);
+}
+
+char *info_json(const conus_atlas *atlas)
+{
+    json_t *volumes = json_array();
+    json_t *notes = json_array();
+    json_t *objects = json_array();
+    bool whole = true;
+    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
+        whole = json_array_append_new(volumes, volume(conus_atlas_volume(atlas, i))) == 0 && whole;
+    }
+    for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
+        whole = json_array_append_new(notes, json_string(conus_atlas_note(atlas, i))) == 0 && whole;
+    }
+    for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
+        whole = json_array_append_new(objects, object(atlas, conus_atlas_object(atlas, i))) == 0 && whole;
+    }
+    json_t *root = json_pack("{s:s,s:s,s:o,s:o,s:o}", "conus", conus_version(), "labels",
+                             conus_atlas_label_source(atlas), "volumes", volumes, "notes", notes, "objects", objects);
+    char *text = whole && root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) : NULL;
+    json_decref(root);
+    char *line = NULL;
+    if (text && asprintf(&line, "%s\n", text) < 0) {
+        line = NULL;
+    }
+    free(text);
+    return line;
+}

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/commands.h"
+#include "cli/messages.h"
+#include "cli/output.h"
+
+#include <conus/conus.h>
+
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const struct command *const commands[] = {&cmd_query, &cmd_info, &cmd_phantom, &cmd_diff, NULL};
+
+static const char *command_name(const void *list, size_t index)
+{
+    (void)list;
+    return commands[index] ? commands[index]->name : NULL;
+}
+
+static const struct command *find_command(const char *name)
+{
+    size_t i = 0;
+    while (commands[i] && strcmp(commands[i]->name, name) != 0) {
+        i++;
+    }
+    return commands[i];
+}
+
+static int unknown_command(const char *name)
+{
+    const char *near = closest_name(name, command_name, NULL);
+    return near ? complain_usage("unknown command \"%s\"; did you mean %s?", name, near)
+                : complain_usage("unknown command \"%s\"; conus help lists them", name);
+}
+
+static int list_commands(FILE *out)
+{
+    fputs("usage: conus COMMAND [arguments]\n\n"
+          "Which areas and pathways of the brain lie in the cone of a pointing device?\n\n",
+          out);
+    for (size_t i = 0; commands[i]; i++) {
+        fprintf(out, "  %-8s  %s\n", commands[i]->name, commands[i]->summary);
+    }
+    fprintf(out, "  %-8s  %s\n\n", "help", "explain a command: conus help COMMAND");
+    fputs("Positions are in mm, x right, y anterior, z superior; angles in degrees. Results go to stdout, messages to\n"
+          "stderr. Exit codes: 0 done, 1 some queries failed or a difference was found, 2 usage, 3 bad input data,\n"
+          "4 no usable OpenGL.\n",
+          out);
+    return out == stdout ? EXIT_DONE : EXIT_USAGE;
+}
+
+static int help(int count, char **words)
+{
+    if (count == 0) {
+        return list_commands(stdout);
+    }
+    const struct command *command = find_command(words[0]);
+    if (!command) {
+        return unknown_command(words[0]);
+    }
+    if (count > 1) {
+        return complain_usage("unexpected argument \"%s\"", words[1]);
+    }
+    help_command(stdout, command);
+    return EXIT_DONE;
+}
+
+static int run(const struct command *command, int count, char **words)
+{
+    struct arguments arguments;
+    void *settings = calloc(1, command->settings_size);
+    if (!settings) {
+        complain("not enough memory");
+        return EXIT_DATA;
+    }
+    int code = options_parse(&arguments, settings, command, count, words, 2);
+    if (code < 0) {
+        code = command->run(settings, &arguments);
+    }
+    options_finish(settings, command);
+    free(settings);
+    return code;
+}
+
+static int dispatch(int count, char **words)
+{
+    if (count < 2) {
+        return list_commands(stderr);
+    }
+    const char *name = words[1];
+    if (strcmp(name, "help") == 0) {
+        return help(count - 2, words + 2);
+    }
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
+        return list_commands(stdout);
+    }
+    if (strcmp(name, "--version") == 0) {
+        printf("conus %s\n", conus_version());
+        return EXIT_DONE;
+    }
+    const struct command *command = find_command(name);
+    return command ? run(command, count, words) : unknown_command(name);
+}
+
+int main(int argc, char **argv)
+{
+    /* A reader that went away is an error of writing, with a message and an exit code, not a sudden end. */
+    struct sigaction ignore = {.sa_handler = SIG_IGN};
+    sigaction(SIGPIPE, &ignore, NULL);
+    return output_finish(dispatch(argc, argv));
+}

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Where results go: stdout, or files that appear whole or not at all. */
+#ifndef CONUS_CLI_OUTPUT_H
+#define CONUS_CLI_OUTPUT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/** Whether @p path means stdout: NULL or "-". */
+bool output_is_stdout(const char *path);
+
+/** Writes to the file @p path, or to stdout. Gives the exit code, having complained unless it is 0. */
+int output_write(const char *path, const char *text, size_t size);
+
+/** Flushes stdout: a full disk or a closed pipe is an error, not silence. Gives @p code if all is well
+ * or something was wrong before. */
+int output_finish(int code);
+
+/** Whether @p path ends in @p ending (".png"), in any case. */
+bool path_ends(const char *path, const char *ending);
+
+/** Whether both paths lead to one regular file, be it there already or not yet. */
+bool paths_equal(const char *a, const char *b);
+
+#endif

@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/settings.h"
+
+#include "cli/messages.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FIELD(type, member) offsetof(struct type, member)
+
+static const char *const spaces[] = {"ras", "lps", NULL};
+static const char *const apertures[] = {"circle", "square", NULL};
+static const char *const engines[] = {"auto", "rays", "gl", NULL};
+static const char *const samplings[] = {"exact", "slices", NULL};
+
+static const char *score_at(size_t index)
+{
+    const conus_score_info *score = conus_score(index);
+    return score ? score->name : NULL;
+}
+
+const struct option plain_options[] = {
+    {.name = "help", .letter = 'h', .type = OPTION_FLAG, .offset = FIELD(common_settings, help), .help = "this text"},
+    {.name = "version", .type = OPTION_FLAG, .offset = FIELD(common_settings, version), .help = "the version"},
+    {0},
+};
+
+const struct option quiet_options[] = {
+    {.name = "quiet",
+     .letter = 'q',
+     .type = OPTION_FLAG,
+     .offset = FIELD(common_settings, quiet),
+     .help = "no notes on stderr, only errors"},
+    {.name = "verbose",
+     .letter = 'v',
+     .type = OPTION_FLAG,
+     .offset = FIELD(common_settings, verbose),
+     .help = "also the engine's and the GL driver's messages on stderr"},
+    {.name = "help", .letter = 'h', .type = OPTION_FLAG, .offset = FIELD(common_settings, help), .help = "this text"},
+    {.name = "version", .type = OPTION_FLAG, .offset = FIELD(common_settings, version), .help = "the version"},
+    {0},
+};
+
+const struct option atlas_options[] = {
+    {.name = "labels",
+     .type = OPTION_TEXT,
+     .offset = FIELD(atlas_settings, labels),
+     .value = "FILE",
+     .help = "label table, instead of the one found beside or inside the atlas"},
+    {.name = "max-memory",
+     .type = OPTION_BYTES,
+     .offset = FIELD(atlas_settings, max_memory),
+     .value = "SIZE",
+     .help = "largest file or volume to accept, like 512M or 2G (default 8G)"},
+    {0},
+};
+
+const struct option aim_options[] = {
+    {.name = "origin",
+     .type = OPTION_VECTOR,
+     .offset = FIELD(aim_settings, origin),
+     .value = "X,Y,Z",
+     .help = "where the device is: the cone's apex, mm"},
+    {.name = "toward",
+     .type = OPTION_VECTOR,
+     .offset = FIELD(aim_settings, toward),
+     .value = "X,Y,Z",
+     .help = "the point that it points at, mm"},
+    {.name = "direction",
+     .type = OPTION_VECTOR,
+     .offset = FIELD(aim_settings, direction),
+     .value = "X,Y,Z",
+     .help = "or the direction in which it points, of any length but 0"},
+    {.name = "up",
+     .type = OPTION_VECTOR,
+     .offset = FIELD(aim_settings, up),
+     .value = "X,Y,Z",
+     .help = "which way is up for the device (default superior; anterior when it points up or down)"},
+    {.name = "pose",
+     .type = OPTION_TEXT,
+     .offset = FIELD(aim_settings, pose),
+     .value = "FILE",
+     .help = "poses from a file instead: a table with a header, or a 4x4 matrix (docs/formats.md)"},
+    {.name = "angle",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(aim_settings, angle),
+     .value = "DEGREES",
+     .help = "full opening angle of the cone, more than 0 and less than 180 (default 10)",
+     .low = 0,
+     .high = 180,
+     .open = true},
+    {.name = "space",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(aim_settings, space),
+     .value = "NAME",
+     .help = "where x, y and z of all positions, given and reported, grow: right, anterior, superior or left, "
+             "posterior, superior:",
+     .choices = spaces},
+    {0},
+};
+
+const struct option engine_options[] = {
+    {.name = "resolution",
+     .type = OPTION_COUNT,
+     .offset = FIELD(engine_settings, resolution),
+     .value = "N",
+     .help = "look through N x N pixels, 1 to 1024 (default 16)",
+     .low = 1,
+     .high = 1024},
+    {.name = "aperture",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(engine_settings, aperture),
+     .value = "SHAPE",
+     .help = "which of them count: in the circle, or all:",
+     .choices = apertures},
+    {.name = "engine",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(engine_settings, engine),
+     .value = "NAME",
+     .help = "rays on the CPU or an OpenGL pass; both give the same pixels; auto takes OpenGL only "
+             "where hardware is at hand:",
+     .choices = engines},
+    {.name = "sampling",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(engine_settings, sampling),
+     .value = "KIND",
+     .help = "every voxel on the way, or slices across the view, which can miss thin objects:",
+     .choices = samplings},
+    {.name = "score",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(engine_settings, score),
+     .value = "NAME",
+     .help = "what ranks the objects, see below:",
+     .choice_at = score_at},
+    {0},
+};
+
+const struct option slices_options[] = {
+    {.name = "slices",
+     .type = OPTION_COUNT,
+     .offset = FIELD(engine_settings, slices),
+     .value = "N",
+     .help = "with --sampling slices: slices of the picture, of which the selection takes a fifth "
+             "(default sqrt(2) times the longest edge of the volume)",
+     .low = 1,
+     .high = 65536},
+    {0},
+};
+
+int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings)
+{
+    const conus_load_options options = {.labels = settings->labels, .max_memory = settings->max_memory};
+    conus_atlas *atlas = NULL;
+    conus_status status = conus_atlas_load(&atlas, path, &options);
+    if (status) {
+        return complain_status(status);
+    }
+    *out = atlas;
+    return EXIT_DONE;
+}
+
+void settings_say_notes(const conus_atlas *atlas, const struct common_settings *settings)
+{
+    for (size_t i = 0; !settings->quiet && i < conus_atlas_note_count(atlas); i++) {
+        complain("note: %s", conus_atlas_note(atlas, i));
+    }
+}
+
+/* A cone comes from a file, or from an apex and one of two ways to say where it points. */
+static bool check_source(const struct arguments *arguments)
+{
+    if (!options_exclude(arguments, "toward", "direction")) {
+        return false;
+    }
+    if (option_given(arguments, "toward") || option_given(arguments, "direction")) {
+        return true;
+    }
+    complain("--origin needs --toward X,Y,Z or --direction X,Y,Z with it");
+    return false;
+}
+
+bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
+{
+    static const char *const of_origin[] = {"toward", "direction", "up"};
+    for (size_t i = 0; i < 3; i++) {
+        if (!option_needs(arguments, of_origin[i], "origin")) {
+            return false;
+        }
+    }
+    if (!options_exclude(arguments, "origin", "pose")) {
+        return false;
+    }
+    if (option_given(arguments, "origin")) {
+        return check_source(arguments);
+    }
+    if (aim_needed && !option_given(arguments, "pose")) {
+        complain("no cone given: --origin X,Y,Z with --toward X,Y,Z or --direction X,Y,Z, or --pose FILE");
+        return false;
+    }
+    return true;
+}
+
+static void to_ras(double out[3], const double in[3], size_t space)
+{
+    double sign = space == CONUS_LPS ? -1 : 1;
+    out[0] = sign * in[0];
+    out[1] = sign * in[1];
+    out[2] = in[2];
+}
+
+int settings_look(conus_pose *out, const double origin[3], const double toward[3], const double up[3], size_t space)
+{
+    double from[3];
+    double to[3];
+    double above[3];
+    to_ras(from, origin, space);
+    to_ras(to, toward, space);
+    if (up) {
+        to_ras(above, up, space);
+    }
+    conus_status status = conus_pose_toward(out, from, to, up ? above : NULL);
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
+int settings_pose(conus_pose *out, const struct aim_settings *settings, const struct arguments *arguments)
+{
+    const double *given_up = option_given(arguments, "up") ? settings->up : NULL;
+    if (option_given(arguments, "toward")) {
+        return settings_look(out, settings->origin, settings->toward, given_up, settings->space);
+    }
+    double from[3];
+    double along[3];
+    double above[3];
+    to_ras(from, settings->origin, settings->space);
+    to_ras(along, settings->direction, settings->space);
+    to_ras(above, settings->up, settings->space);
+    conus_status status = conus_pose_along(out, from, along, given_up ? above : NULL);
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
+double radians(double degrees)
+{
+    return degrees * (M_PI / 180);
+}
+
+double settings_angle(const struct aim_settings *settings)
+{
+    return radians(settings->angle ? settings->angle : DEFAULT_ANGLE);
+}
+
+conus_selector_options settings_engine(const struct engine_settings *settings, const struct common_settings *common)
+{
+    return (conus_selector_options){
+        .engine = (conus_engine)settings->engine,
+        .aperture = (conus_aperture)settings->aperture,
+        .sampling = (conus_sampling)settings->sampling,
+        .resolution = settings->resolution,
+        .slices = settings->slices,
+        .score = conus_score(settings->score)->name,
+        .log = common->verbose ? log_line : NULL,
+    };
+}
+
+void help_scores(FILE *out)
+{
+    const conus_score_info *score;
+    fputs("Scores\n", out);
+    for (size_t i = 0; (score = conus_score(i)); i++) {
+        fprintf(out, "  %-26s  %s\n", score->name, score->description);
+    }
+}

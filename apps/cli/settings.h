@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Options that several commands share, and what they ask the library for. */
+#ifndef CONUS_CLI_SETTINGS_H
+#define CONUS_CLI_SETTINGS_H
+
+#include "cli/options.h"
+
+#include <conus/conus.h>
+
+struct common_settings {
+    bool help, version, quiet, verbose;
+};
+
+struct atlas_settings {
+    const char *labels;
+    uint64_t max_memory;
+};
+
+struct aim_settings {
+    double origin[3], toward[3], direction[3], up[3];
+    const char *pose;
+    double angle; /* degrees */
+    size_t space; /* conus_space */
+};
+
+struct engine_settings {
+    uint32_t resolution, slices;
+    size_t aperture, engine, sampling, score; /* conus_aperture, conus_engine, conus_sampling, index of a score */
+};
+
+extern const struct option quiet_options[];  /**< common_settings: --help, --version, --quiet, --verbose */
+extern const struct option plain_options[];  /**< common_settings: --help, --version */
+extern const struct option atlas_options[];  /**< atlas_settings */
+extern const struct option aim_options[];    /**< aim_settings */
+extern const struct option engine_options[]; /**< engine_settings, without --slices */
+extern const struct option slices_options[]; /**< engine_settings: --slices of the ID pass */
+
+enum { DEFAULT_ANGLE = 10 };
+
+/** Loads the atlas and adds its pathways. Gives the exit code, having complained unless it is 0. */
+int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings);
+
+/** Says the atlas's notes on stderr, unless --quiet. */
+void settings_say_notes(const conus_atlas *atlas, const struct common_settings *settings);
+
+/** Whether the options that aim a cone go together; complains if not. @p aim_needed: there must be a cone. */
+bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
+
+/** The pose at @p origin looking toward a point, all in @p space; @p up may be NULL. Gives the exit code likewise. */
+int settings_look(conus_pose *out, const double origin[3], const double toward[3], const double up[3], size_t space);
+
+/** The pose of --origin with --toward or --direction. Gives the exit code, having complained unless it is 0. */
+int settings_pose(conus_pose *out, const struct aim_settings *settings, const struct arguments *arguments);
+
+/** A number of degrees in radians. */
+double radians(double degrees);
+
+/** --angle in radians, or its default. */
+double settings_angle(const struct aim_settings *settings);
+
+/** What the library is told about the engine; @p common chooses whether it logs. */
+conus_selector_options settings_engine(const struct engine_settings *settings, const struct common_settings *common);
+
+/** Lists the scores and what they mean, for --help. */
+void help_scores(FILE *out);
+
+#endif

@@ -1,0 +1,70 @@
+#!/usr/bin/env bats
+# conus diff, as a user types it.
+load helpers
+
+result() {
+    printf 'query\tkind\tindex\tname\tpixels\tshare\n'
+    printf '1\tarea\t11\tFrontal\t188\t%s\n' "${1:-0.9}"
+    printf '1\tarea\t%s\tPrecentral\t16\t0.1\n' "${2:-1}"
+}
+
+@test "equal results are the same" {
+    result >a.tsv
+    answers diff a.tsv a.tsv
+    [ "$output" = "2 rows the same, 0 changed, 0 removed, 0 added" ]
+}
+
+@test "the order of rows and the line ends do not matter" {
+    result >a.tsv
+    { head -1 a.tsv; tail -1 a.tsv; sed -n 2p a.tsv; } | sed 's/$/\r/' >b.tsv
+    answers diff a.tsv b.tsv
+}
+
+@test "changes are named with column and values, within a tolerance" {
+    result >a.tsv
+    result 0.91 >b.tsv
+    run -1 conus diff a.tsv b.tsv
+    [ "${lines[0]}" = "changed   query 1: area 11 Frontal: share 0.9 -> 0.91" ]
+    [ "${lines[1]}" = "1 rows the same, 1 changed, 0 removed, 0 added" ]
+    answers diff a.tsv b.tsv --tolerance 0.0101
+    run -1 conus diff a.tsv b.tsv --tolerance 0.009
+}
+
+@test "added and removed rows and columns are named" {
+    result >a.tsv
+    result 0.9 2 | sed 's/pixels/pixel/' >b.tsv
+    run -1 conus diff a.tsv b.tsv
+    has "column    pixels is only in the first"
+    has "column    pixel is only in the second"
+    has "removed   query 1: area 1 Precentral"
+    has "added     query 1: area 2 Precentral"
+    has "1 rows the same, 0 changed, 1 removed, 1 added"
+}
+
+@test "what is no result is refused" {
+    result >a.tsv
+    fails 3 'none.tsv: cannot open: No such file or directory' diff a.tsv none.tsv
+    fails 3 '.: cannot read: Is a directory' diff a.tsv .
+    : >b.tsv
+    fails 3 'b.tsv: is empty' diff a.tsv b.tsv
+    echo '{"rows": []}' >b.tsv
+    fails 3 'b.tsv: looks like JSON' diff a.tsv b.tsv
+    echo 'hello' >b.tsv
+    fails 3 'b.tsv: no column "query": not a TSV result of conus' diff a.tsv b.tsv
+    { result; printf '1\tarea\n'; } >b.tsv
+    fails 3 'b.tsv:4: 2 fields, the header has 6' diff a.tsv b.tsv
+    { result; result | tail -1; } >b.tsv
+    fails 3 'b.tsv:4: the same query, kind and index as another line' diff a.tsv b.tsv
+    fails 2 '--tolerance: -1 is out of range' diff a.tsv a.tsv --tolerance -1
+}
+
+@test "two runs of one query are the same, another angle is not" {
+    sphere --size 32
+    local aim='--origin 0,0,100 --toward 0,0,0'
+    conus query sphere.nii.gz $aim --angle 30 -o a.tsv
+    conus query sphere.nii.gz $aim --angle 30 -o b.tsv
+    answers diff a.tsv b.tsv
+    conus query sphere.nii.gz $aim --angle 31 -o b.tsv
+    run -1 conus diff a.tsv b.tsv
+    has "changed   query 1: area 1 Sphere:"
+}

@@ -1,0 +1,66 @@
+# What every file here loads. CONUS is the program under test; CTest sets it.
+bats_require_minimum_version 1.5.0
+: "${CONUS:?is the path of the conus program}"
+TEMPLATES=${CONUS_TEMPLATES:-/usr/share/mricron/templates}
+
+setup() {
+    mkdir "$BATS_TEST_TMPDIR/work"
+    cd "$BATS_TEST_TMPDIR/work" || return
+}
+
+conus() {
+    "$CONUS" "$@"
+}
+
+# fails CODE TEXT ARGUMENT...: conus ends with CODE, says one line that contains TEXT on stderr, and nothing on stdout.
+fails() {
+    local code=$1 text=$2
+    shift 2
+    run -"$code" --separate-stderr "$CONUS" "$@"
+    check_message "$text"
+    [ -z "$output" ] || { echo "unexpected output: $output"; return 1; }
+}
+
+# check_message TEXT: what the last run said is one line, "conus: ..." with TEXT in it.
+check_message() {
+    # shellcheck disable=SC2154 # bats sets stderr and stderr_lines
+    [ "${#stderr_lines[@]}" -eq 1 ] || { echo "not one line: $stderr"; return 1; }
+    [[ "$stderr" == "conus: "*"$1"* ]] || { echo "said: $stderr"; echo "wanted: $1"; return 1; }
+}
+
+# answers ARGUMENT...: conus succeeds and says nothing on stderr.
+answers() {
+    run -0 --separate-stderr "$CONUS" "$@"
+    [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
+}
+
+# has TEXT: the last run wrote TEXT.
+has() {
+    [[ "$output" == *"$1"* ]] || { echo "wrote: $output"; echo "wanted: $1"; return 1; }
+}
+
+# nothing_left FILE...: only these files are here.
+nothing_left() {
+    local found wanted
+    found=$(find . -type f | sort)
+    wanted=$(printf './%s\n' "$@" | sort)
+    [ "$#" -gt 0 ] || wanted=
+    [ "$found" = "$wanted" ] || { echo "files: $found"; return 1; }
+}
+
+# cell NAME ROW: that column of a row (from 1) of the TSV in $output.
+cell() {
+    awk -F'\t' -v name="$1" -v row="$2" \
+        'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name) column = i } NR == row + 1 { print $column }' <<<"$output"
+}
+
+# aal: path of the AAL atlas, or the test is skipped.
+need_aal() {
+    aal=$TEMPLATES/aal.nii.gz
+    [ -r "$aal" ] || skip "no mricron-data ($aal)"
+}
+
+# sphere [OPTION...]: sphere.nii.gz, a ball of radius 20 mm around the origin.
+sphere() {
+    conus phantom sphere -o . "$@"
+}

@@ -1,0 +1,63 @@
+#!/usr/bin/env bats
+# conus info, as a user types it.
+load helpers
+
+@test "AAL: format, size, orientation, transform, labels, areas" {
+    need_aal
+    answers info "$aal"
+    has 'format       NIfTI-1, gzip'
+    has 'size         181 x 217 x 181 voxels of 1 x 1 x 1 mm'
+    has 'orientation  RAS: sform, code 4'
+    has 'aal.nii.txt'
+    has 'covers       x -90.5 to 90.5, y -125.5 to 91.5, z -71.5 to 109.5 mm'
+    has '116 areas (0 without a name, 0 without voxels), 0 pathways'
+    grep -qE '^ +area +11 +Frontal_Inf_Oper_L +#[0-9a-f]{6} +8271 +8271$' <<<"$output"
+}
+
+@test "TSV has one line per area" {
+    need_aal
+    answers info "$aal" --format tsv
+    [ "${#lines[@]}" -eq 117 ]
+    [ "$(cell index 11)/$(cell name 11)/$(cell voxels 11)/$(cell volume_mm3 11)" = 11/Frontal_Inf_Oper_L/8271/8271 ]
+    [ "$(cell hemisphere 11)/$(cell parent 11)" = n/a/n/a ]
+}
+
+@test "JSON has it all" {
+    need_aal
+    answers info "$aal" --format json
+    has '"conus": "0.1.0"'
+    has '"role": "parcellation"'
+    has '"dim": ['
+    has '"orientation": "RAS"'
+    has '"name": "Frontal_Inf_Oper_L"'
+    if command -v python3 >/dev/null; then
+        python3 -c 'import json, sys; a = json.load(sys.stdin); assert len(a["objects"]) == 116' <<<"$output"
+    fi
+}
+
+@test "a phantom's voxels and spacing" {
+    sphere --size 32 --spacing 2,2,2
+    answers info sphere.nii.gz --format tsv
+    awk -v v="$(cell voxels 1)" -v mm="$(cell volume_mm3 1)" 'BEGIN { exit !(mm == 8 * v && mm > 30000 && mm < 37000) }'
+    [ "$(cell name 1)/$(cell abbreviation 1)" = Sphere/Sph ]
+}
+
+@test "--labels replaces the table, and notes are shown" {
+    sphere --size 16
+    printf '1 My ball\n7 Elsewhere\n' >mine.txt
+    answers info sphere.nii.gz --labels mine.txt
+    has 'mine.txt'
+    has 'My ball'
+    has '2 areas (0 without a name, 1 without voxels)'
+    rm sphere.tsv sphere.json
+    answers info sphere.nii.gz
+    has 'Notes'
+    has 'no label table found'
+    fails 3 'none.txt: cannot open' info sphere.nii.gz --labels none.txt
+}
+
+@test "a pipe that closes early is an error, not silence" {
+    need_aal
+    run -3 --separate-stderr bash -c "set -o pipefail; '$CONUS' info '$aal' --format json | true"
+    check_message 'standard output: cannot write: Broken pipe'
+}

@@ -1,0 +1,166 @@
+#!/usr/bin/env bats
+# conus query, as a user types it.
+load helpers
+
+@test "AAL from the left: the answer of the README" {
+    need_aal
+    answers query "$aal" --origin=-90,20,20 --toward=0,-10,10 --angle 20 --format tsv
+    [ "${#lines[@]}" -eq 5 ]
+    [ "$(cell name 1)/$(cell pixels 1)/$(cell index 1)" = Frontal_Inf_Oper_L/188/11 ]
+    [[ "$(cell distance_mm 1)" == 25.5313* ]]
+    [ "$(cell name 2)/$(cell pixels 2)" = Precentral_L/16 ]
+    [ "$(cell name 3)/$(cell pixels 3)" = Postcentral_L/4 ]
+    [ "$(cell kind 4)/$(cell pixels 4)" = unassigned/0 ]
+    awk -F'\t' 'NR > 1 { sum += $9 } END { exit !(sum > 1 - 1e-6 && sum < 1 + 1e-6) }' <<<"$output"
+}
+
+@test "vectors may begin with a minus, after a space or an equals sign" {
+    need_aal
+    answers query "$aal" --origin=-90,20,20 --toward=0,-10,10 --angle=20 --format=tsv
+    local equals=$output
+    answers query --toward 0,-10,10 --angle 20 "$aal" --format tsv --origin -90,20,20
+    [ "$output" = "$equals" ]
+    answers query "$aal" --origin -90,20,20 --direction 9,-3,-1 --angle 20 --format tsv
+    [ "$(cell pixels 1)" = 188 ]
+}
+
+@test "LPS positions are the mirrored RAS ones, given and reported" {
+    need_aal
+    answers query "$aal" --origin -90,20,20 --toward 0,-10,10 --angle 20 --format tsv
+    local x=$(cell contact_x 1) y=$(cell contact_y 1) z=$(cell contact_z 1)
+    answers query "$aal" --origin 90,-20,20 --toward 0,10,10 --angle 20 --format tsv --space lps
+    [ "$(cell contact_x 1)/$(cell contact_y 1)/$(cell contact_z 1)" = "${x#-}/-$y/$z" ]
+    printf 'x\ty\tz\ttx\tty\ttz\tangle\n90\t-20\t20\t0\t10\t10\t20\n' >poses.tsv
+    answers query "$aal" --pose poses.tsv --format tsv --space lps
+    [ "$(cell contact_x 1)/$(cell pixels 1)" = "${x#-}/188" ]
+}
+
+@test "a ball of 20 mm is met at 80 mm from 100 mm away" {
+    sphere --size 64
+    answers query sphere.nii.gz --origin 0,0,100 --direction 0,0,-1 --angle 5 --format tsv
+    [ "$(cell name 1)/$(cell pixels 1)/$(cell share 1)" = Sphere/208/1 ]
+    awk -v d="$(cell distance_mm 1)" 'BEGIN { exit !(d > 79 && d < 81) }'
+}
+
+@test "the table for people has units, an unassigned row and its settings" {
+    sphere --size 32 --spacing 2,2,2
+    answers query sphere.nii.gz --origin 0,0,100 --toward 0,0,0 --angle 40
+    has 'cone of 40 degrees from (0.00, 0.00, 100.00)'
+    has 'Sphere'
+    has '(nothing met)'
+    has '208 pixels in the cone'
+}
+
+@test "JSON and NDJSON hold the same rows" {
+    sphere --size 32 --spacing 2,2,2
+    local aim='--origin 0,0,100 --toward 0,0,0 --angle 40'
+    answers query sphere.nii.gz $aim --format json
+    has '"name": "Sphere"'
+    answers query sphere.nii.gz $aim --format ndjson
+    [ "${#lines[@]}" -eq 2 ]
+    [[ "${lines[0]}" == '{"query":'*'"name":"Sphere"'* ]]
+}
+
+@test "-o writes the answer whole, in the form that its ending says, with a sidecar" {
+    sphere --size 32
+    local aim='--origin 0,0,100 --toward 0,0,0'
+    answers query sphere.nii.gz $aim -o a.tsv
+    [ -z "$output" ]
+    grep -q '"pixels"' a.json
+    grep -q "conus query sphere.nii.gz --origin 0,0,100 --toward 0,0,0 -o a.tsv" a.json
+    answers query sphere.nii.gz $aim --format tsv
+    [ "$output" = "$(cat a.tsv)" ]
+    answers query sphere.nii.gz $aim -o b.json
+    grep -q Sphere b.json
+    answers query sphere.nii.gz $aim -o c.txt
+    grep -q 'pixels in the cone' c.txt
+    answers query sphere.nii.gz $aim -o - --format ndjson
+    has '"Sphere"'
+    nothing_left sphere.{nii.gz,tsv,json} a.{tsv,json} b.json c.txt
+}
+
+@test "outputs keep off the inputs and each other" {
+    sphere --size 32
+    local aim='--origin 0,0,100 --toward 0,0,0'
+    fails 2 '--output would overwrite the atlas' query sphere.nii.gz $aim -o ./sphere.nii.gz
+    fails 2 '--output and --voxels are the same file' query sphere.nii.gz $aim -o a.tsv --voxels a.tsv --voxels-of all
+    fails 3 'no/such/a.json: cannot write: No such file' query sphere.nii.gz $aim -o no/such/a.tsv
+    fails 3 '.: cannot write: is a folder' query sphere.nii.gz $aim -o .
+    nothing_left sphere.{nii.gz,tsv,json}
+}
+
+@test "--voxels lists the voxels met first" {
+    sphere --size 32
+    answers query sphere.nii.gz --origin 0,0,100 --toward 0,0,0 --angle 5 -o a.tsv --voxels v.tsv --voxels-of all
+    head -1 v.tsv | grep -q $'^query\tpathway\ti\tj\tk\tx\ty\tz\tvalue\tdistance_mm'
+    [ "$(wc -l <v.tsv)" -gt 5 ]
+    [ "$(sort v.tsv | uniq -d | wc -l)" -eq 0 ]
+}
+
+@test "a file of poses is answered row by row; bad rows are named and end in exit code 1" {
+    sphere --size 32
+    printf 'query_id\tx\ty\tz\ttx\tty\ttz\tangle\n' >poses.tsv
+    printf 'top\t0\t0\t100\t0\t0\t0\t5\nbad\t0\t0\tx\t0\t0\t0\t5\nside\t100\t0\t0\t0\t0\t0\t5\n' >>poses.tsv
+    run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose poses.tsv --format tsv
+    check_message 'poses.tsv:3: '
+    [ "$(cell query 1)/$(cell name 1)" = top/Sphere ]
+    [ "$(cell query 3)/$(cell name 3)" = side/Sphere ]
+    [ "${#lines[@]}" -eq 5 ]
+}
+
+@test "a pose's angle wins, and --angle serves those without one" {
+    sphere --size 32
+    printf 'x,y,z,dx,dy,dz,angle\n0,0,100,0,0,-1,5\n0,0,100,0,0,-1,200\n' >poses.csv
+    fails 2 '--angle has no effect: every pose in poses.csv has its own' query sphere.nii.gz --pose poses.csv --angle 4
+    printf 'x,y,z,dx,dy,dz\n0,0,100,0,0,-1\n' >poses.csv
+    answers query sphere.nii.gz --pose poses.csv --angle 60 --format tsv
+    [ "$(cell share 1)" != 1 ]
+    answers query sphere.nii.gz --pose poses.csv --format tsv
+    [ "$(cell share 1)" = 1 ]
+}
+
+@test "a cone that misses everything is an answer" {
+    sphere --size 32
+    answers query sphere.nii.gz --origin 0,0,100 --direction 0,0,1 --format tsv
+    [ "$(cell kind 1)/$(cell share 1)/$(cell distance_mm 1)" = unassigned/1/n/a ]
+}
+
+@test "an apex inside the brain meets where it is at once" {
+    sphere --size 32
+    answers query sphere.nii.gz --origin 0,0,0 --direction 0,0,1 --format tsv
+    [ "$(cell name 1)/$(cell share 1)/$(cell distance_mm 1)" = Sphere/1/0 ]
+}
+
+@test "the default ranking is by share" {
+    need_aal
+    local aim='--origin=-90,20,20 --toward=0,-10,10 --angle 20 --format tsv'
+    answers query "$aal" $aim
+    local default=$output
+    answers query "$aal" $aim --score share
+    [ "$output" = "$default" ]
+    answers query "$aal" $aim --score distance
+    [ "$(cell rank 1)" = 1 ]
+    [ "$output" != "$default" ]
+}
+
+@test "the aperture and the resolution decide how many pixels there are" {
+    sphere --size 32
+    local aim='--origin 0,0,100 --toward 0,0,0 --angle 2 --format tsv'
+    answers query sphere.nii.gz $aim --aperture square
+    [ "$(cell pixels 1)" = 256 ]
+    answers query sphere.nii.gz $aim --resolution 1
+    [ "$(cell pixels 1)" = 1 ]
+    answers query sphere.nii.gz $aim --resolution 64 --aperture square
+    [ "$(cell pixels 1)" = 4096 ]
+}
+
+@test "notes about the atlas go to stderr once, unless --quiet" {
+    sphere --size 32
+    rm sphere.tsv sphere.json
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz --origin 0,0,100 --toward 0,0,0 --format tsv
+    check_message 'note: no label table found'
+    [ "$(cell name 1)" = 1 ]
+    answers query sphere.nii.gz --origin 0,0,100 --toward 0,0,0 --quiet
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz --origin 0,0,100 --toward 0,0,0 --verbose --quiet
+    check_message 'engine: rays'
+}
