@@ -25,7 +25,7 @@ struct stream {
 
 bool gzip_is(const uint8_t *data, size_t size)
 {
-    return size >= 2 && data[0] == 0x1f && data[1] == 0x8b;
+    return size >= 3 && data[0] == 0x1f && data[1] == 0x8b && data[2] == 8; /* 8: deflate, the only method there is */
 }
 
 static size_t smaller(uint64_t a, uint64_t b)
@@ -96,7 +96,6 @@ static conus_status inflate_until(struct stream *stream, uint64_t until)
     return CONUS_OK;
 }
 
-/* Keeps [from, from + count) in `kept` while inflating `until` bytes. */
 static conus_status stream_open(struct stream **out, const uint8_t *data, size_t size)
 {
     struct stream *stream = memory_zeroed(1, sizeof *stream);

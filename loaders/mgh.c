@@ -97,7 +97,8 @@ conus_status mgh_header_parse(struct volume_header *out, const uint8_t *data, si
     if (read_int(data, 0) != 1) {
         return fail(CONUS_ERROR_DATA, "version: found %d, allowed is 1", read_int(data, 0));
     }
-    struct volume_header header = {.swapped = BIG_ENDIAN_IS_SWAPPED, .header_size = HEADER_SIZE, .offset = HEADER_SIZE};
+    struct volume_header header = {
+        .swapped = BIG_ENDIAN_IS_SWAPPED, .footer = true, .header_size = HEADER_SIZE, .offset = HEADER_SIZE};
     header.info.slope = 1;
     snprintf(header.info.format, sizeof header.info.format, "MGH");
     conus_status status;

@@ -73,10 +73,10 @@ static conus_status take_plain(struct bytes *out, struct gzip_range *range, stru
     return CONUS_OK;
 }
 
-static conus_status note_rest(const struct gzip_range *range, struct notes *notes)
+static conus_status note_rest(const struct gzip_range *range, bool footer, struct notes *notes)
 {
     conus_status status = CONUS_OK;
-    if (range->extra) {
+    if (range->extra && !footer) {
         status = notes_add(notes, "%llu bytes after the last voxel were ignored", (unsigned long long)range->extra);
     }
     if (!status && range->junk) {
@@ -94,7 +94,7 @@ static conus_status take_voxels(struct bytes *out, struct stored *stored, const 
                                .total = header->offset + header->info.volume_count * header->volume_size};
     conus_status status = stored->packed ? gzip_unpack(out, &range, stored->bytes.data, stored->bytes.size)
                                          : take_plain(out, &range, &stored->bytes);
-    return status ? status : note_rest(&range, notes);
+    return status ? status : note_rest(&range, header->footer, notes);
 }
 
 /* ---- Names ------------------------------------------------------------------------------------------------------- */
@@ -135,9 +135,13 @@ static conus_status read_other_half(struct stored *out, const char *path, size_t
     if (!other) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_status status = file_exists(other)
-                              ? stored_read(out, other, limit)
-                              : fail(CONUS_ERROR_IO, "%s: the other half of the pair, %s[.gz], is missing", path, ext);
+    conus_status status;
+    if (file_exists(other)) {
+        status = stored_read(out, other, limit);
+    } else {
+        status = fail(CONUS_ERROR_IO, "%s: the other half of the pair is missing: %.*s%s or %.*s%s.gz", path, (int)at,
+                      path, ext, (int)at, path, ext);
+    }
     memory_free(other);
     return status;
 }
@@ -314,10 +318,19 @@ static conus_status take_extensions(struct volume_file *file, const struct volum
     if (header->header_size != MGH_HEADER_SIZE) {
         status = nifti_extensions_parse(&file->extensions, &file->extension_count, &end, &file->head, header);
     }
-    if (!status) {
-        file->embedded = (struct text){(const char *)file->head.data + end, file->head.size - end};
+    if (status) {
+        return status;
     }
-    return status;
+    struct text text = {(const char *)file->head.data + end, file->head.size - end};
+    while (text.size && text.data[0] == '\0') {
+        text.data++;
+        text.size--;
+    }
+    while (text.size && text.data[text.size - 1] == '\0') {
+        text.size--;
+    }
+    file->embedded = text;
+    return CONUS_OK;
 }
 
 static void describe_format(conus_volume_info *info, const struct volume_header *header, bool packed)

@@ -25,7 +25,7 @@ struct volume_file {
     bool swapped;           /**< Stored in the other byte order than this machine's.                         */
     struct volume_extension *extensions;
     size_t extension_count;
-    struct text embedded; /**< Bytes between the last extension (or header) and the voxels; may be empty.   */
+    struct text embedded; /**< Between the last extension (or header) and the voxels, NULs at both ends left out. */
     int intent_code;      /**< NIfTI intent, 0 if none.                                                    */
 };
 
