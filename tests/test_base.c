@@ -91,7 +91,7 @@ static void inverse_undoes_an_affine(void **state)
     uint64_t seed = 2;
     for (int k = 0; k < 100; k++) {
         double m[16] = {0};
-        double inverse[16];
+        double inverse[16] = {0};
         double product[16];
         for (int i = 0; i < 12; i++) {
             m[i / 3 * 4 + i % 3] = test_random(&seed, -3, 3);

@@ -405,7 +405,7 @@ static void rigid_motion_changes_nothing(void **state)
         assert_ok(space_describe(&moved.drawing.grid, motion, "moved"));
         assert_ok(phantom_drawing_atlas(&moved.atlas, &moved.drawing));
         open_selector(&moved, 16, NULL);
-        double voxel_from_world[16];
+        double voxel_from_world[16] = {0};
         assert_true(mat4_invert_affine(voxel_from_world, still.drawing.grid.world_from_voxel));
         mat4_multiply(motion, motion, voxel_from_world);
         for (int i = 0; i < 50; i++) {
