@@ -1,0 +1,22 @@
+cmake_minimum_required(VERSION 3.25)
+# cmake -DROOT=<source folder> -DEXAMPLE=<program built from examples/select_one.c> -P check_readme.cmake
+# The README's C example is the file that is built, and prints what the README says; the files it links to exist.
+file(READ "${ROOT}/README.md" readme)
+file(READ "${ROOT}/examples/select_one.c" code)
+string(FIND "${readme}" "```c\n${code}```\n" at)
+if(at EQUAL -1)
+  message(FATAL_ERROR "README.md: its C example differs from examples/select_one.c")
+endif()
+execute_process(COMMAND "${EXAMPLE}" WORKING_DIRECTORY "${ROOT}" OUTPUT_VARIABLE output COMMAND_ERROR_IS_FATAL ANY)
+string(FIND "${readme}" "```\n${output}```\n" at)
+if(at EQUAL -1)
+  message(FATAL_ERROR "README.md: it does not show what its C example prints:\n${output}")
+endif()
+string(REPLACE "](" "LINK(" readme "${readme}") # a bracket alone would spoil CMake's list
+string(REGEX MATCHALL "LINK\\([a-zA-Z][^):#]*" links "${readme}")
+foreach(link IN LISTS links)
+  string(SUBSTRING "${link}" 5 -1 path)
+  if(NOT EXISTS "${ROOT}/${path}")
+    message(FATAL_ERROR "README.md: links to ${path}, which is not there")
+  endif()
+endforeach()
