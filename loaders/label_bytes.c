@@ -7,7 +7,8 @@
 
 #define KNOWN                                                                                                          \
     "MRIcron text, AAL text, ITK-SNAP, FreeSurfer, FSLeyes, MRtrix and Slicer colour tables, BIDS dseg.tsv and other " \
-    "tables with a header, BrainGlobe structures.json, NiiVue JSON, MRIcron .lut"
+    "tables with a header, FSL atlas XML, Workbench and AFNI label tables, BrainGlobe structures.json, NiiVue JSON, "  \
+    "MRIcron .lut"
 
 struct text label_text_of(const uint8_t *data, size_t size)
 {
@@ -72,6 +73,9 @@ const struct label_format *label_format_of(struct text text)
     if (!is_text(text)) {
         return NULL;
     }
+    if (start.data[0] == '<') {
+        return label_format_of_markup(start);
+    }
     if (start.data[0] == '{' || start.data[0] == '[') {
         return label_format_of_json(start);
     }
@@ -80,14 +84,13 @@ const struct label_format *label_format_of(struct text text)
 }
 
 conus_status label_text_parse(struct label_table *out, const struct label_format *format, struct text text,
-                              struct notes *notes)
+                              size_t volume, struct notes *notes)
 {
     struct label_table table = {0};
-    conus_status status = format->parse(&table, text, notes);
+    bool by_volume = format == &label_format_workbench;
+    conus_status status =
+        by_volume ? label_workbench_parse(&table, text, volume, notes) : format->parse(&table, text, notes);
     status = status ? status : label_table_sort(&table, notes);
-    if (!status && !table.count) {
-        status = fail(CONUS_ERROR_DATA, "no label but 0");
-    }
     if (status) {
         label_table_finish(&table);
         return fail_in(status, format->name);
@@ -113,7 +116,15 @@ conus_status label_bytes_parse(struct label_table *out, const char **format, con
     if (!found) {
         return fail(CONUS_ERROR_DATA, "not a label table of a known format (known: " KNOWN ")");
     }
-    status = label_text_parse(out, found, text, notes);
-    *format = status ? *format : found->name;
+    struct label_table table = {0};
+    status = label_text_parse(&table, found, text, 0, notes);
+    if (!status && !table.count) {
+        label_table_finish(&table);
+        return fail(CONUS_ERROR_DATA, "%s: no label but 0", found->name);
+    }
+    if (!status) {
+        *format = found->name;
+        *out = table;
+    }
     return status;
 }

@@ -131,9 +131,13 @@ conus_status label_search_bytes(struct label_search *search, const char *name, b
         return expected ? notes_add(search->notes, "%s is not a label table of a known format: passed over", name)
                         : CONUS_OK;
     }
-    conus_status status = label_text_parse(&search->table, format, text, search->notes);
+    conus_status status = label_text_parse(&search->table, format, text, search->volume->info.volume, search->notes);
     if (status) {
         return complain(search, fail_in(status, name));
+    }
+    if (!search->table.count) {
+        label_table_finish(&search->table);
+        return notes_add(search->notes, "%s in %s has no label but 0: passed over", format->name, name);
     }
     search->found = true;
     buffer_format(&search->source, "%s %s %s", format->name, inside ? "inside" : "in", name);
@@ -157,12 +161,35 @@ conus_status label_search_file(struct label_search *search, const char *path)
     return status;
 }
 
-static conus_status search_embedded(struct label_search *search)
+static bool mentions(struct text text, const char *part)
+{
+    return text.size && memmem(text.data, text.size, part, strlen(part));
+}
+
+/* Workbench and AFNI also keep what is no label table in their extensions. */
+static conus_status search_extension(struct label_search *search, int code, const char *mark)
+{
+    const struct volume_file *volume = search->volume;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && !search->found && i < volume->extension_count; i++) {
+        const struct volume_extension *extension = &volume->extensions[i];
+        struct text text = label_text_of(extension->data, extension->size);
+        if (extension->code == code && mentions(text, mark)) {
+            status = label_search_bytes(search, path_base(volume->path), true, text);
+        }
+    }
+    return status;
+}
+
+static conus_status search_inside(struct label_search *search)
 {
     struct text text = search->volume->embedded;
     text = label_text_of((const uint8_t *)text.data, text.size);
-    if (search->found || !text.size) {
-        return CONUS_OK;
+    conus_status status = search_extension(search, EXTENSION_WORKBENCH, "<LabelTable");
+    status = status ? status : search_extension(search, EXTENSION_AFNI, "LABEL_DTABLE");
+    status = status ? status : search_extension(search, EXTENSION_AFNI, "ATLAS_LABEL_TABLE");
+    if (status || search->found || !text.size) {
+        return status;
     }
     return label_search_bytes(search, path_base(search->volume->path), true, text);
 }
@@ -220,11 +247,13 @@ static conus_status settle(struct label_search *search)
     }
     const char *name = path_base(search->volume->path);
     buffer_text(&search->source, "none found");
-    conus_status status =
-        notes_add(search->notes,
-                  "no label table found (looked inside %s; beside it for %.*s with .nii.txt, .txt, .tsv, "
-                  ".json, .label, .ctbl, .niml.lt, .csv or .lut): areas are called by their numbers",
-                  name, (int)volume_stem_length(name), name);
+    int stem = (int)volume_stem_length(name);
+    conus_status status = notes_add(
+        search->notes,
+        "no label table found: areas are called by their numbers (looked inside %s; beside it for %.*s.nii.txt, "
+        ".txt, .tsv, .json, .label, .ctbl, .niml.lt, .csv, .lut; in its folder for an inherited dseg.tsv, an "
+        "FSL atlas XML, structures.json, FreeSurferColorLUT.txt)",
+        name, stem, name);
     return status ? status : number_entries(&search->table);
 }
 
@@ -232,8 +261,9 @@ conus_status label_table_of_volume(struct label_table *out, char **source, const
                                    struct notes *notes)
 {
     struct label_search search = {.volume = volume, .notes = notes};
-    conus_status status = search_embedded(&search);
+    conus_status status = search_inside(&search);
     status = status ? status : search_beside(&search);
+    status = status || search.found ? status : label_search_folder(&search);
     status = status ? status : settle(&search);
     status = status ? status : colour_beside(&search);
     char *words = status ? NULL : memory_text(search.source.data, search.source.size);

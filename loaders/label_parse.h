@@ -15,6 +15,7 @@ struct label_format {
 /** What @p text is by its content, or NULL: each looks at one family. */
 const struct label_format *label_format_of_rows(struct text text);    /**< White space between columns. */
 const struct label_format *label_format_of_columns(struct text text); /**< A header row; tabs or commas.  */
+const struct label_format *label_format_of_markup(struct text text);  /**< XML and AFNI's NIML.           */
 const struct label_format *label_format_of_json(struct text text);
 /** ... and of all of them; @p text is without byte order mark and without NULs or white space at its end. */
 const struct label_format *label_format_of(struct text text);
@@ -28,9 +29,16 @@ bool label_is_lut(const uint8_t *data, size_t size);
 /** Colours the entries of @p table with numbers below 256. */
 void label_lut_apply(struct label_table *table, const uint8_t *lut);
 
-/** Parses @p text as @p format into a sorted table. */
+/** Parses @p text as @p format into a sorted table, which may turn out empty. @p volume: which of a 4-D file, where
+ * the format has a table for each. */
 conus_status label_text_parse(struct label_table *out, const struct label_format *format, struct text text,
-                              struct notes *notes);
+                              size_t volume, struct notes *notes);
+
+extern const struct label_format label_format_workbench;
+extern const struct label_format label_format_afni;
+
+/** Workbench's table of volume @p volume of a 4-D file; label_format_workbench takes the first. */
+conus_status label_workbench_parse(struct label_table *out, struct text text, size_t volume, struct notes *notes);
 
 /** Appends @p label, whose strings are taken over (also on failure). Label 0 is background and dropped, with a note
  * where its name does not say so: a table that counts from 0 names every area wrongly. */

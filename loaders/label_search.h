@@ -24,6 +24,9 @@ conus_status label_search_bytes(struct label_search *search, const char *name, b
 /** Tries the file @p path, if it exists. */
 conus_status label_search_file(struct label_search *search, const char *path);
 
+/** Tries what the volume's folder has under names of its own: an inherited BIDS table, an FSL atlas XML, ... */
+conus_status label_search_folder(struct label_search *search);
+
 /** Length of @p path without the ending of a volume (.nii.gz, .mgz, ...). */
 size_t volume_stem_length(const char *path);
 

@@ -1,9 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The public ways from files to an atlas. */
+/* conus_atlas_load(): from a labelled volume, or from an FSL atlas XML that names some. */
 #include "atlas/atlas.h"
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "loaders/fsl_atlas.h"
 #include "loaders/label_files.h"
+#include "loaders/label_parse.h"
+#include "loaders/label_search.h"
+#include "loaders/xml.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { XML_LIMIT = 64 << 20 };
 
 /* What a parcellation is made of, until atlas_create() has it. */
 struct parts {
@@ -23,44 +32,180 @@ static void parts_finish(struct parts *parts)
     notes_finish(&parts->notes);
 }
 
-static conus_status read_override(struct parts *parts, const char *path)
+static conus_status set_source(struct parts *parts, const char *format, const char *where)
 {
-    const char *format = NULL;
     struct buffer source = {0};
-    conus_status status = label_file_read(&parts->table, &format, path, &parts->notes);
-    if (!status) {
-        buffer_format(&source, "%s in %s", format, path);
-        status = buffer_status(&source);
-    }
+    buffer_format(&source, "%s in %s", format, where);
+    conus_status status = buffer_status(&source);
     if (status) {
         buffer_finish(&source);
         return status;
     }
+    memory_free(parts->source);
     parts->source = source.data;
     return CONUS_OK;
 }
 
-static conus_status load_parts(struct parts *parts, const char *path, const char *labels, uint64_t max_memory)
+static conus_status read_override(struct parts *parts, const char *path)
 {
-    conus_status status = volume_file_open(&parts->file, path, max_memory, &parts->notes);
+    const char *format = NULL;
+    struct label_table table = {0};
+    conus_status status = label_file_read(&table, &format, path, &parts->notes);
+    status = status ? status : set_source(parts, format, path);
+    if (status) {
+        label_table_finish(&table);
+        return status;
+    }
+    label_table_finish(&parts->table);
+    parts->table = table;
+    return CONUS_OK;
+}
+
+/* The path of an image as an FSL atlas writes it: from the XML's folder, mostly without ending. NULL in *out if there
+ * is no such file. */
+static conus_status find_image(char **out, const char *xml_path, const char *image)
+{
+    static const char *const endings[] = {"", ".nii.gz", ".nii", ".hdr", ".hdr.gz", ".mgz"};
+    char *path = file_beside(xml_path, image + strspn(image, "/"));
+    conus_status status = path ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < sizeof endings / sizeof endings[0]; i++) {
+        struct buffer candidate = {0};
+        buffer_format(&candidate, "%s%s", path, endings[i]);
+        status = buffer_status(&candidate);
+        if (!status && file_exists(candidate.data)) {
+            *out = candidate.data;
+            break;
+        }
+        buffer_finish(&candidate);
+    }
+    memory_free(path);
+    return status;
+}
+
+static double voxel_size(const struct volume_file *file)
+{
+    const double *spacing = file->info.spacing;
+    return spacing[0] * spacing[1] * spacing[2];
+}
+
+/* Opens `image` of the atlas and keeps it if its voxels are smaller than those of what is there. */
+static conus_status consider_image(struct parts *parts, const char *xml_path, const char *image, uint64_t max_memory)
+{
+    char *path = NULL;
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    conus_status status = find_image(&path, xml_path, image);
+    if (!status && !path) {
+        status = notes_add(&parts->notes, "image %s of the FSL atlas is not there", image);
+    } else if (!status) {
+        status = volume_file_open(&file, path, max_memory, &notes);
+    }
+    if (!status && path && (!parts->file.path || voxel_size(&file) < voxel_size(&parts->file))) {
+        struct volume_file other = parts->file;
+        parts->file = file;
+        file = other;
+        status = notes_move(&parts->notes, &notes);
+    }
+    memory_free(path);
+    volume_file_finish(&file);
+    notes_finish(&notes);
+    return status;
+}
+
+static conus_status open_finest(struct parts *parts, const struct fsl_atlas *atlas, const char *path,
+                                uint64_t max_memory)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < atlas->image_count; i++) {
+        const char *image = atlas->images[i].image;
+        status = image ? consider_image(parts, path, image, max_memory) : CONUS_OK;
+    }
+    if (!status && !parts->file.path) {
+        return fail(CONUS_ERROR_DATA, "%s: none of its %zu images is there (<imagefile> is relative to the XML)", path,
+                    atlas->image_count);
+    }
+    if (!status && atlas->image_count > 1) {
+        const double *s = parts->file.info.spacing;
+        status = notes_add(&parts->notes, "of the %zu images of %s the finest is used: %s (%g x %g x %g mm)",
+                           atlas->image_count, path_base(path), path_base(parts->file.path), s[0], s[1], s[2]);
+    }
+    return status;
+}
+
+static conus_status load_fsl(struct parts *parts, const char *path, struct text text, uint64_t max_memory)
+{
+    struct fsl_atlas atlas = {0};
+    conus_status status = fsl_atlas_parse(&atlas, text, &parts->notes);
+    if (status) {
+        return fail_in(status, path);
+    }
+    if (!atlas.is_label) {
+        status = fail(CONUS_ERROR_UNSUPPORTED,
+                      "%s: an FSL atlas of type %s, Label is needed; load one of its summary "
+                      "images instead, and its volumes as pathways (--pathway FILE,volume=K)",
+                      path, atlas.type);
+    }
+    status = status ? status : open_finest(parts, &atlas, path, max_memory);
+    status = status ? status : label_table_sort(&atlas.labels, &parts->notes);
+    status = status ? status : set_source(parts, "FSL atlas XML", path_base(path));
+    if (!status) {
+        parts->table = atlas.labels;
+        atlas.labels = (struct label_table){0};
+    }
+    fsl_atlas_finish(&atlas);
+    return status;
+}
+
+static bool starts_as_markup(const char *path)
+{
+    uint8_t start[64];
+    FILE *file = file_exists(path) ? fopen(path, "rbe") : NULL;
+    size_t size = file ? fread(start, 1, sizeof start, file) : 0;
+    if (file) {
+        fclose(file);
+    }
+    struct text text = text_trim(label_text_of(start, size));
+    return text.size && text.data[0] == '<';
+}
+
+static conus_status load_markup(struct parts *parts, const char *path, uint64_t max_memory)
+{
+    struct bytes bytes = {0};
+    conus_status status = file_read(&bytes, path, XML_LIMIT);
+    struct text text = label_text_of(bytes.data, bytes.size);
+    if (!status && !text_equal(xml_root(text), "atlas")) {
+        status = fail(CONUS_ERROR_DATA,
+                      "%s: neither a volume nor an FSL atlas XML (whose outermost element is <atlas>)", path);
+    }
+    status = status ? status : load_fsl(parts, path, text, max_memory);
+    bytes_finish(&bytes);
+    return status;
+}
+
+static conus_status load_parts(struct parts *parts, const char *path, const conus_load_options *options)
+{
+    bool markup = starts_as_markup(path);
+    conus_status status = markup ? load_markup(parts, path, options->max_memory)
+                                 : volume_file_open(&parts->file, path, options->max_memory, &parts->notes);
     status = status ? status : volume_file_labels(&parts->labels, &parts->file);
     if (status) {
         return status;
     }
     parts->file.info.role = CONUS_PARCELLATION;
-    return labels ? read_override(parts, labels)
-                  : label_table_of_volume(&parts->table, &parts->source, &parts->file, &parts->notes);
+    if (options->labels) {
+        return read_override(parts, options->labels);
+    }
+    return markup ? CONUS_OK : label_table_of_volume(&parts->table, &parts->source, &parts->file, &parts->notes);
 }
 
 conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)
 {
+    static const conus_load_options defaults;
+    struct parts parts = {0};
     if (!out || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
     }
-    static const conus_load_options defaults;
-    options = options ? options : &defaults;
-    struct parts parts = {0};
-    conus_status status = load_parts(&parts, path, options->labels, options->max_memory);
+    conus_status status = load_parts(&parts, path, options ? options : &defaults);
     if (!status) {
         status = atlas_create(out, &parts.file.info, parts.labels, &parts.table, parts.source, &parts.notes);
     }

@@ -1,64 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "base/file.h"
-#include "base/memory.h"
-#include "loaders/label_files.h"
+#include "parsed_labels.h"
 #include "test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-
-struct parsed {
-    struct label_table table;
-    struct notes notes;
-    const char *format;
-};
-
-static conus_status parse(struct parsed *out, const char *text)
-{
-    *out = (struct parsed){0};
-    return label_bytes_parse(&out->table, &out->format, (const uint8_t *)text, strlen(text), &out->notes);
-}
-
-static void parsed_finish(struct parsed *parsed)
-{
-    label_table_finish(&parsed->table);
-    notes_finish(&parsed->notes);
-}
-
-static bool has_note(const struct notes *notes, const char *part)
-{
-    for (size_t i = 0; i < notes->count; i++) {
-        if (strstr(notes->lines[i], part)) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* The table in one line: "1 Precentral_L (PRE) #0a0b0c L <7; 2 ..." */
-static const char *shown(const struct label_table *table)
-{
-    static char text[4096];
-    size_t size = 0;
-    text[0] = '\0';
-    for (size_t i = 0; i < table->count && size < sizeof text; i++) {
-        const struct label *l = &table->entries[i];
-        size += (size_t)snprintf(text + size, sizeof text - size, "%s%u %s", i ? "; " : "", l->number,
-                                 l->name ? l->name : "-");
-        size += l->abbreviation ? (size_t)snprintf(text + size, sizeof text - size, " (%s)", l->abbreviation) : 0;
-        size += l->has_rgb ? (size_t)snprintf(text + size, sizeof text - size, " #%02x%02x%02x", l->rgb[0], l->rgb[1],
-                                              l->rgb[2])
-                           : 0;
-        size += l->hemisphere ? (size_t)snprintf(text + size, sizeof text - size, " %c", l->hemisphere) : 0;
-        size += l->has_parent ? (size_t)snprintf(text + size, sizeof text - size, " <%u", l->parent) : 0;
-    }
-    return text;
-}
-
-struct sample {
-    const char *format, *text, *table;
-};
 
 static const struct sample samples[] = {
     {"MRIcron text", "1 Precentral_L 2001\r\n2 Precentral_R 2002\r\n\r\n", "1 Precentral_L; 2 Precentral_R"},
@@ -118,103 +62,63 @@ enum { SAMPLE_COUNT = sizeof samples / sizeof samples[0] };
 static void formats_are_told_by_content(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < SAMPLE_COUNT; i++) {
-        struct parsed parsed;
-        assert_ok(parse(&parsed, samples[i].text));
-        assert_string_equal(parsed.format, samples[i].format);
-        assert_string_equal(shown(&parsed.table), samples[i].table);
-        parsed_finish(&parsed);
-    }
+    assert_samples(samples, SAMPLE_COUNT);
 }
 
 static void every_prefix_is_read_or_refused(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < SAMPLE_COUNT; i++) {
-        for (size_t size = 0; size < strlen(samples[i].text); size++) {
-            uint8_t *exact = malloc(size ? size : 1);
-            assert_non_null(exact);
-            memcpy(exact, samples[i].text, size);
-            struct parsed parsed = {0};
-            conus_status status = label_bytes_parse(&parsed.table, &parsed.format, exact, size, &parsed.notes);
-            if (status) {
-                assert_fails(status, CONUS_ERROR_DATA);
-                assert_null(parsed.format);
-                assert_int_equal(parsed.table.count, 0);
-            }
-            free(exact);
-            parsed_finish(&parsed);
-        }
-    }
-}
-
-static conus_status parse_sample(void *data)
-{
-    struct parsed parsed;
-    conus_status status = parse(&parsed, data);
-    parsed_finish(&parsed);
-    return status;
+    assert_prefixes(samples, SAMPLE_COUNT);
 }
 
 static void every_failing_allocation_is_clean(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < SAMPLE_COUNT; i++) {
-        test_every_allocation(parse_sample, (void *)samples[i].text);
-    }
-}
-
-static void refuses(const char *text, const char *message)
-{
-    struct parsed parsed;
-    assert_fails(parse(&parsed, text), CONUS_ERROR_DATA);
-    if (!strstr(conus_message(), message)) {
-        fail_msg("\"%s\" is not in \"%s\"", message, conus_message());
-    }
-    parsed_finish(&parsed);
+    assert_allocations(samples, SAMPLE_COUNT);
 }
 
 static void bad_cells_are_named_with_their_line(void **state)
 {
     (void)state;
-    refuses("1 a\n3.5 b\n", "MRIcron text: line 2: label \"3.5\", a whole number from 0 to 4294967295");
-    refuses("# c\n1 a\n\n-2 b\n", "line 4: label \"-2\"");
-    refuses("4294967296 a\n", "line 1: label \"4294967296\"");
-    refuses("1 a\n2 b\nc d\n", "line 3: label \"c\"");
-    refuses("1 a 0 nan 0 0\n", "line 1: green is \"nan\", a whole number from 0 to 255");
-    refuses("1 a 0 0 256 0\n", "line 1: blue is \"256\"");
-    refuses("1 a 0.5 0 6 0\n", "line 1: red is \"0.5\"");
-    refuses("1 a 1 2 3 4\n2 b 1 2 3 4\n3 c 1 2 3\n", "line 3: 3 numbers after the name, 4 (R G B A)");
-    refuses("1 0.5 0.5 1.5 a\n", "line 1: blue is \"1.5\", a number from 0 to 1");
-    refuses("1 1 2 3 1.0 1 1 \"open\n", "line 1: no name in quotation marks");
-    refuses("1 1 2 3 nan 1 1 \"a\"\n", "line 1: opacity is \"nan\"");
-    refuses("index\tname\n1\ta\nx\tb\n", "BIDS label table: line 3: label \"x\"");
-    refuses("index\tname\tcolor\n1\ta\tred\n", "line 2: colour \"red\", #rrggbb");
-    refuses("index\tname\n1\ta\tb\n", "line 2: 3 columns, the header has 2");
-    refuses("id,name\n1,\"a\n", "line 2: a quotation mark is not closed");
-    refuses("[{\"id\":1.5,\"acronym\":\"a\"}]", "structure 1: id must be a whole number");
-    refuses("[{\"id\":7,\"acronym\":\"a\",\"structure_id_path\":[1,8]}]", "structure_id_path ends in 8, its own id 7");
-    refuses("[{\"id\":7,\"acronym\":\"a\",\"rgb_triplet\":[1,2]}]", "three whole numbers");
-    refuses("[{\"id\":7,\"acronym\":\"a\"},]", "BrainGlobe structures: line 1");
-    refuses("{\"R\":[0,1],\"G\":[0],\"B\":[0],\"labels\":[\"\"]}", "R has 2 entries, labels has 1");
-    refuses("0 nothing\n", "no label but 0");
+    assert_refused("1 a\n3.5 b\n", "MRIcron text: line 2: label \"3.5\", a whole number from 0 to 4294967295");
+    assert_refused("# c\n1 a\n\n-2 b\n", "line 4: label \"-2\"");
+    assert_refused("4294967296 a\n", "line 1: label \"4294967296\"");
+    assert_refused("1 a\n2 b\nc d\n", "line 3: label \"c\"");
+    assert_refused("1 a 0 nan 0 0\n", "line 1: green is \"nan\", a whole number from 0 to 255");
+    assert_refused("1 a 0 0 256 0\n", "line 1: blue is \"256\"");
+    assert_refused("1 a 0.5 0 6 0\n", "line 1: red is \"0.5\"");
+    assert_refused("1 a 1 2 3 4\n2 b 1 2 3 4\n3 c 1 2 3\n", "line 3: 3 numbers after the name, 4 (R G B A)");
+    assert_refused("1 0.5 0.5 1.5 a\n", "line 1: blue is \"1.5\", a number from 0 to 1");
+    assert_refused("1 1 2 3 1.0 1 1 \"open\n", "line 1: no name in quotation marks");
+    assert_refused("1 1 2 3 nan 1 1 \"a\"\n", "line 1: opacity is \"nan\"");
+    assert_refused("index\tname\n1\ta\nx\tb\n", "BIDS label table: line 3: label \"x\"");
+    assert_refused("index\tname\tcolor\n1\ta\tred\n", "line 2: colour \"red\", #rrggbb");
+    assert_refused("index\tname\n1\ta\tb\n", "line 2: 3 columns, the header has 2");
+    assert_refused("id,name\n1,\"a\n", "line 2: a quotation mark is not closed");
+    assert_refused("[{\"id\":1.5,\"acronym\":\"a\"}]", "structure 1: id must be a whole number");
+    assert_refused("[{\"id\":7,\"acronym\":\"a\",\"structure_id_path\":[1,8]}]",
+                   "structure_id_path ends in 8, its own id 7");
+    assert_refused("[{\"id\":7,\"acronym\":\"a\",\"rgb_triplet\":[1,2]}]", "three whole numbers");
+    assert_refused("[{\"id\":7,\"acronym\":\"a\"},]", "BrainGlobe structures: line 1");
+    assert_refused("{\"R\":[0,1],\"G\":[0],\"B\":[0],\"labels\":[\"\"]}", "R has 2 entries, labels has 1");
+    assert_refused("0 nothing\n", "no label but 0");
 }
 
 static void what_is_no_table_is_refused(void **state)
 {
     (void)state;
     static const char known[] = "not a label table of a known format";
-    refuses("", known);
-    refuses(" \n\n", known);
-    refuses("# only comments\n", known);
-    refuses("<!DOCTYPE html><html><body>404 Not Found</body></html>", known);
-    refuses("About this atlas: it was made from 20 brains.\nSee http://example.org\n", known);
-    refuses("1 0 0 10\n0 1 0 20\n0 0 1 30\n0 0 0 1\n", known); /* a transform */
-    refuses("1\n2\n3\n", known);
-    refuses("{\"Name\": \"a BIDS sidecar\"}", known);
-    refuses("\xff\xfe"
-            "1\n",
-            "UTF-16");
+    assert_refused("", known);
+    assert_refused(" \n\n", known);
+    assert_refused("# only comments\n", known);
+    assert_refused("<!DOCTYPE html><html><body>404 Not Found</body></html>", known);
+    assert_refused("About this atlas: it was made from 20 brains.\nSee http://example.org\n", known);
+    assert_refused("1 0 0 10\n0 1 0 20\n0 0 1 30\n0 0 0 1\n", known); /* a transform */
+    assert_refused("1\n2\n3\n", known);
+    assert_refused("{\"Name\": \"a BIDS sidecar\"}", known);
+    assert_refused("\xff\xfe"
+                   "1\n",
+                   "UTF-16");
     struct parsed parsed = {0};
     uint8_t zeros[512] = {0};
     assert_fails(label_bytes_parse(&parsed.table, &parsed.format, zeros, sizeof zeros, &parsed.notes),
@@ -225,13 +129,14 @@ static void oddities_are_noted(void **state)
 {
     (void)state;
     struct parsed parsed;
-    assert_ok(parse(&parsed, "index\tname\themisphere\n0\tLeft Frontal Pole\tL\n1\tRight\tmiddle\n1\tWrong\tR\n"));
+    assert_ok(
+        parsed_from(&parsed, "index\tname\themisphere\n0\tLeft Frontal Pole\tL\n1\tRight\tmiddle\n1\tWrong\tR\n"));
     assert_int_equal(parsed.table.count, 1);
-    assert_true(has_note(&parsed.notes, "calls label 0 \"Left Frontal Pole\""));
-    assert_true(has_note(&parsed.notes, "hemisphere \"middle\" is none of L, R, B"));
-    assert_true(has_note(&parsed.notes, "label 1 is named twice"));
+    assert_true(notes_have(&parsed.notes, "calls label 0 \"Left Frontal Pole\""));
+    assert_true(notes_have(&parsed.notes, "hemisphere \"middle\" is none of L, R, B"));
+    assert_true(notes_have(&parsed.notes, "label 1 is named twice"));
     parsed_finish(&parsed);
-    assert_ok(parse(&parsed, "0\tUnclassified\n1\ta\n"));
+    assert_ok(parsed_from(&parsed, "0\tUnclassified\n1\ta\n"));
     assert_int_equal(parsed.notes.count, 0);
     parsed_finish(&parsed);
 }

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Which XML it is, by the outermost element; and Workbench's label table (NIfTI extension 30). */
+#include "loaders/fsl_atlas.h"
+#include "loaders/label_parse.h"
+#include "loaders/xml.h"
+
+#include "base/memory.h"
+
+#include <stdio.h>
+#include <string.h>
+
+struct workbench {
+    struct label_table *out;
+    struct notes *notes;
+    size_t wanted;  /* volume of a 4-D file */
+    bool elsewhere; /* inside another volume's VolumeInformation */
+    bool in_label;  /* label is being filled */
+    struct label label;
+};
+
+static conus_status start_volume(struct workbench *workbench, const struct xml_event *event)
+{
+    const char *index = xml_attribute(event, "Index");
+    uint64_t volume;
+    if (!index || !text_to_uint(text_from(index), UINT32_MAX, &volume)) {
+        return fail(CONUS_ERROR_DATA, "line %zu: VolumeInformation needs Index, a whole number", event->line);
+    }
+    workbench->elsewhere = volume != workbench->wanted;
+    return CONUS_OK;
+}
+
+static conus_status start_label(struct workbench *workbench, const struct xml_event *event)
+{
+    static const char *const channels[] = {"Red", "Green", "Blue"};
+    const char *key = xml_attribute(event, "Key");
+    key = key ? key : xml_attribute(event, "Index"); /* of old files */
+    struct text cells[3] = {{0}};
+    char where[32];
+    snprintf(where, sizeof where, "line %zu", event->line);
+    size_t given = 0;
+    for (int i = 0; i < 3; i++) {
+        const char *value = xml_attribute(event, channels[i]);
+        cells[i] = text_from(value ? value : "");
+        given += value != NULL;
+    }
+    workbench->label = (struct label){0};
+    workbench->in_label = true;
+    conus_status status = label_cell_number(&workbench->label.number, text_from(key ? key : ""), where);
+    return status || !given ? status : label_cell_rgb(&workbench->label, cells, label_cell_fraction, where);
+}
+
+static conus_status workbench_start(void *user, const struct xml_event *event)
+{
+    struct workbench *workbench = user;
+    if (strcmp(event->name, "VolumeInformation") == 0) {
+        return start_volume(workbench, event);
+    }
+    if (strcmp(event->name, "Label") == 0 && !workbench->elsewhere) {
+        return start_label(workbench, event);
+    }
+    return CONUS_OK;
+}
+
+static conus_status workbench_end(void *user, const struct xml_event *event)
+{
+    struct workbench *workbench = user;
+    if (strcmp(event->name, "VolumeInformation") == 0) {
+        workbench->elsewhere = false;
+    }
+    if (strcmp(event->name, "Label") != 0 || !workbench->in_label) {
+        return CONUS_OK;
+    }
+    workbench->in_label = false;
+    conus_status status = label_set_text(&workbench->label.name, event->text);
+    return status ? status : label_keep(workbench->out, &workbench->label, workbench->notes);
+}
+
+conus_status label_workbench_parse(struct label_table *out, struct text text, size_t volume, struct notes *notes)
+{
+    struct workbench workbench = {.out = out, .notes = notes, .wanted = volume};
+    struct xml_handler handler = {workbench_start, workbench_end, &workbench};
+    return xml_parse(&handler, text);
+}
+
+static conus_status parse_workbench(struct label_table *out, struct text text, struct notes *notes)
+{
+    return label_workbench_parse(out, text, 0, notes);
+}
+
+static conus_status parse_fsl(struct label_table *out, struct text text, struct notes *notes)
+{
+    struct fsl_atlas atlas = {0};
+    conus_status status = fsl_atlas_parse(&atlas, text, notes);
+    if (!status && !atlas.is_label) {
+        status = notes_add(notes,
+                           "%s: its labels count from 0, the values of its summary images from 1: \"%s\" is label "
+                           "%u",
+                           atlas.type,
+                           atlas.labels.count && atlas.labels.entries[0].name ? atlas.labels.entries[0].name : "",
+                           atlas.labels.count ? atlas.labels.entries[0].number : 0);
+    }
+    if (!status) {
+        *out = atlas.labels; /* it was empty */
+        atlas.labels = (struct label_table){0};
+    }
+    fsl_atlas_finish(&atlas);
+    return status;
+}
+
+const struct label_format label_format_workbench = {"Workbench label table", parse_workbench};
+
+const struct label_format *label_format_of_markup(struct text text)
+{
+    static const struct label_format fsl = {"FSL atlas XML", parse_fsl};
+    static const struct {
+        const char *root;
+        const struct label_format *format;
+    } roots[] = {
+        {"atlas", &fsl},
+        {"CaretVolumeExtension", &label_format_workbench},
+        {"LabelTable", &label_format_workbench},
+        {"AFNI_attributes", &label_format_afni},
+        {"AFNI_atr", &label_format_afni},
+        {"VALUE_LABEL_DTABLE", &label_format_afni},
+        {"ATLAS_LABEL_TABLE", &label_format_afni},
+    };
+    struct text root = xml_root(text);
+    for (size_t i = 0; i < sizeof roots / sizeof roots[0]; i++) {
+        if (text_equal(root, roots[i].root)) {
+            return roots[i].format;
+        }
+    }
+    return NULL;
+}

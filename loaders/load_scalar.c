@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus_atlas_add_pathway() and conus_atlas_set_context(): volumes whose values are numbers, not names. */
+#include "atlas/atlas.h"
+#include "base/buffer.h"
+#include "base/memory.h"
+#include "loaders/label_search.h"
+#include "loaders/volume_file.h"
+
+#include <string.h>
+
+/* The value that means "certainly". Probabilities are stored as 0..1, as percent, or over the whole range of an
+ * unsigned integer; what fits none of these is measured by its own largest value. */
+struct scale {
+    double value;
+    const char *words;
+};
+
+static struct scale scale_of(const conus_volume_info *info)
+{
+    static const struct {
+        const char *datatype;
+        double value;
+        const char *words;
+    } full[] = {{"uint8", UINT8_MAX, "values over the range of uint8"},
+                {"uint16", UINT16_MAX, "values over the range of uint16"}};
+    if (info->maximum <= 1) {
+        return (struct scale){1, "values up to 1, taken as probabilities"};
+    }
+    if (info->maximum <= 100) {
+        return (struct scale){100, "values up to 100, taken as percent"};
+    }
+    for (size_t i = 0; i < 2; i++) {
+        bool stored = strcmp(info->datatype, full[i].datatype) == 0 && info->slope == 1 && info->intercept == 0;
+        if (stored && info->maximum > full[i].value / 2) {
+            return (struct scale){full[i].value, full[i].words};
+        }
+    }
+    return (struct scale){info->maximum, "values of no usual scale, measured by the largest"};
+}
+
+/* Eq. 6's threshold: the one asked for, or a quarter of the scale. */
+static conus_status choose_threshold(struct volume_file *file, double wanted, const char *name, struct notes *notes)
+{
+    conus_volume_info *info = &file->info;
+    char threshold[TEXT_NUMBER_SIZE];
+    char maximum[TEXT_NUMBER_SIZE];
+    text_number(maximum, info->maximum);
+    if (!(info->maximum > 0)) {
+        return fail(CONUS_ERROR_DATA, "%s: its largest value is %s, a pathway needs values above 0", info->path,
+                    maximum);
+    }
+    if (!(wanted >= 0 && wanted <= info->maximum)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: threshold %s, allowed is above 0 to %s, the largest value (0 = default)",
+                    info->path, text_number(threshold, wanted), maximum);
+    }
+    struct scale scale = scale_of(info);
+    info->threshold = wanted > 0 ? wanted : scale.value / 4;
+    text_number(threshold, info->threshold);
+    if (info->threshold > info->maximum) {
+        return fail(CONUS_ERROR_DATA,
+                    "%s: the default threshold %s (%s) is above its largest value %s: give a threshold", info->path,
+                    threshold, scale.words, maximum);
+    }
+    return wanted > 0 ? CONUS_OK : notes_add(notes, "pathway %s: %s; threshold %s", name, scale.words, threshold);
+}
+
+/* The file's name without folder and ending, and with the volume where there are several. */
+static conus_status default_name(struct buffer *out, const conus_volume_info *info)
+{
+    const char *name = path_base(info->path);
+    buffer_append(out, name, volume_stem_length(name));
+    if (info->volume_count > 1) {
+        buffer_format(out, ",volume=%zu", info->volume);
+    }
+    return buffer_status(out);
+}
+
+/* Drops the notes that a failed step left behind. */
+static void cut_notes(struct notes *notes, size_t count)
+{
+    while (notes->count > count) {
+        memory_free(notes->lines[--notes->count]);
+    }
+}
+
+conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path, const conus_pathway_options *options)
+{
+    static const conus_pathway_options defaults;
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    struct buffer name = {0};
+    float *values = NULL;
+    options = options ? options : &defaults;
+    if (!atlas || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_pathway: an atlas and a path are needed");
+    }
+    size_t note_count = atlas->notes.count;
+    conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
+    status = status ? status : volume_file_values(&values, &file, &notes);
+    if (!status) {
+        file.info.role = CONUS_SCALAR;
+        status = default_name(&name, &file.info);
+    }
+    const char *words = options->name && options->name[0] ? options->name : name.data;
+    status = status ? status : choose_threshold(&file, options->threshold, words, &notes);
+    status = status ? status : notes_move(&atlas->notes, &notes);
+    status = status ? status : atlas_add_pathway(atlas, &file.info, values, words);
+    if (status) {
+        memory_free(values);
+        cut_notes(&atlas->notes, note_count);
+    }
+    buffer_finish(&name);
+    notes_finish(&notes);
+    volume_file_finish(&file);
+    return status;
+}
+
+conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const conus_load_options *options)
+{
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    float *values = NULL;
+    if (!atlas || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context: an atlas and a path are needed");
+    }
+    size_t note_count = atlas->notes.count;
+    conus_status status = volume_file_open(&file, path, options ? options->max_memory : 0, &notes);
+    status = status ? status : volume_file_values(&values, &file, &notes);
+    if (!status) {
+        file.info.role = CONUS_CONTEXT;
+        status = notes_move(&atlas->notes, &notes);
+    }
+    status = status ? status : atlas_set_context(atlas, &file.info, values);
+    if (status) {
+        memory_free(values);
+        cut_notes(&atlas->notes, note_count);
+    }
+    notes_finish(&notes);
+    volume_file_finish(&file);
+    return status;
+}

@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "parsed_labels.h"
+
+#include "base/buffer.h"
+#include "base/memory.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+conus_status parsed_from(struct parsed *out, const char *text)
+{
+    *out = (struct parsed){0};
+    return label_bytes_parse(&out->table, &out->format, (const uint8_t *)text, strlen(text), &out->notes);
+}
+
+void parsed_finish(struct parsed *parsed)
+{
+    label_table_finish(&parsed->table);
+    notes_finish(&parsed->notes);
+}
+
+bool notes_have(const struct notes *notes, const char *part)
+{
+    for (size_t i = 0; i < notes->count; i++) {
+        if (strstr(notes->lines[i], part)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+const char *parsed_text(const struct label_table *table)
+{
+    static char text[4096];
+    struct buffer buffer = {0};
+    for (size_t i = 0; i < table->count; i++) {
+        const struct label *l = &table->entries[i];
+        buffer_format(&buffer, "%s%u %s", i ? "; " : "", l->number, l->name ? l->name : "-");
+        if (l->abbreviation) {
+            buffer_format(&buffer, " (%s)", l->abbreviation);
+        }
+        if (l->has_rgb) {
+            buffer_format(&buffer, " #%02x%02x%02x", l->rgb[0], l->rgb[1], l->rgb[2]);
+        }
+        if (l->hemisphere) {
+            buffer_format(&buffer, " %c", l->hemisphere);
+        }
+        if (l->has_parent) {
+            buffer_format(&buffer, " <%u", l->parent);
+        }
+    }
+    snprintf(text, sizeof text, "%s", buffer.data ? buffer.data : "");
+    buffer_finish(&buffer);
+    return text;
+}
+
+void assert_refused(const char *text, const char *message)
+{
+    struct parsed parsed;
+    assert_fails(parsed_from(&parsed, text), CONUS_ERROR_DATA);
+    if (!strstr(conus_message(), message)) {
+        fail_msg("\"%s\" is not in \"%s\"", message, conus_message());
+    }
+    parsed_finish(&parsed);
+}
+
+void assert_samples(const struct sample *samples, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        struct parsed parsed;
+        assert_ok(parsed_from(&parsed, samples[i].text));
+        assert_string_equal(parsed.format, samples[i].format);
+        assert_string_equal(parsed_text(&parsed.table), samples[i].table);
+        parsed_finish(&parsed);
+    }
+}
+
+static void read_or_refuse(const char *text, size_t size)
+{
+    uint8_t *exact = malloc(size ? size : 1); /* so that a sanitizer sees one byte too many */
+    assert_non_null(exact);
+    memcpy(exact, text, size);
+    struct parsed parsed = {0};
+    conus_status status = label_bytes_parse(&parsed.table, &parsed.format, exact, size, &parsed.notes);
+    if (status) {
+        assert_fails(status, CONUS_ERROR_DATA);
+        assert_null(parsed.format);
+        assert_int_equal(parsed.table.count, 0);
+    }
+    free(exact);
+    parsed_finish(&parsed);
+}
+
+void assert_prefixes(const struct sample *samples, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        for (size_t size = 0; size < strlen(samples[i].text); size++) {
+            read_or_refuse(samples[i].text, size);
+        }
+    }
+}
+
+static conus_status parse_sample(void *data)
+{
+    struct parsed parsed;
+    conus_status status = parsed_from(&parsed, data);
+    parsed_finish(&parsed);
+    return status;
+}
+
+void assert_allocations(const struct sample *samples, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        test_every_allocation(parse_sample, (void *)samples[i].text);
+    }
+}
