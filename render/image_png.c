@@ -26,7 +26,7 @@ struct job {
     struct buffer written;
     const uint8_t *data; /* read */
     size_t size, offset;
-    uint8_t *rows; /* write: one row of RGBA8; read: the whole picture in RGBA16 */
+    uint8_t *rows; /* the whole picture in RGBA16 */
     uint8_t **row_pointers;
     conus_image *image;
 };
@@ -88,17 +88,28 @@ static uint8_t byte_from_opacity(float opacity)
     return (uint8_t)(opacity > 0 ? lrintf(255 * fminf(opacity, 1)) : 0);
 }
 
-static void convert_row(uint8_t *row, const struct image_rgba *rgba, const float steps[255], size_t first,
-                        uint32_t width)
+conus_status image_srgb_bytes(uint8_t **out, const conus_image *image)
 {
-    for (size_t i = 0; i < width; i++) {
-        float opacity = rgba->plane[3] ? rgba->plane[3][first + i] : 1;
-        for (int c = 0; c < 3; c++) {
-            float premultiplied = rgba->plane[c][first + i];
-            row[4 * i + (size_t)c] = opacity > 0 ? byte_from_linear(steps, premultiplied / opacity) : 0;
-        }
-        row[4 * i + 3] = byte_from_opacity(opacity);
+    const struct image_rgba rgba = image_rgba(image);
+    if (!rgba.plane[0] || !rgba.plane[1] || !rgba.plane[2]) {
+        return fail(CONUS_ERROR_ARGUMENT, "a PNG shows the channels R, G and B, this image has not all of them");
     }
+    size_t count = (size_t)image->width * image->height;
+    uint8_t *bytes = memory_raw(count, 4);
+    if (!bytes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    float steps[255];
+    make_steps(steps);
+    for (size_t i = 0; i < count; i++) {
+        float opacity = rgba.plane[3] ? rgba.plane[3][i] : 1;
+        for (size_t c = 0; c < 3; c++) {
+            bytes[4 * i + c] = opacity > 0 ? byte_from_linear(steps, rgba.plane[c][i] / opacity) : 0;
+        }
+        bytes[4 * i + 3] = byte_from_opacity(opacity);
+    }
+    *out = bytes;
+    return CONUS_OK;
 }
 
 static void write_bytes(png_structp png, png_bytep bytes, size_t size)
@@ -116,60 +127,49 @@ static void flush_nothing(png_structp png)
     (void)png;
 }
 
-static void write_rows(struct job *job, const conus_image *image)
-{
-    const struct image_rgba rgba = image_rgba(image);
-    float steps[255];
-    make_steps(steps);
-    for (uint32_t y = 0; y < image->height; y++) {
-        convert_row(job->rows, &rgba, steps, (size_t)y * image->width, image->width);
-        png_write_row(job->png, job->rows);
-    }
-}
-
-static bool write_png(struct job *job, const conus_image *image)
+static bool write_png(struct job *job, const uint8_t *rgba, uint32_t width, uint32_t height)
 {
     if (setjmp(png_jmpbuf(job->png))) {
         return false;
     }
-    const uint8_t *ready = image->png_rgba;
-    uint32_t width = ready ? image->png_width : image->width;
-    uint32_t height = ready ? image->png_height : image->height;
     png_set_write_fn(job->png, job, write_bytes, flush_nothing);
     png_set_IHDR(job->png, job->info, width, height, 8, PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_BASE, PNG_FILTER_TYPE_BASE);
     png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_RELATIVE);
     png_write_info(job->png, job->info);
-    for (uint32_t y = 0; ready && y < height; y++) {
-        png_write_row(job->png, ready + (size_t)y * width * 4);
-    }
-    if (!ready) {
-        write_rows(job, image);
+    for (uint32_t y = 0; y < height; y++) {
+        png_write_row(job->png, rgba + (size_t)y * width * 4);
     }
     png_write_end(job->png, NULL);
     return true;
 }
 
-conus_status image_format_png(struct bytes *out, const conus_image *image)
+static conus_status format(struct bytes *out, const uint8_t *rgba, uint32_t width, uint32_t height)
 {
-    struct image_rgba rgba = image_rgba(image);
-    if (!image->png_rgba && !(rgba.plane[0] && rgba.plane[1] && rgba.plane[2])) {
-        return fail(CONUS_ERROR_ARGUMENT, "a PNG shows the channels R, G and B, this image has not all of them");
-    }
-    struct job job = {.rows = memory_raw(image->width, 4)};
-    job.png = !job.rows ? NULL
-                        : png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &job, jump, ignore, &job, allocate, release);
+    struct job job = {0};
+    job.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &job, jump, ignore, &job, allocate, release);
     job.info = job.png ? png_create_info_struct(job.png) : NULL;
     job.no_memory = !job.info;
-    conus_status status = job.info && write_png(&job, image) ? CONUS_OK : fail_png(&job);
+    conus_status status = job.info && write_png(&job, rgba, width, height) ? CONUS_OK : fail_png(&job);
     png_destroy_write_struct(&job.png, &job.info);
-    memory_free(job.rows);
     if (status) {
         buffer_finish(&job.written);
         return status;
     }
     *out = (struct bytes){(uint8_t *)job.written.data, job.written.size};
     return CONUS_OK;
+}
+
+conus_status image_format_png(struct bytes *out, const conus_image *image)
+{
+    if (image->png_rgba) {
+        return format(out, image->png_rgba, image->png_width, image->png_height);
+    }
+    uint8_t *rgba = NULL;
+    conus_status status = image_srgb_bytes(&rgba, image);
+    status = status ? status : format(out, rgba, image->width, image->height);
+    memory_free(rgba);
+    return status;
 }
 
 /* ---- Reading ---- */

@@ -17,7 +17,7 @@ static const double COLUMN_GAP = 1.0;
 static const double SHORTEST_NAME = 5;
 static const double BELOW_BASELINE = 0.45; /* what of a line lies below its baseline */
 
-static const double WIDEST = 0.42; /* of the image, with the margin */
+static const double WIDEST = 0.42;
 
 static const float PANEL[4] = {0.004F, 0.005F, 0.008F, 0.88F};
 static const float RIM[4] = {0.6F, 0.65F, 0.75F, 0.25F};
@@ -85,7 +85,8 @@ static double choose_columns(struct layout *layout)
     for (size_t i = 0; i < layout->shown; i++) {
         layout->name_width = fmax(layout->name_width, width_of(layout, em, layout->legend->rows[i].name));
     }
-    double room = WIDEST * layout->image->width - (MARGIN + 2 * PADDING + CHIP + CHIP_GAP) * em;
+    double widest = layout->legend->widest > 0 ? layout->legend->widest : WIDEST;
+    double room = widest * layout->image->width - (MARGIN + 2 * PADDING + CHIP + CHIP_GAP) * em;
     double shortest = fmin(layout->name_width, SHORTEST_NAME * em);
     layout->columns = LEGEND_DETAILS;
     while (layout->columns > 0 && room - details < shortest) {

@@ -23,13 +23,14 @@ struct legend {
     const struct legend_row *rows;
     size_t count;
     enum legend_corner corner;
-    double size; /**< Of the letters, pixels per em; 0 = a 54th of the image's shorter side, at least 11.   */
+    double widest; /**< The part of the image's width that it may take, with its margin; 0 = 0.42.              */
+    double size;   /**< Of the letters, pixels per em; 0 = a 54th of the image's shorter side, at least 11.   */
 };
 
 /** Size of the letters that a legend of default size has in @p image: for other text to match. */
 double legend_size(const conus_image *image);
 
-/** Draws the panel onto R, G, B, A. It takes 42 % of the image's width and its height at most: names that are too long
+/** Draws the panel onto R, G, B, A. It keeps within `widest` and the image's height: names that are too long
  * end in an ellipsis, columns that do not fit are left out from the last on, and of too many rows the first are shown
  * with a last line "... and N more". An image too small for one row stays as it is. */
 conus_status legend_draw(conus_image *image, struct font *font, const struct legend *legend);

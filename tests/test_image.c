@@ -211,6 +211,59 @@ static void unknown_endings_and_contents_are_named(void **state)
     conus_image_destroy(image);
 }
 
+static void comparison_finds_the_worst_pixel(void **state)
+{
+    (void)state;
+    conus_image *a = make_image();
+    conus_image *b = make_image();
+    conus_image_difference difference;
+    assert_ok(conus_image_compare(&difference, a, b, 0));
+    assert_int_equal(difference.pixels, 95);
+    assert_int_equal(difference.differing, 0);
+    assert_near(difference.max_difference, 0, 0);
+    assert_string_equal(difference.channel, "");
+    image_find(b, "A")->floats[13] = 0.25F;
+    image_find(b, "A")->floats[14] = -0.5F;
+    assert_ok(conus_image_compare(&difference, a, b, 0.3));
+    assert_int_equal(difference.differing, 1);
+    assert_near(difference.max_difference, 0.5, 0);
+    assert_near(difference.rms, sqrt((0.0625 + 0.25) / 95), 1e-12);
+    assert_string_equal(difference.channel, "A");
+    assert_int_equal(difference.x, 4);
+    assert_int_equal(difference.y, 2);
+    image_find(b, "id")->uints[3]++; /* an identifier has no tolerance */
+    assert_ok(conus_image_compare(&difference, a, b, 1e9));
+    assert_int_equal(difference.differing, 1);
+    image_find(b, "Z")->floats[0] = 1; /* was NaN */
+    assert_ok(conus_image_compare(&difference, a, b, 1e30));
+    assert_true(isinf(difference.max_difference));
+    assert_int_equal(difference.differing, 2);
+    conus_image_destroy(a);
+    conus_image_destroy(b);
+}
+
+static void what_cannot_be_compared_is_named(void **state)
+{
+    (void)state;
+    conus_image *a = make_image();
+    conus_image *b = make_image();
+    conus_image_difference difference;
+    assert_ok(image_add_channel(b, "Y", IMAGE_FLOAT, NULL));
+    assert_fails(conus_image_compare(&difference, a, b, 0), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "channel Y is not in the first"));
+    assert_fails(conus_image_compare(&difference, b, a, 0), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "channel Y is not in the second"));
+    assert_ok(image_add_channel(a, "Y", IMAGE_UINT, NULL));
+    assert_fails(conus_image_compare(&difference, a, b, 0), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "uint32 in one image and float in the other"));
+    assert_fails(conus_image_compare(&difference, a, a, NAN), CONUS_ERROR_ARGUMENT);
+    conus_image_destroy(b);
+    assert_ok(image_create(&b, 5, 18));
+    assert_fails(conus_image_compare(&difference, a, b, 0), CONUS_ERROR_ARGUMENT);
+    conus_image_destroy(a);
+    conus_image_destroy(b);
+}
+
 typedef conus_status (*parse_function)(conus_image **out, const uint8_t *data, size_t size);
 
 static void check_prefixes(struct bytes *bytes, parse_function parse)
@@ -287,6 +340,8 @@ int main(void)
         cmocka_unit_test(png_of_nothing_and_nonsense),
         cmocka_unit_test(png_rgba_goes_out_as_it_is),
         cmocka_unit_test(unknown_endings_and_contents_are_named),
+        cmocka_unit_test(comparison_finds_the_worst_pixel),
+        cmocka_unit_test(what_cannot_be_compared_is_named),
         cmocka_unit_test(every_prefix_is_refused),
         cmocka_unit_test(every_failing_allocation_is_survived),
     };

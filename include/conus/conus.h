@@ -320,7 +320,8 @@ typedef struct conus_view {
 CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view);
 
 /** What the device saw: channels id (uint32: the atlas's own label), object (uint32), X, Y, Z, t (float, world mm),
- * top row first as in every image, with atlas and pose as attributes; a PNG of it is in the areas' colours. */
+ * top row first as in every image, with atlas and pose as attributes. Where it saw nothing, id and object are 0, X, Y,
+ * Z are NaN and t is infinity. A PNG of it is magnified, in the areas' colours, with a legend. */
 CONUS_CHECKED conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection);
 
 CONUS_API uint32_t conus_image_width(const conus_image *image);
@@ -336,6 +337,23 @@ CONUS_CHECKED conus_status conus_image_load(conus_image **out, const char *path)
 /** Writes by ending: .exr all channels, .png 8-bit sRGB of R, G, B and A (A not premultiplied). */
 CONUS_CHECKED conus_status conus_image_write(const conus_image *image, const char *path);
 CONUS_API void conus_image_destroy(conus_image *image);
+
+/** How two images differ. Of a float channel, NaN equals NaN and infinity itself; one of them against anything else
+ * differs by infinity. */
+typedef struct conus_image_difference {
+    uint64_t pixels;       /**< Width times height.                                                              */
+    uint64_t differing;    /**< Pixels in which a float channel differs by more than the tolerance, or a uint32
+                                channel at all.                                                                  */
+    double max_difference; /**< Largest difference in any channel.                                               */
+    double rms;            /**< Largest root mean square difference of a channel.                                */
+    char channel[32];      /**< The channel of max_difference, "" if there is no difference.                     */
+    uint32_t x, y;         /**< Its first pixel, from the top left.                                              */
+} conus_image_difference;
+
+/** Compares channel by channel; attributes do not count. CONUS_ERROR_ARGUMENT unless both have the same size and the
+ * same channels, in whatever order. @p tolerance is 0 or more. */
+CONUS_CHECKED conus_status conus_image_compare(conus_image_difference *out, const conus_image *a, const conus_image *b,
+                                               double tolerance);
 
 /* ---- Phantoms and files ----------------------------------------------------------------------------------- */
 

@@ -1,0 +1,315 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the device saw: the evidence as an image, and a picture of it with a legend. */
+#include "base/buffer.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "base/text.h"
+#include "render/draw.h"
+#include "render/legend.h"
+#include "selection/selection.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    PICTURE_SIDE = 512, /* pixels of the device's are magnified until they fill at least this */
+    LEGEND_WIDTH = 420,
+    LETTERS = 15,
+    GRID = 8, /* from this magnification on, lines between the device's pixels */
+};
+
+static const uint8_t NOTHING[3] = {52, 53, 58};
+static const uint8_t BACKGROUND[3] = {24, 25, 28};
+static const float HIDDEN_SHADE = 0.15F; /* of what the aperture hides: linear light */
+static const float LINE_SHADE = 0.72F;
+
+/* Row of the evidence that row `y` of the image shows: the image begins at the top. */
+static size_t evidence_pixel(uint32_t n, uint32_t x, uint32_t y)
+{
+    return (size_t)(n - 1 - y) * n + x;
+}
+
+static uint32_t label_of(const conus_atlas *atlas, uint32_t number)
+{
+    const conus_object *object = conus_atlas_object(atlas, number);
+    return object ? object->label : 0;
+}
+
+/* ---- Channels ---- */
+
+static const char *const UINT_CHANNELS[] = {"id", "object"};
+static const char *const FLOAT_CHANNELS[] = {"X", "Y", "Z", "t"};
+
+static conus_status add_channels(conus_image *image, const conus_selection *selection)
+{
+    const struct evidence *evidence = &selection->evidence;
+    uint32_t *uints[2];
+    float *floats[4];
+    conus_status status = CONUS_OK;
+    for (int c = 0; !status && c < 6; c++) {
+        struct image_channel *channel = NULL;
+        status = image_add_channel(image, c < 2 ? UINT_CHANNELS[c] : FLOAT_CHANNELS[c - 2],
+                                   c < 2 ? IMAGE_UINT : IMAGE_FLOAT, &channel);
+        if (!status && c < 2) {
+            uints[c] = channel->uints;
+        } else if (!status) {
+            floats[c - 2] = channel->floats;
+        }
+    }
+    for (uint32_t y = 0, n = evidence->resolution; !status && y < n; y++) {
+        for (uint32_t x = 0; x < n; x++) {
+            size_t from = evidence_pixel(n, x, y);
+            size_t to = (size_t)y * n + x;
+            double position[3];
+            conus_selection_position(selection, from, position);
+            uints[0][to] = label_of(selection->atlas, evidence->object[from]);
+            uints[1][to] = evidence->object[from];
+            for (int c = 0; c < 3; c++) {
+                floats[c][to] = (float)position[c];
+            }
+            floats[3][to] = (float)evidence->distance[from];
+        }
+    }
+    return status;
+}
+
+/* ---- Attributes ---- */
+
+static conus_status add_volume(conus_image *image, const conus_volume_info *info, size_t index)
+{
+    char name[64] = "conus:atlas";
+    if (index) {
+        snprintf(name, sizeof name, "conus:volume%zu", index);
+    }
+    conus_status status = image_add_text(image, name, info->path);
+    if (!status) {
+        snprintf(name + strlen(name), sizeof name - strlen(name), "Sha256");
+        status = image_add_text(image, name, info->sha256);
+    }
+    return status;
+}
+
+static conus_status add_volumes(conus_image *image, const conus_atlas *atlas)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < conus_atlas_volume_count(atlas); i++) {
+        const conus_volume_info *info = conus_atlas_volume(atlas, i);
+        if (info->role != CONUS_CONTEXT) {
+            status = add_volume(image, info, i);
+        }
+    }
+    return status;
+}
+
+/* The names of the objects in the cone, so that the numbers in the image can be read without the atlas. */
+static conus_status add_names(conus_image *image, const conus_selection *selection)
+{
+    struct buffer text = {0};
+    buffer_text(&text, "object\tid\tkind\tname\n");
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        uint32_t number = conus_selection_result(selection, i)->object;
+        const conus_object *object = conus_atlas_object(selection->atlas, number);
+        if (object) {
+            buffer_format(&text, "%u\t%u\t%s\t%s\n", number, object->label,
+                          object->kind == CONUS_PATHWAY ? "pathway" : "area", object->name);
+        }
+    }
+    conus_status status = buffer_status(&text);
+    status = status ? status : image_add_text(image, "conus:objects", text.data);
+    buffer_finish(&text);
+    return status;
+}
+
+static conus_status add_attributes(conus_image *image, const conus_selection *selection)
+{
+    char angle[TEXT_NUMBER_SIZE];
+    text_number(angle, degrees_from_radians(selection->cone.angle));
+    const char *const pairs[][2] = {
+        {"conus:version", CONUS_VERSION},
+        {"conus:space", "RAS mm"},
+        {"conus:angleDegrees", angle},
+        {"conus:aperture", selection->cone.aperture == CONUS_SQUARE ? "square" : "circle"},
+        {"conus:sampling", selection->sampling == CONUS_SLICES ? "slices" : "exact"},
+        {"conus:engine", selection->engine},
+    };
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < sizeof pairs / sizeof pairs[0]; i++) {
+        status = image_add_text(image, pairs[i][0], pairs[i][1]);
+    }
+    status = status ? status : image_add_matrix(image, "conus:worldFromDevice", selection->cone.pose.world_from_device);
+    status = status ? status : add_volumes(image, selection->atlas);
+    return status ? status : add_names(image, selection);
+}
+
+/* ---- The picture ---- */
+
+static void shade(float colour[4], float factor)
+{
+    for (int c = 0; c < 3; c++) {
+        colour[c] *= factor;
+    }
+}
+
+/* Fills one pixel of the device, `factor` pixels wide; its first row and column are darker, to make a grid. */
+static void draw_pixel(conus_image *picture, uint32_t x, uint32_t y, uint32_t factor, const float colour[4])
+{
+    const struct image_rgba planes = image_rgba(picture);
+    float shaded[4] = {colour[0], colour[1], colour[2], 1};
+    shade(shaded, LINE_SHADE);
+    for (uint32_t j = 0; j < factor; j++) {
+        for (uint32_t i = 0; i < factor; i++) {
+            size_t pixel = ((size_t)y * factor + j) * picture->width + (size_t)x * factor + i;
+            bool line = factor >= GRID && (i == 0 || j == 0);
+            draw_over(&planes, pixel, line ? shaded : colour, 1);
+        }
+    }
+}
+
+static void draw_pixels(conus_image *picture, const conus_selection *selection, uint32_t factor)
+{
+    uint32_t n = selection->evidence.resolution;
+    for (uint32_t y = 0; y < n; y++) {
+        for (uint32_t x = 0; x < n; x++) {
+            size_t pixel = evidence_pixel(n, x, y);
+            const conus_object *object = conus_atlas_object(selection->atlas, selection->evidence.object[pixel]);
+            float colour[4];
+            draw_colour(colour, object ? object->rgb : NOTHING, 1);
+            shade(colour, selection->in_cone[pixel] ? 1 : HIDDEN_SHADE);
+            draw_pixel(picture, x, y, factor, colour);
+        }
+    }
+}
+
+struct details {
+    char pixels[24], share[24], distance[24];
+};
+
+static void describe(struct legend_row *row, struct details *details, const conus_selection *selection, size_t index)
+{
+    const conus_result *result = conus_selection_result(selection, index);
+    const conus_object *object = conus_atlas_object(selection->atlas, result->object);
+    *row = (struct legend_row){.hollow = !object,
+                               .name = object ? object->name : "unassigned",
+                               .detail = {details->pixels, details->share, details->distance}};
+    memcpy(row->rgb, object ? object->rgb : (const uint8_t[]){130, 132, 138}, sizeof row->rgb);
+    snprintf(details->pixels, sizeof details->pixels, "%u", result->pixels);
+    snprintf(details->share, sizeof details->share, "%.1f %%", 100 * result->share);
+    if (isfinite(result->distance)) {
+        snprintf(details->distance, sizeof details->distance, "%.1f mm", result->distance);
+    }
+}
+
+static conus_status draw_legend(conus_image *panel, const conus_selection *selection, struct font *font)
+{
+    size_t count = conus_selection_count(selection);
+    struct legend_row *rows = memory_zeroed(count, sizeof *rows);
+    struct details *details = memory_zeroed(count, sizeof *details);
+    conus_status status = rows && details ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < count; i++) {
+        describe(&rows[i], &details[i], selection, i);
+    }
+    if (!status) {
+        char title[96];
+        snprintf(title, sizeof title, "What the device saw, %.4g\xc2\xb0", degrees_from_radians(selection->cone.angle));
+        const struct legend legend = {.title = title,
+                                      .heading = {"pixels", "share", "distance"},
+                                      .rows = rows,
+                                      .count = count,
+                                      .size = LETTERS,
+                                      .widest = 1};
+        status = legend_draw(panel, font, &legend);
+    }
+    memory_free(rows);
+    memory_free(details);
+    return status;
+}
+
+/* A panel with the legend, or *out = NULL where no font is installed. */
+static conus_status create_panel(conus_image **out, const conus_selection *selection, uint32_t height)
+{
+    struct font *font = NULL;
+    conus_image *panel = NULL;
+    conus_status status = font_create(&font);
+    if (status == CONUS_ERROR_UNSUPPORTED) {
+        *out = NULL;
+        return CONUS_OK;
+    }
+    status = status ? status : image_create_rgba(&panel, LEGEND_WIDTH, height);
+    status = status ? status : draw_legend(panel, selection, font);
+    font_destroy(font);
+    if (status) {
+        conus_image_destroy(panel);
+        return status;
+    }
+    *out = panel;
+    return CONUS_OK;
+}
+
+/* Lays the panel over the picture's right edge. */
+static void copy_panel(conus_image *picture, const conus_image *panel)
+{
+    const struct image_rgba to = image_rgba(picture);
+    const struct image_rgba from = image_rgba(panel);
+    for (size_t y = 0; y < panel->height; y++) {
+        size_t start = y * picture->width + picture->width - panel->width;
+        for (size_t x = 0; x < panel->width; x++) {
+            size_t pixel = y * panel->width + x;
+            float rest = 1 - from.plane[3][pixel];
+            for (int c = 0; c < 4; c++) {
+                to.plane[c][start + x] = from.plane[c][pixel] + rest * to.plane[c][start + x];
+            }
+        }
+    }
+}
+
+static conus_status create_picture(conus_image **out, const conus_selection *selection)
+{
+    uint32_t n = selection->evidence.resolution;
+    uint32_t factor = (PICTURE_SIDE + n - 1) / n;
+    uint32_t side = factor * n;
+    conus_image *panel = NULL;
+    conus_image *picture = NULL;
+    conus_status status = create_panel(&panel, selection, side);
+    status = status ? status : image_create_rgba(&picture, side + (panel ? LEGEND_WIDTH : 0), side);
+    if (!status) {
+        float background[4];
+        draw_colour(background, BACKGROUND, 1);
+        draw_box(picture, &(struct draw_box){-1, -1, picture->width + 1.0, side + 1.0}, 0, background);
+        draw_pixels(picture, selection, factor);
+        if (panel) {
+            copy_panel(picture, panel);
+        }
+        *out = picture;
+    }
+    conus_image_destroy(panel);
+    return status;
+}
+
+static conus_status add_picture(conus_image *image, const conus_selection *selection)
+{
+    conus_image *picture = NULL;
+    conus_status status = create_picture(&picture, selection);
+    if (!status) {
+        status = image_srgb_bytes(&image->png_rgba, picture);
+        image->png_width = picture->width;
+        image->png_height = picture->height;
+    }
+    conus_image_destroy(picture);
+    return status;
+}
+
+conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection)
+{
+    conus_image *image = NULL;
+    conus_status status = image_create(&image, selection->evidence.resolution, selection->evidence.resolution);
+    status = status ? status : add_channels(image, selection);
+    status = status ? status : add_attributes(image, selection);
+    status = status ? status : add_picture(image, selection);
+    if (status) {
+        conus_image_destroy(image);
+        return status;
+    }
+    *out = image;
+    return CONUS_OK;
+}
