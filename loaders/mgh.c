@@ -63,14 +63,15 @@ static conus_status read_placement(struct volume_header *header, const uint8_t *
     double delta[3] = {1, 1, 1};
     double columns[9] = {-1, 0, 0, 0, 0, -1, 0, 1, 0};
     double centre[3] = {0};
-    bool good = order_i16(data + 28, BIG_ENDIAN_IS_SWAPPED) != 0;
+    bool good = order_i16(data + 28, BIG_ENDIAN_IS_SWAPPED) > 0;
     if (good) {
         read_floats(delta, 3, data + 30);
         read_floats(columns, 9, data + 42);
         read_floats(centre, 3, data + 78);
-    } else if (notes_add(notes,
-                         "goodRASFlag is 0: FreeSurfer's default directions (LIA), 1 mm voxels and a grid centred "
-                         "on the origin were used")) {
+    } else if (notes_add(
+                   notes,
+                   "goodRASFlag is not set: FreeSurfer's default directions (LIA), 1 mm voxels and a grid centred "
+                   "on the origin were used")) {
         return CONUS_ERROR_MEMORY;
     }
     double world[16];

@@ -189,6 +189,15 @@ static conus_status check_bitpix(const struct volume_header *header, int bitpix)
                                    header->info.datatype, wanted);
 }
 
+/* CIFTI matrices (vertices and voxels by anything) come as NIfTI-2 files without a grid. */
+static conus_status check_intent(const struct fields *f)
+{
+    bool is_matrix = f->version == 2 && f->intent_code >= 3000 && f->intent_code < 3100;
+    return is_matrix ? fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d (a CIFTI matrix), allowed are volumes",
+                            f->intent_code)
+                     : CONUS_OK;
+}
+
 conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, size_t size, struct notes *notes)
 {
     struct fields f = {0};
@@ -201,9 +210,10 @@ conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, 
                                    .header_size = f.version == 1 ? NIFTI1_SIZE : NIFTI2_SIZE,
                                    .intent_code = f.intent_code};
     snprintf(header.info.format, sizeof header.info.format, "NIfTI-%d", f.version);
-    if ((status = volume_header_set_datatype(&header, f.datatype)) || (status = check_bitpix(&header, f.bitpix)) ||
-        (status = check_dim(f.dim)) || (status = volume_header_set_dim(&header, f.dim + 1)) ||
-        (status = check_offset(&f, header.header_size)) || (status = read_scaling(&header.info, &f))) {
+    if ((status = check_intent(&f)) || (status = volume_header_set_datatype(&header, f.datatype)) ||
+        (status = check_bitpix(&header, f.bitpix)) || (status = check_dim(f.dim)) ||
+        (status = volume_header_set_dim(&header, f.dim + 1)) || (status = check_offset(&f, header.header_size)) ||
+        (status = read_scaling(&header.info, &f))) {
         return status;
     }
     header.offset = (uint64_t)f.vox_offset;

@@ -80,7 +80,7 @@ static void no_good_ras_is_freesurfers_default(void **state)
     put(&bytes, GOOD_RAS, 0, 2);
     assert_ok(parse(&header, &bytes, &notes));
     assert_int_equal(notes.count, 1);
-    assert_non_null(strstr(notes.lines[0], "goodRASFlag is 0"));
+    assert_non_null(strstr(notes.lines[0], "goodRASFlag is not set"));
     const double wanted[16] = {-1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 1, -2, 1.5, 1};
     for (int i = 0; i < 16; i++) {
         assert_near(header.info.world_from_voxel[i], wanted[i], 1e-6);

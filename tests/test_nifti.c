@@ -146,6 +146,12 @@ static void only_one_version_can_say_it(void **state)
     nifti_set(&b, "dim", 0, 0x1p33);
     assert_parse_fails(&b, "dim[0]: found 8589934592");
     buffer_finish(&b.bytes);
+    nifti_begin(&b, 2, false, VOLUME_FLOAT32, small);
+    nifti_set(&b, "intent_code", 0, 3007);
+    struct volume_header header;
+    assert_fails(parse(&header, &b, NULL), CONUS_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(conus_message(), "intent_code: found 3007 (a CIFTI matrix)"));
+    buffer_finish(&b.bytes);
 }
 
 static void scaling_is_used_only_where_it_is_one(void **state)

@@ -104,7 +104,8 @@ static const char *write_series(bool packed)
     nifti_set(&b, "dim", 4, 3);
     nifti_set(&b, "dim", 5, 2);
     for (size_t v = 0; v < (size_t)6 * SMALL_COUNT; v++) {
-        nifti_voxel(&b, (double)(10 * (v / SMALL_COUNT) + v % SMALL_COUNT));
+        size_t series = v / SMALL_COUNT;
+        nifti_voxel(&b, (double)(10 * series + v % SMALL_COUNT));
     }
     const char *path = packed ? write_packed("series.nii.gz", &b.bytes) : write_bytes("series.nii", &b.bytes);
     buffer_finish(&b.bytes);

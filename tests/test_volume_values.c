@@ -76,10 +76,11 @@ static void the_largest_label_of_every_type(void **state)
     for (size_t i = 0; i < 2 * sizeof cases / sizeof cases[0]; i++) {
         struct volume_file file;
         uint32_t *labels;
+        uint32_t wanted = cases[i / 2].label;
         open_with_bits(&file, cases[i / 2].datatype, i & 1, cases[i / 2].bits, 0, 0);
         assert_ok(volume_file_labels(&labels, &file));
-        assert_true(labels[7] == cases[i / 2].label);
-        assert_near(file.info.maximum, cases[i / 2].label, 0);
+        assert_true(labels[7] == wanted);
+        assert_near(file.info.maximum, wanted, 0);
         memory_free(labels);
         volume_file_finish(&file);
     }
