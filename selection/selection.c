@@ -33,9 +33,8 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     if (!status) {
         const struct engine_options engine = {selector->options.sampling, selector->options.slices,
                                               selector->options.log, selector->options.log_user};
-        status = selector->options.engine == CONUS_ENGINE_GL
-                     ? engine_gl_create(&selector->engine, atlas, &engine)
-                     : engine_rays_create(&selector->engine, atlas, &engine);
+        status = selector->options.engine == CONUS_ENGINE_GL ? engine_gl_create(&selector->engine, atlas, &engine)
+                                                             : engine_rays_create(&selector->engine, atlas, &engine);
     }
     if (status) {
         conus_selector_destroy(selector);
