@@ -142,12 +142,13 @@ static int load_poses(struct query *query)
         return complain_status(status);
     }
     size_t count = conus_pose_list_count(query->poses);
-    for (size_t i = 0; i < count && aim->angle; i++) {
-        if (!conus_pose_list_row(query->poses, i)->angle) {
+    for (size_t i = 0; i < count && aim->angle != 0; i++) {
+        if (conus_pose_list_row(query->poses, i)->angle == 0) {
             return EXIT_DONE;
         }
     }
-    return aim->angle ? complain_usage("--angle has no effect: every pose in %s has its own", aim->pose) : EXIT_DONE;
+    return aim->angle != 0 ? complain_usage("--angle has no effect: every pose in %s has its own", aim->pose)
+                           : EXIT_DONE;
 }
 
 /* Answers one pose into the report. */
@@ -170,7 +171,7 @@ static int answer_row(struct query *query, const conus_pose_row *row)
         query->failed = true;
         return EXIT_DONE;
     }
-    conus_status status = answer(query, row->id, &row->pose, row->angle ? row->angle : settings_angle(aim));
+    conus_status status = answer(query, row->id, &row->pose, row->angle != 0 ? row->angle : settings_angle(aim));
     if (status == CONUS_ERROR_ARGUMENT) {
         complain("%s:%zu: %s", aim->pose, row->line, conus_message());
         query->failed = true;

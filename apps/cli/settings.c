@@ -246,7 +246,7 @@ double radians(double degrees)
 
 double settings_angle(const struct aim_settings *settings)
 {
-    return radians(settings->angle ? settings->angle : DEFAULT_ANGLE);
+    return radians(settings->angle != 0 ? settings->angle : DEFAULT_ANGLE);
 }
 
 conus_selector_options settings_engine(const struct engine_settings *settings, const struct common_settings *common)
