@@ -7,6 +7,8 @@
 #include <string.h>
 #include <strings.h>
 
+enum { NUMBER_LIMIT = 63 };
+
 struct text text_from(const char *string)
 {
     return (struct text){string, strlen(string)};
@@ -96,8 +98,8 @@ bool text_starts(struct text text, const char *prefix)
 
 bool text_to_double(struct text text, double *out)
 {
-    char copy[64];
-    if (!text.size || text.size >= sizeof copy || is_space(text.data[0])) {
+    char copy[NUMBER_LIMIT + 1];
+    if (!text.size || text.size > NUMBER_LIMIT || is_space(text.data[0])) {
         return false;
     }
     memcpy(copy, text.data, text.size);
@@ -116,6 +118,9 @@ bool text_to_double(struct text text, double *out)
 bool text_to_uint(struct text text, uint64_t limit, uint64_t *out)
 {
     uint64_t value = 0;
+    if (!text.size || text.size > NUMBER_LIMIT) {
+        return false;
+    }
     for (size_t i = 0; i < text.size; i++) {
         char c = text.data[i];
         if (c < '0' || c > '9' || __builtin_mul_overflow(value, 10U, &value) ||
@@ -123,7 +128,7 @@ bool text_to_uint(struct text text, uint64_t limit, uint64_t *out)
             return false;
         }
     }
-    if (!text.size || value > limit) {
+    if (value > limit) {
         return false;
     }
     *out = value;
@@ -134,6 +139,9 @@ bool text_to_int(struct text text, int64_t *out)
 {
     bool negative = text.size && text.data[0] == '-';
     uint64_t value;
+    if (text.size > NUMBER_LIMIT) {
+        return false;
+    }
     if (text.size && (text.data[0] == '-' || text.data[0] == '+')) {
         take(&text, 1, 0);
     }

@@ -35,6 +35,8 @@ bool text_equal(struct text text, const char *string);
 bool text_equal_ignoring_case(struct text text, const char *string);
 bool text_starts(struct text text, const char *prefix);
 
+/* Numbers are at most 63 characters long; longer text is none. */
+
 /** The whole of @p text as a number ('.' is the decimal point; "nan" and "inf" are read). False if it is none. */
 bool text_to_double(struct text text, double *out);
 
