@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file How far around each brick of 8 x 8 x 8 voxels there is no object: what lets a shader's ray leap. */
+/** @file How far around each brick of 4 x 4 x 4 voxels there is no object: what lets a shader's ray leap. */
 #ifndef CONUS_RENDER_BRICKS_H
 #define CONUS_RENDER_BRICKS_H
 
 #include "atlas/volume.h"
 
-enum { BRICKS_EDGE = 8 };
+enum { BRICKS_EDGE = 4 };
 
 struct bricks {
     size_t dim[3];     /**< Bricks along i, j, k; the last may reach beyond the grid.                    */

@@ -14,7 +14,7 @@
 
 enum { OBJECTS_UNIT, BRICKS_UNIT, NEAREST_ID_UNIT, NEAREST_T_UNIT };
 enum { IDENTIFIER_BUFFER, RAY_BUFFER };
-enum { BRICK_SHIFT = 3, RAY_DOUBLES = sizeof(struct id_ray) / sizeof(double) };
+enum { BRICK_SHIFT = 2, RAY_DOUBLES = sizeof(struct id_ray) / sizeof(double) };
 enum { RAY_BUFFER_SIZE = 1 << 24 }; /* where one volume's rays need no more */
 
 struct id_program {

@@ -82,14 +82,18 @@ static bool has_depth(const struct target *target)
 
 void target_bind(const struct target *target)
 {
-    static const GLenum off[] = {GL_BLEND, GL_DITHER, GL_CULL_FACE, GL_MULTISAMPLE, GL_SCISSOR_TEST, GL_STENCIL_TEST};
+    static const GLenum off[] = {GL_BLEND,        GL_DITHER,       GL_CULL_FACE,         GL_MULTISAMPLE,
+                                 GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_RASTERIZER_DISCARD};
     glBindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
     glViewport(0, 0, (GLsizei)target->width, (GLsizei)target->height);
     for (size_t i = 0; i < sizeof off / sizeof off[0]; i++) {
         glDisable(off[i]);
     }
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     if (has_depth(target)) {
         glEnable(GL_DEPTH_TEST);
+        glDepthMask(GL_TRUE);
     } else {
         glDisable(GL_DEPTH_TEST);
     }
@@ -100,17 +104,18 @@ void target_clear(const struct target *target)
     static const GLuint zeros[4] = {0};
     static const GLfloat black[4] = {0};
     static const GLfloat far = 1;
+    target_bind(target); /* masks and scissors bound a clear too */
     for (size_t i = 0; i < target->count; i++) {
         switch (target->attachments[i].format) {
         case TARGET_UINT:
         case TARGET_UINT2:
-            glClearNamedFramebufferuiv(target->framebuffer, GL_COLOR, (GLint)i, zeros);
+            glClearBufferuiv(GL_COLOR, (GLint)i, zeros);
             break;
         case TARGET_FLOAT4:
-            glClearNamedFramebufferfv(target->framebuffer, GL_COLOR, (GLint)i, black);
+            glClearBufferfv(GL_COLOR, (GLint)i, black);
             break;
         case TARGET_DEPTH:
-            glClearNamedFramebufferfv(target->framebuffer, GL_DEPTH, 0, &far);
+            glClearBufferfv(GL_DEPTH, 0, &far);
             break;
         }
     }

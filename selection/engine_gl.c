@@ -17,6 +17,7 @@ struct gl_engine {
     const conus_atlas *atlas;
     struct gl_context *context;
     struct id_pass *pass;
+    conus_sampling sampling;
     uint32_t slices;
     size_t *volumes; /* [volume_count] of the atlas, in the order in which the pass has them */
     size_t volume_count;
@@ -42,8 +43,19 @@ static void view_axis(double out[3], const struct cone *cone)
     vec3_scale(out, cone->pose.world_from_device + 8, -1); /* the device looks down its -z */
 }
 
-static void prepare_rays(struct id_ray *out, const struct volume *volume, const struct cone *cone)
+static void prepare_ray(struct id_ray *out, const double origin[3], const double direction[3], conus_sampling sampling)
 {
+    struct traverse_ray ray;
+    traverse_ray_init(&ray, origin, direction);
+    bool exact = sampling == CONUS_EXACT;
+    memcpy(out->origin, exact ? ray.origin : origin, sizeof out->origin);
+    memcpy(out->direction, exact ? ray.direction : direction, sizeof out->direction);
+    memcpy(out->inverse, ray.inverse, sizeof out->inverse);
+}
+
+static void prepare_rays(struct gl_engine *gl, const struct volume *volume, const struct cone *cone)
+{
+    struct id_ray *rays = id_pass_rays(gl->pass);
     uint32_t n = cone->resolution;
     double origin[3];
     double axis[3];
@@ -51,14 +63,10 @@ static void prepare_rays(struct id_ray *out, const struct volume *volume, const 
     view_axis(axis, cone);
     for (uint32_t pixel = 0; pixel < n * n; pixel++) {
         double direction[3];
-        struct traverse_ray ray;
         cone_ray(direction, cone, pixel % n, pixel / n);
-        out[pixel].per_depth = 1 / vec3_dot(direction, axis);
+        rays[pixel].per_depth = 1 / vec3_dot(direction, axis);
         mat4_direction(direction, volume->voxel_from_world, direction);
-        traverse_ray_init(&ray, origin, direction);
-        memcpy(out[pixel].origin, ray.origin, sizeof ray.origin);
-        memcpy(out[pixel].direction, ray.direction, sizeof ray.direction);
-        memcpy(out[pixel].inverse, ray.inverse, sizeof ray.inverse);
+        prepare_ray(&rays[pixel], origin, direction, gl->sampling);
     }
 }
 
@@ -72,7 +80,7 @@ static conus_status draw(struct gl_engine *gl, const struct cone *cone)
         const size_t *dim = volume->info.dim;
         struct slices slices = slices_over(dim, volume->info.world_from_voxel, cone->pose.world_from_device + 12, axis,
                                            slices_of_id_pass(gl->slices, dim));
-        prepare_rays(id_pass_rays(gl->pass), volume, cone);
+        prepare_rays(gl, volume, cone);
         status = id_pass_draw(gl->pass, i, &slices);
     }
     return status;
@@ -114,7 +122,7 @@ static conus_status look(struct engine *engine, struct evidence *out, const stru
 /* ---- Creation ----------------------------------------------------------------------------------------------- */
 
 /* Identifiers are the objects' numbers: dense, from 1, integers all the way. */
-static conus_status create_pass(struct gl_engine *gl, conus_sampling sampling)
+static conus_status create_pass(struct gl_engine *gl)
 {
     size_t count = gl->atlas->object_count + 1;
     uint32_t *identifiers = memory_raw(count, sizeof *identifiers);
@@ -124,7 +132,7 @@ static conus_status create_pass(struct gl_engine *gl, conus_sampling sampling)
     for (size_t i = 0; i < count; i++) {
         identifiers[i] = (uint32_t)i;
     }
-    conus_status status = id_pass_create(&gl->pass, sampling, identifiers, count);
+    conus_status status = id_pass_create(&gl->pass, gl->sampling, identifiers, count);
     memory_free(identifiers);
     return status;
 }
@@ -159,7 +167,7 @@ static conus_status fill(struct gl_engine *gl, const struct engine_options *opti
     if (status) {
         return status;
     }
-    status = create_pass(gl, options->sampling);
+    status = create_pass(gl);
     status = status ? status : upload_volumes(gl);
     gl_current_restore(&previous);
     return status;
@@ -174,6 +182,7 @@ conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, con
     }
     gl->base.functions = &functions;
     gl->atlas = atlas;
+    gl->sampling = options->sampling;
     gl->slices = options->slices;
     conus_status status = fill(gl, options);
     if (status) {

@@ -165,29 +165,6 @@ static void failing_allocations_are_reported(void **state)
 
 /* ---- Programs ----------------------------------------------------------------------------------------------- */
 
-struct fixture {
-    struct gl_context *context;
-    struct gl_current previous;
-};
-
-static int enter(void **state)
-{
-    struct fixture *fixture = calloc(1, sizeof *fixture);
-    fixture->context = test_gl_context(NULL, NULL);
-    assert_ok(gl_context_use(fixture->context, &fixture->previous));
-    *state = fixture;
-    return 0;
-}
-
-static int leave(void **state)
-{
-    struct fixture *fixture = *state;
-    gl_current_restore(&fixture->previous);
-    gl_context_destroy(fixture->context);
-    free(fixture);
-    return 0;
-}
-
 static struct program_source with_fragment(const char *text)
 {
     return (struct program_source){.vertex = {"screen.vert.glsl", shader_screen_vert},
@@ -197,17 +174,23 @@ static struct program_source with_fragment(const char *text)
 static void compile_errors_name_file_and_line(void **state)
 {
     (void)state;
+    struct test_gl gl;
+    test_gl_enter(&gl);
     struct program_source source = with_fragment("out uint id;\n\nvoid main() { id = missing; }\n");
     GLuint program = 0;
     assert_fails(program_create(&program, &source), CONUS_ERROR_GL);
     assert_int_equal(program, 0);
     assert_non_null(strstr(conus_message(), "broken.frag.glsl:3"));
     assert_non_null(strstr(conus_message(), "missing"));
+    gl.messages = 0; /* the compiler's */
+    test_gl_leave(&gl);
 }
 
 static void constants_of_c_are_defines(void **state)
 {
     (void)state;
+    struct test_gl gl;
+    test_gl_enter(&gl);
     const struct program_define defines[] = {{"ANSWER", 42}};
     struct program_source source = with_fragment("out uint id;\nuniform uint more;\n"
                                                  "void main() { id = uint(ANSWER) + more; }\n");
@@ -237,6 +220,7 @@ static void constants_of_c_are_defines(void **state)
     target_finish(&target);
     glDeleteVertexArrays(1, &empty);
     glDeleteProgram(program);
+    test_gl_leave(&gl);
 }
 
 /* ---- Textures ----------------------------------------------------------------------------------------------- */
@@ -244,6 +228,8 @@ static void constants_of_c_are_defines(void **state)
 static void integer_textures_keep_every_bit(void **state)
 {
     (void)state;
+    struct test_gl gl;
+    test_gl_enter(&gl);
     const uint32_t voxels[6] = {0, 1, 65535, 65536, 16777217, 4294967295u};
     const size_t dim[3] = {3, 2, 1};
     uint64_t left = 24;
@@ -254,11 +240,14 @@ static void integer_textures_keep_every_bit(void **state)
     glGetTextureImage(texture, 0, GL_RED_INTEGER, GL_UNSIGNED_INT, sizeof back, back);
     assert_memory_equal(back, voxels, sizeof back);
     glDeleteTextures(1, &texture);
+    test_gl_leave(&gl);
 }
 
 static void textures_beyond_memory_or_driver_are_refused(void **state)
 {
     (void)state;
+    struct test_gl gl;
+    test_gl_enter(&gl);
     const size_t dim[3] = {3, 2, 1};
     const uint16_t voxels[6] = {0};
     uint64_t left = 11;
@@ -276,6 +265,7 @@ static void textures_beyond_memory_or_driver_are_refused(void **state)
     struct target target;
     assert_fails(target_init(&target, (uint32_t)limit + 1, 1, attachments, 1), CONUS_ERROR_GL);
     assert_int_equal(texture, 0);
+    test_gl_leave(&gl);
 }
 
 int main(void)
@@ -287,10 +277,10 @@ int main(void)
         cmocka_unit_test(use_puts_back_what_was_current),
         cmocka_unit_test(driver_messages_go_to_the_log),
         cmocka_unit_test(failing_allocations_are_reported),
-        cmocka_unit_test_setup_teardown(compile_errors_name_file_and_line, enter, leave),
-        cmocka_unit_test_setup_teardown(constants_of_c_are_defines, enter, leave),
-        cmocka_unit_test_setup_teardown(integer_textures_keep_every_bit, enter, leave),
-        cmocka_unit_test_setup_teardown(textures_beyond_memory_or_driver_are_refused, enter, leave),
+        cmocka_unit_test(compile_errors_name_file_and_line),
+        cmocka_unit_test(constants_of_c_are_defines),
+        cmocka_unit_test(integer_textures_keep_every_bit),
+        cmocka_unit_test(textures_beyond_memory_or_driver_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -51,22 +51,13 @@ uint identify(dvec3 cell)
     return identifiers[texelFetch(objects, ivec3(cell), 0).r];
 }
 
-// Index of the cell [i - 1/2, i + 1/2) that holds x, whichever way x + 1/2 is rounded.
-dvec3 cell_of(dvec3 x)
-{
-    precise dvec3 cell = floor(x + 0.5);
-    cell = mix(cell, cell - 1.0, greaterThan(cell - 0.5, x));
-    return mix(cell, cell + 1.0, lessThanEqual(cell + 0.5, x));
-}
-
 #if SLICES
 Hit walk(Ray ray, ivec3 dim, double limit)
 {
     for (int k = 0; k < slice_count; k++) {
         precise double depth = slice_start + (double(k) + 0.5) * slice_spacing;
         precise double t = depth * ray.per_depth;
-        precise dvec3 point = ray.origin + t * ray.direction;
-        dvec3 cell = cell_of(point);
+        precise dvec3 cell = floor(ray.origin + t * ray.direction + 0.5);
         if (t > limit) {
             break;
         }
@@ -80,6 +71,14 @@ Hit walk(Ray ray, ivec3 dim, double limit)
     return Hit(0u, dvec3(0.0), NEVER);
 }
 #else
+// Index of the cell [i - 1/2, i + 1/2) that holds x, whichever way x + 1/2 is rounded.
+dvec3 cell_of(dvec3 x)
+{
+    precise dvec3 cell = floor(x + 0.5);
+    cell = mix(cell, cell - 1.0, greaterThan(cell - 0.5, x));
+    return mix(cell, cell + 1.0, lessThanEqual(cell + 0.5, x));
+}
+
 struct Crossing {
     double t;
     int axis; // -1: the ray's start

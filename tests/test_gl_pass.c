@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/math3.h"
+#include "render/bricks.h"
+#include "render/id_pass.h"
+#include "test.h"
+#include "test_gl.h"
+
+#include <string.h>
+
+enum { PIXELS = 3, OBJECTS = 6 };
+
+/* A row of voxels along x, each with its own object 1, 2, ...; rays come from above, one per voxel. */
+static uint16_t row_objects[PIXELS * PIXELS];
+static const struct volume row = {
+    .info = {.dim = {PIXELS * PIXELS, 1, 1}}, .voxel_count = PIXELS * PIXELS, .objects16 = row_objects};
+
+static void aim_from_above(struct id_ray *rays, double height)
+{
+    for (int i = 0; i < PIXELS * PIXELS; i++) {
+        rays[i] = (struct id_ray){
+            .origin = {i, 0, height}, .direction = {0, 0, -1}, .inverse = {INFINITY, INFINITY, -1}, .per_depth = 1};
+    }
+}
+
+static const struct slices middle = {.start = 9.5, .spacing = 1, .count = 1}; /* one plane at depth 10 */
+
+static struct id_pass *row_pass(conus_sampling sampling, const uint32_t *identifiers)
+{
+    for (int i = 0; i < PIXELS * PIXELS; i++) {
+        row_objects[i] = (uint16_t)(i % (OBJECTS + 1));
+    }
+    struct id_pass *pass = NULL;
+    uint64_t memory = 1 << 20;
+    assert_ok(id_pass_create(&pass, sampling, identifiers, OBJECTS + 1));
+    assert_ok(id_pass_add_volume(pass, &row, &memory));
+    assert_ok(id_pass_add_volume(pass, &row, &memory));
+    assert_true(memory < 1 << 20);
+    return pass;
+}
+
+static struct id_pixels draw_row(struct id_pass *pass, size_t volume, double height)
+{
+    struct id_pixels pixels;
+    assert_ok(id_pass_begin(pass, PIXELS));
+    aim_from_above(id_pass_rays(pass), height);
+    assert_ok(id_pass_draw(pass, volume, &middle));
+    assert_ok(id_pass_read(pass, &pixels));
+    return pixels;
+}
+
+/* Identifiers are integers all the way: no float, filter or blend would bring these through. 0 is invisible. */
+static const uint32_t hard_identifiers[OBJECTS + 1] = {0, 7, 65537, 16777217, 0, 4000000001u, 4294967295u};
+
+static void assert_row(const struct id_pixels *pixels, double distance)
+{
+    for (int i = 0; i < PIXELS * PIXELS; i++) {
+        uint32_t wanted = hard_identifiers[row_objects[i]];
+        assert_int_equal(pixels->identifiers[i], wanted);
+        if (wanted) {
+            assert_near(pixels->distances[i], distance, 0);
+            assert_near(pixels->voxels[i][0], i, 0);
+            assert_near(pixels->voxels[i][3], distance, 0);
+        }
+    }
+}
+
+/* Eq. 5, Eq. 6, Eq. 7: all programs, made from every combination of defines. */
+static void identifiers_keep_every_bit(void **state)
+{
+    (void)state;
+    struct test_gl gl;
+    test_gl_enter(&gl);
+    const conus_sampling samplings[] = {CONUS_EXACT, CONUS_SLICES};
+    for (size_t i = 0; i < 2; i++) {
+        struct id_pass *pass = row_pass(samplings[i], hard_identifiers);
+        struct id_pixels pixels = draw_row(pass, 0, 10);
+        assert_row(&pixels, samplings[i] == CONUS_EXACT ? 9.5 : 10);
+        id_pass_destroy(pass);
+    }
+    id_pass_destroy(NULL);
+    test_gl_leave(&gl);
+}
+
+/* Blending, dithering, scissors, masks and so on, left on by whoever shares the context, change nothing. */
+static void state_left_behind_changes_nothing(void **state)
+{
+    (void)state;
+    struct test_gl gl;
+    test_gl_enter(&gl);
+    struct id_pass *pass = row_pass(CONUS_EXACT, hard_identifiers);
+    static const GLenum left_on[] = {GL_BLEND,        GL_DITHER,     GL_CULL_FACE,         GL_MULTISAMPLE,
+                                     GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_RASTERIZER_DISCARD};
+    for (size_t i = 0; i < sizeof left_on / sizeof left_on[0]; i++) {
+        glEnable(left_on[i]);
+    }
+    glCullFace(GL_FRONT_AND_BACK);
+    glScissor(0, 0, 1, 1);
+    glBlendFunc(GL_ZERO, GL_ONE);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+    glDepthFunc(GL_NEVER);
+    struct id_pixels pixels = draw_row(pass, 0, 10);
+    assert_row(&pixels, 9.5);
+    id_pass_destroy(pass);
+    test_gl_leave(&gl);
+}
+
+/* What an earlier look left in the target does not shine through. */
+static void looks_start_from_nothing(void **state)
+{
+    (void)state;
+    struct test_gl gl;
+    test_gl_enter(&gl);
+    struct id_pass *pass = row_pass(CONUS_EXACT, hard_identifiers);
+    struct id_pixels pixels = draw_row(pass, 0, 10);
+    assert_int_equal(pixels.identifiers[1], 7);
+    pixels = draw_row(pass, 0, -10); /* looking away */
+    for (int i = 0; i < PIXELS * PIXELS; i++) {
+        assert_int_equal(pixels.identifiers[i], 0);
+    }
+    id_pass_destroy(pass);
+    test_gl_leave(&gl);
+}
+
+/* Two volumes, the second one nearer, farther, or as near. */
+static void the_nearer_volume_stays(void **state)
+{
+    (void)state;
+    struct test_gl gl;
+    test_gl_enter(&gl);
+    struct id_pass *pass = row_pass(CONUS_EXACT, hard_identifiers);
+    const double second[] = {4, 30, 10};
+    for (int i = 0; i < 3; i++) {
+        struct id_pixels pixels;
+        assert_ok(id_pass_begin(pass, PIXELS));
+        aim_from_above(id_pass_rays(pass), 10);
+        assert_ok(id_pass_draw(pass, 0, &middle));
+        aim_from_above(id_pass_rays(pass), second[i]);
+        assert_ok(id_pass_draw(pass, 1, &middle));
+        assert_ok(id_pass_read(pass, &pixels));
+        assert_row(&pixels, fmin(10, second[i]) - 0.5);
+    }
+    id_pass_destroy(pass);
+    test_gl_leave(&gl);
+}
+
+/* With sampling on planes a volume behind the eye has none. */
+static void a_volume_without_planes_is_not_drawn(void **state)
+{
+    (void)state;
+    struct test_gl gl;
+    test_gl_enter(&gl);
+    struct id_pass *pass = row_pass(CONUS_SLICES, hard_identifiers);
+    struct id_pixels pixels;
+    const struct slices none = {0};
+    assert_ok(id_pass_begin(pass, PIXELS));
+    aim_from_above(id_pass_rays(pass), 10);
+    assert_ok(id_pass_draw(pass, 0, &none));
+    assert_ok(id_pass_draw(pass, 1, &middle));
+    assert_ok(id_pass_read(pass, &pixels));
+    assert_row(&pixels, 10);
+    id_pass_destroy(pass);
+    test_gl_leave(&gl);
+}
+
+static void textures_beyond_the_allowed_memory_are_refused(void **state)
+{
+    (void)state;
+    struct test_gl gl;
+    test_gl_enter(&gl);
+    struct id_pass *pass = NULL;
+    uint64_t memory = sizeof row_objects; /* the bricks find no room */
+    assert_ok(id_pass_create(&pass, CONUS_EXACT, hard_identifiers, OBJECTS + 1));
+    assert_fails(id_pass_add_volume(pass, &row, &memory), CONUS_ERROR_MEMORY);
+    assert_non_null(strstr(conus_message(), "allowed memory"));
+    id_pass_destroy(pass);
+    test_gl_leave(&gl);
+}
+
+/* ---- Bricks ------------------------------------------------------------------------------------------------- */
+
+static bool brick_has_object(const struct volume *volume, const size_t brick[3])
+{
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        const size_t *dim = volume->info.dim;
+        size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
+        bool in = true;
+        for (int a = 0; a < 3; a++) {
+            in = in && at[a] / BRICKS_EDGE == brick[a];
+        }
+        if (in && volume_object(volume, v)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Distance from `brick` to the nearest that holds an object, by looking at all of them. */
+static size_t brute_distance(const struct bricks *bricks, const bool *occupied, const size_t brick[3])
+{
+    size_t least = UINT8_MAX;
+    for (size_t b = 0; b < bricks->dim[0] * bricks->dim[1] * bricks->dim[2]; b++) {
+        size_t at[3] = {b % bricks->dim[0], b / bricks->dim[0] % bricks->dim[1], b / bricks->dim[0] / bricks->dim[1]};
+        size_t distance = 0;
+        for (int a = 0; a < 3; a++) {
+            size_t apart = at[a] > brick[a] ? at[a] - brick[a] : brick[a] - at[a];
+            distance = apart > distance ? apart : distance;
+        }
+        least = occupied[b] && distance < least ? distance : least;
+    }
+    return least;
+}
+
+static void bricks_know_their_distance(void **state)
+{
+    (void)state;
+    uint64_t random = 3;
+    for (int round = 0; round < 30; round++) {
+        static uint16_t objects[40 * 40 * 40];
+        struct volume volume = {.objects16 = objects, .voxel_count = 1};
+        for (int a = 0; a < 3; a++) {
+            volume.info.dim[a] = 1 + (size_t)test_random(&random, 0, 40);
+            volume.voxel_count *= volume.info.dim[a];
+        }
+        memset(objects, 0, sizeof objects);
+        for (int n = round % 6; n > 0; n--) {
+            objects[(size_t)test_random(&random, 0, (double)volume.voxel_count)] = 5;
+        }
+        struct bricks bricks;
+        bool occupied[10 * 10 * 10];
+        assert_ok(bricks_init(&bricks, &volume));
+        size_t count = bricks.dim[0] * bricks.dim[1] * bricks.dim[2];
+        for (int pass = 0; pass < 2; pass++) {
+            for (size_t b = 0; b < count; b++) {
+                size_t at[3] = {b % bricks.dim[0], b / bricks.dim[0] % bricks.dim[1],
+                                b / bricks.dim[0] / bricks.dim[1]};
+                if (pass == 0) {
+                    occupied[b] = brick_has_object(&volume, at);
+                } else {
+                    assert_int_equal(bricks.distance[b], brute_distance(&bricks, occupied, at));
+                }
+            }
+        }
+        bricks_finish(&bricks);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(identifiers_keep_every_bit),
+        cmocka_unit_test(state_left_behind_changes_nothing),
+        cmocka_unit_test(looks_start_from_nothing),
+        cmocka_unit_test(the_nearer_volume_stays),
+        cmocka_unit_test(a_volume_without_planes_is_not_drawn),
+        cmocka_unit_test(textures_beyond_the_allowed_memory_are_refused),
+        cmocka_unit_test(bricks_know_their_distance),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
