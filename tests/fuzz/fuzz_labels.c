@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Any bytes as a label table of a format told by their content. What is read must be in order. */
+#include "loaders/label_files.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void check(const struct label_table *table)
+{
+    for (size_t i = 0; i < table->count; i++) {
+        const struct label *label = &table->entries[i];
+        bool ordered = label->number > (i ? table->entries[i - 1].number : 0);
+        if (!ordered || (label->name && !text_is_utf8(text_from(label->name))) ||
+            label_table_find(table, label->number) != label) {
+            abort();
+        }
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct label_table table = {0};
+    struct notes notes = {0};
+    const char *format = NULL;
+    conus_status status = label_bytes_parse(&table, &format, data, size, &notes);
+    if (status ? table.count || format : !table.count || !format) {
+        abort();
+    }
+    check(&table);
+    label_table_finish(&table);
+    notes_finish(&notes);
+    return 0;
+}
