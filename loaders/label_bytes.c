@@ -110,7 +110,7 @@ conus_status label_bytes_parse(struct label_table *out, const char **format, con
         return status;
     }
     if (size >= 2 && (memcmp(data, "\xff\xfe", 2) == 0 || memcmp(data, "\xfe\xff", 2) == 0)) {
-        return fail(CONUS_ERROR_DATA, "text in UTF-16, UTF-8 or ISO-8859-1 is needed");
+        return fail(CONUS_ERROR_DATA, "the text is UTF-16, UTF-8 or ISO-8859-1 is needed");
     }
     const struct label_format *found = label_format_of(text);
     if (!found) {

@@ -28,6 +28,7 @@ struct header {
     char separator;
     int at[COLUMN_COUNT]; /* field of each column, or NO_COLUMN */
     int count;
+    const char *twice; /* a column that two fields claim, or NULL */
 };
 
 static bool next_line(struct text *rest, size_t *number, struct text *line)
@@ -74,7 +75,9 @@ static void match_column(struct header *header, int ranks[COLUMN_COUNT], struct 
 {
     for (int column = 0; column < COLUMN_COUNT; column++) {
         for (int rank = 0; rank < SYNONYM_COUNT && names[column][rank]; rank++) {
-            if (text_equal_ignoring_case(field, names[column][rank]) && rank < ranks[column]) {
+            bool named = text_equal_ignoring_case(field, names[column][rank]);
+            header->twice = named && rank == ranks[column] ? names[column][rank] : header->twice;
+            if (named && rank < ranks[column]) {
                 ranks[column] = rank;
                 header->at[column] = at;
             }
@@ -200,6 +203,9 @@ static conus_status parse_table(struct label_table *out, struct text text, struc
     size_t number = 0;
     if (!next_line(&text, &number, &line) || !read_header(&header, line)) {
         return fail(CONUS_ERROR_DATA, "no header with an index and a name");
+    }
+    if (header.twice) {
+        return fail(CONUS_ERROR_DATA, "line %zu: two columns are called %s", number, header.twice);
     }
     conus_status status = CONUS_OK;
     while (!status && next_line(&text, &number, &line)) {

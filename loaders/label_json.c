@@ -12,7 +12,7 @@
 static conus_status load_json(json_t **out, struct text text)
 {
     json_error_t error;
-    json_t *root = json_loadb(text.data, text.size, JSON_REJECT_DUPLICATES | JSON_ALLOW_NUL, &error);
+    json_t *root = json_loadb(text.data, text.size, JSON_REJECT_DUPLICATES, &error);
     if (!root) {
         bool memory = json_error_code(&error) == json_error_out_of_memory;
         return memory ? fail(CONUS_ERROR_MEMORY, "no memory for the JSON text")

@@ -55,7 +55,7 @@ static conus_status write_volume(const char *path, float edge, uint16_t code, co
         put16(file + 352, (uint16_t)padded), put16(file + 356, code);
     }
     if (between) {
-        memcpy(file + (code ? 360 : 352), between, length);
+        memcpy(file + (code ? 360 : 352), between, length + 1);
     }
     memcpy(file + 352 + padded, labels, sizeof labels);
     return conus_write_file(path, file, 352 + padded + sizeof labels);
