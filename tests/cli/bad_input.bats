@@ -1,0 +1,184 @@
+#!/usr/bin/env bats
+# What no atlas should be: one clear line, exit code 3, and no file left behind.
+load helpers
+
+# ball: ball.nii, a good volume of 16^3 bytes at offset 352, to be damaged.
+ball() {
+    sphere --size 16
+    gunzip -c sphere.nii.gz >ball.nii
+    rm sphere.*
+}
+
+# poke FILE OFFSET BYTE...: overwrites bytes, given in hexadecimal.
+poke() {
+    local file=$1 offset=$2
+    shift 2
+    printf '%b' "$(printf '\\x%s' "$@")" | dd of="$file" bs=1 seek="$offset" conv=notrunc status=none
+}
+
+# refuses TEXT FILE: as an atlas, FILE ends info and query in code 3 with a line that begins with its name and has TEXT
+# in it, and leaves no output.
+refuses() {
+    fails 3 "$2: $1" info "$2"
+    fails 3 "$2: $1" query "$2" --origin 0,0,90 --toward 0,0,0 -o out.tsv --voxels voxels.tsv --voxels-of all
+    [ ! -e out.tsv ] && [ ! -e out.json ] && [ ! -e voxels.tsv ]
+    [ -z "$(find . -name '*.part')" ]
+}
+
+@test "the volume that the others are made from is good" {
+    ball
+    run -0 --separate-stderr "$CONUS" query ball.nii --origin 0,0,90 --toward 0,0,0 --angle 2 --quiet --format tsv
+    [ "$(cell pixels 1)" = 208 ]
+}
+
+@test "a file that is not there, a folder, a device" {
+    refuses 'cannot open: No such file or directory' none.nii
+    refuses 'cannot read: is a folder' .
+    refuses 'cannot read: is a device or pipe, a regular file is needed' /dev/null
+}
+
+@test "an empty file, text, HTML" {
+    : >empty.nii
+    refuses 'content: the file is empty, allowed are' empty.nii
+    : >empty.nii.gz
+    refuses 'content: the file is empty, allowed are' empty.nii.gz
+    echo 'just some text' >text.nii
+    refuses 'content: found "just some text.", allowed are NIfTI-1, NIfTI-2 and MGH' text.nii
+    echo '<!DOCTYPE html><html><body>404 Not Found</body></html>' >page.nii.gz
+    refuses 'content: found "<!DOCTYPE' page.nii.gz
+}
+
+@test "a truncated file, plain and packed" {
+    ball
+    head -c 100 ball.nii >short.nii
+    refuses 'header: found 100 bytes, NIfTI-1 needs 348' short.nii
+    head -c 1000 ball.nii >short.nii
+    refuses 'voxels: the file has 1000 bytes, the header asks for 4448' short.nii
+    gzip -c ball.nii >whole.nii.gz
+    head -c 150 whole.nii.gz >short.nii.gz
+    refuses 'gzip: ' short.nii.gz
+    gzip -c short.nii >short2.nii.gz
+    refuses 'gzip: ' short2.nii.gz
+}
+
+@test "a damaged gzip stream" {
+    ball
+    gzip -c ball.nii >damaged.nii.gz
+    poke damaged.nii.gz 120 ff ff ff ff
+    refuses 'gzip: ' damaged.nii.gz
+}
+
+@test "impossible dimensions" {
+    ball
+    poke ball.nii 42 00 00
+    refuses 'dim[1]: found 0, allowed is 1 or more' ball.nii
+    poke ball.nii 42 ff ff
+    refuses 'dim[1]: found -1, allowed is 1 or more' ball.nii
+    poke ball.nii 40 08 00
+    refuses 'dim[0]: found 8, allowed are 1 to 7' ball.nii
+    poke ball.nii 40 03 00 ff 7f ff 7f ff 7f
+    fails 3 'ball.nii: ' info ball.nii
+}
+
+@test "NIfTI-2 with 2^62 voxels along an edge" {
+    head -c 544 /dev/zero >huge.nii
+    poke huge.nii 0 1c 02 00 00 6e 2b 32 00 0d 0a 1a 0a 02 00 08 00
+    poke huge.nii 16 03 00 00 00 00 00 00 00 00 00 00 00 00 00 00 40
+    poke huge.nii 32 01 00 00 00 00 00 00 00 01 00 00 00 00 00 00 00
+    poke huge.nii 168 20 02 00 00 00 00 00 00
+    fails 3 'huge.nii: ' info huge.nii
+}
+
+@test "matrices that are singular or not finite" {
+    ball
+    poke ball.nii 280 00 00 00 00
+    refuses 'sform, code 1 (scanner): the matrix is singular' ball.nii
+    poke ball.nii 280 00 00 c0 7f
+    refuses 'sform' ball.nii
+    poke ball.nii 280 00 00 80 7f
+    refuses 'sform' ball.nii
+}
+
+@test "datatypes that contradict themselves or mean no labels" {
+    ball
+    poke ball.nii 72 10 00
+    refuses 'bitpix: found 16, datatype uint8 needs 8' ball.nii
+    poke ball.nii 70 20 00 40 00
+    refuses 'datatype: found 32 (complex64)' ball.nii
+    poke ball.nii 70 d2 04
+    refuses 'datatype: found 1234' ball.nii
+}
+
+@test "a voxel offset inside the header" {
+    ball
+    poke ball.nii 108 00 00 c8 42
+    refuses 'vox_offset: found 100, allowed are whole numbers from' ball.nii
+}
+
+@test "labels with fractions, by value or by scale" {
+    ball
+    poke ball.nii 112 00 00 00 3f
+    refuses 'voxel ' ball.nii
+    head -c 352 ball.nii >float.nii
+    head -c 16384 /dev/zero >>float.nii
+    poke float.nii 70 10 00 20 00
+    poke float.nii 112 00 00 80 3f
+    poke float.nii 356 00 00 60 40
+    refuses 'voxel (1, 0, 0): found 3.5' float.nii
+}
+
+@test "more memory than is allowed" {
+    ball
+    poke ball.nii 40 03 00 00 04 00 04 00 04
+    { head -c 352 ball.nii; head -c 8M /dev/zero; } | gzip -1 >bomb.nii.gz
+    fails 3 'bomb.nii.gz: ' info bomb.nii.gz
+    fails 3 '536870912' info bomb.nii.gz --max-memory 512M
+    ball
+    fails 3 'ball.nii: file of 4448 bytes, allowed are 1024 (--max-memory)' info ball.nii --max-memory 1K
+}
+
+@test "a small file that unpacks to 130 MB where the header asks for 4 kB" {
+    ball
+    { cat ball.nii; head -c 130M /dev/zero; } | gzip -1 >bomb.nii.gz
+    refuses 'gzip: unpacks to more than the 4448 bytes that the header asks for' bomb.nii.gz
+}
+
+@test "label tables with garbage" {
+    ball
+    head -c 3000 /dev/zero | tr '\0' '\377' >garbage.txt
+    fails 3 'garbage.txt: ' info ball.nii --labels garbage.txt
+    echo 'nothing here' >garbage.txt
+    fails 3 'garbage.txt: ' info ball.nii --labels garbage.txt
+}
+
+@test "poses that are none" {
+    ball
+    fails 3 'none.tsv: cannot open' query ball.nii --pose none.tsv
+    : >poses.tsv
+    fails 3 'poses.tsv: no poses' query ball.nii --pose poses.tsv
+    printf 'a\tb\n1\t2\n' >poses.tsv
+    fails 3 'poses.tsv: ' query ball.nii --pose poses.tsv
+    printf 'x\ty\tz\ttx\tty\ttz\n0\t0\tnan\t0\t0\t0\n' >poses.tsv
+    run -1 --separate-stderr "$CONUS" query ball.nii --pose poses.tsv --quiet --format tsv
+    check_message 'poses.tsv:2: '
+    printf '1 0 0 0\n0 1 0 0\n0 0 -1 0\n0 0 0 1\n' >matrix.txt
+    run -1 --separate-stderr "$CONUS" query ball.nii --pose matrix.txt --quiet --format tsv
+    check_message 'matrix.txt:1: pose matrix: left-handed'
+}
+
+@test "cones that are none" {
+    ball
+    fails 2 'direction: 0,0,0, allowed are finite numbers that are not all 0' \
+        query ball.nii --quiet --origin 0,0,90 --direction 0,0,0
+    fails 2 'toward: is the origin itself' query ball.nii --quiet --origin 0,0,90 --toward 0,0,90
+    fails 2 'parallel to the direction' query ball.nii --quiet --origin 0,0,90 --toward 0,0,0 --up 0,0,1
+    fails 2 'up: 0,0,0' query ball.nii --quiet --origin 0,0,90 --toward 0,0,0 --up 0,0,0
+}
+
+@test "truncated at every 97th byte, AAL is refused without a crash" {
+    need_aal
+    for size in $(seq 1 9700 160000) $(seq 1 97 1000); do
+        head -c "$size" "$aal" >cut.nii.gz
+        fails 3 'cut.nii.gz: ' info cut.nii.gz
+    done
+}
