@@ -1,0 +1,61 @@
+#!/usr/bin/env bats
+# docs/commands.md says what is: its examples are run, its lists compared with the program's own.
+load helpers
+DOCS=$BATS_TEST_DIRNAME/../../docs/commands.md
+
+# The one thing in the examples that differs between machines.
+same_engine() {
+    sed -E 's/engine rays, [a-z0-9]+/engine rays, any/'
+}
+
+@test "the examples print what they are said to print" {
+    awk '/^```console/ { on = 1; next } /^```/ { on = 0 } on' "$DOCS" >transcript
+    [ "$(grep -c '^\$ ' transcript)" -ge 8 ]
+    {
+        echo 'exec 2>&1'
+        printf 'conus() { %q "$@"; }\n' "$CONUS"
+        grep '^\$ ' transcript | while IFS= read -r line; do
+            printf 'printf "%%s\\n" %q\n%s\n' "$line" "${line#\$ }"
+        done
+    } >examples.sh
+    mkdir folder
+    (cd folder && bash ../examples.sh) | same_engine >got || true
+    same_engine <transcript >wanted
+    diff wanted got
+}
+
+# section NAME: the part of the page under that command's heading.
+section() {
+    awk -v name="$1" '/^## / { on = index($0, "## conus " name " ") == 1 } on' "$DOCS"
+}
+
+@test "every option of the help is in the page, and the other way round" {
+    for command in query info phantom diff; do
+        section $command | grep -oE '^\| `.*' | cut -d '|' -f 2 | grep -oE -- '--[a-z-]+' | sort -u >said
+        conus $command --help | grep -oE '^ +(-[a-z], )?--[a-z-]+' | grep -oE -- '--[a-z-]+' |
+            grep -vxE -- '--(help|version)' | sort -u >there
+        diff there said
+    done
+}
+
+@test "the columns of the page are those of the TSV, in their order" {
+    sphere --size 16
+    conus query sphere.nii.gz --origin 0,0,90 --toward 0,0,0 --format tsv | head -1 | tr '\t' '\n' >there
+    awk '/^### Columns/ { on = 1 } /^## conus diff/ { on = 0 } on' "$DOCS" |
+        sed -nE 's/^\| `([a-z0-9_]+)` .*/\1/p' >said
+    diff there said
+}
+
+@test "the scores of the page are those of the help" {
+    conus query --help | sed -n '/^Scores/,/^$/p' | awk 'NR > 1 && NF { print $1 }' >there
+    section query | sed -n 's/^| `--score NAME` | what ranks the objects: //p' | grep -oE '`[a-z]+`' | tr -d '`' >said
+    diff there said
+}
+
+@test "exit codes of the page are those of the help" {
+    conus --help >help
+    for code in 0 1 2 3 4; do
+        grep -q "^| $code | " "$DOCS"
+        grep -qE "\b$code (done|some queries|usage|bad input|no usable)" help
+    done
+}
