@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const keys[] = {"query", "kind", "index", "i", "j", "k"};
-enum { KEY_COUNT = sizeof keys / sizeof keys[0], NEEDED_KEYS = 3 };
+static const char *const key_names[RESULTS_KEYS] = {"query", "kind", "index", "i", "j", "k"};
+enum { NEEDED_KEYS = 3, COLUMN_LIMIT = 1000 };
 
 const char *results_cell(const struct results *results, size_t row, size_t column)
 {
@@ -39,11 +39,9 @@ void results_finish(struct results *results)
 static int compare_rows(const struct results *a, size_t row, const struct results *b, size_t other)
 {
     int order = 0;
-    for (size_t i = 0; i < KEY_COUNT && order == 0; i++) {
-        size_t one = 0;
-        size_t two = 0;
-        if (results_column(a, keys[i], &one) && results_column(b, keys[i], &two)) {
-            order = strcmp(results_cell(a, row, one), results_cell(b, other, two));
+    for (size_t i = 0; i < RESULTS_KEYS && order == 0; i++) {
+        if (a->keys[i] && b->keys[i]) {
+            order = strcmp(a->keys[i][(row + 1) * a->columns], b->keys[i][(other + 1) * b->columns]);
         }
     }
     return order;
@@ -146,6 +144,10 @@ static int cut_lines(struct results *results, const char *path, size_t size)
     size_t lines = count_of(results->bytes, size, '\n');
     results->columns = count_of(results->bytes, strcspn(results->bytes, "\n"), '\t') + 1;
     results->rows = lines - 1;
+    if (results->columns > COLUMN_LIMIT) {
+        complain("%s: %zu columns, allowed are %d", path, results->columns, COLUMN_LIMIT);
+        return EXIT_DATA;
+    }
     if (results->columns > SIZE_MAX / sizeof *results->cells / lines) {
         return no_memory(path);
     }
@@ -163,7 +165,7 @@ static int cut_lines(struct results *results, const char *path, size_t size)
     return code;
 }
 
-static int check_columns(const struct results *results, const char *path)
+static int check_columns(struct results *results, const char *path)
 {
     for (size_t c = 0; c < results->columns; c++) {
         size_t first = 0;
@@ -172,10 +174,12 @@ static int check_columns(const struct results *results, const char *path)
             return EXIT_DATA;
         }
     }
-    for (size_t i = 0; i < NEEDED_KEYS; i++) {
+    for (size_t i = 0; i < RESULTS_KEYS; i++) {
         size_t column;
-        if (!results_column(results, keys[i], &column)) {
-            complain("%s: no column \"%s\": not a TSV result of conus", path, keys[i]);
+        if (results_column(results, key_names[i], &column)) {
+            results->keys[i] = &results->cells[column];
+        } else if (i < NEEDED_KEYS) {
+            complain("%s: no column \"%s\": not a TSV result of conus", path, key_names[i]);
             return EXIT_DATA;
         }
     }

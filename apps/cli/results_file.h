@@ -6,11 +6,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+enum { RESULTS_KEYS = 6 };
+
 struct results {
     char *bytes;        /**< What the cells point into. */
     const char **cells; /**< The header's, then each row's, `columns` at a time. */
     size_t columns, rows;
-    size_t *order; /**< Rows, sorted by their keys. */
+    const char **keys[RESULTS_KEYS]; /**< Header cell of query, kind, index, i, j and k; NULL where there is none. */
+    size_t *order;                   /**< Rows, sorted by their keys. */
 };
 
 /** Reads @p path. Gives the exit code, having complained unless it is 0; @p out is then the caller's to

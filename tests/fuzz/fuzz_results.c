@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What `conus diff` reads: every row must be found again by its own key. */
+#include "cli/messages.h"
+#include "cli/results_file.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+
+/* Instead of the program's: a fuzzer's log is no place for a million complaints. */
+void complain(const char *format, ...)
+{
+    (void)format;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct results results;
+    if (results_parse(&results, "fuzz", (const char *)data, size) != EXIT_DONE) {
+        return 0;
+    }
+    for (size_t row = 0; row < results.rows; row++) {
+        size_t found;
+        if (!results_find(&results, &results, row, &found) || found != row) {
+            abort();
+        }
+    }
+    results_finish(&results);
+    return 0;
+}
