@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table for people: the columns that a reader at a desk wants, aligned, with units. */
+#include "atlas/atlas.h"
 #include "base/math3.h"
 #include "selection/report.h"
 
@@ -95,6 +96,26 @@ static void write_heading(struct buffer *out, int width)
                   "mm");
 }
 
+static const char *file_of(const conus_volume_info *info)
+{
+    const char *slash = info->path ? strrchr(info->path, '/') : NULL;
+    return slash ? slash + 1 : info->path ? info->path : "";
+}
+
+/* What the answers rest on: which transform placed the atlas, and from which value on a pathway is one. */
+static void write_sources(struct buffer *out, const conus_report *report)
+{
+    const conus_atlas *atlas = report->atlas;
+    const conus_volume_info *info = conus_atlas_volume(atlas, 0);
+    buffer_format(out, "atlas %s, placed by %s\n", file_of(info), info->transform);
+    for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
+        info = &atlas_object_volume(atlas, (uint32_t)number)->info;
+        buffer_format(out, "pathway %s: values from ", conus_atlas_object(atlas, number)->name);
+        buffer_number(out, info->threshold);
+        buffer_format(out, " on in %s\n", file_of(info));
+    }
+}
+
 void report_write_table(struct buffer *out, const conus_report *report)
 {
     int width = name_width(report);
@@ -111,4 +132,5 @@ void report_write_table(struct buffer *out, const conus_report *report)
                       report->selector.sampling == CONUS_SLICES ? "slices" : "exact",
                       i + 1 < report->query_count ? "\n" : "");
     }
+    write_sources(out, report);
 }

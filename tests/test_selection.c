@@ -245,8 +245,9 @@ static void table_reads_well(void **state)
 {
     conus_report *report = report_in(*state, CONUS_TABLE, CONUS_RAS);
     const char *text = text_in(report);
-    const char *const parts[] = {"cone of 60 degrees from (0.00, 0.00, 50.00)", "ten", "(nothing met)",
-                                 "12 pixels in the cone (4 x 4 buffer)", "engine script"};
+    const char *const parts[] = {
+        "cone of 60 degrees from (0.00, 0.00, 50.00)", "ten",           "(nothing met)",
+        "12 pixels in the cone (4 x 4 buffer)",        "engine script", "\natlas a.nii, placed by "};
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
         assert_non_null(strstr(text, parts[i]));
     }

@@ -12,6 +12,7 @@ enum info_format { INFO_TABLE, INFO_TSV, INFO_JSON };
 
 struct info_settings {
     struct atlas_settings atlas;
+    const char *context;
     size_t format; /* enum info_format */
     struct common_settings common;
 };
@@ -19,6 +20,11 @@ struct info_settings {
 static const char *const formats[] = {"table", "tsv", "json", NULL};
 
 static const struct option own_options[] = {
+    {.name = "context",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct info_settings, context),
+     .value = "FILE",
+     .help = "also load this volume, as render would draw it around the areas"},
     {.name = "format",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct info_settings, format),
@@ -354,6 +360,11 @@ static int run(const void *given, const struct arguments *arguments)
     int code = settings_load_atlas(&atlas, arguments->operands[0], &settings->atlas);
     if (code) {
         return code;
+    }
+    if (settings->context) {
+        const conus_load_options options = {.max_memory = settings->atlas.max_memory};
+        conus_status status = conus_atlas_set_context(atlas, settings->context, &options);
+        code = status ? complain_status(status) : EXIT_DONE;
     }
     if (!code) {
         code = write_atlas(atlas, (enum info_format)settings->format);

@@ -16,6 +16,7 @@ struct query_settings {
     const char *output;
     const char *voxels;
     size_t voxels_of;
+    const char *image;
 };
 
 static const char *const formats[] = {"table", "tsv", "json", "ndjson", NULL};
@@ -45,6 +46,11 @@ static const struct option output_options[] = {
      .value = "KIND",
      .help = "whose voxels:",
      .choices = voxel_kinds},
+    {.name = "image",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct query_settings, image),
+     .value = "FILE",
+     .help = "write what the device saw: .exr with id, X, Y, Z, t per pixel, or .png in the areas' colours"},
     {0},
 };
 
@@ -68,11 +74,13 @@ struct query {
     conus_pose_list *poses;
     conus_selector *selector;
     conus_report *report;
+    conus_image *image;
     bool failed; /* some poses had no answer */
 };
 
 static void query_finish(struct query *query)
 {
+    conus_image_destroy(query->image);
     conus_report_destroy(query->report);
     conus_selector_destroy(query->selector);
     conus_pose_list_destroy(query->poses);
@@ -100,9 +108,9 @@ static conus_format format_of(const struct query_settings *settings, const struc
 /* No two outputs may be one file, and none may be the atlas. */
 static bool check_paths(const struct query_settings *settings, const struct arguments *arguments)
 {
-    const char *paths[] = {settings->output, settings->voxels};
-    static const char *const names[] = {"output", "voxels"};
-    for (size_t i = 0; i < 2; i++) {
+    const char *paths[] = {settings->output, settings->voxels, settings->image};
+    static const char *const names[] = {"output", "voxels", "image"};
+    for (size_t i = 0; i < 3; i++) {
         if (paths[i] && paths_equal(paths[i], arguments->operands[0])) {
             complain("--%s would overwrite the atlas %s", names[i], paths[i]);
             return false;
@@ -120,6 +128,14 @@ static bool check_paths(const struct query_settings *settings, const struct argu
 static bool check_outputs(const struct query_settings *settings, const struct arguments *arguments)
 {
     if (!option_needs(arguments, "voxels-of", "voxels")) {
+        return false;
+    }
+    if (settings->voxels && !settings->voxels_of && !settings->atlas.pathways.count) {
+        complain("--voxels lists the voxels of pathways, and there is no --pathway; --voxels-of all adds the areas'");
+        return false;
+    }
+    if (settings->image && !path_ends(settings->image, ".exr") && !path_ends(settings->image, ".png")) {
+        complain("--image: \"%s\" ends neither in .exr nor in .png", settings->image);
         return false;
     }
     return check_paths(settings, arguments);
@@ -142,6 +158,9 @@ static int load_poses(struct query *query)
         return complain_status(status);
     }
     size_t count = conus_pose_list_count(query->poses);
+    if (query->settings->image && count != 1) {
+        return complain_usage("--image shows one pose, %s has %zu", aim->pose, count);
+    }
     for (size_t i = 0; i < count && aim->angle != 0; i++) {
         if (conus_pose_list_row(query->poses, i)->angle == 0) {
             return EXIT_DONE;
@@ -151,13 +170,16 @@ static int load_poses(struct query *query)
                            : EXIT_DONE;
 }
 
-/* Answers one pose into the report. */
+/* Answers one pose into the report. The image is of the last one. */
 static conus_status answer(struct query *query, const char *id, const conus_pose *pose, double angle)
 {
     conus_selection *selection = NULL;
     conus_status status = conus_select(&selection, query->selector, pose, angle);
     if (!status) {
         status = conus_report_add(query->report, id, selection);
+    }
+    if (!status && query->settings->image) {
+        status = conus_image_of_selection(&query->image, selection);
     }
     conus_selection_destroy(selection);
     return status;
@@ -258,6 +280,15 @@ static int write_voxels(struct query *query)
     return status ? complain_status(status) : output_write(query->settings->voxels, text, size);
 }
 
+static int write_image(struct query *query)
+{
+    if (!query->image) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_image_write(query->image, query->settings->image);
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
 static int write_answer(struct query *query)
 {
     const char *text = NULL;
@@ -269,7 +300,7 @@ static int write_answer(struct query *query)
 /* The answer comes last: where it is, all that belongs to it is there, too. */
 static int write_all(struct query *query)
 {
-    static int (*const steps[])(struct query *) = {write_sidecar, write_voxels, write_answer};
+    static int (*const steps[])(struct query *) = {write_sidecar, write_voxels, write_image, write_answer};
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
         int code = steps[i](query);
         if (code) {
@@ -322,7 +353,7 @@ const struct command cmd_query = {
                    "contact and where it is, in mm.",
     .examples = "  conus query aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
                 "  conus query aal.nii.gz --pose poses.tsv --angle 5 -o answers.tsv\n"
-                "  conus query aal.nii.gz --origin 0,0,90 --direction 0,0,-1 --format json\n",
+                "  conus query aal.nii.gz --origin 0,0,90 --direction 0,0,-1 --image seen.exr --format json\n",
     .groups = groups,
     .settings_size = sizeof(struct query_settings),
     .more_help = help_scores,

@@ -13,6 +13,7 @@ struct common_settings {
 
 struct atlas_settings {
     const char *labels;
+    struct option_list pathways;
     uint64_t max_memory;
 };
 

@@ -49,6 +49,7 @@ load helpers
     has 'Sphere'
     has '(nothing met)'
     has '208 pixels in the cone'
+    has 'atlas sphere.nii.gz, placed by sform, code 1'
 }
 
 @test "JSON and NDJSON hold the same rows" {
@@ -163,4 +164,19 @@ load helpers
     answers query sphere.nii.gz --origin 0,0,100 --toward 0,0,0 --quiet
     run -0 --separate-stderr "$CONUS" query sphere.nii.gz --origin 0,0,100 --toward 0,0,0 --verbose --quiet
     check_message 'engine: rays'
+}
+
+@test "--image writes what the device saw" {
+    sphere --size 32
+    local aim='--origin 0,0,100 --toward 0,0,0'
+    fails 2 '--image: "seen.jpg" ends neither in .exr nor in .png' query sphere.nii.gz $aim --image seen.jpg
+    answers query sphere.nii.gz $aim --image seen.exr -o a.tsv
+    [ "$(head -c 4 seen.exr | od -An -tx1 | tr -d ' ')" = 762f3101 ]
+    answers query sphere.nii.gz $aim --image seen.png --resolution 64
+    [ "$(head -c 8 seen.png | od -An -tx1 | tr -d ' ')" = 89504e470d0a1a0a ]
+    fails 3 'no/seen.png: cannot write' query sphere.nii.gz $aim --image no/seen.png -o b.txt
+    [ ! -e b.txt ]
+    printf 'x,y,z,dx,dy,dz\n0,0,100,0,0,-1\n0,0,90,0,0,-1\n' >poses.csv
+    fails 2 '--image shows one pose, poses.csv has 2' query sphere.nii.gz --pose poses.csv --image seen.png
+    fails 2 '--output and --image are the same file' query sphere.nii.gz $aim --image x.png -o x.png
 }

@@ -1,0 +1,100 @@
+#!/usr/bin/env bats
+# --pathway, --context and volumes of 4-D files, as a user types them.
+load helpers
+
+# Two slabs across y as the atlas, and a ball in front of them as a pathway.
+scene() {
+    conus phantom slabs -o . --size 32
+    sphere --size 32
+}
+AIM='--origin 0,0,100 --toward 0,0,0 --angle 2 --quiet --format tsv'
+
+@test "a pathway is an object like an area, named after its file" {
+    scene
+    answers query slabs.nii.gz $AIM --pathway sphere.nii.gz
+    [ "$(cell kind 1)/$(cell index 1)/$(cell name 1)/$(cell pixels 1)" = pathway/1/sphere/208 ]
+}
+
+@test "a pathway's default threshold is said in a note" {
+    scene
+    run -0 --separate-stderr "$CONUS" query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --pathway sphere.nii.gz
+    check_message 'note: pathway sphere: values up to 1, taken as probabilities; threshold 0.25'
+    answers query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --pathway sphere.nii.gz,threshold=0.5
+}
+
+@test "pathways have names, thresholds and volumes, and may be many" {
+    scene
+    answers query slabs.nii.gz $AIM --pathway sphere.nii.gz,name='left tract',threshold=1 --pathway=sphere.nii.gz
+    [ "$(cell name 1)" = 'left tract' ]
+    answers info slabs.nii.gz --format tsv --pathway sphere.nii.gz,name=a --pathway sphere.nii.gz,threshold=1,name=b
+    [ "$(cell name 3)/$(cell index 3)/$(cell kind 3)" = a/1/pathway ]
+    [ "$(cell name 4)/$(cell index 4)/$(cell kind 4)" = b/2/pathway ]
+}
+
+@test "a file's name may have commas" {
+    scene
+    cp sphere.nii.gz 'tract, left.nii.gz'
+    answers query slabs.nii.gz $AIM --pathway 'tract, left.nii.gz'
+    [ "$(cell name 1)" = 'tract, left' ]
+    answers query slabs.nii.gz $AIM --pathway 'tract, left.nii.gz,name=t'
+    [ "$(cell name 1)" = t ]
+}
+
+@test "mistakes in --pathway are named" {
+    scene
+    local start="query slabs.nii.gz $AIM"
+    fails 2 '--pathway: "treshold=3" is none of threshold=T, name=S and volume=K' $start --pathway sphere.nii.gz,treshold=3
+    fails 2 '--pathway: threshold=0 is not a number above 0' $start --pathway sphere.nii.gz,threshold=0
+    fails 2 '--pathway: threshold=nan is not a number above 0' $start --pathway sphere.nii.gz,threshold=nan
+    fails 2 '--pathway: volume=-1 is not a whole number from 0' $start --pathway sphere.nii.gz,volume=-1
+    fails 2 '--pathway: name= is empty' $start --pathway sphere.nii.gz,name=
+    fails 2 '--pathway: "name=a" is none of' $start --pathway sphere.nii.gz,name=a,name=b
+    fails 2 'names no file' $start --pathway ,name=a
+    fails 2 'threshold 2, allowed is above 0 to 1' $start --pathway sphere.nii.gz,threshold=2
+    fails 3 'none.nii: cannot open' $start --pathway none.nii
+}
+
+@test "--voxels lists a pathway's voxels with their values" {
+    scene
+    fails 2 '--voxels lists the voxels of pathways, and there is no --pathway' query slabs.nii.gz $AIM --voxels v.tsv
+    answers query slabs.nii.gz $AIM --pathway sphere.nii.gz --voxels v.tsv
+    output=$(cat v.tsv)
+    [ "$(cell pathway 1)/$(cell kind 1)/$(cell value 1)" = sphere/pathway/1 ]
+}
+
+@test "of a 4-D file, volume=K chooses one" {
+    sphere --size 16
+    gunzip -c sphere.nii.gz >four.nii
+    head -c 4096 /dev/zero >>four.nii
+    printf '\004\000\020\000\020\000\020\000\002\000' | dd of=four.nii bs=1 seek=40 conv=notrunc status=none
+    fails 2 'four.nii: ' info four.nii
+    answers info four.nii,volume=0 --labels sphere.tsv --format tsv
+    [ "$(cell name 1)" = Sphere ]
+    [ "$(cell voxels 1)" -gt 0 ]
+    answers info four.nii,volume=1 --labels sphere.tsv --format tsv
+    [ "$(cell voxels 1)" = 0 ]
+    fails 2 'four.nii: volume: found 2, allowed are 0 to 1' info four.nii,volume=2
+    answers info sphere.nii.gz --pathway four.nii,volume=0,name=p --format tsv
+    [ "$(cell name 2)/$(cell kind 2)" = p/pathway ]
+    fails 3 'four.nii: its largest value is 0, a pathway needs values above 0' info sphere.nii.gz --pathway four.nii,volume=1
+}
+
+@test "--context is shown by info and is no object" {
+    scene
+    answers info slabs.nii.gz --context sphere.nii.gz
+    has 'Context'
+    has '2 areas (0 without a name, 0 without voxels), 0 pathways'
+    fails 3 'none.nii: cannot open' info slabs.nii.gz --context none.nii
+}
+
+@test "a Jülich fibre pathway in AAL" {
+    need_aal
+    local pathway=${CONUS_SHARED_DATA:-$BATS_TEST_DIRNAME/../../../shared/data}/prob/juelich-fibre-pathways-u16
+    [ -d "$pathway" ] || skip "no shared data ($pathway)"
+    answers query "$aal" --origin=-90,-20,20 --toward=0,-10,0 --angle 40 --quiet --format tsv \
+        --pathway "$pathway/Corticospinal_tract_L.nii.gz"
+    has Postcentral_L
+    answers info "$aal" --pathway "$pathway/Corticospinal_tract_L.nii.gz"
+    has 'Pathway 1'
+    has '1 pathways'
+}
