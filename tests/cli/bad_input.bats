@@ -45,7 +45,7 @@ refuses() {
     echo 'just some text' >text.nii
     refuses 'content: found "just some text.", allowed are NIfTI-1, NIfTI-2 and MGH' text.nii
     echo '<!DOCTYPE html><html><body>404 Not Found</body></html>' >page.nii.gz
-    refuses 'content: found "<!DOCTYPE' page.nii.gz
+    refuses 'neither a volume nor an FSL atlas XML' page.nii.gz
 }
 
 @test "a truncated file, plain and packed" {
