@@ -115,11 +115,7 @@ static conus_status number_labels(struct fsl_atlas *atlas, struct notes *notes)
         struct label label = indexed.entries[i];
         indexed.entries[i] = (struct label){0};
         label.number--;
-        if (status) {
-            memory_free(label.name);
-        } else {
-            status = label_keep(&atlas->labels, &label, notes);
-        }
+        status = label_keep(&atlas->labels, &label, status, notes);
     }
     label_table_finish(&indexed);
     return status;

@@ -5,9 +5,9 @@
 #include "loaders/label_parse.h"
 
 #include "base/buffer.h"
-#include "base/memory.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 struct tag {
@@ -83,22 +83,30 @@ static struct text attribute(const struct tag *tag, const char *name)
     return (struct text){0};
 }
 
-/* The character that the entity at the start of `text` ("&lt;", "&#x22;") means; *length = 0 if it is none. */
+/* The character that the entity at the start of `text` ("&lt;", "&#x22;", "&#34;") means; *length = 0 if it is none. */
 static char entity(struct text text, size_t *length)
 {
     static const struct {
         const char *name;
         char character;
-    } known[] = {{"&lt;", '<'},    {"&gt;", '>'},   {"&quot;", '"'}, {"&apos;", '\''}, {"&amp;", '&'}, {"&#x0a;", '\n'},
-                 {"&#x0d;", '\r'}, {"&#x22;", '"'}, {"&#x26;", '&'}, {"&#x27;", '\''}, {"&#34;", '"'}, {"&#39;", '\''}};
+    } known[] = {{"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}, {"&amp;", '&'}};
+    *length = 0;
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
         if (text_starts(text, known[i].name)) {
             *length = strlen(known[i].name);
             return known[i].character;
         }
     }
-    *length = 0;
-    return 0;
+    const char *end = text_starts(text, "&#") ? memchr(text.data, ';', text.size) : NULL;
+    char digits[8] = {0};
+    if (!end || end - text.data > (ptrdiff_t)sizeof digits) {
+        return 0;
+    }
+    memcpy(digits, text.data + 2, (size_t)(end - text.data) - 2);
+    char *rest = digits;
+    long code = digits[0] == 'x' ? strtol(digits + 1, &rest, 16) : strtol(digits, &rest, 10);
+    *length = !*rest && code > 0 && code < 256 ? (size_t)(end - text.data) + 1 : 0;
+    return (char)code;
 }
 
 static void append_resolved(struct buffer *buffer, struct text string)
@@ -122,16 +130,6 @@ static conus_status set_resolved(char **field, struct text string)
     return status;
 }
 
-static conus_status keep(struct label_table *out, struct label *label, conus_status status, struct notes *notes)
-{
-    if (!status) {
-        return label_keep(out, label, notes);
-    }
-    memory_free(label->name);
-    memory_free(label->abbreviation);
-    return status;
-}
-
 /* <VALUE_LABEL_DTABLE ni_type="2*String" ni_dimen="N"> "1" "Left-..." ... : pairs in no order. */
 static conus_status parse_dtable(struct label_table *out, struct text *rest, const struct tag *tag, struct notes *notes)
 {
@@ -148,7 +146,7 @@ static conus_status parse_dtable(struct label_table *out, struct text *rest, con
         }
         status = label_cell_number(&label.number, text_trim(number), where);
         status = status ? status : set_resolved(&label.name, name);
-        status = keep(out, &label, status, notes);
+        status = label_keep(out, &label, status, notes);
     }
     uint64_t wanted;
     if (!status && text_to_uint(attribute(tag, "ni_dimen"), UINT32_MAX, &wanted) && wanted != entries) {
@@ -170,7 +168,7 @@ static conus_status parse_point(struct label_table *out, const struct tag *tag, 
     if (!status && has_longer) {
         status = set_resolved(&label.abbreviation, name);
     }
-    return keep(out, &label, status, notes);
+    return label_keep(out, &label, status, notes);
 }
 
 /* The tables themselves, in an element of their own or behind each other. */

@@ -6,18 +6,26 @@
 
 #include <string.h>
 
-/* Cells end up in messages: long ones are cut. */
-static int shown(struct text cell)
+enum { SHOWN = 60 };
+
+/* A cell as a message quotes it: cut if long, and never NULL. */
+struct quoted {
+    char text[SHOWN + 1];
+};
+
+static struct quoted quote(struct text cell)
 {
-    return cell.size < 60 ? (int)cell.size : 60;
+    struct quoted quoted = {0};
+    memcpy(quoted.text, cell.size ? cell.data : "", cell.size < SHOWN ? cell.size : SHOWN);
+    return quoted;
 }
 
 conus_status label_cell_number(uint32_t *out, struct text cell, const char *where)
 {
     uint64_t number;
     if (!text_to_uint(cell, UINT32_MAX, &number)) {
-        return fail(CONUS_ERROR_DATA, "%s: label \"%.*s\", a whole number from 0 to 4294967295 is needed", where,
-                    shown(cell), cell.data);
+        return fail(CONUS_ERROR_DATA, "%s: label \"%s\", a whole number from 0 to 4294967295 is needed", where,
+                    quote(cell).text);
     }
     *out = (uint32_t)number;
     return CONUS_OK;
@@ -27,8 +35,8 @@ conus_status label_cell_channel(uint8_t *out, struct text cell, const char *chan
 {
     uint64_t value;
     if (!text_to_uint(cell, 255, &value)) {
-        return fail(CONUS_ERROR_DATA, "%s: %s is \"%.*s\", a whole number from 0 to 255 is needed", where, channel,
-                    shown(cell), cell.data);
+        return fail(CONUS_ERROR_DATA, "%s: %s is \"%s\", a whole number from 0 to 255 is needed", where, channel,
+                    quote(cell).text);
     }
     *out = (uint8_t)value;
     return CONUS_OK;
@@ -38,8 +46,8 @@ conus_status label_cell_fraction(uint8_t *out, struct text cell, const char *cha
 {
     double value;
     if (!text_to_double(cell, &value) || !(value >= 0 && value <= 1)) {
-        return fail(CONUS_ERROR_DATA, "%s: %s is \"%.*s\", a number from 0 to 1 is needed", where, channel, shown(cell),
-                    cell.data);
+        return fail(CONUS_ERROR_DATA, "%s: %s is \"%s\", a number from 0 to 1 is needed", where, channel,
+                    quote(cell).text);
     }
     *out = (uint8_t)(value * 255 + 0.5);
     return CONUS_OK;
@@ -76,9 +84,9 @@ conus_status label_cell_hex(uint8_t out[3], struct text cell, const char *where)
         fine = high >= 0 && low >= 0;
         out[i] = fine ? (uint8_t)(16 * high + low) : 0;
     }
-    return fine ? CONUS_OK
-                : fail(CONUS_ERROR_DATA, "%s: colour \"%.*s\", #rrggbb in hexadecimal is needed", where, shown(cell),
-                       cell.data);
+    return fine
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "%s: colour \"%s\", #rrggbb in hexadecimal is needed", where, quote(cell).text);
 }
 
 char label_hemisphere_of(struct text cell)
@@ -111,18 +119,19 @@ static bool names_background(const char *name)
     return false;
 }
 
-conus_status label_keep(struct label_table *table, struct label *label, struct notes *notes)
+conus_status label_keep(struct label_table *table, struct label *label, conus_status status, struct notes *notes)
 {
-    struct label *entry = label->number ? label_table_add(table, label->number) : NULL;
-    if (entry) {
-        *entry = *label;
-        return CONUS_OK;
-    }
-    conus_status status = label->number ? CONUS_ERROR_MEMORY : CONUS_OK;
-    if (!label->number && label->name && !names_background(label->name)) {
+    if (!status && label->number) {
+        struct label *entry = label_table_add(table, label->number);
+        if (entry) {
+            *entry = *label;
+            return CONUS_OK;
+        }
+        status = CONUS_ERROR_MEMORY;
+    } else if (!status && label->name && !names_background(label->name)) {
         status = notes_add(notes,
-                           "the label table calls label 0 \"%s\", but 0 is background: if the table counts from 0 "
-                           "and the volume from 1, all names are off by one",
+                           "the label table calls label 0 \"%s\", but 0 is background: if the table counts from 0 and "
+                           "the volume from 1, all names are off by one",
                            label->name);
     }
     memory_free(label->name);

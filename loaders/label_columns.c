@@ -188,12 +188,7 @@ static conus_status parse_row(struct label_table *out, const struct header *head
     struct label label = {0};
     conus_status status = read_cells(cells, header, line, where);
     status = status ? status : fill_label(&label, cells, where, notes);
-    if (status) {
-        memory_free(label.name);
-        memory_free(label.abbreviation);
-        return status;
-    }
-    return label_keep(out, &label, notes);
+    return label_keep(out, &label, status, notes);
 }
 
 static conus_status parse_table(struct label_table *out, struct text text, struct notes *notes)

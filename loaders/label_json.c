@@ -3,8 +3,6 @@
  * colour maps, an object of parallel lists. */
 #include "loaders/label_parse.h"
 
-#include "base/memory.h"
-
 #include <jansson.h>
 #include <stdio.h>
 #include <string.h>
@@ -95,17 +93,6 @@ static conus_status fill_structure(struct label *label, const json_t *structure,
     return status;
 }
 
-/* Keeps `label` where filling it went well, else frees it. */
-static conus_status finish_entry(struct label_table *out, struct label *label, conus_status status, struct notes *notes)
-{
-    if (!status) {
-        return label_keep(out, label, notes);
-    }
-    memory_free(label->name);
-    memory_free(label->abbreviation);
-    return status;
-}
-
 static conus_status parse_structures(struct label_table *out, struct text text, struct notes *notes)
 {
     json_t *root = NULL;
@@ -115,7 +102,7 @@ static conus_status parse_structures(struct label_table *out, struct text text, 
         struct label label = {0};
         snprintf(where, sizeof where, "structure %zu", i + 1);
         status = fill_structure(&label, json_array_get(root, i), where);
-        status = finish_entry(out, &label, status, notes);
+        status = label_keep(out, &label, status, notes);
     }
     json_decref(root);
     return status;
@@ -174,7 +161,7 @@ static conus_status parse_lists(struct label_table *out, struct text text, struc
         struct label label = {0};
         snprintf(where, sizeof where, "labels[%zu]", i);
         status = fill_from_lists(&label, &lists, i, where);
-        status = finish_entry(out, &label, status, notes);
+        status = label_keep(out, &label, status, notes);
     }
     json_decref(root);
     return status;

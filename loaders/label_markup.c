@@ -4,8 +4,6 @@
 #include "loaders/label_parse.h"
 #include "loaders/xml.h"
 
-#include "base/memory.h"
-
 #include <stdio.h>
 #include <string.h>
 
@@ -72,7 +70,7 @@ static conus_status workbench_end(void *user, const struct xml_event *event)
     }
     workbench->in_label = false;
     conus_status status = label_set_text(&workbench->label.name, event->text);
-    return status ? status : label_keep(workbench->out, &workbench->label, workbench->notes);
+    return label_keep(workbench->out, &workbench->label, status, workbench->notes);
 }
 
 conus_status label_workbench_parse(struct label_table *out, struct text text, size_t volume, struct notes *notes)

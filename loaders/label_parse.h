@@ -40,9 +40,10 @@ extern const struct label_format label_format_afni;
 /** Workbench's table of volume @p volume of a 4-D file; label_format_workbench takes the first. */
 conus_status label_workbench_parse(struct label_table *out, struct text text, size_t volume, struct notes *notes);
 
-/** Appends @p label, whose strings are taken over (also on failure). Label 0 is background and dropped, with a note
- * where its name does not say so: a table that counts from 0 names every area wrongly. */
-conus_status label_keep(struct label_table *table, struct label *label, struct notes *notes);
+/** Appends @p label, if filling it gave @p status CONUS_OK; else returns @p status. Its strings are taken over in any
+ * case. Label 0 is background and dropped, with a note where its name does not say so: a table that counts from 0
+ * names every area wrongly. */
+conus_status label_keep(struct label_table *table, struct label *label, conus_status status, struct notes *notes);
 
 /** Values of cells. @p where ("line 7", "entry 3") starts the message. */
 conus_status label_cell_number(uint32_t *out, struct text cell, const char *where);

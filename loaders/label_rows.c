@@ -139,9 +139,23 @@ static int compare_texts(const void *a, const void *b)
     return order ? order : (x->size > y->size) - (x->size < y->size);
 }
 
-/* Whether the second words of all rows differ, so that they can be names by themselves: "1 Area 17 / 2 Area 18" has
- * names of two words, "1 Precentral_L 2001 / 2 Precentral_R 2002" of one and a number of its own. */
-static conus_status second_words_differ(bool *out, struct text text, size_t rows)
+static void take_words(struct text *rest, struct text *words, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        text_word(rest, &words[i]);
+    }
+}
+
+static struct text take_first_word(struct text *rest)
+{
+    struct text word;
+    take_words(rest, &word, 1);
+    return word;
+}
+
+/* Whether a word that `take` finds behind the first one differs in all rows, and so can be a name or a number by
+ * itself: "1 Area 17 / 2 Area 18" has names of two words, "1 Precentral_L 2001 / 2 Precentral_R 2002" of one. */
+static conus_status words_differ(bool *out, struct text text, size_t rows, struct text (*take)(struct text *rest))
 {
     struct text *words = memory_zeroed(rows, sizeof *words);
     if (!words) {
@@ -150,7 +164,7 @@ static conus_status second_words_differ(bool *out, struct text text, size_t rows
     struct reader reader = {.rest = text};
     struct row row;
     for (size_t i = 0; i < rows && next_row(&reader, &row); i++) {
-        text_word(&row.rest, &words[i]);
+        words[i] = take(&row.rest);
     }
     qsort(words, rows, sizeof *words, compare_texts);
     *out = true;
@@ -175,12 +189,7 @@ static conus_status parse_rows(struct label_table *out, struct text text, struct
         snprintf(where, sizeof where, "line %zu", row.line);
         status = label_cell_number(&label.number, row.first, where);
         status = status ? status : parse(&label, &row, where, data);
-        if (status) {
-            memory_free(label.name);
-            memory_free(label.abbreviation);
-        } else {
-            status = label_keep(out, &label, notes);
-        }
+        status = label_keep(out, &label, status, notes);
     }
     return status;
 }
@@ -201,7 +210,8 @@ static conus_status parse_plain(struct label_table *out, struct text text, struc
 {
     struct census census = count_rows(text);
     bool coded = census.coded == census.rows && !census.tabbed;
-    conus_status status = coded ? second_words_differ(&coded, text, census.rows) : CONUS_OK;
+    conus_status status = coded ? words_differ(&coded, text, census.rows, take_first_word) : CONUS_OK;
+    status = !status && coded ? words_differ(&coded, text, census.rows, take_last_word) : status;
     return status ? status : parse_rows(out, text, notes, parse_plain_row, &coded);
 }
 
@@ -268,7 +278,7 @@ static conus_status parse_slicer(struct label_table *out, struct text text, stru
 static conus_status parse_mrtrix(struct label_table *out, struct text text, struct notes *notes)
 {
     struct colour_layout layout = {.numbers = 4};
-    conus_status status = second_words_differ(&layout.two_names, text, count_rows(text).rows);
+    conus_status status = words_differ(&layout.two_names, text, count_rows(text).rows, take_first_word);
     return status ? status : parse_rows(out, text, notes, parse_colour_row, &layout);
 }
 
@@ -278,9 +288,7 @@ static conus_status parse_fsleyes_row(struct label *label, const struct row *row
     (void)data;
     struct text rest = row->rest;
     struct text cells[3] = {{0}};
-    for (int i = 0; i < 3; i++) {
-        text_word(&rest, &cells[i]);
-    }
+    take_words(&rest, cells, 3);
     conus_status status = label_cell_rgb(label, cells, label_cell_fraction, where);
     return status ? status : label_set_text(&label->name, rest);
 }
@@ -296,9 +304,7 @@ static conus_status parse_itk_snap_row(struct label *label, const struct row *ro
     (void)data;
     struct text rest = row->rest;
     struct text cells[6] = {{0}};
-    for (int i = 0; i < 6; i++) {
-        text_word(&rest, &cells[i]);
-    }
+    take_words(&rest, cells, 6);
     conus_status status = label_cell_rgb(label, cells, label_cell_channel, where);
     for (int i = 3; !status && i < 6; i++) {
         static const char *const what[] = {"opacity", "visibility", "mesh visibility"};
@@ -334,12 +340,7 @@ static conus_status parse_number_last(struct label_table *out, struct text text,
         status = label_cell_number(&label.number, number, where);
         status = status ? status : label_set_text(&label.name, name);
         status = status ? status : label_set_text(&label.abbreviation, rest);
-        if (status) {
-            memory_free(label.name);
-            memory_free(label.abbreviation);
-        } else {
-            status = label_keep(out, &label, notes);
-        }
+        status = label_keep(out, &label, status, notes);
     }
     return status;
 }
@@ -356,15 +357,13 @@ static conus_status parse_pairs(struct label_table *out, struct text text, struc
         struct label label = {0};
         struct text cells[4] = {{0}};
         uint8_t opacity;
-        for (int i = 0; i < 4; i++) {
-            text_word(&numbers.rest, &cells[i]);
-        }
+        take_words(&numbers.rest, cells, 4);
         snprintf(where, sizeof where, "line %zu", numbers.line);
         status = label_cell_number(&label.number, numbers.first, where);
         status = status ? status : label_cell_rgb(&label, cells, label_cell_channel, where);
         status = status ? status : label_cell_channel(&opacity, cells[3], "opacity", where);
         status = status ? status : label_set_text(&label.name, name.all);
-        status = status ? status : label_keep(out, &label, notes);
+        status = label_keep(out, &label, status, notes);
     }
     return status;
 }

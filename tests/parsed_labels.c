@@ -66,17 +66,6 @@ void assert_refused(const char *text, const char *message)
     parsed_finish(&parsed);
 }
 
-void assert_samples(const struct sample *samples, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        struct parsed parsed;
-        assert_ok(parsed_from(&parsed, samples[i].text));
-        assert_string_equal(parsed.format, samples[i].format);
-        assert_string_equal(parsed_text(&parsed.table), samples[i].table);
-        parsed_finish(&parsed);
-    }
-}
-
 static void read_or_refuse(const char *text, size_t size)
 {
     uint8_t *exact = malloc(size ? size : 1); /* so that a sanitizer sees one byte too many */
@@ -93,15 +82,6 @@ static void read_or_refuse(const char *text, size_t size)
     parsed_finish(&parsed);
 }
 
-void assert_prefixes(const struct sample *samples, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        for (size_t size = 0; size < strlen(samples[i].text); size++) {
-            read_or_refuse(samples[i].text, size);
-        }
-    }
-}
-
 static conus_status parse_sample(void *data)
 {
     struct parsed parsed;
@@ -110,9 +90,22 @@ static conus_status parse_sample(void *data)
     return status;
 }
 
-void assert_allocations(const struct sample *samples, size_t count)
+static void assert_sample(const struct sample *sample)
+{
+    struct parsed parsed;
+    assert_ok(parsed_from(&parsed, sample->text));
+    assert_string_equal(parsed.format, sample->format);
+    assert_string_equal(parsed_text(&parsed.table), sample->table);
+    parsed_finish(&parsed);
+}
+
+void assert_samples(const struct sample *samples, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
+        assert_sample(&samples[i]);
+        for (size_t size = 0; size < strlen(samples[i].text); size++) {
+            read_or_refuse(samples[i].text, size);
+        }
         test_every_allocation(parse_sample, (void *)samples[i].text);
     }
 }

