@@ -101,6 +101,12 @@ static void spread_backwards(struct bricks *bricks)
     }
 }
 
+void bricks_spread(struct bricks *bricks)
+{
+    spread_forwards(bricks);
+    spread_backwards(bricks);
+}
+
 conus_status bricks_init(struct bricks *out, const struct volume *volume)
 {
     struct bricks bricks = {0};
@@ -115,8 +121,7 @@ conus_status bricks_init(struct bricks *out, const struct volume *volume)
     }
     memset(bricks.distance, UINT8_MAX, count);
     mark_occupied(&bricks, volume);
-    spread_forwards(&bricks);
-    spread_backwards(&bricks);
+    bricks_spread(&bricks);
     *out = bricks;
     return CONUS_OK;
 }

@@ -17,4 +17,7 @@ struct bricks {
 conus_status bricks_init(struct bricks *out, const struct volume *volume);
 void bricks_finish(struct bricks *bricks);
 
+/** Sets the distances, where occupied bricks are 0 and all others 255. */
+void bricks_spread(struct bricks *bricks);
+
 #endif

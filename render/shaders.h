@@ -3,6 +3,7 @@
 #ifndef CONUS_RENDER_SHADERS_H
 #define CONUS_RENDER_SHADERS_H
 
+extern const char shader_colour_frag[];
 extern const char shader_common[];
 extern const char shader_id_frag[];
 extern const char shader_screen_vert[];

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The colour pass (Eq. 8): the atlas's areas, opaque; around them the context volume through its transfer function; and
+ * a cone with markers. One ray per pixel over view-aligned planes (Eq. 7), empty bricks skipped. */
+#ifndef CONUS_RENDER_COLOUR_H
+#define CONUS_RENDER_COLOUR_H
+
+#include "atlas/atlas.h"
+#include "render/camera.h"
+#include "render/slices.h"
+#include "render/transfer.h"
+
+#include <epoxy/gl.h>
+
+enum { COLOUR_MARKER_LIMIT = 64 };
+
+/** A volume as the colour pass holds it. */
+struct colour_volume {
+    GLuint field, empty;
+    size_t dim[3];
+    double world_from_voxel[16];
+    double texture_from_world[16]; /**< Texture coordinates: 0 to 1 over the grid's cells. */
+};
+
+/** GL objects of one atlas; everything here happens in the context that was current at colour_pass_init(). */
+struct colour_pass {
+    GLuint program, view, palette, vertices, transfer, objects;
+    struct colour_volume areas, context;
+    bool has_areas, has_context;
+    size_t object_count;
+    float *colours;       /**< [object_count + 1][4] linear R, G, B, 1.                                        */
+    double (*content)[3]; /**< [content_count] world points around everything that shows.                */
+    size_t content_count;
+};
+
+struct colour_marker {
+    double centre[3], radius; /**< World mm. */
+    uint8_t rgb[3];           /**< sRGB.     */
+};
+
+/** What the picture shows besides the atlas, and how. */
+struct colour_view {
+    const struct camera *camera;
+    uint32_t width, height;
+    uint32_t slices; /**< N of Eq. 7; 0 = default.                                       */
+    bool no_skipping;
+    const double *world_from_cone;  /**< NULL = no cone; else its apex and frame, looking down -z.      */
+    double cone_slope, cone_length; /**< Tangent of half its angle; mm along the axis.                  */
+    double line_width;              /**< mm, of axis, rim and outline.                                  */
+    const struct colour_marker *markers;
+    size_t marker_count;    /**< Markers from COLOUR_MARKER_LIMIT on are not drawn.             */
+    const bool *emphasised; /**< [object_count + 1] by number: full colour, others pale; NULL = all. */
+};
+
+conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas, const struct transfer *transfer,
+                              uint64_t max_memory);
+void colour_pass_finish(struct colour_pass *pass);
+
+/** The planes of Eq. 7 over the joint depth range of the volumes: @p count of them, 0 = slices_default() of the finest
+ * volume. */
+struct slices colour_pass_slices(const struct colour_pass *pass, const struct camera *camera, uint32_t count);
+
+/** Draws into the framebuffer that is bound (RGBA float, linear light times opacity). */
+conus_status colour_pass_draw(const struct colour_pass *pass, const struct colour_view *view);
+
+#endif

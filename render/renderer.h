@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The renderer, from inside: a context of its own and the passes of one atlas in it. */
+#ifndef CONUS_RENDER_RENDERER_H
+#define CONUS_RENDER_RENDERER_H
+
+#include "render/colour.h"
+#include "render/context.h"
+
+struct conus_renderer {
+    const conus_atlas *atlas;
+    struct gl_context *context;
+    struct colour_pass colour;
+    conus_log log; /**< May be NULL. */
+    void *log_user;
+};
+
+/** Runs the colour pass off-screen. @p rgba gets width * height pixels of linear R, G, B times A, and A, bottom row
+ * first. */
+conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct colour_view *view);
+
+#endif

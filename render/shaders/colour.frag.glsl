@@ -1,0 +1,365 @@
+// The colour pass (Eq. 8): areas, context volume and cone in one walk along the ray, front to back, on planes that
+// are perpendicular to the view axis (Eq. 7). All positions are in camera space (mm, looking down -z) and t is the depth
+// of a plane, so a ray is t * direction with direction.z = -1.
+
+layout(std140, binding = 0) uniform View
+{
+    mat4 context_from_camera; // texture coordinates, 0 to 1 over the grid
+    mat4 areas_from_camera;
+    mat4 world_from_camera; // rotation
+    vec4 context_bricks;    // xyz: bricks along the edges, with the fraction; w: 1 where there is a context
+    vec4 areas_bricks;      // likewise
+    vec4 lens;              // xy: tangents of half the field of view; zw: pixels
+    vec4 planes;            // x: depth where the range begins; y: spacing; z: count; w: 1 to skip empty bricks
+    vec4 light;             // xyz: towards the light, in world axes
+    vec4 apex;              // xyz: the cone's; w: tangent of half its angle, 0 = no cone
+    vec4 axis;              // xyz: along it, unit length; w: its length, mm
+    vec4 cone_colour;       // of walls and axis; w: a wall's opacity
+    vec4 line;              // x: radius of the axis, y: half the width of the rim and the footprint's outline, mm
+    ivec4 counts;           // x: markers
+    vec4 markers[MARKER_LIMIT]; // xyz: centre, w: radius
+    vec4 marker_colours[MARKER_LIMIT];
+};
+
+layout(binding = 0) uniform sampler3D context_field;  // gradient, density
+layout(binding = 1) uniform usampler3D context_empty; // distance to the next brick that shows
+layout(binding = 2) uniform sampler2D transfer;       // linear R, G, B; extinction per mm
+layout(binding = 3) uniform sampler3D areas_field;
+layout(binding = 4) uniform usampler3D areas_empty;
+layout(binding = 5) uniform usampler3D area_objects;
+layout(std430, binding = 0) readonly buffer Palette
+{
+    vec4 palette[]; // per object: linear R, G, B; 1 where it is emphasised
+};
+
+layout(location = 0) out vec4 colour; // linear light times opacity, opacity
+
+const float OPAQUE = 0.995;
+const float NEAR = 0.1; // mm before the eye
+const float NEVER = 1e9;
+const float SURFACE = (float(FIELD_SURFACE) - 0.5) / 255.0;
+
+float min3(vec3 v)
+{
+    return min(v.x, min(v.y, v.z));
+}
+
+float max3(vec3 v)
+{
+    return max(v.x, max(v.y, v.z));
+}
+
+float depth_of(float plane)
+{
+    return planes.x + (plane + 0.5) * planes.y;
+}
+
+float plane_after(float depth)
+{
+    return ceil((depth - planes.x) / planes.y - 0.5);
+}
+
+// ---- A volume along the ray, in its texture coordinates ---------------------------------------------------------
+
+struct Track {
+    vec3 from, along, inverse; // at depth t: from + t * along
+    float first, end;          // planes first, first + 1, ... end - 1 lie in the volume
+};
+
+Track make_track(mat4 from_camera, float is_there, vec3 direction)
+{
+    Track track;
+    track.from = from_camera[3].xyz;
+    track.along = mat3(from_camera) * direction;
+    track.along = mix(track.along, vec3(1e-9), lessThan(abs(track.along), vec3(1e-9)));
+    track.inverse = 1.0 / track.along;
+    vec3 a = -track.from * track.inverse;
+    vec3 b = (1.0 - track.from) * track.inverse;
+    track.first = max(plane_after(max(max3(min(a, b)), NEAR)), 0.0);
+    track.end = min(plane_after(min3(max(a, b))), planes.z);
+    if (is_there == 0.0 || track.first >= track.end) {
+        track.first = track.end = NEVER;
+    }
+    return track;
+}
+
+vec3 place_on(Track track, float depth)
+{
+    return track.from + depth * track.along;
+}
+
+bool is_on(Track track, float plane)
+{
+    return plane >= track.first && plane < track.end;
+}
+
+// The plane up to which the volume is as at `plane`: of nothing that shows (then `shows` is left as it is), or of a
+// brick in which something may show.
+float look_ahead(Track track, usampler3D empty, vec3 bricks, float plane, inout bool shows)
+{
+    vec3 brick = clamp(floor(place_on(track, depth_of(plane)) * bricks), vec3(0.0), ceil(bricks) - 1.0);
+    float gap = float(texelFetch(empty, ivec3(brick), 0).x);
+    vec3 side = step(0.0, track.along) + sign(track.along) * max(gap - 1.0, 0.0);
+    vec3 leave = ((brick + side) / bricks - track.from) * track.inverse;
+    shows = shows || is_on(track, plane) && gap == 0.0;
+    float until = plane < track.first ? track.first : plane < track.end ? plane_after(min3(leave)) : NEVER;
+    return max(plane + 1.0, until);
+}
+
+// ---- What a sample looks like -----------------------------------------------------------------------------------
+
+vec3 decode_gradient(vec3 texel)
+{
+    return texel * (255.0 / 127.0) - 128.0 / 127.0;
+}
+
+float diffuse(vec3 normal)
+{
+    return max(dot(normal, light.xyz), 0.0);
+}
+
+// Context: colour and opacity by the transfer function over `mm` of the ray; shaded as far as there is a gradient.
+vec4 context_sample(vec3 place, float mm)
+{
+    vec4 field = textureLod(context_field, place, 0.0);
+    vec4 entry = texelFetch(transfer, ivec2(int(field.a * float(TRANSFER_ENTRIES - 1) + 0.5), 0), 0);
+    if (entry.a == 0.0) {
+        return vec4(0.0);
+    }
+    vec3 gradient = decode_gradient(field.xyz);
+    float strength = length(gradient);
+    float shade = 1.0 - strength + strength * (0.35 + 0.8 * diffuse(-gradient / max(strength, 1e-6)));
+    float opacity = 1.0 - exp2(-entry.a * mm);
+    return vec4(entry.rgb * shade * opacity, opacity);
+}
+
+// The object that weighs most among the eight voxels around `place`.
+uint object_at(vec3 place)
+{
+    vec3 size = vec3(textureSize(area_objects, 0));
+    vec3 corner = place * size - 0.5;
+    ivec3 base = ivec3(floor(corner));
+    vec3 part = corner - vec3(base);
+    uint objects[8];
+    float weights[8];
+    for (int n = 0; n < 8; n++) {
+        ivec3 step_ = ivec3(n & 1, n >> 1 & 1, n >> 2);
+        vec3 w = mix(1.0 - part, part, vec3(step_));
+        objects[n] = texelFetch(area_objects, clamp(base + step_, ivec3(0), ivec3(size) - 1), 0).x;
+        weights[n] = objects[n] == 0u ? 0.0 : w.x * w.y * w.z;
+    }
+    uint best = 0u;
+    float most = -1.0;
+    for (int n = 0; n < 8; n++) {
+        float sum = 0.0;
+        for (int m = 0; m < 8; m++) {
+            sum += objects[m] == objects[n] ? weights[m] : 0.0;
+        }
+        bool wins = objects[n] != 0u && sum > most;
+        best = wins ? objects[n] : best;
+        most = wins ? sum : most;
+    }
+    return best;
+}
+
+// How far the point lies from the cone's wall, mm, negative inside; NEVER before the apex.
+float distance_to_cone(vec3 p)
+{
+    vec3 q = p - apex.xyz;
+    float h = dot(q, axis.xyz);
+    if (apex.w == 0.0 || h <= 0.0) {
+        return NEVER;
+    }
+    return (length(q - h * axis.xyz) - h * apex.w) * inversesqrt(1.0 + apex.w * apex.w);
+}
+
+vec3 lit(vec3 albedo, vec3 normal, vec3 view)
+{
+    float highlight = pow(max(dot(normal, normalize(light.xyz - view)), 0.0), 30.0);
+    return albedo * (0.30 + 0.75 * diffuse(normal)) + 0.06 * highlight;
+}
+
+// Area met between the planes before and at depth t: the crossing is refined, so that planes leave no rings.
+vec3 area_colour(Track track, vec3 direction, vec3 view, float t)
+{
+    float outside = t - planes.y;
+    float inside = t;
+    if (textureLod(areas_field, place_on(track, outside), 0.0).a < SURFACE) {
+        for (int n = 0; n < 6; n++) {
+            float middle = 0.5 * (outside + inside);
+            bool found = textureLod(areas_field, place_on(track, middle), 0.0).a >= SURFACE;
+            inside = found ? middle : inside;
+            outside = found ? outside : middle;
+        }
+    }
+    vec3 place = place_on(track, inside);
+    vec4 entry = palette[object_at(place)];
+    vec3 gradient = decode_gradient(textureLod(areas_field, place, 0.0).xyz);
+    vec3 normal = -gradient / max(length(gradient), 1e-6);
+    vec3 albedo = mix(0.16 * entry.rgb + 0.30, entry.rgb, entry.a);
+    float wall = distance_to_cone(inside * direction);
+    albedo = abs(wall) < line.y ? cone_colour.rgb : albedo;
+    return lit(albedo, normal, view);
+}
+
+// ---- The cone, its axis and the markers: surfaces in closed form ------------------------------------------------
+
+struct Surface {
+    float depth;
+    vec4 colour; // times opacity, as everywhere
+};
+
+// The cone's wall at depth t, if it is part of the cone that is drawn.
+Surface wall_at(float t, vec3 direction)
+{
+    vec3 q = t * direction - apex.xyz;
+    float h = dot(q, axis.xyz);
+    Surface wall = Surface(NEVER, vec4(0.0));
+    if (t > NEAR && h > 0.0 && h < axis.w) {
+        vec3 normal = normalize(q - (1.0 + apex.w * apex.w) * h * axis.xyz);
+        float facing = abs(dot(normal, normalize(direction)));
+        float opacity = min(cone_colour.a / max(facing, 0.08), 0.8);
+        opacity = axis.w - h < 2.0 * line.y ? 0.95 : opacity;
+        wall = Surface(t, vec4(cone_colour.rgb * opacity, opacity));
+    }
+    return wall;
+}
+
+void find_walls(out Surface near, out Surface far, vec3 direction)
+{
+    near = far = Surface(NEVER, vec4(0.0));
+    if (apex.w == 0.0) {
+        return;
+    }
+    float k = 1.0 + apex.w * apex.w;
+    float dh = dot(direction, axis.xyz);
+    float h = -dot(apex.xyz, axis.xyz);
+    float a = dot(direction, direction) - k * dh * dh;
+    float b = -dot(direction, apex.xyz) - k * dh * h;
+    float c = dot(apex.xyz, apex.xyz) - k * h * h;
+    float root = b * b - a * c;
+    if (root <= 0.0 || abs(a) < 1e-9) {
+        return;
+    }
+    root = sqrt(root);
+    Surface one = wall_at((-b - root) / a, direction);
+    Surface two = wall_at((-b + root) / a, direction);
+    if (one.depth <= two.depth) {
+        near = one;
+        far = two;
+    } else {
+        near = two;
+        far = one;
+    }
+}
+
+void meet_axis(inout Surface solid, vec3 direction, vec3 view)
+{
+    vec3 d = direction - dot(direction, axis.xyz) * axis.xyz;
+    vec3 q = -apex.xyz + dot(apex.xyz, axis.xyz) * axis.xyz;
+    float a = dot(d, d);
+    float b = dot(d, q);
+    float root = b * b - a * (dot(q, q) - line.x * line.x);
+    if (apex.w == 0.0 || root <= 0.0 || a < 1e-9) {
+        return;
+    }
+    float t = (-b - sqrt(root)) / a;
+    float h = dot(t * direction - apex.xyz, axis.xyz);
+    if (t > NEAR && t < solid.depth && h > 0.0 && h < axis.w) {
+        vec3 normal = mat3(world_from_camera) * ((q + t * d) / line.x);
+        solid = Surface(t, vec4(lit(cone_colour.rgb * 0.5, normal, view), 1.0));
+    }
+}
+
+// Balls in their colour with a dark outline.
+void meet_markers(inout Surface solid, vec3 direction, vec3 view)
+{
+    float a = dot(direction, direction);
+    for (int n = 0; n < counts.x; n++) {
+        float b = -dot(direction, markers[n].xyz);
+        float c = dot(markers[n].xyz, markers[n].xyz) - markers[n].w * markers[n].w;
+        float root = b * b - a * c;
+        float t = (-b - sqrt(max(root, 0.0))) / a;
+        if (root > 0.0 && t > NEAR && t < solid.depth) {
+            vec3 normal = mat3(world_from_camera) * ((t * direction - markers[n].xyz) / markers[n].w);
+            bool outline = dot(normal, view) > -0.55;
+            solid = Surface(t, vec4(outline ? vec3(0.01) : lit(marker_colours[n].rgb, normal, view), 1.0));
+        }
+    }
+}
+
+// ---- The walk ---------------------------------------------------------------------------------------------------
+
+void blend(inout vec4 sum, vec4 layer)
+{
+    sum += (1.0 - sum.a) * layer;
+}
+
+// Composes the samples on the planes from `plane` up to `until`, or to the first one in an area: then `hit` is its depth.
+void sample_planes(inout vec4 sum, inout float hit, inout float plane, float until, Track context, Track areas, float mm)
+{
+    while (plane < until && sum.a < OPAQUE) {
+        float t = depth_of(plane);
+        if (is_on(areas, plane) && textureLod(areas_field, place_on(areas, t), 0.0).a >= SURFACE) {
+            hit = t;
+            break;
+        }
+        if (is_on(context, plane)) {
+            blend(sum, context_sample(place_on(context, t), mm));
+        }
+        plane += 1.0;
+    }
+}
+
+// The loops are nested so that a machine which runs several pixels in step, and both sides of every branch, still does
+// nothing but look at bricks where there is nothing to see, and nothing but sample where there is.
+void main()
+{
+    vec3 direction = vec3((gl_FragCoord.xy / lens.zw * 2.0 - 1.0) * lens.xy, -1.0);
+    vec3 view = normalize(mat3(world_from_camera) * direction);
+    float mm = planes.y * length(direction);
+    Surface near, far;
+    Surface solid = Surface(NEVER, vec4(0.0));
+    find_walls(near, far, direction);
+    meet_axis(solid, direction, view);
+    meet_markers(solid, direction, view);
+
+    Track context = make_track(context_from_camera, context_bricks.w, direction);
+    Track areas = make_track(areas_from_camera, areas_bricks.w, direction);
+    float end = min(max(context.end < NEVER ? context.end : 0.0, areas.end < NEVER ? areas.end : 0.0),
+                    plane_after(solid.depth));
+    float plane = min(context.first, areas.first);
+    float hit = NEVER;
+    vec4 sum = vec4(0.0);
+    while (plane < end && sum.a < OPAQUE && hit == NEVER) {
+        float until = min(end, plane_after(near.depth));
+        if (until <= plane) {
+            blend(sum, near.colour);
+            near = far;
+            far.depth = NEVER;
+            continue;
+        }
+        bool shows = planes.w == 0.0;
+        float known = plane;
+        while (!shows && known < until) {
+            plane = known;
+            known = min(look_ahead(context, context_empty, context_bricks.xyz, plane, shows),
+                        look_ahead(areas, areas_empty, areas_bricks.xyz, plane, shows));
+        }
+        plane = shows ? plane : until;
+        until = planes.w == 0.0 ? until : min(until, known);
+        sample_planes(sum, hit, plane, until, context, areas, mm);
+    }
+    if (hit < NEVER) {
+        blend(sum, vec4(area_colour(areas, direction, view, hit), 1.0));
+    }
+    while (near.depth < solid.depth && sum.a < OPAQUE) {
+        blend(sum, near.colour);
+        near = far;
+        far.depth = NEVER;
+    }
+    if (solid.depth < NEVER && sum.a < OPAQUE) {
+        blend(sum, solid.colour);
+    }
+    colour = sum;
+}

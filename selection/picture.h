@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A picture in the making: what conus_render() hands from step to step. */
+#ifndef CONUS_SELECTION_PICTURE_H
+#define CONUS_SELECTION_PICTURE_H
+
+#include "render/renderer.h"
+#include "selection/selection.h"
+
+struct picture {
+    conus_view options; /**< Defaults filled in. */
+    const conus_atlas *atlas;
+    struct camera camera;
+    struct camera_frame frame;
+    double centre[3], radius; /**< A ball around what shows, world mm. */
+    struct colour_view view;
+    struct colour_marker markers[COLOUR_MARKER_LIMIT];
+    bool *emphasised; /**< [objects + 1] met by the cone; NULL without one. */
+    float *rgba;      /**< [height * width * 4], bottom row first. */
+};
+
+/** Lays the legend of the areas hit, a scale bar and the directions (R L A P S I) over @p image.
+ * CONUS_ERROR_UNSUPPORTED where there is no font, and the image has no text. */
+conus_status picture_annotate(conus_image *image, const struct picture *picture);
+
+#endif

@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/picture.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+#include "render/draw.h"
+#include "render/font.h"
+#include "render/legend.h"
+
+#include <stdio.h>
+
+enum { TEXT_SIZE = 160, CELL_SIZE = 24 };
+
+static const float ink[4] = {0.02F, 0.02F, 0.025F, 1};
+static const float faint[4] = {0.02F, 0.02F, 0.025F, 0.45F};
+
+/* ---- Legend --------------------------------------------------------------------------------------------------- */
+
+/* The words of one row, which legend_row points to. */
+struct cells {
+    char share[CELL_SIZE], distance[CELL_SIZE];
+};
+
+static void fill_row(struct legend_row *row, struct cells *cells, const conus_atlas *atlas, const conus_result *result)
+{
+    snprintf(cells->share, sizeof cells->share, "%.1f %%", 100 * result->share);
+    snprintf(cells->distance, sizeof cells->distance, "%.1f", result->distance);
+    row->detail[0] = cells->share;
+    row->hollow = !result->object;
+    row->name = "unassigned";
+    if (result->object) {
+        const conus_object *object = &atlas->objects[result->object - 1];
+        row->name = object->name;
+        memcpy(row->rgb, object->rgb, sizeof row->rgb);
+        row->detail[1] = cells->distance;
+    }
+}
+
+static const char *file_name(const char *path)
+{
+    const char *slash = path ? strrchr(path, '/') : NULL;
+    return slash ? slash + 1 : path ? path : "";
+}
+
+static void describe_cone(char out[TEXT_SIZE], const struct picture *picture)
+{
+    const struct cone *cone = &picture->options.selection->cone;
+    const double *apex = cone->pose.world_from_device + 12;
+    snprintf(out, TEXT_SIZE, "%s, cone of %.4g\u00b0 from %.4g, %.4g, %.4g mm",
+             file_name(picture->atlas->volumes[0].path), degrees_from_radians(cone->angle), apex[0], apex[1], apex[2]);
+}
+
+static conus_status draw_legend(conus_image *image, struct font *font, const struct picture *picture)
+{
+    const conus_selection *selection = picture->options.selection;
+    size_t count = conus_selection_count(selection);
+    struct legend_row *rows = memory_zeroed(count, sizeof *rows);
+    struct cells *cells = memory_zeroed(count, sizeof *cells);
+    conus_status status = rows && cells ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status) {
+        char subtitle[TEXT_SIZE];
+        describe_cone(subtitle, picture);
+        for (size_t i = 0; i < count; i++) {
+            fill_row(&rows[i], &cells[i], picture->atlas, conus_selection_result(selection, i));
+        }
+        const struct legend legend = {.title = "First met in the cone",
+                                      .subtitle = subtitle,
+                                      .heading = {"share", "mm"},
+                                      .rows = rows,
+                                      .count = count};
+        status = legend_draw(image, font, &legend);
+    }
+    memory_free(rows);
+    memory_free(cells);
+    return status;
+}
+
+/* ---- Directions ----------------------------------------------------------------------------------------------- */
+
+static conus_status draw_letter(conus_image *image, struct font *font, const double at[2], const float rgba[4],
+                                const char *letter)
+{
+    double size = legend_size(image);
+    const double corner[2] = {at[0] - font_width(font, size, letter) / 2, at[1] + 0.36 * size};
+    return font_draw(font, image, corner, size, rgba, letter);
+}
+
+/* Half an axis, from the middle of the cross towards `direction` (world). */
+static conus_status draw_direction(conus_image *image, struct font *font, const struct picture *picture,
+                                   const double direction[3], const char *letter)
+{
+    const double *m = picture->camera.world_from_camera;
+    double size = legend_size(image);
+    double length = 2.6 * size;
+    const double centre[2] = {image->width - 1.9 * length, image->height - 1.8 * length};
+    double x = vec3_dot(m, direction);
+    double y = -vec3_dot(m + 4, direction);
+    bool behind = vec3_dot(m + 8, direction) < 0;
+    const float *rgba = behind ? faint : ink;
+    const double end[2] = {centre[0] + length * x, centre[1] + length * y};
+    double flat = sqrt(x * x + y * y);
+    draw_line(image, centre, end, behind ? 1.2 : 2.2, rgba);
+    double out = flat > 0.15 ? 0.75 * size / flat : 0;
+    const double at[2] = {end[0] + out * x, end[1] + out * y};
+    return flat > 0.15 ? draw_letter(image, font, at, rgba, letter) : CONUS_OK;
+}
+
+static conus_status draw_directions(conus_image *image, struct font *font, const struct picture *picture)
+{
+    static const char letters[6][2] = {"L", "R", "P", "A", "I", "S"};
+    conus_status status = CONUS_OK;
+    for (int n = 0; n < 6 && !status; n++) {
+        double direction[3] = {0, 0, 0};
+        direction[n / 2] = n % 2 ? 1 : -1;
+        status = draw_direction(image, font, picture, direction, letters[n]);
+    }
+    return status;
+}
+
+/* ---- Scale ---------------------------------------------------------------------------------------------------- */
+
+/* The largest of 1, 2, 5, 10, ... that is at most `limit`. */
+static double round_length(double limit)
+{
+    double power = pow(10, floor(log10(limit)));
+    return limit >= 5 * power ? 5 * power : limit >= 2 * power ? 2 * power : power;
+}
+
+/* A bar as long as so many mm are at the depth of the middle of what shows. */
+static conus_status draw_scale(conus_image *image, struct font *font, const struct picture *picture)
+{
+    double x, y, depth;
+    if (!camera_project(&x, &y, &depth, &picture->camera, &picture->frame, picture->centre)) {
+        return CONUS_OK;
+    }
+    double size = legend_size(image);
+    double pixels_per_mm = image->height / (2 * depth * picture->camera.slope[1]);
+    double length = round_length(0.14 * image->width / pixels_per_mm);
+    char text[CELL_SIZE];
+    snprintf(text, sizeof text, "%g mm", length);
+    double right = image->width - 10.5 * size;
+    double left = right - length * pixels_per_mm;
+    double base = image->height - 1.4 * size;
+    draw_line(image, (double[]){left, base}, (double[]){right, base}, 2, ink);
+    draw_line(image, (double[]){left, base - 0.3 * size}, (double[]){left, base + 0.3 * size}, 2, ink);
+    draw_line(image, (double[]){right, base - 0.3 * size}, (double[]){right, base + 0.3 * size}, 2, ink);
+    const double at[2] = {(left + right - font_width(font, size, text)) / 2, base - 0.55 * size};
+    return font_draw(font, image, at, size, ink, text);
+}
+
+conus_status picture_annotate(conus_image *image, const struct picture *picture)
+{
+    struct font *font = NULL;
+    conus_status status = font_create(&font);
+    if (!status && picture->options.selection) {
+        status = draw_legend(image, font, picture);
+    }
+    status = status ? status : draw_directions(image, font, picture);
+    status = status ? status : draw_scale(image, font, picture);
+    font_destroy(font);
+    return status;
+}

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "picture_scene.h"
+
+#include "atlas/space.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "test.h"
+
+conus_volume_info picture_grid(const size_t dim[3], const double spacing[3], const double world_from_grid[16])
+{
+    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "scene.nii", .dim = {dim[0], dim[1], dim[2]}};
+    double grid_from_voxel[16], m[16];
+    mat4_identity(grid_from_voxel);
+    for (int a = 0; a < 3; a++) {
+        grid_from_voxel[5 * a] = spacing[a];
+        grid_from_voxel[12 + a] = -0.5 * spacing[a] * ((double)dim[a] - 1);
+    }
+    mat4_multiply(m, world_from_grid, grid_from_voxel);
+    info.slope = 1;
+    assert_ok(space_describe(&info, m, "scene"));
+    return info;
+}
+
+/* @p function at the centre of voxel number @p v. */
+static double sample(const conus_volume_info *grid, picture_function function, size_t v)
+{
+    double p[3] = {(double)(v % grid->dim[0]), (double)(v / grid->dim[0] % grid->dim[1]),
+                   (double)(v / grid->dim[0] / grid->dim[1])};
+    mat4_point(p, grid->world_from_voxel, p);
+    return function(p);
+}
+
+static void add_context(conus_atlas *atlas, const conus_volume_info *grid, picture_function function)
+{
+    conus_volume_info info = *grid;
+    info.role = CONUS_CONTEXT;
+    info.minimum = INFINITY;
+    info.maximum = -INFINITY;
+    size_t count = info.dim[0] * info.dim[1] * info.dim[2];
+    float *values = memory_raw(count, sizeof *values);
+    for (size_t v = 0; v < count; v++) {
+        values[v] = (float)sample(&info, function, v);
+        info.minimum = fmin(info.minimum, values[v]);
+        info.maximum = fmax(info.maximum, values[v]);
+    }
+    assert_ok(atlas_set_context(atlas, &info, values));
+}
+
+conus_atlas *picture_atlas(const conus_volume_info *grid, picture_function labels, const conus_volume_info *context,
+                           picture_function values)
+{
+    size_t count = grid->dim[0] * grid->dim[1] * grid->dim[2];
+    uint32_t *numbers = memory_raw(count, sizeof *numbers);
+    for (size_t v = 0; v < count; v++) {
+        numbers[v] = (uint32_t)sample(grid, labels, v);
+    }
+    struct label_table table = {0};
+    struct notes notes = {0};
+    conus_atlas *atlas = NULL;
+    assert_ok(atlas_create(&atlas, grid, numbers, &table, "scene", &notes));
+    notes_finish(&notes);
+    memory_free(numbers);
+    if (values) {
+        add_context(atlas, context ? context : grid, values);
+    }
+    return atlas;
+}
+
+void picture_rigid(double out[16], double angle, const double to[3])
+{
+    const double axis[3] = {1 / sqrt(14), 2 / sqrt(14), 3 / sqrt(14)};
+    mat4_identity(out);
+    for (int column = 0; column < 3; column++) { /* Rodrigues */
+        double e[3] = {column == 0, column == 1, column == 2};
+        double turned[3];
+        vec3_cross(turned, axis, e);
+        for (int row = 0; row < 3; row++) {
+            out[4 * column + row] =
+                cos(angle) * e[row] + sin(angle) * turned[row] + (1 - cos(angle)) * axis[column] * axis[row];
+        }
+        out[12 + column] = to[column];
+    }
+}

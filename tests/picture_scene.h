@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Atlases of a few shapes, for tests of pictures. */
+#ifndef CONUS_TESTS_PICTURE_SCENE_H
+#define CONUS_TESTS_PICTURE_SCENE_H
+
+#include "atlas/atlas.h"
+
+/** Label (or grey value) of a world point. */
+typedef double (*picture_function)(const double world[3]);
+
+/** A grid of @p dim voxels whose middle is at world_from_grid's origin, voxel edges along its axes @p spacing long. */
+conus_volume_info picture_grid(const size_t dim[3], const double spacing[3], const double world_from_grid[16]);
+
+/** An atlas with the labels of @p labels at the voxels' centres, and around it the context of @p values, if any, on
+ * @p context (NULL = the same grid). */
+conus_atlas *picture_atlas(const conus_volume_info *grid, picture_function labels, const conus_volume_info *context,
+                           picture_function values);
+
+/** A rotation by @p angle about (1, 2, 3), then the translation @p to. */
+void picture_rigid(double out[16], double angle, const double to[3]);
+
+#endif
