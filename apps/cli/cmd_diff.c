@@ -155,23 +155,118 @@ static int diff_tables(const char *a, const char *b, double tolerance)
     return code;
 }
 
+static bool is_picture(const char *path)
+{
+    return path_ends(path, ".exr") || path_ends(path, ".png");
+}
+
+static bool has_channel(const conus_image *image, const char *name)
+{
+    const char *channel;
+    for (size_t i = 0; (channel = conus_image_channel(image, i)); i++) {
+        if (strcmp(channel, name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static size_t put_channels(FILE *out, const conus_image *of, const conus_image *in, const char *where)
+{
+    size_t count = 0;
+    const char *channel;
+    for (size_t i = 0; (channel = conus_image_channel(of, i)); i++) {
+        if (!has_channel(in, channel)) {
+            fprintf(out, "channel %s is only in %s\n", channel, where);
+            count++;
+        }
+    }
+    return count;
+}
+
+/* Writes in what the pictures differ that cannot be compared pixel by pixel. */
+static bool shapes_differ(FILE *out, const conus_image *a, const conus_image *b)
+{
+    uint32_t size[] = {conus_image_width(a), conus_image_height(a), conus_image_width(b), conus_image_height(b)};
+    if (size[0] != size[2] || size[1] != size[3]) {
+        fprintf(out, "the first is %u x %u pixels, the second %u x %u\n", size[0], size[1], size[2], size[3]);
+        return true;
+    }
+    return put_channels(out, a, b, "the first") + put_channels(out, b, a, "the second") > 0;
+}
+
+/* Gives EXIT_DONE for the same picture, EXIT_DIFFERENT for another. */
+static int put_pictures(FILE *out, const conus_image *a, const conus_image *b, double tolerance)
+{
+    conus_image_difference found;
+    if (shapes_differ(out, a, b)) {
+        return EXIT_DIFFERENT;
+    }
+    conus_status status = conus_image_compare(&found, a, b, tolerance);
+    if (status) {
+        return complain_status(status);
+    }
+    fprintf(out, "%llu of %llu pixels differ", (unsigned long long)found.differing, (unsigned long long)found.pixels);
+    if (*found.channel) {
+        fprintf(out, " by more than %.9g; the largest difference is %.9g, of channel %s at (%u, %u); rms %.9g",
+                tolerance, found.max_difference, found.channel, found.x, found.y, found.rms);
+    }
+    fputc('\n', out);
+    return found.differing ? EXIT_DIFFERENT : EXIT_DONE;
+}
+
+static int write_pictures(const conus_image *a, const conus_image *b, double tolerance)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    int code = out ? put_pictures(out, a, b, tolerance) : EXIT_DATA;
+    if (!out || fclose(out)) {
+        complain("not enough memory");
+        code = EXIT_DATA;
+    }
+    if (code == EXIT_DONE || code == EXIT_DIFFERENT) {
+        int written = output_write(NULL, text, size);
+        code = written ? written : code;
+    }
+    free(text);
+    return code;
+}
+
+static int diff_pictures(const char *a, const char *b, double tolerance)
+{
+    conus_image *first = NULL;
+    conus_image *second = NULL;
+    conus_status status = conus_image_load(&first, a);
+    status = status ? status : conus_image_load(&second, b);
+    int code = status ? complain_status(status) : write_pictures(first, second, tolerance);
+    conus_image_destroy(first);
+    conus_image_destroy(second);
+    return code;
+}
+
 static int run(const void *given, const struct arguments *arguments)
 {
     const struct diff_settings *settings = given;
     const char *a = arguments->operands[0];
     const char *b = arguments->operands[1];
-    return diff_tables(a, b, settings->tolerance);
+    if (is_picture(a) != is_picture(b)) {
+        return complain_usage("%s is a picture and %s is not: two of a kind are needed", is_picture(a) ? a : b,
+                              is_picture(a) ? b : a);
+    }
+    return is_picture(a) ? diff_pictures(a, b, settings->tolerance) : diff_tables(a, b, settings->tolerance);
 }
 
 const struct command cmd_diff = {
     .name = "diff",
-    .summary = "compare two results",
+    .summary = "compare two results or two pictures",
     .operands = {"A", "B"},
     .description =
-        "Compares two TSV results of query row by row (matched by query, kind and index) and names what was\n"
-        "added, removed or changed. Exit code 0: the\n"
+        "Compares two TSV results of query row by row, matched by query, kind and index, and names what was\n"
+        "added, removed or changed; or two pictures, .exr or .png, channel by channel. Exit code 0: the\n"
         "same, 1: different.",
-    .examples = "  conus diff rays.tsv gl.tsv --tolerance 1e-4\n",
+    .examples = "  conus diff rays.tsv gl.tsv --tolerance 1e-4\n"
+                "  conus diff today.exr yesterday.exr\n",
     .groups = groups,
     .settings_size = sizeof(struct diff_settings),
     .run = run,

@@ -116,7 +116,7 @@ static int check_bytes(const struct results *results, const char *path, size_t s
         return refuse(path, "a zero byte: not a TSV result of conus");
     }
     if (text[0] == '{' || text[0] == '[') {
-        return refuse(path, "looks like JSON; diff compares TSV results");
+        return refuse(path, "looks like JSON; diff compares TSV results and pictures");
     }
     return EXIT_DONE;
 }

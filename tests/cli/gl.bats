@@ -1,0 +1,39 @@
+#!/usr/bin/env bats
+# conus query --engine gl, as a user types it.
+load helpers
+
+# gl ARGUMENT...: answers, or skips where there is no OpenGL.
+gl() {
+    run --separate-stderr "$CONUS" "$@"
+    [ "$status" -ne 4 ] || skip "$stderr"
+    [ "$status" -eq 0 ] || { echo "said: $stderr"; return 1; }
+}
+
+@test "both engines give one answer, exactly and by slices" {
+    need_aal
+    local aim='--origin=-90,20,20 --toward=0,-10,10 --angle 20'
+    for how in '--sampling exact' '--sampling slices' '--sampling slices --slices 900' '--resolution 33'; do
+        gl query "$aal" $aim $how --engine gl -o gl.tsv
+        answers query "$aal" $aim $how --engine rays -o rays.tsv
+        answers diff gl.tsv rays.tsv --tolerance 1e-3
+    done
+}
+
+@test "the engine in use is said" {
+    sphere --size 16
+    gl query sphere.nii.gz --origin 0,0,50 --toward 0,0,0 --engine gl
+    has 'engine gl, '
+}
+
+@test "no OpenGL is exit code 4 where it is asked for, and no matter where it is not" {
+    sphere --size 16
+    local aim='--origin 0,0,50 --toward 0,0,0'
+    export __EGL_VENDOR_LIBRARY_DIRS=/nonexistent
+    run --separate-stderr "$CONUS" query sphere.nii.gz $aim --engine gl -o out.tsv
+    [ "$status" -ne 0 ] || skip "this EGL is found all the same"
+    [ "$status" -eq 4 ]
+    check_message 'no OpenGL 4.5 core context'
+    [ ! -e out.tsv ]
+    answers query sphere.nii.gz $aim
+    has 'engine rays, '
+}
