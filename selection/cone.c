@@ -17,17 +17,31 @@ conus_status cone_check(const struct cone *cone)
     return CONUS_OK;
 }
 
-void cone_ray_at(double out[3], const struct cone *cone, double slope, uint32_t i, uint32_t j)
+void cone_rays(double *const out[3], const struct cone *cone, const double *u, const double *v, size_t count)
 {
-    double in_device[3] = {cone_coordinate(i, cone->resolution) * slope, cone_coordinate(j, cone->resolution) * slope,
-                           -1};
-    vec3_scale(in_device, in_device, 1 / vec3_length(in_device));
-    mat4_direction(out, cone->pose.world_from_device, in_device);
+    const double *m = cone->pose.world_from_device;
+    double slope = tan(cone->angle / 2);
+    double *restrict x = out[0];
+    double *restrict y = out[1];
+    double *restrict z = out[2];
+    for (size_t ray = 0; ray < count; ray++) {
+        double right = u[ray] * slope;
+        double up = v[ray] * slope;
+        double scale = 1 / sqrt(right * right + up * up + 1);
+        right *= scale;
+        up *= scale;
+        x[ray] = m[0] * right + m[4] * up - m[8] * scale;
+        y[ray] = m[1] * right + m[5] * up - m[9] * scale;
+        z[ray] = m[2] * right + m[6] * up - m[10] * scale;
+    }
 }
 
 void cone_ray(double out[3], const struct cone *cone, uint32_t i, uint32_t j)
 {
-    cone_ray_at(out, cone, tan(cone->angle / 2), i, j);
+    double *const axes[3] = {&out[0], &out[1], &out[2]};
+    double u = cone_coordinate(i, cone->resolution);
+    double v = cone_coordinate(j, cone->resolution);
+    cone_rays(axes, cone, &u, &v, 1);
 }
 
 double cone_radius(const struct cone *cone, uint32_t i, uint32_t j)

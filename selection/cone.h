@@ -24,8 +24,8 @@ static inline double cone_coordinate(uint32_t i, uint32_t resolution)
 /** Unit direction in world space of the ray of pixel column @p i, row @p j (Eq. 3). */
 void cone_ray(double out[3], const struct cone *cone, uint32_t i, uint32_t j);
 
-/** The same for many rays: @p slope is tan(angle / 2). */
-void cone_ray_at(double out[3], const struct cone *cone, double slope, uint32_t i, uint32_t j);
+/** The same for @p count rays through the points (u, v) of the buffer: out[axis][ray]. The same bits, too. */
+void cone_rays(double *const out[3], const struct cone *cone, const double *u, const double *v, size_t count);
 
 /** Distance of a pixel's centre from the buffer's, r = sqrt(u^2 + v^2), 1 at the circle's rim (Eq. 3). */
 double cone_radius(const struct cone *cone, uint32_t i, uint32_t j);

@@ -6,6 +6,7 @@
 #include "render/slices.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* Pixels are taken in blocks of BLOCK x BLOCK, and in a block in tiles of 4 x 2, so that the rays that share a vector
  * are neighbours both ways. */
@@ -28,7 +29,6 @@ struct rays_engine {
 /* One block of pixels on its way. */
 struct block {
     size_t pixel[TRAVERSE_BUNDLE];
-    double direction[3][TRAVERSE_BUNDLE]; /* in the world */
     struct traverse_bundle bundle;
 };
 
@@ -55,100 +55,91 @@ static void keep_nearer(struct evidence *out, size_t pixel, const struct volume 
     }
 }
 
-static void add_pixel(struct block *block, const struct cone *cone, double slope, uint32_t i, uint32_t j)
-{
-    size_t ray = block->bundle.count++;
-    double direction[3];
-    block->pixel[ray] = (size_t)j * cone->resolution + i;
-    cone_ray_at(direction, cone, slope, i, j);
-    for (int a = 0; a < 3; a++) {
-        block->direction[a][ray] = direction[a];
-    }
-}
-
 /* Fills the block of pixels whose lowest column and row are given. */
 static void block_init(struct block *block, const struct cone *cone, uint32_t column, uint32_t row)
 {
-    double slope = tan(cone->angle / 2);
-    block->bundle.count = 0;
+    struct traverse_bundle *bundle = &block->bundle;
+    double u[TRAVERSE_BUNDLE];
+    double v[TRAVERSE_BUNDLE];
+    double coordinate[2][BLOCK];
+    size_t count = 0;
+    for (uint32_t k = 0; k < BLOCK; k++) {
+        coordinate[0][k] = cone_coordinate(column + k, cone->resolution);
+        coordinate[1][k] = cone_coordinate(row + k, cone->resolution);
+    }
     for (uint32_t k = 0; k < BLOCK * BLOCK; k++) {
         uint32_t tile = k / (TILE_WIDTH * TILE_HEIGHT);
-        uint32_t i = column + tile % (BLOCK / TILE_WIDTH) * TILE_WIDTH + k % TILE_WIDTH;
-        uint32_t j = row + tile / (BLOCK / TILE_WIDTH) * TILE_HEIGHT + k / TILE_WIDTH % TILE_HEIGHT;
-        if (i < cone->resolution && j < cone->resolution) {
-            add_pixel(block, cone, slope, i, j);
+        uint32_t i = tile % (BLOCK / TILE_WIDTH) * TILE_WIDTH + k % TILE_WIDTH;
+        uint32_t j = tile / (BLOCK / TILE_WIDTH) * TILE_HEIGHT + k / TILE_WIDTH % TILE_HEIGHT;
+        if (column + i < cone->resolution && row + j < cone->resolution) {
+            block->pixel[count] = (size_t)(row + j) * cone->resolution + column + i;
+            u[count] = coordinate[0][i];
+            v[count++] = coordinate[1][j];
         }
     }
+    double *const directions[3] = {bundle->direction[0], bundle->direction[1], bundle->direction[2]};
+    cone_rays(directions, cone, u, v, count);
+    bundle->count = count;
+    memcpy(bundle->origin, cone->pose.world_from_device + 12, sizeof bundle->origin);
 }
 
-/* Directions and limits of the block's rays in the index space of the volume. */
-static void aim(struct block *block, const struct volume *volume, const struct evidence *evidence)
-{
-    const double *m = volume->voxel_from_world;
-    struct traverse_bundle *bundle = &block->bundle;
-    for (size_t ray = 0; ray < bundle->count; ray++) {
-        double x = block->direction[0][ray];
-        double y = block->direction[1][ray];
-        double z = block->direction[2][ray];
-        for (int a = 0; a < 3; a++) {
-            bundle->direction[a][ray] = m[a] * x + m[4 + a] * y + m[8 + a] * z; /* as mat4_direction() */
-        }
-        bundle->limit[ray] = evidence->distance[block->pixel[ray]];
-    }
-}
-
-/* Eq. 7: the first of the planes, at depths along the axis, on which the ray meets an object's voxel. */
-static void sample_slices(const struct volume *volume, const struct slices *slices, struct traverse_bundle *bundle,
-                          size_t ray, double per_depth)
+/* Eq. 7: the first of the planes, at depths along the axis, on which a ray meets an object's voxel. */
+static struct traverse_contact sample_slices(const struct volume *volume, const struct slices *slices,
+                                             const double origin[3], const double direction[3], double per_depth)
 {
     const size_t *dim = volume->info.dim;
-    bundle->voxel[ray] = UINT64_MAX;
     for (uint32_t k = 0; k < slices->count; k++) {
         double t = slices_depth(slices, k) * per_depth;
         double cell[3];
         bool inside = true;
         for (int a = 0; a < 3; a++) {
-            cell[a] = floor(bundle->origin[a] + t * bundle->direction[a][ray] + 0.5);
+            cell[a] = floor(origin[a] + t * direction[a] + 0.5);
             inside = inside && cell[a] >= 0 && cell[a] < (double)dim[a];
         }
         size_t voxel = inside ? (size_t)cell[0] + dim[0] * ((size_t)cell[1] + dim[1] * (size_t)cell[2]) : 0;
         if (inside && volume_object(volume, voxel)) {
-            bundle->t[ray] = t;
-            bundle->voxel[ray] = voxel;
-            return;
+            return (struct traverse_contact){.t = t, .voxel = voxel};
         }
     }
+    return (struct traverse_contact){.t = INFINITY, .voxel = UINT64_MAX};
 }
 
-static void walk_slices(const struct target *target, struct block *block, const struct cone *cone)
+static void walk_slices(const struct target *target, struct traverse_bundle *bundle, const struct cone *cone)
 {
     const struct volume *volume = target->volume;
     const double *device = cone->pose.world_from_device;
     double axis[3];
+    double origin[3];
     vec3_scale(axis, device + 8, -1);
+    mat4_point(origin, volume->voxel_from_world, bundle->origin);
     struct slices slices =
         slices_over(volume->info.dim, volume->info.world_from_voxel, device + 12, axis, target->slices);
-    for (size_t ray = 0; ray < block->bundle.count; ray++) {
-        double direction[3] = {block->direction[0][ray], block->direction[1][ray], block->direction[2][ray]};
-        sample_slices(volume, &slices, &block->bundle, ray, 1 / vec3_dot(direction, axis));
+    for (size_t ray = 0; ray < bundle->count; ray++) {
+        double direction[3] = {bundle->direction[0][ray], bundle->direction[1][ray], bundle->direction[2][ray]};
+        double per_depth = 1 / vec3_dot(direction, axis);
+        mat4_direction(direction, volume->voxel_from_world, direction);
+        struct traverse_contact contact = sample_slices(volume, &slices, origin, direction, per_depth);
+        bundle->t[ray] = contact.t;
+        bundle->voxel[ray] = contact.voxel;
     }
 }
 
 static void look_through(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
                          struct block *block)
 {
+    struct traverse_bundle *bundle = &block->bundle;
     for (size_t i = 0; i < engine->target_count; i++) {
-        const struct volume *volume = engine->targets[i].volume;
-        struct traverse_bundle *bundle = &block->bundle;
-        mat4_point(bundle->origin, volume->voxel_from_world, cone->pose.world_from_device + 12);
-        aim(block, volume, out);
+        const struct target *target = &engine->targets[i];
+        for (size_t ray = 0; ray < bundle->count; ray++) {
+            bundle->limit[ray] = out->distance[block->pixel[ray]];
+        }
         if (engine->sampling == CONUS_SLICES) {
-            walk_slices(&engine->targets[i], block, cone);
+            walk_slices(target, bundle, cone);
         } else {
-            traverse_bundle_walk(engine->kernel, &engine->targets[i].map, bundle);
+            traverse_bundle_walk(engine->kernel, &target->map, target->volume, bundle);
         }
         for (size_t ray = 0; ray < bundle->count; ray++) {
-            keep_nearer(out, block->pixel[ray], volume, bundle->t[ray], bundle->voxel[ray]);
+            keep_nearer(out, block->pixel[ray], target->volume, bundle->t[ray], bundle->voxel[ray]);
         }
     }
 }

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Fine distances are counted up to FINE_LEVELS in PLANES bits; farther away whole bricks are counted. */
@@ -97,6 +98,43 @@ static void mark_row(struct workshop *shop, const struct volume *volume, size_t 
         uint64_t bits = volume->objects16 ? row_bits16(volume->objects16 + voxel + i, count)
                                           : row_bits32(volume->objects32 + voxel + i, count);
         brick->word[k % LEAP_BRICK] |= bits << (LEAP_BRICK * (j % LEAP_BRICK));
+    }
+}
+
+/* Makes the box hold the voxels of a brick's word. */
+static void extend_box(struct leap_map *map, const size_t brick[3], size_t k, uint64_t word)
+{
+    uint64_t columns = word;
+    for (int shift = 32; shift >= LEAP_BRICK; shift /= 2) {
+        columns |= columns >> shift;
+    }
+    columns &= 0xff;
+    const size_t low[3] = {(size_t)__builtin_ctzll(columns), (size_t)__builtin_ctzll(word) / LEAP_BRICK, k};
+    const size_t high[3] = {63 - (size_t)__builtin_clzll(columns), (63 - (size_t)__builtin_clzll(word)) / LEAP_BRICK,
+                            k};
+    for (int a = 0; a < 3; a++) {
+        double base = (double)(brick[a] * LEAP_BRICK);
+        map->first[a] = fmin(map->first[a], base + (double)low[a]);
+        map->last[a] = fmax(map->last[a], base + (double)high[a]);
+    }
+}
+
+static void find_box(struct leap_map *map, const struct workshop *shop)
+{
+    for (int a = 0; a < 3; a++) {
+        map->first[a] = (double)map->dim[a];
+        map->last[a] = -1;
+    }
+    size_t count = map->bricks[0] * map->bricks[1] * map->bricks[2];
+    for (size_t b = 0; b < count; b++) {
+        const size_t brick[3] = {b % map->bricks[0], b / map->bricks[0] % map->bricks[1],
+                                 b / map->bricks[0] / map->bricks[1]};
+        const struct bits *bits = &shop->grown[shop_brick(shop, brick[0], brick[1], brick[2])];
+        for (size_t k = 0; k < BRICK_WORDS; k++) {
+            if (bits->word[k]) {
+                extend_box(map, brick, k, bits->word[k]);
+            }
+        }
     }
 }
 
@@ -301,6 +339,7 @@ conus_status leap_map_init(struct leap_map *out, const struct volume *volume)
     map.codes = status ? NULL : memory_raw(count + 1, LEAP_BRICK_VOXELS);
     if (map.codes) {
         mark_occupied(&shop, volume);
+        find_box(&map, &shop);
         count_brick_distances(&shop, &map);
         count_fine_distances(&shop, &map);
         write_codes(&map, &shop);

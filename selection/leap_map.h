@@ -15,6 +15,8 @@ enum { LEAP_BRICK = 8, LEAP_BRICK_VOXELS = 512 };
 struct leap_map {
     size_t dim[3];    /**< Voxels along i, j, k.                        */
     size_t bricks[3]; /**< Bricks along i, j, k; the last may be padded. */
+    double first[3];  /**< The box of the voxels with objects: lowest    */
+    double last[3];   /**< and highest index; below the lowest if none.  */
     uint8_t *codes;   /**< [bricks[0] bricks[1] bricks[2] 512], and 512 unused bytes that may be read. */
 };
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "selection/traverse.h"
 
+#include "base/math3.h"
+
 #include <math.h>
 
 /* After it the ray is in the next cell of the axis. */
@@ -52,7 +54,7 @@ static bool is_before(double t, int axis, struct crossing crossing)
 }
 
 /* The cell of `axis` in which the ray is just after the crossing of another axis, when it was in `from` some time
- * before; past `end`, the first cell beyond the grid in the ray's direction, it does not look. */
+ * before; past `end`, the first cell beyond the map's box in the ray's direction, it does not look. */
 static double cell_after(const struct traverse_ray *ray, int axis, struct crossing crossing, double from, double end)
 {
     double sign = ray->sign[axis];
@@ -67,10 +69,10 @@ static double cell_after(const struct traverse_ray *ray, int axis, struct crossi
     return guess;
 }
 
-/* The first cell beyond the grid in the ray's direction. */
+/* The first cell beyond the map's box in the ray's direction. */
 static double end_of(const struct leap_map *map, const struct traverse_ray *ray, int a)
 {
-    return ray->sign[a] > 0 ? (double)map->dim[a] : -1;
+    return ray->sign[a] > 0 ? map->last[a] + 1 : map->first[a] - 1;
 }
 
 /* Moves all axes but that of the crossing to where they are after it. */
@@ -87,7 +89,7 @@ static void catch_up(const struct leap_map *map, const struct traverse_ray *ray,
 static bool is_inside(const struct leap_map *map, const double cell[3])
 {
     for (int a = 0; a < 3; a++) {
-        if (!(cell[a] >= 0 && cell[a] < (double)map->dim[a])) {
+        if (!(cell[a] >= map->first[a] && cell[a] <= map->last[a])) {
             return false;
         }
     }
@@ -99,7 +101,7 @@ bool traverse_enter(const struct leap_map *map, const struct traverse_ray *ray, 
     struct crossing last = {.t = 0, .axis = -1};
     for (int a = 0; a < 3; a++) {
         out->cell[a] = traverse_cell(ray->origin[a]);
-        double face = ray->sign[a] > 0 ? 0 : (double)map->dim[a] - 1;
+        double face = ray->sign[a] > 0 ? map->first[a] : map->last[a];
         if ((face - out->cell[a]) * ray->sign[a] > 0) {
             double entry = entry_time(ray, a, face);
             if (entry >= last.t) {
@@ -155,7 +157,8 @@ static void walk_one_by_one(const struct leap_map *map, struct traverse_bundle *
     for (size_t i = 0; i < bundle->count; i++) {
         struct traverse_ray ray;
         double direction[3] = {bundle->direction[0][i], bundle->direction[1][i], bundle->direction[2][i]};
-        traverse_ray_init(&ray, bundle->origin, direction);
+        mat4_direction(direction, bundle->index_from_world, direction);
+        traverse_ray_init(&ray, bundle->start, direction);
         struct traverse_contact contact = traverse_one(map, &ray, bundle->limit[i]);
         bundle->t[i] = contact.t;
         bundle->voxel[i] = contact.voxel;
@@ -216,12 +219,15 @@ static void pad(struct traverse_bundle *bundle)
     }
 }
 
-void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct leap_map *map,
+void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct leap_map *map, const struct volume *volume,
                           struct traverse_bundle *bundle)
 {
     bool is_near = true;
+    bundle->index_from_world = volume->voxel_from_world;
+    mat4_point(bundle->start, bundle->index_from_world, bundle->origin);
     for (int a = 0; a < 3; a++) {
-        is_near = is_near && fabs(bundle->origin[a]) < TRAVERSE_FAR && (double)map->dim[a] < TRAVERSE_FAR;
+        bundle->start_cell[a] = traverse_cell(bundle->start[a]);
+        is_near = is_near && fabs(bundle->start[a]) < TRAVERSE_FAR && (double)map->dim[a] < TRAVERSE_FAR;
     }
     size_t count = bundle->count;
     if (is_near && count > 0) {

@@ -37,10 +37,11 @@ double traverse_cell(double x);
 
 void traverse_ray_init(struct traverse_ray *out, const double origin[3], const double direction[3]);
 
-/** The ray's first place in the grid; false if it misses it. */
+/** The ray's first place in the map's box; false if it misses it. */
 bool traverse_enter(const struct leap_map *map, const struct traverse_ray *ray, struct traverse_place *out);
 
-/** Leaves the box of @p radius cells around @p place, which must be empty; false if the ray is out of the grid then. */
+/** Leaves the box of @p radius cells around @p place, which must be empty; false if the ray is out of the map's box
+ * then. */
 bool traverse_leap(const struct leap_map *map, const struct traverse_ray *ray, double radius,
                    struct traverse_place *place);
 
@@ -52,13 +53,17 @@ enum { TRAVERSE_BUNDLE = 256, TRAVERSE_LANES = 16 };
 /** Origins farther away than so many voxels need traverse_one(). */
 #define TRAVERSE_FAR 0x1p25
 
-/** Rays with one origin, neighbours side by side: what a kernel walks at once. */
+/** Rays with one origin, neighbours side by side: what a kernel walks at once. The caller fills in the first three, and
+ * the origin. */
 struct traverse_bundle {
-    size_t count; /**< Of rays, at most TRAVERSE_BUNDLE. */
-    double origin[3];
-    double direction[3][TRAVERSE_BUNDLE]; /**< Per mm, in index space. */
-    double limit[TRAVERSE_BUNDLE];        /**< Give up beyond.         */
-    double t[TRAVERSE_BUNDLE];            /**< Out: as in traverse_contact. */
+    size_t count;                         /**< Of rays, at most TRAVERSE_BUNDLE.                        */
+    double direction[3][TRAVERSE_BUNDLE]; /**< In the world, unit length.                               */
+    double limit[TRAVERSE_BUNDLE];        /**< Give up beyond, mm.                                      */
+    double origin[3];                     /**< In the world.                                            */
+    const double *index_from_world;       /**< Of the volume, a matrix, and                             */
+    double start[3];                      /**< the origin in its index space, and                       */
+    double start_cell[3];                 /**< its cell: traverse_bundle_walk() sets all three.             */
+    double t[TRAVERSE_BUNDLE];            /**< Out: as in struct traverse_contact.                      */
     uint64_t voxel[TRAVERSE_BUNDLE];
 };
 
@@ -81,7 +86,8 @@ const struct traverse_kernel *traverse_kernel(size_t index);
 /** The fastest that this machine can run. */
 const struct traverse_kernel *traverse_best_kernel(void);
 
-void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct leap_map *map,
+/** Walks the rays through @p volume, whose map @p map is. */
+void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct leap_map *map, const struct volume *volume,
                           struct traverse_bundle *bundle);
 
 #endif

@@ -7,81 +7,63 @@
  * cell after a leap: position o + t d differs from the exact crossings by less than NEAR cells (origins are below
  * TRAVERSE_FAR), so rounding it gives the cell unless a face is nearer than that. Such lanes, and those that leave the
  * grid at the very time of the leap, are handed to the scalar functions. */
+#include "selection/lanes.h"
 #include "selection/traverse.h"
 
 #include <math.h>
 #include <string.h>
-#if defined(__SSE2__)
-#include <immintrin.h>
-#endif
 
+/* How near to a face, in cells, a lane is handed to the scalar functions. */
 #define NEAR 1e-6
-#define INLINE inline __attribute__((always_inline))
-
-typedef double reals __attribute__((vector_size(LANES * 8), aligned(8)));
-typedef int64_t masks __attribute__((vector_size(LANES * 8), aligned(8)));
+#define EACH_AXIS _Pragma("GCC unroll 3")
 
 /* A ray per lane. */
 struct lanes {
     reals origin[3], direction[3], inverse[3], sign[3];
-    reals stop; /* when the ray leaves the grid, or its limit */
+    reals stop; /* when the ray leaves the box, or its limit */
 };
 
 /* Where each lane is: in its cell since t. */
 struct places {
     reals cell[3], t;
-    masks live;
+    truths live;
 };
 
-static INLINE reals all(double x)
+/* Down to a multiple of the brick's edge, for whole numbers from 0 to 2^50. */
+static INLINE reals brick_start(reals cell)
 {
-    return x - (reals){0};
+    reals big = all(0x1.8p52 * LEAP_BRICK); /* where numbers are that far apart */
+    return (cell - 0.5 * (LEAP_BRICK - 1) + big) - big;
 }
 
-static INLINE reals choose(masks mask, reals yes, reals no)
-{
-    return (reals)(((masks)yes & mask) | ((masks)no & ~mask));
-}
+/* Where leap_map_at() says, as a sum over the axes: cell * within + brick_start(cell) * beyond. */
+struct layout {
+    const uint8_t *codes;
+    double within[3], beyond[3];
+};
 
-static INLINE reals smaller(reals a, reals b)
+static void layout_init(struct layout *out, const struct leap_map *map)
 {
-    return choose(a < b, a, b);
-}
-
-static INLINE bool any(masks mask)
-{
-    int64_t bits = 0;
-    for (int l = 0; l < LANES; l++) {
-        bits |= mask[l];
+    double within = 1;
+    double between = LEAP_BRICK_VOXELS;
+    out->codes = map->codes;
+    for (int a = 0; a < 3; a++) {
+        out->within[a] = within;
+        out->beyond[a] = between / LEAP_BRICK - within;
+        within *= LEAP_BRICK;
+        between *= (double)map->bricks[a];
     }
-    return bits != 0;
-}
-
-/* To the nearest whole number, for |x| < 2^51. */
-static INLINE reals nearest(reals x)
-{
-    reals big = all(0x1.8p52);
-    return (x + big) - big;
 }
 
 /* The codes of the lanes' cells, which are in the grid. */
-static INLINE reals codes_at(const struct leap_map *map, const reals cell[3])
+static INLINE reals codes_at(const struct layout *layout, const reals cell[3])
 {
-    double row = (double)map->bricks[0] * LEAP_BRICK_VOXELS;
-    double layer = row * (double)map->bricks[1];
-    const double within[3] = {1, LEAP_BRICK, LEAP_BRICK * LEAP_BRICK};
-    const double between[3] = {LEAP_BRICK_VOXELS, row, layer};
-    reals at = all(0x1p52); /* whole numbers from here on are in the low bits */
+    reals at = all(0);
+    EACH_AXIS
     for (int a = 0; a < 3; a++) {
-        reals brick = nearest((cell[a] - 3.5) * 0.125);
-        at += cell[a] * within[a] + brick * (between[a] - LEAP_BRICK * within[a]);
+        at += cell[a] * layout->within[a] + brick_start(cell[a]) * layout->beyond[a];
     }
-    masks index = (masks)at & (((int64_t)1 << 52) - 1);
-    reals codes;
-    for (int l = 0; l < LANES; l++) {
-        codes[l] = map->codes[index[l]];
-    }
-    return codes;
+    return gather(layout->codes, at);
 }
 
 static INLINE reals exit_times(const struct lanes *rays, int a, reals cell)
@@ -91,6 +73,7 @@ static INLINE reals exit_times(const struct lanes *rays, int a, reals cell)
 
 static void extract(struct traverse_ray *out, const struct lanes *rays, int lane)
 {
+    EACH_AXIS
     for (int a = 0; a < 3; a++) {
         out->origin[a] = rays->origin[a][lane];
         out->direction[a] = rays->direction[a][lane];
@@ -101,18 +84,19 @@ static void extract(struct traverse_ray *out, const struct lanes *rays, int lane
 
 static void place(struct places *places, int lane, const struct traverse_place *place, bool inside)
 {
+    EACH_AXIS
     for (int a = 0; a < 3; a++) {
         places->cell[a][lane] = place->cell[a];
     }
     places->t[lane] = place->t;
-    places->live[lane] = inside && place->t < INFINITY ? -1 : 0;
+    places->live = inside && place->t < INFINITY ? places->live : without(places->live, lane);
 }
 
 static __attribute__((noinline)) void enter_carefully(const struct leap_map *map, const struct lanes *rays,
-                                                      struct places *places, masks which)
+                                                      struct places *places, truths which)
 {
     for (int l = 0; l < LANES; l++) {
-        if (which[l]) {
+        if (is_true(which, l)) {
             struct traverse_ray ray;
             struct traverse_place start;
             extract(&ray, rays, l);
@@ -124,10 +108,10 @@ static __attribute__((noinline)) void enter_carefully(const struct leap_map *map
 
 static __attribute__((noinline)) void leap_carefully(const struct leap_map *map, const struct lanes *rays,
                                                      const struct places *from, reals radius, struct places *to,
-                                                     masks which)
+                                                     truths which)
 {
     for (int l = 0; l < LANES; l++) {
-        if (which[l]) {
+        if (is_true(which, l)) {
             struct traverse_ray ray;
             struct traverse_place here = {.cell = {from->cell[0][l], from->cell[1][l], from->cell[2][l]}};
             extract(&ray, rays, l);
@@ -139,31 +123,37 @@ static __attribute__((noinline)) void leap_carefully(const struct leap_map *map,
 
 static void load(struct lanes *out, const struct leap_map *map, const struct traverse_bundle *bundle, size_t first)
 {
+    const double *m = bundle->index_from_world;
+    reals world[3];
     memcpy(&out->stop, bundle->limit + first, sizeof out->stop);
+    EACH_AXIS
     for (int a = 0; a < 3; a++) {
-        reals direction;
-        memcpy(&direction, bundle->direction[a] + first, sizeof direction);
+        memcpy(&world[a], bundle->direction[a] + first, sizeof world[a]);
+    }
+    EACH_AXIS
+    for (int a = 0; a < 3; a++) {
+        reals direction = m[a] * world[0] + m[4 + a] * world[1] + m[8 + a] * world[2]; /* as mat4_direction() */
         reals inverse = 1 / direction;
-        masks moves = (inverse < INFINITY) & (inverse > -INFINITY);
-        out->origin[a] = choose(moves, all(bundle->origin[a]), all(traverse_cell(bundle->origin[a])));
+        truths moves = less(magnitude(inverse), all(INFINITY));
+        out->origin[a] = choose(moves, all(bundle->start[a]), all(bundle->start_cell[a]));
         out->direction[a] = choose(moves, direction, all(0));
         out->inverse[a] = choose(moves, inverse, all(INFINITY));
-        out->sign[a] = choose(moves & (direction < 0), all(-1), all(1));
-        reals last = choose(out->sign[a] > 0, all((double)map->dim[a] - 1), all(0));
+        out->sign[a] = choose(moves & less(direction, all(0)), all(-1), all(1));
+        reals last = choose(less(all(0), out->sign[a]), all(map->last[a]), all(map->first[a]));
         out->stop = smaller(out->stop, exit_times(out, a, last));
     }
 }
 
 /* Cells at t; known[a] where axis a made the crossing. Returns the lanes that are too near to a face to tell. */
-static INLINE masks find_cells(const struct lanes *rays, reals t, const masks crossed[3], const reals known[3],
-                               reals cell[3])
+static INLINE truths find_cells(const struct lanes *rays, reals t, const truths crossed[3], const reals known[3],
+                                reals cell[3])
 {
-    masks near = {0};
+    truths near = less(t, t); /* none */
+    EACH_AXIS
     for (int a = 0; a < 3; a++) {
         reals x = rays->origin[a] + t * rays->direction[a];
         reals guess = nearest(x);
-        reals off = x - guess;
-        near |= ~crossed[a] & ((off > 0.5 - NEAR) | (off < NEAR - 0.5));
+        near |= ~crossed[a] & less(all(0.5 - NEAR), magnitude(x - guess));
         cell[a] = choose(crossed[a], known[a], guess);
     }
     return near;
@@ -172,21 +162,23 @@ static INLINE masks find_cells(const struct lanes *rays, reals t, const masks cr
 static void enter(const struct leap_map *map, const struct lanes *rays, const struct traverse_bundle *bundle,
                   struct places *out)
 {
-    masks crossed[3] = {{0}};
     reals known[3];
     bool outside = false;
     out->t = all(0);
-    out->live = (masks)(out->t == 0);
+    out->live = equal(out->t, out->t);
+    truths none = less(out->t, out->t);
+    truths crossed[3] = {none, none, none};
+    EACH_AXIS
     for (int a = 0; a < 3; a++) {
-        double start = traverse_cell(bundle->origin[a]);
-        double end = (double)map->dim[a] - 1;
+        double start = bundle->start_cell[a];
         known[a] = all(start);
-        if (start < 0 || start > end) {
-            double face = start < 0 ? 0 : end;
+        bool below = start < map->first[a];
+        if (below || start > map->last[a]) {
+            double face = below ? map->first[a] : map->last[a];
             known[a] = all(face);
             reals t = ((known[a] - rays->sign[a] * 0.5) - rays->origin[a]) * rays->inverse[a];
-            out->live &= start < 0 ? rays->sign[a] > 0 : rays->sign[a] < 0;
-            masks later = t >= out->t;
+            out->live &= below ? less(all(0), rays->sign[a]) : less(rays->sign[a], all(0));
+            truths later = at_most(out->t, t);
             out->t = choose(later, t, out->t);
             for (int b = 0; b < a; b++) {
                 crossed[b] &= ~later;
@@ -195,9 +187,9 @@ static void enter(const struct leap_map *map, const struct lanes *rays, const st
             outside = true;
         }
     }
-    out->live &= (out->t <= rays->stop) & (out->t < INFINITY);
+    out->live &= at_most(out->t, rays->stop) & less(out->t, all(INFINITY));
     if (outside) {
-        masks odd = find_cells(rays, out->t, crossed, known, out->cell) | (out->t == rays->stop);
+        truths odd = find_cells(rays, out->t, crossed, known, out->cell);
         odd &= out->live;
         if (any(odd)) {
             enter_carefully(map, rays, out, odd);
@@ -205,6 +197,7 @@ static void enter(const struct leap_map *map, const struct lanes *rays, const st
     } else {
         memcpy(out->cell, known, sizeof known);
     }
+    EACH_AXIS
     for (int a = 0; a < 3; a++) { /* lanes that missed stay where there are codes */
         out->cell[a] = choose(out->live, out->cell[a], all(0));
     }
@@ -215,22 +208,24 @@ static INLINE void leap(const struct leap_map *map, const struct lanes *rays, st
 {
     struct places next;
     reals times[3], known[3];
+    EACH_AXIS
     for (int a = 0; a < 3; a++) {
         reals reach = at->cell[a] + rays->sign[a] * (codes - 1);
         known[a] = reach + rays->sign[a];
         times[a] = exit_times(rays, a, reach);
     }
-    masks crossed[3];
-    crossed[0] = (times[0] <= times[1]) & (times[0] <= times[2]);
-    crossed[1] = ~crossed[0] & (times[1] <= times[2]);
+    truths crossed[3];
+    crossed[0] = at_most(times[0], times[1]) & at_most(times[0], times[2]);
+    crossed[1] = ~crossed[0] & at_most(times[1], times[2]);
     crossed[2] = ~crossed[0] & ~crossed[1];
     next.t = smaller(smaller(times[0], times[1]), times[2]);
-    next.live = at->live & (next.t <= rays->stop);
-    masks odd = find_cells(rays, next.t, crossed, known, next.cell) | (next.t == rays->stop);
+    next.live = at->live & at_most(next.t, rays->stop);
+    truths odd = find_cells(rays, next.t, crossed, known, next.cell) | equal(next.t, rays->stop);
     odd &= next.live;
     if (any(odd)) {
         leap_carefully(map, rays, at, codes - 1, &next, odd);
     }
+    EACH_AXIS
     for (int a = 0; a < 3; a++) {
         at->cell[a] = choose(next.live, next.cell[a], at->cell[a]);
     }
@@ -239,31 +234,46 @@ static INLINE void leap(const struct leap_map *map, const struct lanes *rays, st
 }
 
 static void store(const struct leap_map *map, struct traverse_bundle *bundle, size_t first, const struct places *at,
-                  masks hit)
+                  truths hit)
 {
     for (int l = 0; l < LANES; l++) {
         size_t i = (size_t)at->cell[0][l];
         size_t j = (size_t)at->cell[1][l];
         size_t k = (size_t)at->cell[2][l];
-        bundle->t[first + (size_t)l] = hit[l] ? at->t[l] : INFINITY;
-        bundle->voxel[first + (size_t)l] = hit[l] ? i + map->dim[0] * (j + map->dim[1] * k) : UINT64_MAX;
+        bundle->t[first + (size_t)l] = is_true(hit, l) ? at->t[l] : INFINITY;
+        bundle->voxel[first + (size_t)l] = is_true(hit, l) ? i + map->dim[0] * (j + map->dim[1] * k) : UINT64_MAX;
     }
+}
+
+/* Lanes that meet an object stop, with their hit set; the others leap. */
+static INLINE void advance(const struct leap_map *map, const struct layout *layout, const struct lanes *rays,
+                           struct places *at, truths *hit)
+{
+    reals codes = codes_at(layout, at->cell);
+    truths met = equal(codes, all(0));
+    *hit |= at->live & met;
+    at->live &= ~met;
+    leap(map, rays, at, codes);
 }
 
 void KERNEL(const struct leap_map *map, struct traverse_bundle *bundle)
 {
-    for (size_t first = 0; first < bundle->count; first += LANES) {
-        struct lanes rays;
-        struct places at;
-        masks hit = {0};
-        load(&rays, map, bundle, first);
-        enter(map, &rays, bundle, &at);
-        while (any(at.live)) {
-            reals codes = codes_at(map, at.cell);
-            hit |= at.live & (codes == 0);
-            at.live &= codes != 0;
-            leap(map, &rays, &at, codes);
+    struct layout layout;
+    layout_init(&layout, map);
+    for (size_t first = 0; first < bundle->count; first += 2 * LANES) {
+        struct lanes rays[2];
+        struct places at[2];
+        truths none = less(all(0), all(0));
+        truths hit[2] = {none, none};
+        for (size_t i = 0; i < 2; i++) {
+            load(&rays[i], map, bundle, first + i * LANES);
+            enter(map, &rays[i], bundle, &at[i]);
         }
-        store(map, bundle, first, &at, hit);
+        while (any(at[0].live | at[1].live)) {
+            advance(map, &layout, &rays[0], &at[0], &hit[0]);
+            advance(map, &layout, &rays[1], &at[1], &hit[1]);
+        }
+        store(map, bundle, first, &at[0], hit[0]);
+        store(map, bundle, first + LANES, &at[1], hit[1]);
     }
 }

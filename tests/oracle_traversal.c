@@ -115,22 +115,37 @@ struct oracle_hit oracle_ray(const struct volume *volume, const double origin[3]
     return follow(volume, &walk);
 }
 
-static void look_at(struct evidence *out, const struct volume *volume, const struct cone *cone)
+/* What one ray meets in one volume, kept if nothing nearer was met before. */
+static void look_along(struct evidence *out, size_t pixel, const struct volume *volume, const double origin[3],
+                       const double direction[3])
 {
+    struct oracle_hit hit = oracle_ray(volume, origin, direction);
+    if (hit.object && (hit.distance < out->distance[pixel] ||
+                       (hit.distance == out->distance[pixel] && hit.object < out->object[pixel]))) {
+        out->object[pixel] = hit.object;
+        out->distance[pixel] = hit.distance;
+        out->voxel[pixel] = hit.voxel;
+    }
+}
+
+enum { ROW_LIMIT = 1024 };
+
+static void look_along_row(struct evidence *out, const struct volume *volume, const struct cone *cone, uint32_t j)
+{
+    double u[ROW_LIMIT], v[ROW_LIMIT], x[ROW_LIMIT], y[ROW_LIMIT], z[ROW_LIMIT];
+    double *const directions[3] = {x, y, z};
     double origin[3];
-    double slope = tan(cone->angle / 2);
+    uint32_t n = cone->resolution;
+    for (uint32_t i = 0; i < n; i++) {
+        u[i] = cone_coordinate(i, n);
+        v[i] = cone_coordinate(j, n);
+    }
+    cone_rays(directions, cone, u, v, n);
     mat4_point(origin, volume->voxel_from_world, cone->pose.world_from_device + 12);
-    for (uint32_t pixel = 0; pixel < cone->resolution * cone->resolution; pixel++) {
-        double direction[3];
-        cone_ray_at(direction, cone, slope, pixel % cone->resolution, pixel / cone->resolution);
+    for (uint32_t i = 0; i < n; i++) {
+        double direction[3] = {x[i], y[i], z[i]};
         mat4_direction(direction, volume->voxel_from_world, direction);
-        struct oracle_hit hit = oracle_ray(volume, origin, direction);
-        if (hit.object && (hit.distance < out->distance[pixel] ||
-                           (hit.distance == out->distance[pixel] && hit.object < out->object[pixel]))) {
-            out->object[pixel] = hit.object;
-            out->distance[pixel] = hit.distance;
-            out->voxel[pixel] = hit.voxel;
-        }
+        look_along(out, (size_t)j * n + i, volume, origin, direction);
     }
 }
 
@@ -138,8 +153,8 @@ void oracle_look(struct evidence *out, const conus_atlas *atlas, const struct co
 {
     evidence_clear(out);
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (atlas->volumes[i].info.role != CONUS_CONTEXT) {
-            look_at(out, &atlas->volumes[i], cone);
+        for (uint32_t j = 0; j < cone->resolution && atlas->volumes[i].info.role != CONUS_CONTEXT; j++) {
+            look_along_row(out, &atlas->volumes[i], cone, j);
         }
     }
 }

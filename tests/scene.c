@@ -130,6 +130,13 @@ static void grid_point(uint64_t *state, const conus_volume_info *info, double ou
     }
 }
 
+static conus_pose looking(const double origin[3], const double direction[3])
+{
+    conus_pose pose;
+    assert_ok(conus_pose_along(&pose, origin, direction, NULL));
+    return pose;
+}
+
 conus_pose scene_pose(uint64_t *state, const conus_atlas *atlas)
 {
     const conus_volume_info *info = &atlas->volumes[0].info;
@@ -148,23 +155,18 @@ conus_pose scene_pose(uint64_t *state, const conus_atlas *atlas)
     if (away > 0) { /* outside, looking back at the target */
         vec3_add_scaled(origin, target, -away / vec3_length(direction), direction);
     }
-    conus_pose pose;
-    double frame[16];
-    mat4_identity(frame);
-    double up[3] = {0, 0, 1};
-    double back[3];
-    assert_true(vec3_normalise(back, direction));
-    vec3_scale(back, back, -1);
-    double right[3];
-    vec3_cross(right, up, back);
-    if (!vec3_normalise(right, right)) {
-        vec3_cross(right, (double[]){0, 1, 0}, back);
-        assert_true(vec3_normalise(right, right));
+    return looking(origin, direction);
+}
+
+conus_pose scene_generic_pose(uint64_t *state, const conus_atlas *atlas)
+{
+    const conus_volume_info *info = &atlas->volumes[0].info;
+    double target[3], direction[3];
+    for (int a = 0; a < 3; a++) {
+        target[a] = test_random(state, 0, (double)info->dim[a] - 1);
     }
-    memcpy(frame, right, sizeof right);
-    vec3_cross(frame + 4, back, right);
-    memcpy(frame + 8, back, sizeof back);
-    memcpy(frame + 12, origin, sizeof origin);
-    memcpy(pose.world_from_device, frame, sizeof frame);
-    return pose;
+    mat4_point(target, info->world_from_voxel, target);
+    random_vector(state, direction, 1);
+    vec3_add_scaled(target, target, -test_random(state, 0, 60) / vec3_length(direction), direction);
+    return looking(target, direction);
 }
