@@ -140,9 +140,14 @@ conus_status gzip_head(struct bytes *out, const uint8_t *data, size_t size, size
     return status;
 }
 
-/* The usual case, one intact member of just the right size, in one fast call. */
+/* The usual case, one intact member of just the right size, in one fast call. Not where the gzip header has a checksum
+ * of its own, which libdeflate does not verify. */
 static bool unpack_at_once(uint8_t *out, size_t total, const uint8_t *data, size_t size)
 {
+    enum { FLAGS = 3, FLAG_HEADER_CHECKSUM = 2 };
+    if (size <= FLAGS || data[FLAGS] & FLAG_HEADER_CHECKSUM) {
+        return false;
+    }
     struct libdeflate_decompressor *decompressor = libdeflate_alloc_decompressor();
     size_t used = 0;
     size_t got = 0;
@@ -194,7 +199,7 @@ conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint
         return fail(CONUS_ERROR_DATA, "gzip: %zu bytes cannot unpack to the %llu that the header asks for", size,
                     (unsigned long long)range->total);
     }
-    bool whole = range->from + range->count == range->total && range->from < SCRATCH_SIZE + range->count;
+    bool whole = range->from + range->count == range->total && range->from <= SCRATCH_SIZE;
     size_t needed = whole ? (size_t)range->total : range->count;
     struct bytes bytes = {memory_raw(needed, 1), range->count};
     if (!bytes.data) {

@@ -109,17 +109,20 @@ static bool block_labels(uint32_t *out, const struct decoder *decoder, const str
                            : decoder->labels(out, in, count, file->swapped);
 }
 
-/* Writes the value of one voxel as a person would: integers whole, however big. */
+/* Writes the value of one voxel as a person would: integers whole, however big; scaled ones with their scale. */
 static void describe_value(char *out, size_t size, const struct volume_file *file, const uint8_t *voxel)
 {
-    if (!is_scaled(file) && file->datatype == VOLUME_UINT64) {
+    double value;
+    find_decoder(file->datatype)->doubles(&value, voxel, 1, file->swapped);
+    if (is_scaled(file)) {
+        snprintf(out, size, "%.12g (stored %.12g, scale %.9g, offset %.9g)",
+                 value * file->info.slope + file->info.intercept, value, file->info.slope, file->info.intercept);
+    } else if (file->datatype == VOLUME_UINT64) {
         snprintf(out, size, "%llu", (unsigned long long)order_u64(voxel, file->swapped));
-    } else if (!is_scaled(file) && file->datatype == VOLUME_INT64) {
+    } else if (file->datatype == VOLUME_INT64) {
         snprintf(out, size, "%lld", (long long)order_i64(voxel, file->swapped));
     } else {
-        double value;
-        find_decoder(file->datatype)->doubles(&value, voxel, 1, file->swapped);
-        snprintf(out, size, "%.12g", value * file->info.slope + file->info.intercept);
+        snprintf(out, size, "%.17g", value);
     }
 }
 
@@ -131,7 +134,7 @@ static conus_status fail_label(const struct volume_file *file, const struct deco
     while (block_labels(&label, decoder, file, file->voxels.data + start * size, 1)) {
         start++;
     }
-    char value[40];
+    char value[128];
     describe_value(value, sizeof value, file, file->voxels.data + start * size);
     size_t row = start / file->info.dim[0];
     return fail(CONUS_ERROR_DATA,

@@ -106,9 +106,9 @@ static void values_that_are_no_labels_are_named(void **state)
         {VOLUME_FLOAT32, 0x4f800000, 0, 0, "found 4294967296,"},
         {VOLUME_FLOAT32, 0x7fc00000, 0, 0, "found nan,"},
         {VOLUME_FLOAT64, UINT64_C(0x7ff0000000000000), 0, 0, "found inf,"},
-        {VOLUME_FLOAT64, UINT64_C(0x3ff0000000000001), 0, 0, "found 1,"},
-        {VOLUME_UINT8, 3, 0.5, 0, "found 1.5,"},
-        {VOLUME_UINT8, 3, -1, 0, "found -3,"},
+        {VOLUME_FLOAT64, UINT64_C(0x3ff0000000000001), 0, 0, "found 1.0000000000000002,"},
+        {VOLUME_UINT8, 3, 0.5, 0, "found 1.5 (stored 3, scale 0.5, offset 0),"},
+        {VOLUME_UINT8, 3, -1, 0, "found -3 (stored 3, scale -1, offset 0),"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct volume_file file;
