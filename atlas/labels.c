@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { CONFLICTS_SHOWN = 8 };
+
 static void label_finish(struct label *label)
 {
     memory_free(label->name);
@@ -107,23 +109,31 @@ static conus_status sort_stably(struct label_table *table)
     return CONUS_OK;
 }
 
-static conus_status note_conflict(struct notes *notes, const struct label *kept, const struct label *dropped)
+static bool contradicts(const struct label *kept, const struct label *dropped)
 {
-    if (!kept->name || !dropped->name || !strcmp(kept->name, dropped->name)) {
-        return CONUS_OK;
-    }
-    return notes_add(notes, "label %u is named twice in the label table: \"%s\" is used, \"%s\" is not", kept->number,
-                     kept->name, dropped->name);
+    return kept->name && dropped->name && strcmp(kept->name, dropped->name) != 0;
+}
+
+/* Notes the first few labels with two names, then only how many there are. */
+static conus_status note_conflict(struct notes *notes, size_t conflicts, const struct label *kept,
+                                  const struct label *dropped)
+{
+    return conflicts > CONFLICTS_SHOWN
+               ? CONUS_OK
+               : notes_add(notes, "label %u is named twice in the label table: \"%s\" is used, \"%s\" is not",
+                           kept->number, kept->name, dropped->name);
 }
 
 conus_status label_table_sort(struct label_table *table, struct notes *notes)
 {
     conus_status status = sort_stably(table);
     size_t kept = 0;
+    size_t conflicts = 0;
     for (size_t i = 0; !status && i < table->count; i++) {
         struct label *label = &table->entries[i];
-        if (kept && table->entries[kept - 1].number == label->number) {
-            status = note_conflict(notes, &table->entries[kept - 1], label);
+        struct label *last = kept ? &table->entries[kept - 1] : NULL;
+        if (last && last->number == label->number) {
+            status = contradicts(last, label) ? note_conflict(notes, ++conflicts, last, label) : CONUS_OK;
             label_finish(label);
             *label = (struct label){0};
         } else {
@@ -133,6 +143,9 @@ conus_status label_table_sort(struct label_table *table, struct notes *notes)
         }
     }
     table->count = status ? table->count : kept;
+    if (!status && conflicts > CONFLICTS_SHOWN) {
+        status = notes_add(notes, "%zu more labels are named twice in the label table", conflicts - CONFLICTS_SHOWN);
+    }
     return status;
 }
 

@@ -34,7 +34,7 @@ struct label *label_table_add(struct label_table *table, uint32_t number);
 conus_status label_set_text(char **field, struct text text);
 
 /** Sorts by number. Of entries with one number the first is kept; where a later one has another name, a note in
- * @p notes says so. */
+ * @p notes says so (for the first eight; one note counts the others). */
 conus_status label_table_sort(struct label_table *table, struct notes *notes);
 
 /** The entry of @p number in a sorted table, or NULL. */

@@ -40,23 +40,26 @@ static bool next_tag(struct text *rest, struct tag *tag)
     return true;
 }
 
-/* Takes the next string in quotation marks before the next tag off `rest`, its entities unresolved. */
+/* Takes the next string before the next tag off `rest`, in quotation marks or else a word, its entities unresolved. */
 static bool next_string(struct text *rest, struct text *string)
 {
-    size_t start = 0;
-    while (start < rest->size && !strchr("\"'<", rest->data[start])) {
-        start++;
-    }
-    if (start == rest->size || rest->data[start] == '<') {
+    struct text inner = text_trim(*rest);
+    if (!inner.size || inner.data[0] == '<') {
         return false;
     }
-    struct text inner = {rest->data + start + 1, rest->size - start - 1};
-    const char *end = inner.size ? memchr(inner.data, rest->data[start], inner.size) : NULL;
-    if (!end) {
+    char quote = inner.data[0];
+    bool quoted = quote == '"' || quote == '\'';
+    size_t start = quoted;
+    size_t end = start;
+    while (end < inner.size && (quoted ? inner.data[end] != quote : !strchr(" \t\r\n\v\f<", inner.data[end]))) {
+        end++;
+    }
+    if (quoted && end == inner.size) {
         return false;
     }
-    *string = (struct text){inner.data, (size_t)(end - inner.data)};
-    *rest = (struct text){end + 1, inner.size - string->size - 1};
+    *string = (struct text){inner.data + start, end - start};
+    end += quoted;
+    *rest = (struct text){inner.data + end, inner.size - end};
     return true;
 }
 
@@ -150,8 +153,8 @@ static conus_status parse_dtable(struct label_table *out, struct text *rest, con
     }
     uint64_t wanted;
     if (!status && text_to_uint(attribute(tag, "ni_dimen"), UINT32_MAX, &wanted) && wanted != entries) {
-        return fail(CONUS_ERROR_DATA, "VALUE_LABEL_DTABLE has %zu entries, its ni_dimen says %llu", entries,
-                    (unsigned long long)wanted);
+        status = notes_add(notes, "the AFNI label table has %zu entries, though its ni_dimen says %llu", entries,
+                           (unsigned long long)wanted); /* people write these by hand */
     }
     return status;
 }

@@ -9,12 +9,12 @@
 #include <string.h>
 
 enum column { INDEX, NAME, ABBREVIATION, COLOUR, RED, GREEN, BLUE, HEMISPHERE, PARENT, COLUMN_COUNT };
-enum { NO_COLUMN = -1, SYNONYM_COUNT = 4, FIELD_LIMIT = 1024 };
+enum { NO_COLUMN = -1, SYNONYM_COUNT = 5, FIELD_LIMIT = 1024 };
 
 /* What a column may be called, the preferred word first. */
 static const char *const names[COLUMN_COUNT][SYNONYM_COUNT] = {
-    [INDEX] = {"index", "LabelValue", "id", "key"},
-    [NAME] = {"name", "label", "region", "structure"},
+    [INDEX] = {"index", "LabelValue", "id", "key", "label"},
+    [NAME] = {"name", "region", "structure", "label"},
     [ABBREVIATION] = {"abbreviation", "acronym", "abbr"},
     [COLOUR] = {"color", "colour", "color_hex_triplet", "hex"},
     [RED] = {"Color_R", "red", "r"},
@@ -103,7 +103,7 @@ static bool read_header(struct header *header, struct text line)
             match_column(header, ranks, field, header->count++);
         }
     }
-    return header->at[INDEX] != NO_COLUMN && header->at[NAME] != NO_COLUMN;
+    return header->at[INDEX] != NO_COLUMN && header->at[NAME] != NO_COLUMN && header->at[INDEX] != header->at[NAME];
 }
 
 /* The cells of one row that have a meaning; empty where there are none. */

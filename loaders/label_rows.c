@@ -130,13 +130,23 @@ static struct census count_rows(struct text text)
     return census;
 }
 
-static int compare_texts(const void *a, const void *b)
+static int compare_texts(struct text a, struct text b)
 {
-    const struct text *x = a;
-    const struct text *y = b;
-    size_t shared = x->size < y->size ? x->size : y->size;
-    int order = memcmp(x->data, y->data, shared);
-    return order ? order : (x->size > y->size) - (x->size < y->size);
+    int order = memcmp(a.data, b.data, a.size < b.size ? a.size : b.size);
+    return order ? order : (a.size > b.size) - (a.size < b.size);
+}
+
+struct word_of {
+    struct text word;
+    struct text number; /* of the row it stands in */
+};
+
+static int compare_words(const void *a, const void *b)
+{
+    const struct word_of *x = a;
+    const struct word_of *y = b;
+    int order = compare_texts(x->word, y->word);
+    return order ? order : compare_texts(x->number, y->number);
 }
 
 static void take_words(struct text *rest, struct text *words, size_t count)
@@ -153,23 +163,24 @@ static struct text take_first_word(struct text *rest)
     return word;
 }
 
-/* Whether a word that `take` finds behind the first one differs in all rows, and so can be a name or a number by
+/* Whether a word that `take` finds behind the number differs wherever the numbers do, and so can be a name or a code by
  * itself: "1 Area 17 / 2 Area 18" has names of two words, "1 Precentral_L 2001 / 2 Precentral_R 2002" of one. */
 static conus_status words_differ(bool *out, struct text text, size_t rows, struct text (*take)(struct text *rest))
 {
-    struct text *words = memory_zeroed(rows, sizeof *words);
+    struct word_of *words = memory_zeroed(rows, sizeof *words);
     if (!words) {
         return CONUS_ERROR_MEMORY;
     }
     struct reader reader = {.rest = text};
     struct row row;
     for (size_t i = 0; i < rows && next_row(&reader, &row); i++) {
-        words[i] = take(&row.rest);
+        words[i] = (struct word_of){take(&row.rest), row.first};
     }
-    qsort(words, rows, sizeof *words, compare_texts);
+    qsort(words, rows, sizeof *words, compare_words);
     *out = true;
     for (size_t i = 1; i < rows; i++) {
-        *out = *out && compare_texts(&words[i - 1], &words[i]) != 0;
+        bool same = compare_texts(words[i - 1].word, words[i].word) == 0;
+        *out = *out && !(same && compare_texts(words[i - 1].number, words[i].number) != 0);
     }
     memory_free(words);
     return CONUS_OK;
@@ -298,6 +309,14 @@ static conus_status parse_fsleyes(struct label_table *out, struct text text, str
     return parse_rows(out, text, notes, parse_fsleyes_row, NULL);
 }
 
+/* The opacity is 0 to 1 in ITK-SNAP's own files and 0 to 255 in those of others. */
+static conus_status check_number(struct text cell, const char *what, const char *where)
+{
+    double value;
+    bool fine = text_to_double(cell, &value) && value >= 0 && value <= 255;
+    return fine ? CONUS_OK : fail(CONUS_ERROR_DATA, "%s: %s is not a number from 0 to 255", where, what);
+}
+
 /* `1 220 216 20 1.00 1 1 "Left hippocampus"`. */
 static conus_status parse_itk_snap_row(struct label *label, const struct row *row, const char *where, const void *data)
 {
@@ -308,8 +327,7 @@ static conus_status parse_itk_snap_row(struct label *label, const struct row *ro
     conus_status status = label_cell_rgb(label, cells, label_cell_channel, where);
     for (int i = 3; !status && i < 6; i++) {
         static const char *const what[] = {"opacity", "visibility", "mesh visibility"};
-        uint8_t ignored;
-        status = label_cell_fraction(&ignored, cells[i], what[i - 3], where);
+        status = check_number(cells[i], what[i - 3], where);
     }
     rest = text_trim(rest);
     bool quoted = rest.size >= 2 && rest.data[0] == '"' && rest.data[rest.size - 1] == '"';

@@ -29,6 +29,12 @@ static const struct sample samples[] = {
      "1 Left-Hip (L.H) #010203; 2 Left-Amy (L.A) #040506"},
     {"MRtrix or FreeSurfer colour table", "1 Left Hip 1 2 3 255\n2 Left Amy 4 5 6 255\n",
      "1 Left Hip #010203; 2 Left Amy #040506"},
+    {"MRtrix or FreeSurfer colour table",
+     "36 L.TH Left-Thalamus 1 2 3 255\n36 L.TH Left-Thalamus-Proper 1 2 3 255\n37 L.CA Left-Caudate 4 5 6 255\n",
+     "36 Left-Thalamus (L.TH) #010203; 37 Left-Caudate (L.CA) #040506"},
+    {"BIDS label table", "label\tname\themi\tr\tg\tb\n1\tG temp sup\tL\t220\t20\t30\n", "1 G temp sup #dc141e L"},
+    {"CSV label table", "index,label\n3,c\n", "3 c"},
+    {"ITK-SNAP labels", "1 1 2 3 255 1 1 \"Left Region\"\n", "1 Left Region #010203"},
     {"Slicer colour table", "# Color table file /tmp/x.ctbl\n# 3 values\n0 background 0 0 0 0\n1 left_lung 1 2 3 255\n",
      "1 left lung #010203"},
     {"Slicer colour table",
@@ -77,7 +83,7 @@ static void bad_cells_are_named_with_their_line(void **state)
     assert_refused("1 a 1 2 3 4\n2 b 1 2 3 4\n3 c 1 2 3\n", "line 3: 3 numbers after the name, 4 (R G B A)");
     assert_refused("1 0.5 0.5 1.5 a\n", "line 1: blue is \"1.5\", a number from 0 to 1");
     assert_refused("1 1 2 3 1.0 1 1 \"open\n", "line 1: no name in quotation marks");
-    assert_refused("1 1 2 3 nan 1 1 \"a\"\n", "line 1: opacity is \"nan\"");
+    assert_refused("1 1 2 3 nan 1 1 \"a\"\n", "line 1: opacity is not a number from 0 to 255");
     assert_refused("index\tname\n1\ta\nx\tb\n", "BIDS label table: line 3: label \"x\"");
     assert_refused("index\tname\tcolor\n1\ta\tred\n", "line 2: colour \"red\", #rrggbb");
     assert_refused("index\tname\n1\ta\tb\n", "line 2: 3 columns, the header has 2");
@@ -124,6 +130,10 @@ static void oddities_are_noted(void **state)
     assert_true(notes_have(&parsed.notes, "calls label 0 \"Left Frontal Pole\""));
     assert_true(notes_have(&parsed.notes, "hemisphere \"middle\" is none of L, R, B"));
     assert_true(notes_have(&parsed.notes, "label 1 is named twice"));
+    parsed_finish(&parsed);
+    assert_ok(parsed_from(&parsed, "1 a\n1 b\n1 c\n1 d\n1 e\n1 f\n1 g\n1 h\n1 i\n1 j\n1 k\n1 a\n"));
+    assert_int_equal(parsed.notes.count, 9);
+    assert_true(notes_have(&parsed.notes, "2 more labels are named twice"));
     parsed_finish(&parsed);
     assert_ok(parsed_from(&parsed, "0\tUnclassified\n1\ta\n"));
     assert_int_equal(parsed.notes.count, 0);

@@ -110,8 +110,6 @@ static void damage_is_named_with_its_line(void **state)
     assert_refused("<LabelTable><Label Key=\"1\" Red=\"nan\" Green=\"0\" Blue=\"0\">a</Label></LabelTable>",
                    "red is \"nan\"");
     assert_refused("<CaretVolumeExtension><VolumeInformation/></CaretVolumeExtension>", "needs Index");
-    assert_refused("<VALUE_LABEL_DTABLE ni_dimen=\"2\">\"1\" \"a\"</VALUE_LABEL_DTABLE>",
-                   "1 entries, its ni_dimen says 2");
     assert_refused("<VALUE_LABEL_DTABLE>\"1\" \"a\" \"2\"</VALUE_LABEL_DTABLE>", "entry 2: no name after the number");
     assert_refused("<VALUE_LABEL_DTABLE>\"x\" \"a\"</VALUE_LABEL_DTABLE>", "entry 1: label \"x\"");
     assert_refused("<html><body/></html>", "not a label table of a known format");
@@ -121,6 +119,17 @@ static void damage_is_named_with_its_line(void **state)
     }
     assert_refused(deep.data, "nested deeper than 64");
     buffer_finish(&deep);
+}
+
+static void afni_tables_written_by_hand_are_read(void **state)
+{
+    (void)state;
+    struct parsed parsed;
+    assert_ok(parsed_from(&parsed, "   <VALUE_LABEL_DTABLE\n   ni_type=\"2*String\"\n   ni_dimen=\"200\"\n"
+                                   "   pbar_name=\"ROI_i256\">\n   \"0\" \"Unknown\"\n   122 \"L A1\"\n 92 L_V1\n"));
+    assert_string_equal(parsed_text(&parsed.table), "92 L_V1; 122 L A1");
+    assert_true(notes_have(&parsed.notes, "has 3 entries, though its ni_dimen says 200"));
+    parsed_finish(&parsed);
 }
 
 static void each_volume_of_workbench_has_its_own_table(void **state)
@@ -174,8 +183,11 @@ static void fsl_atlases_name_their_images(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(formats_are_told_by_content),   cmocka_unit_test(afni_tables_are_joined_from_pieces),
-        cmocka_unit_test(damage_is_named_with_its_line), cmocka_unit_test(each_volume_of_workbench_has_its_own_table),
+        cmocka_unit_test(formats_are_told_by_content),
+        cmocka_unit_test(afni_tables_are_joined_from_pieces),
+        cmocka_unit_test(afni_tables_written_by_hand_are_read),
+        cmocka_unit_test(damage_is_named_with_its_line),
+        cmocka_unit_test(each_volume_of_workbench_has_its_own_table),
         cmocka_unit_test(fsl_atlases_name_their_images),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
