@@ -79,7 +79,8 @@ conus_status image_srgb_bytes(uint8_t **out, const conus_image *image);
 
 /** All channels and attributes, as one scan-line part, ZIP. Matrices are written as m44d, row-major like OpenEXR's. */
 conus_status image_format_exr(struct bytes *out, const conus_image *image);
-/** One scan-line part of FLOAT, UINT and HALF (made float) channels in any compression, string and m44 attributes. */
+/** One scan-line part of FLOAT, UINT and HALF (made float) channels, string and m44 attributes. DWA, and B44 of other
+ * than HALF, are CONUS_ERROR_UNSUPPORTED: OpenEXR's C library 3.1.5 lacks the one and decodes the other wrongly. */
 conus_status image_parse_exr(conus_image **out, const uint8_t *data, size_t size);
 /** 8-bit sRGB with opacity: png_rgba, or else image_srgb_bytes(). */
 conus_status image_format_png(struct bytes *out, const conus_image *image);

@@ -11,8 +11,8 @@
 
 enum {
     MAX_CHANNELS = 1024,
-    MAX_NAME = 31,       /* of attributes: what files without the long-name flag hold */
-    MAX_RATIO_LOG2 = 18, /* the densest compression (DWA of one colour) reaches 2^16 */
+    MAX_NAME = 31,      /* of attributes: what files without the long-name flag hold */
+    MAX_DENSITY = 1024, /* values in a byte of file: deflated HALF reaches 516 */
 };
 
 /* What the library's callbacks see. */
@@ -201,13 +201,18 @@ static int64_t total_size(exr_const_context_t context, void *user)
     return (int64_t)((const struct stream *)user)->size;
 }
 
-static conus_status read_channels(conus_image *image, const exr_attr_chlist_t *list)
+static conus_status read_channels(conus_image *image, const exr_attr_chlist_t *list, exr_compression_t compression)
 {
+    bool b44 = compression == EXR_COMPRESSION_B44 || compression == EXR_COMPRESSION_B44A;
     for (int i = 0; i < list->num_channels; i++) {
         const exr_attr_chlist_entry_t *entry = &list->entries[i];
         if (entry->x_sampling != 1 || entry->y_sampling != 1) {
             return fail(CONUS_ERROR_UNSUPPORTED, "channel %s has one sample in %d x %d pixels, allowed is one in each",
                         entry->name.str, entry->x_sampling, entry->y_sampling);
+        }
+        if (b44 && entry->pixel_type != EXR_PIXEL_HALF) { /* the C library 3.1.5 decodes those wrongly */
+            return fail(CONUS_ERROR_UNSUPPORTED, "channel %s is not HALF, which B44 compression needs here",
+                        entry->name.str);
         }
         enum image_type type = entry->pixel_type == EXR_PIXEL_UINT ? IMAGE_UINT : IMAGE_FLOAT;
         conus_status status = image_add_channel(image, entry->name.str, type, NULL);
@@ -259,8 +264,9 @@ static conus_status read_header(conus_image **out, exr_const_context_t file, con
     exr_storage_t storage = EXR_STORAGE_SCANLINE;
     exr_attr_box2i_t window = {0};
     const exr_attr_chlist_t *list = NULL;
+    exr_compression_t compression = EXR_COMPRESSION_NONE;
     if (exr_get_count(file, &parts) || exr_get_storage(file, 0, &storage) || exr_get_data_window(file, 0, &window) ||
-        exr_get_channels(file, 0, &list)) {
+        exr_get_channels(file, 0, &list) || exr_get_compression(file, 0, &compression)) {
         return fail_exr(EXR_ERR_FILE_BAD_HEADER);
     }
     if (parts != 1 || storage != EXR_STORAGE_SCANLINE) {
@@ -277,13 +283,13 @@ static conus_status read_header(conus_image **out, exr_const_context_t file, con
                     MAX_CHANNELS);
     }
     uint64_t values = (uint64_t)(width * height) * (uint64_t)list->num_channels;
-    if (values >> MAX_RATIO_LOG2 > stream->size) {
+    if (values / MAX_DENSITY > stream->size) {
         return fail(CONUS_ERROR_DATA, "OpenEXR: %zu bytes cannot hold %lld x %lld pixels of %d channels", stream->size,
                     (long long)width, (long long)height, list->num_channels);
     }
     conus_image *image = NULL;
     conus_status status = image_create(&image, (uint32_t)width, (uint32_t)height);
-    status = status ? status : read_channels(image, list);
+    status = status ? status : read_channels(image, list, compression);
     status = status ? status : read_attributes(image, file);
     if (status) {
         conus_image_destroy(image);

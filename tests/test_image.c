@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/buffer.h"
 #include "base/memory.h"
 #include "render/image.h"
 #include "test.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const double MATRIX[16] = {0.1, 1.0 / 3, -2, 0, 0, 1e-9, 3, 0, 7, 8, 9, 0, 25.5314207153, -1e6, 4, 1};
@@ -329,6 +332,72 @@ static void every_failing_allocation_is_survived(void **state)
     conus_image_destroy(image);
 }
 
+static void dump_channel(struct buffer *dump, const conus_image *image, const struct image_channel *channel)
+{
+    const uint8_t *bytes = (const uint8_t *)channel->uints;
+    buffer_format(dump, "channel %s %s ", channel->name, channel->type == IMAGE_UINT ? "uint" : "float");
+    for (size_t i = 0; i < sizeof(float) * image->width * image->height; i++) {
+        buffer_format(dump, "%02x", bytes[i]);
+    }
+    buffer_text(dump, "\n");
+}
+
+/* Writes what conus read from `path` beside it, for the oracle. */
+static void dump_image(const char *path, const char *dump_path)
+{
+    conus_image *image = NULL;
+    struct buffer dump = {0};
+    assert_ok(conus_image_load(&image, path));
+    for (size_t i = 0; i < image->channel_count; i++) {
+        dump_channel(&dump, image, &image->channels[i]);
+    }
+    for (size_t i = 0; i < image->attribute_count; i++) {
+        const struct image_attribute *attribute = &image->attributes[i];
+        buffer_format(&dump, attribute->is_matrix ? "matrix %s" : "text %s %s", attribute->name, attribute->text);
+        for (int k = 0; attribute->is_matrix && k < 16; k++) {
+            buffer_format(&dump, " %.17g", attribute->matrix[k]);
+        }
+        buffer_text(&dump, "\n");
+    }
+    assert_ok(buffer_status(&dump));
+    assert_ok(conus_write_file(dump_path, dump.data, dump.size));
+    buffer_finish(&dump);
+    conus_image_destroy(image);
+}
+
+/* OpenImageIO reads what we wrote, and we read what it wrote: all compressions, all colour types. */
+static void another_reader_sees_the_same(void **state)
+{
+    (void)state;
+    if (system("/usr/bin/python3 -c 'import OpenImageIO, numpy' 2>/dev/null")) {
+        print_message("skipped: no OpenImageIO for /usr/bin/python3\n");
+        skip();
+    }
+    char path[512];
+    struct buffer compare = {0};
+    const char *ours = test_scratch("ours.exr");
+    conus_image *image = make_image();
+    assert_ok(conus_image_write(image, ours));
+    conus_image_destroy(image);
+    snprintf(path, sizeof path, "echo %s; /usr/bin/python3 '%s/tests/oracles/image.py' make $(dirname %s)", ours,
+             CONUS_SOURCE_DIR, ours);
+    FILE *made = popen(path, "r");
+    assert_non_null(made);
+    buffer_format(&compare, "/usr/bin/python3 '%s/tests/oracles/image.py' compare", CONUS_SOURCE_DIR);
+    size_t count = 0;
+    for (; fgets(path, sizeof path, made); count++) {
+        path[strcspn(path, "\n")] = '\0';
+        buffer_format(&compare, " %s %s.dump", path, path);
+        char dump[520];
+        snprintf(dump, sizeof dump, "%s.dump", path);
+        dump_image(path, dump);
+    }
+    assert_int_equal(pclose(made), 0);
+    assert_int_equal(count, 51);
+    assert_int_equal(system(compare.data), 0);
+    buffer_finish(&compare);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -344,6 +413,7 @@ int main(void)
         cmocka_unit_test(what_cannot_be_compared_is_named),
         cmocka_unit_test(every_prefix_is_refused),
         cmocka_unit_test(every_failing_allocation_is_survived),
+        cmocka_unit_test(another_reader_sees_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

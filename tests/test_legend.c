@@ -133,7 +133,7 @@ static void long_text_ends_in_an_ellipsis(void **state)
     const char *name = "Gyrus fron\xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9 inferior, pars opercularis";
     font_shorten(out, sizeof out, font, 20, name, 1000);
     assert_string_equal(out, name);
-    for (double limit = 0; limit < 400; limit += 7) {
+    for (int limit = 0; limit < 400; limit += 7) {
         font_shorten(out, sizeof out, font, 20, name, limit);
         size_t length = strlen(out);
         assert_true(font_width(font, 20, out) <= limit);
