@@ -93,7 +93,7 @@ void camera_cone_forward(double out[3], const double axis[3])
 {
     const double superior[3] = {0, 0, 1};
     double unit[3], side[3], left[3], right[3];
-    vec3_normalise(unit, axis);
+    vec3_scale(unit, axis, 1 / vec3_length(axis));
     vec3_cross(side, unit, superior);
     if (vec3_length(side) < 0.05 || !vec3_normalise(side, side)) {
         memcpy(side, (double[]){0, -1, 0}, sizeof side);

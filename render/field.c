@@ -46,11 +46,21 @@ static void encode_gradient(uint8_t *texel, const double m[16], const double per
     }
 }
 
-/* Central differences of `density`, one byte per voxel, one-sided at the border. */
+/* Central differences of `density`, one byte per voxel, at voxel `v`, one-sided at the border. */
+static void difference(double out[3], const uint8_t *density, const size_t dim[3], const size_t at[3], size_t v)
+{
+    const size_t stride[3] = {1, dim[0], dim[0] * dim[1]};
+    for (int a = 0; a < 3; a++) {
+        size_t below = at[a] > 0;
+        size_t above = at[a] + 1 < dim[a];
+        int change = density[v + above * stride[a]] - density[v - below * stride[a]];
+        out[a] = above + below ? change / (double)(above + below) : 0;
+    }
+}
+
 static void differentiate(struct field *field, const uint8_t *density, const double voxel_from_world[16])
 {
     const size_t *dim = field->dim;
-    const size_t stride[3] = {1, dim[0], dim[0] * dim[1]};
     uint8_t *texel = field->texels;
     size_t at[3];
     size_t v = 0;
@@ -58,12 +68,7 @@ static void differentiate(struct field *field, const uint8_t *density, const dou
         for (at[1] = 0; at[1] < dim[1]; at[1]++) {
             for (at[0] = 0; at[0] < dim[0]; at[0]++, v++, texel += 4) {
                 double g[3];
-                for (int a = 0; a < 3; a++) {
-                    size_t below = at[a] > 0;
-                    size_t above = at[a] + 1 < dim[a];
-                    int change = density[v + above * stride[a]] - density[v - below * stride[a]];
-                    g[a] = above + below ? change / (double)(above + below) : 0;
-                }
+                difference(g, density, dim, at, v);
                 encode_gradient(texel, voxel_from_world, g);
             }
         }

@@ -24,8 +24,9 @@ conus_volume_info picture_grid(const size_t dim[3], const double spacing[3], con
 /* @p function at the centre of voxel number @p v. */
 static double sample(const conus_volume_info *grid, picture_function function, size_t v)
 {
-    double p[3] = {(double)(v % grid->dim[0]), (double)(v / grid->dim[0] % grid->dim[1]),
-                   (double)(v / grid->dim[0] / grid->dim[1])};
+    size_t row = v / grid->dim[0];
+    size_t slice = row / grid->dim[1];
+    double p[3] = {(double)(v % grid->dim[0]), (double)(row % grid->dim[1]), (double)slice};
     mat4_point(p, grid->world_from_voxel, p);
     return function(p);
 }

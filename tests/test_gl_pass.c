@@ -211,6 +211,13 @@ static size_t brute_distance(const struct bricks *bricks, const bool *occupied, 
     return least;
 }
 
+static void brick_at(size_t out[3], const struct bricks *bricks, size_t b)
+{
+    out[0] = b % bricks->dim[0];
+    out[1] = b / bricks->dim[0] % bricks->dim[1];
+    out[2] = b / bricks->dim[0] / bricks->dim[1];
+}
+
 static void bricks_know_their_distance(void **state)
 {
     (void)state;
@@ -230,16 +237,14 @@ static void bricks_know_their_distance(void **state)
         bool occupied[10 * 10 * 10];
         assert_ok(bricks_init(&bricks, &volume));
         size_t count = bricks.dim[0] * bricks.dim[1] * bricks.dim[2];
-        for (int pass = 0; pass < 2; pass++) {
-            for (size_t b = 0; b < count; b++) {
-                size_t at[3] = {b % bricks.dim[0], b / bricks.dim[0] % bricks.dim[1],
-                                b / bricks.dim[0] / bricks.dim[1]};
-                if (pass == 0) {
-                    occupied[b] = brick_has_object(&volume, at);
-                } else {
-                    assert_int_equal(bricks.distance[b], brute_distance(&bricks, occupied, at));
-                }
-            }
+        size_t at[3];
+        for (size_t b = 0; b < count; b++) {
+            brick_at(at, &bricks, b);
+            occupied[b] = brick_has_object(&volume, at);
+        }
+        for (size_t b = 0; b < count; b++) {
+            brick_at(at, &bricks, b);
+            assert_int_equal(bricks.distance[b], brute_distance(&bricks, occupied, at));
         }
         bricks_finish(&bricks);
     }
