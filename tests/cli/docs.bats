@@ -30,10 +30,12 @@ section() {
 }
 
 @test "every option of the help is in the page, and the other way round" {
-    for command in query info phantom diff; do
-        section $command | grep -oE '^\| `.*' | cut -d '|' -f 2 | grep -oE -- '--[a-z-]+' | sort -u >said
-        conus $command --help | grep -oE '^ +(-[a-z], )?--[a-z-]+' | grep -oE -- '--[a-z-]+' |
-            grep -vxE -- '--(help|version)' | sort -u >there
+    for command in query info render phantom diff; do
+        section $command | grep -oE '`--[a-z-]+' | tr -d '`' >said
+        conus $command --help | grep -oE '^ +(-[a-z], )?--[a-z-]+' | grep -oE -- '--[a-z-]+' >there
+        for list in said there; do
+            grep -vxE -- '--(help|version)' $list | sort -u -o $list
+        done
         diff there said
     done
 }

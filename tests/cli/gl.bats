@@ -2,13 +2,6 @@
 # conus query --engine gl, as a user types it.
 load helpers
 
-# gl ARGUMENT...: answers, or skips where there is no OpenGL.
-gl() {
-    run --separate-stderr "$CONUS" "$@"
-    [ "$status" -ne 4 ] || skip "$stderr"
-    [ "$status" -eq 0 ] || { echo "said: $stderr"; return 1; }
-}
-
 @test "both engines give one answer, exactly and by slices" {
     need_aal
     local aim='--origin=-90,20,20 --toward=0,-10,10 --angle 20'

@@ -34,6 +34,13 @@ answers() {
     [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
 }
 
+# gl ARGUMENT...: answers, or the test is skipped where there is no OpenGL.
+gl() {
+    run --separate-stderr "$CONUS" "$@"
+    [ "$status" -ne 4 ] || skip "$stderr"
+    [ "$status" -eq 0 ] && [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
+}
+
 # has TEXT: the last run wrote TEXT.
 has() {
     [[ "$output" == *"$1"* ]] || { echo "wrote: $output"; echo "wanted: $1"; return 1; }

@@ -1,0 +1,345 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/commands.h"
+#include "cli/messages.h"
+#include "cli/output.h"
+#include "cli/settings.h"
+
+#include <string.h>
+
+struct render_settings {
+    struct atlas_settings atlas;
+    struct aim_settings aim;
+    struct engine_settings engine;
+    struct common_settings common;
+    const char *output;
+    uint32_t size[2];
+    uint32_t slices;
+    const char *camera;
+    double camera_origin[3], camera_toward[3], camera_up[3];
+    double field_of_view; /* degrees */
+    const char *context;
+    const char *transfer;
+    bool no_skipping, no_legend;
+};
+
+static const struct option picture_options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct render_settings, output),
+     .value = "FILE",
+     .help = ".png, or .exr with linear light as float",
+     .required = true},
+    {.name = "size",
+     .type = OPTION_SIZE,
+     .offset = offsetof(struct render_settings, size),
+     .value = "WxH",
+     .help = "pixels, each 1 to 16384 (default 1400x1050)",
+     .low = 1,
+     .high = 16384},
+    {.name = "camera",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct render_settings, camera),
+     .value = "FILE",
+     .help = "look from the one pose in this file (docs/formats.md)"},
+    {.name = "camera-origin",
+     .type = OPTION_VECTOR,
+     .offset = offsetof(struct render_settings, camera_origin),
+     .value = "X,Y,Z",
+     .help = "or look from here, mm (without any, so that the whole atlas shows, from the cone's side)"},
+    {.name = "camera-toward",
+     .type = OPTION_VECTOR,
+     .offset = offsetof(struct render_settings, camera_toward),
+     .value = "X,Y,Z",
+     .help = "at this point"},
+    {.name = "camera-up",
+     .type = OPTION_VECTOR,
+     .offset = offsetof(struct render_settings, camera_up),
+     .value = "X,Y,Z",
+     .help = "with this way up"},
+    {.name = "field-of-view",
+     .type = OPTION_NUMBER,
+     .offset = offsetof(struct render_settings, field_of_view),
+     .value = "DEGREES",
+     .help = "from the lower to the upper edge, more than 0 and less than 180 (default 30)",
+     .low = 0,
+     .high = 180,
+     .open = true},
+    {.name = "slices",
+     .type = OPTION_COUNT,
+     .offset = offsetof(struct render_settings, slices),
+     .value = "N",
+     .help = "planes across the view at which the volumes are sampled (default sqrt(2) times the longest edge)",
+     .low = 1,
+     .high = 65536},
+    {.name = "context",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct render_settings, context),
+     .value = "FILE",
+     .help = "draw this grey-value volume, a T1 say, around the areas"},
+    {.name = "transfer",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct render_settings, transfer),
+     .value = "NAME|FILE",
+     .help = "colours and opacities of its grey values: a preset or a file (docs/formats.md)"},
+    {.name = "no-legend",
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct render_settings, no_legend),
+     .help = "leave out the text"},
+    {.name = "no-skipping",
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct render_settings, no_skipping),
+     .help = "blend empty space as well: the same picture, slower"},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"Picture", picture_options, 0},
+    {"Cone to draw", aim_options, offsetof(struct render_settings, aim)},
+    {"How it looks", engine_options, offsetof(struct render_settings, engine)},
+    {"Atlas", atlas_options, offsetof(struct render_settings, atlas)},
+    {"", quiet_options, offsetof(struct render_settings, common)},
+    {0},
+};
+
+/** A picture under way. */
+struct picture {
+    const struct render_settings *settings;
+    const struct arguments *arguments;
+    conus_atlas *atlas;
+    conus_selector *selector;
+    conus_selection *selection;
+    conus_renderer *renderer;
+    conus_image *image;
+    conus_pose camera;
+    bool has_camera, has_cone;
+};
+
+static void picture_finish(struct picture *picture)
+{
+    conus_image_destroy(picture->image);
+    conus_renderer_destroy(picture->renderer);
+    conus_selection_destroy(picture->selection);
+    conus_selector_destroy(picture->selector);
+    conus_atlas_destroy(picture->atlas);
+}
+
+/* Options about the cone mean nothing without one. */
+static bool check_cone(const struct arguments *arguments)
+{
+    static const char *const of_cone[] = {"angle",  "space",    "resolution", "aperture",
+                                          "engine", "sampling", "score",      NULL};
+    if (!settings_check_aim(arguments, false)) {
+        return false;
+    }
+    bool cone = option_given(arguments, "origin") || option_given(arguments, "pose");
+    bool camera = option_given(arguments, "camera") || option_given(arguments, "camera-origin");
+    for (size_t i = 0; !cone && of_cone[i]; i++) {
+        bool used = camera && strcmp(of_cone[i], "space") == 0;
+        if (option_given(arguments, of_cone[i]) && !used) {
+            complain("--%s has no effect without a cone: --origin or --pose", of_cone[i]);
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool check_camera(const struct arguments *arguments)
+{
+    return option_needs(arguments, "camera-toward", "camera-origin") &&
+           option_needs(arguments, "camera-origin", "camera-toward") &&
+           option_needs(arguments, "camera-up", "camera-origin") &&
+           options_exclude(arguments, "camera", "camera-origin");
+}
+
+static bool check_output(const struct render_settings *settings, const struct arguments *arguments)
+{
+    if (!path_ends(settings->output, ".png") && !path_ends(settings->output, ".exr")) {
+        complain("-o: \"%s\" ends neither in .png nor in .exr", settings->output);
+        return false;
+    }
+    if (paths_equal(settings->output, arguments->operands[0])) {
+        complain("-o would overwrite the atlas %s", settings->output);
+        return false;
+    }
+    return true;
+}
+
+static bool check(const struct render_settings *settings, const struct arguments *arguments)
+{
+    return check_output(settings, arguments) && check_cone(arguments) && check_camera(arguments) &&
+           option_needs(arguments, "transfer", "context");
+}
+
+/* Reads the file's one pose. */
+static int load_pose(conus_pose_row *out, const char *path, size_t space)
+{
+    conus_pose_list *list = NULL;
+    conus_status status = conus_pose_list_load(&list, path, (conus_space)space);
+    if (status) {
+        return complain_status(status);
+    }
+    size_t count = conus_pose_list_count(list);
+    const conus_pose_row *row = conus_pose_list_row(list, 0);
+    int code = EXIT_DONE;
+    if (count != 1) {
+        code = complain_usage("%s has %zu poses, a picture takes one", path, count);
+    } else if (row->error) {
+        complain("%s:%zu: %s", path, row->line, row->error);
+        code = EXIT_DATA;
+    } else {
+        *out = *row;
+    }
+    conus_pose_list_destroy(list);
+    return code;
+}
+
+static int find_camera(struct picture *picture)
+{
+    const struct render_settings *settings = picture->settings;
+    conus_pose_row row = {0};
+    int code = EXIT_DONE;
+    if (settings->camera) {
+        code = load_pose(&row, settings->camera, settings->aim.space);
+        picture->camera = row.pose;
+    } else if (option_given(picture->arguments, "camera-origin")) {
+        code = settings_look(&picture->camera, settings->camera_origin, settings->camera_toward,
+                             option_given(picture->arguments, "camera-up") ? settings->camera_up : NULL,
+                             settings->aim.space);
+    } else {
+        return EXIT_DONE;
+    }
+    picture->has_camera = true;
+    return code;
+}
+
+static int find_cone(struct picture *picture, conus_pose *pose, double *angle)
+{
+    const struct aim_settings *aim = &picture->settings->aim;
+    *angle = settings_angle(aim);
+    if (!aim->pose) {
+        return settings_pose(pose, aim, picture->arguments);
+    }
+    conus_pose_row row = {0};
+    int code = load_pose(&row, aim->pose, aim->space);
+    if (code) {
+        return code;
+    }
+    if (row.angle != 0 && aim->angle != 0) {
+        return complain_usage("--angle has no effect: the pose in %s has its own", aim->pose);
+    }
+    *pose = row.pose;
+    *angle = row.angle != 0 ? row.angle : *angle;
+    return EXIT_DONE;
+}
+
+static int load(struct picture *picture)
+{
+    const struct render_settings *settings = picture->settings;
+    int code = settings_load_atlas(&picture->atlas, picture->arguments->operands[0], &settings->atlas);
+    if (!code && settings->context) {
+        const conus_load_options options = {.max_memory = settings->atlas.max_memory};
+        conus_status status = conus_atlas_set_context(picture->atlas, settings->context, &options);
+        code = status ? complain_status(status) : EXIT_DONE;
+    }
+    if (!code) {
+        settings_say_notes(picture->atlas, &settings->common);
+    }
+    return code;
+}
+
+static int aim(struct picture *picture)
+{
+    const struct render_settings *settings = picture->settings;
+    conus_pose pose;
+    double angle;
+    int code = find_cone(picture, &pose, &angle);
+    if (code) {
+        return code;
+    }
+    struct engine_settings engine = settings->engine;
+    engine.slices = engine.sampling == CONUS_SLICES ? settings->slices : 0;
+    const conus_selector_options options = settings_engine(&engine, &settings->common);
+    conus_status status = conus_selector_create(&picture->selector, picture->atlas, &options);
+    if (!status) {
+        status = conus_select(&picture->selection, picture->selector, &pose, angle);
+    }
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
+static int draw(struct picture *picture)
+{
+    const struct render_settings *settings = picture->settings;
+    const conus_renderer_options options = {.transfer = settings->transfer,
+                                            .max_memory = settings->atlas.max_memory,
+                                            .log = settings->common.verbose ? log_line : NULL};
+    conus_status status = conus_renderer_create(&picture->renderer, picture->atlas, &options);
+    if (status) {
+        return complain_status(status);
+    }
+    if (settings->common.verbose) {
+        complain("OpenGL: %s", conus_renderer_device(picture->renderer));
+    }
+    const conus_view view = {.width = settings->size[0],
+                             .height = settings->size[1],
+                             .slices = settings->slices,
+                             .field_of_view = radians(settings->field_of_view),
+                             .camera = picture->has_camera ? &picture->camera : NULL,
+                             .selection = picture->selection,
+                             .no_skipping = settings->no_skipping,
+                             .no_legend = settings->no_legend};
+    status = conus_render(&picture->image, picture->renderer, &view);
+    if (!status) {
+        status = conus_image_write(picture->image, settings->output);
+    }
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
+static int run(const void *given, const struct arguments *arguments)
+{
+    const struct render_settings *settings = given;
+    if (!check(settings, arguments)) {
+        return EXIT_USAGE;
+    }
+    struct picture picture = {.settings = settings, .arguments = arguments};
+    picture.has_cone = settings->aim.pose || option_given(arguments, "origin");
+    int code = find_camera(&picture);
+    if (!code) {
+        code = load(&picture);
+    }
+    if (!code && picture.has_cone) {
+        code = aim(&picture);
+    }
+    if (!code) {
+        code = draw(&picture);
+    }
+    picture_finish(&picture);
+    return code;
+}
+
+static void list_transfers(FILE *out)
+{
+    const char *preset;
+    fputs("Presets of --transfer:", out);
+    for (size_t i = 0; (preset = conus_transfer_preset(i)); i++) {
+        fprintf(out, " %s", preset);
+    }
+    fputs("\n\n", out);
+    help_scores(out);
+}
+
+const struct command cmd_render = {
+    .name = "render",
+    .summary = "draw the atlas, a cone in it and what the cone meets",
+    .operands = {"ATLAS"},
+    .form = "-o FILE",
+    .description = "Draws the areas and pathways, the context volume around them, and a cone with its axis, contacts\n"
+                   "and a legend of what it meets. Needs OpenGL 4.5, in hardware or software.",
+    .examples = "  conus render aal.nii.gz -o aal.png --context ch2bet.nii.gz\n"
+                "  conus render aal.nii.gz -o cone.png --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
+                "  conus render aal.nii.gz -o top.exr --camera-origin 0,0,500 --camera-toward 0,0,0\n",
+    .groups = groups,
+    .settings_size = sizeof(struct render_settings),
+    .more_help = list_transfers,
+    .run = run,
+};

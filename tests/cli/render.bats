@@ -1,0 +1,118 @@
+#!/usr/bin/env bats
+# conus render, as a user types it.
+load helpers
+SMALL='--size 160x120 --slices 60'
+
+# png_size FILE: its width and height, from the header.
+png_size() {
+    [ "$(head -c 8 "$1" | od -An -tx1 | tr -d ' ')" = 89504e470d0a1a0a ]
+    head -c 24 "$1" | tail -c 8 | od -An -tu1 | awk '{ print $3 * 256 + $4 "x" $7 * 256 + $8 }'
+}
+
+@test "an atlas becomes a picture of the size asked for" {
+    sphere --size 32
+    gl render sphere.nii.gz -o ball.png $SMALL
+    [ "$(png_size ball.png)" = 160x120 ]
+    gl render sphere.nii.gz -o ball.exr $SMALL
+    [ "$(head -c 4 ball.exr | od -An -tx1 | tr -d ' ')" = 762f3101 ]
+    [ -z "$output" ]
+}
+
+@test "skipping empty space leaves the picture as it is" {
+    sphere --size 32
+    gl render sphere.nii.gz -o a.exr $SMALL
+    gl render sphere.nii.gz -o b.exr $SMALL --no-skipping
+    answers diff a.exr b.exr --tolerance 1e-5
+}
+
+@test "a cone, a camera and the legend change it" {
+    sphere --size 32
+    gl render sphere.nii.gz -o plain.exr $SMALL
+    gl render sphere.nii.gz -o cone.exr $SMALL --origin 0,0,60 --toward 0,0,0 --angle 20
+    gl render sphere.nii.gz -o bare.exr $SMALL --origin 0,0,60 --toward 0,0,0 --angle 20 --no-legend
+    gl render sphere.nii.gz -o top.exr $SMALL --camera-origin 0,0,300 --camera-toward 0,0,0 --camera-up 0,1,0
+    for other in cone bare top; do
+        run -1 conus diff plain.exr $other.exr
+    done
+    run -1 conus diff cone.exr bare.exr
+}
+
+@test "the camera's and the cone's pose may come from files" {
+    sphere --size 32
+    printf 'x,y,z,tx,ty,tz,ux,uy,uz\n0,0,300,0,0,0,0,1,0\n' >camera.csv
+    gl render sphere.nii.gz -o a.exr $SMALL --camera-origin 0,0,300 --camera-toward 0,0,0 --camera-up 0,1,0
+    gl render sphere.nii.gz -o b.exr $SMALL --camera camera.csv
+    answers diff a.exr b.exr
+    printf 'x,y,z,tx,ty,tz,angle\n0,0,60,0,0,0,20\n' >cone.csv
+    gl render sphere.nii.gz -o a.exr $SMALL --origin 0,0,60 --toward 0,0,0 --angle 20
+    gl render sphere.nii.gz -o b.exr $SMALL --pose cone.csv
+    answers diff a.exr b.exr
+    fails 2 '--angle has no effect: the pose in cone.csv has its own' \
+        render sphere.nii.gz -o c.png --pose cone.csv --angle 5
+    printf '0,0,60,0,0,0,20\n' >>cone.csv
+    fails 2 'cone.csv has 2 poses, a picture takes one' render sphere.nii.gz -o c.png --pose cone.csv
+    printf 'x,y,z,tx,ty,tz\n0,0,60,0,0,60\n' >bad.csv
+    fails 3 'bad.csv:2: toward: is the origin itself' render sphere.nii.gz -o c.png --camera bad.csv
+    [ ! -e c.png ]
+}
+
+@test "LPS is the mirrored RAS, for the camera, too" {
+    sphere --size 32
+    gl render sphere.nii.gz -o a.exr $SMALL --camera-origin 200,100,0 --camera-toward 0,0,0
+    gl render sphere.nii.gz -o b.exr $SMALL --camera-origin -200,-100,0 --camera-toward 0,0,0 --space lps
+    answers diff a.exr b.exr
+}
+
+@test "AAL around its contacts, in a context" {
+    need_aal
+    gl render "$aal" --context "$TEMPLATES/ch2bet.nii.gz" -o aal.png $SMALL \
+        --origin=-90,20,20 --toward=0,-10,10 --angle 20
+    [ "$(png_size aal.png)" = 160x120 ]
+}
+
+@test "presets of the help are accepted, others are not" {
+    conus phantom slabs -o . --size 16
+    sphere --size 16
+    conus render --help | sed -n 's/^Presets of --transfer: *//p' | tr ' ' '\n' >presets
+    [ "$(wc -l <presets)" -ge 2 ]
+    while read -r preset; do
+        gl render slabs.nii.gz -o a.png $SMALL --context sphere.nii.gz --transfer "$preset"
+    done <presets
+    fails 2 'none' render slabs.nii.gz -o b.png --context sphere.nii.gz --transfer none
+    [ ! -e b.png ]
+}
+
+@test "mistakes are named before anything is loaded" {
+    fails 2 '--output FILE is missing' render a.nii
+    fails 2 '-o: "a.jpg" ends neither in .png nor in .exr' render a.nii -o a.jpg
+    fails 2 '--size: "100" is not a size WxH' render a.nii -o a.png --size 100
+    fails 2 '--size: 0x10 is out of range, allowed is 1 to 16384' render a.nii -o a.png --size 0x10
+    fails 2 '--transfer has no effect without --context' render a.nii -o a.png --transfer brain
+    fails 2 '--camera-toward has no effect without --camera-origin' render a.nii -o a.png --camera-toward 0,0,0
+    fails 2 '--camera-origin has no effect without --camera-toward' render a.nii -o a.png --camera-origin 0,0,0
+    fails 2 '--camera and --camera-origin exclude each other' \
+        render a.nii -o a.png --camera c.csv --camera-origin 0,0,9 --camera-toward 0,0,0
+    fails 2 '--angle has no effect without a cone: --origin or --pose' render a.nii -o a.png --angle 5
+    fails 2 '--engine has no effect without a cone' render a.nii -o a.png --engine gl
+    fails 2 '--field-of-view: 180 is out of range' render a.nii -o a.png --field-of-view 180
+    fails 3 'a.nii: cannot open' render a.nii -o a.png
+    nothing_left
+}
+
+@test "an output that cannot be, and one that would hurt" {
+    sphere --size 16
+    gl render sphere.nii.gz -o a.png $SMALL
+    fails 3 'no/a.png: cannot write' render sphere.nii.gz -o no/a.png $SMALL
+    cp sphere.nii.gz atlas.png
+    fails 2 '-o would overwrite the atlas atlas.png' render atlas.png -o atlas.png
+}
+
+@test "no OpenGL is exit code 4" {
+    sphere --size 16
+    export __EGL_VENDOR_LIBRARY_DIRS=/nonexistent
+    run --separate-stderr "$CONUS" render sphere.nii.gz -o out.png $SMALL
+    [ "$status" -ne 0 ] || skip "this EGL is found all the same"
+    [ "$status" -eq 4 ]
+    check_message 'no OpenGL 4.5 core context'
+    [ ! -e out.png ]
+}
