@@ -111,8 +111,8 @@ static bool has_ending(const char *path, const char *ext, size_t *at)
     return length > ending && path[*at - 1] == '.' && strncasecmp(path + *at, ext, ending) == 0;
 }
 
-/* Path of the other half of a pair: `path` with "hdr" at `at` replaced by "img" or the reverse; packed like this half
- * if there is such a file, else not. NULL without memory. */
+/* Path of the other half of a pair: `path` with "hdr" at `at` replaced by "img" or the reverse, in capitals if this
+ * half is; packed like this half if there is such a file, else not. NULL without memory. */
 static char *other_half(const char *path, size_t at, const char *ext)
 {
     bool packed = path[at + 3] != '\0';
@@ -122,6 +122,9 @@ static char *other_half(const char *path, size_t at, const char *ext)
     }
     for (int attempt = 0; attempt < 2; attempt++) {
         snprintf(other, at + 7, "%.*s%s%s", (int)at, path, ext, packed == (attempt == 0) ? ".gz" : "");
+        for (size_t i = at; i < at + 3; i++) {
+            other[i] = path[at] < 'a' ? (char)(other[i] - 'a' + 'A') : other[i];
+        }
         if (file_exists(other)) {
             break;
         }
@@ -150,7 +153,8 @@ static conus_status read_other_half(struct stored *out, const char *path, size_t
 static conus_status split_selector(char **path, bool *chosen, uint64_t *volume, const char *text)
 {
     static const char selector[] = ",volume=";
-    const char *at = strstr(text, selector);
+    const char *slash = strrchr(text, '/');
+    const char *at = strstr(slash ? slash : text, selector); /* folders may be called anything */
     *chosen = at != NULL;
     *volume = 0;
     if (at && !text_to_uint(text_from(at + strlen(selector)), SIZE_MAX, volume)) {

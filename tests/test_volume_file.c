@@ -8,8 +8,10 @@
 #include "nifti_builder.h"
 #include "test.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const int64_t small[3] = {3, 2, 2};
@@ -135,6 +137,25 @@ static void one_volume_of_a_series(void **state)
     }
 }
 
+static void folders_may_look_like_choices(void **state)
+{
+    (void)state;
+    const char *folder = test_scratch("x,volume=7");
+    struct volume_file file;
+    struct nifti_builder b;
+    assert_true(mkdir(folder, 0777) == 0 || errno == EEXIST);
+    begin_small(&b, 1, false, VOLUME_UINT8);
+    const char *path = write_bytes("x,volume=7/y.nii", &b.bytes);
+    char choice[300];
+    snprintf(choice, sizeof choice, "%s,volume=0", path);
+    open_ok(&file, choice);
+    assert_string_equal(file.path, path);
+    volume_file_finish(&file);
+    open_ok(&file, path);
+    volume_file_finish(&file);
+    buffer_finish(&b.bytes);
+}
+
 static void choices_that_are_none(void **state)
 {
     (void)state;
@@ -205,6 +226,20 @@ static void pairs_open_by_either_half(void **state)
         assert_small(&file);
         volume_file_finish(&file);
     }
+}
+
+static void pairs_may_be_in_capitals(void **state)
+{
+    (void)state;
+    struct volume_file file;
+    write_pair(1, false, true, 0);
+    assert_int_equal(rename(test_scratch("p.hdr"), test_scratch("P.HDR")), 0);
+    assert_int_equal(rename(test_scratch("p.img.gz"), test_scratch("P.IMG.gz")), 0);
+    open_ok(&file, test_scratch("P.HDR"));
+    assert_small(&file);
+    volume_file_finish(&file);
+    open_ok(&file, test_scratch("P.IMG.gz"));
+    volume_file_finish(&file);
 }
 
 static void broken_pairs_are_named(void **state)
@@ -423,8 +458,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_type_order_version_and_packing),
         cmocka_unit_test(one_volume_of_a_series),
+        cmocka_unit_test(folders_may_look_like_choices),
         cmocka_unit_test(choices_that_are_none),
         cmocka_unit_test(pairs_open_by_either_half),
+        cmocka_unit_test(pairs_may_be_in_capitals),
         cmocka_unit_test(broken_pairs_are_named),
         cmocka_unit_test(text_before_the_voxels_is_kept),
         cmocka_unit_test(bytes_behind_the_voxels_are_noted),
