@@ -24,4 +24,14 @@ struct fsl_atlas {
 conus_status fsl_atlas_parse(struct fsl_atlas *out, struct text text, struct notes *notes);
 void fsl_atlas_finish(struct fsl_atlas *atlas);
 
+enum fsl_use {
+    FSL_LABELS, /**< The volume holds labels: a summary image, or an image of type Label. */
+    FSL_VOLUMES /**< It holds one volume per label; volume k is label k + 1.             */
+};
+
+/** Finds the atlas XML, in the folder of @p volume_path or the one above, that names this volume for that use, its
+ * labels sorted. *path is the XML's, the caller's to memory_free(), or NULL (and @p out empty) if there is none. */
+conus_status fsl_atlas_find(struct fsl_atlas *out, char **path, const char *volume_path, enum fsl_use use,
+                            struct notes *notes);
+
 #endif

@@ -4,6 +4,7 @@
 
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "loaders/folder.h"
 #include "loaders/label_parse.h"
 #include "loaders/label_search.h"
 
@@ -11,26 +12,6 @@
 #include <strings.h>
 
 enum { LABEL_FILE_LIMIT = 64 << 20, EXTENSION_AFNI = 4, EXTENSION_WORKBENCH = 30 };
-
-size_t volume_stem_length(const char *path)
-{
-    static const char *const endings[] = {".nii.gz", ".hdr.gz", ".img.gz", ".mgh.gz", ".nii",
-                                          ".hdr",    ".img",    ".mgz",    ".mgh"};
-    size_t length = strlen(path);
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        size_t ending = strlen(endings[i]);
-        if (length > ending && strcasecmp(path + length - ending, endings[i]) == 0) {
-            return length - ending;
-        }
-    }
-    return length;
-}
-
-const char *path_base(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
 
 static char *join(const char *stem, size_t length, const char *ending)
 {

@@ -27,10 +27,4 @@ conus_status label_search_file(struct label_search *search, const char *path);
 /** Tries what the volume's folder has under names of its own: an inherited BIDS table, an FSL atlas XML, ... */
 conus_status label_search_folder(struct label_search *search);
 
-/** Length of @p path without the ending of a volume (.nii.gz, .mgz, ...). */
-size_t volume_stem_length(const char *path);
-
-/** What follows the last '/'. */
-const char *path_base(const char *path);
-
 #endif

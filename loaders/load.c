@@ -3,10 +3,10 @@
 #include "atlas/atlas.h"
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "loaders/folder.h"
 #include "loaders/fsl_atlas.h"
 #include "loaders/label_files.h"
 #include "loaders/label_parse.h"
-#include "loaders/label_search.h"
 #include "loaders/xml.h"
 
 #include <stdio.h>

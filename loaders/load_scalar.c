@@ -3,7 +3,8 @@
 #include "atlas/atlas.h"
 #include "base/buffer.h"
 #include "base/memory.h"
-#include "loaders/label_search.h"
+#include "loaders/folder.h"
+#include "loaders/fsl_atlas.h"
 #include "loaders/volume_file.h"
 
 #include <string.h>
@@ -65,7 +66,7 @@ static conus_status choose_threshold(struct volume_file *file, double wanted, co
 }
 
 /* The file's name without folder and ending, and with the volume where there are several. */
-static conus_status default_name(struct buffer *out, const conus_volume_info *info)
+static conus_status name_by_file(struct buffer *out, const conus_volume_info *info)
 {
     const char *name = path_base(info->path);
     buffer_append(out, name, volume_stem_length(name));
@@ -73,6 +74,30 @@ static conus_status default_name(struct buffer *out, const conus_volume_info *in
         buffer_format(out, ",volume=%zu", info->volume);
     }
     return buffer_status(out);
+}
+
+/* The name that is wanted, else what an FSL atlas XML calls this volume, else the file's name. */
+static conus_status choose_name(struct buffer *out, const char *wanted, const conus_volume_info *info,
+                                struct notes *notes)
+{
+    struct fsl_atlas atlas = {0};
+    char *path = NULL;
+    if (wanted && wanted[0]) {
+        buffer_text(out, wanted);
+        return buffer_status(out);
+    }
+    conus_status status = fsl_atlas_find(&atlas, &path, info->path, FSL_VOLUMES, notes);
+    const struct label *label = status || !path ? NULL : label_table_find(&atlas.labels, (uint32_t)info->volume + 1);
+    if (label && label->name) {
+        buffer_text(out, label->name);
+        status = notes_add(notes, "pathway %s: named by %s", label->name, path_base(path));
+        status = status ? status : buffer_status(out);
+    } else if (!status) {
+        status = name_by_file(out, info);
+    }
+    memory_free(path);
+    fsl_atlas_finish(&atlas);
+    return status;
 }
 
 /* Drops the notes that a failed step left behind. */
@@ -99,9 +124,9 @@ conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path, const
     status = status ? status : volume_file_values(&values, &file, &notes);
     if (!status) {
         file.info.role = CONUS_SCALAR;
-        status = default_name(&name, &file.info);
+        status = choose_name(&name, options->name, &file.info, &notes);
     }
-    const char *words = options->name && options->name[0] ? options->name : name.data;
+    const char *words = name.data;
     status = status ? status : choose_threshold(&file, options->threshold, words, &notes);
     status = status ? status : notes_move(&atlas->notes, &notes);
     status = status ? status : atlas_add_pathway(atlas, &file.info, values, words);

@@ -360,6 +360,29 @@ static void pathways_know_their_scale(void **state)
     conus_atlas_destroy(atlas);
 }
 
+static void pathways_are_named_by_an_fsl_atlas_or_their_file(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    conus_pathway_options options = {.threshold = 2};
+    make_folder("named");
+    assert_ok(write_volume(in("v.nii"), 1, 0, NULL));
+    assert_ok(conus_atlas_load(&atlas, in("v.nii"), NULL));
+    assert_ok(conus_atlas_add_pathway(atlas, in("v.nii"), &options));
+    write_text(in("a.xml"), "<atlas><type>Label</type><images><imagefile>/v</imagefile></images>"
+                            "<label index=\"0\">not this</label></atlas>");
+    write_text(in("b.xml"), "<atlas><type>Statistic</type><images><imagefile>/v.nii.gz</imagefile></images>"
+                            "<label index=\"0\">Fornix</label></atlas>");
+    assert_ok(conus_atlas_add_pathway(atlas, in("v.nii"), &options));
+    options.name = "mine";
+    assert_ok(conus_atlas_add_pathway(atlas, in("v.nii"), &options));
+    static const char *const names[] = {"v", "Fornix", "mine"};
+    for (size_t i = 0; i < 3; i++) {
+        assert_string_equal(conus_atlas_object(atlas, conus_atlas_object_count(atlas) - 2 + i)->name, names[i]);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 static void real_pathways_get_a_quarter_of_their_scale(void **state)
 {
     (void)state;
@@ -371,9 +394,10 @@ static void real_pathways_get_a_quarter_of_their_scale(void **state)
     assert_ok(conus_atlas_add_pathway(atlas, percent, NULL));
     assert_ok(conus_atlas_add_pathway(atlas, test_shared("prob/juelich-fibre-pathways-u16/Acoustic_radiation_L.nii.gz"),
                                       NULL));
-    assert_string_equal(conus_atlas_object(atlas, 49)->name, "JHU-ICBM-tracts-prob-2mm,volume=2");
+    assert_string_equal(conus_atlas_object(atlas, 49)->name, "Corticospinal tract L");
     assert_near(conus_atlas_volume(atlas, 1)->threshold, 25, 0);
     assert_note(atlas, "taken as percent; threshold 25");
+    assert_note(atlas, "pathway Corticospinal tract L: named by JHU-tracts.xml");
     assert_string_equal(conus_atlas_object(atlas, 50)->name, "Acoustic_radiation_L");
     assert_near(conus_atlas_volume(atlas, 2)->threshold, 65535 / 4.0, 0);
     conus_atlas_destroy(atlas);
@@ -417,6 +441,9 @@ static void every_failing_allocation_is_clean(void **state)
     test_every_allocation(load_xml, NULL);
     write_text(in("dseg.tsv"), "index\tname\n1\tA\n");
     test_every_allocation(load_everything, NULL);
+    write_text(in("a.xml"), "<atlas><type>Statistic</type><images><imagefile>/sub_dseg</imagefile></images>"
+                            "<label index=\"0\">one</label></atlas>");
+    test_every_allocation(load_everything, NULL);
 }
 
 static void arguments_are_checked(void **state)
@@ -445,6 +472,7 @@ int main(void)
         cmocka_unit_test(an_fsl_atlas_loads_its_finest_image),
         cmocka_unit_test(real_fsl_atlases_load),
         cmocka_unit_test(pathways_know_their_scale),
+        cmocka_unit_test(pathways_are_named_by_an_fsl_atlas_or_their_file),
         cmocka_unit_test(real_pathways_get_a_quarter_of_their_scale),
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(arguments_are_checked),

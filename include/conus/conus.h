@@ -91,7 +91,7 @@ CONUS_API void conus_atlas_destroy(conus_atlas *atlas);
 
 typedef struct conus_pathway_options {
     double threshold; /**< Values at or above it are the pathway (Eq. 6); 0 = a quarter of the file's scale.   */
-    const char *name; /**< NULL = the file's name without its ending.                                         */
+    const char *name; /**< NULL = its name in an FSL atlas XML near it, else the file's without its ending.     */
     uint64_t max_memory;
 } conus_pathway_options;
 
