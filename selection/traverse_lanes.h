@@ -245,35 +245,60 @@ static void store(const struct leap_map *map, struct traverse_bundle *bundle, si
     }
 }
 
+/* A packet of rays on its way, and where it came from. */
+struct packet {
+    struct lanes rays;
+    struct places at;
+    truths hit;
+    size_t first; /* ray of the bundle; its count = none */
+};
+
 /* Lanes that meet an object stop, with their hit set; the others leap. */
-static INLINE void advance(const struct leap_map *map, const struct layout *layout, const struct lanes *rays,
-                           struct places *at, truths *hit)
+static INLINE void advance(const struct leap_map *map, const struct layout *layout, struct packet *packet)
 {
-    reals codes = codes_at(layout, at->cell);
+    reals codes = codes_at(layout, packet->at.cell);
     truths met = equal(codes, all(0));
-    *hit |= at->live & met;
-    at->live &= ~met;
-    leap(map, rays, at, codes);
+    packet->hit |= packet->at.live & met;
+    packet->at.live &= ~met;
+    leap(map, &packet->rays, &packet->at, codes);
 }
 
+/* Delivers a packet whose lanes have all stopped and takes the bundle's next one that has any under way. */
+static void renew(const struct leap_map *map, struct traverse_bundle *bundle, struct packet *packet, size_t *next)
+{
+    do {
+        if (packet->first < bundle->count) {
+            store(map, bundle, packet->first, &packet->at, packet->hit);
+        }
+        packet->first = *next;
+        if (*next == bundle->count) {
+            return;
+        }
+        load(&packet->rays, map, bundle, packet->first);
+        enter(map, &packet->rays, bundle, &packet->at);
+        packet->hit = less(all(0), all(0)); /* none */
+        *next += LANES;
+    } while (!any(packet->at.live));
+}
+
+/* Two packets at a time, so that one computes while the other waits for its codes. */
 void KERNEL(const struct leap_map *map, struct traverse_bundle *bundle)
 {
     struct layout layout;
+    struct packet one = {.first = bundle->count};
+    struct packet two = {.first = bundle->count};
+    size_t next = 0;
     layout_init(&layout, map);
-    for (size_t first = 0; first < bundle->count; first += 2 * LANES) {
-        struct lanes rays[2];
-        struct places at[2];
-        truths none = less(all(0), all(0));
-        truths hit[2] = {none, none};
-        for (size_t i = 0; i < 2; i++) {
-            load(&rays[i], map, bundle, first + i * LANES);
-            enter(map, &rays[i], bundle, &at[i]);
+    renew(map, bundle, &one, &next);
+    renew(map, bundle, &two, &next);
+    while (any(one.at.live | two.at.live)) {
+        advance(map, &layout, &one);
+        advance(map, &layout, &two);
+        if (!any(one.at.live)) {
+            renew(map, bundle, &one, &next);
         }
-        while (any(at[0].live | at[1].live)) {
-            advance(map, &layout, &rays[0], &at[0], &hit[0]);
-            advance(map, &layout, &rays[1], &at[1], &hit[1]);
+        if (!any(two.at.live)) {
+            renew(map, bundle, &two, &next);
         }
-        store(map, bundle, first, &at[0], hit[0]);
-        store(map, bundle, first + LANES, &at[1], hit[1]);
     }
 }

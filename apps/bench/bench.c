@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <time.h>
 
-double bench_now(void)
+double bench_now(const struct bench *bench)
 {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(bench->one_thread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
@@ -57,13 +57,12 @@ conus_status bench_measure(struct bench *bench, const char *scenario, struct ben
     if (!times) {
         return CONUS_ERROR_MEMORY;
     }
-    for (size_t round = 0; round < repeats + 1; round++) {
+    for (size_t round = 0; round < repeats; round++) {
         for (size_t v = 0; v < count; v++) {
-            double start = bench_now();
+            variants[v].run(variants[v].data); /* its neighbours emptied the caches */
+            double start = bench_now(bench);
             variants[v].run(variants[v].data);
-            if (round > 0) {
-                times[v * repeats + round - 1] = (bench_now() - start) / (double)per;
-            }
+            times[v * repeats + round] = (bench_now(bench) - start) / (double)per;
         }
     }
     conus_status status = CONUS_OK;

@@ -21,7 +21,9 @@ struct bench {
     struct bench_options options;
     json_t *runs;
     json_t *ratios;
-    char driver[128]; /**< Engine or GL renderer in use. */
+    char driver[128]; /**< Engine or GL renderer in use.                                              */
+    bool one_thread;  /**< Set by a scenario whose variants all run on the calling thread: then its CPU
+                           time is taken, which other programs on the machine hardly disturb.        */
 };
 
 /** Something to time. */
@@ -33,8 +35,9 @@ struct bench_variant {
     double median_ms, min_ms, p90_ms; /**< Out: one run / `per`.  */
 };
 
-/** Times the variants in turn, options.repeats times after one round to warm up, and adds them to the runs. Times are
- * those of one run divided by @p per (queries in a run, say); @p angle_deg 0 where there is no cone. */
+/** Times the variants in turn, options.repeats times, and adds them to the runs. What is timed is the second of two
+ * runs on end, as in a batch that goes on. Times are those of one run divided by @p per (queries in a run, say);
+ * @p angle_deg 0 where there is no cone. */
 conus_status bench_measure(struct bench *bench, const char *scenario, struct bench_variant *variants, size_t count,
                            size_t per, double angle_deg);
 
@@ -42,8 +45,8 @@ conus_status bench_measure(struct bench *bench, const char *scenario, struct ben
 conus_status bench_ratio(struct bench *bench, const char *key, const struct bench_variant *above,
                          const struct bench_variant *below);
 
-/** Milliseconds on a clock that only goes forward. */
-double bench_now(void);
+/** Milliseconds: of this thread's CPU time or of the wall clock. */
+double bench_now(const struct bench *bench);
 
 /** A deterministic generator (SplitMix64); uniform in [low, high). */
 double bench_random(uint64_t *state, double low, double high);

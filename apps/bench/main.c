@@ -131,10 +131,11 @@ static conus_status write_json(const struct bench *bench, const char *path)
     find_cpu_model(model, sizeof model);
     snprintf(machine, sizeof machine, "%s, %ld CPUs", model, sysconf(_SC_NPROCESSORS_ONLN));
     const struct bench_options *o = &bench->options;
-    json_t *root = json_pack("{s:s, s:s, s:s, s:{s:s, s:f, s:I, s:I}, s:O, s:O}", "version", conus_version(), "machine",
-                             machine, "driver", bench->driver, "settings", "atlas", o->atlas, "angle_deg", o->angle,
-                             "poses", (json_int_t)o->poses, "repeats", (json_int_t)o->repeats, "runs", bench->runs,
-                             "ratios", bench->ratios);
+    json_t *root =
+        json_pack("{s:s, s:s, s:s, s:{s:s, s:f, s:I, s:I, s:s}, s:O, s:O}", "version", conus_version(), "machine",
+                  machine, "driver", bench->driver, "settings", "atlas", o->atlas, "angle_deg", o->angle, "poses",
+                  (json_int_t)o->poses, "repeats", (json_int_t)o->repeats, "clock",
+                  bench->one_thread ? "CPU time of one thread" : "wall", "runs", bench->runs, "ratios", bench->ratios);
     char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(6)) : NULL;
     struct buffer buffer = {0};
     if (text) {

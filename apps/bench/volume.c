@@ -17,6 +17,7 @@ struct contender {
     const struct scene *scene;
     struct engine *engine;
     struct evidence *answers; /* [poses] */
+    struct evidence scratch;  /* what is timed goes here */
     char name[112];
     conus_status status;
 };
@@ -75,7 +76,7 @@ static conus_status add_contender(struct scene *scene, const struct traverse_ker
     struct contender *contender = &scene->contenders[scene->contender_count++];
     contender->scene = scene;
     contender->answers = memory_zeroed(scene->cone_count, sizeof *contender->answers);
-    conus_status status = contender->answers ? CONUS_OK : CONUS_ERROR_MEMORY;
+    conus_status status = contender->answers ? evidence_init(&contender->scratch, RESOLUTION) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < scene->cone_count && !status; i++) {
         status = evidence_init(&contender->answers[i], RESOLUTION);
     }
@@ -94,6 +95,7 @@ static void scene_finish(struct scene *scene)
         for (size_t i = 0; i < scene->cone_count && contender->answers; i++) {
             evidence_finish(&contender->answers[i]);
         }
+        evidence_finish(&contender->scratch);
         memory_free(contender->answers);
         engine_destroy(contender->engine);
     }
@@ -101,18 +103,28 @@ static void scene_finish(struct scene *scene)
     conus_atlas_destroy(scene->atlas);
 }
 
-static void look(void *data)
+static void look(struct contender *contender, struct evidence *out, const struct cone *cone)
+{
+    if (contender->engine) {
+        conus_status status = contender->engine->functions->look(contender->engine, out, cone);
+        contender->status = status ? status : contender->status;
+    } else {
+        oracle_look(out, contender->scene->atlas, cone);
+    }
+}
+
+static void answer(struct contender *contender)
+{
+    for (size_t i = 0; i < contender->scene->cone_count; i++) {
+        look(contender, &contender->answers[i], &contender->scene->cones[i]);
+    }
+}
+
+static void look_from_everywhere(void *data)
 {
     struct contender *contender = data;
-    const struct scene *scene = contender->scene;
-    for (size_t i = 0; i < scene->cone_count; i++) {
-        if (contender->engine) {
-            conus_status status =
-                contender->engine->functions->look(contender->engine, &contender->answers[i], &scene->cones[i]);
-            contender->status = status ? status : contender->status;
-        } else {
-            oracle_look(&contender->answers[i], scene->atlas, &scene->cones[i]);
-        }
+    for (size_t i = 0; i < contender->scene->cone_count; i++) {
+        look(contender, &contender->scratch, &contender->scene->cones[i]);
     }
 }
 
@@ -158,8 +170,8 @@ static conus_status measure(struct bench *bench, struct scene *scene)
     size_t count = scene->contender_count;
     for (size_t c = 0; c < count; c++) {
         struct contender *contender = &scene->contenders[c];
-        variants[c] = (struct bench_variant){.name = contender->name, .run = look, .data = contender};
-        look(contender);
+        variants[c] = (struct bench_variant){.name = contender->name, .run = look_from_everywhere, .data = contender};
+        answer(contender);
         variants[c].equal = gives_the_same(contender, &scene->contenders[0]);
     }
     struct bench_variant build = {
@@ -174,6 +186,7 @@ conus_status bench_volume(struct bench *bench)
     struct scene scene = {0};
     conus_status status = make_scene(&scene, &bench->options);
     status = status ? status : add_contenders(&scene);
+    bench->one_thread = true;
     if (!status) {
         snprintf(bench->driver, sizeof bench->driver, "%s", scene.contenders[1].engine->name);
         status = measure(bench, &scene);
