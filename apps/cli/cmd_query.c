@@ -64,12 +64,18 @@ static const struct option_group groups[] = {
     {0},
 };
 
+enum { OUTPUT_COUNT = 4 };
+
 /** A query under way. */
 struct query {
     const struct query_settings *settings;
     const struct arguments *arguments;
     conus_format format;
     char *command_line;
+    char *sidecar; /* path, NULL if there is none to write */
+    struct output {
+        const char *what, *path;
+    } outputs[OUTPUT_COUNT];
     conus_atlas *atlas;
     conus_pose_list *poses;
     conus_selector *selector;
@@ -86,6 +92,7 @@ static void query_finish(struct query *query)
     conus_pose_list_destroy(query->poses);
     conus_atlas_destroy(query->atlas);
     free(query->command_line);
+    free(query->sidecar);
 }
 
 static conus_format format_of(const struct query_settings *settings, const struct arguments *arguments)
@@ -105,26 +112,6 @@ static conus_format format_of(const struct query_settings *settings, const struc
     return CONUS_TABLE;
 }
 
-/* No two outputs may be one file, and none may be the atlas. */
-static bool check_paths(const struct query_settings *settings, const struct arguments *arguments)
-{
-    const char *paths[] = {settings->output, settings->voxels, settings->image};
-    static const char *const names[] = {"output", "voxels", "image"};
-    for (size_t i = 0; i < 3; i++) {
-        if (paths[i] && paths_equal(paths[i], arguments->operands[0])) {
-            complain("--%s would overwrite the atlas %s", names[i], paths[i]);
-            return false;
-        }
-        for (size_t j = 0; paths[i] && j < i; j++) {
-            if (paths[j] && paths_equal(paths[i], paths[j])) {
-                complain("--%s and --%s are the same file %s", names[j], names[i], paths[i]);
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
 static bool check_outputs(const struct query_settings *settings, const struct arguments *arguments)
 {
     if (!option_needs(arguments, "voxels-of", "voxels")) {
@@ -138,7 +125,7 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
         complain("--image: \"%s\" ends neither in .exr nor in .png", settings->image);
         return false;
     }
-    return check_paths(settings, arguments);
+    return true;
 }
 
 static bool check(const struct query_settings *settings, const struct arguments *arguments)
@@ -239,34 +226,15 @@ static conus_status start(struct query *query)
     return conus_report_create(&query->report, query->selector, &report);
 }
 
-/* "answer.tsv" -> "answer.json". The caller frees it. */
-static char *sidecar_path(const char *path)
-{
-    char *sidecar = NULL;
-    int stem = (int)(strlen(path) - strlen(".tsv"));
-    return asprintf(&sidecar, "%.*s.json", stem, path) < 0 ? NULL : sidecar;
-}
-
 static int write_sidecar(struct query *query)
 {
     const char *text = NULL;
     size_t size = 0;
-    const char *output = query->settings->output;
-    if (output_is_stdout(output) || query->format != CONUS_TSV || !path_ends(output, ".tsv")) {
+    if (!query->sidecar) {
         return EXIT_DONE;
     }
     conus_status status = conus_report_sidecar(query->report, &text, &size);
-    if (status) {
-        return complain_status(status);
-    }
-    char *path = sidecar_path(output);
-    if (!path) {
-        complain("%s: not enough memory", output);
-        return EXIT_DATA;
-    }
-    int code = output_write(path, text, size);
-    free(path);
-    return code;
+    return status ? complain_status(status) : output_write(query->sidecar, text, size);
 }
 
 static int write_voxels(struct query *query)
@@ -310,6 +278,37 @@ static int write_all(struct query *query)
     return query->failed ? EXIT_DIFFERENT : EXIT_DONE;
 }
 
+/* No two outputs may be one file. */
+static bool check_paths(const struct query *query)
+{
+    for (size_t i = 0; i < OUTPUT_COUNT; i++) {
+        const struct output *one = &query->outputs[i];
+        for (size_t j = 0; one->path && j < i; j++) {
+            const struct output *other = &query->outputs[j];
+            if (other->path && paths_equal(one->path, other->path)) {
+                complain("%s and %s are the same file %s", other->what, one->what, one->path);
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static bool check_inputs(const struct query *query)
+{
+    const struct query_settings *settings = query->settings;
+    for (size_t i = 0; i < OUTPUT_COUNT; i++) {
+        const struct output *output = &query->outputs[i];
+        const char *input =
+            output->path ? settings_input(query->atlas, &settings->atlas, &settings->aim, output->path) : NULL;
+        if (input) {
+            complain("%s would overwrite %s %s", output->what, input, output->path);
+            return false;
+        }
+    }
+    return true;
+}
+
 static int work(struct query *query)
 {
     const struct query_settings *settings = query->settings;
@@ -320,10 +319,47 @@ static int work(struct query *query)
     if (code) {
         return code;
     }
-    settings_say_notes(query->atlas, &settings->common);
+    if (!check_inputs(query)) {
+        return EXIT_USAGE;
+    }
     conus_status status = start(query);
     code = status ? complain_status(status) : answer_all(query);
-    return code ? code : write_all(query);
+    if (code) {
+        return code;
+    }
+    settings_say_notes(query->atlas, &settings->common);
+    return write_all(query);
+}
+
+/* "answer.tsv" has its sidecar in "answer.json". */
+static bool name_sidecar(struct query *query)
+{
+    const char *output = query->settings->output;
+    if (output_is_stdout(output) || query->format != CONUS_TSV || !path_ends(output, ".tsv")) {
+        return true;
+    }
+    int stem = (int)(strlen(output) - strlen(".tsv"));
+    if (asprintf(&query->sidecar, "%.*s.json", stem, output) < 0) {
+        query->sidecar = NULL;
+    }
+    return query->sidecar;
+}
+
+static int run_named(struct query *query)
+{
+    const struct query_settings *settings = query->settings;
+    const char *answer = output_is_stdout(settings->output) ? NULL : settings->output;
+    query->command_line = arguments_text(query->arguments);
+    if (!query->command_line || !name_sidecar(query)) {
+        complain("not enough memory");
+        return EXIT_DATA;
+    }
+    const struct output outputs[OUTPUT_COUNT] = {{"--output", answer},
+                                                 {"the .json beside --output", query->sidecar},
+                                                 {"--voxels", settings->voxels},
+                                                 {"--image", settings->image}};
+    memcpy(query->outputs, outputs, sizeof outputs);
+    return check_paths(query) ? work(query) : EXIT_USAGE;
 }
 
 static int run(const void *given, const struct arguments *arguments)
@@ -333,12 +369,7 @@ static int run(const void *given, const struct arguments *arguments)
         return EXIT_USAGE;
     }
     struct query query = {.settings = settings, .arguments = arguments, .format = format_of(settings, arguments)};
-    query.command_line = arguments_text(arguments);
-    if (!query.command_line) {
-        complain("not enough memory");
-        return EXIT_DATA;
-    }
-    int code = work(&query);
+    int code = run_named(&query);
     query_finish(&query);
     return code;
 }

@@ -152,14 +152,10 @@ static bool check_camera(const struct arguments *arguments)
            options_exclude(arguments, "camera", "camera-origin");
 }
 
-static bool check_output(const struct render_settings *settings, const struct arguments *arguments)
+static bool check_output(const struct render_settings *settings)
 {
     if (!path_ends(settings->output, ".png") && !path_ends(settings->output, ".exr")) {
-        complain("-o: \"%s\" ends neither in .png nor in .exr", settings->output);
-        return false;
-    }
-    if (paths_equal(settings->output, arguments->operands[0])) {
-        complain("-o would overwrite the atlas %s", settings->output);
+        complain("--output: \"%s\" ends neither in .png nor in .exr", settings->output);
         return false;
     }
     return true;
@@ -167,7 +163,7 @@ static bool check_output(const struct render_settings *settings, const struct ar
 
 static bool check(const struct render_settings *settings, const struct arguments *arguments)
 {
-    return check_output(settings, arguments) && check_cone(arguments) && check_camera(arguments) &&
+    return check_output(settings) && check_cone(arguments) && check_camera(arguments) &&
            option_needs(arguments, "transfer", "context");
 }
 
@@ -242,10 +238,11 @@ static int load(struct picture *picture)
         conus_status status = conus_atlas_set_context(picture->atlas, settings->context, &options);
         code = status ? complain_status(status) : EXIT_DONE;
     }
-    if (!code) {
-        settings_say_notes(picture->atlas, &settings->common);
+    if (code) {
+        return code;
     }
-    return code;
+    const char *input = settings_input(picture->atlas, &settings->atlas, &settings->aim, settings->output);
+    return input ? complain_usage("--output would overwrite %s %s", input, settings->output) : EXIT_DONE;
 }
 
 static int aim(struct picture *picture)
@@ -312,6 +309,9 @@ static int run(const void *given, const struct arguments *arguments)
     }
     if (!code) {
         code = draw(&picture);
+    }
+    if (!code) {
+        settings_say_notes(picture.atlas, &settings->common);
     }
     picture_finish(&picture);
     return code;

@@ -82,12 +82,21 @@ load helpers
 
 @test "outputs keep off the inputs and each other" {
     sphere --size 32
+    cp sphere.nii.gz tract.png
     local aim='--origin 0,0,100 --toward 0,0,0'
     fails 2 '--output would overwrite the atlas' query sphere.nii.gz $aim -o ./sphere.nii.gz
     fails 2 '--output and --voxels are the same file' query sphere.nii.gz $aim -o a.tsv --voxels a.tsv --voxels-of all
+    fails 2 '--output would overwrite the label table sphere.tsv' query sphere.nii.gz $aim -o sphere.tsv
+    fails 2 '--image would overwrite a pathway tract.png' \
+        query sphere.nii.gz $aim --pathway tract.png,threshold=1 --image tract.png
+    fails 2 'the .json beside --output and --voxels are the same file a.json' \
+        query sphere.nii.gz $aim -o a.tsv --voxels a.json --voxels-of all
+    printf 'x,y,z,dx,dy,dz\n0,0,100,0,0,-1\n' >poses.json
+    fails 2 'the .json beside --output would overwrite the file of poses poses.json' \
+        query sphere.nii.gz --pose poses.json -o poses.tsv
     fails 3 'no/such/a.json: cannot write: No such file' query sphere.nii.gz $aim -o no/such/a.tsv
     fails 3 '.: cannot write: is a folder' query sphere.nii.gz $aim -o .
-    nothing_left sphere.{nii.gz,tsv,json}
+    nothing_left sphere.{nii.gz,tsv,json} tract.png poses.json
 }
 
 @test "--voxels lists the voxels met first" {

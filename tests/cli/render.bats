@@ -84,7 +84,7 @@ png_size() {
 
 @test "mistakes are named before anything is loaded" {
     fails 2 '--output FILE is missing' render a.nii
-    fails 2 '-o: "a.jpg" ends neither in .png nor in .exr' render a.nii -o a.jpg
+    fails 2 '--output: "a.jpg" ends neither in .png nor in .exr' render a.nii -o a.jpg
     fails 2 '--size: "100" is not a size WxH' render a.nii -o a.png --size 100
     fails 2 '--size: 0x10 is out of range, allowed is 1 to 16384' render a.nii -o a.png --size 0x10
     fails 2 '--transfer has no effect without --context' render a.nii -o a.png --transfer brain
@@ -104,7 +104,7 @@ png_size() {
     gl render sphere.nii.gz -o a.png $SMALL
     fails 3 'no/a.png: cannot write' render sphere.nii.gz -o no/a.png $SMALL
     cp sphere.nii.gz atlas.png
-    fails 2 '-o would overwrite the atlas atlas.png' render atlas.png -o atlas.png
+    fails 2 '--output would overwrite the atlas atlas.png' render atlas.png -o atlas.png
 }
 
 @test "no OpenGL is exit code 4" {

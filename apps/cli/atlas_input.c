@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Loading what the atlas's options ask for, and keeping outputs off it. */
+#include "cli/messages.h"
+#include "cli/output.h"
+#include "cli/settings.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** One --pathway, taken apart. */
+struct pathway {
+    char *text;   /* what the others point into, and twice its size */
+    char *path;   /* with ",volume=K" at its end, as the library wants it */
+    char *name;   /* NULL if not given */
+    char *volume; /* "volume=K", NULL if not given */
+    double threshold;
+};
+
+static bool read_threshold(struct pathway *pathway, const char *value)
+{
+    if (!number_parse(value, &pathway->threshold) || pathway->threshold <= 0) {
+        complain("--pathway: threshold=%s is not a number above 0", value);
+        return false;
+    }
+    return true;
+}
+
+static bool read_volume(struct pathway *pathway, char *key, const char *value)
+{
+    uint64_t index;
+    if (!count_parse(value, UINT32_MAX, &index)) {
+        complain("--pathway: volume=%s is not a whole number from 0", value);
+        return false;
+    }
+    pathway->volume = key;
+    return true;
+}
+
+/* Reads "key=value", the text after a comma. */
+static bool read_key(struct pathway *pathway, char *key)
+{
+    char *value = strchr(key, '=') + 1;
+    if (strncmp(key, "threshold=", 10) == 0 && pathway->threshold == 0) {
+        return read_threshold(pathway, value);
+    }
+    if (strncmp(key, "name=", 5) == 0 && !pathway->name) {
+        pathway->name = value;
+        return *value || (complain("--pathway: name= is empty"), false);
+    }
+    if (strncmp(key, "volume=", 7) == 0 && !pathway->volume) {
+        return read_volume(pathway, key, value);
+    }
+    complain("--pathway: \"%s\" is none of threshold=T, name=S and volume=K, each at most once", key);
+    return false;
+}
+
+/* Cuts keys off the end as long as there are some, since a file's name may have commas as well. */
+static bool parse_pathway(struct pathway *pathway, const char *text)
+{
+    size_t size = strlen(text) + 1;
+    pathway->text = calloc(2, size);
+    if (!pathway->text) {
+        complain("--pathway: not enough memory");
+        return false;
+    }
+    char *keys = memcpy(pathway->text, text, size);
+    for (char *comma; (comma = strrchr(keys, ',')) && strchr(comma, '=');) {
+        *comma = '\0';
+        if (!read_key(pathway, comma + 1)) {
+            return false;
+        }
+    }
+    if (!*keys) {
+        complain("--pathway: \"%s\" names no file", text);
+        return false;
+    }
+    pathway->path = pathway->text + size;
+    snprintf(pathway->path, size, "%s%s%s", keys, pathway->volume ? "," : "", pathway->volume ? pathway->volume : "");
+    return true;
+}
+
+static int add_pathway(conus_atlas *atlas, const char *text, uint64_t max_memory)
+{
+    struct pathway pathway = {0};
+    int code = EXIT_USAGE;
+    if (parse_pathway(&pathway, text)) {
+        const conus_pathway_options options = {pathway.threshold, pathway.name, max_memory};
+        conus_status status = conus_atlas_add_pathway(atlas, pathway.path, &options);
+        code = status ? complain_status(status) : EXIT_DONE;
+    }
+    free(pathway.text);
+    return code;
+}
+
+int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings)
+{
+    const conus_load_options options = {.labels = settings->labels, .max_memory = settings->max_memory};
+    conus_atlas *atlas = NULL;
+    conus_status status = conus_atlas_load(&atlas, path, &options);
+    if (status) {
+        return complain_status(status);
+    }
+    for (size_t i = 0; i < settings->pathways.count; i++) {
+        int code = add_pathway(atlas, settings->pathways.items[i], settings->max_memory);
+        if (code) {
+            conus_atlas_destroy(atlas);
+            return code;
+        }
+    }
+    *out = atlas;
+    return EXIT_DONE;
+}
+
+/* Whether `path` is the file that the atlas's label source names ("BIDS label table in aal.tsv, colours in aal.lut"),
+ * which lies beside the voxels. */
+static bool is_label_table(const conus_atlas *atlas, const char *path)
+{
+    const char *voxels = conus_atlas_volume(atlas, 0)->path;
+    const char *slash = strrchr(voxels, '/');
+    const char *own_slash = strrchr(path, '/');
+    const char *name = own_slash ? own_slash + 1 : path;
+    const char *named = strstr(conus_atlas_label_source(atlas), name);
+    char beside[PATH_MAX];
+    if (!named || strncmp(named - 1, " ", 1) != 0) {
+        return false;
+    }
+    snprintf(beside, sizeof beside, "%.*s%s", slash ? (int)(slash - voxels + 1) : 0, voxels, name);
+    return paths_equal(beside, path);
+}
+
+const char *settings_input(const conus_atlas *atlas, const struct atlas_settings *atlas_settings,
+                           const struct aim_settings *aim, const char *path)
+{
+    static const char *const roles[] = {
+        [CONUS_PARCELLATION] = "the atlas", [CONUS_SCALAR] = "a pathway", [CONUS_CONTEXT] = "the context"};
+    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
+        const conus_volume_info *info = conus_atlas_volume(atlas, i);
+        if (paths_equal(info->path, path)) {
+            return roles[info->role];
+        }
+    }
+    if (is_label_table(atlas, path) || (atlas_settings->labels && paths_equal(atlas_settings->labels, path))) {
+        return "the label table";
+    }
+    return aim->pose && paths_equal(aim->pose, path) ? "the file of poses" : NULL;
+}
+
+void settings_say_notes(const conus_atlas *atlas, const struct common_settings *settings)
+{
+    for (size_t i = 0; !settings->quiet && i < conus_atlas_note_count(atlas); i++) {
+        complain("note: %s", conus_atlas_note(atlas, i));
+    }
+}
