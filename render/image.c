@@ -233,6 +233,9 @@ static conus_status parse(conus_image **out, const struct bytes *bytes)
 
 conus_status conus_image_load(conus_image **out, const char *path)
 {
+    if (!out || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_image_load: %s is NULL", out ? "path" : "out");
+    }
     struct bytes bytes;
     conus_status status = file_read(&bytes, path, IMAGE_MAX_BYTES);
     if (status) {
@@ -245,6 +248,9 @@ conus_status conus_image_load(conus_image **out, const char *path)
 
 conus_status conus_image_write(const conus_image *image, const char *path)
 {
+    if (!image || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_image_write: %s is NULL", image ? "path" : "image");
+    }
     const char *dot = strrchr(path, '.');
     bool exr = dot && strcasecmp(dot, ".exr") == 0;
     if (!exr && !(dot && strcasecmp(dot, ".png") == 0)) {

@@ -210,6 +210,10 @@ static void unknown_endings_and_contents_are_named(void **state)
     assert_fails(conus_image_load(&back, path), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "neither OpenEXR nor PNG"));
     assert_fails(conus_image_load(&back, test_scratch("absent.exr")), CONUS_ERROR_IO);
+    assert_fails(conus_image_load(&back, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_image_load(NULL, path), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_image_write(NULL, path), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_image_write(image, NULL), CONUS_ERROR_ARGUMENT);
     assert_null(back);
     conus_image_destroy(image);
 }
