@@ -40,6 +40,16 @@ static bool next_tag(struct text *rest, struct tag *tag)
     return true;
 }
 
+/* Where the string ends that begins at `start` of `text`: at its closing mark, or a word at white space or a tag. */
+static size_t string_end(struct text text, size_t start, char quote)
+{
+    size_t end = start;
+    while (end < text.size && (quote ? text.data[end] != quote : !memchr(" \t\r\n\v\f<", text.data[end], 7))) {
+        end++;
+    }
+    return end;
+}
+
 /* Takes the next string before the next tag off `rest`, in quotation marks or else a word, its entities unresolved. */
 static bool next_string(struct text *rest, struct text *string)
 {
@@ -47,13 +57,9 @@ static bool next_string(struct text *rest, struct text *string)
     if (!inner.size || inner.data[0] == '<') {
         return false;
     }
-    char quote = inner.data[0];
-    bool quoted = quote == '"' || quote == '\'';
+    bool quoted = inner.data[0] == '"' || inner.data[0] == '\'';
     size_t start = quoted;
-    size_t end = start;
-    while (end < inner.size && (quoted ? inner.data[end] != quote : !strchr(" \t\r\n\v\f<", inner.data[end]))) {
-        end++;
-    }
+    size_t end = string_end(inner, start, quoted ? inner.data[0] : 0);
     if (quoted && end == inner.size) {
         return false;
     }
