@@ -304,8 +304,9 @@ static int put_table(FILE *out, const conus_atlas *atlas)
     size_t areas = count_objects(atlas, is_area);
     put_volumes(out, atlas);
     put_notes(out, atlas);
-    fprintf(out, "\n%zu areas (%zu without a name, %zu without voxels), %zu pathways\n", areas,
-            count_objects(atlas, is_nameless), count_objects(atlas, is_empty), conus_atlas_object_count(atlas) - areas);
+    size_t pathways = conus_atlas_object_count(atlas) - areas;
+    fprintf(out, "\n%zu area%s (%zu without a name, %zu without voxels), %zu pathway%s\n", areas, areas == 1 ? "" : "s",
+            count_objects(atlas, is_nameless), count_objects(atlas, is_empty), pathways, pathways == 1 ? "" : "s");
     put_aligned(out, tsv);
     free(tsv);
     return EXIT_DONE;

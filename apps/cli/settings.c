@@ -122,8 +122,7 @@ const struct option engine_options[] = {
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, engine),
      .value = "NAME",
-     .help = "rays on the CPU or an OpenGL pass; both give the same pixels; auto takes OpenGL only "
-             "where hardware is at hand:",
+     .help = "rays on the CPU or an OpenGL pass, which give the same pixels; auto is rays in this program:",
      .choices = engines},
     {.name = "sampling",
      .type = OPTION_CHOICE,

@@ -58,6 +58,6 @@ load helpers
 
 @test "a pipe that closes early is an error, not silence" {
     need_aal
-    run -3 --separate-stderr bash -c "set -o pipefail; '$CONUS' info '$aal' --format json | true"
+    run -3 --separate-stderr bash -c "exec 3> >(:); wait \$!; '$CONUS' info '$aal' --format json >&3"
     check_message 'standard output: cannot write: Broken pipe'
 }

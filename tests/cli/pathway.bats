@@ -96,5 +96,5 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 2 --quiet --format tsv'
     has Postcentral_L
     answers info "$aal" --pathway "$pathway/Corticospinal_tract_L.nii.gz"
     has 'Pathway 1'
-    has '1 pathways'
+    has '1 pathway'
 }
