@@ -45,8 +45,13 @@ static conus_status append_volume(conus_atlas *atlas, struct volume *volume, siz
     return CONUS_OK;
 }
 
-static conus_status reserve_objects(conus_atlas *atlas, size_t count)
+/* Makes room for one more: there is room up to the next power of two, so only a count that is one has to grow. */
+static conus_status reserve_object(conus_atlas *atlas)
 {
+    size_t count = atlas->object_count ? 2 * atlas->object_count : 1;
+    if (atlas->object_count & (atlas->object_count - 1)) {
+        return CONUS_OK;
+    }
     conus_object *objects = memory_resize(atlas->objects, count, sizeof *objects);
     if (!objects) {
         return CONUS_ERROR_MEMORY;
@@ -62,7 +67,7 @@ static conus_status reserve_objects(conus_atlas *atlas, size_t count)
 
 conus_status atlas_append_object(conus_atlas *atlas, const conus_object *object, size_t volume)
 {
-    conus_status status = reserve_objects(atlas, atlas->object_count + 1);
+    conus_status status = reserve_object(atlas);
     conus_object copy = *object;
     copy.name = status ? NULL : memory_text(object->name, strlen(object->name));
     copy.abbreviation = status ? NULL : memory_text(object->abbreviation, strlen(object->abbreviation));
