@@ -92,10 +92,11 @@ static conus_status find_libraries(void)
         void *library = dlopen(needed[i][0], RTLD_LAZY | RTLD_LOCAL);
         library = library ? library : dlopen(needed[i][1], RTLD_LAZY | RTLD_LOCAL);
         if (!library) {
-            return fail(CONUS_ERROR_GL,
-                        "no OpenGL: %s cannot be loaded; needed are EGL and an OpenGL 4.5 driver (Debian: libegl1, "
-                        "libopengl0, libgl1-mesa-dri), or use the rays engine",
-                        needed[i][0]);
+            return fail(
+                CONUS_ERROR_GL,
+                "no OpenGL 4.5 core context: %s cannot be loaded; needed are EGL and a driver (Debian: libegl1, "
+                "libopengl0, libgl1-mesa-dri), or use the rays engine",
+                needed[i][0]);
         }
         dlclose(library);
     }
@@ -267,7 +268,10 @@ conus_status gl_context_create(struct gl_context **out, conus_log log, void *log
     eglBindAPI(api);
     if (!found) {
         memory_free(context);
-        return fail(CONUS_ERROR_GL, "no OpenGL 4.5 core context, which is needed here; tried %s", attempts.text);
+        return fail(
+            CONUS_ERROR_GL,
+            "no OpenGL 4.5 core context: a driver that has it is needed (a GPU's, or Mesa's libgl1-mesa-dri); tried %s",
+            attempts.text);
     }
     *out = context;
     return CONUS_OK;
