@@ -170,3 +170,12 @@ conus_pose scene_generic_pose(uint64_t *state, const conus_atlas *atlas)
     vec3_add_scaled(target, target, -test_random(state, 0, 60) / vec3_length(direction), direction);
     return looking(target, direction);
 }
+
+struct cone scene_cone(uint64_t *state, const conus_atlas *atlas)
+{
+    struct cone cone = {.pose = scene_pose(state, atlas)};
+    cone.angle =
+        radians_from_degrees(test_random(state, 0, 1) < 0.5 ? test_random(state, 1, 20) : test_random(state, 1, 170));
+    cone.resolution = 1 + (uint32_t)test_random(state, 0, test_random(state, 0, 1) < 0.2 ? 64 : 17);
+    return cone;
+}

@@ -79,15 +79,6 @@ static size_t assert_same_look(struct engine *gl, struct engine *rays, const str
     return hits;
 }
 
-static struct cone random_cone(uint64_t *state, const conus_atlas *atlas)
-{
-    struct cone cone = {.pose = scene_pose(state, atlas)};
-    cone.angle =
-        radians_from_degrees(test_random(state, 0, 1) < 0.5 ? test_random(state, 1, 20) : test_random(state, 1, 170));
-    cone.resolution = 1 + (uint32_t)test_random(state, 0, test_random(state, 0, 1) < 0.2 ? 64 : 17);
-    return cone;
-}
-
 static size_t compare_scenes(uint64_t random, int scenes, conus_sampling sampling)
 {
     size_t hits = 0;
@@ -97,7 +88,7 @@ static size_t compare_scenes(uint64_t random, int scenes, conus_sampling samplin
         struct engine *gl = gl_engine(atlas, sampling, slices);
         struct engine *rays = rays_engine(atlas, sampling, slices);
         for (int pose = 0; pose < 12; pose++) {
-            struct cone cone = random_cone(&random, atlas);
+            struct cone cone = scene_cone(&random, atlas);
             hits += assert_same_look(gl, rays, &cone);
         }
         engine_destroy(rays);
@@ -316,7 +307,7 @@ static void the_callers_context_stays_current(void **state)
     assert_ok(gl_context_use(own, &previous));
     EGLContext is = eglGetCurrentContext();
     struct engine *rays = rays_engine(atlas, CONUS_EXACT, 0);
-    struct cone cone = random_cone(&random, atlas);
+    struct cone cone = scene_cone(&random, atlas);
     assert_same_look(gl, rays, &cone);
     assert_ptr_equal(eglGetCurrentContext(), is);
     engine_destroy(gl_engine(atlas, CONUS_EXACT, 0));
@@ -339,7 +330,7 @@ static void compare_on(const char *name, uint64_t random, int poses)
     struct engine *slices[2] = {gl_engine(atlas, CONUS_SLICES, 0), rays_engine(atlas, CONUS_SLICES, 0)};
     size_t hits = 0;
     for (int pose = 0; pose < poses; pose++) {
-        struct cone cone = random_cone(&random, atlas);
+        struct cone cone = scene_cone(&random, atlas);
         hits += assert_same_look(exact[0], exact[1], &cone);
         assert_same_look(slices[0], slices[1], &cone);
     }

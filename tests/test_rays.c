@@ -7,15 +7,6 @@
 
 #include <string.h>
 
-static struct cone random_cone(uint64_t *state, const conus_atlas *atlas)
-{
-    struct cone cone = {.pose = scene_pose(state, atlas)};
-    cone.angle =
-        radians_from_degrees(test_random(state, 0, 1) < 0.5 ? test_random(state, 1, 20) : test_random(state, 1, 170));
-    cone.resolution = 1 + (uint32_t)test_random(state, 0, test_random(state, 0, 1) < 0.2 ? 64 : 17);
-    return cone;
-}
-
 static void assert_same_pixel(const struct evidence *got, const struct evidence *wanted, size_t pixel)
 {
     bool same = got->object[pixel] == wanted->object[pixel] && got->voxel[pixel] == wanted->voxel[pixel] &&
@@ -73,7 +64,7 @@ static void look_from_random_poses(struct engine *engine, const conus_atlas *atl
     struct poses *poses = data;
     uint64_t random = poses->random;
     for (int pose = 0; pose < poses->count; pose++) {
-        struct cone cone = random_cone(&random, atlas);
+        struct cone cone = scene_cone(&random, atlas);
         poses->hits += compare_with_oracle(engine, atlas, &cone);
     }
 }
