@@ -3,6 +3,8 @@
 
 #include "base/math3.h"
 
+#include <string.h>
+
 enum { RESOLUTION_LIMIT = 1024 };
 
 conus_status cone_check(const struct cone *cone)
@@ -19,11 +21,12 @@ conus_status cone_check(const struct cone *cone)
 
 void cone_rays(double *const out[3], const struct cone *cone, const double *u, const double *v, size_t count)
 {
-    const double *m = cone->pose.world_from_device;
+    double m[16]; /* on its own, or the compiler fears that the results overwrite it and does not vectorise */
     double slope = tan(cone->angle / 2);
-    double *restrict x = out[0];
-    double *restrict y = out[1];
-    double *restrict z = out[2];
+    double *x = out[0];
+    double *y = out[1];
+    double *z = out[2];
+    memcpy(m, cone->pose.world_from_device, sizeof m);
     for (size_t ray = 0; ray < count; ray++) {
         double right = u[ray] * slope;
         double up = v[ray] * slope;
