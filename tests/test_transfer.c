@@ -130,10 +130,10 @@ static void bad_lines_are_named(void **state)
 static void too_many_points_are_refused(void **state)
 {
     (void)state;
-    size_t size = (size_t)(TRANSFER_POINT_LIMIT + 1) * 16;
+    size_t size = (size_t)(TRANSFER_POINT_LIMIT + 1) * 24;
     char *text = memory_zeroed(size + 1, 1);
     for (int i = 0; i <= TRANSFER_POINT_LIMIT; i++) {
-        snprintf(text + strlen(text), 16, "%d 0 0 0 0\n", i);
+        snprintf(text + strlen(text), 24, "%d 0 0 0 0\n", i);
     }
     struct transfer transfer;
     assert_fails(parse(&transfer, text), CONUS_ERROR_DATA);
