@@ -40,13 +40,15 @@ bool label_is_lut(const uint8_t *data, size_t size)
     return size == LABEL_LUT_SIZE && !(is_text(all) && text_is_utf8(all));
 }
 
+/* The palettes that come with atlases leave the entries they do not use black. */
 void label_lut_apply(struct label_table *table, const uint8_t *lut)
 {
     for (size_t i = 0; i < table->count; i++) {
         struct label *label = &table->entries[i];
-        if (label->number < 256) {
+        const uint8_t *red = lut + label->number % 256;
+        if (label->number < 256 && (red[0] || red[256] || red[512])) {
             for (size_t channel = 0; channel < 3; channel++) {
-                label->rgb[channel] = lut[256 * channel + label->number];
+                label->rgb[channel] = red[256 * channel];
             }
             label->has_rgb = true;
         }

@@ -151,7 +151,9 @@ static void a_lut_gives_colours_only(void **state)
     const struct label *seven = label_table_find(&parsed.table, 7);
     assert_non_null(seven);
     assert_null(seven->name);
+    assert_true(seven->has_rgb);
     assert_int_equal(seven->rgb[1], 20);
+    assert_false(label_table_find(&parsed.table, 8)->has_rgb); /* black: an unused entry */
     parsed_finish(&parsed);
 }
 

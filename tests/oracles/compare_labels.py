@@ -55,7 +55,8 @@ def embedded(path):
 
 def lut(path):
     data = open(path, "rb").read()
-    return {k: "#%02x%02x%02x" % (data[k], data[256 + k], data[512 + k]) for k in range(256)}
+    colors = {k: "#%02x%02x%02x" % (data[k], data[256 + k], data[512 + k]) for k in range(256)}
+    return {k: None if color == "#000000" else color for k, color in colors.items()}  # black: an unused entry
 
 
 def hexadecimal(r, g, b):
