@@ -6,7 +6,6 @@
 #include "render/context.h"
 #include "render/field.h"
 #include "render/image.h"
-#include "render/program.h"
 #include "render/shaders.h"
 #include "render/volume_texture.h"
 
@@ -59,6 +58,24 @@ static conus_status add_content(struct colour_pass *pass, const struct bricks *b
             }
             mat4_point(points[pass->content_count++], volume->world_from_voxel, voxel);
         }
+    }
+    return CONUS_OK;
+}
+
+/* Appends the corners of the whole grid: for an atlas in which nothing shows. */
+static conus_status add_corners(struct colour_pass *pass, const struct colour_volume *volume)
+{
+    double(*points)[3] = memory_resize(pass->content, pass->content_count + 8, sizeof *points);
+    if (!points) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->content = points;
+    for (int n = 0; n < 8; n++) {
+        double corner[3];
+        for (int a = 0; a < 3; a++) {
+            corner[a] = n >> a & 1 ? (double)volume->dim[a] - 0.5 : -0.5;
+        }
+        mat4_point(points[pass->content_count++], volume->world_from_voxel, corner);
     }
     return CONUS_OK;
 }
@@ -164,11 +181,14 @@ static conus_status upload_palette(struct colour_pass *pass, const conus_atlas *
     return gl_check("colour pass");
 }
 
-static conus_status make_program(GLuint *out)
+conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind)
 {
-    static const struct program_define defines[] = {
-        {"MARKER_LIMIT", COLOUR_MARKER_LIMIT}, {"TRANSFER_ENTRIES", TABLE_ENTRIES}, {"FIELD_SURFACE", FIELD_SURFACE}};
-    const struct program_source source = {.vertex = {"screen.vert.glsl", shader_screen_vert},
+    const struct program_define defines[] = {{"MARKER_LIMIT", COLOUR_MARKER_LIMIT},
+                                             {"TRANSFER_ENTRIES", TABLE_ENTRIES},
+                                             {"FIELD_SURFACE", FIELD_SURFACE},
+                                             {"PLAIN_AREAS", kind != COLOUR_RAYS},
+                                             {"SLICES", kind == COLOUR_SLICES}};
+    const struct program_source source = {.vertex = *vertex,
                                           .fragment = {"colour.frag.glsl", shader_colour_frag},
                                           .defines = defines,
                                           .define_count = sizeof defines / sizeof *defines};
@@ -180,7 +200,8 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
 {
     struct colour_pass pass = {0};
     const struct volume *context = atlas_context(atlas);
-    conus_status status = make_program(&pass.program);
+    static const struct program_shader screen = {"screen.vert.glsl", shader_screen_vert};
+    conus_status status = colour_program_create(&pass.program, &screen, COLOUR_RAYS);
     if (!status) {
         status = upload_palette(&pass, atlas);
     }
@@ -189,6 +210,9 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
     }
     if (!status && context) {
         status = upload_context(&pass, context, transfer, &max_memory);
+    }
+    if (!status && !pass.content_count) {
+        status = add_corners(&pass, &pass.areas);
     }
     if (status) {
         colour_pass_finish(&pass);
@@ -336,7 +360,7 @@ static void bind(const struct colour_pass *pass)
     glUseProgram(pass->program);
 }
 
-conus_status colour_pass_draw(const struct colour_pass *pass, const struct colour_view *view)
+void colour_pass_prepare(const struct colour_pass *pass, const struct colour_view *view)
 {
     struct view_block block = {0};
     set_view(&block, pass, view);
@@ -347,6 +371,11 @@ conus_status colour_pass_draw(const struct colour_pass *pass, const struct colou
     glNamedBufferSubData(pass->palette, 0, (GLsizeiptr)((pass->object_count + 1) * 4 * sizeof *pass->colours),
                          pass->colours);
     bind(pass);
+}
+
+conus_status colour_pass_draw(const struct colour_pass *pass, const struct colour_view *view)
+{
+    colour_pass_prepare(pass, view);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     return gl_check("colour pass");
 }

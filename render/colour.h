@@ -7,10 +7,9 @@
 
 #include "atlas/atlas.h"
 #include "render/camera.h"
+#include "render/program.h"
 #include "render/slices.h"
 #include "render/transfer.h"
-
-#include <epoxy/gl.h>
 
 enum { COLOUR_MARKER_LIMIT = 64 };
 
@@ -62,5 +61,17 @@ struct slices colour_pass_slices(const struct colour_pass *pass, const struct ca
 
 /** Draws into the framebuffer that is bound (RGBA float, linear light times opacity). */
 conus_status colour_pass_draw(const struct colour_pass *pass, const struct colour_view *view);
+
+/** Does everything for drawing @p view but draw, and binds it. */
+void colour_pass_prepare(const struct colour_pass *pass, const struct colour_view *view);
+
+enum colour_program {
+    COLOUR_RAYS = 0,   /**< Over one triangle on the screen: what pictures use.                          */
+    COLOUR_RAYS_PLAIN, /**< The same, areas being no more than single samples show: for comparison with ... */
+    COLOUR_SLICES /**< ... polygons on the planes, blended by the framebuffer: the paper's way. The vertex shader hands
+                      on the plane's number as `layout(location = 0) flat out float`.                    */
+};
+
+conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind);
 
 #endif

@@ -9,7 +9,7 @@
 
 #include <stdio.h>
 
-enum { TEXT_SIZE = 160, CELL_SIZE = 24 };
+enum { TEXT_SIZE = 128, CELL_SIZE = 24 };
 
 static const float ink[4] = {0.02F, 0.02F, 0.025F, 1};
 static const float faint[4] = {0.02F, 0.02F, 0.025F, 0.45F};
@@ -36,18 +36,11 @@ static void fill_row(struct legend_row *row, struct cells *cells, const conus_at
     }
 }
 
-static const char *file_name(const char *path)
+static void describe_cone(char out[TEXT_SIZE], const struct cone *cone)
 {
-    const char *slash = path ? strrchr(path, '/') : NULL;
-    return slash ? slash + 1 : path ? path : "";
-}
-
-static void describe_cone(char out[TEXT_SIZE], const struct picture *picture)
-{
-    const struct cone *cone = &picture->options.selection->cone;
     const double *apex = cone->pose.world_from_device + 12;
-    snprintf(out, TEXT_SIZE, "%s, cone of %.4g\u00b0 from %.4g, %.4g, %.4g mm",
-             file_name(picture->atlas->volumes[0].path), degrees_from_radians(cone->angle), apex[0], apex[1], apex[2]);
+    snprintf(out, TEXT_SIZE, "%.4g\u00b0 from %.4g, %.4g, %.4g mm", degrees_from_radians(cone->angle), apex[0], apex[1],
+             apex[2]);
 }
 
 static conus_status draw_legend(conus_image *image, struct font *font, const struct picture *picture)
@@ -59,11 +52,11 @@ static conus_status draw_legend(conus_image *image, struct font *font, const str
     conus_status status = rows && cells ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
         char subtitle[TEXT_SIZE];
-        describe_cone(subtitle, picture);
+        describe_cone(subtitle, &selection->cone);
         for (size_t i = 0; i < count; i++) {
             fill_row(&rows[i], &cells[i], picture->atlas, conus_selection_result(selection, i));
         }
-        const struct legend legend = {.title = "First met in the cone",
+        const struct legend legend = {.title = "What the cone meets first",
                                       .subtitle = subtitle,
                                       .heading = {"share", "mm"},
                                       .rows = rows,

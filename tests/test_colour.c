@@ -295,7 +295,7 @@ static void left_is_left(void **state)
     }
 }
 
-/* A marker before the ball shows and one behind it does not; the cone's wall tints what is behind it. */
+/* A marker before the ball shows, one behind it shines through faintly; the cone's wall tints what is behind it. */
 static void depth_decides_what_is_seen(void **state)
 {
     (void)state;
@@ -309,8 +309,8 @@ static void depth_decides_what_is_seen(void **state)
     float *before = draw(renderer, &camera, &view);
     marker.centre[1] = 30;
     float *behind = draw(renderer, &camera, &view);
-    assert_memory_equal(plain, behind, PIXELS * 4 * sizeof *plain);
-    assert_true(mean_difference(plain, before) > 0);
+    assert_true(mean_difference(plain, behind) > 0);
+    assert_true(mean_difference(plain, behind) < 0.4 * mean_difference(plain, before));
     conus_pose pose; /* from the left, in front of the ball: both walls are before it */
     assert_ok(conus_pose_toward(&pose, (double[]){-60, -30, 0}, (double[]){0, -30, 0}, NULL));
     const struct colour_view cone = {

@@ -10,9 +10,11 @@
 #include <jansson.h>
 
 struct bench_options {
-    const char *atlas; /**< Path.                                  */
-    double angle;      /**< Full opening, degrees.                 */
+    const char *atlas;   /**< Path.                                       */
+    const char *context; /**< Path of the context volume, for pictures.   */
+    double angle;        /**< Full opening, degrees.                      */
     size_t poses;
+    size_t slices;  /**< Planes of the colour pass.               */
     size_t repeats; /**< Rounds in which every variant runs once. */
 };
 
@@ -56,6 +58,7 @@ struct bench_scenario {
     conus_status (*run)(struct bench *bench);
 };
 
+conus_status bench_colour(struct bench *bench);
 conus_status bench_volume(struct bench *bench);
 
 #endif

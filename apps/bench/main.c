@@ -10,10 +10,12 @@
 #include <unistd.h>
 
 #define DEFAULT_ATLAS "/usr/share/mricron/templates/aal.nii.gz"
+#define DEFAULT_CONTEXT "/usr/share/mricron/templates/ch2bet.nii.gz"
 
-enum { EXIT_USAGE = 2, EXIT_DATA = 3, DEFAULT_POSES = 64, DEFAULT_REPEATS = 9 };
+enum { EXIT_USAGE = 2, EXIT_DATA = 3, DEFAULT_POSES = 64, DEFAULT_SLICES = 362, DEFAULT_REPEATS = 9 };
 
 static const struct bench_scenario scenarios[] = {
+    {"colour", "a picture: blended slices against ray casting without and with skipping", bench_colour},
     {"volume", "256 rays through a labelled volume: plain traversal against the rays engine", bench_volume},
 };
 
@@ -27,6 +29,8 @@ static void print_help(void)
     }
     puts("\noptions:\n"
          "  --atlas FILE   labelled volume (default " DEFAULT_ATLAS ")\n"
+         "  --context FILE volume around the areas in pictures (default " DEFAULT_CONTEXT ")\n"
+         "  --slices N     planes of a picture (default 362)\n"
          "  --angle A      full opening angle in degrees (default 5)\n"
          "  --poses N      cones per round (default 64)\n"
          "  --repeats N    rounds in which every variant runs once (default 9)\n"
@@ -66,6 +70,11 @@ static conus_status parse_option(struct arguments *out, int option)
     case 'a':
         out->options.atlas = optarg;
         return CONUS_OK;
+    case 'c':
+        out->options.context = optarg;
+        return CONUS_OK;
+    case 's':
+        return parse_count("slices", optarg, &out->options.slices);
     case 'g':
         return parse_angle(optarg, &out->options.angle);
     case 'p':
@@ -86,6 +95,8 @@ static conus_status parse_option(struct arguments *out, int option)
 static conus_status parse(struct arguments *out, int argc, char **argv)
 {
     static const struct option table[] = {{"atlas", required_argument, NULL, 'a'},
+                                          {"context", required_argument, NULL, 'c'},
+                                          {"slices", required_argument, NULL, 's'},
                                           {"angle", required_argument, NULL, 'g'},
                                           {"poses", required_argument, NULL, 'p'},
                                           {"repeats", required_argument, NULL, 'r'},
@@ -131,11 +142,11 @@ static conus_status write_json(const struct bench *bench, const char *path)
     find_cpu_model(model, sizeof model);
     snprintf(machine, sizeof machine, "%s, %ld CPUs", model, sysconf(_SC_NPROCESSORS_ONLN));
     const struct bench_options *o = &bench->options;
-    json_t *root =
-        json_pack("{s:s, s:s, s:s, s:{s:s, s:f, s:I, s:I, s:s}, s:O, s:O}", "version", conus_version(), "machine",
-                  machine, "driver", bench->driver, "settings", "atlas", o->atlas, "angle_deg", o->angle, "poses",
-                  (json_int_t)o->poses, "repeats", (json_int_t)o->repeats, "clock",
-                  bench->one_thread ? "CPU time of one thread" : "wall", "runs", bench->runs, "ratios", bench->ratios);
+    json_t *root = json_pack(
+        "{s:s, s:s, s:s, s:{s:s, s:s, s:f, s:I, s:I, s:I, s:s}, s:O, s:O}", "version", conus_version(), "machine",
+        machine, "driver", bench->driver, "settings", "atlas", o->atlas, "context", o->context, "angle_deg", o->angle,
+        "poses", (json_int_t)o->poses, "slices", (json_int_t)o->slices, "repeats", (json_int_t)o->repeats, "clock",
+        bench->one_thread ? "CPU time of one thread" : "wall", "runs", bench->runs, "ratios", bench->ratios);
     char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(6)) : NULL;
     struct buffer buffer = {0};
     if (text) {
@@ -164,8 +175,12 @@ static conus_status run(const struct arguments *arguments)
 
 int main(int argc, char **argv)
 {
-    struct arguments arguments = {
-        .options = {.atlas = DEFAULT_ATLAS, .angle = 5, .poses = DEFAULT_POSES, .repeats = DEFAULT_REPEATS}};
+    struct arguments arguments = {.options = {.atlas = DEFAULT_ATLAS,
+                                              .context = DEFAULT_CONTEXT,
+                                              .angle = 5,
+                                              .poses = DEFAULT_POSES,
+                                              .slices = DEFAULT_SLICES,
+                                              .repeats = DEFAULT_REPEATS}};
     conus_status status = parse(&arguments, argc, argv);
     if (status) {
         fprintf(stderr, "conus-bench: %s\n", conus_message());

@@ -32,9 +32,13 @@ layout(std430, binding = 0) readonly buffer Palette
     vec4 palette[]; // per object: linear R, G, B; 1 where it is emphasised
 };
 
+#if SLICES
+layout(location = 0) flat in float slice; // number of the plane that is drawn
+#endif
 layout(location = 0) out vec4 colour; // linear light times opacity, opacity
 
 const float OPAQUE = 0.995;
+const float GHOST = 0.3; // how much the cone, its axis and the markers show through areas before them
 const float NEAR = 0.1; // mm before the eye
 const float NEVER = 1e9;
 const float SURFACE = (float(FIELD_SURFACE) - 0.5) / 255.0;
@@ -179,28 +183,61 @@ vec3 lit(vec3 albedo, vec3 normal, vec3 view)
     return albedo * (0.30 + 0.75 * diffuse(normal)) + 0.06 * highlight;
 }
 
+vec3 area_normal(vec4 field)
+{
+    vec3 gradient = decode_gradient(field.xyz);
+    return -gradient / max(length(gradient), 1e-6);
+}
+
+#if PLAIN_AREAS
+
+// Areas as a single sample has them, without a look at its neighbours: what slices can show, for comparison.
+uint nearest_object(vec3 place)
+{
+    return texelFetch(area_objects, ivec3(place * vec3(textureSize(area_objects, 0))), 0).x;
+}
+
+bool shows_area(vec3 place)
+{
+    return textureLod(areas_field, place, 0.0).a >= SURFACE && nearest_object(place) > 0u;
+}
+
+vec3 area_colour(Track track, vec3 direction, vec3 view, float t)
+{
+    vec3 place = place_on(track, t);
+    return lit(palette[nearest_object(place)].rgb, area_normal(textureLod(areas_field, place, 0.0)), view);
+}
+
+#else
+
+bool shows_area(vec3 place)
+{
+    return textureLod(areas_field, place, 0.0).a >= SURFACE;
+}
+
 // Area met between the planes before and at depth t: the crossing is refined, so that planes leave no rings.
 vec3 area_colour(Track track, vec3 direction, vec3 view, float t)
 {
     float outside = t - planes.y;
     float inside = t;
-    if (textureLod(areas_field, place_on(track, outside), 0.0).a < SURFACE) {
+    if (!shows_area(place_on(track, outside))) {
         for (int n = 0; n < 6; n++) {
             float middle = 0.5 * (outside + inside);
-            bool found = textureLod(areas_field, place_on(track, middle), 0.0).a >= SURFACE;
+            bool found = shows_area(place_on(track, middle));
             inside = found ? middle : inside;
             outside = found ? outside : middle;
         }
     }
     vec3 place = place_on(track, inside);
     vec4 entry = palette[object_at(place)];
-    vec3 gradient = decode_gradient(textureLod(areas_field, place, 0.0).xyz);
-    vec3 normal = -gradient / max(length(gradient), 1e-6);
+    vec3 normal = area_normal(textureLod(areas_field, place, 0.0));
     vec3 albedo = mix(0.16 * entry.rgb + 0.30, entry.rgb, entry.a);
     float wall = distance_to_cone(inside * direction);
     albedo = abs(wall) < line.y ? cone_colour.rgb : albedo;
     return lit(albedo, normal, view);
 }
+
+#endif
 
 // ---- The cone, its axis and the markers: surfaces in closed form ------------------------------------------------
 
@@ -300,7 +337,7 @@ void sample_planes(inout vec4 sum, inout float hit, inout float plane, float unt
 {
     while (plane < until && sum.a < OPAQUE) {
         float t = depth_of(plane);
-        if (is_on(areas, plane) && textureLod(areas_field, place_on(areas, t), 0.0).a >= SURFACE) {
+        if (is_on(areas, plane) && shows_area(place_on(areas, t))) {
             hit = t;
             break;
         }
@@ -310,6 +347,24 @@ void sample_planes(inout vec4 sum, inout float hit, inout float plane, float unt
         plane += 1.0;
     }
 }
+
+#if SLICES
+
+// One sample, for polygons on the planes that the framebuffer blends: the paper's way, which the bench compares with.
+void main()
+{
+    vec3 direction = vec3((gl_FragCoord.xy / lens.zw * 2.0 - 1.0) * lens.xy, -1.0);
+    vec3 view = normalize(mat3(world_from_camera) * direction);
+    Track context = make_track(context_from_camera, context_bricks.w, direction);
+    Track areas = make_track(areas_from_camera, areas_bricks.w, direction);
+    float t = depth_of(slice);
+    bool is_area = is_on(areas, slice) && shows_area(place_on(areas, t));
+    vec4 area = vec4(area_colour(areas, direction, view, t), 1.0);
+    vec4 tissue = is_on(context, slice) ? context_sample(place_on(context, t), planes.y * length(direction)) : vec4(0.0);
+    colour = is_area ? area : tissue;
+}
+
+#else
 
 // The loops are nested so that a machine which runs several pixels in step, and both sides of every branch, still does
 // nothing but look at bricks where there is nothing to see, and nothing but sample where there is.
@@ -353,13 +408,14 @@ void main()
     if (hit < NEVER) {
         blend(sum, vec4(area_colour(areas, direction, view, hit), 1.0));
     }
-    while (near.depth < solid.depth && sum.a < OPAQUE) {
-        blend(sum, near.colour);
+    vec4 rest = vec4(0.0);
+    while (near.depth < solid.depth) {
+        blend(rest, near.colour);
         near = far;
         far.depth = NEVER;
     }
-    if (solid.depth < NEVER && sum.a < OPAQUE) {
-        blend(sum, solid.colour);
-    }
-    colour = sum;
+    blend(rest, solid.colour);
+    colour = hit < NEVER ? mix(sum, vec4(rest.rgb / max(rest.a, 1e-6), 1.0), GHOST * rest.a) : sum + (1.0 - sum.a) * rest;
 }
+
+#endif
