@@ -121,6 +121,67 @@ static conus_status upload_areas(struct colour_pass *pass, const struct volume *
     return status;
 }
 
+/* Object of the pathway whose cell holds the world point, 0 if none. */
+static uint32_t pathway_at(const conus_atlas *atlas, const double world[3])
+{
+    for (size_t i = 1; i < atlas->volume_count; i++) {
+        const struct volume *volume = &atlas->volumes[i];
+        const size_t *dim = volume->info.dim;
+        double p[3];
+        mat4_point(p, volume->voxel_from_world, world);
+        bool inside = volume->info.role == CONUS_SCALAR;
+        for (int a = 0; a < 3; a++) {
+            inside = inside && p[a] >= -0.5 && p[a] < (double)dim[a] - 0.5;
+        }
+        if (inside) {
+            size_t voxel = (size_t)(p[0] + 0.5) + dim[0] * ((size_t)(p[1] + 0.5) + dim[1] * (size_t)(p[2] + 0.5));
+            uint32_t object = volume_object(volume, voxel);
+            if (object) {
+                return object;
+            }
+        }
+    }
+    return 0;
+}
+
+/* All pathways on the grid of `first`, one of them. */
+static conus_status join_pathways(struct volume *out, const conus_atlas *atlas, const struct volume *first)
+{
+    const size_t *dim = first->info.dim;
+    struct volume joint = {0};
+    conus_status status = volume_init(&joint, &first->info);
+    joint.objects32 = status ? NULL : memory_raw(first->voxel_count, sizeof *joint.objects32);
+    if (!joint.objects32) {
+        volume_finish(&joint);
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t v = 0; v < first->voxel_count; v++) {
+        const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
+        double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
+        mat4_point(p, first->info.world_from_voxel, p);
+        joint.objects32[v] = pathway_at(atlas, p);
+    }
+    *out = joint;
+    return CONUS_OK;
+}
+
+/* Opaque areas would hide pathways, so where there are pathways they are drawn instead. */
+static conus_status upload_objects(struct colour_pass *pass, const conus_atlas *atlas, uint64_t *memory_left)
+{
+    const struct volume *pathway = NULL;
+    for (size_t i = 0; i < atlas->volume_count && !pathway; i++) {
+        pathway = atlas->volumes[i].info.role == CONUS_SCALAR ? &atlas->volumes[i] : NULL;
+    }
+    if (!pathway) {
+        return upload_areas(pass, &atlas->volumes[0], memory_left);
+    }
+    struct volume joint = {0};
+    conus_status status = join_pathways(&joint, atlas, pathway);
+    status = status ? status : upload_areas(pass, &joint, memory_left);
+    volume_finish(&joint);
+    return status;
+}
+
 static GLuint table_texture(const float *table)
 {
     GLuint texture = 0;
@@ -183,11 +244,9 @@ static conus_status upload_palette(struct colour_pass *pass, const conus_atlas *
 
 conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind)
 {
-    const struct program_define defines[] = {{"MARKER_LIMIT", COLOUR_MARKER_LIMIT},
-                                             {"TRANSFER_ENTRIES", TABLE_ENTRIES},
-                                             {"FIELD_SURFACE", FIELD_SURFACE},
-                                             {"PLAIN_AREAS", kind != COLOUR_RAYS},
-                                             {"SLICES", kind == COLOUR_SLICES}};
+    const struct program_define defines[] = {
+        {"MARKER_LIMIT", COLOUR_MARKER_LIMIT}, {"TRANSFER_ENTRIES", TABLE_ENTRIES}, {"FIELD_SURFACE", FIELD_SURFACE},
+        {"PLAIN_AREAS", kind != COLOUR_RAYS},  {"SLICES", kind == COLOUR_SLICES},   {"TILE", COLOUR_TILE}};
     const struct program_source source = {.vertex = *vertex,
                                           .fragment = {"colour.frag.glsl", shader_colour_frag},
                                           .defines = defines,
@@ -201,12 +260,14 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
     struct colour_pass pass = {0};
     const struct volume *context = atlas_context(atlas);
     static const struct program_shader screen = {"screen.vert.glsl", shader_screen_vert};
+    static const struct program_shader tile = {"tile.vert.glsl", shader_tile_vert};
     conus_status status = colour_program_create(&pass.program, &screen, COLOUR_RAYS);
+    status = status ? status : colour_program_create(&pass.tile_program, &tile, COLOUR_RAYS);
     if (!status) {
         status = upload_palette(&pass, atlas);
     }
     if (!status) {
-        status = upload_areas(&pass, &atlas->volumes[0], &max_memory);
+        status = upload_objects(&pass, atlas, &max_memory);
     }
     if (!status && context) {
         status = upload_context(&pass, context, transfer, &max_memory);
@@ -232,6 +293,7 @@ void colour_pass_finish(struct colour_pass *pass)
         glDeleteBuffers(sizeof buffers / sizeof *buffers, buffers);
         glDeleteVertexArrays(1, &pass->vertices);
         glDeleteProgram(pass->program);
+        glDeleteProgram(pass->tile_program);
     }
     memory_free(pass->colours);
     memory_free(pass->content);
@@ -336,7 +398,7 @@ static void set_view(struct view_block *block, const struct colour_pass *pass, c
     set4(block->lens, (double[]){camera->slope[0], camera->slope[1], view->width}, view->height);
     set4(block->planes, (double[]){slices.start, slices.count ? slices.spacing : 1, slices.count}, !view->no_skipping);
     set4(block->light, light, 0);
-    set4(block->line, (double[]){0.5 * view->line_width, 0.5 * view->line_width, 0}, 0);
+    set4(block->line, (double[]){0.5 * view->line_width, 0.5 * view->line_width, view->shift[0]}, view->shift[1]);
     if (pass->has_areas) {
         set_volume(block->areas_from_camera, block->areas_bricks, &pass->areas, camera);
     }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The colour pass (Eq. 8): the atlas's areas, opaque; around them the context volume through its transfer function; and
- * a cone with markers. One ray per pixel over view-aligned planes (Eq. 7), empty bricks skipped. */
+ * The colour pass (Eq. 8): the atlas's areas, opaque, or its pathways, where it has any; around them the context volume
+ * through its transfer function; and a cone with markers. One ray per pixel over view-aligned planes (Eq. 7), empty
+ * bricks skipped. */
 #ifndef CONUS_RENDER_COLOUR_H
 #define CONUS_RENDER_COLOUR_H
 
@@ -11,7 +12,10 @@
 #include "render/slices.h"
 #include "render/transfer.h"
 
-enum { COLOUR_MARKER_LIMIT = 64 };
+enum {
+    COLOUR_MARKER_LIMIT = 64,
+    COLOUR_TILE = 8 /**< Pixels along the edge of the squares that the tile program draws. */
+};
 
 /** A volume as the colour pass holds it. */
 struct colour_volume {
@@ -23,7 +27,9 @@ struct colour_volume {
 
 /** GL objects of one atlas; everything here happens in the context that was current at colour_pass_init(). */
 struct colour_pass {
-    GLuint program, view, palette, vertices, transfer, objects;
+    GLuint program;      /**< Over one triangle on the screen.                   */
+    GLuint tile_program; /**< Over squares of the screen (shaders/tile.vert.glsl). */
+    GLuint view, palette, vertices, transfer, objects;
     struct colour_volume areas, context;
     bool has_areas, has_context;
     size_t object_count;
@@ -43,6 +49,7 @@ struct colour_view {
     uint32_t width, height;
     uint32_t slices; /**< N of Eq. 7; 0 = default.                                       */
     bool no_skipping;
+    double shift[2];                /**< Of the rays from the pixels' centres, in pixels, right and up.         */
     const double *world_from_cone;  /**< NULL = no cone; else its apex and frame, looking down -z.      */
     double cone_slope, cone_length; /**< Tangent of half its angle; mm along the axis.                  */
     double line_width;              /**< mm, of axis, rim and outline.                                  */

@@ -2,6 +2,7 @@
 #include "render/renderer.h"
 
 #include "base/memory.h"
+#include "render/smooth.h"
 #include "render/target.h"
 
 #define DEFAULT_MEMORY (UINT64_C(8) << 30)
@@ -67,7 +68,7 @@ const char *conus_renderer_device(const conus_renderer *renderer)
     return renderer ? gl_context_renderer(renderer->context) : "";
 }
 
-static conus_status draw(float *rgba, const struct colour_pass *pass, const struct colour_view *view)
+static conus_status draw(float *rgba, const struct colour_pass *pass, const struct colour_view *view, bool smooth)
 {
     static const struct target_attachment colour = {"colour", TARGET_FLOAT4};
     struct target target = {0};
@@ -80,16 +81,19 @@ static conus_status draw(float *rgba, const struct colour_pass *pass, const stru
     if (!status) {
         status = target_read(&target, "colour", rgba);
     }
+    if (!status && smooth) {
+        status = smooth_edges(rgba, &target, pass, view);
+    }
     target_finish(&target);
     return status;
 }
 
-conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct colour_view *view)
+conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct colour_view *view, bool smooth)
 {
     struct gl_current previous;
     conus_status status = gl_context_use(renderer->context, &previous);
     if (!status) {
-        status = draw(rgba, &renderer->colour, view);
+        status = draw(rgba, &renderer->colour, view, smooth);
         gl_current_restore(&previous);
     }
     return status;

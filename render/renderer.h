@@ -14,8 +14,8 @@ struct conus_renderer {
     void *log_user;
 };
 
-/** Runs the colour pass off-screen. @p rgba gets width * height pixels of linear R, G, B times A, and A, bottom row
- * first. */
-conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct colour_view *view);
+/** Runs the colour pass off-screen, and again at edges if @p smooth. @p rgba gets width * height pixels of linear R, G,
+ * B times A, and A, bottom row first. */
+conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct colour_view *view, bool smooth);
 
 #endif

@@ -231,7 +231,7 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
     view->line_width = 0.012 * picture->radius;
     view->markers = picture->markers;
     picture->rgba = memory_raw((size_t)view->width * view->height, 4 * sizeof *picture->rgba);
-    return picture->rgba ? renderer_draw(picture->rgba, renderer, view) : CONUS_ERROR_MEMORY;
+    return picture->rgba ? renderer_draw(picture->rgba, renderer, view, true) : CONUS_ERROR_MEMORY;
 }
 
 conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view)

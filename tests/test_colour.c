@@ -91,7 +91,7 @@ static float *draw(conus_renderer *renderer, const struct camera *camera, const 
     view.width = WIDTH;
     view.height = HEIGHT;
     float *rgba = memory_zeroed(PIXELS, 4 * sizeof *rgba);
-    assert_ok(renderer_draw(rgba, renderer, &view));
+    assert_ok(renderer_draw(rgba, renderer, &view, false));
     return rgba;
 }
 
@@ -348,6 +348,42 @@ static void areas_not_met_are_pale(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A pathway inside an area is what one sees, on whatever grid. */
+static void pathways_are_drawn_in_place_of_areas(void **state)
+{
+    (void)state;
+    double turned[16];
+    picture_rigid(turned, 0.7, (double[]){0, 0, 0});
+    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
+    conus_volume_info other = picture_grid((size_t[]){30, 70, 40}, (double[]){1.5, 0.7, 1}, turned);
+    other.role = CONUS_SCALAR;
+    other.threshold = 0.5;
+    conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, NULL);
+    float *values = memory_raw((size_t)30 * 70 * 40, sizeof *values);
+    for (size_t v = 0; v < (size_t)30 * 70 * 40; v++) {
+        const size_t at[3] = {v % 30, v / 30 % 70, v / 30 / 70};
+        double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
+        mat4_point(p, other.world_from_voxel, p);
+        values[v] = vec3_length(p) < 10 ? 1 : 0;
+    }
+    assert_ok(atlas_add_pathway(atlas, &other, values, "tract"));
+    memcpy(atlas->objects[1].rgb, (uint8_t[]){0, 0, 255}, 3);
+    conus_renderer *renderer = renderer_of(atlas, NULL);
+    struct camera camera = looking((double[]){0, 1, 0}, 120, radians_from_degrees(25));
+    float *rgba = draw(renderer, &camera, NULL);
+    double area = 0;
+    for (ptrdiff_t i = 0; i < PIXELS; i++) {
+        area += (double)rgba[4 * i + 3];
+    }
+    double radius = tan(asin(10.0 / 120)) / camera.slope[1] * HEIGHT / 2;
+    assert_near(area, MATH3_PI * radius * radius, 0.04 * area);
+    const float *middle = pixel(rgba, WIDTH / 2, HEIGHT / 2);
+    assert_true(middle[2] > 4 * middle[0]);
+    memory_free(rgba);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
 static conus_status create_and_destroy(void *data)
 {
     conus_renderer *renderer = NULL;
@@ -392,6 +428,7 @@ int main(void)
         cmocka_unit_test(left_is_left),
         cmocka_unit_test(depth_decides_what_is_seen),
         cmocka_unit_test(areas_not_met_are_pale),
+        cmocka_unit_test(pathways_are_drawn_in_place_of_areas),
         cmocka_unit_test(allocations_may_fail),
         cmocka_unit_test(limits_are_kept),
     };

@@ -316,7 +316,8 @@ typedef struct conus_view {
     bool no_legend;   /**< Leave out the text.                                                            */
 } conus_view;
 
-/** Draws the atlas. Channels R, G, B, A: float, linear light, A = opacity, R, G, B premultiplied by it. */
+/** Draws the atlas over a light background: its areas, or its pathways where it has any (areas would hide them).
+ * Channels R, G, B, A: float, linear light, premultiplied; A is 1. */
 CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view);
 
 /** What the device saw: channels id (uint32: the atlas's own label), object (uint32), X, Y, Z, t (float, world mm),

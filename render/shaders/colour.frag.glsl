@@ -15,7 +15,8 @@ layout(std140, binding = 0) uniform View
     vec4 apex;              // xyz: the cone's; w: tangent of half its angle, 0 = no cone
     vec4 axis;              // xyz: along it, unit length; w: its length, mm
     vec4 cone_colour;       // of walls and axis; w: a wall's opacity
-    vec4 line;              // x: radius of the axis, y: half the width of the rim and the footprint's outline, mm
+    vec4 line;              // x: radius of the axis, y: half the width of the rim and the footprint's outline, mm;
+                            // zw: shift of the rays from the pixels' centres, pixels
     ivec4 counts;           // x: markers
     vec4 markers[MARKER_LIMIT]; // xyz: centre, w: radius
     vec4 marker_colours[MARKER_LIMIT];
@@ -256,7 +257,7 @@ Surface wall_at(float t, vec3 direction)
         vec3 normal = normalize(q - (1.0 + apex.w * apex.w) * h * axis.xyz);
         float facing = abs(dot(normal, normalize(direction)));
         float opacity = min(cone_colour.a / max(facing, 0.08), 0.8);
-        opacity = axis.w - h < 2.0 * line.y ? 0.95 : opacity;
+        opacity = axis.w - h < 2.0 * line.y ? max(opacity, 0.5) : opacity;
         wall = Surface(t, vec4(cone_colour.rgb * opacity, opacity));
     }
     return wall;
@@ -355,12 +356,16 @@ void main()
 {
     vec3 direction = vec3((gl_FragCoord.xy / lens.zw * 2.0 - 1.0) * lens.xy, -1.0);
     vec3 view = normalize(mat3(world_from_camera) * direction);
-    Track context = make_track(context_from_camera, context_bricks.w, direction);
-    Track areas = make_track(areas_from_camera, areas_bricks.w, direction);
     float t = depth_of(slice);
-    bool is_area = is_on(areas, slice) && shows_area(place_on(areas, t));
+    Track areas;
+    areas.from = areas_from_camera[3].xyz;
+    areas.along = mat3(areas_from_camera) * direction;
+    vec3 here = place_on(areas, t);
+    vec3 there = (context_from_camera * vec4(t * direction, 1.0)).xyz;
+    bool is_area = here == clamp(here, 0.0, 1.0) && shows_area(here);
+    bool is_tissue = context_bricks.w != 0.0 && there == clamp(there, 0.0, 1.0);
     vec4 area = vec4(area_colour(areas, direction, view, t), 1.0);
-    vec4 tissue = is_on(context, slice) ? context_sample(place_on(context, t), planes.y * length(direction)) : vec4(0.0);
+    vec4 tissue = is_tissue ? context_sample(there, planes.y * length(direction)) : vec4(0.0);
     colour = is_area ? area : tissue;
 }
 
@@ -370,7 +375,7 @@ void main()
 // nothing but look at bricks where there is nothing to see, and nothing but sample where there is.
 void main()
 {
-    vec3 direction = vec3((gl_FragCoord.xy / lens.zw * 2.0 - 1.0) * lens.xy, -1.0);
+    vec3 direction = vec3(((gl_FragCoord.xy + line.zw) / lens.zw * 2.0 - 1.0) * lens.xy, -1.0);
     vec3 view = normalize(mat3(world_from_camera) * direction);
     float mm = planes.y * length(direction);
     Surface near, far;
