@@ -25,7 +25,7 @@ layout(location = 0) out uint out_id;
 layout(location = 1) out vec4 out_voxel; // i, j, k, and t rounded to a float
 layout(location = 2) out uvec2 out_t;    // the bits of t, a double
 
-const double NEVER = packDouble2x32(uvec2(0u, 0x7ff00000u)); // infinity
+#define NEVER packDouble2x32(uvec2(0u, 0x7ff00000u)) // infinity; to glslang not a constant
 
 struct Ray {
     dvec3 origin, direction, inverse; // in index space; inverse is infinite where the ray does not move
