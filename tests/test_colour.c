@@ -138,6 +138,31 @@ static void a_slab_obeys_its_closed_form(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Eq. 8: black haze of length L before an area lets (1 - a)^L of its light through, wherever the planes lie. */
+static void haze_before_an_area_obeys_its_closed_form(void **state)
+{
+    (void)state;
+    conus_volume_info grid = picture_grid((size_t[]){60, 60, 60}, (double[]){1, 1, 1}, identity);
+    conus_atlas *clear = picture_atlas(&grid, ball_of_20, NULL, NULL);
+    conus_atlas *hazy = picture_atlas(&grid, ball_of_20, NULL, ten);
+    conus_renderer *renderers[2] = {renderer_of(clear, NULL), renderer_of(hazy, transfer_file("0 0 0 0 0.06\n"))};
+    struct camera camera = looking((double[]){0, 1, 0}, 200, radians_from_degrees(15));
+    for (uint32_t slices = 23; slices < 300; slices += 31) {
+        float *without = draw(renderers[0], &camera, &(struct colour_view){.slices = slices});
+        float *with = draw(renderers[1], &camera, &(struct colour_view){.slices = slices});
+        const float *a = pixel(without, WIDTH / 2, HEIGHT / 2);
+        const float *b = pixel(with, WIDTH / 2, HEIGHT / 2);
+        assert_near(b[0] / a[0], pow(1 - 0.06, 10), 0.01); /* from the box at 30 mm to the ball at 20 */
+        memory_free(without);
+        memory_free(with);
+    }
+    for (int i = 0; i < 2; i++) {
+        conus_renderer_destroy(renderers[i]);
+    }
+    conus_atlas_destroy(clear);
+    conus_atlas_destroy(hazy);
+}
+
 static void more_planes_change_little(void **state)
 {
     (void)state;
@@ -421,6 +446,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_slab_obeys_its_closed_form),
+        cmocka_unit_test(haze_before_an_area_obeys_its_closed_form),
         cmocka_unit_test(more_planes_change_little),
         cmocka_unit_test(skipping_changes_no_bit),
         cmocka_unit_test(a_ball_has_its_silhouette),

@@ -203,6 +203,11 @@ bool shows_area(vec3 place)
     return textureLod(areas_field, place, 0.0).a >= SURFACE && nearest_object(place) > 0u;
 }
 
+float area_depth(Track track, float t)
+{
+    return t;
+}
+
 vec3 area_colour(Track track, vec3 direction, vec3 view, float t)
 {
     vec3 place = place_on(track, t);
@@ -216,8 +221,8 @@ bool shows_area(vec3 place)
     return textureLod(areas_field, place, 0.0).a >= SURFACE;
 }
 
-// Area met between the planes before and at depth t: the crossing is refined, so that planes leave no rings.
-vec3 area_colour(Track track, vec3 direction, vec3 view, float t)
+// Where an area begins that was met between the planes before and at depth t: refined, so that planes leave no rings.
+float area_depth(Track track, float t)
 {
     float outside = t - planes.y;
     float inside = t;
@@ -229,11 +234,16 @@ vec3 area_colour(Track track, vec3 direction, vec3 view, float t)
             outside = found ? outside : middle;
         }
     }
-    vec3 place = place_on(track, inside);
+    return inside;
+}
+
+vec3 area_colour(Track track, vec3 direction, vec3 view, float t)
+{
+    vec3 place = place_on(track, t);
     vec4 entry = palette[object_at(place)];
     vec3 normal = area_normal(textureLod(areas_field, place, 0.0));
     vec3 albedo = mix(0.16 * entry.rgb + 0.30, entry.rgb, entry.a);
-    float wall = distance_to_cone(inside * direction);
+    float wall = distance_to_cone(t * direction);
     albedo = abs(wall) < line.y ? cone_colour.rgb : albedo;
     return lit(albedo, normal, view);
 }
@@ -371,6 +381,17 @@ void main()
 
 #else
 
+// The context up to an area at `depth`, which was found on the plane at depth `hit`. Samples stand for the ray up to half way
+// between planes; what is missing there, or too much, is made up for, so that planes leave no stripes.
+void meet_area(inout vec4 sum, Track context, vec3 direction, float depth, float hit)
+{
+    vec3 place = place_on(context, depth);
+    if (PLAIN_AREAS == 0 && context.first < NEVER && place == clamp(place, 0.0, 1.0)) {
+        blend(sum, context_sample(place, (depth - hit + 0.5 * planes.y) * length(direction)));
+        sum = max(sum, vec4(0.0));
+    }
+}
+
 // The loops are nested so that a machine which runs several pixels in step, and both sides of every branch, still does
 // nothing but look at bricks where there is nothing to see, and nothing but sample where there is.
 void main()
@@ -411,7 +432,9 @@ void main()
         sample_planes(sum, hit, plane, until, context, areas, mm);
     }
     if (hit < NEVER) {
-        blend(sum, vec4(area_colour(areas, direction, view, hit), 1.0));
+        float depth = area_depth(areas, hit);
+        meet_area(sum, context, direction, depth, hit);
+        blend(sum, vec4(area_colour(areas, direction, view, depth), 1.0));
     }
     vec4 rest = vec4(0.0);
     while (near.depth < solid.depth) {
