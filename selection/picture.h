@@ -22,4 +22,7 @@ struct picture {
  * CONUS_ERROR_UNSUPPORTED where there is no font, and the image has no text. */
 conus_status picture_annotate(conus_image *image, const struct picture *picture);
 
+/** Adds paths and SHA-256 of the atlas's files to the image's header; those of the context only if @p context. */
+conus_status picture_add_volumes(conus_image *image, const conus_atlas *atlas, bool context);
+
 #endif

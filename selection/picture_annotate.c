@@ -24,7 +24,7 @@ struct cells {
 static void fill_row(struct legend_row *row, struct cells *cells, const conus_atlas *atlas, const conus_result *result)
 {
     snprintf(cells->share, sizeof cells->share, "%.1f %%", 100 * result->share);
-    snprintf(cells->distance, sizeof cells->distance, "%.1f", result->distance);
+    snprintf(cells->distance, sizeof cells->distance, "%.1f mm", result->distance);
     row->detail[0] = cells->share;
     row->hollow = !result->object;
     row->name = "unassigned";
@@ -58,7 +58,7 @@ static conus_status draw_legend(conus_image *image, struct font *font, const str
         }
         const struct legend legend = {.title = "What the cone meets first",
                                       .subtitle = subtitle,
-                                      .heading = {"share", "mm"},
+                                      .heading = {"share", "distance"},
                                       .rows = rows,
                                       .count = count};
         status = legend_draw(image, font, &legend);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the device saw: the evidence as an image, and a picture of it with a legend. */
+#include "selection/picture.h"
+
 #include "base/buffer.h"
 #include "base/math3.h"
 #include "base/memory.h"
@@ -90,12 +92,12 @@ static conus_status add_volume(conus_image *image, const conus_volume_info *info
     return status;
 }
 
-static conus_status add_volumes(conus_image *image, const conus_atlas *atlas)
+conus_status picture_add_volumes(conus_image *image, const conus_atlas *atlas, bool context)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < conus_atlas_volume_count(atlas); i++) {
         const conus_volume_info *info = conus_atlas_volume(atlas, i);
-        if (info->role != CONUS_CONTEXT) {
+        if (info->role != CONUS_CONTEXT || context) {
             status = add_volume(image, info, i);
         }
     }
@@ -138,7 +140,7 @@ static conus_status add_attributes(conus_image *image, const conus_selection *se
         status = image_add_text(image, pairs[i][0], pairs[i][1]);
     }
     status = status ? status : image_add_matrix(image, "conus:worldFromDevice", selection->cone.pose.world_from_device);
-    status = status ? status : add_volumes(image, selection->atlas);
+    status = status ? status : picture_add_volumes(image, selection->atlas, false);
     return status ? status : add_names(image, selection);
 }
 

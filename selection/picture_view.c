@@ -3,6 +3,7 @@
 
 #include "base/math3.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "render/image.h"
 
 enum { DEFAULT_WIDTH = 1400, DEFAULT_HEIGHT = 1050, SIDE_LIMIT = 16384, SLICE_LIMIT = 65536 };
@@ -204,6 +205,28 @@ static conus_status annotate(conus_image *image, const struct picture *picture, 
     return status;
 }
 
+static conus_status add_cone_attributes(conus_image *image, const struct cone *cone)
+{
+    char angle[TEXT_NUMBER_SIZE];
+    text_number(angle, degrees_from_radians(cone->angle));
+    conus_status status = image_add_text(image, "conus:angleDegrees", angle);
+    return status ? status : image_add_matrix(image, "conus:worldFromDevice", cone->pose.world_from_device);
+}
+
+static conus_status add_attributes(conus_image *image, const struct picture *picture, const conus_renderer *renderer)
+{
+    char field_of_view[TEXT_NUMBER_SIZE];
+    text_number(field_of_view, degrees_from_radians(picture->options.field_of_view));
+    conus_status status = image_add_text(image, "conus:version", CONUS_VERSION);
+    status = status ? status : image_add_text(image, "conus:space", "RAS mm");
+    status = status ? status : image_add_text(image, "conus:device", conus_renderer_device(renderer));
+    status = status ? status : image_add_text(image, "conus:fieldOfViewDegrees", field_of_view);
+    status = status ? status : image_add_matrix(image, "conus:worldFromCamera", picture->camera.world_from_camera);
+    status = status ? status : picture_add_volumes(image, picture->atlas, true);
+    return status || !picture->options.selection ? status
+                                                 : add_cone_attributes(image, &picture->options.selection->cone);
+}
+
 static conus_status make_image(conus_image **out, const struct picture *picture, const conus_renderer *renderer)
 {
     conus_image *image = NULL;
@@ -212,6 +235,7 @@ static conus_status make_image(conus_image **out, const struct picture *picture,
         lay_over_background(image, picture->rgba);
         status = annotate(image, picture, renderer);
     }
+    status = status ? status : add_attributes(image, picture, renderer);
     if (status) {
         conus_image_destroy(image);
         return status;

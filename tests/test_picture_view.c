@@ -2,6 +2,7 @@
 #include "atlas/phantom.h"
 #include "base/math3.h"
 #include "picture_scene.h"
+#include "render/image.h"
 #include "render/renderer.h"
 #include "test.h"
 #include "test_gl.h"
@@ -86,6 +87,8 @@ static void pictures_have_their_size_and_are_opaque(void **state)
     for (size_t i = 0; i < (size_t)1400 * 1050; i++) {
         assert_true(alpha[i] == 1 && red[i] >= 0 && red[i] < 2);
     }
+    assert_non_null(image_find_attribute(image, "conus:worldFromCamera"));
+    assert_string_equal(image_find_attribute(image, "conus:atlas")->text, "scene.nii");
     conus_image_destroy(image);
     assert_non_null(strstr(conus_renderer_device(fixture.renderer), " "));
     finish(&fixture);
