@@ -43,6 +43,38 @@ static void describe_cone(char out[TEXT_SIZE], const struct cone *cone)
              apex[2]);
 }
 
+/* Opacity that was drawn under a legend of about that size in a corner, top left first. */
+static double covered(const conus_image *image, const struct picture *picture, enum legend_corner corner, size_t rows)
+{
+    uint32_t width = image->width / 3;
+    uint32_t height = (uint32_t)fmin(image->height, 1.5 * ((double)rows + 4) * legend_size(image));
+    uint32_t left = corner == LEGEND_TOP_RIGHT ? image->width - width : 0;
+    uint32_t bottom = corner == LEGEND_BOTTOM_LEFT ? 0 : image->height - height;
+    double sum = 0;
+    for (uint32_t y = bottom; y < bottom + height; y++) {
+        for (uint32_t x = left; x < left + width; x++) {
+            sum += (double)picture->rgba[4 * ((size_t)y * image->width + x) + 3];
+        }
+    }
+    return sum;
+}
+
+/* The corner in which the legend hides least; the fourth one is taken by the directions. */
+static enum legend_corner free_corner(const conus_image *image, const struct picture *picture, size_t rows)
+{
+    static const enum legend_corner corners[] = {LEGEND_TOP_LEFT, LEGEND_TOP_RIGHT, LEGEND_BOTTOM_LEFT};
+    enum legend_corner best = LEGEND_TOP_LEFT;
+    double least = INFINITY;
+    for (size_t i = 0; i < sizeof corners / sizeof *corners; i++) {
+        double hidden = covered(image, picture, corners[i], rows);
+        if (hidden < 0.8 * least) {
+            least = hidden;
+            best = corners[i];
+        }
+    }
+    return best;
+}
+
 static conus_status draw_legend(conus_image *image, struct font *font, const struct picture *picture)
 {
     const conus_selection *selection = picture->options.selection;
@@ -60,7 +92,8 @@ static conus_status draw_legend(conus_image *image, struct font *font, const str
                                       .subtitle = subtitle,
                                       .heading = {"share", "distance"},
                                       .rows = rows,
-                                      .count = count};
+                                      .count = count,
+                                      .corner = free_corner(image, picture, count)};
         status = legend_draw(image, font, &legend);
     }
     memory_free(rows);

@@ -124,7 +124,7 @@ static void set_frame(struct picture *picture)
     picture->frame = (struct camera_frame){.width = width, .height = height};
     picture->frame.top = picture->frame.bottom = height / 24;
     picture->frame.right = width / 28;
-    picture->frame.left = legend ? width / 3 : width / 28;
+    picture->frame.left = legend ? width / 4 : width / 28;
 }
 
 /* The apex, or where the cone comes near, so that a far device does not make the brain a dot. */
