@@ -2,6 +2,7 @@
 #include "atlas/atlas.h"
 
 #include "atlas/palette.h"
+#include "atlas/space.h"
 #include "base/memory.h"
 
 #include <string.h>
@@ -123,12 +124,12 @@ static conus_status mark_pathway(struct volume *volume, uint32_t number, uint64_
     return CONUS_OK;
 }
 
-static conus_object pathway_object(const conus_atlas *atlas, const char *name, uint64_t voxels, const double spacing[3])
+static conus_object pathway_object(const conus_atlas *atlas, const char *name, uint64_t voxels, double voxel_mm3)
 {
     uint32_t ordinal = (uint32_t)(atlas->object_count - atlas->area_count) + 1;
     conus_object object = {.kind = CONUS_PATHWAY, .label = ordinal, .name = name, .abbreviation = "", .named = true};
     object.voxels = voxels;
-    object.volume_mm3 = (double)voxels * spacing[0] * spacing[1] * spacing[2];
+    object.volume_mm3 = (double)voxels * voxel_mm3;
     palette_colour(object.rgb, 1000 + ordinal);
     return object;
 }
@@ -144,7 +145,7 @@ conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info
         status = mark_pathway(&volume, (uint32_t)atlas->object_count + 1, &voxels);
     }
     if (!status) {
-        conus_object object = pathway_object(atlas, name, voxels, info->spacing);
+        conus_object object = pathway_object(atlas, name, voxels, space_voxel_mm3(info));
         status = atlas_append_object(atlas, &object, atlas->volume_count);
     }
     if (!status) {

@@ -3,6 +3,7 @@
 #include "atlas/atlas.h"
 #include "atlas/label_map.h"
 #include "atlas/palette.h"
+#include "atlas/space.h"
 #include "base/buffer.h"
 #include "base/memory.h"
 
@@ -71,10 +72,9 @@ static conus_status unite_labels(uint32_t **out, size_t *out_count, const struct
 static conus_status append_area(conus_atlas *atlas, uint32_t number, const struct label *label, uint64_t voxels)
 {
     char digits[16];
-    const double *spacing = atlas->volumes[0].info.spacing;
     snprintf(digits, sizeof digits, "%u", number);
     conus_object area = {.kind = CONUS_AREA, .label = number, .name = digits, .abbreviation = "", .voxels = voxels};
-    area.volume_mm3 = (double)voxels * spacing[0] * spacing[1] * spacing[2];
+    area.volume_mm3 = (double)voxels * space_voxel_mm3(&atlas->volumes[0].info);
     palette_colour(area.rgb, atlas->object_count);
     if (label) {
         area.named = label->name != NULL;

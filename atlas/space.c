@@ -55,6 +55,11 @@ conus_status space_describe(conus_volume_info *info, const double world_from_vox
     return CONUS_OK;
 }
 
+double space_voxel_mm3(const conus_volume_info *info)
+{
+    return fabs(mat4_determinant3(info->world_from_voxel));
+}
+
 const char *space_code_name(int code)
 {
     static const char *const names[] = {"unknown",   "scanner", "aligned to another",

@@ -9,6 +9,9 @@
  * The error names @p transform, the words for where the matrix comes from. */
 conus_status space_describe(conus_volume_info *info, const double world_from_voxel[16], const char *transform);
 
+/** Volume of a voxel in mm^3: of a parallelepiped where the grid is sheared, which is less than its edges' product. */
+double space_voxel_mm3(const conus_volume_info *info);
+
 /** Name of a NIfTI xform code, "unknown" outside 0..5. */
 const char *space_code_name(int code);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_atlas_load(): from a labelled volume, or from an FSL atlas XML that names some. */
 #include "atlas/atlas.h"
+#include "atlas/space.h"
 #include "base/buffer.h"
 #include "base/memory.h"
 #include "loaders/folder.h"
@@ -82,12 +83,6 @@ static conus_status find_image(char **out, const char *xml_path, const char *ima
     return status;
 }
 
-static double voxel_size(const struct volume_file *file)
-{
-    const double *spacing = file->info.spacing;
-    return spacing[0] * spacing[1] * spacing[2];
-}
-
 /* Opens `image` of the atlas and keeps it if its voxels are smaller than those of what is there. */
 static conus_status consider_image(struct parts *parts, const char *xml_path, const char *image, uint64_t max_memory)
 {
@@ -100,7 +95,7 @@ static conus_status consider_image(struct parts *parts, const char *xml_path, co
     } else if (!status) {
         status = volume_file_open(&file, path, max_memory, &notes);
     }
-    if (!status && path && (!parts->file.path || voxel_size(&file) < voxel_size(&parts->file))) {
+    if (!status && path && (!parts->file.path || space_voxel_mm3(&file.info) < space_voxel_mm3(&parts->file.info))) {
         struct volume_file other = parts->file;
         parts->file = file;
         file = other;

@@ -13,7 +13,8 @@ static conus_volume_info grid_info(size_t n)
     double m[16];
     mat4_identity(m);
     m[0] = 2;
-    assert_ok(space_describe(&info, m, "identity"));
+    m[4] = 0.5; /* sheared, so that a voxel is smaller than the product of its edges */
+    assert_ok(space_describe(&info, m, "sheared"));
     return info;
 }
 
