@@ -4,6 +4,7 @@
 #include "atlas/palette.h"
 #include "atlas/space.h"
 #include "base/memory.h"
+#include "base/text.h"
 
 #include <string.h>
 
@@ -70,8 +71,8 @@ conus_status atlas_append_object(conus_atlas *atlas, const conus_object *object,
 {
     conus_status status = reserve_object(atlas);
     conus_object copy = *object;
-    copy.name = status ? NULL : memory_text(object->name, strlen(object->name));
-    copy.abbreviation = status ? NULL : memory_text(object->abbreviation, strlen(object->abbreviation));
+    copy.name = status ? NULL : text_to_utf8(text_from(object->name));
+    copy.abbreviation = status ? NULL : text_to_utf8(text_from(object->abbreviation));
     if (!copy.name || !copy.abbreviation) {
         object_finish(&copy);
         return CONUS_ERROR_MEMORY;

@@ -39,37 +39,15 @@ struct label *label_table_add(struct label_table *table, uint32_t number)
     return label;
 }
 
-static char *utf8_from_latin1(struct text text)
-{
-    char *out = memory_raw(2 * text.size + 1, 1);
-    size_t size = 0;
-    for (size_t i = 0; out && i < text.size; i++) {
-        unsigned char c = (unsigned char)text.data[i];
-        if (c < 0x80) {
-            out[size++] = (char)c;
-        } else {
-            out[size++] = (char)(0xc0 | c >> 6);
-            out[size++] = (char)(0x80 | (c & 0x3f));
-        }
-    }
-    if (out) {
-        out[size] = '\0';
-    }
-    return out;
-}
-
 conus_status label_set_text(char **field, struct text text)
 {
     text = text_trim(text);
     if (!text.size) {
         return CONUS_OK;
     }
-    char *copy = text_is_utf8(text) ? memory_text(text.data, text.size) : utf8_from_latin1(text);
+    char *copy = text_to_utf8(text);
     if (!copy) {
         return CONUS_ERROR_MEMORY;
-    }
-    for (char *c = copy; *c; c++) {
-        *c = (unsigned char)*c < 0x20 || *c == 0x7f ? ' ' : *c;
     }
     memory_free(*field);
     *field = copy;

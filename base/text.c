@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/text.h"
 
+#include "base/memory.h"
+
 #include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -183,6 +185,34 @@ bool text_is_utf8(struct text text)
         take(&text, length, 0);
     }
     return true;
+}
+
+static char *utf8_from_latin1(struct text text)
+{
+    char *out = memory_raw(2 * text.size + 1, 1);
+    size_t size = 0;
+    for (size_t i = 0; out && i < text.size; i++) {
+        unsigned char c = (unsigned char)text.data[i];
+        if (c < 0x80) {
+            out[size++] = (char)c;
+        } else {
+            out[size++] = (char)(0xc0 | c >> 6);
+            out[size++] = (char)(0x80 | (c & 0x3f));
+        }
+    }
+    if (out) {
+        out[size] = '\0';
+    }
+    return out;
+}
+
+char *text_to_utf8(struct text text)
+{
+    char *copy = text_is_utf8(text) ? memory_text(text.data, text.size) : utf8_from_latin1(text);
+    for (char *c = copy; c && *c; c++) {
+        *c = (unsigned char)*c < 0x20 || *c == 0x7f ? ' ' : *c;
+    }
+    return copy;
 }
 
 /* printf follows the locale; numbers in files do not. */

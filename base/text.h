@@ -49,6 +49,10 @@ bool text_to_int(struct text text, int64_t *out);
 /** True when @p text is valid UTF-8 (no surrogates, nothing above U+10FFFF, no overlong forms). */
 bool text_is_utf8(struct text text);
 
+/** A copy of @p text for results: as UTF-8 (what is not valid UTF-8 is taken as ISO-8859-1), a space for each control
+ * character. End it with memory_free(); NULL without memory. */
+char *text_to_utf8(struct text text);
+
 enum { TEXT_NUMBER_SIZE = 32 };
 
 /** @p value with up to 9 digits and no needless zeros; "nan", "inf" or "-inf" else. Never the locale's decimal comma,

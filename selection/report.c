@@ -2,6 +2,7 @@
 #include "selection/report.h"
 
 #include "base/memory.h"
+#include "base/text.h"
 
 #include <string.h>
 
@@ -43,7 +44,7 @@ static conus_status append_query(conus_report *report, const char *id, const con
         return CONUS_ERROR_MEMORY;
     }
     report->queries = queries;
-    struct report_query query = {.id = memory_text(id, strlen(id)), .cone = selection->cone};
+    struct report_query query = {.id = text_to_utf8(text_from(id)), .cone = selection->cone};
     if (!query.id) {
         return CONUS_ERROR_MEMORY;
     }
@@ -72,16 +73,7 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
 {
     conus_status status = append_query(report, query_id, selection);
     status = status ? status : append_rows(report, selection);
-    return status ? status : report_add_voxels(report, query_id, selection);
-}
-
-/* Tabs and line ends inside a name would break the table. */
-static void write_field(struct buffer *out, const char *text)
-{
-    for (; *text; text++) {
-        char c = (unsigned char)*text < 0x20 || *text == 0x7f ? ' ' : *text;
-        buffer_append(out, &c, 1);
-    }
+    return status ? status : report_add_voxels(report, selection);
 }
 
 static void write_cell(struct buffer *out, struct cell cell)
@@ -91,7 +83,7 @@ static void write_cell(struct buffer *out, struct cell cell)
         buffer_text(out, "n/a");
         break;
     case CELL_TEXT:
-        write_field(out, cell.text);
+        buffer_text(out, cell.text);
         break;
     case CELL_INTEGER:
         buffer_format(out, "%llu", (unsigned long long)cell.integer);

@@ -13,7 +13,7 @@ struct report_row {
 };
 
 struct report_query {
-    char *id;
+    char *id; /**< UTF-8 without control characters. */
     struct cone cone;
     uint32_t cone_pixels; /**< Pixels of the aperture. */
 };
@@ -57,8 +57,8 @@ const char *report_kind(conus_kind kind);
 /** Turns a world point into the report's space. */
 void report_point(const conus_report *report, double point[3]);
 
-/** Adds the voxels that @p selection met first, as rows of report->voxels. */
-conus_status report_add_voxels(conus_report *report, const char *query_id, const conus_selection *selection);
+/** Adds the voxels that @p selection, the report's last query, met first, as rows of report->voxels. */
+conus_status report_add_voxels(conus_report *report, const conus_selection *selection);
 
 /* Formats; each appends the whole text to @p out. */
 void report_write_table(struct buffer *out, const conus_report *report);

@@ -1,16 +1,41 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/math3.h"
+#include "base/memory.h"
+#include "base/text.h"
 #include "selection/report.h"
 
 #include <jansson.h>
 
 static const size_t NUMBERS = JSON_REAL_PRECISION(9);
 
+/* Of any bytes: paths and command lines need not be UTF-8. */
+static json_t *json_from_text(const char *text)
+{
+    char *copy = text_to_utf8(text_from(text));
+    json_t *string = copy ? json_string(copy) : NULL;
+    memory_free(copy);
+    return string;
+}
+
+static bool put(json_t *object, const char *key, json_t *value)
+{
+    return json_object_set_new(object, key, value) == 0;
+}
+
+/* The value if it is whole, else NULL. */
+static json_t *whole_or_null(json_t *value, bool whole)
+{
+    if (!whole) {
+        json_decref(value);
+    }
+    return whole ? value : NULL;
+}
+
 static json_t *json_from_cell(struct cell cell)
 {
     switch (cell.type) {
     case CELL_TEXT:
-        return json_string(cell.text);
+        return json_from_text(cell.text);
     case CELL_INTEGER:
         return json_integer((json_int_t)cell.integer);
     case CELL_NUMBER:
@@ -24,13 +49,11 @@ static json_t *json_from_cell(struct cell cell)
 static json_t *json_from_row(const conus_report *report, const struct report_row *row)
 {
     json_t *object = json_object();
+    bool whole = true;
     for (const struct report_column *column = report_columns; column->name; column++) {
-        if (json_object_set_new(object, column->name, json_from_cell(column->get(report, row)))) {
-            json_decref(object);
-            return NULL;
-        }
+        whole = put(object, column->name, json_from_cell(column->get(report, row))) && whole;
     }
-    return object;
+    return whole_or_null(object, whole);
 }
 
 static int append(const char *text, size_t size, void *out)
@@ -63,15 +86,17 @@ conus_status report_write_ndjson(struct buffer *out, const conus_report *report)
 static json_t *json_from_matrix(const double m[16])
 {
     json_t *rows = json_array();
+    bool whole = true;
     for (int row = 0; row < 4; row++) {
-        json_array_append_new(rows, json_pack("[f, f, f, f]", m[row], m[4 + row], m[8 + row], m[12 + row]));
+        json_t *numbers = json_pack("[f, f, f, f]", m[row], m[4 + row], m[8 + row], m[12 + row]);
+        whole = json_array_append_new(rows, numbers) == 0 && whole;
     }
-    return rows;
+    return whole_or_null(rows, whole);
 }
 
 static json_t *json_from_query(const struct report_query *query)
 {
-    return json_pack("{s: s, s: f, s: i, s: o}", "query", query->id, "angle_deg",
+    return json_pack("{s: o, s: f, s: i, s: o}", "query", json_from_text(query->id), "angle_deg",
                      degrees_from_radians(query->cone.angle), "cone_pixels", (int)query->cone_pixels,
                      "world_from_device_ras", json_from_matrix(query->cone.pose.world_from_device));
 }
@@ -79,37 +104,37 @@ static json_t *json_from_query(const struct report_query *query)
 static json_t *json_from_queries(const conus_report *report)
 {
     json_t *queries = json_array();
+    bool whole = true;
     for (size_t i = 0; i < report->query_count; i++) {
-        json_array_append_new(queries, json_from_query(&report->queries[i]));
+        whole = json_array_append_new(queries, json_from_query(&report->queries[i])) == 0 && whole;
     }
-    return queries;
+    return whole_or_null(queries, whole);
 }
 
 static json_t *json_from_volume(const conus_volume_info *info)
 {
     static const char *const roles[] = {"", "parcellation", "pathway", "context"};
-    json_t *volume = json_pack("{s: s, s: s, s: s, s: s, s: I, s: s, s: s, s: o}", "role", roles[info->role], "path",
-                               info->path, "sha256", info->sha256, "format", info->format, "volume",
+    json_t *volume = json_pack("{s: s, s: o, s: s, s: s, s: I, s: s, s: s, s: o}", "role", roles[info->role], "path",
+                               json_from_text(info->path), "sha256", info->sha256, "format", info->format, "volume",
                                (json_int_t)info->volume, "orientation", info->orientation, "transform", info->transform,
                                "world_from_voxel", json_from_matrix(info->world_from_voxel));
-    if (info->role == CONUS_SCALAR) {
-        json_object_set_new(volume, "threshold", json_real(info->threshold));
-    }
-    return volume;
+    bool whole = info->role != CONUS_SCALAR || put(volume, "threshold", json_real(info->threshold));
+    return whole_or_null(volume, whole);
 }
 
 static json_t *json_from_atlas(const conus_atlas *atlas)
 {
     json_t *volumes = json_array();
     json_t *notes = json_array();
+    bool whole = true;
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
-        json_array_append_new(volumes, json_from_volume(conus_atlas_volume(atlas, i)));
+        whole = json_array_append_new(volumes, json_from_volume(conus_atlas_volume(atlas, i))) == 0 && whole;
     }
     for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
-        json_array_append_new(notes, json_string(conus_atlas_note(atlas, i)));
+        whole = json_array_append_new(notes, json_from_text(conus_atlas_note(atlas, i))) == 0 && whole;
     }
-    return json_pack("{s: s, s: o, s: o}", "labels", conus_atlas_label_source(atlas), "volumes", volumes, "notes",
-                     notes);
+    json_t *labels = json_from_text(conus_atlas_label_source(atlas));
+    return whole_or_null(json_pack("{s: o, s: o, s: o}", "labels", labels, "volumes", volumes, "notes", notes), whole);
 }
 
 static json_t *json_from_settings(const conus_report *report)
@@ -119,54 +144,50 @@ static json_t *json_from_settings(const conus_report *report)
         json_pack("{s: s, s: s, s: i, s: s, s: s}", "engine", report->engine, "sampling",
                   options->sampling == CONUS_SLICES ? "slices" : "exact", "resolution", (int)options->resolution,
                   "aperture", options->aperture == CONUS_SQUARE ? "square" : "circle", "score", report->score);
-    if (options->sampling == CONUS_SLICES) {
-        json_object_set_new(settings, "slices", options->slices ? json_integer(options->slices) : json_string("auto"));
-    }
-    return settings;
+    bool whole = options->sampling != CONUS_SLICES ||
+                 put(settings, "slices", options->slices ? json_integer(options->slices) : json_string("auto"));
+    return whole_or_null(settings, whole);
 }
 
 static json_t *json_from_program(const conus_report *report)
 {
     json_t *program = json_pack("{s: s, s: s}", "Name", "conus", "Version", CONUS_VERSION);
-    if (report->options.command) {
-        json_object_set_new(program, "CommandLine", json_string(report->options.command));
-    }
-    return program;
+    const char *command = report->options.command;
+    return whole_or_null(program, !command || put(program, "CommandLine", json_from_text(command)));
 }
 
 /* What both the report and the sidecar say about where the rows come from. Queries are always in RAS. */
-static void add_provenance(json_t *root, const conus_report *report)
+static bool add_provenance(json_t *root, const conus_report *report)
 {
     bool lps = report->options.space == CONUS_LPS;
-    json_object_set_new(root, "GeneratedBy", json_pack("[o]", json_from_program(report)));
-    json_object_set_new(root, "Space", json_pack("{s: s, s: s}", "orientation", lps ? "LPS" : "RAS", "units", "mm"));
-    json_object_set_new(root, "Atlas", json_from_atlas(report->atlas));
-    json_object_set_new(root, "Settings", json_from_settings(report));
-    json_object_set_new(root, "Queries", json_from_queries(report));
+    return put(root, "GeneratedBy", json_pack("[o]", json_from_program(report))) &&
+           put(root, "Space", json_pack("{s: s, s: s}", "orientation", lps ? "LPS" : "RAS", "units", "mm")) &&
+           put(root, "Atlas", json_from_atlas(report->atlas)) && put(root, "Settings", json_from_settings(report)) &&
+           put(root, "Queries", json_from_queries(report));
 }
 
 conus_status report_write_json(struct buffer *out, const conus_report *report)
 {
     json_t *root = json_object();
     json_t *rows = json_array();
+    bool whole = true;
     for (size_t i = 0; i < report->row_count; i++) {
-        json_array_append_new(rows, json_from_row(report, &report->rows[i]));
+        whole = json_array_append_new(rows, json_from_row(report, &report->rows[i])) == 0 && whole;
     }
-    add_provenance(root, report);
-    json_object_set_new(root, "Rows", rows);
-    return dump(out, root, JSON_INDENT(1));
+    whole = add_provenance(root, report) && whole;
+    whole = put(root, "Rows", rows) && whole;
+    return dump(out, whole_or_null(root, whole), JSON_INDENT(1));
 }
 
 conus_status report_write_sidecar(struct buffer *out, const conus_report *report)
 {
     json_t *root = json_object();
+    bool whole = true;
     for (const struct report_column *column = report_columns; column->name; column++) {
         json_t *entry = json_pack("{s: s}", "Description", column->description);
-        if (column->units) {
-            json_object_set_new(entry, "Units", json_string(column->units));
-        }
-        json_object_set_new(root, column->name, entry);
+        whole = (!column->units || put(entry, "Units", json_string(column->units))) && whole;
+        whole = put(root, column->name, entry) && whole;
     }
-    add_provenance(root, report);
-    return dump(out, root, JSON_INDENT(1));
+    whole = add_provenance(root, report) && whole;
+    return dump(out, whole_or_null(root, whole), JSON_INDENT(1));
 }

@@ -60,7 +60,7 @@ static size_t unique(struct met *met, size_t count)
     return kept;
 }
 
-static void write_voxel(conus_report *report, const char *query_id, const struct met *met)
+static void write_voxel(conus_report *report, const struct met *met)
 {
     const conus_object *object = conus_atlas_object(report->atlas, met->object);
     const struct volume *volume = atlas_object_volume(report->atlas, met->object);
@@ -69,7 +69,8 @@ static void write_voxel(conus_report *report, const char *query_id, const struct
     double point[3] = {(double)at[0], (double)at[1], (double)at[2]};
     mat4_point(point, volume->info.world_from_voxel, point);
     report_point(report, point);
-    buffer_format(&report->voxels, "%s\t%s\t%zu\t%zu\t%zu", query_id, object->name, at[0], at[1], at[2]);
+    const char *query = report->queries[report->query_count - 1].id;
+    buffer_format(&report->voxels, "%s\t%s\t%zu\t%zu\t%zu", query, object->name, at[0], at[1], at[2]);
     double value = volume->values ? (double)volume->values[met->voxel] : object->label;
     const double numbers[] = {point[0], point[1], point[2], value, met->distance};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
@@ -79,7 +80,7 @@ static void write_voxel(conus_report *report, const char *query_id, const struct
     buffer_format(&report->voxels, "\t%s\t%u\n", report_kind(object->kind), object->label);
 }
 
-conus_status report_add_voxels(conus_report *report, const char *query_id, const conus_selection *selection)
+conus_status report_add_voxels(conus_report *report, const conus_selection *selection)
 {
     size_t pixels = (size_t)selection->evidence.resolution * selection->evidence.resolution;
     struct met *met = memory_raw(pixels, sizeof *met);
@@ -88,7 +89,7 @@ conus_status report_add_voxels(conus_report *report, const char *query_id, const
     }
     size_t count = unique(met, collect(met, report, selection));
     for (size_t i = 0; i < count; i++) {
-        write_voxel(report, query_id, &met[i]);
+        write_voxel(report, &met[i]);
     }
     memory_free(met);
     return buffer_status(&report->voxels);

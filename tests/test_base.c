@@ -85,6 +85,22 @@ static void utf8_is_told_from_latin1(void **state)
     }
 }
 
+static void any_bytes_become_clean_utf8(void **state)
+{
+    (void)state;
+    static const char *const pairs[][2] = {{"Br\xfc"
+                                            "cke\t1\n",
+                                            "Br\xc3\xbc"
+                                            "cke 1 "},
+                                           {"\xc3\xa9\x1b[31m", "\xc3\xa9 [31m"},
+                                           {"", ""}};
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
+        char *clean = text_to_utf8(text_from(pairs[i][0]));
+        assert_string_equal(clean, pairs[i][1]);
+        memory_free(clean);
+    }
+}
+
 static void inverse_undoes_an_affine(void **state)
 {
     (void)state;
@@ -177,6 +193,7 @@ int main(void)
         cmocka_unit_test(numbers_are_read_whole_or_not),
         cmocka_unit_test(numbers_are_written_short_and_without_locale),
         cmocka_unit_test(utf8_is_told_from_latin1),
+        cmocka_unit_test(any_bytes_become_clean_utf8),
         cmocka_unit_test(inverse_undoes_an_affine),
         cmocka_unit_test(files_appear_whole),
         cmocka_unit_test(sha256_of_abc),

@@ -257,10 +257,10 @@ static void table_reads_well(void **state)
 static conus_status select_and_report(void *data)
 {
     struct fixture *fixture = data;
-    static const conus_format formats[] = {CONUS_TABLE, CONUS_TSV};
+    static const conus_format formats[] = {CONUS_TABLE, CONUS_TSV, CONUS_JSON, CONUS_NDJSON};
     conus_selection *selection = NULL;
     conus_status status = conus_select(&selection, &fixture->selector, &fixture->selection->cone.pose, 1);
-    for (size_t i = 0; !status && i < 2; i++) {
+    for (size_t i = 0; !status && i < sizeof formats / sizeof formats[0]; i++) {
         conus_report *report = NULL;
         const conus_report_options options = {.format = formats[i], .all_voxels = true};
         const char *text;
@@ -269,6 +269,7 @@ static conus_status select_and_report(void *data)
         status = status ? status : conus_report_add(report, "1", selection);
         status = status ? status : conus_report_text(report, &text, &size);
         status = status ? status : conus_report_voxels(report, &text, &size);
+        status = status ? status : conus_report_sidecar(report, &text, &size);
         conus_report_destroy(report);
     }
     conus_selection_destroy(selection);

@@ -126,9 +126,7 @@ static void put_index(FILE *out, const conus_atlas *atlas, const conus_object *o
 
 static void put_text(FILE *out, const char *text)
 {
-    for (const char *c = *text ? text : "n/a"; *c; c++) {
-        fputc((unsigned char)*c < 0x20 ? ' ' : *c, out);
-    }
+    fputs(*text ? text : "n/a", out);
 }
 
 static void put_name(FILE *out, const conus_atlas *atlas, const conus_object *object)

@@ -4,8 +4,27 @@
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { DIGITS = 9 };
+
+/* Paths may be of any bytes; what is not UTF-8 is taken as ISO-8859-1, as in the library's reports. */
+static json_t *text_of_bytes(const char *bytes)
+{
+    json_t *text = json_string(bytes);
+    char *copy = text ? NULL : calloc(strlen(bytes) + 1, 2);
+    char *to = copy;
+    for (const char *from = bytes; copy && *from; from++) {
+        unsigned char c = (unsigned char)*from;
+        *to++ = (char)(c < 0x80 ? c : 0xc0 | c >> 6);
+        if (c >= 0x80) {
+            *to++ = (char)(0x80 | (c & 0x3f));
+        }
+    }
+    text = copy ? json_string(copy) : text;
+    free(copy);
+    return text;
+}
 
 static json_t *text_or_null(const char *text)
 {
@@ -36,13 +55,13 @@ static json_t *volume(const conus_volume_info *info)
 {
     static const char *const roles[] = {
         [CONUS_PARCELLATION] = "parcellation", [CONUS_SCALAR] = "pathway", [CONUS_CONTEXT] = "context"};
-    json_t *json =
-        json_pack("{s:s,s:s,s:s,s:s,s:s,s:o,s:I,s:I,s:o,s:[f,f,f],s:s,s:s,s:f,s:f,s:f,s:f}", "role", roles[info->role],
-                  "path", info->path, "sha256", info->sha256, "format", info->format, "datatype", info->datatype, "dim",
-                  sizes(info->dim), "volume", (json_int_t)info->volume, "volume_count", (json_int_t)info->volume_count,
-                  "world_from_voxel", matrix(info->world_from_voxel), "spacing_mm", info->spacing[0], info->spacing[1],
-                  info->spacing[2], "orientation", info->orientation, "transform", info->transform, "slope",
-                  info->slope, "intercept", info->intercept, "minimum", info->minimum, "maximum", info->maximum);
+    json_t *json = json_pack(
+        "{s:s,s:o,s:s,s:s,s:s,s:o,s:I,s:I,s:o,s:[f,f,f],s:s,s:s,s:f,s:f,s:f,s:f}", "role", roles[info->role], "path",
+        text_of_bytes(info->path), "sha256", info->sha256, "format", info->format, "datatype", info->datatype, "dim",
+        sizes(info->dim), "volume", (json_int_t)info->volume, "volume_count", (json_int_t)info->volume_count,
+        "world_from_voxel", matrix(info->world_from_voxel), "spacing_mm", info->spacing[0], info->spacing[1],
+        info->spacing[2], "orientation", info->orientation, "transform", info->transform, "slope", info->slope,
+        "intercept", info->intercept, "minimum", info->minimum, "maximum", info->maximum);
     if (info->role == CONUS_SCALAR) {
         json_object_set_new(json, "threshold", json_real(info->threshold));
     }
@@ -76,13 +95,14 @@ char *info_json(const conus_atlas *atlas)
         whole = json_array_append_new(volumes, volume(conus_atlas_volume(atlas, i))) == 0 && whole;
     }
     for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
-        whole = json_array_append_new(notes, json_string(conus_atlas_note(atlas, i))) == 0 && whole;
+        whole = json_array_append_new(notes, text_of_bytes(conus_atlas_note(atlas, i))) == 0 && whole;
     }
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
         whole = json_array_append_new(objects, object(atlas, conus_atlas_object(atlas, i))) == 0 && whole;
     }
-    json_t *root = json_pack("{s:s,s:s,s:o,s:o,s:o}", "conus", conus_version(), "labels",
-                             conus_atlas_label_source(atlas), "volumes", volumes, "notes", notes, "objects", objects);
+    json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o}", "conus", conus_version(), "labels",
+                             text_of_bytes(conus_atlas_label_source(atlas)), "volumes", volumes, "notes", notes,
+                             "objects", objects);
     char *text = whole && root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) : NULL;
     json_decref(root);
     char *line = NULL;

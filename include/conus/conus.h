@@ -112,7 +112,7 @@ typedef enum conus_kind {
 typedef struct conus_object {
     conus_kind kind;
     uint32_t label;           /**< The atlas's own number of the area; a pathway's ordinal, from 1.             */
-    const char *name;         /**< UTF-8. An area that no table names is called by its number.                  */
+    const char *name;         /**< UTF-8, one line. An area that no table names is called by its number.        */
     const char *abbreviation; /**< UTF-8; "" if the table gives none.                                           */
     char hemisphere;          /**< 'L', 'R' or 'B' (both) where the table says so, else 0.                      */
     bool named;               /**< The table has a name for it.                                                 */
@@ -131,7 +131,7 @@ typedef enum conus_role { CONUS_PARCELLATION = 1, CONUS_SCALAR, CONUS_CONTEXT } 
 
 typedef struct conus_volume_info {
     conus_role role;
-    const char *path;            /**< Of the voxels, as opened.                                                */
+    const char *path;            /**< Of the voxels, as opened: bytes, not always UTF-8.                       */
     char sha256[65];             /**< Of that file's bytes.                                                    */
     char format[48];             /**< "NIfTI-1, gzip, big-endian".                                             */
     char datatype[16];           /**< "uint8", "float64".                                                      */
@@ -277,7 +277,7 @@ typedef struct conus_report_options {
 /** Starts a report on answers of @p selector. Strings of @p options must outlive the report. */
 CONUS_CHECKED conus_status conus_report_create(conus_report **out, const conus_selector *selector,
                                                const conus_report_options *options);
-/** Adds one answer; @p query_id is copied. */
+/** Adds one answer; @p query_id is copied, as UTF-8 without control characters. */
 CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *query_id,
                                             const conus_selection *selection);
 /** The whole text in the report's format. Borrowed until the next call on the report. */

@@ -189,3 +189,22 @@ load helpers
     fails 2 '--image shows one pose, poses.csv has 2' query sphere.nii.gz --pose poses.csv --image seen.png
     fails 2 '--output and --image are the same file' query sphere.nii.gz $aim --image x.png -o x.png
 }
+
+@test "paths and names of any bytes stay whole, as UTF-8 and on one line" {
+    sphere --size 32
+    local place=$'caf\xe9'
+    mkdir "$place"
+    mv sphere.* "$place"
+    local aim="--origin 0,0,100 --toward 0,0,0 --quiet"
+    answers query "$place/sphere.nii.gz" $aim --format json
+    has $'"path": "caf\xc3\xa9/sphere.nii.gz"'
+    has $'"CommandLine": "conus query \'caf\xc3\xa9/sphere.nii.gz\''
+    answers info "$place/sphere.nii.gz" --format json
+    has $'"path": "caf\xc3\xa9/sphere.nii.gz"'
+    cp "$place/sphere.nii.gz" tract.nii.gz
+    answers query "$place/sphere.nii.gz" $aim --pathway $'tract.nii.gz,threshold=1,name=a\tb\nc\xe9' \
+        --voxels v.tsv --format tsv
+    [ "$(awk -F'\t' '{ print NF }' v.tsv | sort -u)" = 12 ]
+    answers info "$place/sphere.nii.gz" --pathway $'tract.nii.gz,threshold=1,name=a\tb\nc\xe9' --format tsv
+    has $'pathway\t1\ta b c\xc3\xa9\t'
+}
