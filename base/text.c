@@ -4,6 +4,7 @@
 #include "base/memory.h"
 
 #include <locale.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -226,7 +227,8 @@ static void point_for_comma(char *text)
 
 char *text_number(char out[TEXT_NUMBER_SIZE], double value)
 {
-    snprintf(out, TEXT_NUMBER_SIZE, "%.9g", value == 0 ? 0.0 : value); /* no "-0" */
+    bool whole = fabs(value) < 0x1p53 && value == floor(value);
+    snprintf(out, TEXT_NUMBER_SIZE, "%.*g", whole ? 17 : 9, value == 0 ? 0.0 : value); /* no "-0" */
     point_for_comma(out);
     return out;
 }

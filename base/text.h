@@ -55,8 +55,8 @@ char *text_to_utf8(struct text text);
 
 enum { TEXT_NUMBER_SIZE = 32 };
 
-/** @p value with up to 9 digits and no needless zeros; "nan", "inf" or "-inf" else. Never the locale's decimal comma,
- * never "-0". Returns @p out. */
+/** @p value with up to 9 digits and no needless zeros, whole numbers below 2^53 with all of theirs; "nan", "inf" or
+ * "-inf" else. Never the locale's decimal comma, never "-0". Returns @p out. */
 char *text_number(char out[TEXT_NUMBER_SIZE], double value);
 
 #endif

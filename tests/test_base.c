@@ -66,6 +66,9 @@ static void numbers_are_written_short_and_without_locale(void **state)
     assert_string_equal(text_number(out, -0.0), "0");
     assert_string_equal(text_number(out, 25.5314207153), "25.5314207");
     assert_string_equal(text_number(out, 3e-20), "3e-20");
+    assert_string_equal(text_number(out, 4294967295.0), "4294967295"); /* a label */
+    assert_string_equal(text_number(out, 4294967295.5), "4.2949673e+09");
+    assert_string_equal(text_number(out, 1e20), "1e+20");
     assert_string_equal(text_number(out, INFINITY), "inf");
     setlocale(LC_ALL, "C");
     uint64_t seed = 1;

@@ -5,6 +5,7 @@
 #include "cli/output.h"
 #include "cli/settings.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -55,6 +56,12 @@ static void put_range(FILE *out, const conus_volume_info *info, char axis, size_
     fprintf(out, "%s%c %.6g to %.6g", row ? ", " : "", axis, low, high);
 }
 
+/* Labels are shown to the last digit. */
+static int digits_of(double value)
+{
+    return fabs(value) < 0x1p53 && value == floor(value) ? 17 : 9;
+}
+
 static void put_volume(FILE *out, const conus_volume_info *info)
 {
     fprintf(out, "  file         %s\n", info->path);
@@ -69,7 +76,8 @@ static void put_volume(FILE *out, const conus_volume_info *info)
     for (size_t row = 0; row < 3; row++) {
         put_range(out, info, "xyz"[row], row);
     }
-    fprintf(out, " mm\n  values       %.9g to %.9g", info->minimum, info->maximum);
+    fprintf(out, " mm\n  values       %.*g to %.*g", digits_of(info->minimum), info->minimum, digits_of(info->maximum),
+            info->maximum);
     if (info->slope != 1 || info->intercept != 0) {
         fprintf(out, ", stored * %.9g + %.9g", info->slope, info->intercept);
     }

@@ -2,6 +2,7 @@
 #include "cli/info_json.h"
 
 #include <jansson.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,17 +52,24 @@ static json_t *matrix(const double m[16])
     return rows;
 }
 
+/* Labels to the last digit, which json_real() would cut. */
+static json_t *value(double number)
+{
+    bool whole = fabs(number) < 0x1p53 && number == floor(number);
+    return whole ? json_integer((json_int_t)number) : json_real(number);
+}
+
 static json_t *volume(const conus_volume_info *info)
 {
     static const char *const roles[] = {
         [CONUS_PARCELLATION] = "parcellation", [CONUS_SCALAR] = "pathway", [CONUS_CONTEXT] = "context"};
     json_t *json = json_pack(
-        "{s:s,s:o,s:s,s:s,s:s,s:o,s:I,s:I,s:o,s:[f,f,f],s:s,s:s,s:f,s:f,s:f,s:f}", "role", roles[info->role], "path",
+        "{s:s,s:o,s:s,s:s,s:s,s:o,s:I,s:I,s:o,s:[f,f,f],s:s,s:s,s:f,s:f,s:o,s:o}", "role", roles[info->role], "path",
         text_of_bytes(info->path), "sha256", info->sha256, "format", info->format, "datatype", info->datatype, "dim",
         sizes(info->dim), "volume", (json_int_t)info->volume, "volume_count", (json_int_t)info->volume_count,
         "world_from_voxel", matrix(info->world_from_voxel), "spacing_mm", info->spacing[0], info->spacing[1],
         info->spacing[2], "orientation", info->orientation, "transform", info->transform, "slope", info->slope,
-        "intercept", info->intercept, "minimum", info->minimum, "maximum", info->maximum);
+        "intercept", info->intercept, "minimum", value(info->minimum), "maximum", value(info->maximum));
     if (info->role == CONUS_SCALAR) {
         json_object_set_new(json, "threshold", json_real(info->threshold));
     }

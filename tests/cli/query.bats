@@ -208,3 +208,13 @@ load helpers
     answers info "$place/sphere.nii.gz" --pathway $'tract.nii.gz,threshold=1,name=a\tb\nc\xe9' --format tsv
     has $'pathway\t1\ta b c\xc3\xa9\t'
 }
+
+@test "labels beyond 2^31 keep all their digits" {
+    conus phantom nested -o . --size 32
+    answers query nested.nii.gz --origin 0,0,0 --direction 0,0,1 -o a.tsv --voxels v.tsv --voxels-of all
+    [ "$(awk -F'\t' 'NR == 2 { print $9 "/" $12 }' v.tsv)" = 4000000001/4000000001 ]
+    answers info nested.nii.gz
+    has 'values       0 to 4000000001'
+    answers info nested.nii.gz --format json
+    has '"maximum": 4000000001'
+}
