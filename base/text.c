@@ -102,7 +102,8 @@ bool text_starts(struct text text, const char *prefix)
 bool text_to_double(struct text text, double *out)
 {
     char copy[NUMBER_LIMIT + 1];
-    if (!text.size || text.size > NUMBER_LIMIT || is_space(text.data[0])) {
+    if (!text.size || text.size > NUMBER_LIMIT || is_space(text.data[0]) || memchr(text.data, 'x', text.size) ||
+        memchr(text.data, 'X', text.size)) {
         return false;
     }
     memcpy(copy, text.data, text.size);

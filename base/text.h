@@ -37,7 +37,8 @@ bool text_starts(struct text text, const char *prefix);
 
 /* Numbers are at most 63 characters long; longer text is none. */
 
-/** The whole of @p text as a number ('.' is the decimal point; "nan" and "inf" are read). False if it is none. */
+/** The whole of @p text as a decimal number ('.' is the decimal point; "nan" and "inf" are read). False if it is none.
+ */
 bool text_to_double(struct text text, double *out);
 
 /** The whole of @p text as a decimal integer without sign, at most @p limit. False if it is none. */

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "selection/cone.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -211,8 +212,8 @@ static conus_status pose_from_values(conus_pose *out, const struct header *heade
 
 static conus_status read_value(double *out, enum column column, struct text field)
 {
-    if (!text_to_double(field, out)) {
-        return fail(CONUS_ERROR_DATA, "column %s: \"%.*s\" is not a number", names[column],
+    if (!text_to_double(field, out) || !isfinite(*out)) {
+        return fail(CONUS_ERROR_DATA, "column %s: \"%.*s\" is not a finite number", names[column],
                     (int)(field.size < 40 ? field.size : 40), field.data);
     }
     return CONUS_OK;

@@ -45,7 +45,7 @@ static void numbers_are_read_whole_or_not(void **state)
     int64_t integer;
     assert_true(text_to_double(text_from("-2.5e3"), &number));
     assert_near(number, -2500, 0);
-    const char *const none[] = {"", " 1", "1 ", "1,5", "x", "1.5mm", "--1"};
+    const char *const none[] = {"", " 1", "1 ", "1,5", "x", "1.5mm", "--1", "0x10", "0X1p3"};
     for (size_t i = 0; i < sizeof none / sizeof none[0]; i++) {
         assert_false(text_to_double(text_from(none[i]), &number));
     }

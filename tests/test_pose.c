@@ -132,22 +132,25 @@ static void lps_negates_x_and_y(void **state)
 static void bad_rows_keep_their_place(void **state)
 {
     (void)state;
-    conus_pose_list *list = parse("query_id\tx\ty\tz\tdx\tdy\tdz\tangle\n"
-                                  "good\t0\t0\t0\t0\t1\t0\t5\n"
-                                  "nan\tnan\t0\t0\t0\t1\t0\t5\n"
-                                  "zero\t0\t0\t0\t0\t0\t0\t5\n"
+    conus_pose_list *list = parse("query_id\tx\ty\tz\tdx\tdy\tdz\tangle\ttime_s\n"
+                                  "good\t0\t0\t0\t0\t1\t0\t5\t1\n"
+                                  "nan\tnan\t0\t0\t0\t1\t0\t5\t1\n"
+                                  "zero\t0\t0\t0\t0\t0\t0\t5\t1\n"
                                   "\n"
                                   "short\t0\t0\n"
-                                  "text\t0\t0\t0\t0\tone\t0\t5\n"
-                                  "wide\t0\t0\t0\t0\t1\t0\t180\n",
+                                  "text\t0\t0\t0\t0\tone\t0\t5\t1\n"
+                                  "wide\t0\t0\t0\t0\t1\t0\t180\t1\n"
+                                  "hex\t0\t0\t0\t0\t0x1p2\t0\t5\t1\n"
+                                  "never\t0\t0\t0\t0\t1\t0\t5\tnan\n",
                                   CONUS_RAS);
-    assert_int_equal(conus_pose_list_count(list), 6);
+    assert_int_equal(conus_pose_list_count(list), 8);
     assert_null(conus_pose_list_row(list, 0)->error);
     assert_near(conus_pose_list_row(list, 0)->angle, radians_from_degrees(5), 1e-15);
-    const char *const parts[] = {"origin", "direction", "3 fields", "\"one\"", "angle: 180"};
-    const char *const ids[] = {"nan", "zero", "short", "text", "wide"};
-    const size_t lines[] = {3, 4, 6, 7, 8};
-    for (size_t i = 0; i < 5; i++) {
+    const char *const parts[] = {"column x: \"nan\"", "direction", "3 fields", "\"one\"",
+                                 "angle: 180",        "\"0x1p2\"", "\"nan\""};
+    const char *const ids[] = {"nan", "zero", "short", "text", "wide", "hex", "never"};
+    const size_t lines[] = {3, 4, 6, 7, 8, 9, 10};
+    for (size_t i = 0; i < sizeof ids / sizeof ids[0]; i++) {
         const conus_pose_row *row = conus_pose_list_row(list, i + 1);
         assert_non_null(row->error);
         assert_non_null(strstr(row->error, parts[i]));
