@@ -8,10 +8,10 @@
 #include <stdio.h>
 #include <string.h>
 
-enum column { INDEX, NAME, ABBREVIATION, COLOUR, RED, GREEN, BLUE, HEMISPHERE, PARENT, COLUMN_COUNT };
+enum column { INDEX, NAME, ABBREVIATION, COLOUR, RED, GREEN, BLUE, HEMISPHERE, PARENT, RIVAL, COLUMN_COUNT };
 enum { NO_COLUMN = -1, SYNONYM_COUNT = 5, FIELD_LIMIT = 1024 };
 
-/* What a column may be called, the preferred word first. */
+/* What a column may be called, the preferred word first. A rival is a second column that could be the index. */
 static const char *const names[COLUMN_COUNT][SYNONYM_COUNT] = {
     [INDEX] = {"index", "LabelValue", "id", "key", "label"},
     [NAME] = {"name", "region", "structure", "label"},
@@ -29,6 +29,7 @@ struct header {
     int at[COLUMN_COUNT]; /* field of each column, or NO_COLUMN */
     int count;
     const char *twice; /* a column that two fields claim, or NULL */
+    bool disputed;     /* a rival has been noted */
 };
 
 static bool next_line(struct text *rest, size_t *number, struct text *line)
@@ -77,6 +78,9 @@ static void match_column(struct header *header, int ranks[COLUMN_COUNT], struct 
         for (int rank = 0; rank < SYNONYM_COUNT && names[column][rank]; rank++) {
             bool named = text_equal_ignoring_case(field, names[column][rank]);
             header->twice = named && rank == ranks[column] ? names[column][rank] : header->twice;
+            if (named && column == INDEX) {
+                header->at[RIVAL] = rank < ranks[INDEX] ? header->at[INDEX] : at;
+            }
             if (named && rank < ranks[column]) {
                 ranks[column] = rank;
                 header->at[column] = at;
@@ -181,13 +185,29 @@ static conus_status fill_label(struct label *label, const struct text cells[COLU
     return status ? status : set_text(&label->abbreviation, cells[ABBREVIATION]);
 }
 
-static conus_status parse_row(struct label_table *out, const struct header *header, struct text line, const char *where,
+/* "index label name" may count rows in one column and give the voxels' value in the other. */
+static conus_status note_rival(struct header *header, uint32_t number, struct text rival, const char *where,
+                               struct notes *notes)
+{
+    uint64_t other;
+    if (header->disputed || !text_to_uint(rival, UINT32_MAX, &other) || other == number) {
+        return CONUS_OK;
+    }
+    header->disputed = true;
+    return notes_add(notes,
+                     "label table, %s: two columns could be the label's number, %u and %llu: %u is used, by the order "
+                     "index, LabelValue, id, key, label",
+                     where, number, (unsigned long long)other, number);
+}
+
+static conus_status parse_row(struct label_table *out, struct header *header, struct text line, const char *where,
                               struct notes *notes)
 {
     struct text cells[COLUMN_COUNT] = {{0}};
     struct label label = {0};
     conus_status status = read_cells(cells, header, line, where);
     status = status ? status : fill_label(&label, cells, where, notes);
+    status = status ? status : note_rival(header, label.number, cells[RIVAL], where, notes);
     return label_keep(out, &label, status, notes);
 }
 

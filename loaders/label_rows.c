@@ -205,6 +205,11 @@ static conus_status parse_rows(struct label_table *out, struct text text, struct
     return status;
 }
 
+static bool is_quoted(struct text text)
+{
+    return text.size >= 2 && text.data[0] == '"' && text.data[text.size - 1] == '"';
+}
+
 static conus_status parse_plain_row(struct label *label, const struct row *row, const char *where, const void *data)
 {
     (void)where;
@@ -213,14 +218,20 @@ static conus_status parse_plain_row(struct label *label, const struct row *row, 
     if (*coded) {
         take_last_word(&name);
     }
+    if (is_quoted(name)) {
+        name = (struct text){name.data + 1, name.size - 2};
+    }
     return label_set_text(&label->name, name);
 }
+
+/* In a short list, "1 Area 17 / 2 Crus 1", numbers may differ and yet belong to the names. */
+enum { CODED_ROWS = 8 };
 
 /* "1 Precentral_L", "1<tab>Frontal Pole", "1 Precentral_L 2001". */
 static conus_status parse_plain(struct label_table *out, struct text text, struct notes *notes)
 {
     struct census census = count_rows(text);
-    bool coded = census.coded == census.rows && !census.tabbed;
+    bool coded = census.coded == census.rows && census.rows >= CODED_ROWS && !census.tabbed;
     conus_status status = coded ? words_differ(&coded, text, census.rows, take_first_word) : CONUS_OK;
     status = !status && coded ? words_differ(&coded, text, census.rows, take_last_word) : status;
     return status ? status : parse_rows(out, text, notes, parse_plain_row, &coded);
@@ -330,8 +341,7 @@ static conus_status parse_itk_snap_row(struct label *label, const struct row *ro
         status = check_number(cells[i], what[i - 3], where);
     }
     rest = text_trim(rest);
-    bool quoted = rest.size >= 2 && rest.data[0] == '"' && rest.data[rest.size - 1] == '"';
-    if (!status && !quoted) {
+    if (!status && !is_quoted(rest)) {
         return fail(CONUS_ERROR_DATA, "%s: no name in quotation marks after IDX R G B A VIS MSH", where);
     }
     return status ? status : label_set_text(&label->name, (struct text){rest.data + 1, rest.size - 2});

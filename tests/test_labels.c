@@ -5,7 +5,12 @@
 #include <string.h>
 
 static const struct sample samples[] = {
-    {"MRIcron text", "1 Precentral_L 2001\r\n2 Precentral_R 2002\r\n\r\n", "1 Precentral_L; 2 Precentral_R"},
+    {"MRIcron text",
+     "1 Precentral_L 2001\r\n2 Precentral_R 2002\r\n3 A 2101\r\n4 B 2102\r\n5 C 2111\r\n6 D 2112\r\n7 E 2201\r\n"
+     "8 F 2202\r\n\r\n",
+     "1 Precentral_L; 2 Precentral_R; 3 A; 4 B; 5 C; 6 D; 7 E; 8 F"},
+    {"MRIcron text", "1 Area 17\n2 Crus 1\n3 Lobule 4\n", "1 Area 17; 2 Crus 1; 3 Lobule 4"},
+    {"MRIcron text", "1 \"Frontal Pole\"\n2 \"B\"\n", "1 Frontal Pole; 2 B"},
     {"MRIcron text", "1 Area 17\n2 Area 18\n", "1 Area 17; 2 Area 18"},
     {"MRIcron text", "1 V 1\n2 A 1\n", "1 V 1; 2 A 1"},
     {"MRIcron text", "1\tArea 17\n2\tPole 18\n", "1 Area 17; 2 Pole 18"},
@@ -134,6 +139,13 @@ static void oddities_are_noted(void **state)
     assert_ok(parsed_from(&parsed, "1 a\n1 b\n1 c\n1 d\n1 e\n1 f\n1 g\n1 h\n1 i\n1 j\n1 k\n1 a\n"));
     assert_int_equal(parsed.notes.count, 9);
     assert_true(notes_have(&parsed.notes, "2 more labels are named twice"));
+    parsed_finish(&parsed);
+    assert_ok(parsed_from(&parsed, "index,label,name\n1,10,a\n2,20,b\n"));
+    assert_int_equal(parsed.notes.count, 1);
+    assert_true(notes_have(&parsed.notes, "line 2: two columns could be the label's number, 1 and 10: 1 is used"));
+    parsed_finish(&parsed);
+    assert_ok(parsed_from(&parsed, "label,id,name\n1,1,a\n2,2,b\n"));
+    assert_int_equal(parsed.notes.count, 0);
     parsed_finish(&parsed);
     assert_ok(parsed_from(&parsed, "0\tUnclassified\n1\ta\n"));
     assert_int_equal(parsed.notes.count, 0);
