@@ -50,14 +50,14 @@ static conus_status choose_threshold(struct volume_file *file, double wanted, co
         return fail(CONUS_ERROR_DATA, "%s: its largest value is %s, a pathway needs values above 0", info->path,
                     maximum);
     }
-    if (!(wanted >= 0 && wanted <= info->maximum)) {
+    if (!(wanted >= 0 && (float)wanted <= (float)info->maximum)) { /* as the values are kept */
         return fail(CONUS_ERROR_ARGUMENT, "%s: threshold %s, allowed is above 0 to %s, the largest value (0 = default)",
                     info->path, text_number(threshold, wanted), maximum);
     }
     struct scale scale = scale_of(info);
     info->threshold = wanted > 0 ? wanted : scale.value / 4;
     text_number(threshold, info->threshold);
-    if (info->threshold > info->maximum) {
+    if ((float)info->threshold > (float)info->maximum) {
         return fail(CONUS_ERROR_DATA,
                     "%s: the default threshold %s (%s) is above its largest value %s: give a threshold", info->path,
                     threshold, scale.words, maximum);
