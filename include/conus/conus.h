@@ -203,7 +203,7 @@ typedef enum conus_sampling { CONUS_EXACT = 0, CONUS_SLICES } conus_sampling;
 typedef void (*conus_log)(void *user, const char *line);
 
 typedef struct conus_selector_options {
-    conus_engine engine;     /**< auto: gl on a hardware renderer that is already in use, else rays.             */
+    conus_engine engine;     /**< auto: rays, which needs no driver and gives the pixels that gl gives.          */
     conus_aperture aperture; /**< Which pixels count as the cone (Eq. 3).                                        */
     conus_sampling sampling; /**< Exact cells (Eq. 5) or the paper's slices (Eq. 7).                             */
     uint32_t resolution;     /**< n of the n x n buffer, 1 to 1024; 0 = 16.                                      */
@@ -282,7 +282,8 @@ CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *qu
                                             const conus_selection *selection);
 /** The whole text in the report's format. Borrowed until the next call on the report. */
 CONUS_CHECKED conus_status conus_report_text(conus_report *report, const char **text, size_t *size);
-/** The voxels met first, as TSV: query kind index name i j k x y z value distance_mm. Borrowed likewise. */
+/** The voxels met first, nearest first, as TSV: query pathway i j k x y z value distance_mm kind index. Borrowed
+ * likewise. */
 CONUS_CHECKED conus_status conus_report_voxels(conus_report *report, const char **text, size_t *size);
 /** The JSON sidecar: columns, units, space, atlas files with SHA-256, settings, version. Borrowed likewise. */
 CONUS_CHECKED conus_status conus_report_sidecar(conus_report *report, const char **text, size_t *size);
