@@ -129,8 +129,7 @@ static bool is_label_table(const conus_atlas *atlas, const char *path)
     return paths_equal(beside, path);
 }
 
-const char *settings_input(const conus_atlas *atlas, const struct atlas_settings *atlas_settings,
-                           const struct aim_settings *aim, const char *path)
+const char *settings_input(const conus_atlas *atlas, const struct input *inputs, const char *path)
 {
     static const char *const roles[] = {
         [CONUS_PARCELLATION] = "the atlas", [CONUS_SCALAR] = "a pathway", [CONUS_CONTEXT] = "the context"};
@@ -140,10 +139,12 @@ const char *settings_input(const conus_atlas *atlas, const struct atlas_settings
             return roles[info->role];
         }
     }
-    if (is_label_table(atlas, path) || (atlas_settings->labels && paths_equal(atlas_settings->labels, path))) {
-        return "the label table";
+    for (; inputs->what; inputs++) {
+        if (inputs->path && paths_equal(inputs->path, path)) {
+            return inputs->what;
+        }
     }
-    return aim->pose && paths_equal(aim->pose, path) ? "the file of poses" : NULL;
+    return is_label_table(atlas, path) ? "the label table" : NULL;
 }
 
 void settings_say_notes(const conus_atlas *atlas, const struct common_settings *settings)

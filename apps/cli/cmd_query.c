@@ -297,10 +297,13 @@ static bool check_paths(const struct query *query)
 static bool check_inputs(const struct query *query)
 {
     const struct query_settings *settings = query->settings;
+    const struct input inputs[] = {{"the atlas", query->arguments->operands[0]},
+                                   {"the label table", settings->atlas.labels},
+                                   {"the file of poses", settings->aim.pose},
+                                   {0}};
     for (size_t i = 0; i < OUTPUT_COUNT; i++) {
         const struct output *output = &query->outputs[i];
-        const char *input =
-            output->path ? settings_input(query->atlas, &settings->atlas, &settings->aim, output->path) : NULL;
+        const char *input = output->path ? settings_input(query->atlas, inputs, output->path) : NULL;
         if (input) {
             complain("%s would overwrite %s %s", output->what, input, output->path);
             return false;

@@ -41,9 +41,15 @@ enum { DEFAULT_ANGLE = 10 };
 /** Loads the atlas and adds its pathways. Gives the exit code, having complained unless it is 0. */
 int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings);
 
-/** What of the inputs the file @p path is ("the atlas"), so that no output overwrites it; NULL if it is none. */
-const char *settings_input(const conus_atlas *atlas, const struct atlas_settings *atlas_settings,
-                           const struct aim_settings *aim, const char *path);
+/** A file that the command line names. */
+struct input {
+    const char *what; /**< "the atlas"; NULL ends a list. */
+    const char *path; /**< NULL = not given. */
+};
+
+/** What the file @p path is among @p inputs and the files that @p atlas was read from, so that no output overwrites it;
+ * NULL if it is none of them. */
+const char *settings_input(const conus_atlas *atlas, const struct input *inputs, const char *path);
 
 /** Says the atlas's notes on stderr, unless --quiet. */
 void settings_say_notes(const conus_atlas *atlas, const struct common_settings *settings);

@@ -94,9 +94,16 @@ load helpers
     printf 'x,y,z,dx,dy,dz\n0,0,100,0,0,-1\n' >poses.json
     fails 2 'the .json beside --output would overwrite the file of poses poses.json' \
         query sphere.nii.gz --pose poses.json -o poses.tsv
+    mkdir volumes
+    cp sphere.nii.gz volumes
+    printf '<atlas><header><name>a</name><type>Label</type><images><imagefile>/volumes/sphere</imagefile>%s' \
+        '</images></header><data><label index="1" x="0" y="0" z="0">Ball</label></data></atlas>' >atlas.xml
+    answers query atlas.xml $aim --format tsv
+    [ "$(cell name 1)" = Ball ]
+    fails 2 '--output would overwrite the atlas atlas.xml' query atlas.xml $aim -o atlas.xml
     fails 3 'no/such/a.json: cannot write: No such file' query sphere.nii.gz $aim -o no/such/a.tsv
     fails 3 '.: cannot write: is a folder' query sphere.nii.gz $aim -o .
-    nothing_left sphere.{nii.gz,tsv,json} tract.png poses.json
+    nothing_left sphere.{nii.gz,tsv,json} tract.png poses.json atlas.xml volumes/sphere.nii.gz
 }
 
 @test "--voxels lists the voxels met first" {

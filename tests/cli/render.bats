@@ -105,6 +105,11 @@ png_size() {
     fails 3 'no/a.png: cannot write' render sphere.nii.gz -o no/a.png $SMALL
     cp sphere.nii.gz atlas.png
     fails 2 '--output would overwrite the atlas atlas.png' render atlas.png -o atlas.png
+    printf '1 0 0 0\n0 1 0 0\n0 0 1 200\n0 0 0 1\n' >camera.png
+    fails 2 "--output would overwrite the camera's pose camera.png" render atlas.png -o camera.png --camera camera.png
+    printf '0 1 1 1 0\n1 1 1 1 1\n' >transfer.png
+    fails 2 '--output would overwrite the transfer function transfer.png' \
+        render atlas.png -o transfer.png --context sphere.nii.gz --transfer transfer.png
 }
 
 @test "no OpenGL is exit code 4" {
