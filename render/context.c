@@ -15,7 +15,6 @@ struct gl_context {
     conus_log log;
     void *log_user;
     char renderer[128];
-    bool is_software;
 };
 
 /* ---- What is current ---------------------------------------------------------------------------------------- */
@@ -117,23 +116,11 @@ static void GLAPIENTRY receive_message(GLenum source, GLenum type, GLuint id, GL
     context->log(context->log_user, line);
 }
 
-static bool is_software_name(const char *renderer)
-{
-    static const char *const names[] = {"llvmpipe", "softpipe", "swrast", "Software Rasterizer", "SwiftShader"};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        if (strstr(renderer, names[i])) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* With the new context current: what it is, and where its messages go. */
 static void describe(struct gl_context *context)
 {
     const char *renderer = (const char *)glGetString(GL_RENDERER);
     snprintf(context->renderer, sizeof context->renderer, "%s", renderer ? renderer : "unnamed renderer");
-    context->is_software = is_software_name(context->renderer);
     if (context->log) {
         glEnable(GL_DEBUG_OUTPUT);
         glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
@@ -292,11 +279,6 @@ void gl_context_destroy(struct gl_context *context)
 const char *gl_context_renderer(const struct gl_context *context)
 {
     return context->renderer;
-}
-
-bool gl_context_is_software(const struct gl_context *context)
-{
-    return context->is_software;
 }
 
 conus_status gl_check(const char *what)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lines, fields, words and numbers of any bytes. */
+#include "base/memory.h"
 #include "base/text.h"
 
 #include <stdlib.h>
@@ -13,7 +14,11 @@ static void read_word(struct text word)
     if (text_to_int(word, &integer) && !text_to_double(word, &number)) {
         abort(); /* what is an integer is a number too */
     }
-    text_is_utf8(word);
+    char *clean = text_to_utf8(word);
+    if (!clean || !text_is_utf8(text_from(clean))) {
+        abort();
+    }
+    memory_free(clean);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
