@@ -183,7 +183,7 @@ static void opening_finish(struct opening *opening)
     notes_finish(&opening->notes);
 }
 
-static conus_status fail_unknown(const struct bytes *head)
+static conus_status fail_unknown(const struct bytes *head, bool packed)
 {
     char shown[17] = "";
     for (size_t i = 0; i < head->size && i < 16; i++) {
@@ -191,15 +191,17 @@ static conus_status fail_unknown(const struct bytes *head)
         shown[i] = printable ? (char)head->data[i] : '.';
     }
     return head->size ? fail(CONUS_ERROR_DATA, "content: found \"%s\", allowed are NIfTI-1, NIfTI-2 and MGH", shown)
-                      : fail(CONUS_ERROR_DATA, "content: the file is empty, allowed are NIfTI-1, NIfTI-2 and MGH");
+                      : fail(CONUS_ERROR_DATA, "content: the file %s, allowed are NIfTI-1, NIfTI-2 and MGH",
+                             packed ? "unpacks to nothing" : "is empty");
 }
 
-static conus_status parse_head(struct volume_header *out, const struct bytes *head, struct notes *notes)
+static conus_status parse_head(struct volume_header *out, const struct bytes *head, bool packed, struct notes *notes)
 {
     if (nifti_is(head->data, head->size)) {
         return nifti_header_parse(out, head->data, head->size, notes);
     }
-    return mgh_is(head->data, head->size) ? mgh_header_parse(out, head->data, head->size, notes) : fail_unknown(head);
+    return mgh_is(head->data, head->size) ? mgh_header_parse(out, head->data, head->size, notes)
+                                          : fail_unknown(head, packed);
 }
 
 /* Reads the header out of `stored`. */
@@ -208,7 +210,7 @@ static conus_status read_header(struct opening *o, const struct stored *stored)
     struct bytes head;
     conus_status status = stored_head(&head, stored, NIFTI_HEAD_SIZE);
     if (!status) {
-        status = parse_head(&o->header, &head, &o->notes);
+        status = parse_head(&o->header, &head, stored->packed, &o->notes);
         bytes_finish(&head);
     }
     return status ? fail_in(status, stored->path) : CONUS_OK;

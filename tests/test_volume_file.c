@@ -344,7 +344,7 @@ static void other_files_are_refused(void **state)
         {"x", "content: found \"x\""},
         {"<!DOCTYPE html><html>", "content: found \"<!DOCTYPE html><\""},
         {"1 Precentral_L\n", "content: found \"1 Precentral_L.\""},
-        {"\x1f\x8b\x08", "content: the file is empty"},
+        {"\x1f\x8b\x08", "content: the file unpacks to nothing"},
         {"\x1f\x8b\x08 not deflate at all", "gzip: damaged"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

@@ -42,6 +42,8 @@ refuses() {
     refuses 'content: the file is empty, allowed are' empty.nii
     : >empty.nii.gz
     refuses 'content: the file is empty, allowed are' empty.nii.gz
+    gzip -c empty.nii >packed.nii.gz
+    refuses 'content: the file unpacks to nothing, allowed are' packed.nii.gz
     echo 'just some text' >text.nii
     refuses 'content: found "just some text.", allowed are NIfTI-1, NIfTI-2 and MGH' text.nii
     echo '<!DOCTYPE html><html><body>404 Not Found</body></html>' >page.nii.gz
