@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "selection/selection.h"
 
+#include "base/math3.h"
 #include "base/memory.h"
 
 #include <string.h>
@@ -144,12 +145,19 @@ const conus_result *conus_selection_result(const conus_selection *selection, siz
 
 conus_evidence conus_selection_evidence(const conus_selection *selection)
 {
+    if (!selection) {
+        return (conus_evidence){0};
+    }
     return (conus_evidence){selection->evidence.resolution, selection->evidence.object, selection->evidence.distance,
                             selection->evidence.voxel, selection->in_cone};
 }
 
 void conus_selection_position(const conus_selection *selection, size_t pixel, double out[3])
 {
-    uint32_t n = selection->cone.resolution;
+    uint32_t n = selection ? selection->cone.resolution : 0;
+    if (pixel >= (size_t)n * n) {
+        out[0] = out[1] = out[2] = NAN;
+        return;
+    }
     evidence_position(out, &selection->evidence, &selection->cone, (uint32_t)(pixel % n), (uint32_t)(pixel / n));
 }

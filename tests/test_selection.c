@@ -293,6 +293,21 @@ static void bad_queries_are_refused(void **state)
     assert_null(selection);
 }
 
+static void nothing_has_no_results(void **state)
+{
+    struct fixture *fixture = *state;
+    double position[3] = {0};
+    assert_int_equal(conus_selection_count(NULL), 0);
+    assert_null(conus_selection_result(NULL, 0));
+    assert_int_equal(conus_selection_evidence(NULL).resolution, 0);
+    conus_selection_position(NULL, 0, position);
+    assert_true(isnan(position[0]));
+    conus_selection_position(fixture->selection, 16, position); /* behind the last pixel */
+    assert_true(isnan(position[2]));
+    assert_string_equal(conus_selector_engine(NULL), "");
+    assert_null(conus_score(1000));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -306,6 +321,7 @@ int main(void)
         cmocka_unit_test(table_reads_well),
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(bad_queries_are_refused),
+        cmocka_unit_test(nothing_has_no_results),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -253,7 +253,7 @@ typedef struct conus_evidence {
 } conus_evidence;
 
 CONUS_API conus_evidence conus_selection_evidence(const conus_selection *selection);
-/** World position of the contact at @p pixel (row-major index); NaN where it hit nothing. */
+/** World position of the contact at @p pixel (row-major index); NaN where it hit nothing, or there is no pixel. */
 CONUS_API void conus_selection_position(const conus_selection *selection, size_t pixel, double out[3]);
 
 typedef struct conus_score_info {
