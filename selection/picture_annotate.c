@@ -39,8 +39,8 @@ static void fill_row(struct legend_row *row, struct cells *cells, const conus_at
 static void describe_cone(char out[TEXT_SIZE], const struct cone *cone)
 {
     const double *apex = cone->pose.world_from_device + 12;
-    snprintf(out, TEXT_SIZE, "%.4g\u00b0 from %.4g, %.4g, %.4g mm", degrees_from_radians(cone->angle), apex[0], apex[1],
-             apex[2]);
+    snprintf(out, TEXT_SIZE, "%.4g\u00b0 from %.4g, %.4g, %.4g, RAS mm", degrees_from_radians(cone->angle), apex[0],
+             apex[1], apex[2]);
 }
 
 /* Opacity that was drawn under a legend of about that size in a corner, top left first. */
