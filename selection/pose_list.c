@@ -176,8 +176,8 @@ static conus_status read_header(struct header *out, struct text line)
 /* LPS to RAS and back: x and y change sign. */
 static void flip_point(double p[3])
 {
-    p[0] = -p[0];
-    p[1] = -p[1];
+    p[0] = 0 - p[0];
+    p[1] = 0 - p[1];
 }
 
 static void flip_matrix(double m[16])

@@ -106,8 +106,8 @@ static struct cell get_distance(const conus_report *report, const struct report_
 void report_point(const conus_report *report, double point[3])
 {
     if (report->options.space == CONUS_LPS) {
-        point[0] = -point[0];
-        point[1] = -point[1];
+        point[0] = 0 - point[0]; /* which makes no "-0" of 0 */
+        point[1] = 0 - point[1];
     }
 }
 

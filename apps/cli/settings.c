@@ -187,9 +187,9 @@ bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
 
 static void to_ras(double out[3], const double in[3], size_t space)
 {
-    double sign = space == CONUS_LPS ? -1 : 1;
-    out[0] = sign * in[0];
-    out[1] = sign * in[1];
+    bool lps = space == CONUS_LPS; /* 0 - x makes no "-0" of 0 */
+    out[0] = lps ? 0 - in[0] : in[0];
+    out[1] = lps ? 0 - in[1] : in[1];
     out[2] = in[2];
 }
 

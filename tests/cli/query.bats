@@ -30,6 +30,8 @@ load helpers
     local x=$(cell contact_x 1) y=$(cell contact_y 1) z=$(cell contact_z 1)
     answers query "$aal" --origin 90,-20,20 --toward 0,10,10 --angle 20 --format tsv --space lps
     [ "$(cell contact_x 1)/$(cell contact_y 1)/$(cell contact_z 1)" = "${x#-}/-$y/$z" ]
+    answers query "$aal" --origin 90,0,10 --direction -1,0,0 --space lps
+    has 'from (90.00, 0.00, 10.00) along (-1.0000, 0.0000, 0.0000), LPS mm'
     printf 'x\ty\tz\ttx\tty\ttz\tangle\n90\t-20\t20\t0\t10\t10\t20\n' >poses.tsv
     answers query "$aal" --pose poses.tsv --format tsv --space lps
     [ "$(cell contact_x 1)/$(cell pixels 1)" = "${x#-}/188" ]
