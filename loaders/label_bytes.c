@@ -69,10 +69,16 @@ static conus_status parse_lut(struct label_table *out, const uint8_t *lut)
     return CONUS_OK;
 }
 
+/* An answer of conus, or its list of voxels, may lie beside the atlas under its name, and has rows like a table. */
+static bool is_answer(struct text text)
+{
+    return text_starts(text, "query\tkind\tindex\t") || text_starts(text, "query\tpathway\ti\t");
+}
+
 const struct label_format *label_format_of(struct text text)
 {
     struct text start = text_trim(text);
-    if (!is_text(text)) {
+    if (!is_text(text) || is_answer(text)) {
         return NULL;
     }
     if (start.data[0] == '<') {

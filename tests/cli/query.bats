@@ -227,3 +227,14 @@ load helpers
     answers info nested.nii.gz --format json
     has '"maximum": 4000000001'
 }
+
+@test "an answer beside the atlas, under its name, is not taken for its label table" {
+    sphere --size 32
+    rm sphere.tsv sphere.json
+    local aim='--origin 0,0,100 --toward 0,0,0'
+    answers query sphere.nii.gz $aim --quiet -o sphere.tsv --voxels sphere.txt --voxels-of all
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz $aim --format tsv
+    [ "$output" = "$(cat sphere.tsv)" ]
+    [[ "${stderr_lines[0]}" == *'sphere.txt is not a label table of a known format: passed over' ]]
+    [[ "${stderr_lines[1]}" == *'sphere.tsv is not a label table of a known format: passed over' ]]
+}
