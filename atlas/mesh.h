@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A triangulated surface in world space. */
+#ifndef CONUS_ATLAS_MESH_H
+#define CONUS_ATLAS_MESH_H
+
+#include "base/notes.h"
+
+struct mesh {
+    char *path;       /**< Of the file it came from; owned, NULL if none.                              */
+    float *positions; /**< [3 vertex_count] x, y, z in world mm (RAS); owned.                          */
+    size_t vertex_count;
+    uint32_t *triangles; /**< [3 triangle_count] vertex indices, counter-clockwise from outside; owned.   */
+    size_t triangle_count;
+};
+
+/** What mesh_measure() finds. */
+struct mesh_shape {
+    double low[3], high[3]; /**< Bounds of the vertices that triangles use.                                  */
+    double volume_mm3;      /**< Signed: positive where the triangles face outwards (divergence theorem).    */
+    double centroid[3];     /**< Of the enclosed volume where closed, else of the surface.                   */
+    bool closed;            /**< Every edge is shared by exactly two triangles that pass it in opposite
+                                 directions.                                                                 */
+};
+
+void mesh_finish(struct mesh *mesh);
+
+/** A mesh of zeroed arrays for so many vertices and triangles. */
+conus_status mesh_init(struct mesh *out, size_t vertex_count, size_t triangle_count);
+
+/** Refuses what no engine may see: no triangle, a coordinate that is not finite, an index out of range. Triangles of no
+ * area are left out and counted in @p notes, as is a mesh that is not closed. */
+conus_status mesh_check(struct mesh *mesh, struct notes *notes);
+
+/** Measures a checked mesh. CONUS_ERROR_MEMORY without memory for its edges. */
+conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh);
+
+/** Moves every vertex by @p world_from_mesh; turns triangles around where that mirrors. */
+void mesh_transform(struct mesh *mesh, const double world_from_mesh[16]);
+
+#endif

@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "atlas/mesh.h"
+#include "base/math3.h"
+#include "test.h"
+
+#include <string.h>
+
+/* A box from (0, 0, 0) to `size`, moved by `by`, triangles facing outwards. */
+static conus_status make_box(struct mesh *out, const double size[3], double by)
+{
+    static const uint32_t triangles[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                                           2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+    conus_status status = mesh_init(out, 8, 12);
+    for (size_t i = 0; !status && i < 24; i++) {
+        out->positions[i] = (float)((i / 3 >> i % 3 & 1 ? size[i % 3] : 0) + by);
+    }
+    if (!status) {
+        memcpy(out->triangles, triangles, sizeof triangles);
+    }
+    return status;
+}
+
+static void a_box_is_closed_and_measured(void **state)
+{
+    (void)state;
+    const double sizes[2][3] = {{1, 2, 3}, {4, 0.5, 7}};
+    for (int i = 0; i < 2; i++) {
+        struct mesh mesh;
+        struct mesh_shape shape;
+        struct notes notes = {0};
+        assert_ok(make_box(&mesh, sizes[i], 1000));
+        assert_ok(mesh_check(&mesh, &notes));
+        assert_int_equal(notes.count, 0);
+        assert_ok(mesh_measure(&shape, &mesh));
+        assert_true(shape.closed);
+        assert_near(shape.volume_mm3, sizes[i][0] * sizes[i][1] * sizes[i][2], 1e-9);
+        for (int a = 0; a < 3; a++) {
+            assert_near(shape.centroid[a], 1000 + sizes[i][a] / 2, 1e-9);
+            assert_near(shape.low[a], 1000, 0);
+            assert_near(shape.high[a], 1000 + sizes[i][a], 0);
+        }
+        mesh_finish(&mesh);
+    }
+}
+
+static void mirrors_keep_triangles_outward(void **state)
+{
+    (void)state;
+    struct mesh mesh;
+    struct mesh_shape shape;
+    double mirror[16];
+    mat4_identity(mirror);
+    mirror[0] = -2;
+    assert_ok(make_box(&mesh, (double[]){1, 1, 1}, 0));
+    mesh_transform(&mesh, mirror);
+    assert_ok(mesh_measure(&shape, &mesh));
+    assert_near(shape.volume_mm3, 2, 1e-12);
+    assert_near(shape.low[0], -2, 0);
+    mesh_finish(&mesh);
+}
+
+static void open_and_flat_parts_are_noted(void **state)
+{
+    (void)state;
+    struct mesh mesh;
+    struct mesh_shape shape;
+    struct notes notes = {0};
+    assert_ok(make_box(&mesh, (double[]){1, 1, 1}, 0));
+    mesh.triangles[35] = mesh.triangles[34]; /* the last triangle loses its area */
+    assert_ok(mesh_check(&mesh, &notes));
+    assert_int_equal(mesh.triangle_count, 11);
+    assert_int_equal(notes.count, 2);
+    assert_non_null(strstr(notes.lines[0], "1 triangles without area"));
+    assert_non_null(strstr(notes.lines[1], "not closed"));
+    assert_ok(mesh_measure(&shape, &mesh));
+    assert_false(shape.closed);
+    notes_finish(&notes);
+    mesh_finish(&mesh);
+}
+
+static void a_turned_triangle_is_not_closed(void **state)
+{
+    (void)state;
+    struct mesh mesh;
+    struct mesh_shape shape;
+    assert_ok(make_box(&mesh, (double[]){1, 1, 1}, 0));
+    mesh.triangles[1] = 1;
+    mesh.triangles[2] = 2;
+    assert_ok(mesh_measure(&shape, &mesh));
+    assert_false(shape.closed);
+    mesh_finish(&mesh);
+}
+
+static void impossible_meshes_are_refused(void **state)
+{
+    (void)state;
+    struct mesh mesh;
+    struct notes notes = {0};
+    assert_ok(make_box(&mesh, (double[]){1, 1, 1}, 0));
+    mesh.positions[4] = NAN;
+    assert_fails(mesh_check(&mesh, &notes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "vertex 1"));
+    mesh.positions[4] = 0;
+    mesh.triangles[7] = 8;
+    assert_fails(mesh_check(&mesh, &notes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "triangle 2: vertex index 8"));
+    mesh.triangles[7] = 5;
+    mesh.triangle_count = 0;
+    assert_fails(mesh_check(&mesh, &notes), CONUS_ERROR_DATA);
+    mesh_finish(&mesh);
+}
+
+static conus_status check_box(void *data)
+{
+    struct mesh mesh = {0};
+    struct notes notes = {0};
+    (void)data;
+    conus_status status = make_box(&mesh, (double[]){1, 1, 1}, 0);
+    status = status ? status : mesh_check(&mesh, &notes);
+    notes_finish(&notes);
+    mesh_finish(&mesh);
+    return status;
+}
+
+static void every_failing_allocation_is_clean(void **state)
+{
+    (void)state;
+    test_every_allocation(check_box, NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_box_is_closed_and_measured),  cmocka_unit_test(mirrors_keep_triangles_outward),
+        cmocka_unit_test(open_and_flat_parts_are_noted), cmocka_unit_test(a_turned_triangle_is_not_closed),
+        cmocka_unit_test(impossible_meshes_are_refused), cmocka_unit_test(every_failing_allocation_is_clean),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
