@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 
+#include <math.h>
 #include <string.h>
 
 static void object_finish(conus_object *object)
@@ -27,7 +28,11 @@ void conus_atlas_destroy(conus_atlas *atlas)
     }
     memory_free(atlas->volumes);
     memory_free(atlas->objects);
-    memory_free(atlas->object_volume);
+    for (size_t i = 0; i < atlas->mesh_count; i++) {
+        mesh_finish(&atlas->meshes[i]);
+    }
+    memory_free(atlas->meshes);
+    memory_free(atlas->places);
     memory_free(atlas->label_source);
     notes_finish(&atlas->notes);
     memory_free(atlas);
@@ -59,15 +64,15 @@ static conus_status reserve_object(conus_atlas *atlas)
         return CONUS_ERROR_MEMORY;
     }
     atlas->objects = objects;
-    size_t *volumes = memory_resize(atlas->object_volume, count, sizeof *volumes);
-    if (!volumes) {
+    struct object_place *places = memory_resize(atlas->places, count, sizeof *places);
+    if (!places) {
         return CONUS_ERROR_MEMORY;
     }
-    atlas->object_volume = volumes;
+    atlas->places = places;
     return CONUS_OK;
 }
 
-conus_status atlas_append_object(conus_atlas *atlas, const conus_object *object, size_t volume)
+conus_status atlas_append_object(conus_atlas *atlas, const conus_object *object, struct object_place place)
 {
     conus_status status = reserve_object(atlas);
     conus_object copy = *object;
@@ -77,21 +82,33 @@ conus_status atlas_append_object(conus_atlas *atlas, const conus_object *object,
         object_finish(&copy);
         return CONUS_ERROR_MEMORY;
     }
-    atlas->object_volume[atlas->object_count] = volume;
+    atlas->places[atlas->object_count] = place;
     atlas->objects[atlas->object_count++] = copy;
+    return CONUS_OK;
+}
+
+conus_status atlas_create_empty(conus_atlas **out, const char *label_source)
+{
+    conus_atlas *atlas = memory_zeroed(1, sizeof *atlas);
+    char *source = memory_text(label_source, strlen(label_source));
+    if (!atlas || !source) {
+        memory_free(atlas);
+        memory_free(source);
+        return CONUS_ERROR_MEMORY;
+    }
+    atlas->label_source = source;
+    *out = atlas;
     return CONUS_OK;
 }
 
 conus_status atlas_start(conus_atlas **out, const conus_volume_info *info, const char *label_source)
 {
-    conus_atlas *atlas = memory_zeroed(1, sizeof *atlas);
+    conus_atlas *atlas = NULL;
     struct volume volume = {0};
     size_t index;
-    conus_status status = atlas ? volume_init(&volume, info) : CONUS_ERROR_MEMORY;
-    if (!status) {
-        atlas->label_source = memory_text(label_source, strlen(label_source));
-        status = atlas->label_source ? append_volume(atlas, &volume, &index) : CONUS_ERROR_MEMORY;
-    }
+    conus_status status = volume_init(&volume, info);
+    status = status ? status : atlas_create_empty(&atlas, label_source);
+    status = status ? status : append_volume(atlas, &volume, &index);
     volume_finish(&volume);
     if (status) {
         conus_atlas_destroy(atlas);
@@ -99,6 +116,42 @@ conus_status atlas_start(conus_atlas **out, const conus_volume_info *info, const
     }
     *out = atlas;
     return CONUS_OK;
+}
+
+static conus_status append_mesh(conus_atlas *atlas, struct mesh *mesh)
+{
+    struct mesh *meshes = memory_resize(atlas->meshes, atlas->mesh_count + 1, sizeof *meshes);
+    if (!meshes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    atlas->meshes = meshes;
+    meshes[atlas->mesh_count++] = *mesh;
+    *mesh = (struct mesh){0};
+    return CONUS_OK;
+}
+
+conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct mesh *mesh)
+{
+    struct mesh_shape shape;
+    conus_object copy = *area;
+    if (atlas->object_count > atlas->area_count) {
+        return fail(CONUS_ERROR_ARGUMENT, "area %u: areas are added before pathways", area->label);
+    }
+    conus_status status = mesh_measure(&shape, mesh);
+    if (!status) {
+        copy.kind = CONUS_AREA;
+        copy.triangles = mesh->triangle_count;
+        copy.volume_mm3 = shape.closed ? fabs(shape.volume_mm3) : 0;
+        status = atlas_append_object(atlas, &copy, (struct object_place){true, atlas->mesh_count});
+    }
+    if (!status) {
+        status = append_mesh(atlas, mesh);
+        if (status) {
+            object_finish(&atlas->objects[--atlas->object_count]);
+        }
+    }
+    atlas->area_count = atlas->object_count;
+    return status;
 }
 
 /* Number of voxels of a mask that volume->objects16 or 32 holds. */
@@ -147,7 +200,7 @@ conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info
     }
     if (!status) {
         conus_object object = pathway_object(atlas, name, voxels, space_voxel_mm3(info));
-        status = atlas_append_object(atlas, &object, atlas->volume_count);
+        status = atlas_append_object(atlas, &object, (struct object_place){false, atlas->volume_count});
     }
     if (!status) {
         status = append_volume(atlas, &volume, &index);
@@ -192,9 +245,29 @@ const struct volume *atlas_context(const conus_atlas *atlas)
     return NULL;
 }
 
+const char *atlas_path(const conus_atlas *atlas)
+{
+    const struct volume *parcellation = atlas_parcellation(atlas);
+    const char *path = parcellation ? parcellation->path : atlas->mesh_count ? atlas->meshes[0].path : NULL;
+    return path ? path : "";
+}
+
+const struct volume *atlas_parcellation(const conus_atlas *atlas)
+{
+    bool has = atlas->volume_count && atlas->volumes[0].info.role == CONUS_PARCELLATION;
+    return has ? &atlas->volumes[0] : NULL;
+}
+
 const struct volume *atlas_object_volume(const conus_atlas *atlas, uint32_t number)
 {
-    return &atlas->volumes[atlas->object_volume[number - 1]];
+    struct object_place place = atlas->places[number - 1];
+    return place.is_mesh ? NULL : &atlas->volumes[place.index];
+}
+
+const struct mesh *atlas_object_mesh(const conus_atlas *atlas, uint32_t number)
+{
+    struct object_place place = atlas->places[number - 1];
+    return place.is_mesh ? &atlas->meshes[place.index] : NULL;
 }
 
 size_t conus_atlas_object_count(const conus_atlas *atlas)

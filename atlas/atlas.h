@@ -4,14 +4,23 @@
 #define CONUS_ATLAS_ATLAS_H
 
 #include "atlas/labels.h"
+#include "atlas/mesh.h"
 #include "atlas/volume.h"
 #include "base/notes.h"
 
+/** Where an object lies: in which of the atlas's meshes or volumes. */
+struct object_place {
+    bool is_mesh;
+    size_t index;
+};
+
 struct conus_atlas {
-    struct volume *volumes; /**< [0] the parcellation, then pathways and context as they were added.       */
+    struct volume *volumes; /**< The parcellation, if there is one, then pathways and context as added.    */
     size_t volume_count;
-    conus_object *objects; /**< [object_count]; object number k is objects[k - 1]. Strings are owned.     */
-    size_t *object_volume; /**< [object_count] index of the volume that holds the object.                 */
+    struct mesh *meshes; /**< One per object that is a mesh.                                            */
+    size_t mesh_count;
+    conus_object *objects;       /**< [object_count]; object number k is objects[k - 1]. Strings are owned.     */
+    struct object_place *places; /**< [object_count]                                                            */
     size_t object_count;
     size_t area_count; /**< The first so many objects are areas.                                      */
     char *label_source;
@@ -28,8 +37,15 @@ conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, cons
 /** An atlas with the parcellation's volume, still without objects: the first step of atlas_create(). */
 conus_status atlas_start(conus_atlas **out, const conus_volume_info *info, const char *label_source);
 
-/** Appends a copy of @p object, which lies in volume number @p volume. */
-conus_status atlas_append_object(conus_atlas *atlas, const conus_object *object, size_t volume);
+/** An atlas without volumes or objects, for areas that are meshes. */
+conus_status atlas_create_empty(conus_atlas **out, const char *label_source);
+
+/** Appends a copy of @p object, which lies at @p place. */
+conus_status atlas_append_object(conus_atlas *atlas, const conus_object *object, struct object_place place);
+
+/** Appends the area @p area with its surface @p mesh (checked; taken over on success); its triangles and volume are
+ * filled in. Areas come before pathways: CONUS_ERROR_ARGUMENT once there is a pathway. */
+conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct mesh *mesh);
 
 /** Adds a scalar volume as a pathway of the voxels with values >= info->threshold. @p values (one per voxel) is
  * taken over on success. */
@@ -41,7 +57,16 @@ conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info
 /** The context volume, or NULL. */
 const struct volume *atlas_context(const conus_atlas *atlas);
 
-/** The volume that holds object @p number. */
+/** The file by which people know the atlas: the parcellation's, else the first mesh's. */
+const char *atlas_path(const conus_atlas *atlas);
+
+/** The parcellation's volume, or NULL. */
+const struct volume *atlas_parcellation(const conus_atlas *atlas);
+
+/** The volume that holds object @p number; NULL if that is a mesh. */
 const struct volume *atlas_object_volume(const conus_atlas *atlas, uint32_t number);
+
+/** The mesh that is object @p number; NULL if that lies in a volume. */
+const struct mesh *atlas_object_mesh(const conus_atlas *atlas, uint32_t number);
 
 #endif

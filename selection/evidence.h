@@ -15,7 +15,8 @@ struct evidence {
     uint32_t resolution;
     uint32_t *object; /**< Object met first; 0 = none.                                                          */
     double *distance; /**< mm from the apex along the ray to the entry into that object; INFINITY = none.       */
-    uint64_t *voxel;  /**< Linear index of the voxel met, in the object's volume; EVIDENCE_NO_VOXEL = none.      */
+    uint64_t *voxel;  /**< Linear index of the voxel met, in the object's volume, or the triangle of its mesh;
+                         EVIDENCE_NO_VOXEL = none. */
 };
 
 conus_status evidence_init(struct evidence *out, uint32_t resolution);

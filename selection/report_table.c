@@ -96,23 +96,24 @@ static void write_heading(struct buffer *out, int width)
                   "mm");
 }
 
-static const char *file_of(const conus_volume_info *info)
+static const char *file_of(const char *path)
 {
-    const char *slash = info->path ? strrchr(info->path, '/') : NULL;
-    return slash ? slash + 1 : info->path ? info->path : "";
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
 }
 
 /* What the answers rest on: which transform placed the atlas, and from which value on a pathway is one. */
 static void write_sources(struct buffer *out, const conus_report *report)
 {
     const conus_atlas *atlas = report->atlas;
-    const conus_volume_info *info = conus_atlas_volume(atlas, 0);
-    buffer_format(out, "atlas %s, placed by %s\n", file_of(info), info->transform);
+    const struct volume *parcellation = atlas_parcellation(atlas);
+    buffer_format(out, "atlas %s, placed by %s\n", file_of(atlas_path(atlas)),
+                  parcellation ? parcellation->info.transform : "the coordinates in its mesh files");
     for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
-        info = &atlas_object_volume(atlas, (uint32_t)number)->info;
+        const conus_volume_info *info = &atlas_object_volume(atlas, (uint32_t)number)->info;
         buffer_format(out, "pathway %s: values from ", conus_atlas_object(atlas, number)->name);
         buffer_number(out, info->threshold);
-        buffer_format(out, " on in %s\n", file_of(info));
+        buffer_format(out, " on in %s\n", file_of(info->path));
     }
 }
 

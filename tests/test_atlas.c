@@ -143,6 +143,41 @@ static void every_failing_allocation_is_clean(void **state)
     test_every_allocation(make_with_pathway, NULL);
 }
 
+static conus_status make_of_meshes(void *data)
+{
+    (void)data;
+    conus_atlas *atlas = NULL;
+    struct mesh mesh = {0};
+    conus_object area = {.label = 4000000000U, .name = "wedge", .abbreviation = "", .named = true};
+    conus_status status = atlas_create_empty(&atlas, "meshes");
+    status = status ? status : mesh_init(&mesh, 4, 4);
+    if (!status) { /* a tetrahedron of volume 1/6 */
+        const uint32_t triangles[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+        memcpy(mesh.triangles, triangles, sizeof triangles);
+        mesh.positions[3] = mesh.positions[7] = mesh.positions[11] = 1;
+        status = atlas_add_mesh(atlas, &area, &mesh);
+    }
+    if (!status) {
+        const conus_object *object = conus_atlas_object(atlas, 1);
+        assert_int_equal(object->kind, CONUS_AREA);
+        assert_int_equal(object->triangles, 4);
+        assert_near(object->volume_mm3, 1.0 / 6, 1e-12);
+        assert_null(atlas_parcellation(atlas));
+        assert_null(atlas_object_volume(atlas, 1));
+        assert_int_equal(atlas_object_mesh(atlas, 1)->vertex_count, 4);
+        assert_null(mesh.positions);
+    }
+    mesh_finish(&mesh);
+    conus_atlas_destroy(atlas);
+    return status;
+}
+
+static void areas_may_be_meshes(void **state)
+{
+    (void)state;
+    test_every_allocation(make_of_meshes, NULL);
+}
+
 static void orientation_follows_the_affine(void **state)
 {
     (void)state;
@@ -175,6 +210,7 @@ int main(void)
         cmocka_unit_test(oddities_are_noted),
         cmocka_unit_test(pathways_follow_the_areas),
         cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(areas_may_be_meshes),
         cmocka_unit_test(orientation_follows_the_affine),
         cmocka_unit_test(latin1_names_become_utf8),
     };

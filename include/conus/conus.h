@@ -120,6 +120,7 @@ typedef struct conus_object {
     uint32_t parent;          /**< Number of the object that contains it in the area tree, 0 if none.           */
     uint64_t voxels;          /**< Voxels of its own (without its children's).                                  */
     double volume_mm3;        /**< The same in mm^3.                                                            */
+    uint64_t triangles;       /**< Of its surface, where the area is a mesh (then voxels is 0).                      */
 } conus_object;
 
 /** Areas come first, ordered by label; pathways follow in the order in which they were added. */
@@ -146,7 +147,7 @@ typedef struct conus_volume_info {
     double threshold;            /**< Of a pathway; else 0.                                                    */
 } conus_volume_info;
 
-/** Volume 0 is the parcellation; pathways and the context follow. */
+/** The parcellation comes first, if there is one; pathways and the context follow. */
 CONUS_API size_t conus_atlas_volume_count(const conus_atlas *atlas);
 CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, size_t index);
 
@@ -248,7 +249,8 @@ typedef struct conus_evidence {
     uint32_t resolution;
     const uint32_t *object; /**< [n*n] object met first, 0 if none; pixels outside the aperture too.             */
     const double *distance; /**< [n*n] mm from the apex along the ray, infinity if nothing.                      */
-    const uint64_t *voxel;  /**< [n*n] linear index i + dim0 (j + dim1 k) in the object's volume; UINT64_MAX.     */
+    const uint64_t *voxel;  /**< [n*n] linear index i + dim0 (j + dim1 k) in the object's volume, or
+                                 the triangle of its mesh; UINT64_MAX if nothing.     */
     const bool *in_cone;    /**< [n*n] the aperture.                                                             */
 } conus_evidence;
 
