@@ -110,47 +110,93 @@ conus_status mesh_check(struct mesh *mesh, struct notes *notes)
     return status ? status : note_open(mesh, notes);
 }
 
-/* An edge as one number; `turned` when it is passed from the higher to the lower vertex. */
-struct edge {
-    uint64_t vertices;
-    bool turned;
+/* The edges of a mesh, by their lower vertex: the higher one, and whether the triangle passes the edge downwards. */
+struct edges {
+    uint32_t *start; /* [vertex_count + 1] of each vertex's part of items */
+    uint64_t *items; /* [3 triangle_count] 2 higher vertex + downwards    */
 };
 
-static int compare_edges(const void *a, const void *b)
+static void edge_of(uint32_t *low, uint64_t *item, const struct mesh *mesh, size_t corner)
 {
-    const struct edge *x = a;
-    const struct edge *y = b;
-    if (x->vertices != y->vertices) {
-        return x->vertices > y->vertices ? 1 : -1;
-    }
-    return (int)x->turned - (int)y->turned;
+    uint32_t from = mesh->triangles[corner];
+    uint32_t to = mesh->triangles[corner % 3 == 2 ? corner - 2 : corner + 1];
+    *low = from < to ? from : to;
+    *item = from < to ? 2 * (uint64_t)to : 2 * (uint64_t)from + 1;
 }
 
-static struct edge edge_of(const struct mesh *mesh, size_t triangle, size_t k)
+/* Counting sort. start[v + 1] first counts, then is where vertex v's next item goes, and in the end where they end. */
+static void gather_edges(struct edges *edges, const struct mesh *mesh)
 {
-    uint64_t from = mesh->triangles[3 * triangle + k];
-    uint64_t to = mesh->triangles[3 * triangle + (k + 1) % 3];
-    return from < to ? (struct edge){from << 32 | to, false} : (struct edge){to << 32 | from, true};
+    size_t count = 3 * mesh->triangle_count;
+    uint32_t *next = edges->start + 1;
+    uint32_t low;
+    uint64_t item;
+    uint32_t sum = 0;
+    for (size_t i = 0; i < count; i++) {
+        edge_of(&low, &item, mesh, i);
+        next[low]++;
+    }
+    for (size_t v = 0; v < mesh->vertex_count; v++) {
+        uint32_t here = next[v];
+        next[v] = sum;
+        sum += here;
+    }
+    for (size_t i = 0; i < count; i++) {
+        edge_of(&low, &item, mesh, i);
+        edges->items[next[low]++] = item;
+    }
+}
+
+static int compare_items(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a;
+    uint64_t y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+static void sort_items(uint64_t *items, size_t count)
+{
+    enum { FEW = 24 };
+    if (count > FEW) {
+        qsort(items, count, sizeof *items, compare_items);
+        return;
+    }
+    for (size_t i = 1; i < count; i++) {
+        uint64_t item = items[i];
+        size_t at = i;
+        for (; at && items[at - 1] > item; at--) {
+            items[at] = items[at - 1];
+        }
+        items[at] = item;
+    }
+}
+
+/* Whether each edge is there once upwards, once downwards. */
+static bool are_pairs(uint64_t *items, size_t count)
+{
+    bool pairs = count % 2 == 0;
+    sort_items(items, count);
+    for (size_t i = 0; pairs && i < count; i += 2) {
+        pairs = items[i] % 2 == 0 && items[i + 1] == items[i] + 1 && (i + 2 == count || items[i + 2] > items[i + 1]);
+    }
+    return pairs;
 }
 
 static conus_status find_closed(bool *closed, const struct mesh *mesh)
 {
-    size_t count = 3 * mesh->triangle_count;
-    struct edge *edges = memory_raw(count, sizeof *edges);
-    if (!edges) {
-        return CONUS_ERROR_MEMORY;
+    struct edges edges = {.start = memory_zeroed(mesh->vertex_count + 1, sizeof *edges.start),
+                          .items = memory_raw(3 * mesh->triangle_count, sizeof *edges.items)};
+    bool enough = edges.start && edges.items;
+    *closed = enough && mesh->triangle_count <= UINT32_MAX / 3; /* else there are more edges than can be told apart */
+    if (*closed) {
+        gather_edges(&edges, mesh);
     }
-    for (size_t i = 0; i < count; i++) {
-        edges[i] = edge_of(mesh, i / 3, i % 3);
+    for (size_t v = 0; *closed && v < mesh->vertex_count; v++) {
+        *closed = are_pairs(edges.items + edges.start[v], edges.start[v + 1] - edges.start[v]);
     }
-    qsort(edges, count, sizeof *edges, compare_edges);
-    *closed = count % 2 == 0;
-    for (size_t i = 0; *closed && i < count; i += 2) {
-        bool pair = edges[i].vertices == edges[i + 1].vertices && !edges[i].turned && edges[i + 1].turned;
-        *closed = pair && (i + 2 == count || edges[i + 2].vertices != edges[i].vertices);
-    }
-    memory_free(edges);
-    return CONUS_OK;
+    memory_free(edges.start);
+    memory_free(edges.items);
+    return enough ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 /* Volume and centroid as sums over tetrahedra from a point inside the bounds, so that far from the origin no digits

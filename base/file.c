@@ -100,13 +100,13 @@ static conus_status write_directly(const char *path, const void *data, size_t si
     return status;
 }
 
-static conus_status write_and_rename(const char *path, const char *temporary, const void *data, size_t size)
+static conus_status write_and_rename(const char *path, const char *temporary, const void *data, size_t size, bool wait)
 {
     int descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0) {
         return fail_errno(path, "write");
     }
-    bool written = write_fully(descriptor, data, size) && fsync(descriptor) == 0;
+    bool written = write_fully(descriptor, data, size) && (!wait || fsync(descriptor) == 0);
     written = close(descriptor) == 0 && written;
     if (!written || rename(temporary, path)) {
         conus_status status = fail_errno(path, "write");
@@ -116,7 +116,7 @@ static conus_status write_and_rename(const char *path, const char *temporary, co
     return CONUS_OK;
 }
 
-conus_status file_write(const char *path, const void *data, size_t size)
+static conus_status write_file(const char *path, const void *data, size_t size, bool wait)
 {
     struct stat info;
     if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
@@ -129,9 +129,27 @@ conus_status file_write(const char *path, const void *data, size_t size)
         return fail_in(CONUS_ERROR_MEMORY, path);
     }
     snprintf(temporary, length, "%s.%ld.part", path, (long)getpid());
-    conus_status status = write_and_rename(path, temporary, data, size);
+    conus_status status = write_and_rename(path, temporary, data, size, wait);
     memory_free(temporary);
     return status;
+}
+
+conus_status file_write(const char *path, const void *data, size_t size)
+{
+    return write_file(path, data, size, true);
+}
+
+conus_status file_write_soon(const char *path, const void *data, size_t size)
+{
+    return write_file(path, data, size, false);
+}
+
+conus_status file_make_folder(const char *path)
+{
+    if (mkdir(path, 0777) == 0 || (errno == EEXIST && file_is_folder(path))) {
+        return CONUS_OK;
+    }
+    return fail(CONUS_ERROR_IO, "%s: cannot make this folder: %s", path, strerror(errno));
 }
 
 bool file_exists(const char *path)

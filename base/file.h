@@ -25,6 +25,13 @@ conus_status file_read(struct bytes *out, const char *path, uint64_t limit);
  * and renamed. Anything that is not a regular file (a pipe, /dev/stdout) is written directly. */
 conus_status file_write(const char *path, const void *data, size_t size);
 
+/** The same without waiting for the disk, for many files that are cheap to make again: a crash of the whole machine in
+ * the next seconds may lose them. */
+conus_status file_write_soon(const char *path, const void *data, size_t size);
+
+/** Makes the folder @p path unless it is there. */
+conus_status file_make_folder(const char *path);
+
 bool file_exists(const char *path);
 bool file_is_folder(const char *path);
 

@@ -7,20 +7,10 @@
 #include "base/memory.h"
 #include "loaders/nifti_write.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum { CODE_SCANNER = 1 };
-
-static conus_status make_folder(const char *folder)
-{
-    if (mkdir(folder, 0777) == 0 || (errno == EEXIST && file_is_folder(folder))) {
-        return CONUS_OK;
-    }
-    return fail(CONUS_ERROR_IO, "%s: cannot make this folder: %s", folder, strerror(errno));
-}
 
 /* The columns of a BIDS _dseg.tsv. */
 static void append_table(struct buffer *out, const struct phantom *phantom)
@@ -158,7 +148,7 @@ static conus_status write_drawing(const char *folder, const struct phantom_drawi
     struct buffer truth = {0};
     append_table(&table, drawing->phantom);
     append_truth(&truth, drawing);
-    conus_status status = make_folder(folder);
+    conus_status status = file_make_folder(folder);
     status = status ? status : write_text(folder, kind, ".tsv", &table);
     status = status ? status : write_text(folder, kind, ".json", &truth);
     status = status ? status : write_volume(folder, drawing);

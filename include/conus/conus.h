@@ -359,6 +359,31 @@ typedef struct conus_image_difference {
 CONUS_CHECKED conus_status conus_image_compare(conus_image_difference *out, const conus_image *a, const conus_image *b,
                                                double tolerance);
 
+/* ---- Meshes ----------------------------------------------------------------------------------------------- */
+
+typedef enum conus_mesh_format { CONUS_GIFTI = 0, CONUS_VTP, CONUS_OBJ, CONUS_PLY, CONUS_STL } conus_mesh_format;
+
+/** Hears that @p done of @p total steps are done, on the thread that called into the library. */
+typedef void (*conus_progress)(void *user, size_t done, size_t total);
+
+typedef struct conus_mesh_options {
+    conus_mesh_format format;
+    uint32_t smooth;     /**< Iterations of windowed-sinc smoothing, 1 to 1000; 0 = 15.                         */
+    bool no_smoothing;   /**< Leave the voxels' steps as they are.                                              */
+    double decimate;     /**< Part of the triangles that decimation removes, in [0, 1).                         */
+    uint64_t max_memory; /**< Of the program that makes the surfaces, in bytes; 0 = 8 GiB.                      */
+    conus_progress progress;
+    void *progress_user;
+    conus_log log; /**< Notes about the surfaces; NULL = silent.                                                */
+    void *log_user;
+} conus_mesh_options;
+
+/** Writes a closed surface of each area into the folder @p folder (made if missing), LABEL_Name.gii and so on, in world
+ * mm. Areas that are meshes already are written as they are. Needs the program conus-mesh, beside this one, in PATH or
+ * named by CONUS_MESH (else CONUS_ERROR_UNSUPPORTED); what it makes is kept in the user's cache folder. */
+CONUS_CHECKED conus_status conus_atlas_write_meshes(const conus_atlas *atlas, const char *folder,
+                                                    const conus_mesh_options *options);
+
 /* ---- Phantoms and files ----------------------------------------------------------------------------------- */
 
 typedef struct conus_phantom_options {

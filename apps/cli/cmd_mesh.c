@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/commands.h"
+#include "cli/messages.h"
+#include "cli/settings.h"
+
+#include <unistd.h>
+
+struct mesh_settings {
+    struct common_settings common;
+    const char *output;
+    const char *labels;
+    uint64_t max_memory;
+    uint32_t smooth;
+    double decimate;
+    size_t format; /* conus_mesh_format */
+};
+
+static const char *const formats[] = {"gii", "vtp", "obj", "ply", "stl", NULL};
+
+static const struct option own_options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct mesh_settings, output),
+     .value = "DIR",
+     .help = "folder for the files, LABEL_Name.gii and so on; made if missing",
+     .required = true},
+    {.name = "smooth",
+     .type = OPTION_COUNT,
+     .offset = offsetof(struct mesh_settings, smooth),
+     .value = "N",
+     .help = "iterations of windowed-sinc smoothing, 0 to 1000 (default 15); 0 leaves the voxels' steps",
+     .low = 0,
+     .high = 1000},
+    {.name = "decimate",
+     .type = OPTION_NUMBER,
+     .offset = offsetof(struct mesh_settings, decimate),
+     .value = "R",
+     .help = "remove this part of the triangles, 0 to 0.99 (default 0)",
+     .low = 0,
+     .high = 0.99},
+    {.name = "format",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct mesh_settings, format),
+     .value = "FORMAT",
+     .help = "gii (GIFTI, the default), vtp, obj, ply or stl",
+     .choices = formats},
+    {.name = "labels",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct mesh_settings, labels),
+     .value = "FILE",
+     .help = "label table to use instead of what lies beside or inside the atlas"},
+    {.name = "max-memory",
+     .type = OPTION_BYTES,
+     .offset = offsetof(struct mesh_settings, max_memory),
+     .value = "SIZE",
+     .help = "largest file or volume to accept, and memory of conus-mesh (default 8G)"},
+    {.name = "quiet",
+     .letter = 'q',
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct mesh_settings, common.quiet),
+     .help = "no notes and no progress on stderr, only errors"},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"Options", own_options, 0},
+    {"", plain_options, offsetof(struct mesh_settings, common)},
+    {0},
+};
+
+static void show_progress(void *user, size_t done, size_t total)
+{
+    (void)user;
+    fprintf(stderr, "\r%zu of %zu meshes%s", done, total, done == total ? "\n" : "");
+    fflush(stderr);
+}
+
+static void say_note(void *user, const char *line)
+{
+    (void)user;
+    complain("note: %s", line);
+}
+
+static int run(const void *given, const struct arguments *arguments)
+{
+    const struct mesh_settings *settings = given;
+    const struct atlas_settings atlas_settings = {.labels = settings->labels, .max_memory = settings->max_memory};
+    const conus_mesh_options options = {
+        .format = (conus_mesh_format)settings->format,
+        .smooth = settings->smooth,
+        .no_smoothing = option_given(arguments, "smooth") && settings->smooth == 0,
+        .decimate = settings->decimate,
+        .max_memory = settings->max_memory,
+        .progress = !settings->common.quiet && isatty(STDERR_FILENO) ? show_progress : NULL,
+        .log = settings->common.quiet ? NULL : say_note,
+    };
+    conus_atlas *atlas = NULL;
+    int code = settings_load_atlas(&atlas, arguments->operands[0], &atlas_settings);
+    if (!code) {
+        settings_say_notes(atlas, &settings->common);
+        conus_status status = conus_atlas_write_meshes(atlas, settings->output, &options);
+        code = status ? complain_status(status) : EXIT_DONE;
+    }
+    conus_atlas_destroy(atlas);
+    return code;
+}
+
+const struct command cmd_mesh = {
+    .name = "mesh",
+    .summary = "write a surface mesh of each area",
+    .operands = {"ATLAS"},
+    .form = "-o DIR",
+    .description =
+        "Writes one closed triangle mesh per area, in world mm, named LABEL_Name. Runs conus-mesh, which is\n"
+        "built where VTK is; its results are kept in the user's cache folder.",
+    .examples = "  conus mesh aal.nii.gz -o aal-meshes\n"
+                "  conus mesh aal.nii.gz -o print --format stl --smooth 30 --decimate 0.8\n",
+    .groups = groups,
+    .settings_size = sizeof(struct mesh_settings),
+    .run = run,
+};

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Mesh files of other programs, by VTK's readers, as triangles.
+#include "conus_mesh.hpp"
+
+#include <vtkAbstractArray.h>
+#include <vtkAlgorithm.h>
+#include <vtkCellArray.h>
+#include <vtkFieldData.h>
+#include <vtkNew.h>
+#include <vtkOBJReader.h>
+#include <vtkObjectFactory.h>
+#include <vtkOutputWindow.h>
+#include <vtkPLYReader.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataReader.h>
+#include <vtkSTLReader.h>
+#include <vtkSmartPointer.h>
+#include <vtkStringArray.h>
+#include <vtkTriangleFilter.h>
+#include <vtkVariant.h>
+#include <vtkXMLPolyDataReader.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <fstream>
+#include <limits>
+#include <new>
+#include <sstream>
+#include <sys/stat.h>
+#include <utility>
+
+namespace
+{
+
+/* What VTK has to say: the first line is kept instead of printed. */
+class Listener : public vtkOutputWindow
+{
+  public:
+    static Listener *New();
+    vtkTypeMacro(Listener, vtkOutputWindow);
+
+    void DisplayText(const char *text) override
+    {
+        if (!first.empty()) {
+            return;
+        }
+        /* "ERROR: In file, line n\nvtkThing (0x123): what it is about\n" */
+        first = text;
+        const size_t object = first.find("): ");
+        first = object == std::string::npos ? first : first.substr(object + 3);
+        first.erase(std::find(first.begin(), first.end(), '\n'), first.end());
+        first = first.empty() ? "an error without a description" : first;
+    }
+
+    /* What was said since the last time, "" for nothing. */
+    std::string take()
+    {
+        return std::exchange(first, std::string());
+    }
+
+  private:
+    std::string first;
+};
+vtkStandardNewMacro(Listener);
+
+enum class Format { Vtk, Vtp, Ply, Stl, Obj };
+
+bool starts(const std::string &text, const char *prefix)
+{
+    return text.compare(0, std::strlen(prefix), prefix) == 0;
+}
+
+std::string ending_of(const std::string &path)
+{
+    const size_t dot = path.rfind('.');
+    std::string ending = dot == std::string::npos ? "" : path.substr(dot + 1);
+    for (char &c : ending) {
+        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+    return ending;
+}
+
+/* The content decides where a format has a signature, the name for STL and OBJ. */
+Format format_of(const std::string &path, const std::string &head)
+{
+    const std::string ending = ending_of(path);
+    if (head.empty()) {
+        throw Failure("content: the file is empty");
+    }
+    if (starts(head, "\xff\xff\xfe")) {
+        throw Failure("content: a FreeSurfer surface, which VTK does not read, whatever its name ends in");
+    }
+    if (starts(head, "# vtk DataFile")) {
+        return Format::Vtk;
+    }
+    if (starts(head, "ply\n") || starts(head, "ply\r")) {
+        return Format::Ply;
+    }
+    if (head.find("<VTKFile") != std::string::npos) {
+        return Format::Vtp;
+    }
+    if (ending == "stl") {
+        return Format::Stl;
+    }
+    if (ending != "obj") {
+        throw Failure("content: neither VTK, VTP, PLY nor, by its name, STL or OBJ");
+    }
+    if (head.size() > 1 && std::strchr("PpLlMmFfXxQqTtBb", head[0]) && head[1] == ' ' && !starts(head, "f ") &&
+        !starts(head, "l ") && !starts(head, "p ")) {
+        throw Failure("content: an MNI object file, not Wavefront's OBJ");
+    }
+    if (head.find('\0') != std::string::npos) {
+        throw Failure("content: binary data, an OBJ file is text");
+    }
+    return Format::Obj;
+}
+
+std::string read_head(const std::string &path, size_t limit)
+{
+    std::ifstream file(path, std::ios::binary);
+    if (!file) {
+        throw Failure(std::string("cannot open: ") + std::strerror(errno));
+    }
+    std::string head(limit, '\0');
+    file.read(head.data(), static_cast<std::streamsize>(limit));
+    head.resize(static_cast<size_t>(file.gcount()));
+    return head;
+}
+
+/* VTK's PLY reader believes the counts, and a loop over 2e9 vertices that are not there takes minutes. */
+void check_ply_counts(const std::string &path, const std::string &head)
+{
+    struct stat info;
+    const uint64_t size = stat(path.c_str(), &info) ? 0 : static_cast<uint64_t>(info.st_size);
+    std::istringstream lines(head);
+    for (std::string line; std::getline(lines, line) && !starts(line, "end_header");) {
+        std::istringstream words(line);
+        std::string word, name;
+        uint64_t count = 0;
+        if (words >> word && word == "element" && (!(words >> name >> count) || count > size)) {
+            throw Failure("header: " + line.substr(0, 60) + ": more than the " + std::to_string(size) +
+                          " bytes of the file can hold");
+        }
+    }
+}
+
+mesh_space space_in(const std::string &text)
+{
+    for (size_t at = 0; (at = text.find("SPACE", at)) != std::string::npos; at += 5) {
+        const size_t value = text.find_first_not_of("= \t", at + 5);
+        if (value == std::string::npos || value == at + 5) {
+            continue;
+        }
+        if (text.compare(value, 3, "RAS") == 0) {
+            return MESH_SPACE_RAS;
+        }
+        if (text.compare(value, 3, "LPS") == 0) {
+            return MESH_SPACE_LPS;
+        }
+    }
+    return MESH_SPACE_UNSTATED;
+}
+
+/* The lines of the file in which 3D Slicer states the space. */
+std::string remarks_of(Format format, const std::string &head)
+{
+    std::istringstream lines(head);
+    std::string remarks;
+    std::string line;
+    for (int n = 1; std::getline(lines, line); n++) {
+        const bool ply_end = format == Format::Ply && starts(line, "end_header");
+        if (ply_end || (format == Format::Vtk && n > 2) || (format == Format::Stl && n > 1)) {
+            break;
+        }
+        if ((format == Format::Vtk && n == 2) || (format == Format::Ply && starts(line, "comment")) ||
+            (format == Format::Obj && starts(line, "#")) || format == Format::Stl) {
+            remarks += line.substr(0, format == Format::Stl ? 80 : std::string::npos) + "\n";
+        }
+    }
+    return remarks;
+}
+
+mesh_space space_of_field(vtkPolyData *poly)
+{
+    vtkAbstractArray *field = poly->GetFieldData()->GetAbstractArray("SPACE");
+    if (!field || field->GetNumberOfValues() < 1) {
+        return MESH_SPACE_UNSTATED;
+    }
+    return space_in("SPACE=" + field->GetVariantValue(0).ToString());
+}
+
+template <typename Reader> vtkSmartPointer<vtkPolyData> read_as(const std::string &path)
+{
+    vtkNew<Reader> reader;
+    reader->SetFileName(path.c_str());
+    reader->Update();
+    if (reader->GetErrorCode()) {
+        throw Failure("VTK's reader failed (code " + std::to_string(reader->GetErrorCode()) + ")");
+    }
+    return reader->GetOutput();
+}
+
+vtkSmartPointer<vtkPolyData> read_with(Format format, const std::string &path)
+{
+    switch (format) {
+    case Format::Vtk:
+        return read_as<vtkPolyDataReader>(path);
+    case Format::Vtp:
+        return read_as<vtkXMLPolyDataReader>(path);
+    case Format::Ply:
+        return read_as<vtkPLYReader>(path);
+    case Format::Stl:
+        return read_as<vtkSTLReader>(path);
+    case Format::Obj:
+        break;
+    }
+    return read_as<vtkOBJReader>(path);
+}
+
+void check_indices(vtkCellArray *cells, vtkIdType points)
+{
+    vtkIdType size;
+    const vtkIdType *ids;
+    for (cells->InitTraversal(); cells->GetNextCell(size, ids);) {
+        for (vtkIdType i = 0; i < size; i++) {
+            if (ids[i] < 0 || ids[i] >= points) {
+                throw Failure("vertex index " + std::to_string(ids[i]) + ", allowed are 0 to " +
+                              std::to_string(points - 1));
+            }
+        }
+    }
+}
+
+Surface read_file(const std::string &path, Listener *listener)
+{
+    const std::string head = read_head(path, 65536);
+    const Format format = format_of(path, head);
+    if (format == Format::Ply) {
+        check_ply_counts(path, head);
+    }
+    vtkSmartPointer<vtkPolyData> poly;
+    try {
+        poly = read_with(format, path);
+    } catch (const Failure &failure) {
+        const std::string said = listener->take();
+        throw Failure(said.empty() ? failure.what() : "VTK's reader: " + said);
+    }
+    const std::string said = listener->take();
+    if (!said.empty()) {
+        throw Failure("VTK's reader: " + said);
+    }
+    check_indices(poly->GetPolys(), poly->GetNumberOfPoints());
+    check_indices(poly->GetStrips(), poly->GetNumberOfPoints());
+    vtkNew<vtkTriangleFilter> triangles;
+    triangles->SetInputData(poly);
+    triangles->PassVertsOff();
+    triangles->PassLinesOff();
+    triangles->Update();
+    Surface surface = surface_from(triangles->GetOutput());
+    surface.space = format == Format::Vtp ? space_of_field(poly) : space_in(remarks_of(format, head));
+    return surface;
+}
+
+} // namespace
+
+void read_files(Stream &stream, Request &request, uint32_t count)
+{
+    vtkNew<Listener> listener;
+    vtkOutputWindow::SetInstance(listener);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t length = request.number<uint32_t>();
+        const std::string path(reinterpret_cast<const char *>(request.take(length)), length);
+        listener->take();
+        try {
+            Surface surface = read_file(path, listener);
+            surface.id = i;
+            stream.mesh(surface);
+        } catch (const std::bad_alloc &) {
+            stream.failure(i, "VTK's reader needs more memory than a file of this size is allowed");
+        } catch (const Failure &failure) {
+            stream.failure(i, failure.what());
+        }
+    }
+    vtkOutputWindow::SetInstance(nullptr);
+}

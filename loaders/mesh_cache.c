@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/mesh_cache.h"
+
+#include "base/memory.h"
+#include "loaders/byte_order.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <libdeflate.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* An entry: these bytes, u64 bytes of content and u32 their CRC-32, both little-endian, u32 0, and the content. */
+static const char magic[8] = "CONUSMC1";
+static const char ending[] = ".mesh";
+
+enum { HEAD_SIZE = 24, SWAPPED = !BIG_ENDIAN_IS_SWAPPED };
+
+conus_status mesh_cache_folder(struct buffer *out)
+{
+    const char *cache = getenv("XDG_CACHE_HOME");
+    const char *home = getenv("HOME");
+    if (cache && cache[0] == '/') { /* the specification: relative ones are ignored */
+        buffer_format(out, "%s/conus", cache);
+    } else if (home && home[0] == '/') {
+        buffer_format(out, "%s/.cache/conus", home);
+    }
+    return buffer_status(out);
+}
+
+static conus_status entry_path(struct buffer *out, const char *key)
+{
+    conus_status status = mesh_cache_folder(out);
+    if (!status && out->size) {
+        buffer_format(out, "/%s%s", key, ending);
+        status = buffer_status(out);
+    }
+    return status;
+}
+
+void mesh_cache_key(char key[MESH_CACHE_KEY_SIZE], const struct buffer *recipe)
+{
+    const struct bytes bytes = {(uint8_t *)recipe->data, recipe->size};
+    file_sha256(key, &bytes);
+}
+
+static void write_head(uint8_t head[HEAD_SIZE], const void *content, uint64_t size)
+{
+    uint32_t sum = libdeflate_crc32(0, content, (size_t)size);
+    memset(head, 0, HEAD_SIZE);
+    memcpy(head, magic, sizeof magic);
+    for (int i = 0; i < 8; i++) {
+        head[8 + i] = (uint8_t)(size >> 8 * i);
+    }
+    for (int i = 0; i < 4; i++) {
+        head[16 + i] = (uint8_t)(sum >> 8 * i);
+    }
+}
+
+static bool is_whole(const struct bytes *entry)
+{
+    uint8_t head[HEAD_SIZE];
+    if (entry->size < HEAD_SIZE) {
+        return false;
+    }
+    write_head(head, entry->data + HEAD_SIZE, entry->size - HEAD_SIZE);
+    return memcmp(head, entry->data, HEAD_SIZE) == 0;
+}
+
+conus_status mesh_cache_find(struct bytes *out, const char *key)
+{
+    struct buffer path = {0};
+    struct bytes entry = {0};
+    conus_status status = entry_path(&path, key);
+    if (!status && path.size && file_exists(path.data) && file_read(&entry, path.data, MESH_CACHE_LIMIT) == CONUS_OK) {
+        if (is_whole(&entry)) {
+            entry.size -= HEAD_SIZE;
+            memmove(entry.data, entry.data + HEAD_SIZE, entry.size);
+            *out = entry;
+            entry = (struct bytes){0};
+            utimensat(AT_FDCWD, path.data, NULL, 0); /* used just now */
+        }
+    }
+    bytes_finish(&entry);
+    buffer_finish(&path);
+    return status;
+}
+
+/* ---- Keeping ------------------------------------------------------------------------------------------------ */
+
+static bool make_folders(char *path)
+{
+    for (char *c = path + 1; *c; c++) {
+        if (*c == '/') {
+            *c = '\0';
+            bool there = mkdir(path, 0700) == 0 || errno == EEXIST;
+            *c = '/';
+            if (!there) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+struct entry {
+    char name[96];
+    struct timespec used;
+    uint64_t size;
+};
+
+struct listing {
+    struct entry *entries;
+    size_t count, capacity;
+    uint64_t size;
+};
+
+static conus_status list_entry(struct listing *list, int folder, const char *name)
+{
+    struct stat info;
+    struct entry entry = {0};
+    size_t length = strlen(name);
+    size_t tail = strlen(ending);
+    if (length >= sizeof entry.name || length <= tail || strcmp(name + length - tail, ending) != 0 ||
+        fstatat(folder, name, &info, AT_SYMLINK_NOFOLLOW) || !S_ISREG(info.st_mode)) {
+        return CONUS_OK;
+    }
+    if (list->count == list->capacity) {
+        size_t capacity = 2 * list->capacity + 64;
+        struct entry *grown = memory_resize(list->entries, capacity, sizeof *grown);
+        if (!grown) {
+            return CONUS_ERROR_MEMORY;
+        }
+        list->entries = grown;
+        list->capacity = capacity;
+    }
+    memcpy(entry.name, name, length + 1);
+    entry.used = info.st_mtim;
+    entry.size = (uint64_t)info.st_size;
+    list->size += entry.size;
+    list->entries[list->count++] = entry;
+    return CONUS_OK;
+}
+
+static int compare_use(const void *a, const void *b)
+{
+    const struct timespec *x = &((const struct entry *)a)->used;
+    const struct timespec *y = &((const struct entry *)b)->used;
+    if (x->tv_sec != y->tv_sec) {
+        return x->tv_sec > y->tv_sec ? 1 : -1;
+    }
+    return (x->tv_nsec > y->tv_nsec) - (x->tv_nsec < y->tv_nsec);
+}
+
+/* Removes what was not used for longest, until the rest fits. */
+static conus_status make_space(const char *folder_path, uint64_t limit)
+{
+    DIR *folder = opendir(folder_path);
+    struct listing list = {0};
+    conus_status status = CONUS_OK;
+    if (!folder) {
+        return CONUS_OK;
+    }
+    for (struct dirent *item; !status && (item = readdir(folder));) {
+        status = list_entry(&list, dirfd(folder), item->d_name);
+    }
+    if (list.count) {
+        qsort(list.entries, list.count, sizeof *list.entries, compare_use);
+    }
+    for (size_t i = 0; !status && list.size > limit && i < list.count; i++) {
+        unlinkat(dirfd(folder), list.entries[i].name, 0);
+        list.size -= list.entries[i].size;
+    }
+    closedir(folder);
+    memory_free(list.entries);
+    return status;
+}
+
+static bool write_pieces(int descriptor, const uint8_t head[HEAD_SIZE], const struct buffer *content)
+{
+    const struct {
+        const void *data;
+        size_t size;
+    } pieces[2] = {{head, HEAD_SIZE}, {content->data, content->size}};
+    for (int i = 0; i < 2; i++) {
+        const char *at = pieces[i].data;
+        for (size_t left = pieces[i].size; left;) {
+            ssize_t n = write(descriptor, at, left);
+            if (n < 0 && errno != EINTR) {
+                return false;
+            }
+            at += n > 0 ? n : 0;
+            left -= n > 0 ? (size_t)n : 0;
+        }
+    }
+    return true;
+}
+
+/* A checksum tells a damaged entry, so that nothing need wait for the disk. */
+static conus_status write_entry(const struct buffer *path, const struct buffer *content)
+{
+    struct buffer temporary = {0};
+    uint8_t head[HEAD_SIZE];
+    buffer_format(&temporary, "%s.XXXXXX%s", path->data, ending); /* an entry like others, should it be left behind */
+    conus_status status = buffer_status(&temporary);
+    int descriptor = status ? -1 : mkostemps(temporary.data, (int)strlen(ending), O_CLOEXEC);
+    if (descriptor >= 0) {
+        write_head(head, content->data, content->size);
+        bool written = write_pieces(descriptor, head, content);
+        written = close(descriptor) == 0 && written;
+        if (!written || rename(temporary.data, path->data)) {
+            unlink(temporary.data);
+        }
+    }
+    buffer_finish(&temporary);
+    return status;
+}
+
+conus_status mesh_cache_keep_within(const char *key, const struct buffer *content, uint64_t limit)
+{
+    struct buffer path = {0};
+    conus_status status = entry_path(&path, key);
+    if (!status && path.size && content->size + HEAD_SIZE <= limit && make_folders(path.data)) {
+        status = write_entry(&path, content);
+        *strrchr(path.data, '/') = '\0';
+        status = status ? status : make_space(path.data, limit);
+    }
+    buffer_finish(&path);
+    return status;
+}
+
+conus_status mesh_cache_keep(const char *key, const struct buffer *content)
+{
+    return mesh_cache_keep_within(key, content, MESH_CACHE_LIMIT);
+}

@@ -1,0 +1,56 @@
+#!/usr/bin/env bats
+# conus mesh, as a user types it.
+load helpers
+
+# A cache of the test's own, and the program that makes the meshes.
+need_mesh() {
+    export XDG_CACHE_HOME=$PWD/cache
+    [ -x "$(dirname "$CONUS")/conus-mesh" ] || skip "no conus-mesh: built without VTK"
+}
+
+@test "a phantom's surface in every format, and again from the cache" {
+    need_mesh
+    sphere --size 24
+    for format in gii vtp obj ply stl; do
+        answers mesh sphere.nii.gz -o out --format $format
+        [ -s out/1_Sphere.$format ]
+        mv out first
+        CONUS_MESH=/bin/false answers mesh sphere.nii.gz -o out --format $format
+        cmp out/1_Sphere.$format first/1_Sphere.$format
+        rm -r out first
+    done
+    [ "$(find cache -type f | wc -l)" -eq 1 ]
+}
+
+@test "smoothing and decimation change the mesh" {
+    need_mesh
+    sphere --size 24
+    conus mesh sphere.nii.gz -o plain --format obj
+    conus mesh sphere.nii.gz -o steps --format obj --smooth 0
+    conus mesh sphere.nii.gz -o few --format obj --decimate 0.5
+    [ "$(grep -c ^f plain/1_Sphere.obj)" -eq "$(grep -c ^f steps/1_Sphere.obj)" ]
+    ! cmp -s plain/1_Sphere.obj steps/1_Sphere.obj
+    [ "$(grep -c ^v few/1_Sphere.obj)" -lt "$(($(grep -c ^v plain/1_Sphere.obj) * 6 / 10))" ]
+}
+
+@test "without conus-mesh, one line says where it was looked for" {
+    sphere --size 16
+    export XDG_CACHE_HOME=$PWD/cache
+    CONUS_MESH=$PWD/none fails 3 'CONUS_MESH: ' mesh sphere.nii.gz -o out
+}
+
+@test "options out of their range" {
+    sphere --size 16
+    fails 2 '--decimate' mesh sphere.nii.gz -o out --decimate 1
+    fails 2 '--smooth' mesh sphere.nii.gz -o out --smooth 1001
+    fails 2 '--format' mesh sphere.nii.gz -o out --format xyz
+    [ ! -e out ]
+}
+
+@test "AAL: a file for each area" {
+    need_mesh
+    need_aal
+    answers mesh "$aal" -o out
+    [ "$(find out -name '*.gii' | wc -l)" -eq 116 ]
+    [ -s out/37_Hippocampus_L.gii ]
+}
