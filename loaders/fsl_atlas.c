@@ -124,7 +124,7 @@ static conus_status number_labels(struct fsl_atlas *atlas, struct notes *notes)
 conus_status fsl_atlas_parse(struct fsl_atlas *out, struct text text, struct notes *notes)
 {
     struct parsing parsing = {.notes = notes};
-    struct xml_handler handler = {start, end, &parsing};
+    struct xml_handler handler = {start, end, &parsing, false};
     conus_status status = xml_parse(&handler, text);
     if (!status && !parsing.atlas.type) {
         status = fail(CONUS_ERROR_DATA, "no <type>: Label, Probabilistic or Statistic is needed");

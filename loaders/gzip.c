@@ -217,3 +217,56 @@ conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint
     *out = bytes;
     return CONUS_OK;
 }
+
+static conus_status grow(struct stream *stream, uint64_t limit)
+{
+    size_t count = smaller(limit, 2 * (uint64_t)stream->count);
+    uint8_t *kept = memory_resize(stream->kept, count, 1);
+    if (!kept) {
+        return CONUS_ERROR_MEMORY;
+    }
+    stream->kept = kept;
+    stream->count = count;
+    return CONUS_OK;
+}
+
+/* Unpacks into stream->kept, which grows and is the caller's to free. */
+static conus_status unpack_growing(struct stream *stream, uint64_t limit)
+{
+    conus_status status = CONUS_OK;
+    while (!status && !stream->ended) {
+        if (stream->position == stream->count && stream->position == limit) {
+            return fail(CONUS_ERROR_MEMORY, "gzip: unpacks to more than the %llu bytes that are allowed",
+                        (unsigned long long)limit);
+        }
+        status = stream->position == stream->count ? grow(stream, limit) : CONUS_OK;
+        uint64_t before = stream->position;
+        status = status ? status : inflate_until(stream, stream->count);
+        if (!status && !stream->ended && stream->position == before) {
+            return fail(CONUS_ERROR_DATA, "gzip: cut off after %llu unpacked bytes", (unsigned long long)before);
+        }
+    }
+    if (!status && count_junk(stream->rest, stream->rest_size)) {
+        status = fail(CONUS_ERROR_DATA, "gzip: %zu bytes after the end of the packed data", stream->rest_size);
+    }
+    return status;
+}
+
+conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit)
+{
+    struct stream *stream = NULL;
+    conus_status status = stream_open(&stream, data, size);
+    if (status) {
+        return status;
+    }
+    stream->count = smaller(limit, 4 * (uint64_t)size + SCRATCH_SIZE);
+    stream->kept = memory_raw(stream->count, 1);
+    status = stream->kept ? unpack_growing(stream, limit) : CONUS_ERROR_MEMORY;
+    if (status) {
+        memory_free(stream->kept);
+    } else {
+        *out = (struct bytes){stream->kept, (size_t)stream->position};
+    }
+    stream_close(stream);
+    return status;
+}

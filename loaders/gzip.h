@@ -13,6 +13,10 @@ bool gzip_is(const uint8_t *data, size_t size);
 /** Unpacks the first @p limit bytes, or fewer where the stream ends earlier. No checksum is looked at. */
 conus_status gzip_head(struct bytes *out, const uint8_t *data, size_t size, size_t limit);
 
+/** Unpacks the whole of @p data, of a size that nothing tells, verifying every checksum. More than @p limit bytes are
+ * CONUS_ERROR_MEMORY; anything but zeros after the last member is CONUS_ERROR_DATA. */
+conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit);
+
 /** Which unpacked bytes to keep, and what was found behind them. */
 struct gzip_range {
     uint64_t from;  /**< First byte to keep.                                                        */

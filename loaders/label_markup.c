@@ -27,7 +27,7 @@ static conus_status start_volume(struct workbench *workbench, const struct xml_e
     return CONUS_OK;
 }
 
-static conus_status start_label(struct workbench *workbench, const struct xml_event *event)
+conus_status label_element(struct label *out, const struct xml_event *event)
 {
     static const char *const channels[] = {"Red", "Green", "Blue"};
     const char *key = xml_attribute(event, "Key");
@@ -41,10 +41,13 @@ static conus_status start_label(struct workbench *workbench, const struct xml_ev
         cells[i] = text_from(value ? value : "");
         given += value != NULL;
     }
-    workbench->label = (struct label){0};
-    workbench->in_label = true;
-    conus_status status = label_cell_number(&workbench->label.number, text_from(key ? key : ""), where);
-    return status || !given ? status : label_cell_rgb(&workbench->label, cells, label_cell_fraction, where);
+    struct label label = {0};
+    conus_status status = label_cell_number(&label.number, text_from(key ? key : ""), where);
+    status = status || !given ? status : label_cell_rgb(&label, cells, label_cell_fraction, where);
+    if (!status) {
+        *out = label;
+    }
+    return status;
 }
 
 static conus_status workbench_start(void *user, const struct xml_event *event)
@@ -54,7 +57,8 @@ static conus_status workbench_start(void *user, const struct xml_event *event)
         return start_volume(workbench, event);
     }
     if (strcmp(event->name, "Label") == 0 && !workbench->elsewhere) {
-        return start_label(workbench, event);
+        workbench->in_label = true;
+        return label_element(&workbench->label, event);
     }
     return CONUS_OK;
 }
@@ -76,7 +80,7 @@ static conus_status workbench_end(void *user, const struct xml_event *event)
 conus_status label_workbench_parse(struct label_table *out, struct text text, size_t volume, struct notes *notes)
 {
     struct workbench workbench = {.out = out, .notes = notes, .wanted = volume};
-    struct xml_handler handler = {workbench_start, workbench_end, &workbench};
+    struct xml_handler handler = {workbench_start, workbench_end, &workbench, false};
     return xml_parse(&handler, text);
 }
 

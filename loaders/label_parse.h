@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the parsers of label tables share. Only loaders/label_*.c include it. */
+/** @file What the parsers of label tables share. Only loaders/label_*.c include it, and GIFTI. */
 #ifndef CONUS_LOADERS_LABEL_PARSE_H
 #define CONUS_LOADERS_LABEL_PARSE_H
 
 #include "atlas/labels.h"
+#include "loaders/xml.h"
 
 /** A format of label tables. */
 struct label_format {
@@ -44,6 +45,12 @@ conus_status label_workbench_parse(struct label_table *out, struct text text, si
  * case. Label 0 is background and dropped, with a note where its name does not say so: a table that counts from 0
  * names every area wrongly. */
 conus_status label_keep(struct label_table *table, struct label *label, conus_status status, struct notes *notes);
+
+/** Whether @p name is one of the usual words for what is no area ("unknown", "???"). */
+bool label_names_background(const char *name);
+
+/** Number and colour of Workbench's and GIFTI's <Label Key= Red= Green= Blue=>; its name is the element's text. */
+conus_status label_element(struct label *out, const struct xml_event *event);
 
 /** Values of cells. @p where ("line 7", "entry 3") starts the message. */
 conus_status label_cell_number(uint32_t *out, struct text cell, const char *where);

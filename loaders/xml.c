@@ -70,9 +70,20 @@ static void on_text(void *user, const char *text, int length)
 
 static void on_doctype(void *user, const char *name, const char *system_id, const char *public_id, int has_subset)
 {
-    (void)name, (void)system_id, (void)public_id, (void)has_subset;
+    (void)name, (void)system_id, (void)public_id;
     struct parsing *parsing = user;
-    stop(parsing, fail(CONUS_ERROR_DATA, "line %zu: a document type (<!DOCTYPE), which is not read", line_of(parsing)));
+    if (has_subset || !parsing->handler->doctype) {
+        stop(parsing, fail(CONUS_ERROR_DATA, "line %zu: a document type (<!DOCTYPE)%s, which is not read",
+                           line_of(parsing), has_subset ? " with declarations" : ""));
+    }
+}
+
+/* What a definition that was passed over might have declared. */
+static void on_skipped_entity(void *user, const char *name, int is_parameter)
+{
+    (void)is_parameter;
+    struct parsing *parsing = user;
+    stop(parsing, fail(CONUS_ERROR_DATA, "line %zu: unknown entity &%.40s;", line_of(parsing), name));
 }
 
 static conus_status run(struct parsing *parsing, struct text text)
@@ -81,6 +92,7 @@ static conus_status run(struct parsing *parsing, struct text text)
     XML_SetElementHandler(parsing->parser, on_start, on_end);
     XML_SetCharacterDataHandler(parsing->parser, on_text);
     XML_SetStartDoctypeDeclHandler(parsing->parser, on_doctype);
+    XML_SetSkippedEntityHandler(parsing->parser, on_skipped_entity);
     if (XML_Parse(parsing->parser, text.data, (int)text.size, XML_TRUE) == XML_STATUS_OK || parsing->status) {
         return parsing->status;
     }

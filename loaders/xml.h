@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file XML from untrusted files: expat with our memory functions, without document types and entities of their own.
- */
+/** @file XML from untrusted files: expat with our memory functions, without entities of their own; nothing else
+ * is ever opened. */
 #ifndef CONUS_LOADERS_XML_H
 #define CONUS_LOADERS_XML_H
 
@@ -19,6 +19,7 @@ struct xml_handler {
     conus_status (*start)(void *user, const struct xml_event *event);
     conus_status (*end)(void *user, const struct xml_event *event);
     void *user;
+    bool doctype; /**< A <!DOCTYPE> that only points to a definition is passed over instead of refused. */
 };
 
 /** Parses the document @p text. Bytes that are not UTF-8 and of no declared encoding are taken as ISO-8859-1. Errors

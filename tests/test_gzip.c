@@ -236,9 +236,68 @@ static void every_prefix_is_refused(void **state)
     buffer_finish(&packed);
 }
 
+/* Without being told the size: one member or two, padded with zeros, and nothing else behind them. */
+static void a_whole_of_unknown_size(void **state)
+{
+    (void)state;
+    static const char *const tails[] = {"", "\0\0\0", "\0x"};
+    for (size_t i = 0; i < 6; i++) {
+        struct buffer plain = {0};
+        struct buffer packed = {0};
+        struct bytes bytes;
+        size_t size = i % 2 ? 300000 : 4000000; /* all zeros: packs a thousandfold */
+        char *zeros = calloc(size, 1);
+        assert_non_null(zeros);
+        fill(&plain, 1000);
+        append_gzip(&packed, plain.data, plain.size);
+        append_gzip(&packed, zeros, size);
+        buffer_append(&packed, tails[i / 2], i / 2 + (i / 2 > 0));
+        buffer_append(&plain, zeros, size);
+        conus_status status = gzip_unpack_all(&bytes, (const uint8_t *)packed.data, packed.size, plain.size);
+        assert_fails(status, i / 2 == 2 ? CONUS_ERROR_DATA : CONUS_OK);
+        if (!status) {
+            assert_int_equal(bytes.size, plain.size);
+            assert_memory_equal(bytes.data, plain.data, plain.size);
+            bytes_finish(&bytes);
+        }
+        assert_fails(gzip_unpack_all(&bytes, (const uint8_t *)packed.data, packed.size, plain.size - 1),
+                     CONUS_ERROR_MEMORY);
+        free(zeros);
+        buffer_finish(&plain);
+        buffer_finish(&packed);
+    }
+}
+
+static conus_status attempt_all(void *data)
+{
+    const struct buffer *packed = data;
+    struct bytes bytes = {0};
+    conus_status status = gzip_unpack_all(&bytes, (const uint8_t *)packed->data, packed->size, UINT64_C(1) << 30);
+    bytes_finish(&bytes);
+    return status;
+}
+
+static void a_whole_with_failing_allocations_and_prefixes(void **state)
+{
+    (void)state;
+    static const char zeros[300000];
+    struct buffer packed = {0};
+    struct bytes bytes;
+    append_gzip(&packed, zeros, sizeof zeros);
+    test_every_allocation(attempt_all, &packed);
+    for (size_t size = 0; size < packed.size; size++) {
+        assert_fails(gzip_unpack_all(&bytes, (const uint8_t *)packed.data, size, 1 << 30), CONUS_ERROR_DATA);
+    }
+    packed.data[packed.size - 5] ^= 1; /* of the checksum */
+    assert_fails(gzip_unpack_all(&bytes, (const uint8_t *)packed.data, packed.size, 1 << 30), CONUS_ERROR_DATA);
+    buffer_finish(&packed);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_whole_of_unknown_size),
+        cmocka_unit_test(a_whole_with_failing_allocations_and_prefixes),
         cmocka_unit_test(one_member),
         cmocka_unit_test(ranges_in_the_middle),
         cmocka_unit_test(several_members_padding_and_junk),

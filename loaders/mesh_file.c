@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/mesh_file.h"
+
+#include "base/file.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "base/text.h"
+#include "loaders/freesurfer.h"
+#include "loaders/gifti.h"
+#include "loaders/gzip.h"
+#include "loaders/xml.h"
+
+static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
+
+static uint64_t limit_of(const struct mesh_file_options *options)
+{
+    return options->max_memory ? options->max_memory : DEFAULT_MEMORY;
+}
+
+/* The whole file, unpacked. */
+static conus_status read_unpacked(struct bytes *out, const char *path, const struct mesh_file_options *options)
+{
+    struct bytes stored = {0};
+    conus_status status = file_read(&stored, path, limit_of(options));
+    if (status || !gzip_is(stored.data, stored.size)) {
+        *out = status ? *out : stored;
+        return status;
+    }
+    status = gzip_unpack_all(out, stored.data, stored.size, limit_of(options));
+    bytes_finish(&stored);
+    return fail_in(status, path);
+}
+
+static bool is_gifti(const struct bytes *bytes)
+{
+    return text_equal(xml_root((struct text){(const char *)bytes->data, bytes->size}), "GIFTI");
+}
+
+static conus_status parse_gifti(struct gifti *out, const struct bytes *bytes, const char *path,
+                                const struct mesh_file_options *options, struct notes *notes)
+{
+    const struct gifti_options gifti_options = {path, options->external, options->max_memory};
+    return gifti_parse(out, bytes->data, bytes->size, &gifti_options, notes);
+}
+
+static conus_status take_gifti(struct mesh *out, struct label *about, const struct bytes *bytes, const char *path,
+                               const struct mesh_file_options *options, struct notes *notes)
+{
+    struct gifti gifti = {0};
+    conus_status status = parse_gifti(&gifti, bytes, path, options, notes);
+    status = status ? status : gifti_mesh(out, &gifti, options->space != MESH_FILE_SPACE, notes);
+    if (!status && about) {
+        about->name = gifti.name;
+        about->hemisphere = gifti.hemisphere;
+        gifti.name = NULL;
+    }
+    gifti_finish(&gifti);
+    return status;
+}
+
+static conus_status take_any(struct mesh *out, struct label *about, const struct bytes *bytes, const char *path,
+                             const struct mesh_file_options *options, struct notes *notes)
+{
+    if (is_gifti(bytes)) {
+        return take_gifti(out, about, bytes, path, options, notes);
+    }
+    if (freesurfer_is_surface(bytes->data, bytes->size)) {
+        return freesurfer_surface_parse(out, bytes->data, bytes->size, options->space != MESH_FILE_SPACE, notes);
+    }
+    return fail(CONUS_ERROR_UNSUPPORTED, "neither a GIFTI nor a FreeSurfer surface");
+}
+
+/* Notes of the parsers do not know the path. */
+static conus_status move_notes(struct notes *to, struct notes *from, const char *path)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < from->count; i++) {
+        status = notes_add(to, "%s: %s", path, from->lines[i]);
+    }
+    notes_finish(from);
+    return status;
+}
+
+static conus_status finish_mesh(struct mesh *mesh, const char *path, enum mesh_file_space space, struct notes *notes)
+{
+    static const double turn[16] = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    if (space == MESH_FILE_LPS) {
+        mesh_transform(mesh, turn);
+    }
+    mesh->path = memory_text(path, strlen(path));
+    return mesh->path ? fail_in(mesh_check(mesh, notes), path) : CONUS_ERROR_MEMORY;
+}
+
+conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
+                            const struct mesh_file_options *options, struct notes *notes)
+{
+    static const struct mesh_file_options defaults;
+    struct bytes bytes = {0};
+    struct mesh mesh = {0};
+    struct label said = {0};
+    struct notes own = {0};
+    options = options ? options : &defaults;
+    conus_status status = read_unpacked(&bytes, path, options);
+    if (!status) {
+        status = fail_in(take_any(&mesh, &said, &bytes, path, options, &own), path);
+    }
+    bytes_finish(&bytes);
+    status = status ? status : move_notes(notes, &own, path);
+    status = status ? status : finish_mesh(&mesh, path, options->space, notes);
+    notes_finish(&own);
+    if (status || !about) {
+        memory_free(said.name);
+    } else {
+        *about = said;
+    }
+    if (status) {
+        mesh_finish(&mesh);
+        return status;
+    }
+    *out = mesh;
+    return CONUS_OK;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Surfaces and labels of their vertices as files hold them. What a file is, is told by its content. */
+#ifndef CONUS_LOADERS_MESH_FILE_H
+#define CONUS_LOADERS_MESH_FILE_H
+
+#include "atlas/labels.h"
+#include "atlas/mesh.h"
+
+enum mesh_file_space {
+    MESH_FILE_SPACE, /**< As the file says, docs/spaces.md.                        */
+    MESH_FILE_RAS,   /**< The stored coordinates are the world's.                  */
+    MESH_FILE_LPS    /**< The same with the signs of x and y turned.               */
+};
+
+/** Zero is the default of each. */
+struct mesh_file_options {
+    enum mesh_file_space space;
+    bool external;       /**< GIFTI arrays may lie in other files in the same folder. */
+    uint64_t max_memory; /**< For a file, and for the numbers of one array; 8 GiB.    */
+};
+
+/** Reads the surface @p path (GIFTI or FreeSurfer, each plain or gzip), checked by mesh_check(), path set. @p about, if
+ * not NULL, gets name and hemisphere as far as the file says them; its strings are the caller's to memory_free(). Notes
+ * and errors carry the path. @p options may be NULL. */
+conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
+                            const struct mesh_file_options *options, struct notes *notes);
+
+#endif

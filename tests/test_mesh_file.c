@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/mesh_file.h"
+
+#include "base/memory.h"
+#include "gifti_builder.h"
+#include "nifti_builder.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define NAMED                                                                                                          \
+    "<MetaData><MD><Name>Name</Name><Value>V1</Value></MD>"                                                            \
+    "<MD><Name>AnatomicalStructurePrimary</Name><Value>CortexLeft</Value></MD></MetaData>"
+
+static void make_gifti(struct buffer *out)
+{
+    gifti_begin(out, "", 2);
+    buffer_text(out, NAMED);
+    gifti_append_tetrahedron(out, "GZipBase64Binary", false, false);
+    gifti_end(out);
+}
+
+static void make_freesurfer(struct buffer *out)
+{
+    buffer_append(out, "\xff\xff\xfe\n\n", 5);
+    append_ordered(out, 4, 4, true);
+    append_ordered(out, 4, 4, true);
+    for (size_t i = 0; i < 12; i++) {
+        append_float(out, tetrahedron_vertices[i], true);
+    }
+    for (size_t i = 0; i < 12; i++) {
+        append_ordered(out, (uint64_t)tetrahedron_triangles[i], 4, true);
+    }
+}
+
+/* The name tells nothing: surfaces packed and plain under names of other formats. */
+static void content_decides(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        struct buffer bytes = {0};
+        struct mesh mesh = {0};
+        struct label about = {0};
+        struct notes notes = {0};
+        (i & 1 ? make_gifti : make_freesurfer)(&bytes);
+        const char *path = (i & 2 ? write_packed : write_bytes)("surface.obj", &bytes);
+        assert_ok(mesh_file_read(&mesh, &about, path, NULL, &notes));
+        assert_int_equal(mesh.triangle_count, 4);
+        assert_string_equal(mesh.path, path);
+        assert_near(mesh.positions[3], 10, 0);
+        if (i & 1) {
+            assert_string_equal(about.name, "V1");
+        } else {
+            assert_null(about.name);
+        }
+        assert_int_equal(about.hemisphere, i & 1 ? 'L' : 0);
+        assert_int_equal(notes.count, 1); /* neither says in which space it is */
+        assert_non_null(strstr(notes.lines[0], path));
+        notes_finish(&notes);
+        memory_free(about.name);
+        mesh_finish(&mesh);
+        buffer_finish(&bytes);
+    }
+}
+
+static void a_given_space_is_not_asked_of_the_file(void **state)
+{
+    (void)state;
+    struct buffer bytes = {0};
+    make_gifti(&bytes);
+    const char *path = write_bytes("space.gii", &bytes);
+    for (int lps = 0; lps < 2; lps++) {
+        const struct mesh_file_options options = {.space = lps ? MESH_FILE_LPS : MESH_FILE_RAS};
+        struct mesh mesh = {0};
+        struct mesh_shape shape;
+        struct notes notes = {0};
+        assert_ok(mesh_file_read(&mesh, NULL, path, &options, &notes));
+        assert_int_equal(notes.count, 0);
+        assert_near(mesh.positions[3], lps ? -10 : 10, 0);
+        assert_near(mesh.positions[7], lps ? -10 : 10, 0);
+        assert_near(mesh.positions[11], 10, 0);
+        assert_ok(mesh_measure(&shape, &mesh));
+        assert_near(shape.volume_mm3, 1000. / 6, 1e-3);
+        mesh_finish(&mesh);
+    }
+    buffer_finish(&bytes);
+}
+
+static void errors_carry_the_path(void **state)
+{
+    (void)state;
+    struct mesh mesh = {0};
+    struct notes notes = {0};
+    const struct buffer text = {.data = (char *)"hello", .size = 5};
+    const struct mesh_file_options small = {.max_memory = 4};
+    const char *path = write_bytes("text.gii", &text);
+    assert_fails(mesh_file_read(&mesh, NULL, path, NULL, &notes), CONUS_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(conus_message(), path));
+    assert_fails(mesh_file_read(&mesh, NULL, path, &small, &notes), CONUS_ERROR_MEMORY);
+    assert_fails(mesh_file_read(&mesh, NULL, "absent.gii", NULL, &notes), CONUS_ERROR_IO);
+}
+
+static conus_status attempt(void *data)
+{
+    struct mesh mesh = {0};
+    struct label about = {0};
+    struct notes notes = {0};
+    conus_status status = mesh_file_read(&mesh, &about, data, NULL, &notes);
+    memory_free(status ? NULL : about.name);
+    mesh_finish(&mesh);
+    notes_finish(&notes);
+    return status;
+}
+
+static void every_failing_allocation(void **state)
+{
+    (void)state;
+    struct buffer bytes = {0};
+    char path[256];
+    make_gifti(&bytes);
+    snprintf(path, sizeof path, "%s", write_packed("failing.gii.gz", &bytes));
+    test_every_allocation(attempt, path);
+    buffer_finish(&bytes);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(content_decides),
+        cmocka_unit_test(a_given_space_is_not_asked_of_the_file),
+        cmocka_unit_test(errors_carry_the_path),
+        cmocka_unit_test(every_failing_allocation),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
