@@ -6,6 +6,8 @@
 
 #include <stdlib.h>
 
+#define COORDINATE_LIMIT 1e9F
+
 void mesh_finish(struct mesh *mesh)
 {
     memory_free(mesh->path);
@@ -54,8 +56,8 @@ static void normal_of(double out[3], const struct mesh *mesh, size_t triangle)
 static conus_status check_numbers(const struct mesh *mesh)
 {
     for (size_t i = 0; i < 3 * mesh->vertex_count; i++) {
-        if (!isfinite(mesh->positions[i])) {
-            return fail(CONUS_ERROR_DATA, "vertex %zu: a coordinate is %g, allowed are finite numbers", i / 3,
+        if (!(fabsf(mesh->positions[i]) <= COORDINATE_LIMIT)) {
+            return fail(CONUS_ERROR_DATA, "vertex %zu: a coordinate is %g mm, allowed is -1e9 to 1e9", i / 3,
                         (double)mesh->positions[i]);
         }
     }

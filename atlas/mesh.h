@@ -27,8 +27,8 @@ void mesh_finish(struct mesh *mesh);
 /** A mesh of zeroed arrays for so many vertices and triangles. */
 conus_status mesh_init(struct mesh *out, size_t vertex_count, size_t triangle_count);
 
-/** Refuses what no engine may see: no triangle, a coordinate that is not finite, an index out of range. Triangles of no
- * area are left out and counted in @p notes, as is a mesh that is not closed. */
+/** Refuses what no engine may see: no triangle, a coordinate that is not within 1e9 mm of 0, an index out of range.
+ * Triangles of no area are left out and counted in @p notes, as is a mesh that is not closed. */
 conus_status mesh_check(struct mesh *mesh, struct notes *notes);
 
 /** Measures a checked mesh. CONUS_ERROR_MEMORY without memory for its edges. */

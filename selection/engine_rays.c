@@ -4,13 +4,14 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "render/slices.h"
+#include "selection/mesh_rays.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Pixels are taken in blocks of BLOCK x BLOCK, and in a block in tiles of 4 x 2, so that the rays that share a vector
- * are neighbours both ways. */
-enum { BLOCK = 16, TILE_WIDTH = 4, TILE_HEIGHT = 2 };
+/* Pixels are taken in blocks of BLOCK x BLOCK, and in a block in tiles of 4 x 4, so that the 4, 8 or 16 rays that share
+ * a vector are neighbours both ways. */
+enum { BLOCK = 16, TILE = 4 };
 
 struct target {
     const struct volume *volume;
@@ -22,6 +23,7 @@ struct rays_engine {
     struct engine base;
     conus_sampling sampling;
     const struct traverse_kernel *kernel;
+    struct mesh_rays *meshes; /* NULL if the atlas has none */
     size_t target_count;
     struct target targets[];
 };
@@ -30,6 +32,7 @@ struct rays_engine {
 struct block {
     size_t pixel[TRAVERSE_BUNDLE];
     struct traverse_bundle bundle;
+    struct mesh_bundle meshes; /* filled in where there are any */
 };
 
 static void destroy(struct engine *engine)
@@ -38,6 +41,7 @@ static void destroy(struct engine *engine)
     for (size_t i = 0; i < rays->target_count; i++) {
         leap_map_finish(&rays->targets[i].map);
     }
+    mesh_rays_destroy(rays->meshes);
     memory_free(rays);
 }
 
@@ -68,9 +72,9 @@ static void block_init(struct block *block, const struct cone *cone, uint32_t co
         coordinate[1][k] = cone_coordinate(row + k, cone->resolution);
     }
     for (uint32_t k = 0; k < BLOCK * BLOCK; k++) {
-        uint32_t tile = k / (TILE_WIDTH * TILE_HEIGHT);
-        uint32_t i = tile % (BLOCK / TILE_WIDTH) * TILE_WIDTH + k % TILE_WIDTH;
-        uint32_t j = tile / (BLOCK / TILE_WIDTH) * TILE_HEIGHT + k / TILE_WIDTH % TILE_HEIGHT;
+        uint32_t tile = k / (TILE * TILE);
+        uint32_t i = tile % (BLOCK / TILE) * TILE + k % TILE;
+        uint32_t j = tile / (BLOCK / TILE) * TILE + k / TILE % TILE;
         if (column + i < cone->resolution && row + j < cone->resolution) {
             block->pixel[count] = (size_t)(row + j) * cone->resolution + column + i;
             u[count] = coordinate[0][i];
@@ -144,17 +148,62 @@ static void look_through(const struct rays_engine *engine, struct evidence *out,
     }
 }
 
+/* Behind look_through(): what the volumes show limits how far the meshes are looked for. */
+static conus_status look_at_meshes(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
+                                   struct block *block)
+{
+    struct mesh_bundle *bundle = &block->meshes;
+    bundle->count = block->bundle.count;
+    bundle->origin = block->bundle.origin;
+    bundle->direction = (const double(*)[MESH_RAYS_LIMIT])block->bundle.direction;
+    for (size_t ray = 0; ray < bundle->count; ray++) {
+        size_t pixel = block->pixel[ray];
+        bundle->object[ray] = out->object[pixel];
+        bundle->t[ray] = out->distance[pixel];
+        bundle->triangle[ray] = out->voxel[pixel];
+    }
+    double pitch = cone->angle / cone->resolution;
+    conus_status status = mesh_rays_walk(engine->meshes, bundle, mesh_rays_width(pitch));
+    for (size_t ray = 0; ray < bundle->count; ray++) {
+        size_t pixel = block->pixel[ray];
+        out->object[pixel] = bundle->object[ray];
+        out->distance[pixel] = bundle->t[ray];
+        out->voxel[pixel] = bundle->triangle[ray];
+    }
+    return status;
+}
+
 static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
+    const struct rays_engine *rays = (const struct rays_engine *)engine;
     evidence_clear(out);
     struct block block;
-    for (uint32_t row = 0; row < cone->resolution; row += BLOCK) {
-        for (uint32_t column = 0; column < cone->resolution; column += BLOCK) {
+    conus_status status = CONUS_OK;
+    for (uint32_t row = 0; row < cone->resolution && !status; row += BLOCK) {
+        for (uint32_t column = 0; column < cone->resolution && !status; column += BLOCK) {
             block_init(&block, cone, column, row);
-            look_through((const struct rays_engine *)engine, out, cone, &block);
+            look_through(rays, out, cone, &block);
+            status = rays->meshes ? look_at_meshes(rays, out, cone, &block) : CONUS_OK;
         }
     }
-    return CONUS_OK;
+    return status;
+}
+
+static conus_status add_meshes(struct rays_engine *engine, const conus_atlas *atlas)
+{
+    if (!atlas->mesh_count) {
+        return CONUS_OK;
+    }
+    struct mesh_object *objects = memory_zeroed(atlas->object_count, sizeof *objects);
+    if (!objects) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        objects[i].mesh = atlas_object_mesh(atlas, (uint32_t)i + 1);
+    }
+    conus_status status = mesh_rays_create(&engine->meshes, objects, atlas->object_count);
+    memory_free(objects);
+    return status;
 }
 
 static conus_status add_target(struct rays_engine *engine, const struct volume *volume, uint32_t slices)
@@ -185,6 +234,7 @@ conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atl
             status = add_target(engine, &atlas->volumes[i], options->slices);
         }
     }
+    status = status ? status : add_meshes(engine, atlas);
     if (status) {
         destroy(&engine->base);
         return status;

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The first triangle along rays (Eq. 9), found by Embree and settled in double precision.
+ *
+ * Embree works in single precision, so it only proposes: every triangle that it finds nearer than what a ray has, or
+ * as near within its precision, is weighed by mesh_distance(), and the nearest wins; of equally near ones that of the
+ * lower object, then the lower triangle. What stays to Embree is whether a ray passes an edge on this side or that. */
+#ifndef CONUS_SELECTION_MESH_RAYS_H
+#define CONUS_SELECTION_MESH_RAYS_H
+
+#include "atlas/mesh.h"
+
+/** A surface at its place. */
+struct mesh_object {
+    const struct mesh *mesh;       /**< Must outlive the rays. NULL = this object is no mesh.                      */
+    const double *world_from_mesh; /**< Matrix that places it; NULL = it lies in world space. Objects in a row
+                                        that have a matrix and the same mesh share its triangles in memory.       */
+};
+
+/** Distance along a ray to the plane of @p triangle, held within the triangle's reach along the ray: for a ray that
+ * meets it, or passes it by less than rounding. In units of @p direction's length. */
+double mesh_distance(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3]);
+
+enum { MESH_RAYS_LIMIT = 256 };
+
+/** Rays with one origin, neighbours side by side, and what each has met so far. The caller fills in everything. */
+struct mesh_bundle {
+    size_t count;                               /**< At most MESH_RAYS_LIMIT.                       */
+    const double *origin;                       /**< [3] in the world.                              */
+    const double (*direction)[MESH_RAYS_LIMIT]; /**< [3][] in the world, unit length.               */
+    uint32_t object[MESH_RAYS_LIMIT];           /**< Met first so far; 0 = none.                    */
+    double t[MESH_RAYS_LIMIT];                  /**< mm to it; INFINITY = none.                     */
+    uint64_t triangle[MESH_RAYS_LIMIT];         /**< Of its mesh, if mesh_rays_walk() found it.     */
+};
+
+struct mesh_rays;
+
+/** Makes the surfaces ready; object number k is objects[k - 1]. */
+conus_status mesh_rays_create(struct mesh_rays **out, const struct mesh_object *objects, size_t count);
+
+/** NULL is fine. */
+void mesh_rays_destroy(struct mesh_rays *rays);
+
+/** How many rays Embree takes at once: 1, 4, 8 or 16. */
+conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width);
+
+/** The faster width for a cone whose neighbouring rays are @p pitch radians apart (docs/benchmarks.md, torus). */
+unsigned mesh_rays_width(double pitch);
+
+#endif

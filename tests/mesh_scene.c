@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "mesh_scene.h"
+
+#include "base/math3.h"
+#include "test.h"
+
+conus_atlas *mesh_scene_atlas(void)
+{
+    conus_atlas *atlas = NULL;
+    assert_ok(atlas_create_empty(&atlas, "test"));
+    return atlas;
+}
+
+struct cone mesh_scene_cone(const double origin[3], const double target[3], double degrees, uint32_t resolution)
+{
+    struct cone cone = {.angle = radians_from_degrees(degrees), .resolution = resolution};
+    assert_ok(conus_pose_toward(&cone.pose, origin, target, NULL));
+    return cone;
+}
+
+void mesh_scene_look(struct evidence *out, const conus_atlas *atlas, const struct cone *cone)
+{
+    struct engine *engine = NULL;
+    assert_ok(engine_rays_create(&engine, atlas, &(struct engine_options){0}));
+    assert_ok(evidence_init(out, cone->resolution));
+    assert_ok(engine->functions->look(engine, out, cone));
+    engine_destroy(engine);
+}
+
+static struct mesh blank(size_t vertices, size_t triangles)
+{
+    struct mesh mesh;
+    assert_ok(mesh_init(&mesh, vertices, triangles));
+    return mesh;
+}
+
+static void put_vertex(struct mesh *mesh, size_t index, double x, double y, double z)
+{
+    mesh->positions[3 * index] = (float)x;
+    mesh->positions[3 * index + 1] = (float)y;
+    mesh->positions[3 * index + 2] = (float)z;
+}
+
+static void put_triangle(struct mesh *mesh, size_t *count, uint32_t a, uint32_t b, uint32_t c)
+{
+    uint32_t *triangle = &mesh->triangles[3 * (*count)++];
+    triangle[0] = a;
+    triangle[1] = b;
+    triangle[2] = c;
+}
+
+struct mesh mesh_scene_sphere(const double centre[3], double radius, unsigned rings, unsigned sectors)
+{
+    struct mesh mesh = blank(2 + (size_t)(rings - 1) * sectors, 2 * (size_t)(rings - 1) * sectors);
+    size_t count = 0;
+    uint32_t last = (uint32_t)mesh.vertex_count - 1;
+    put_vertex(&mesh, 0, centre[0], centre[1], centre[2] - radius);
+    put_vertex(&mesh, last, centre[0], centre[1], centre[2] + radius);
+    for (uint32_t ring = 1; ring < rings; ring++) {
+        double down = MATH3_PI * (ring / (double)rings - 0.5);
+        for (uint32_t s = 0; s < sectors; s++) {
+            double turn = 2 * MATH3_PI * s / sectors;
+            put_vertex(&mesh, 1 + (ring - 1) * sectors + s, centre[0] + radius * cos(down) * cos(turn),
+                       centre[1] + radius * cos(down) * sin(turn), centre[2] + radius * sin(down));
+        }
+    }
+    for (uint32_t ring = 0; ring < rings; ring++) {
+        for (uint32_t s = 0; s < sectors; s++) {
+            uint32_t next = (s + 1) % sectors;
+            uint32_t below = 1 + (ring - 1) * sectors, here = 1 + ring * sectors;
+            if (ring == 0) {
+                put_triangle(&mesh, &count, 0, 1 + next, 1 + s);
+            } else if (ring == rings - 1) {
+                put_triangle(&mesh, &count, last, below + s, below + next);
+            } else {
+                put_triangle(&mesh, &count, below + s, below + next, here + next);
+                put_triangle(&mesh, &count, below + s, here + next, here + s);
+            }
+        }
+    }
+    assert_int_equal(count, mesh.triangle_count);
+    return mesh;
+}
+
+struct mesh mesh_scene_torus(double ring, double tube, unsigned sectors, unsigned sides)
+{
+    struct mesh mesh = blank((size_t)sectors * sides, 2 * (size_t)sectors * sides);
+    size_t count = 0;
+    for (uint32_t i = 0; i < sectors; i++) {
+        for (uint32_t j = 0; j < sides; j++) {
+            double a = 2 * MATH3_PI * i / sectors, b = 2 * MATH3_PI * j / sides;
+            double out = ring + tube * cos(b);
+            put_vertex(&mesh, i * sides + j, out * cos(a), out * sin(a), tube * sin(b));
+            uint32_t next_i = (i + 1) % sectors * sides, next_j = (j + 1) % sides;
+            put_triangle(&mesh, &count, i * sides + j, next_i + j, next_i + next_j);
+            put_triangle(&mesh, &count, i * sides + j, next_i + next_j, i * sides + next_j);
+        }
+    }
+    return mesh;
+}
+
+struct mesh mesh_scene_soup(uint64_t *state, size_t count, double size, double edge)
+{
+    struct mesh mesh = blank(3 * count, count);
+    for (uint32_t i = 0; i < count; i++) {
+        double p[3];
+        bool thin = test_random(state, 0, 1) < 0.2;
+        for (int a = 0; a < 3; a++) {
+            p[a] = test_random(state, -size, size);
+        }
+        for (uint32_t k = 0; k < 3; k++) {
+            double reach = thin && k == 2 ? edge * 1e-3 : edge;
+            put_vertex(&mesh, 3 * i + k, p[0] + test_random(state, -reach, reach),
+                       p[1] + test_random(state, -reach, reach), p[2] + test_random(state, -reach, reach));
+            mesh.triangles[3 * i + k] = 3 * i + k;
+        }
+    }
+    return mesh;
+}
+
+void mesh_scene_add(conus_atlas *atlas, struct mesh *mesh)
+{
+    const conus_object area = {.label = (uint32_t)atlas->object_count + 1, .name = "area", .abbreviation = ""};
+    assert_ok(atlas_add_mesh(atlas, &area, mesh));
+}
+
+static void corner(double out[3], const struct mesh *mesh, size_t triangle, size_t k)
+{
+    const float *p = &mesh->positions[3 * (size_t)mesh->triangles[3 * triangle + k % 3]];
+    out[0] = (double)p[0], out[1] = (double)p[1], out[2] = (double)p[2];
+}
+
+/* Eq. 9 for one triangle by Moeller and Trumbore: both faces, edges included; INFINITY if the ray misses. */
+static double meet(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3])
+{
+    double p[3][3], across[3], from[3], turned[3];
+    for (size_t k = 0; k < 3; k++) {
+        corner(p[k], mesh, triangle, k);
+    }
+    vec3_sub(p[1], p[1], p[0]);
+    vec3_sub(p[2], p[2], p[0]);
+    vec3_cross(across, direction, p[2]);
+    vec3_sub(from, origin, p[0]);
+    vec3_cross(turned, from, p[1]);
+    double scale = 1 / vec3_dot(p[1], across);
+    double u = vec3_dot(from, across) * scale, v = vec3_dot(direction, turned) * scale;
+    double t = vec3_dot(p[2], turned) * scale;
+    return u >= 0 && v >= 0 && u + v <= 1 && t >= 0 ? t : INFINITY;
+}
+
+struct mesh_hit mesh_scene_first(const conus_atlas *atlas, const double origin[3], const double direction[3])
+{
+    struct mesh_hit first = {.t = INFINITY};
+    for (uint32_t object = 1; object <= atlas->object_count; object++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, object);
+        for (size_t i = 0; mesh && i < mesh->triangle_count; i++) {
+            double t = meet(mesh, i, origin, direction);
+            if (t < first.t) {
+                first = (struct mesh_hit){object, i, t};
+            }
+        }
+    }
+    return first;
+}
+
+/* Of the point 0 from the segment a b. */
+static double distance_to_segment(const double a[3], const double b[3])
+{
+    double along[3], nearest[3];
+    vec3_sub(along, b, a);
+    double length = vec3_dot(along, along);
+    double s = length > 0 ? -vec3_dot(a, along) / length : 0;
+    vec3_add_scaled(nearest, a, fmin(fmax(s, 0), 1), along);
+    return vec3_length(nearest);
+}
+
+double mesh_scene_edge_distance(const struct mesh *mesh, size_t triangle, const double origin[3],
+                                const double direction[3])
+{
+    double p[3][3];
+    for (size_t k = 0; k < 3; k++) { /* as the ray sees them: without what is along it */
+        corner(p[k], mesh, triangle, k);
+        vec3_sub(p[k], p[k], origin);
+        vec3_add_scaled(p[k], p[k], -vec3_dot(p[k], direction), direction);
+    }
+    return fmin(distance_to_segment(p[0], p[1]),
+                fmin(distance_to_segment(p[1], p[2]), distance_to_segment(p[2], p[0])));
+}
