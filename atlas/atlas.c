@@ -34,6 +34,7 @@ void conus_atlas_destroy(conus_atlas *atlas)
     memory_free(atlas->meshes);
     memory_free(atlas->places);
     memory_free(atlas->label_source);
+    memory_free(atlas->transfer);
     notes_finish(&atlas->notes);
     memory_free(atlas);
 }

@@ -24,6 +24,7 @@ struct conus_atlas {
     size_t object_count;
     size_t area_count; /**< The first so many objects are areas.                                      */
     char *label_source;
+    char *transfer; /**< Transfer function of the context: a preset's name or a file; NULL = the default.       */
     struct notes notes;
 };
 

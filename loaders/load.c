@@ -1,30 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_load(): from a labelled volume, or from an FSL atlas XML that names some. */
-#include "atlas/atlas.h"
+/* conus_atlas_load(): from a labelled volume, from an FSL atlas XML that names some, or from a manifest. */
+#include "loaders/load.h"
+
 #include "atlas/space.h"
 #include "base/buffer.h"
 #include "base/memory.h"
 #include "loaders/folder.h"
 #include "loaders/fsl_atlas.h"
-#include "loaders/label_files.h"
 #include "loaders/label_parse.h"
+#include "loaders/manifest.h"
 #include "loaders/xml.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { XML_LIMIT = 64 << 20 };
+enum { XML_LIMIT = 64 << 20, JSON_LIMIT = 64 << 20 };
 
-/* What a parcellation is made of, until atlas_create() has it. */
-struct parts {
-    struct volume_file file;
-    uint32_t *labels;
-    struct label_table table;
-    char *source;
-    struct notes notes;
-};
-
-static void parts_finish(struct parts *parts)
+void parcellation_finish(struct parcellation *parts)
 {
     volume_file_finish(&parts->file);
     memory_free(parts->labels);
@@ -33,7 +25,7 @@ static void parts_finish(struct parts *parts)
     notes_finish(&parts->notes);
 }
 
-static conus_status set_source(struct parts *parts, const char *format, const char *where)
+static conus_status set_source(struct parcellation *parts, const char *format, const char *where)
 {
     struct buffer source = {0};
     buffer_format(&source, "%s in %s", format, where);
@@ -47,7 +39,7 @@ static conus_status set_source(struct parts *parts, const char *format, const ch
     return CONUS_OK;
 }
 
-static conus_status read_override(struct parts *parts, const char *path)
+static conus_status read_override(struct parcellation *parts, const char *path)
 {
     const char *format = NULL;
     struct label_table table = {0};
@@ -62,9 +54,7 @@ static conus_status read_override(struct parts *parts, const char *path)
     return CONUS_OK;
 }
 
-/* The path of an image as an FSL atlas writes it: from the XML's folder, mostly without ending. NULL in *out if there
- * is no such file. */
-static conus_status find_image(char **out, const char *xml_path, const char *image)
+conus_status fsl_image_find(char **out, const char *xml_path, const char *image)
 {
     static const char *const endings[] = {"", ".nii.gz", ".nii", ".hdr", ".hdr.gz", ".mgz"};
     char *path = file_beside(xml_path, image + strspn(image, "/"));
@@ -84,12 +74,13 @@ static conus_status find_image(char **out, const char *xml_path, const char *ima
 }
 
 /* Opens `image` of the atlas and keeps it if its voxels are smaller than those of what is there. */
-static conus_status consider_image(struct parts *parts, const char *xml_path, const char *image, uint64_t max_memory)
+static conus_status consider_image(struct parcellation *parts, const char *xml_path, const char *image,
+                                   uint64_t max_memory)
 {
     char *path = NULL;
     struct volume_file file = {0};
     struct notes notes = {0};
-    conus_status status = find_image(&path, xml_path, image);
+    conus_status status = fsl_image_find(&path, xml_path, image);
     if (!status && !path) {
         status = notes_add(&parts->notes, "image %s of the FSL atlas is not there", image);
     } else if (!status) {
@@ -107,7 +98,7 @@ static conus_status consider_image(struct parts *parts, const char *xml_path, co
     return status;
 }
 
-static conus_status open_finest(struct parts *parts, const struct fsl_atlas *atlas, const char *path,
+static conus_status open_finest(struct parcellation *parts, const struct fsl_atlas *atlas, const char *path,
                                 uint64_t max_memory)
 {
     conus_status status = CONUS_OK;
@@ -127,7 +118,7 @@ static conus_status open_finest(struct parts *parts, const struct fsl_atlas *atl
     return status;
 }
 
-static conus_status load_fsl(struct parts *parts, const char *path, struct text text, uint64_t max_memory)
+static conus_status load_fsl(struct parcellation *parts, const char *path, struct text text, uint64_t max_memory)
 {
     struct fsl_atlas atlas = {0};
     conus_status status = fsl_atlas_parse(&atlas, text, &parts->notes);
@@ -151,7 +142,8 @@ static conus_status load_fsl(struct parts *parts, const char *path, struct text 
     return status;
 }
 
-static bool starts_as_markup(const char *path)
+/* The first character of the file that is not white space; 0 if there is none. */
+static char first_character(const char *path)
 {
     uint8_t start[64];
     FILE *file = file_exists(path) ? fopen(path, "rbe") : NULL;
@@ -160,10 +152,10 @@ static bool starts_as_markup(const char *path)
         fclose(file);
     }
     struct text text = text_trim(label_text_of(start, size));
-    return text.size && text.data[0] == '<';
+    return text.size ? text.data[0] : '\0';
 }
 
-static conus_status load_markup(struct parts *parts, const char *path, uint64_t max_memory)
+static conus_status load_markup(struct parcellation *parts, const char *path, uint64_t max_memory)
 {
     struct bytes bytes = {0};
     conus_status status = file_read(&bytes, path, XML_LIMIT);
@@ -177,33 +169,56 @@ static conus_status load_markup(struct parts *parts, const char *path, uint64_t 
     return status;
 }
 
-static conus_status load_parts(struct parts *parts, const char *path, const conus_load_options *options)
+conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options)
 {
-    bool markup = starts_as_markup(path);
-    conus_status status = markup ? load_markup(parts, path, options->max_memory)
-                                 : volume_file_open(&parts->file, path, options->max_memory, &parts->notes);
-    status = status ? status : volume_file_labels(&parts->labels, &parts->file);
+    bool markup = first_character(path) == '<';
+    conus_status status = markup ? load_markup(out, path, options->max_memory)
+                                 : volume_file_open(&out->file, path, options->max_memory, &out->notes);
+    status = status ? status : volume_file_labels(&out->labels, &out->file);
     if (status) {
         return status;
     }
-    parts->file.info.role = CONUS_PARCELLATION;
+    out->file.info.role = CONUS_PARCELLATION;
     if (options->labels) {
-        return read_override(parts, options->labels);
+        return read_override(out, options->labels);
     }
-    return markup ? CONUS_OK : label_table_of_volume(&parts->table, &parts->source, &parts->file, &parts->notes);
+    return markup ? CONUS_OK : label_table_of_volume(&out->table, &out->source, &out->file, &out->notes);
+}
+
+conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts)
+{
+    return atlas_create(out, &parts->file.info, parts->labels, &parts->table, parts->source, &parts->notes);
+}
+
+static conus_status load_volume(conus_atlas **out, const char *path, const conus_load_options *options)
+{
+    struct parcellation parts = {0};
+    conus_status status = parcellation_read(&parts, path, options);
+    status = status ? status : parcellation_atlas(out, &parts);
+    parcellation_finish(&parts);
+    return status;
+}
+
+static conus_status load_json(conus_atlas **out, const char *path, const conus_load_options *options)
+{
+    struct bytes bytes = {0};
+    conus_status status = file_read(&bytes, path, JSON_LIMIT);
+    struct text text = label_text_of(bytes.data, bytes.size);
+    if (!status && !manifest_is(text)) {
+        status =
+            fail(CONUS_ERROR_DATA, "%s: neither a volume nor a manifest (which has the key \"conus_atlas\")", path);
+    }
+    status = status ? status : manifest_load(out, path, text, options);
+    bytes_finish(&bytes);
+    return status;
 }
 
 conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)
 {
     static const conus_load_options defaults;
-    struct parts parts = {0};
+    options = options ? options : &defaults;
     if (!out || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
     }
-    conus_status status = load_parts(&parts, path, options ? options : &defaults);
-    if (!status) {
-        status = atlas_create(out, &parts.file.info, parts.labels, &parts.table, parts.source, &parts.notes);
-    }
-    parts_finish(&parts);
-    return status;
+    return first_character(path) == '{' ? load_json(out, path, options) : load_volume(out, path, options);
 }

@@ -11,7 +11,8 @@
 static conus_status fill(conus_renderer *renderer, const conus_renderer_options *options)
 {
     struct transfer transfer = {0};
-    conus_status status = transfer_load(&transfer, options->transfer ? options->transfer : "brain");
+    const char *own = renderer->atlas->transfer ? renderer->atlas->transfer : "brain";
+    conus_status status = transfer_load(&transfer, options->transfer ? options->transfer : own);
     if (!status) {
         uint64_t memory = options->max_memory ? options->max_memory : DEFAULT_MEMORY;
         status = colour_pass_init(&renderer->colour, renderer->atlas, &transfer, memory);

@@ -83,7 +83,8 @@ typedef struct conus_load_options {
     uint64_t max_memory; /**< Largest file, and largest volume unpacked, in bytes; 0 = 8 GiB.                   */
 } conus_load_options;
 
-/** Loads a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, or an FSL atlas XML of type Label.
+/** Loads a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, or an FSL atlas XML of type Label;
+ * or what a manifest NAME.atlas.json joins: parcellation, pathways and context. What a file is, its content decides.
  * @p path may end in ",volume=K" to choose volume K (from 0) of a 4-D file. docs/formats.md says how the label table is
  * found. Values must be whole numbers from 0 to 4294967295; 0 is background. */
 CONUS_CHECKED conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options);
@@ -297,7 +298,8 @@ CONUS_API void conus_report_destroy(conus_report *report);
 CONUS_API const char *conus_transfer_preset(size_t index);
 
 typedef struct conus_renderer_options {
-    const char *transfer; /**< Preset name or TF file (docs/formats.md) of the context; NULL = "brain".       */
+    const char *transfer; /**< Preset name or TF file (docs/formats.md) of the context; NULL = the manifest's,
+                              or else "brain".                                                           */
     uint64_t max_memory;  /**< Of textures, in bytes; 0 = 8 GiB.                                             */
     conus_log log;
     void *log_user;

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The steps behind conus_atlas_load(). Only loaders/load*.c include it. */
+#ifndef CONUS_LOADERS_LOAD_H
+#define CONUS_LOADERS_LOAD_H
+
+#include "atlas/atlas.h"
+#include "loaders/label_files.h"
+
+/** What a parcellation is made of, until atlas_create() has it. */
+struct parcellation {
+    struct volume_file file;
+    uint32_t *labels;
+    struct label_table table;
+    char *source; /**< Where the names come from, in words. */
+    struct notes notes;
+};
+
+/** Reads a labelled volume or an FSL atlas XML. @p out (zeroed) is the caller's to finish, also on failure. */
+conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options);
+void parcellation_finish(struct parcellation *parts);
+
+/** An atlas of it; the notes go there. */
+conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts);
+
+/** Loads what the manifest @p text, read from @p path, names. */
+conus_status manifest_load(conus_atlas **out, const char *path, struct text text, const conus_load_options *options);
+
+/** Path of @p image as the FSL atlas @p xml_path writes it: from the XML's folder, mostly without ending; NULL in *out
+ * if there is no such file, else the caller's to memory_free(). */
+conus_status fsl_image_find(char **out, const char *xml_path, const char *image);
+
+#endif

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The atlas manifest NAME.atlas.json: which files make up one scene (docs/formats.md, "Atlas manifest"). Parsing opens
+ * none of them. Strict: what the schema does not know is an error, with the key's path ("pathways[2].threshold"). */
+#ifndef CONUS_LOADERS_MANIFEST_H
+#define CONUS_LOADERS_MANIFEST_H
+
+#include "base/status.h"
+#include "base/text.h"
+
+enum { MANIFEST_VERSION = 1 };
+
+/** One volume of a file. */
+struct manifest_volume {
+    char *file; /**< As written; NULL if the manifest names none.            */
+    bool chosen;
+    uint32_t volume; /**< Which of a 4-D file's, from 0, if chosen.               */
+};
+
+struct manifest_parcellation {
+    struct manifest_volume source;
+    char *labels; /**< NULL: as conus_atlas_load() finds them.                 */
+};
+
+struct manifest_context {
+    struct manifest_volume source;
+    char *transfer; /**< A preset's name or a file; NULL if none.                */
+    bool transfer_is_file;
+};
+
+/** One pathway, or with `names` or `fsl` one for each volume of a 4-D file. */
+struct manifest_pathway {
+    struct manifest_volume source;
+    char *fsl; /**< An FSL atlas XML that names the volumes of source.file, or of its own finest image.       */
+    char *name;
+    char **names;
+    size_t name_count;
+    double threshold; /**< 0 = the manifest's, else the default.                                              */
+};
+
+struct manifest {
+    bool allow_outside; /**< Paths may leave the manifest's folder.                                           */
+    struct manifest_parcellation parcellation;
+    struct manifest_context context;
+    struct manifest_pathway *pathways;
+    size_t pathway_count;
+    double threshold; /**< Of pathways that give none; 0 = the default.                                       */
+};
+
+/** True where @p text looks like a manifest: a JSON object with the key "conus_atlas". */
+bool manifest_is(struct text text);
+
+/** Parses @p text. CONUS_ERROR_DATA with the key, or line and column where it is no JSON. */
+conus_status manifest_parse(struct manifest *out, struct text text);
+void manifest_finish(struct manifest *manifest);
+
+#endif

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/manifest.h"
+
+#include <stdint.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct manifest manifest;
+    if (manifest_parse(&manifest, (struct text){(const char *)data, size}) == CONUS_OK) {
+        manifest_finish(&manifest);
+    }
+    return 0;
+}

@@ -1,0 +1,310 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The manifest's parser, and what loading one gives and refuses. */
+#include "base/file.h"
+#include "loaders/manifest.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const char whole[] =
+    "{\n"
+    "  \"conus_atlas\": 1,\n"
+    "  \"comment\": \"everything that the schema has\",\n"
+    "  \"allow_outside\": true,\n"
+    "  \"parcellation\": {\"file\": \"/data/aal.nii\", \"volume\": 2, \"labels\": \"../aal.txt\"},\n"
+    "  \"threshold\": 0.3,\n"
+    "  \"pathways\": [\"fornix.nii.gz\",\n"
+    "    {\"file\": \"tracts.nii.gz\", \"volume\": 1, \"name\": \"Cingulum\", \"threshold\": 12.5, \"comment\": "
+    "\"c\"},\n"
+    "    {\"file\": \"four.nii\", \"names\": [\"a\", \"b\"]},\n"
+    "    {\"fsl\": \"JHU.xml\", \"file\": \"JHU/prob.nii.gz\"}],\n"
+    "  \"context\": {\"file\": \"t1.nii\", \"volume\": 0, \"transfer\": {\"file\": \"t1.tf\"}}\n"
+    "}\n";
+
+static void every_key_is_kept(void **state)
+{
+    (void)state;
+    struct manifest m;
+    assert_true(manifest_is(text_from(whole)));
+    assert_ok(manifest_parse(&m, text_from(whole)));
+    assert_true(m.allow_outside);
+    assert_string_equal(m.parcellation.source.file, "/data/aal.nii");
+    assert_true(m.parcellation.source.chosen);
+    assert_int_equal(m.parcellation.source.volume, 2);
+    assert_string_equal(m.parcellation.labels, "../aal.txt");
+    assert_near(m.threshold, 0.3, 0);
+    assert_int_equal(m.pathway_count, 4);
+    assert_string_equal(m.pathways[0].source.file, "fornix.nii.gz");
+    assert_false(m.pathways[0].source.chosen);
+    assert_string_equal(m.pathways[1].name, "Cingulum");
+    assert_near(m.pathways[1].threshold, 12.5, 0);
+    assert_int_equal(m.pathways[2].name_count, 2);
+    assert_string_equal(m.pathways[2].names[1], "b");
+    assert_string_equal(m.pathways[3].fsl, "JHU.xml");
+    assert_string_equal(m.context.source.file, "t1.nii");
+    assert_true(m.context.source.chosen && m.context.transfer_is_file);
+    assert_string_equal(m.context.transfer, "t1.tf");
+    manifest_finish(&m);
+}
+
+static void what_the_schema_does_not_know_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *message;
+    } cases[] = {
+        {"{\"conus_atlas\": 2}", "conus_atlas: found 2, 1, the version of this format, is needed"},
+        {"[]", "content: found a list, an object is needed"},
+        {"{\"conus_atlas\": 1}", "nothing to select: parcellation or pathways is needed"},
+        {"{\"pathways\": [\"a\"]}", "conus_atlas is missing"},
+        {"{\"conus_atlas\": 1,\n \"pathways\": [,]}", "line 2, column 15: unexpected token near ','"},
+        {"{\"conus_atlas\": 1, \"conus_atlas\": 1}", "line 1, column 32: duplicate object key near '\"conus_atlas\"'"},
+        {"{\"conus_atlas\": 1, \"pathway\": []}",
+         "pathway: unknown key, allowed are conus_atlas, comment, allow_outside, parcellation, pathways, threshold, "
+         "context"},
+        {"{\"conus_atlas\": 1, \"pathways\": \"a\"}", "pathways: found \"a\", a list is needed"},
+        {"{\"conus_atlas\": 1, \"pathways\": [1.5]}", "pathways[0]: found 1.5, an object is needed"},
+        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"treshold\": 1}]}",
+         "pathways[0].treshold: unknown key, allowed are file, volume, fsl, name, names, threshold, comment"},
+        {"{\"conus_atlas\": 1, \"pathways\": [\"a\", {\"name\": \"x\"}]}", "pathways[1]: file or fsl is missing"},
+        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"threshold\": -1}]}",
+         "pathways[0].threshold: found -1, a number above 0 is needed"},
+        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"threshold\": \"0.5\"}]}",
+         "pathways[0].threshold: found \"0.5\", a number above 0 is needed"},
+        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"names\": []}]}",
+         "pathways[0].names: found a list, a list of names, one per volume, is needed"},
+        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"names\": [\"x\", null]}]}",
+         "pathways[0].names[1]: found null, a text of one line that is not empty is needed"},
+        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"names\": [\"x\"], \"name\": \"y\"}]}",
+         "pathways[0]: has name for one pathway and names for several, one of them is allowed"},
+        {"{\"conus_atlas\": 1, \"pathways\": [{\"fsl\": \"a\", \"volume\": 1}]}",
+         "pathways[0]: has volume for one pathway and fsl for several, one of them is allowed"},
+        {"{\"conus_atlas\": 1, \"parcellation\": {\"labels\": \"x\"}}", "parcellation.file is missing"},
+        {"{\"conus_atlas\": 1, \"parcellation\": {\"file\": \"a\", \"volume\": 0.5}}",
+         "parcellation.volume: found 0.5, a whole number from 0 is needed"},
+        {"{\"conus_atlas\": 1, \"parcellation\": \"a\\nb\"}",
+         "parcellation: found \"a?b\", a text of one line that is not empty is needed"},
+        {"{\"conus_atlas\": 1, \"allow_outside\": \"yes\"}", "allow_outside: found \"yes\", true or false is needed"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct manifest m;
+        assert_fails(manifest_parse(&m, text_from(cases[i].text)), CONUS_ERROR_DATA);
+        assert_string_equal(conus_message(), cases[i].message);
+    }
+}
+
+static conus_status parse_with_path(const char *path, bool allow)
+{
+    char text[256];
+    struct manifest m;
+    snprintf(text, sizeof text, "{\"conus_atlas\": 1, \"parcellation\": \"%s\"%s}", path,
+             allow ? ", \"allow_outside\": true" : "");
+    conus_status status = manifest_parse(&m, text_from(text));
+    if (!status) {
+        manifest_finish(&m);
+    }
+    return status;
+}
+
+static void paths_stay_in_the_folder_unless_allowed(void **state)
+{
+    (void)state;
+    static const char *const inside[] = {"a", "a/b", "./a", "a/../b", "a/b/../../c", "..a/b", "a//b"};
+    static const char *const outside[] = {"/a", "../a", "a/../../b", "./../a", "..", "a/../..", "//a"};
+    for (size_t i = 0; i < sizeof inside / sizeof inside[0]; i++) {
+        assert_ok(parse_with_path(inside[i], false));
+    }
+    for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++) {
+        assert_fails(parse_with_path(outside[i], false), CONUS_ERROR_DATA);
+        assert_ok(parse_with_path(outside[i], true));
+    }
+    assert_fails(parse_with_path("../a", false), CONUS_ERROR_DATA);
+    assert_string_equal(conus_message(), "parcellation: found \"../a\", a path inside the manifest's folder (or "
+                                         "\"allow_outside\": true) is needed");
+}
+
+static void every_prefix_is_refused(void **state)
+{
+    (void)state;
+    for (size_t size = 0; size < strlen(whole) - 2; size++) {
+        struct manifest m;
+        assert_fails(manifest_parse(&m, (struct text){whole, size}), CONUS_ERROR_DATA);
+    }
+}
+
+static conus_status parse_whole(void *data)
+{
+    (void)data;
+    struct manifest m;
+    conus_status status = manifest_parse(&m, text_from(whole));
+    if (!status) {
+        manifest_finish(&m);
+    }
+    return status;
+}
+
+static void every_failing_allocation_is_reported(void **state)
+{
+    (void)state;
+    test_every_allocation(parse_whole, NULL);
+}
+
+/* ---- Loading ------------------------------------------------------------------------------------------------ */
+
+static char folder[256];
+
+static const char *in(const char *name)
+{
+    static char paths[4][512];
+    static int turn;
+    char *path = paths[turn++ % 4];
+    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
+    return path;
+}
+
+static const char *write_manifest(const char *text)
+{
+    const char *path = in("test.atlas.json");
+    assert_ok(conus_write_file(path, text, strlen(text)));
+    return path;
+}
+
+/* Two atlases of shapes; a labelled ball of ones serves as a pathway, too. */
+static int write_volumes(void **state)
+{
+    (void)state;
+    snprintf(folder, sizeof folder, "%s", test_scratch("scene"));
+    mkdir(folder, 0777);
+    conus_status status = conus_phantom_write("slabs", folder, &(conus_phantom_options){.size = 16});
+    return status || conus_phantom_write("sphere", folder, &(conus_phantom_options){.size = 16});
+}
+
+static void a_scene_is_loaded_in_one_piece(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    const char *path =
+        write_manifest("\xef\xbb\xbf \n{\"conus_atlas\": 1, \"parcellation\": \"slabs.nii.gz\", \"threshold\": 0.5,"
+                       "\"pathways\": [{\"file\": \"sphere.nii.gz\", \"name\": \"Ball\"}, \"sphere.nii.gz\"],"
+                       "\"context\": {\"file\": \"sphere.nii.gz\", \"transfer\": \"grey\"}}");
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_int_equal(conus_atlas_object_count(atlas), 4);
+    assert_string_equal(conus_atlas_object(atlas, 1)->name, "Slab anterior");
+    assert_int_equal(conus_atlas_object(atlas, 3)->kind, CONUS_PATHWAY);
+    assert_string_equal(conus_atlas_object(atlas, 3)->name, "Ball");
+    assert_int_equal(conus_atlas_object(atlas, 3)->label, 1);
+    assert_string_equal(conus_atlas_object(atlas, 4)->name, "sphere");
+    assert_int_equal(conus_atlas_volume_count(atlas), 4);
+    assert_near(conus_atlas_volume(atlas, 1)->threshold, 0.5, 0);
+    assert_int_equal(conus_atlas_volume(atlas, 3)->role, CONUS_CONTEXT);
+    conus_atlas_destroy(atlas);
+}
+
+static void labels_of_the_command_line_come_first(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    static const char table[] = "1 One\n300 Three hundred\n";
+    static const char other[] = "1 Uno\n300 Trecento\n";
+    assert_ok(conus_write_file(in("names.txt"), table, strlen(table)));
+    assert_ok(conus_write_file(in("other.txt"), other, strlen(other)));
+    const char *path = write_manifest("{\"conus_atlas\": 1, \"parcellation\": {\"file\": \"slabs.nii.gz\", "
+                                      "\"labels\": \"names.txt\"}}");
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_string_equal(conus_atlas_object(atlas, 1)->name, "One");
+    conus_atlas_destroy(atlas);
+    assert_ok(conus_atlas_load(&atlas, path, &(conus_load_options){.labels = in("other.txt")}));
+    assert_string_equal(conus_atlas_object(atlas, 1)->name, "Uno");
+    conus_atlas_destroy(atlas);
+    path = write_manifest("{\"conus_atlas\": 1, \"pathways\": [\"sphere.nii.gz\"]}");
+    assert_fails(conus_atlas_load(&atlas, path, &(conus_load_options){.labels = in("other.txt")}),
+                 CONUS_ERROR_ARGUMENT);
+}
+
+static void a_failure_names_manifest_and_key(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *part;
+        conus_status status;
+    } cases[] = {
+        {"{\"conus_atlas\": 1, \"parcellation\": \"no.nii\"}", "test.atlas.json: parcellation: ", CONUS_ERROR_IO},
+        {"{\"conus_atlas\": 1, \"pathways\": [\"sphere.nii.gz\", \"no.nii\"]}",
+         "test.atlas.json: pathways[1]: ", CONUS_ERROR_IO},
+        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"sphere.nii.gz\", \"threshold\": 2}]}",
+         "test.atlas.json: pathways[0]: ", CONUS_ERROR_ARGUMENT},
+        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"sphere.nii.gz\", \"names\": [\"a\", \"b\"]}]}",
+         "names: has 2 entries, sphere.nii.gz has 1 volumes: they must be as many", CONUS_ERROR_DATA},
+        {"{\"conus_atlas\": 1, \"pathways\": [{\"fsl\": \"no.xml\"}]}",
+         "test.atlas.json: pathways[0]: ", CONUS_ERROR_IO},
+        {"{\"conus_atlas\": 1, \"pathways\": [\"sphere.nii.gz\"], \"context\": \"no.nii\"}",
+         "test.atlas.json: context: ", CONUS_ERROR_IO},
+        {"{\"conus_atlas\": 1, \"pathways\": [\"sphere.nii.gz\"], \"context\": {\"file\": \"sphere.nii.gz\", "
+         "\"transfer\": {\"file\": \"no.tf\"}}}",
+         "context: transfer.file: ", CONUS_ERROR_IO},
+        {"{\"conus_atlas\": 1, \"parcellation\": \"test.atlas.json\"}",
+         "test.atlas.json: parcellation: ", CONUS_ERROR_DATA},
+        {"{\"conus_atlas\": true}", "test.atlas.json: conus_atlas: found true", CONUS_ERROR_DATA},
+        {"{\"areas\": 1}", "neither a volume nor a manifest (which has the key \"conus_atlas\")", CONUS_ERROR_DATA},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_atlas *atlas = NULL;
+        assert_fails(conus_atlas_load(&atlas, write_manifest(cases[i].text), NULL), cases[i].status);
+        assert_non_null(strstr(conus_message(), cases[i].part));
+        assert_null(atlas);
+    }
+}
+
+/* FSL's thalamic connectivity: seven volumes of percent. */
+static void an_fsl_atlas_gives_one_pathway_per_label(void **state)
+{
+    (void)state;
+    char text[1024];
+    conus_atlas *atlas = NULL;
+    const char *xml = test_shared("prob/fsl/atlases/Thalamus.xml");
+    snprintf(text, sizeof text, "{\"conus_atlas\": 1, \"allow_outside\": true, \"pathways\": [{\"fsl\": \"%s\"}]}",
+             xml);
+    assert_ok(conus_atlas_load(&atlas, write_manifest(text), NULL));
+    assert_int_equal(conus_atlas_object_count(atlas), 7);
+    assert_string_equal(conus_atlas_object(atlas, 1)->name, "Primary motor");
+    assert_string_equal(conus_atlas_object(atlas, 7)->name, "Temporal");
+    assert_near(conus_atlas_volume(atlas, 6)->threshold, 25, 0);
+    assert_int_equal(conus_atlas_volume(atlas, 6)->volume, 6);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status load_scene(void *data)
+{
+    conus_atlas *atlas = NULL;
+    conus_status status = conus_atlas_load(&atlas, data, NULL);
+    conus_atlas_destroy(atlas);
+    return status;
+}
+
+static void every_failing_allocation_of_a_scene_is_reported(void **state)
+{
+    (void)state;
+    const char *path = write_manifest("{\"conus_atlas\": 1, \"parcellation\": \"slabs.nii.gz\", \"threshold\": 0.5,"
+                                      "\"pathways\": [{\"file\": \"sphere.nii.gz\", \"names\": [\"Ball\"]}],"
+                                      "\"context\": {\"file\": \"sphere.nii.gz\", \"transfer\": \"grey\"}}");
+    test_every_allocation(load_scene, (void *)path);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_key_is_kept),
+        cmocka_unit_test(what_the_schema_does_not_know_is_refused),
+        cmocka_unit_test(paths_stay_in_the_folder_unless_allowed),
+        cmocka_unit_test(every_prefix_is_refused),
+        cmocka_unit_test(every_failing_allocation_is_reported),
+        cmocka_unit_test(a_scene_is_loaded_in_one_piece),
+        cmocka_unit_test(labels_of_the_command_line_come_first),
+        cmocka_unit_test(a_failure_names_manifest_and_key),
+        cmocka_unit_test(an_fsl_atlas_gives_one_pathway_per_label),
+        cmocka_unit_test(every_failing_allocation_of_a_scene_is_reported),
+    };
+    return cmocka_run_group_tests(tests, write_volumes, NULL);
+}
