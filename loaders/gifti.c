@@ -397,7 +397,7 @@ static conus_status end_label(struct parsing *parsing, struct text text)
     struct label *label = &parsing->label;
     conus_status status = label_set_text(&label->name, text);
     bool no_area = !label->number || parsing->negative_label;
-    if (!status && no_area && label->name && !label_names_background(label->name)) {
+    if (!status && no_area && label->name && !label_is_background(text_from(label->name))) {
         status = notes_add(parsing->notes, "label %s is called \"%s\"; its vertices belong to no area",
                            parsing->negative_label ? "below 0" : "0", label->name);
     }

@@ -204,6 +204,9 @@ conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *
     }
     uint32_t *out = memory_raw(array->count, sizeof *out);
     conus_status status = out ? fill_labels(out, array, notes) : CONUS_ERROR_MEMORY;
+    if (!status && arrays > 1) {
+        status = notes_add(notes, "%zu LABEL arrays: number %zu (from 0) was used", arrays, map);
+    }
     if (status) {
         memory_free(out);
         return status;

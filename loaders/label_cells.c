@@ -106,13 +106,13 @@ char label_hemisphere_of(struct text cell)
     return 0;
 }
 
-bool label_names_background(const char *name)
+bool label_is_background(struct text name)
 {
     static const char *const words[] = {"unknown", "unclassified", "background", "clear",   "clear label",
                                         "none",    "unlabeled",    "unlabelled", "outside", "exterior",
                                         "empty",   "null",         "???",        "*.*.*",   "0"};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
-        if (text_equal_ignoring_case(text_from(name), words[i])) {
+        if (text_equal_ignoring_case(name, words[i])) {
             return true;
         }
     }
@@ -128,7 +128,7 @@ conus_status label_keep(struct label_table *table, struct label *label, conus_st
             return CONUS_OK;
         }
         status = CONUS_ERROR_MEMORY;
-    } else if (!status && label->name && !label_names_background(label->name)) {
+    } else if (!status && label->name && !label_is_background(text_from(label->name))) {
         status = notes_add(notes,
                            "the label table calls label 0 \"%s\", but 0 is background: if the table counts from 0 and "
                            "the volume from 1, all names are off by one",

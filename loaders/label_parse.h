@@ -47,7 +47,7 @@ conus_status label_workbench_parse(struct label_table *out, struct text text, si
 conus_status label_keep(struct label_table *table, struct label *label, conus_status status, struct notes *notes);
 
 /** Whether @p name is one of the usual words for what is no area ("unknown", "???"). */
-bool label_names_background(const char *name);
+bool label_is_background(struct text name);
 
 /** Number and colour of Workbench's and GIFTI's <Label Key= Red= Green= Blue=>; its name is the element's text. */
 conus_status label_element(struct label *out, const struct xml_event *event);

@@ -11,6 +11,7 @@
 #include "loaders/xml.h"
 
 static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
+static const struct mesh_file_options defaults;
 
 static uint64_t limit_of(const struct mesh_file_options *options)
 {
@@ -48,7 +49,7 @@ static conus_status take_gifti(struct mesh *out, struct label *about, const stru
 {
     struct gifti gifti = {0};
     conus_status status = parse_gifti(&gifti, bytes, path, options, notes);
-    status = status ? status : gifti_mesh(out, &gifti, options->space != MESH_FILE_SPACE, notes);
+    status = status ? status : gifti_mesh(out, &gifti, options->space != MESH_SPACE_UNSTATED, notes);
     if (!status && about) {
         about->name = gifti.name;
         about->hemisphere = gifti.hemisphere;
@@ -65,7 +66,7 @@ static conus_status take_any(struct mesh *out, struct label *about, const struct
         return take_gifti(out, about, bytes, path, options, notes);
     }
     if (freesurfer_is_surface(bytes->data, bytes->size)) {
-        return freesurfer_surface_parse(out, bytes->data, bytes->size, options->space != MESH_FILE_SPACE, notes);
+        return freesurfer_surface_parse(out, bytes->data, bytes->size, options->space != MESH_SPACE_UNSTATED, notes);
     }
     return fail(CONUS_ERROR_UNSUPPORTED, "neither a GIFTI nor a FreeSurfer surface");
 }
@@ -81,10 +82,10 @@ static conus_status move_notes(struct notes *to, struct notes *from, const char 
     return status;
 }
 
-static conus_status finish_mesh(struct mesh *mesh, const char *path, enum mesh_file_space space, struct notes *notes)
+static conus_status finish_mesh(struct mesh *mesh, const char *path, enum mesh_space space, struct notes *notes)
 {
     static const double turn[16] = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    if (space == MESH_FILE_LPS) {
+    if (space == MESH_SPACE_LPS) {
         mesh_transform(mesh, turn);
     }
     mesh->path = memory_text(path, strlen(path));
@@ -94,7 +95,6 @@ static conus_status finish_mesh(struct mesh *mesh, const char *path, enum mesh_f
 conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
                             const struct mesh_file_options *options, struct notes *notes)
 {
-    static const struct mesh_file_options defaults;
     struct bytes bytes = {0};
     struct mesh mesh = {0};
     struct label said = {0};
@@ -118,5 +118,60 @@ conus_status mesh_file_read(struct mesh *out, struct label *about, const char *p
         return status;
     }
     *out = mesh;
+    return CONUS_OK;
+}
+
+void vertex_labels_finish(struct vertex_labels *labels)
+{
+    memory_free(labels->labels);
+    label_table_finish(&labels->table);
+    *labels = (struct vertex_labels){0};
+}
+
+static conus_status take_gifti_labels(struct vertex_labels *out, const struct bytes *bytes, const char *path,
+                                      const struct mesh_file_options *options, struct notes *notes)
+{
+    struct gifti gifti = {0};
+    conus_status status = parse_gifti(&gifti, bytes, path, options, notes);
+    status = status ? status : gifti_labels(&out->labels, &out->count, &gifti, 0, notes);
+    if (!status) {
+        out->table = gifti.labels;
+        out->hemisphere = gifti.hemisphere;
+        gifti.labels = (struct label_table){0};
+    }
+    gifti_finish(&gifti);
+    return status;
+}
+
+static conus_status take_labels(struct vertex_labels *out, const struct bytes *bytes, const char *path,
+                                const struct mesh_file_options *options, struct notes *notes)
+{
+    if (is_gifti(bytes)) {
+        return take_gifti_labels(out, bytes, path, options, notes);
+    }
+    conus_status status =
+        freesurfer_annot_parse(&out->labels, &out->count, &out->table, bytes->data, bytes->size, notes);
+    return status == CONUS_ERROR_DATA ? fail_in(status, "not GIFTI, and as a FreeSurfer annotation") : status;
+}
+
+conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
+                                struct notes *notes)
+{
+    struct bytes bytes = {0};
+    struct vertex_labels labels = {0};
+    struct notes own = {0};
+    options = options ? options : &defaults;
+    conus_status status = read_unpacked(&bytes, path, options);
+    if (!status) {
+        status = fail_in(take_labels(&labels, &bytes, path, options, &own), path);
+    }
+    bytes_finish(&bytes);
+    status = status ? status : move_notes(notes, &own, path);
+    notes_finish(&own);
+    if (status) {
+        vertex_labels_finish(&labels);
+        return status;
+    }
+    *out = labels;
     return CONUS_OK;
 }

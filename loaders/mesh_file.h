@@ -5,16 +5,11 @@
 
 #include "atlas/labels.h"
 #include "atlas/mesh.h"
-
-enum mesh_file_space {
-    MESH_FILE_SPACE, /**< As the file says, docs/spaces.md.                        */
-    MESH_FILE_RAS,   /**< The stored coordinates are the world's.                  */
-    MESH_FILE_LPS    /**< The same with the signs of x and y turned.               */
-};
+#include "loaders/mesh_protocol.h"
 
 /** Zero is the default of each. */
 struct mesh_file_options {
-    enum mesh_file_space space;
+    enum mesh_space space;
     bool external;       /**< GIFTI arrays may lie in other files in the same folder. */
     uint64_t max_memory; /**< For a file, and for the numbers of one array; 8 GiB.    */
 };
@@ -24,5 +19,21 @@ struct mesh_file_options {
  * and errors carry the path. @p options may be NULL. */
 conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
                             const struct mesh_file_options *options, struct notes *notes);
+
+/** Labels of the vertices of a surface that lies elsewhere. */
+struct vertex_labels {
+    uint32_t *labels; /**< [count] 0 = no area; owned. */
+    size_t count;
+    struct label_table table; /**< Sorted. */
+    char hemisphere;          /**< 'L', 'R', 'B' where the file says so, else 0. */
+};
+
+void vertex_labels_finish(struct vertex_labels *labels);
+
+/** Reads GIFTI labels (.label.gii, the first LABEL array; also those of a surface file itself) or a FreeSurfer
+ * annotation
+ * (.annot), each plain or gzip. Notes and errors carry the path. @p options may be NULL. */
+conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
+                                struct notes *notes);
 
 #endif

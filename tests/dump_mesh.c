@@ -48,7 +48,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "dump_mesh SURFACE POSITIONS TRIANGLES [ras]\n");
         return 2;
     }
-    const struct mesh_file_options options = {.space = as_stored ? MESH_FILE_RAS : MESH_FILE_SPACE};
+    const struct mesh_file_options options = {.space = as_stored ? MESH_SPACE_RAS : MESH_SPACE_UNSTATED};
     conus_status status = dump(argv, &options, &notes);
     if (status) {
         fprintf(stderr, "%s\n", conus_message());

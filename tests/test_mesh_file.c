@@ -71,7 +71,7 @@ static void a_given_space_is_not_asked_of_the_file(void **state)
     make_gifti(&bytes);
     const char *path = write_bytes("space.gii", &bytes);
     for (int lps = 0; lps < 2; lps++) {
-        const struct mesh_file_options options = {.space = lps ? MESH_FILE_LPS : MESH_FILE_RAS};
+        const struct mesh_file_options options = {.space = lps ? MESH_SPACE_LPS : MESH_SPACE_RAS};
         struct mesh mesh = {0};
         struct mesh_shape shape;
         struct notes notes = {0};
@@ -124,13 +124,90 @@ static void every_failing_allocation(void **state)
     buffer_finish(&bytes);
 }
 
+static void make_labels(struct buffer *out, int maps)
+{
+    static const double labels[4] = {1, 2, 0, 1};
+    gifti_begin(out, "", maps);
+    buffer_text(out, NAMED "<LabelTable><Label Key=\"1\">a</Label><Label Key=\"2\">b</Label></LabelTable>");
+    for (int i = 0; i < maps; i++) {
+        gifti_append(out, &(struct array_spec){.intent = "LABEL", .type = "INT32", .rows = 4, .values = labels});
+    }
+    gifti_end(out);
+}
+
+/* One vertex of label 5, "area". */
+static void make_annot(struct buffer *out)
+{
+    static const uint32_t words[] = {1, 0, 9, 1, (uint32_t)-2, 6, 0, 1, 5, 5};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        append_ordered(out, words[i], 4, true);
+    }
+    buffer_append(out, "area", 5);
+    for (uint64_t i = 0; i < 4; i++) {
+        append_ordered(out, i ? 0 : 9, 4, true);
+    }
+}
+
+static void labels_of_vertices(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        struct buffer bytes = {0};
+        struct vertex_labels labels = {0};
+        struct notes notes = {0};
+        if (i & 1) {
+            make_labels(&bytes, 2);
+        } else {
+            make_annot(&bytes);
+        }
+        const char *path = (i & 2 ? write_packed : write_bytes)("labels", &bytes);
+        assert_ok(vertex_labels_read(&labels, path, NULL, &notes));
+        assert_int_equal(labels.count, i & 1 ? 4 : 1);
+        assert_int_equal(labels.labels[0], i & 1 ? 1 : 5);
+        assert_string_equal(label_table_find(&labels.table, labels.labels[0])->name, i & 1 ? "a" : "area");
+        assert_int_equal(labels.hemisphere, i & 1 ? 'L' : 0);
+        assert_int_equal(notes.count, i & 1);
+        if (i & 1) {
+            assert_non_null(strstr(notes.lines[0], "2 LABEL arrays: number 0 (from 0) was used"));
+        }
+        notes_finish(&notes);
+        vertex_labels_finish(&labels);
+        buffer_finish(&bytes);
+    }
+}
+
+static conus_status attempt_labels(void *data)
+{
+    struct vertex_labels labels = {0};
+    struct notes notes = {0};
+    conus_status status = vertex_labels_read(&labels, data, NULL, &notes);
+    vertex_labels_finish(&labels);
+    notes_finish(&notes);
+    return status;
+}
+
+static void labels_without_memory_or_sense(void **state)
+{
+    (void)state;
+    struct buffer bytes = {0};
+    struct vertex_labels labels = {0};
+    struct notes notes = {0};
+    char path[256];
+    make_labels(&bytes, 2);
+    snprintf(path, sizeof path, "%s", write_packed("labels.gii", &bytes));
+    test_every_allocation(attempt_labels, path);
+    const struct buffer text = {.data = (char *)"hello", .size = 5};
+    assert_fails(vertex_labels_read(&labels, write_bytes("text.annot", &text), NULL, &notes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "not GIFTI, and as a FreeSurfer annotation: "));
+    buffer_finish(&bytes);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(content_decides),
-        cmocka_unit_test(a_given_space_is_not_asked_of_the_file),
-        cmocka_unit_test(errors_carry_the_path),
-        cmocka_unit_test(every_failing_allocation),
+        cmocka_unit_test(labels_of_vertices),    cmocka_unit_test(labels_without_memory_or_sense),
+        cmocka_unit_test(content_decides),       cmocka_unit_test(a_given_space_is_not_asked_of_the_file),
+        cmocka_unit_test(errors_carry_the_path), cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
