@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* FreeSurfer annotations: every label that a vertex has is in the table. */
+#include "base/memory.h"
+#include "loaders/freesurfer.h"
+
+#include <stdlib.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    uint32_t *labels = NULL;
+    size_t count = 0;
+    struct label_table table = {0};
+    struct notes notes = {0};
+    if (!freesurfer_annot_parse(&labels, &count, &table, data, size, &notes)) {
+        for (size_t i = 0; i < count; i++) {
+            if (labels[i] && !label_table_find(&table, labels[i])) {
+                abort();
+            }
+        }
+        memory_free(labels);
+        label_table_finish(&table);
+    }
+    notes_finish(&notes);
+    return 0;
+}

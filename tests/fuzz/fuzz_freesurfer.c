@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* FreeSurfer surfaces. */
+#include "loaders/freesurfer.h"
+
+#include <stdlib.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    for (int as_stored = 0; as_stored < 2; as_stored++) {
+        struct mesh mesh = {0};
+        struct notes notes = {0};
+        if (!freesurfer_surface_parse(&mesh, data, size, as_stored, &notes)) {
+            if (!freesurfer_is_surface(data, size) || !mesh.vertex_count || !mesh.triangle_count) {
+                abort();
+            }
+            if (!mesh_check(&mesh, &notes) && !mesh.triangle_count) {
+                abort();
+            }
+        }
+        mesh_finish(&mesh);
+        notes_finish(&notes);
+    }
+    return 0;
+}
