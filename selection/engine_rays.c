@@ -162,8 +162,8 @@ static conus_status look_at_meshes(const struct rays_engine *engine, struct evid
         bundle->t[ray] = out->distance[pixel];
         bundle->triangle[ray] = out->voxel[pixel];
     }
-    double pitch = cone->angle / cone->resolution;
-    conus_status status = mesh_rays_walk(engine->meshes, bundle, mesh_rays_width(pitch));
+    unsigned width = mesh_rays_width(engine->meshes, bundle->origin, cone->angle / cone->resolution);
+    conus_status status = mesh_rays_walk(engine->meshes, bundle, width);
     for (size_t ray = 0; ray < bundle->count; ray++) {
         size_t pixel = block->pixel[ray];
         out->object[pixel] = bundle->object[ray];

@@ -55,6 +55,7 @@ struct mesh_rays {
     double (*mesh_from_world)[16]; /* [count] if any surface has one */
     double low[3], high[3];        /* bounds of everything           */
     double slack;                  /* mm                             */
+    double cell;                   /* mm: how far apart triangles are */
     enum RTCError error;           /* Embree's first                 */
     char message[160];
 };
@@ -192,19 +193,31 @@ static conus_status attach_all(struct mesh_rays *rays, const struct mesh_object 
     return embree_status(rays);
 }
 
-static void measure_scene(struct mesh_rays *rays)
+static size_t count_triangles(const struct mesh_object *objects, size_t count)
+{
+    size_t triangles = 0;
+    for (size_t i = 0; i < count; i++) {
+        triangles += objects[i].mesh ? objects[i].mesh->triangle_count : 0;
+    }
+    return triangles;
+}
+
+static void measure_scene(struct mesh_rays *rays, size_t triangles)
 {
     struct RTCBounds bounds;
     rtcGetSceneBounds(rays->scene, &bounds);
     const double low[3] = {(double)bounds.lower_x, (double)bounds.lower_y, (double)bounds.lower_z};
     const double high[3] = {(double)bounds.upper_x, (double)bounds.upper_y, (double)bounds.upper_z};
     double reach = 0;
+    double volume = 1;
     for (int a = 0; a < 3; a++) {
         rays->low[a] = low[a];
         rays->high[a] = high[a];
+        volume *= high[a] - low[a];
         reach = fmax(reach, fmax(fabs(low[a]), fabs(high[a])));
     }
     rays->slack = SLACK * reach;
+    rays->cell = cbrt(volume / (double)triangles);
 }
 
 /* What weigh() needs of every object. */
@@ -245,7 +258,7 @@ conus_status mesh_rays_create(struct mesh_rays **out, const struct mesh_object *
         mesh_rays_destroy(rays);
         return status;
     }
-    measure_scene(rays);
+    measure_scene(rays, count_triangles(objects, count));
     *out = rays;
     return CONUS_OK;
 }
@@ -397,7 +410,11 @@ conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, 
     return embree_status(rays);
 }
 
-unsigned mesh_rays_width(double pitch)
+unsigned mesh_rays_width(const struct mesh_rays *rays, const double apex[3], double pitch)
 {
-    return pitch < radians_from_degrees(0.5) ? 16 : 1;
+    double middle[3];
+    for (int a = 0; a < 3; a++) {
+        middle[a] = 0.5 * (rays->low[a] + rays->high[a]) - apex[a];
+    }
+    return pitch * vec3_length(middle) < rays->cell ? 16 : 1;
 }

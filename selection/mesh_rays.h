@@ -41,10 +41,11 @@ conus_status mesh_rays_create(struct mesh_rays **out, const struct mesh_object *
 /** NULL is fine. */
 void mesh_rays_destroy(struct mesh_rays *rays);
 
-/** How many rays Embree takes at once: 1, 4, 8 or 16. */
+/** Looks for nearer contacts than those that @p bundle has, @p width rays at once: 1, 4, 8 or 16. */
 conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width);
 
-/** The faster width for a cone whose neighbouring rays are @p pitch radians apart (docs/benchmarks.md, torus). */
-unsigned mesh_rays_width(double pitch);
+/** The width to take for rays from @p apex that are @p pitch radians apart: 16 as long as neighbours meet the scene
+ * less than a triangle's cell apart, else 1. The cell is the cube root of the scene's volume per triangle. */
+unsigned mesh_rays_width(const struct mesh_rays *rays, const double apex[3], double pitch);
 
 #endif

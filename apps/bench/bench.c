@@ -44,7 +44,7 @@ static conus_status add_run(struct bench *bench, const char *scenario, const str
                             variant->name, "count", (json_int_t)per, "angle_deg", angle_deg, "median_ms",
                             variant->median_ms, "min_ms", variant->min_ms, "p90_ms", variant->p90_ms, "repeats",
                             (json_int_t)bench->options.repeats, "equal", variant->equal);
-    printf("%-8s %-34s %9.4f ms (min %.4f, p90 %.4f)%s\n", scenario, variant->name, variant->median_ms, variant->min_ms,
+    printf("%-8s %-40s %9.4f ms (min %.4f, p90 %.4f)%s\n", scenario, variant->name, variant->median_ms, variant->min_ms,
            variant->p90_ms, variant->equal ? "" : "  ANSWERS DIFFER");
     return run && !json_array_append_new(bench->runs, run) ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "out of memory");
 }

@@ -17,6 +17,7 @@ enum { EXIT_USAGE = 2, EXIT_DATA = 3, DEFAULT_POSES = 64, DEFAULT_SLICES = 362, 
 static const struct bench_scenario scenarios[] = {
     {"colour", "a picture: blended slices against ray casting without and with skipping", bench_colour},
     {"volume", "256 rays through a labelled volume: plain traversal against the rays engine", bench_volume},
+    {"torus", "256 rays into 1,000 to 200,000 tori, one at a time or in packets", bench_torus},
 };
 
 enum { SCENARIO_COUNT = sizeof scenarios / sizeof scenarios[0] };
