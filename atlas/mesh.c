@@ -254,6 +254,26 @@ conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh)
     return CONUS_OK;
 }
 
+double mesh_distance(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3])
+{
+    double p[3][3], normal[3];
+    double nearest = INFINITY;
+    double farthest = -INFINITY;
+    double per_length = 1 / vec3_dot(direction, direction);
+    for (int k = 0; k < 3; k++) {
+        corner(p[k], mesh, triangle, k);
+        vec3_sub(p[k], p[k], origin);
+        double reach = vec3_dot(p[k], direction) * per_length;
+        nearest = fmin(nearest, reach);
+        farthest = fmax(farthest, reach);
+    }
+    vec3_sub(p[1], p[1], p[0]);
+    vec3_sub(p[2], p[2], p[0]);
+    vec3_cross(normal, p[1], p[2]);
+    double t = vec3_dot(normal, p[0]) / vec3_dot(normal, direction);
+    return fmin(fmax(t, nearest), farthest); /* nearest, where the ray runs in the plane and t is no number */
+}
+
 void mesh_transform(struct mesh *mesh, const double world_from_mesh[16])
 {
     for (size_t i = 0; i < mesh->vertex_count; i++) {

@@ -34,6 +34,10 @@ conus_status mesh_check(struct mesh *mesh, struct notes *notes);
 /** Measures a checked mesh. CONUS_ERROR_MEMORY without memory for its edges. */
 conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh);
 
+/** Distance along a ray to the plane of @p triangle, held within the triangle's reach along the ray: for a ray that
+ * meets it, or passes it by less than rounding. In units of @p direction's length. */
+double mesh_distance(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3]);
+
 /** Moves every vertex by @p world_from_mesh; turns triangles around where that mirrors. */
 void mesh_transform(struct mesh *mesh, const double world_from_mesh[16]);
 

@@ -36,7 +36,7 @@ static void attach(struct target *target, size_t index, size_t *colours)
 conus_status target_init(struct target *out, uint32_t width, uint32_t height,
                          const struct target_attachment *attachments, size_t count)
 {
-    assert(count >= 1 && count <= TARGET_ATTACHMENT_LIMIT);
+    assert(count <= TARGET_ATTACHMENT_LIMIT);
     static const GLenum buffers[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2,
                                      GL_COLOR_ATTACHMENT3};
     GLint limit = 0;
@@ -46,8 +46,13 @@ conus_status target_init(struct target *out, uint32_t width, uint32_t height,
                     limit);
     }
     struct target target = {.width = width, .height = height, .count = count};
-    memcpy(target.attachments, attachments, count * sizeof *attachments);
     glCreateFramebuffers(1, &target.framebuffer);
+    if (count) {
+        memcpy(target.attachments, attachments, count * sizeof *attachments);
+    } else {
+        glNamedFramebufferParameteri(target.framebuffer, GL_FRAMEBUFFER_DEFAULT_WIDTH, (GLint)width);
+        glNamedFramebufferParameteri(target.framebuffer, GL_FRAMEBUFFER_DEFAULT_HEIGHT, (GLint)height);
+    }
     size_t colours = 0;
     for (size_t i = 0; i < count; i++) {
         attach(&target, i, &colours);
@@ -77,7 +82,7 @@ void target_finish(struct target *target)
 
 static bool has_depth(const struct target *target)
 {
-    return target->attachments[target->count - 1].format == TARGET_DEPTH;
+    return target->count && target->attachments[target->count - 1].format == TARGET_DEPTH;
 }
 
 void target_bind(const struct target *target)

@@ -31,8 +31,8 @@ struct target {
     size_t count;
 };
 
-/** Makes a target; at most one attachment is a depth, the last. CONUS_ERROR_GL when the driver has no such
- * framebuffer or no memory for it. */
+/** Makes a target; at most one attachment is a depth, the last; without any, shaders write to buffers. CONUS_ERROR_GL
+ * when the driver has no such framebuffer or no memory for it. */
 conus_status target_init(struct target *out, uint32_t width, uint32_t height,
                          const struct target_attachment *attachments, size_t count);
 void target_finish(struct target *target);

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "render/context.h"
 #include "render/id_pass.h"
+#include "render/mesh_pass.h"
 #include "selection/traverse.h"
 
 #include <stdio.h>
@@ -16,7 +17,10 @@ struct gl_engine {
     struct engine base;
     const conus_atlas *atlas;
     struct gl_context *context;
-    struct id_pass *pass;
+    struct id_pass *pass;        /* NULL where there are no volumes to select from */
+    struct mesh_pass *mesh_pass; /* NULL where there are no meshes                 */
+    double (*directions)[3];     /* [resolution^2] of the mesh pass                */
+    uint32_t resolution;
     conus_sampling sampling;
     uint32_t slices;
     size_t *volumes; /* [volume_count] of the atlas, in the order in which the pass has them */
@@ -29,9 +33,11 @@ static void destroy(struct engine *engine)
     struct gl_current previous = {0};
     if (gl->context && !gl_context_use(gl->context, &previous)) {
         id_pass_destroy(gl->pass);
+        mesh_pass_destroy(gl->mesh_pass);
         gl_current_restore(&previous);
     }
     gl_context_destroy(gl->context);
+    memory_free(gl->directions);
     memory_free(gl->volumes);
     memory_free(gl);
 }
@@ -92,23 +98,12 @@ static uint64_t linear_index(const conus_atlas *atlas, uint32_t object, const fl
     return (uint64_t)voxel[0] + dim[0] * ((uint64_t)voxel[1] + dim[1] * (uint64_t)voxel[2]);
 }
 
-static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+static conus_status look_at_volumes(struct gl_engine *gl, struct evidence *out, const struct cone *cone)
 {
-    struct gl_engine *gl = (struct gl_engine *)engine;
-    struct gl_current previous = {0};
     struct id_pixels pixels = {0};
-    conus_status status = gl_context_use(gl->context, &previous);
-    if (status) {
-        return status;
-    }
-    status = draw(gl, cone);
+    conus_status status = draw(gl, cone);
     status = status ? status : id_pass_read(gl->pass, &pixels);
-    gl_current_restore(&previous);
-    if (status) {
-        return status;
-    }
-    evidence_clear(out);
-    for (size_t i = 0; i < (size_t)cone->resolution * cone->resolution; i++) {
+    for (size_t i = 0; i < (size_t)cone->resolution * cone->resolution && !status; i++) {
         uint32_t object = pixels.identifiers[i];
         if (object) {
             out->object[i] = object;
@@ -116,7 +111,42 @@ static conus_status look(struct engine *engine, struct evidence *out, const stru
             out->voxel[i] = linear_index(gl->atlas, object, pixels.voxels[i]);
         }
     }
-    return CONUS_OK;
+    return status;
+}
+
+/* Behind look_at_volumes(): what the volumes show limits how far the meshes are looked for. */
+static conus_status look_at_meshes(struct gl_engine *gl, struct evidence *out, const struct cone *cone)
+{
+    uint32_t n = cone->resolution;
+    const struct mesh_view view = {cone->pose.world_from_device, tan(cone->angle / 2), n};
+    if (gl->resolution != n) {
+        double(*directions)[3] = memory_resize(gl->directions, (size_t)n * n, sizeof *directions);
+        if (!directions) {
+            return CONUS_ERROR_MEMORY;
+        }
+        gl->directions = directions;
+        gl->resolution = n;
+    }
+    for (uint32_t pixel = 0; pixel < n * n; pixel++) {
+        cone_ray(gl->directions[pixel], cone, pixel % n, pixel / n);
+    }
+    const struct mesh_pixels pixels = {(const double(*)[3])gl->directions, out->object, out->distance, out->voxel};
+    return mesh_pass_look(gl->mesh_pass, &view, &pixels);
+}
+
+static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+{
+    struct gl_engine *gl = (struct gl_engine *)engine;
+    struct gl_current previous = {0};
+    conus_status status = gl_context_use(gl->context, &previous);
+    if (status) {
+        return status;
+    }
+    evidence_clear(out);
+    status = gl->pass ? look_at_volumes(gl, out, cone) : CONUS_OK;
+    status = !status && gl->mesh_pass ? look_at_meshes(gl, out, cone) : status;
+    gl_current_restore(&previous);
+    return status;
 }
 
 /* ---- Creation ----------------------------------------------------------------------------------------------- */
@@ -137,17 +167,31 @@ static conus_status create_pass(struct gl_engine *gl)
     return status;
 }
 
-static conus_status upload_volumes(struct gl_engine *gl)
+static conus_status upload_volumes(struct gl_engine *gl, uint64_t *memory_left)
 {
-    uint64_t memory_left = memory_limit;
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < gl->atlas->volume_count && !status; i++) {
         if (gl->atlas->volumes[i].info.role != CONUS_CONTEXT) {
-            status = id_pass_add_volume(gl->pass, &gl->atlas->volumes[i], &memory_left);
+            status = gl->pass ? CONUS_OK : create_pass(gl);
+            status = status ? status : id_pass_add_volume(gl->pass, &gl->atlas->volumes[i], memory_left);
             gl->volumes[gl->volume_count] = i;
             gl->volume_count += !status;
         }
     }
+    return status;
+}
+
+static conus_status upload_meshes(struct gl_engine *gl, uint64_t *memory_left)
+{
+    const struct mesh **meshes = memory_raw(gl->atlas->object_count, sizeof(void *));
+    if (!meshes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < gl->atlas->object_count; i++) {
+        meshes[i] = atlas_object_mesh(gl->atlas, (uint32_t)i + 1);
+    }
+    conus_status status = mesh_pass_create(&gl->mesh_pass, meshes, gl->atlas->object_count, memory_left);
+    memory_free(meshes);
     return status;
 }
 
@@ -167,8 +211,9 @@ static conus_status fill(struct gl_engine *gl, const struct engine_options *opti
     if (status) {
         return status;
     }
-    status = create_pass(gl);
-    status = status ? status : upload_volumes(gl);
+    uint64_t memory_left = memory_limit;
+    status = upload_volumes(gl, &memory_left);
+    status = !status && gl->atlas->mesh_count ? upload_meshes(gl, &memory_left) : status;
     gl_current_restore(&previous);
     return status;
 }

@@ -68,28 +68,6 @@ struct walk {
     double start; /* mm from the apex to where Embree's rays begin; negative a little behind it */
 };
 
-double mesh_distance(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3])
-{
-    double p[3][3], normal[3];
-    double nearest = INFINITY;
-    double farthest = -INFINITY;
-    double per_length = 1 / vec3_dot(direction, direction);
-    for (int k = 0; k < 3; k++) {
-        const float *position = &mesh->positions[3 * (size_t)mesh->triangles[3 * triangle + (size_t)k]];
-        for (int a = 0; a < 3; a++) {
-            p[k][a] = (double)position[a] - origin[a];
-        }
-        double reach = vec3_dot(p[k], direction) * per_length;
-        nearest = fmin(nearest, reach);
-        farthest = fmax(farthest, reach);
-    }
-    vec3_sub(p[1], p[1], p[0]);
-    vec3_sub(p[2], p[2], p[0]);
-    vec3_cross(normal, p[1], p[2]);
-    double t = vec3_dot(normal, p[0]) / vec3_dot(normal, direction);
-    return fmin(fmax(t, nearest), farthest); /* nearest, where the ray runs in the plane and t is no number */
-}
-
 /* ---- The scene -------------------------------------------------------------------------------------------- */
 
 static void note_error(void *user, enum RTCError code, const char *message)

@@ -17,10 +17,6 @@ struct mesh_object {
                                         that have a matrix and the same mesh share its triangles in memory.       */
 };
 
-/** Distance along a ray to the plane of @p triangle, held within the triangle's reach along the ray: for a ray that
- * meets it, or passes it by less than rounding. In units of @p direction's length. */
-double mesh_distance(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3]);
-
 enum { MESH_RAYS_LIMIT = 256 };
 
 /** Rays with one origin, neighbours side by side, and what each has met so far. The caller fills in everything. */

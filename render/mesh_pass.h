@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The mesh ID pass (Eq. 9): which triangle each pixel of an n x n buffer meets first. Needs a current context
+ * throughout.
+ *
+ * Clusters of triangles are drawn front to back in batches (mesh_cull.h), each batch with one call; the driver proposes
+ * the triangles that cover a pixel's centre and are the nearest within rounding, and mesh_distance() settles in double
+ * precision which of them is: nearest first; of equally near ones that of the lower object, then the lower triangle. */
+#ifndef CONUS_RENDER_MESH_PASS_H
+#define CONUS_RENDER_MESH_PASS_H
+
+#include "render/mesh_cull.h"
+
+struct mesh_pass;
+
+/** What each pixel's ray has met so far; bottom row first, [n n] each. */
+struct mesh_pixels {
+    const double (*directions)[3]; /**< Unit vectors in the world, those of the view's pixels. */
+    uint32_t *objects;             /**< In and out: 0 = none.                                  */
+    double *distances;             /**< In and out: mm; INFINITY = none.                       */
+    uint64_t *triangles;           /**< Out, where a mesh is met first.                        */
+};
+
+/** Uploads meshes, which must outlive the pass; object number k is meshes[k - 1], NULL = it is none. Takes their size
+ * on the device off @p memory_left. */
+conus_status mesh_pass_create(struct mesh_pass **out, const struct mesh *const *meshes, size_t count,
+                              uint64_t *memory_left);
+/** NULL is fine. */
+void mesh_pass_destroy(struct mesh_pass *pass);
+
+/** Adds to what the pixels have met what they meet of the meshes, if that is nearer. */
+conus_status mesh_pass_look(struct mesh_pass *pass, const struct mesh_view *view, const struct mesh_pixels *pixels);
+
+#endif

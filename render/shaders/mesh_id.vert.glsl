@@ -1,0 +1,16 @@
+// A corner of a triangle in the device's frame. The subtraction from the device's place is in double precision, so that
+// far from the world's origin, and far from the device, a corner falls where it does nearby.
+layout(location = 0) in vec3 position; // world mm
+
+uniform dvec3 apex;
+uniform dmat3 device_from_world; // rows: to the right and up, over the tangent of half the angle; forward
+
+flat out uint triangle;
+
+void main()
+{
+    dvec3 place = device_from_world * (dvec3(position) - apex);
+    // z = 0 passes every clipping plane as long as the corner is before the apex: there is no near or far plane.
+    gl_Position = vec4(vec2(place.xy), 0.0, float(place.z));
+    triangle = uint(gl_VertexID); // the last corner's counts: see clusters.h
+}

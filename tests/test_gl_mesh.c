@@ -1,0 +1,474 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/math3.h"
+#include "base/memory.h"
+#include "mesh_scene.h"
+#include "scene.h"
+#include "selection/evidence.h"
+#include "test.h"
+
+#include <string.h>
+
+/* Pixels by which a driver's vertex grid may move an edge. */
+#define EDGE_PIXELS (1 / 128.0)
+
+static int driver_messages;
+
+static void print_line(void *user, const char *line)
+{
+    *(int *)user += 1;
+    print_message("%s\n", line);
+}
+
+static conus_atlas *empty_atlas(void)
+{
+    conus_atlas *atlas = NULL;
+    assert_ok(atlas_create_empty(&atlas, "test"));
+    return atlas;
+}
+
+/* Both engines for one atlas; the running test is skipped where there is no GL. */
+struct pair {
+    const conus_atlas *atlas;
+    struct engine *gl, *rays;
+    size_t pixels, hits, at_edges;
+};
+
+static struct pair pair_of(const conus_atlas *atlas)
+{
+    const struct engine_options options = {.log = print_line, .log_user = &driver_messages};
+    struct pair pair = {.atlas = atlas};
+    conus_status status = engine_gl_create(&pair.gl, atlas, &options);
+    if (status == CONUS_ERROR_GL) {
+        print_message("skipped: %s\n", conus_message());
+        skip();
+    }
+    assert_ok(status);
+    assert_ok(engine_rays_create(&pair.rays, atlas, &options));
+    return pair;
+}
+
+static void pair_finish(struct pair *pair)
+{
+    engine_destroy(pair->gl);
+    engine_destroy(pair->rays);
+}
+
+static struct cone cone_from(const double origin[3], const double target[3], double degrees, uint32_t resolution)
+{
+    struct cone cone = {.angle = radians_from_degrees(degrees), .resolution = resolution};
+    assert_ok(conus_pose_toward(&cone.pose, origin, target, NULL));
+    return cone;
+}
+
+/* ---- Which differences a driver is allowed ------------------------------------------------------------------ */
+
+static bool is_mesh(const conus_atlas *atlas, uint32_t object)
+{
+    return object && atlas_object_mesh(atlas, object);
+}
+
+/* Corner `k` of a triangle in the buffer's pixels, times its depth, and the depth: homogeneous coordinates. */
+static void project(double out[3], const struct cone *cone, const struct mesh *mesh, uint64_t triangle, int k)
+{
+    const double *m = cone->pose.world_from_device;
+    const float *p = &mesh->positions[3 * (size_t)mesh->triangles[3 * triangle + (uint64_t)k]];
+    double v[3];
+    for (int a = 0; a < 3; a++) {
+        v[a] = (double)p[a] - m[12 + a];
+    }
+    double slope = tan(cone->angle / 2);
+    double n = cone->resolution;
+    out[2] = -vec3_dot(m + 8, v);
+    out[0] = (vec3_dot(m, v) / slope + out[2]) * n / 2;
+    out[1] = (vec3_dot(m + 4, v) / slope + out[2]) * n / 2;
+}
+
+/* Cuts the edge off where it passes the eye's plane; false if nothing is left. */
+static bool clip(double a[3], double b[3])
+{
+    double least = 1e-9 * fmax(fabs(a[2]), fabs(b[2]));
+    if (a[2] < least && b[2] < least) {
+        return false;
+    }
+    double *behind = a[2] < b[2] ? a : b;
+    const double *before = a[2] < b[2] ? b : a;
+    if (behind[2] < least) {
+        double s = (least - behind[2]) / (before[2] - behind[2]);
+        for (int k = 0; k < 3; k++) {
+            behind[k] += s * (before[k] - behind[k]);
+        }
+    }
+    return true;
+}
+
+/* Pixels from (x, y) to the projection of the edge. */
+static double edge_distance(double a[3], double b[3], double x, double y)
+{
+    if (!clip(a, b)) {
+        return INFINITY;
+    }
+    const double from[2] = {a[0] / a[2] - x, a[1] / a[2] - y};
+    const double along[2] = {b[0] / b[2] - x - from[0], b[1] / b[2] - y - from[1]};
+    double length = hypot(along[0], along[1]);
+    double across = length > 0 ? fabs(from[0] * along[1] - from[1] * along[0]) / length : hypot(from[0], from[1]);
+    double part = length > 0 ? -(from[0] * along[0] + from[1] * along[1]) / length : 0;
+    double beyond = fmax(fmax(-part, part - length), 0);
+    return hypot(across, beyond);
+}
+
+/* Whether the pixel's centre lies within EDGE_PIXELS of the projected edge of a triangle. */
+static bool is_at_edge(const struct cone *cone, const struct mesh *mesh, uint64_t triangle, size_t pixel)
+{
+    uint32_t column = (uint32_t)pixel % cone->resolution;
+    uint32_t row = (uint32_t)pixel / cone->resolution;
+    double x = column + 0.5;
+    double y = row + 0.5;
+    for (int k = 0; k < 3; k++) {
+        double a[3], b[3];
+        project(a, cone, mesh, triangle, k);
+        project(b, cone, mesh, triangle, (k + 1) % 3);
+        if (edge_distance(a, b, x, y) <= EDGE_PIXELS) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool may_differ(const struct pair *pair, const struct cone *cone, const struct evidence *evidence, size_t pixel)
+{
+    uint32_t object = evidence->object[pixel];
+    return is_mesh(pair->atlas, object) &&
+           is_at_edge(cone, atlas_object_mesh(pair->atlas, object), evidence->voxel[pixel], pixel);
+}
+
+/* ---- Comparison --------------------------------------------------------------------------------------------- */
+
+static void compare_pixel(struct pair *pair, const struct cone *cone, const struct evidence *got,
+                          const struct evidence *wanted, size_t pixel)
+{
+    pair->pixels++;
+    pair->hits += wanted->object[pixel] != 0;
+    if (got->object[pixel] == wanted->object[pixel] && got->voxel[pixel] == wanted->voxel[pixel]) {
+        /* the same triangle, or voxel: the same distance, to the last bit */
+        assert_true(got->distance[pixel] == wanted->distance[pixel]);
+    } else if (may_differ(pair, cone, got, pixel) || may_differ(pair, cone, wanted, pixel)) {
+        pair->at_edges++;
+    } else {
+        fail_msg("pixel %zu of %u x %u, %g degrees: object %u, triangle %llu, %.17g mm; wanted %u, %llu, %.17g", pixel,
+                 cone->resolution, cone->resolution, degrees_from_radians(cone->angle), got->object[pixel],
+                 (unsigned long long)got->voxel[pixel], got->distance[pixel], wanted->object[pixel],
+                 (unsigned long long)wanted->voxel[pixel], wanted->distance[pixel]);
+    }
+}
+
+static void compare(struct pair *pair, const struct cone *cone)
+{
+    struct evidence got, wanted;
+    assert_ok(evidence_init(&got, cone->resolution));
+    assert_ok(evidence_init(&wanted, cone->resolution));
+    assert_ok(pair->gl->functions->look(pair->gl, &got, cone));
+    assert_ok(pair->rays->functions->look(pair->rays, &wanted, cone));
+    for (size_t pixel = 0; pixel < (size_t)cone->resolution * cone->resolution; pixel++) {
+        compare_pixel(pair, cone, &got, &wanted, pixel);
+    }
+    evidence_finish(&got);
+    evidence_finish(&wanted);
+}
+
+static void random_point(uint64_t *state, double out[3], double size)
+{
+    for (int a = 0; a < 3; a++) {
+        out[a] = test_random(state, -size, size);
+    }
+}
+
+/* From inside, near or 1e5 mm away, at a point of the scene. */
+static struct cone random_cone(uint64_t *state, double size)
+{
+    double origin[3], target[3];
+    double kind = test_random(state, 0, 1);
+    random_point(state, target, 0.7 * size);
+    random_point(state, origin, kind < 0.4 ? size : 4 * size);
+    double degrees = test_random(state, 0, 1) < 0.6 ? test_random(state, 1, 20) : test_random(state, 20, 170);
+    if (kind > 0.9) {
+        vec3_scale(origin, origin, 1e5 / vec3_length(origin));
+        degrees = degrees_from_radians(2 * atan(size * test_random(state, 0.1, 1.5) / 1e5));
+    }
+    return cone_from(origin, target, degrees, 1 + (uint32_t)test_random(state, 0, kind < 0.8 ? 17 : 60));
+}
+
+static void assert_agreement(const struct pair *pair, double hit_part)
+{
+    print_message("%zu pixels, %zu hits, %zu apart at edges\n", pair->pixels, pair->hits, pair->at_edges);
+    assert_true((double)pair->hits > hit_part * (double)pair->pixels);
+    assert_true(pair->at_edges <= 1 + pair->pixels / 500);
+}
+
+/* ---- Scenes ------------------------------------------------------------------------------------------------- */
+
+static void one_sphere(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = empty_atlas();
+    struct mesh sphere = mesh_scene_sphere((double[]){1, 2, 3}, 20, 24, 48);
+    mesh_scene_add(atlas, &sphere);
+    struct pair pair = pair_of(atlas);
+    struct cone cone = cone_from((double[]){-80, 10, 5}, (double[]){1, 2, 3}, 40, 64);
+    compare(&pair, &cone);
+    assert_agreement(&pair, 0.3);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* Eq. 9 in general position. */
+static void random_triangles(void **state)
+{
+    (void)state;
+    uint64_t random = 31;
+    struct pair sum = {0};
+    for (int scene = 0; scene < 40; scene++) {
+        conus_atlas *atlas = empty_atlas();
+        double size = pow(10, test_random(&random, 0, 3));
+        for (int k = 0; k < 1 + scene % 6; k++) {
+            struct mesh soup = mesh_scene_soup(&random, 1 + (size_t)test_random(&random, 0, scene % 5 ? 60 : 2000),
+                                               size, size * test_random(&random, 0.05, 0.6));
+            mesh_scene_add(atlas, &soup);
+        }
+        struct pair pair = pair_of(atlas);
+        for (int pose = 0; pose < 10; pose++) {
+            struct cone cone = random_cone(&random, size);
+            compare(&pair, &cone);
+        }
+        pair_finish(&pair);
+        conus_atlas_destroy(atlas);
+        sum.pixels += pair.pixels, sum.hits += pair.hits, sum.at_edges += pair.at_edges;
+    }
+    assert_agreement(&sum, 0.3);
+}
+
+static void one_hundred_poses_of_nested_spheres(void **state)
+{
+    (void)state;
+    uint64_t random = 32;
+    conus_atlas *atlas = empty_atlas();
+    for (int i = 0; i < 5; i++) {
+        struct mesh sphere = mesh_scene_sphere((double[]){3, -2, 1}, 50 - i * pow(10, -i), 30, 60);
+        mesh_scene_add(atlas, &sphere);
+    }
+    struct pair pair = pair_of(atlas);
+    for (int pose = 0; pose < 100; pose++) {
+        struct cone cone = random_cone(&random, 50);
+        compare(&pair, &cone);
+    }
+    assert_agreement(&pair, 0.3);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* The scene itself far from the world's origin. */
+static void far_from_the_origin(void **state)
+{
+    (void)state;
+    uint64_t random = 33;
+    const double far[3] = {-8e4, 6e4, 3e4};
+    conus_atlas *atlas = empty_atlas();
+    for (int i = 0; i < 3; i++) {
+        double centre[3];
+        random_point(&random, centre, 30);
+        vec3_add_scaled(centre, centre, 1, far);
+        struct mesh sphere = mesh_scene_sphere(centre, 20, 12, 20);
+        mesh_scene_add(atlas, &sphere);
+    }
+    struct pair pair = pair_of(atlas);
+    for (int pose = 0; pose < 40; pose++) {
+        struct cone cone = random_cone(&random, 40);
+        for (int a = 0; a < 3; a++) {
+            cone.pose.world_from_device[12 + a] += far[a];
+        }
+        compare(&pair, &cone);
+    }
+    assert_agreement(&pair, 0.3);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* Voxels and triangles hide each other. */
+static void meshes_among_voxels(void **state)
+{
+    (void)state;
+    uint64_t random = 34;
+    struct pair sum = {0};
+    for (int scene = 0; scene < 20; scene++) {
+        conus_atlas *atlas = scene_atlas(&random, 20, 0);
+        for (int k = 0; k < 3; k++) {
+            struct mesh soup = mesh_scene_soup(&random, 1 + (size_t)test_random(&random, 0, 30), 12, 6);
+            mesh_scene_add(atlas, &soup);
+        }
+        struct pair pair = pair_of(atlas);
+        for (int pose = 0; pose < 10; pose++) {
+            struct cone cone = {.pose = scene_pose(&random, atlas), .resolution = 16};
+            cone.angle = radians_from_degrees(test_random(&random, 1, 90));
+            compare(&pair, &cone);
+        }
+        pair_finish(&pair);
+        conus_atlas_destroy(atlas);
+        sum.pixels += pair.pixels, sum.hits += pair.hits, sum.at_edges += pair.at_edges;
+    }
+    assert_agreement(&sum, 0.2);
+}
+
+/* ---- Traps -------------------------------------------------------------------------------------------------- */
+
+static struct mesh one_triangle(double x, double y, double z, double edge)
+{
+    struct mesh mesh;
+    const double corners[3][2] = {{0, -edge}, {edge, edge}, {-edge, edge}};
+    assert_ok(mesh_init(&mesh, 3, 1));
+    for (uint32_t k = 0; k < 3; k++) {
+        mesh.positions[3 * k] = (float)x;
+        mesh.positions[3 * k + 1] = (float)(y + corners[k][0]);
+        mesh.positions[3 * k + 2] = (float)(z + corners[k][1]);
+        mesh.triangles[k] = k;
+    }
+    return mesh;
+}
+
+/* Identifiers that fit neither 16 bits nor a float that was blended. */
+static void more_meshes_than_16_bits_hold(void **state)
+{
+    (void)state;
+    enum { SIDE = 265 };
+    conus_atlas *atlas = empty_atlas();
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        int column = i % SIDE;
+        int row = i / SIDE;
+        struct mesh mesh = one_triangle(0, column, row, 0.45);
+        mesh_scene_add(atlas, &mesh);
+    }
+    struct pair pair = pair_of(atlas);
+    struct cone cone = cone_from((double[]){-300, 240, 255}, (double[]){0, 240, 255}, 4, 128);
+    compare(&pair, &cone);
+    assert_agreement(&pair, 0.2);
+    struct evidence evidence;
+    assert_ok(evidence_init(&evidence, 128));
+    assert_ok(pair.gl->functions->look(pair.gl, &evidence, &cone));
+    size_t large = 0;
+    for (size_t i = 0; i < (size_t)128 * 128; i++) {
+        large += evidence.object[i] > UINT16_MAX;
+    }
+    assert_true(large > 1000);
+    evidence_finish(&evidence);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* Eq. 9: of equally near ones the lower number, however many there are. */
+static void the_lower_of_equals_wins(void **state)
+{
+    (void)state;
+    enum { PLATES = 40 };
+    conus_atlas *atlas = empty_atlas();
+    for (int i = 0; i < PLATES; i++) {
+        struct mesh plate = one_triangle(i < 5 ? 1 : 0, 0, 0, 50); /* the first five behind the others */
+        mesh_scene_add(atlas, &plate);
+    }
+    struct pair pair = pair_of(atlas);
+    struct cone cone = cone_from((double[]){-20, 0, 1}, (double[]){0, 1, 0}, 30, 16);
+    compare(&pair, &cone);
+    struct evidence evidence;
+    assert_ok(evidence_init(&evidence, 16));
+    assert_ok(pair.gl->functions->look(pair.gl, &evidence, &cone));
+    for (int i = 0; i < 16 * 16; i++) {
+        assert_int_equal(evidence.object[i], 6);
+        assert_int_equal(evidence.voxel[i], 0);
+    }
+    evidence_finish(&evidence);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* The device among triangles a hundredth of a millimetre before and behind it and as large as a street. */
+static void nothing_before_the_apex_is_clipped(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = empty_atlas();
+    struct mesh plates[] = {one_triangle(-0.01, 0, 0, 5), one_triangle(0.01, 0, 0, 5), one_triangle(1e4, 0, 0, 1e6)};
+    for (int i = 0; i < 3; i++) {
+        mesh_scene_add(atlas, &plates[i]);
+    }
+    struct mesh around = mesh_scene_sphere((double[]){0, 0, 0}, 3, 6, 8);
+    mesh_scene_add(atlas, &around);
+    struct pair pair = pair_of(atlas);
+    const struct {
+        double from[3], to[3];
+        uint32_t met;
+    } looks[] = {{{0, 0, 0}, {1, 0, 0}, 2},     {{0, 0, 0}, {-1, 0, 0}, 1},  {{0.02, 0, 0}, {1, 0, 0}, 4},
+                 {{-0.02, 0, 0}, {1, 0, 0}, 1}, {{10, 0, 0}, {11, 0, 0}, 3}, {{0, 60, 0}, {0, 61, 0}, 0}};
+    for (size_t i = 0; i < sizeof looks / sizeof looks[0]; i++) {
+        struct cone cone = cone_from(looks[i].from, looks[i].to, i % 2 ? 20 : 120, 15);
+        struct evidence evidence;
+        compare(&pair, &cone);
+        assert_ok(evidence_init(&evidence, 15));
+        assert_ok(pair.gl->functions->look(pair.gl, &evidence, &cone));
+        assert_int_equal(evidence.object[7 * 15 + 7], looks[i].met);
+        evidence_finish(&evidence);
+    }
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* ---- The world around --------------------------------------------------------------------------------------- */
+
+static conus_status create_look_destroy(void *atlas)
+{
+    const struct engine_options options = {0};
+    struct engine *engine = NULL;
+    struct evidence evidence;
+    struct cone cone = cone_from((double[]){-50, 0, 0}, (double[]){0, 0, 0}, 40, 4);
+    conus_status status = evidence_init(&evidence, cone.resolution);
+    if (!status) {
+        status = engine_gl_create(&engine, atlas, &options);
+        status = status ? status : engine->functions->look(engine, &evidence, &cone);
+        engine_destroy(engine);
+        evidence_finish(&evidence);
+    }
+    return status;
+}
+
+static void every_failing_allocation_is_reported(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = empty_atlas();
+    for (int i = 0; i < 12; i++) { /* equals, so that pixels need more room */
+        struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 10, 8, 16);
+        mesh_scene_add(atlas, &sphere);
+    }
+    struct pair pair = pair_of(atlas);
+    pair_finish(&pair);
+    test_every_allocation(create_look_destroy, atlas);
+    conus_atlas_destroy(atlas);
+}
+
+/* Runs last: through all of it the driver had nothing to say. */
+static void the_driver_was_silent(void **state)
+{
+    (void)state;
+    assert_int_equal(driver_messages, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_sphere),
+        cmocka_unit_test(random_triangles),
+        cmocka_unit_test(one_hundred_poses_of_nested_spheres),
+        cmocka_unit_test(far_from_the_origin),
+        cmocka_unit_test(meshes_among_voxels),
+        cmocka_unit_test(more_meshes_than_16_bits_hold),
+        cmocka_unit_test(the_lower_of_equals_wins),
+        cmocka_unit_test(nothing_before_the_apex_is_clipped),
+        cmocka_unit_test(every_failing_allocation_is_reported),
+        cmocka_unit_test(the_driver_was_silent),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
