@@ -53,7 +53,7 @@ static void normal_of(double out[3], const struct mesh *mesh, size_t triangle)
     vec3_cross(out, p[1], p[2]);
 }
 
-static conus_status check_numbers(const struct mesh *mesh)
+conus_status mesh_check_numbers(const struct mesh *mesh)
 {
     for (size_t i = 0; i < 3 * mesh->vertex_count; i++) {
         if (!(fabsf(mesh->positions[i]) <= COORDINATE_LIMIT)) {
@@ -86,30 +86,6 @@ static size_t drop_flat_triangles(struct mesh *mesh)
     size_t dropped = mesh->triangle_count - kept;
     mesh->triangle_count = kept;
     return dropped;
-}
-
-static conus_status note_open(const struct mesh *mesh, struct notes *notes)
-{
-    struct mesh_shape shape;
-    conus_status status = mesh_measure(&shape, mesh);
-    if (!status && !shape.closed) {
-        status = notes_add(notes, "%s: the surface is not closed", mesh->path ? mesh->path : "mesh");
-    }
-    return status;
-}
-
-conus_status mesh_check(struct mesh *mesh, struct notes *notes)
-{
-    conus_status status = check_numbers(mesh);
-    size_t flat = status ? 0 : drop_flat_triangles(mesh);
-    if (!status && !mesh->triangle_count) {
-        status = fail(CONUS_ERROR_DATA, "no triangle with an area: nothing that a ray could meet");
-    }
-    if (!status && flat) {
-        status =
-            notes_add(notes, "%s: %zu triangles without area were left out", mesh->path ? mesh->path : "mesh", flat);
-    }
-    return status ? status : note_open(mesh, notes);
 }
 
 /* The edges of a mesh, by their lower vertex: the higher one, and whether the triangle passes the edge downwards. */
@@ -199,6 +175,30 @@ static conus_status find_closed(bool *closed, const struct mesh *mesh)
     memory_free(edges.start);
     memory_free(edges.items);
     return enough ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status note_open(const struct mesh *mesh, struct notes *notes)
+{
+    bool closed;
+    conus_status status = find_closed(&closed, mesh);
+    if (!status && !closed) {
+        status = notes_add(notes, "%s: the surface is not closed", mesh->path ? mesh->path : "mesh");
+    }
+    return status;
+}
+
+conus_status mesh_check(struct mesh *mesh, struct notes *notes)
+{
+    conus_status status = mesh_check_numbers(mesh);
+    size_t flat = status ? 0 : drop_flat_triangles(mesh);
+    if (!status && !mesh->triangle_count) {
+        status = fail(CONUS_ERROR_DATA, "no triangle with an area: nothing that a ray could meet");
+    }
+    if (!status && flat) {
+        status =
+            notes_add(notes, "%s: %zu triangles without area were left out", mesh->path ? mesh->path : "mesh", flat);
+    }
+    return status ? status : note_open(mesh, notes);
 }
 
 /* Volume and centroid as sums over tetrahedra from a point inside the bounds, so that far from the origin no digits

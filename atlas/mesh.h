@@ -31,6 +31,9 @@ conus_status mesh_init(struct mesh *out, size_t vertex_count, size_t triangle_co
  * Triangles of no area are left out and counted in @p notes, as is a mesh that is not closed. */
 conus_status mesh_check(struct mesh *mesh, struct notes *notes);
 
+/** The part of mesh_check() that makes a mesh safe to use: numbers and indices. */
+conus_status mesh_check_numbers(const struct mesh *mesh);
+
 /** Measures a checked mesh. CONUS_ERROR_MEMORY without memory for its edges. */
 conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh);
 

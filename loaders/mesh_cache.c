@@ -14,11 +14,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* An entry: these bytes, u64 bytes of content and u32 their CRC-32, both little-endian, u32 0, and the content. */
+/* An entry: the content, then these bytes, u64 bytes of content and u32 their CRC-32, both little-endian, u32 0. */
 static const char magic[8] = "CONUSMC1";
 static const char ending[] = ".mesh";
 
-enum { HEAD_SIZE = 24, SWAPPED = !BIG_ENDIAN_IS_SWAPPED };
+enum { TAIL_SIZE = 24, SWAPPED = !BIG_ENDIAN_IS_SWAPPED };
 
 conus_status mesh_cache_folder(struct buffer *out)
 {
@@ -48,27 +48,27 @@ void mesh_cache_key(char key[MESH_CACHE_KEY_SIZE], const struct buffer *recipe)
     file_sha256(key, &bytes);
 }
 
-static void write_head(uint8_t head[HEAD_SIZE], const void *content, uint64_t size)
+static void write_tail(uint8_t tail[TAIL_SIZE], const void *content, uint64_t size)
 {
     uint32_t sum = libdeflate_crc32(0, content, (size_t)size);
-    memset(head, 0, HEAD_SIZE);
-    memcpy(head, magic, sizeof magic);
+    memset(tail, 0, TAIL_SIZE);
+    memcpy(tail, magic, sizeof magic);
     for (int i = 0; i < 8; i++) {
-        head[8 + i] = (uint8_t)(size >> 8 * i);
+        tail[8 + i] = (uint8_t)(size >> 8 * i);
     }
     for (int i = 0; i < 4; i++) {
-        head[16 + i] = (uint8_t)(sum >> 8 * i);
+        tail[16 + i] = (uint8_t)(sum >> 8 * i);
     }
 }
 
 static bool is_whole(const struct bytes *entry)
 {
-    uint8_t head[HEAD_SIZE];
-    if (entry->size < HEAD_SIZE) {
+    uint8_t tail[TAIL_SIZE];
+    if (entry->size < TAIL_SIZE) {
         return false;
     }
-    write_head(head, entry->data + HEAD_SIZE, entry->size - HEAD_SIZE);
-    return memcmp(head, entry->data, HEAD_SIZE) == 0;
+    write_tail(tail, entry->data, entry->size - TAIL_SIZE);
+    return memcmp(tail, entry->data + entry->size - TAIL_SIZE, TAIL_SIZE) == 0;
 }
 
 conus_status mesh_cache_find(struct bytes *out, const char *key)
@@ -78,8 +78,7 @@ conus_status mesh_cache_find(struct bytes *out, const char *key)
     conus_status status = entry_path(&path, key);
     if (!status && path.size && file_exists(path.data) && file_read(&entry, path.data, MESH_CACHE_LIMIT) == CONUS_OK) {
         if (is_whole(&entry)) {
-            entry.size -= HEAD_SIZE;
-            memmove(entry.data, entry.data + HEAD_SIZE, entry.size);
+            entry.size -= TAIL_SIZE;
             *out = entry;
             entry = (struct bytes){0};
             utimensat(AT_FDCWD, path.data, NULL, 0); /* used just now */
@@ -180,12 +179,12 @@ static conus_status make_space(const char *folder_path, uint64_t limit)
     return status;
 }
 
-static bool write_pieces(int descriptor, const uint8_t head[HEAD_SIZE], const struct buffer *content)
+static bool write_pieces(int descriptor, const uint8_t tail[TAIL_SIZE], const struct buffer *content)
 {
     const struct {
         const void *data;
         size_t size;
-    } pieces[2] = {{head, HEAD_SIZE}, {content->data, content->size}};
+    } pieces[2] = {{content->data, content->size}, {tail, TAIL_SIZE}};
     for (int i = 0; i < 2; i++) {
         const char *at = pieces[i].data;
         for (size_t left = pieces[i].size; left;) {
@@ -204,13 +203,13 @@ static bool write_pieces(int descriptor, const uint8_t head[HEAD_SIZE], const st
 static conus_status write_entry(const struct buffer *path, const struct buffer *content)
 {
     struct buffer temporary = {0};
-    uint8_t head[HEAD_SIZE];
+    uint8_t tail[TAIL_SIZE];
     buffer_format(&temporary, "%s.XXXXXX%s", path->data, ending); /* an entry like others, should it be left behind */
     conus_status status = buffer_status(&temporary);
     int descriptor = status ? -1 : mkostemps(temporary.data, (int)strlen(ending), O_CLOEXEC);
     if (descriptor >= 0) {
-        write_head(head, content->data, content->size);
-        bool written = write_pieces(descriptor, head, content);
+        write_tail(tail, content->data, content->size);
+        bool written = write_pieces(descriptor, tail, content);
         written = close(descriptor) == 0 && written;
         if (!written || rename(temporary.data, path->data)) {
             unlink(temporary.data);
@@ -224,7 +223,7 @@ conus_status mesh_cache_keep_within(const char *key, const struct buffer *conten
 {
     struct buffer path = {0};
     conus_status status = entry_path(&path, key);
-    if (!status && path.size && content->size + HEAD_SIZE <= limit && make_folders(path.data)) {
+    if (!status && path.size && content->size + TAIL_SIZE <= limit && make_folders(path.data)) {
         status = write_entry(&path, content);
         *strrchr(path.data, '/') = '\0';
         status = status ? status : make_space(path.data, limit);

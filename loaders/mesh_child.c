@@ -8,7 +8,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -149,38 +148,55 @@ static int request_file(const struct mesh_child_request *request)
 }
 
 /* A limit that is already lower stays. */
-static void limit_resource(pid_t pid, __rlimit_resource_t resource, uint64_t value)
+static void limit_resource(__rlimit_resource_t resource, uint64_t value)
 {
     struct rlimit limit;
-    if (prlimit(pid, resource, NULL, &limit) == 0) {
+    if (getrlimit(resource, &limit) == 0) {
         limit.rlim_max = limit.rlim_max < value ? limit.rlim_max : value;
         limit.rlim_cur = limit.rlim_max;
-        prlimit(pid, resource, &limit, NULL);
+        setrlimit(resource, &limit);
     }
 }
 
-static int spawn(pid_t *pid, const char *path, int request, int out, int err)
+/* Descriptors of a start: reading and writing end of the pipes for stdout, for stderr and for what execv() says, and
+ * the request. All are above those that the program is to have. */
+enum { OUT, ERR = 2, REPORT = 4, REQUEST = 6, ENDS };
+
+/* In the new process: becomes conus-mesh. Only calls that are allowed between fork and exec; ends in one way or the
+ * other. */
+static void become(const char *path, const struct mesh_child_limits *limits, const int ends[ENDS])
 {
     char name[] = "conus-mesh";
     char file[] = "/dev/fd/3";
     char *const words[] = {name, file, NULL};
-    posix_spawn_file_actions_t actions;
-    int error = posix_spawn_file_actions_init(&actions);
-    if (error) {
-        return error;
-    }
     /* stdin is empty: no program of ours reads it, and a library that did would wait for ever. */
-    if (!(error = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0)) &&
-        !(error = posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO)) &&
-        !(error = posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO)) &&
-        !(error = posix_spawn_file_actions_adddup2(&actions, request, REQUEST_DESCRIPTOR))) {
-        error = posix_spawn(pid, path, &actions, NULL, words, environ);
+    int nothing = open("/dev/null", O_RDONLY); /* may be stdin already, so not to be closed */
+    limit_resource(RLIMIT_AS, limits->memory);
+    limit_resource(RLIMIT_CPU, limits->seconds);
+    limit_resource(RLIMIT_CORE, 0);
+    if (nothing >= 0 && dup2(nothing, STDIN_FILENO) >= 0 && dup2(ends[OUT + 1], STDOUT_FILENO) >= 0 &&
+        dup2(ends[ERR + 1], STDERR_FILENO) >= 0 && dup2(ends[REQUEST], REQUEST_DESCRIPTOR) >= 0) {
+        execv(path, words);
     }
-    posix_spawn_file_actions_destroy(&actions);
-    return error;
+    int error = errno;
+    while (write(ends[REPORT + 1], &error, sizeof error) < 0 && errno == EINTR) {
+    }
+    kill(getpid(), SIGKILL);
 }
 
-/* Descriptors that posix_spawn's dup2 could overwrite before it reads them are moved out of its way. */
+/* What execv() says, which nobody does once it has succeeded. */
+static int hear_report(int ends[ENDS])
+{
+    int error = 0;
+    ssize_t n;
+    close(ends[REPORT + 1]);
+    ends[REPORT + 1] = -1;
+    do {
+        n = read(ends[REPORT], &error, sizeof error);
+    } while (n < 0 && errno == EINTR);
+    return n == (ssize_t)sizeof error ? error : 0;
+}
+
 static bool move_up(int *descriptor)
 {
     if (*descriptor > REQUEST_DESCRIPTOR) {
@@ -195,39 +211,42 @@ static bool move_up(int *descriptor)
     return true;
 }
 
-static conus_status start_with(struct child *child, const char *path, int ends[5])
+static conus_status start_with(struct child *child, const char *path, int ends[ENDS])
 {
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < ENDS; i++) {
         if (ends[i] < 0 || !move_up(&ends[i])) {
             return fail_system("start");
         }
     }
-    int error = spawn(&child->pid, path, ends[4], ends[1], ends[3]);
-    if (error) {
-        child->pid = 0;
-        errno = error;
+    pid_t pid = fork();
+    if (pid < 0) {
         return fail_system("start");
     }
-    limit_resource(child->pid, RLIMIT_AS, child->limits->memory);
-    limit_resource(child->pid, RLIMIT_CPU, child->limits->seconds);
-    limit_resource(child->pid, RLIMIT_CORE, 0);
-    child->deadline = now() + 2.0 * child->limits->seconds;
-    child->out = ends[0];
-    child->err = ends[2];
-    ends[0] = ends[2] = -1;
+    if (pid == 0) {
+        become(path, child->limits, ends);
+    }
+    child->pid = pid;
+    errno = hear_report(ends);
+    if (errno) {
+        return fail_system("start");
+    }
+    child->deadline = now() + child->limits->wait;
+    child->out = ends[OUT];
+    child->err = ends[ERR];
+    ends[OUT] = ends[ERR] = -1;
     return CONUS_OK;
 }
 
-/* Reading and writing end of a pipe for stdout, one for stderr, and the request. */
 static conus_status start(struct child *child, const char *path, const struct mesh_child_request *request)
 {
-    int ends[5] = {-1, -1, -1, -1, -1};
+    int ends[ENDS] = {-1, -1, -1, -1, -1, -1, -1};
     conus_status status = CONUS_OK;
-    if (pipe2(ends, O_CLOEXEC) || pipe2(ends + 2, O_CLOEXEC) || (ends[4] = request_file(request)) < 0) {
+    if (pipe2(ends + OUT, O_CLOEXEC) || pipe2(ends + ERR, O_CLOEXEC) || pipe2(ends + REPORT, O_CLOEXEC) ||
+        (ends[REQUEST] = request_file(request)) < 0) {
         status = fail_system("start");
     }
     status = status ? status : start_with(child, path, ends);
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < ENDS; i++) {
         if (ends[i] >= 0) {
             close(ends[i]);
         }
@@ -259,6 +278,9 @@ static conus_status take_frame(struct child *child, size_t size)
     }
     if (child->ended || (frame.kind == MESH_FRAME_END && frame.id != child->frames)) {
         return fail(CONUS_ERROR_DATA, "mesh stream: its end does not fit what came before it");
+    }
+    if (frame.kind == MESH_FRAME_CHECKED) {
+        return fail(CONUS_ERROR_DATA, "mesh stream: frame of kind %d, which only the cache may hold", (int)frame.kind);
     }
     child->ended = frame.kind == MESH_FRAME_END;
     child->frames++;
@@ -341,7 +363,7 @@ static conus_status listen_once(struct child *child)
     double left = child->deadline - now();
     int ready = left > 0 ? poll(ends, 2, (int)(1000 * left) + 1) : 0;
     if (ready == 0) {
-        return fail(CONUS_ERROR_DATA, "%s: no end after %u seconds", program, 2 * child->limits->seconds);
+        return fail(CONUS_ERROR_DATA, "%s: no end after %u seconds", program, child->limits->wait);
     }
     if (ready < 0) {
         return errno == EINTR ? CONUS_OK : fail_system("wait for it");

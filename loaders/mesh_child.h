@@ -9,8 +9,9 @@
 #include "loaders/mesh_stream.h"
 
 struct mesh_child_limits {
-    uint64_t memory;  /**< Address space in bytes.      */
-    uint32_t seconds; /**< Of processor time per thread; the wait is twice as long. */
+    uint64_t memory;  /**< Address space in bytes, of conus-mesh and of one mesh here.             */
+    uint32_t seconds; /**< Of processor time, of all its threads.                                 */
+    uint32_t wait;    /**< Seconds until it must have ended; a busy machine gives it a small part. */
 };
 
 /** A request: @p head, then @p size bytes at @p voxels (NULL if there are none). */

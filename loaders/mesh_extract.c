@@ -6,6 +6,7 @@
 #include "loaders/mesh_cache.h"
 #include "loaders/mesh_child.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #define PASS_BAND 0.1
@@ -32,18 +33,12 @@ static const struct volume *parcellation_of(const conus_atlas *atlas)
     return NULL;
 }
 
-static void append_u32(struct buffer *out, uint32_t value)
-{
-    const uint8_t bytes[4] = {(uint8_t)value, (uint8_t)(value >> 8), (uint8_t)(value >> 16), (uint8_t)(value >> 24)};
-    buffer_append(out, bytes, sizeof bytes);
-}
-
 static void append_f64(struct buffer *out, double value)
 {
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
-    append_u32(out, (uint32_t)bits);
-    append_u32(out, (uint32_t)(bits >> 32));
+    mesh_append_u32(out, (uint32_t)bits);
+    mesh_append_u32(out, (uint32_t)(bits >> 32));
 }
 
 /* The request without the voxels: everything on which the surfaces depend, but them. */
@@ -52,21 +47,21 @@ static void append_request(struct buffer *out, const struct extraction *work,
 {
     const conus_volume_info *info = &work->volume->info;
     buffer_append(out, MESH_REQUEST_MAGIC, MESH_MAGIC_SIZE);
-    append_u32(out, MESH_REQUEST_SURFACES);
-    append_u32(out, (uint32_t)work->atlas->area_count);
+    mesh_append_u32(out, MESH_REQUEST_SURFACES);
+    mesh_append_u32(out, (uint32_t)work->atlas->area_count);
     for (int a = 0; a < 3; a++) {
-        append_u32(out, (uint32_t)info->dim[a]);
+        mesh_append_u32(out, (uint32_t)info->dim[a]);
     }
-    append_u32(out, work->volume->objects16 ? 2 : 4);
-    append_u32(out, options->iterations);
-    append_u32(out, 0);
+    mesh_append_u32(out, work->volume->objects16 ? 2 : 4);
+    mesh_append_u32(out, options->iterations);
+    mesh_append_u32(out, 0);
     append_f64(out, PASS_BAND);
     append_f64(out, options->reduction);
     for (int i = 0; i < 16; i++) {
         append_f64(out, info->world_from_voxel[i]);
     }
     for (size_t i = 0; i < work->atlas->area_count; i++) {
-        append_u32(out, work->atlas->objects[i].label);
+        mesh_append_u32(out, work->atlas->objects[i].label);
     }
 }
 
@@ -95,30 +90,19 @@ static conus_status find_area(struct extraction *work, uint32_t label)
     return fail(CONUS_ERROR_DATA, "mesh stream: a surface of label %u, which is none of the areas left", label);
 }
 
-static conus_status name_mesh(struct mesh *mesh, uint32_t label)
-{
-    struct buffer name = {0};
-    buffer_format(&name, "area %u", label);
-    mesh->path = name.data;
-    return buffer_status(&name);
-}
-
 static conus_status take_frame(void *user, const struct mesh_frame *frame)
 {
     struct extraction *work = user;
     struct mesh mesh = {0};
-    if (frame->kind != MESH_FRAME_MESH) {
+    char name[32];
+    if (frame->kind == MESH_FRAME_FAILURE) {
         return fail(CONUS_ERROR_DATA, "conus-mesh: %.*s", (int)frame->text.size, frame->text.data);
     }
+    snprintf(name, sizeof name, "area %u", frame->id);
     conus_status status = find_area(work, frame->id);
-    status = status ? status : mesh_from_frame(&mesh, frame);
-    status = status ? status : name_mesh(&mesh, frame->id);
-    status = status ? status : mesh_check(&mesh, work->notes);
+    status = status ? status : mesh_take_frame(&mesh, frame, name, work->notes, work->stream);
     status = status ? status : work->take(work->user, work->number, &mesh);
-    if (!status && work->stream) {
-        buffer_append(work->stream, frame->bytes, frame->size);
-        work->frames++;
-    }
+    work->frames++;
     mesh_finish(&mesh);
     return status;
 }
@@ -132,8 +116,8 @@ static conus_status run_child(struct extraction *work, const struct buffer *requ
                                                                        : (const void *)volume->objects32,
                                            .size = volume->voxel_count * (volume->objects16 ? 2 : 4)};
     /* AAL's 7 million voxels take 1 s, 5 s when decimated. */
-    const struct mesh_child_limits limits = {.memory = options->max_memory,
-                                             .seconds = 120 + (uint32_t)(volume->voxel_count / 50000)};
+    const uint32_t seconds = 120 + (uint32_t)(volume->voxel_count / 50000);
+    const struct mesh_child_limits limits = {.memory = options->max_memory, .seconds = seconds, .wait = 4 * seconds};
     struct buffer stream = {0};
     work->stream = key[0] ? &stream : NULL;
     mesh_stream_start(&stream);
@@ -143,6 +127,7 @@ static conus_status run_child(struct extraction *work, const struct buffer *requ
         status = buffer_status(&stream);
         status = status ? status : mesh_cache_keep(key, &stream);
     }
+    work->stream = NULL;
     buffer_finish(&stream);
     return status;
 }

@@ -16,9 +16,9 @@ conus_status mesh_stream_begin(const uint8_t *data, size_t size)
 
 static conus_status check_header(const struct mesh_frame *frame, uint64_t vertices, uint64_t triangles)
 {
-    bool is_mesh = frame->kind == MESH_FRAME_MESH;
-    if (frame->kind < MESH_FRAME_MESH || frame->kind > MESH_FRAME_END) {
-        return fail(CONUS_ERROR_DATA, "mesh stream: frame of kind %d, allowed are 1 to 3", (int)frame->kind);
+    bool is_mesh = frame->kind == MESH_FRAME_MESH || frame->kind == MESH_FRAME_CHECKED;
+    if (frame->kind < MESH_FRAME_MESH || frame->kind > MESH_FRAME_CHECKED) {
+        return fail(CONUS_ERROR_DATA, "mesh stream: frame of kind %d, allowed are 1 to 4", (int)frame->kind);
     }
     if (frame->space > (is_mesh ? MESH_SPACE_LPS : MESH_SPACE_UNSTATED)) {
         return fail(CONUS_ERROR_DATA, "mesh stream: space %d in a frame of kind %d", (int)frame->space,
@@ -92,18 +92,56 @@ conus_status mesh_from_frame(struct mesh *out, const struct mesh_frame *frame)
     return CONUS_OK;
 }
 
+/* Appends a frame; a mesh that is whole and closed need not be checked again. */
+static void append_frame(struct buffer *out, const struct mesh_frame *frame, bool clean)
+{
+    uint8_t kind = clean ? MESH_FRAME_CHECKED : (uint8_t)frame->kind;
+    buffer_append(out, &kind, 1);
+    buffer_append(out, frame->bytes + 1, frame->size - 1);
+}
+
+conus_status mesh_take_frame(struct mesh *out, const struct mesh_frame *frame, const char *path, struct notes *notes,
+                             struct buffer *stream)
+{
+    struct mesh mesh;
+    size_t note_count = notes->count;
+    conus_status status = mesh_from_frame(&mesh, frame);
+    if (status) {
+        return status;
+    }
+    mesh.path = memory_text(path, strlen(path));
+    status = mesh.path ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status) {
+        status = frame->kind == MESH_FRAME_CHECKED ? mesh_check_numbers(&mesh) : mesh_check(&mesh, notes);
+    }
+    if (status) {
+        mesh_finish(&mesh);
+        return status;
+    }
+    if (stream) {
+        append_frame(stream, frame, notes->count == note_count);
+    }
+    *out = mesh;
+    return CONUS_OK;
+}
+
 void mesh_stream_start(struct buffer *out)
 {
     buffer_append(out, MESH_STREAM_MAGIC, MESH_MAGIC_SIZE);
 }
 
+void mesh_append_u32(struct buffer *out, uint32_t value)
+{
+    const uint8_t bytes[4] = {(uint8_t)value, (uint8_t)(value >> 8), (uint8_t)(value >> 16), (uint8_t)(value >> 24)};
+    buffer_append(out, bytes, sizeof bytes);
+}
+
 void mesh_stream_end(struct buffer *out, uint32_t count)
 {
-    uint8_t frame[MESH_FRAME_HEADER_SIZE] = {MESH_FRAME_END};
-    for (int i = 0; i < 4; i++) {
-        frame[4 + i] = (uint8_t)(count >> 8 * i);
-    }
-    buffer_append(out, frame, sizeof frame);
+    static const uint8_t rest[MESH_FRAME_HEADER_SIZE - 8] = {0};
+    mesh_append_u32(out, MESH_FRAME_END);
+    mesh_append_u32(out, count);
+    buffer_append(out, rest, sizeof rest);
 }
 
 conus_status mesh_stream_read(const uint8_t *data, size_t size, mesh_frame_take take, void *user)

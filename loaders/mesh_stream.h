@@ -33,6 +33,14 @@ conus_status mesh_frame_parse(struct mesh_frame *out, const uint8_t *data, size_
 /** A copy of the mesh in a frame, not yet checked (mesh_check()). */
 conus_status mesh_from_frame(struct mesh *out, const struct mesh_frame *frame);
 
+/** Makes a frame's mesh, checked (mesh_check(), which speaks of it as @p path), and appends the frame to @p stream if
+ * that is not NULL. */
+conus_status mesh_take_frame(struct mesh *out, const struct mesh_frame *frame, const char *path, struct notes *notes,
+                             struct buffer *stream);
+
+/** Appends a number as requests and streams hold it. */
+void mesh_append_u32(struct buffer *out, uint32_t value);
+
 /** Makes @p out the beginning of a stream, to which frames are then appended. */
 void mesh_stream_start(struct buffer *out);
 /** Appends the end of a stream of @p count frames. */

@@ -132,6 +132,17 @@ const char *test_scratch(const char *name)
     return path;
 }
 
+void test_own_cache(void)
+{
+    char cache[8192];
+    char here[4096];
+    const char *folder = test_scratch("cache");
+    if (getcwd(here, sizeof here)) {
+        snprintf(cache, sizeof cache, "%s/%s", here, folder);
+        setenv("XDG_CACHE_HOME", cache, 1);
+    }
+}
+
 double test_random(uint64_t *state, double low, double high)
 {
     uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));

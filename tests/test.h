@@ -47,6 +47,9 @@ const char *test_shared(const char *name);
 /** Path for a file @p name in a fresh folder of this test program. Static buffers, four in turn. */
 const char *test_scratch(const char *name);
 
+/** Lets the cache of meshes be a fresh folder of this test program. */
+void test_own_cache(void);
+
 /** A deterministic generator (SplitMix64), so that random tests repeat. Uniform in [low, high). */
 double test_random(uint64_t *state, double low, double high);
 

@@ -7,10 +7,7 @@
 #include "loaders/mesh_extract.h"
 #include "test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { MOST_AREAS = 200 };
 
@@ -197,18 +194,12 @@ static void aal_areas_are_closed_and_keep_volume_and_place(void **state)
 
 int main(void)
 {
-    char folder[4096];
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_ball_is_one_wherever_the_voxels_point),
         cmocka_unit_test(right_stays_right_and_borders_are_closed),
         cmocka_unit_test(decimation_removes_what_it_is_told_to),
         cmocka_unit_test(aal_areas_are_closed_and_keep_volume_and_place),
     };
-    snprintf(folder, sizeof folder, "%s", test_scratch("cache"));
-    char *whole = realpath(".", NULL);
-    char cache[8192];
-    snprintf(cache, sizeof cache, "%s/%s", whole ? whole : "", folder);
-    free(whole);
-    setenv("XDG_CACHE_HOME", cache, 1);
+    test_own_cache();
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -83,8 +83,8 @@ static void impossible_headers_are_refused(void **state)
         struct built_frame frame;
         const char *part;
     } cases[] = {
-        {{.kind = 0}, "frame of kind 0, allowed are 1 to 3"},
-        {{.kind = 4}, "frame of kind 4"},
+        {{.kind = 0}, "frame of kind 0, allowed are 1 to 4"},
+        {{.kind = 5}, "frame of kind 5"},
         {{.kind = MESH_FRAME_MESH, .space = 3}, "space 3"},
         {{.kind = MESH_FRAME_END, .space = 1}, "space 1"},
         {{.kind = MESH_FRAME_MESH, .text = "hello"}, "5 bytes of text in a frame of kind 1"},

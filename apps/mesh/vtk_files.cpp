@@ -45,10 +45,15 @@ class Listener : public vtkOutputWindow
         if (!first.empty()) {
             return;
         }
-        /* "ERROR: In file, line n\nvtkThing (0x123): what it is about\n" */
+        /* "ERROR: In file, line n\nvtkThing (0x123): what it is about\n", or without vtkThing */
         first = text;
         const size_t object = first.find("): ");
-        first = object == std::string::npos ? first : first.substr(object + 3);
+        const size_t line = first.find('\n');
+        if (object != std::string::npos) {
+            first.erase(0, object + 3);
+        } else if (line != std::string::npos && line + 1 < first.size()) {
+            first.erase(0, line + 1);
+        }
         first.erase(std::find(first.begin(), first.end(), '\n'), first.end());
         first = first.empty() ? "an error without a description" : first;
     }
@@ -138,9 +143,42 @@ void check_ply_counts(const std::string &path, const std::string &head)
         std::istringstream words(line);
         std::string word, name;
         uint64_t count = 0;
-        if (words >> word && word == "element" && (!(words >> name >> count) || count > size)) {
+        if (!(words >> word) || word != "element") {
+            continue;
+        }
+        if (!(words >> name >> count)) {
+            throw Failure("header: \"" + line.substr(0, 60) + "\", an element has a name and a count");
+        }
+        if (count > size) {
             throw Failure("header: " + line.substr(0, 60) + ": more than the " + std::to_string(size) +
                           " bytes of the file can hold");
+        }
+    }
+}
+
+bool is_number(const std::string &word)
+{
+    return word.find_first_not_of("0123456789+-.eE") == std::string::npos &&
+           word.find_first_of("0123456789") != std::string::npos;
+}
+
+/* Where VTK's OBJ reader finds no number, it takes 0. */
+void check_obj_vertices(const std::string &path)
+{
+    std::ifstream file(path);
+    std::string line;
+    for (size_t n = 1; std::getline(file, line); n++) {
+        if (!starts(line, "v ") && !starts(line, "v\t")) {
+            continue;
+        }
+        std::istringstream words(line.substr(1));
+        std::string word;
+        int numbers = 0;
+        while (numbers < 3 && words >> word && is_number(word)) {
+            numbers++;
+        }
+        if (numbers < 3) {
+            throw Failure("line " + std::to_string(n) + ": \"" + line.substr(0, 60) + "\", a vertex is three numbers");
         }
     }
 }
@@ -238,6 +276,9 @@ Surface read_file(const std::string &path, Listener *listener)
     const Format format = format_of(path, head);
     if (format == Format::Ply) {
         check_ply_counts(path, head);
+    }
+    if (format == Format::Obj) {
+        check_obj_vertices(path);
     }
     vtkSmartPointer<vtkPolyData> poly;
     try {

@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/mesh_foreign.h"
+
+#include "base/file.h"
+#include "base/memory.h"
+#include "loaders/mesh_cache.h"
+#include "loaders/mesh_child.h"
+
+#include <string.h>
+#include <strings.h>
+
+static const uint64_t default_memory = UINT64_C(8) << 30;
+static const char *const endings[] = {".vtk", ".vtp", ".ply", ".stl", ".obj", NULL};
+
+struct reading {
+    const char *const *paths;
+    size_t count;
+    const struct mesh_foreign_options *options;
+    struct mesh *meshes; /* [count] */
+    size_t done;
+    size_t unstated, first_unstated; /* files without a word about their space */
+    struct notes *notes;
+    uint64_t size, largest; /* of the files, in bytes */
+    struct buffer *stream;  /* what came, for the cache; NULL when it comes from there */
+    bool failed_in_file;    /* the message names it already */
+};
+
+static const char *ending_of(const char *path)
+{
+    size_t length = strlen(path);
+    for (size_t i = 0; endings[i]; i++) {
+        if (length > 4 && strcasecmp(path + length - 4, endings[i]) == 0) {
+            return endings[i];
+        }
+    }
+    return NULL;
+}
+
+bool mesh_foreign_is(const char *path)
+{
+    return ending_of(path) != NULL;
+}
+
+/* What the result follows from: what the files hold, and what their names say that they are. */
+static conus_status append_recipe(struct buffer *out, struct reading *work)
+{
+    uint64_t limit = work->options->max_memory ? work->options->max_memory : default_memory;
+    conus_status status = CONUS_OK;
+    buffer_format(out, "conus %s " MESH_STREAM_MAGIC " files\n", conus_version());
+    for (size_t i = 0; !status && i < work->count; i++) {
+        struct bytes bytes = {0};
+        char sum[65];
+        const char *ending = ending_of(work->paths[i]);
+        status = file_read(&bytes, work->paths[i], limit);
+        if (!status) {
+            file_sha256(sum, &bytes);
+            buffer_format(out, "%s %s\n", sum, ending ? ending : "");
+            work->size += bytes.size;
+            work->largest = bytes.size > work->largest ? bytes.size : work->largest;
+        }
+        bytes_finish(&bytes);
+    }
+    return status ? status : buffer_status(out);
+}
+
+static conus_status keep_mesh(struct reading *work, const struct mesh_frame *frame)
+{
+    static const double ras_from_lps[16] = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    struct mesh *mesh = &work->meshes[work->done];
+    enum mesh_space space = work->options->space ? work->options->space : frame->space;
+    conus_status status = mesh_take_frame(mesh, frame, work->paths[work->done], work->notes, work->stream);
+    if (!status && space == MESH_SPACE_LPS) {
+        mesh_transform(mesh, ras_from_lps);
+    }
+    if (space == MESH_SPACE_UNSTATED) {
+        work->first_unstated = work->unstated++ ? work->first_unstated : work->done;
+    }
+    return status;
+}
+
+static conus_status take_frame(void *user, const struct mesh_frame *frame)
+{
+    struct reading *work = user;
+    if (frame->id != work->done || work->done >= work->count) {
+        return fail(CONUS_ERROR_DATA, "mesh stream: file %u, %zu is next", frame->id, work->done);
+    }
+    conus_status status = frame->kind == MESH_FRAME_FAILURE ? fail(CONUS_ERROR_DATA, "%.*s", (int)frame->text.size,
+                                                                   frame->text.size ? frame->text.data : "")
+                                                            : keep_mesh(work, frame);
+    if (status) {
+        work->failed_in_file = true;
+        return fail_in(status, work->paths[work->done]);
+    }
+    work->done++;
+    return CONUS_OK;
+}
+
+static conus_status append_request(struct buffer *out, const struct reading *work)
+{
+    buffer_append(out, MESH_REQUEST_MAGIC, MESH_MAGIC_SIZE);
+    mesh_append_u32(out, MESH_REQUEST_FILES);
+    mesh_append_u32(out, (uint32_t)work->count);
+    for (size_t i = 0; i < work->count; i++) {
+        mesh_append_u32(out, (uint32_t)strlen(work->paths[i]));
+        buffer_text(out, work->paths[i]);
+    }
+    return buffer_status(out);
+}
+
+/* A number in a file takes 2 bytes or more, and what VTK makes of it some dozens: a file that asks for more than this
+ * lies. VTK alone needs half a GiB of addresses. */
+static struct mesh_child_limits limits_of(const struct reading *work)
+{
+    uint64_t most = work->options->max_memory ? work->options->max_memory : default_memory;
+    uint64_t fair = (UINT64_C(1) << 30) + 64 * work->largest;
+    uint32_t seconds = 10 + (uint32_t)(work->size / 1000000);
+    return (struct mesh_child_limits){.memory = fair < most ? fair : most, .seconds = seconds, .wait = 6 * seconds};
+}
+
+static conus_status run_child(struct reading *work, const char *key)
+{
+    struct mesh_child_request request = {0};
+    struct buffer stream = {0};
+    const struct mesh_child_limits limits = limits_of(work);
+    work->stream = &stream;
+    mesh_stream_start(&stream);
+    conus_status status = append_request(&request.head, work);
+    status = status ? status : mesh_child_run(&request, &limits, take_frame, work);
+    if (status && !work->failed_in_file && work->done < work->count) { /* what the next file did to it */
+        fail_in(status, work->paths[work->done]);
+    }
+    if (!status && work->done != work->count) {
+        status = fail(CONUS_ERROR_DATA, "%s: conus-mesh did not read it", work->paths[work->done]);
+    }
+    mesh_stream_end(&stream, (uint32_t)work->count);
+    status = status ? status : buffer_status(&stream);
+    status = status ? status : mesh_cache_keep(key, &stream);
+    work->stream = NULL;
+    buffer_finish(&stream);
+    buffer_finish(&request.head);
+    return status;
+}
+
+static conus_status read_all(struct reading *work)
+{
+    char key[MESH_CACHE_KEY_SIZE];
+    struct buffer recipe = {0};
+    struct bytes cached = {0};
+    conus_status status = append_recipe(&recipe, work);
+    if (!status) {
+        mesh_cache_key(key, &recipe);
+        status = mesh_cache_find(&cached, key);
+    }
+    if (!status) {
+        status = cached.data ? mesh_stream_read(cached.data, cached.size, take_frame, work) : run_child(work, key);
+    }
+    bytes_finish(&cached);
+    buffer_finish(&recipe);
+    return status;
+}
+
+static conus_status note_unstated(const struct reading *work)
+{
+    if (!work->unstated) {
+        return CONUS_OK;
+    }
+    const char *path = work->paths[work->first_unstated];
+    return work->unstated == 1
+               ? notes_add(work->notes, "%s does not state its space; RAS was taken", path)
+               : notes_add(work->notes, "%zu mesh files do not state their space, %s the first; RAS was taken",
+                           work->unstated, path);
+}
+
+conus_status mesh_foreign_read(struct mesh *out, const char *const *paths, size_t count,
+                               const struct mesh_foreign_options *options, struct notes *notes)
+{
+    static const struct mesh_foreign_options defaults;
+    struct reading work = {.paths = paths, .count = count, .options = options ? options : &defaults, .notes = notes};
+    if (!count) {
+        return CONUS_OK;
+    }
+    work.meshes = memory_zeroed(count, sizeof *work.meshes);
+    conus_status status = work.meshes ? read_all(&work) : CONUS_ERROR_MEMORY;
+    status = status ? status : note_unstated(&work);
+    for (size_t i = 0; work.meshes && i < count; i++) {
+        if (status) {
+            mesh_finish(&work.meshes[i]);
+        } else {
+            out[i] = work.meshes[i];
+        }
+    }
+    memory_free(work.meshes);
+    return status;
+}

@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Mesh files of other programs through conus-mesh: good ones, and the ones that break VTK's readers. */
+#include "base/buffer.h"
+#include "base/file.h"
+#include "base/memory.h"
+#include "loaders/mesh_child.h"
+#include "loaders/mesh_foreign.h"
+#include "loaders/mesh_format.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void need_conus_mesh(void)
+{
+    char *path = NULL;
+    if (mesh_child_find(&path)) {
+        print_message("skipped: %s\n", conus_message());
+        skip();
+    }
+    memory_free(path);
+}
+
+static const char *write_text(const char *name, const char *text, size_t size)
+{
+    const char *path = test_scratch(name);
+    assert_ok(file_write_soon(path, text, size));
+    return path;
+}
+
+/* The unit tetrahedron scaled by 3, in every format: volume 4.5, centroid 0.75 in each of x, y and z. */
+static const char legacy[] = "# vtk DataFile Version 3.0\nmade; SPACE=%s\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n"
+                             "0 0 0 3 0 0 0 3 0 0 0 3\nPOLYGONS 4 16\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+static const char legacy51[] = "# vtk DataFile Version 5.1\nmade\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n"
+                               "0 0 0 3 0 0 0 3 0 0 0 3\nPOLYGONS 5 12\nOFFSETS vtktypeint64\n0 3 6 9 12\n"
+                               "CONNECTIVITY vtktypeint64\n0 2 1 0 1 3 0 3 2 1 2 3\n";
+static const char strips[] = "# vtk DataFile Version 3.0\nmade\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n"
+                             "0 0 0 3 0 0 0 3 0 0 0 3\nTRIANGLE_STRIPS 1 7\n6 0 2 1 3 0 2\n";
+static const char quads[] = "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nv 0 0 3\nv 3 0 3\nv 3 3 3\nv 0 3 3\n"
+                            "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+static const char ply[] = "ply\nformat ascii 1.0\ncomment SPACE=LPS\nelement vertex 4\nproperty float x\n"
+                          "property float y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\n"
+                          "end_header\n0 0 0\n3 0 0\n0 3 0\n0 0 3\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+static const char stl[] =
+    "solid SPACE=RAS\nfacet normal 0 0 -1\nouter loop\nvertex 0 0 0\nvertex 0 3 0\nvertex 3 0 0\nendloop\nendfacet\n"
+    "facet normal 0 -1 0\nouter loop\nvertex 0 0 0\nvertex 3 0 0\nvertex 0 0 3\nendloop\nendfacet\n"
+    "facet normal -1 0 0\nouter loop\nvertex 0 0 0\nvertex 0 0 3\nvertex 0 3 0\nendloop\nendfacet\n"
+    "facet normal 1 1 1\nouter loop\nvertex 3 0 0\nvertex 0 3 0\nvertex 0 0 3\nendloop\nendfacet\nendsolid\n";
+
+static void read_one(struct mesh *mesh, const char *path, const struct mesh_foreign_options *options,
+                     struct notes *notes)
+{
+    const char *const paths[] = {path};
+    if (mesh_foreign_read(mesh, paths, 1, options, notes)) {
+        fail_msg("%s", conus_message());
+    }
+    assert_string_equal(mesh->path, path);
+}
+
+/* Its volume is `volume`, and its centroid lies at `at` in x and y, `up` in z. */
+static void check_shape(struct mesh *mesh, double volume, double at, double up)
+{
+    struct mesh_shape shape;
+    assert_ok(mesh_measure(&shape, mesh));
+    assert_true(shape.closed);
+    assert_near(shape.volume_mm3, volume, 1e-5);
+    assert_near(shape.centroid[0], at, 1e-5);
+    assert_near(shape.centroid[1], at, 1e-5);
+    assert_near(shape.centroid[2], up, 1e-5);
+    mesh_finish(mesh);
+}
+
+static void good_files_are_read_and_their_space_is_honoured(void **state)
+{
+    (void)state;
+    need_conus_mesh();
+    char ras[1024];
+    char lps[1024];
+    snprintf(ras, sizeof ras, legacy, "RAS");
+    snprintf(lps, sizeof lps, legacy, "LPS");
+    const struct {
+        const char *name, *text;
+        double volume, at, up;
+        size_t notes;
+    } cases[] = {
+        {"ras.vtk", ras, 4.5, 0.75, 0.75, 0},      {"lps.vtk", lps, 4.5, -0.75, 0.75, 0},
+        {"new.vtk", legacy51, 4.5, 0.75, 0.75, 1}, {"strips.vtk", strips, 4.5, 0.75, 0.75, 1},
+        {"cube.obj", quads, 27, 1.5, 1.5, 1},      {"lps.ply", ply, 4.5, -0.75, 0.75, 0},
+        {"ras.stl", stl, 4.5, 0.75, 0.75, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct mesh mesh;
+        struct notes notes = {0};
+        read_one(&mesh, write_text(cases[i].name, cases[i].text, strlen(cases[i].text)), NULL, &notes);
+        if (notes.count != cases[i].notes || (notes.count && !strstr(notes.lines[0], "does not state its space"))) {
+            fail_msg("%s: %zu notes, %s", cases[i].name, notes.count, notes.count ? notes.lines[0] : "");
+        }
+        check_shape(&mesh, cases[i].volume, cases[i].at, cases[i].up);
+        notes_finish(&notes);
+    }
+}
+
+static void the_caller_may_know_the_space_better(void **state)
+{
+    (void)state;
+    need_conus_mesh();
+    const struct mesh_foreign_options lps = {.space = MESH_SPACE_LPS};
+    const struct mesh_foreign_options ras = {.space = MESH_SPACE_RAS};
+    struct mesh mesh;
+    struct notes notes = {0};
+    read_one(&mesh, write_text("cube.obj", quads, sizeof quads - 1), &lps, &notes);
+    check_shape(&mesh, 27, -1.5, 1.5);
+    read_one(&mesh, write_text("lps.ply", ply, sizeof ply - 1), &ras, &notes);
+    check_shape(&mesh, 4.5, 0.75, 0.75);
+    assert_int_equal(notes.count, 0);
+}
+
+/* What conus mesh writes, VTK reads as it was. */
+static void what_we_write_vtk_reads(void **state)
+{
+    (void)state;
+    need_conus_mesh();
+    float positions[12] = {0, 0, 0, 3.25f, 0, 0, 0, 3.25f, 0, 0, 0, 3.25f};
+    uint32_t triangles[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+    const struct mesh mesh = {NULL, positions, 4, triangles, 4};
+    const struct mesh_title title = {.label = 5, .name = "A & <B> \"C\"", .space = "NIFTI_XFORM_MNI_152"};
+    for (int format = CONUS_VTP; format <= CONUS_STL; format++) {
+        char name[32];
+        struct buffer bytes = {0};
+        struct mesh back;
+        struct notes notes = {0};
+        assert_ok(mesh_format(&bytes, &mesh, &title, (conus_mesh_format)format));
+        snprintf(name, sizeof name, "ours.%s", mesh_format_ending((conus_mesh_format)format));
+        read_one(&back, write_text(name, bytes.data, bytes.size), NULL, &notes);
+        assert_int_equal(notes.count, 0);
+        assert_int_equal(back.vertex_count, 4);
+        assert_int_equal(back.triangle_count, 4);
+        check_shape(&back, 3.25 * 3.25 * 3.25 / 6, 3.25 / 4, 3.25 / 4);
+        buffer_finish(&bytes);
+    }
+}
+
+static void refuse(const char *name, const char *text, size_t size, const char *part)
+{
+    const char *const paths[] = {write_text(name, text, size)};
+    struct mesh mesh;
+    struct notes notes = {0};
+    if (mesh_foreign_read(&mesh, paths, 1, NULL, &notes) == CONUS_OK) {
+        fail_msg("%s was read", paths[0]);
+    }
+    notes_finish(&notes);
+    if (strncmp(conus_message(), paths[0], strlen(paths[0])) != 0 || !strstr(conus_message(), part)) {
+        fail_msg("\"%s\" does not begin with %s or does not say \"%s\"", conus_message(), paths[0], part);
+    }
+}
+
+static void hostile_files_are_one_line(void **state)
+{
+    (void)state;
+    need_conus_mesh();
+    static const char binary_ply[] =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 2\nproperty list uchar int vertex_indices\nend_header\n\0\0\0\0\0\0\0\0";
+    static const char claims[] = "ply\nformat binary_little_endian 1.0\nelement vertex 2000000000\nproperty float x\n"
+                                 "property float y\nproperty float z\nelement face 2\n"
+                                 "property list uchar int vertex_indices\nend_header\n\0\0\0\0\0\0\0\0";
+    static const char vtk_claims[] = "# vtk DataFile Version 3.0\nmade\nBINARY\nDATASET POLYDATA\n"
+                                     "POINTS 2000000000 float\n\0\0\0\0\0\0\0\0";
+    static const char far_index[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 999999\n";
+    static const char far_ply[] = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                                  "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                                  "end_header\n0 0 0\n3 0 0\n0 3 0\n3 0 2 77\n";
+    static const char freesurfer[] = "\xff\xff\xfe"
+                                     "created by someone\n\n\0\0\0\4\0\0\0\4";
+    static const char mni[] =
+        "P 0.3 0.3 0.4 10 1 3\n 0 0 0\n 1 0 0\n 0 1 0\n\n 0 0 1\n 0 0 1\n 0 0 1\n\n 1\n 0 1 1 1 1\n";
+    static const char points[] = "v 0 0 0\nv 1 0 0\n";
+    static const char not_a_number[] = "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    refuse("truncated.ply", binary_ply, sizeof binary_ply - 1, "VTK crashed");
+    refuse("short.ply", ply, sizeof ply - 40, "VTK crashed");
+    refuse("header.ply", ply, 48, "header: \"element v\", an element has a name and a count");
+    refuse("claims.ply", claims, sizeof claims - 1, "element vertex 2000000000");
+    refuse("claims.vtk", vtk_claims, sizeof vtk_claims - 1, "Unable to allocate");
+    refuse("far.obj", far_index, sizeof far_index - 1, "vertex index 999998, allowed are 0 to 2");
+    refuse("far.ply", far_ply, sizeof far_ply - 1, "vertex index 77, allowed are 0 to 2");
+    refuse("lh.obj", freesurfer, sizeof freesurfer - 1, "a FreeSurfer surface");
+    refuse("mni.obj", mni, sizeof mni - 1, "an MNI object file");
+    refuse("empty.obj", "", 0, "the file is empty");
+    refuse("empty.ply", "", 0, "the file is empty");
+    refuse("words.vtk", "just words\n", 11, "neither VTK");
+    refuse("points.obj", points, sizeof points - 1, "no triangle with an area");
+    refuse("nan.obj", not_a_number, sizeof not_a_number - 1, "line 1: \"v 0 0 nan\", a vertex is three numbers");
+    refuse("header.vtk", legacy51, 60, "Unrecognized keyword");
+    refuse("short.vtk", legacy51, sizeof legacy51 - 30, "Unsupported data type");
+    refuse("bad.vtp", "<VTKFile type=\"PolyData\"><PolyData>", 34, "Error parsing XML");
+    refuse("words.stl", "solid\nnothing\n", 14, "Expecting 'facet'");
+}
+
+static void one_bad_file_among_many_is_named(void **state)
+{
+    (void)state;
+    need_conus_mesh();
+    char good[256];
+    char bad[256];
+    snprintf(good, sizeof good, "%s", write_text("cube.obj", quads, sizeof quads - 1));
+    snprintf(bad, sizeof bad, "%s", write_text("far.obj", "v 0 0 0\nf 1 2 999999\n", 21));
+    const char *const paths[] = {good, good, bad, good};
+    struct mesh meshes[4] = {0};
+    struct notes notes = {0};
+    assert_true(mesh_foreign_read(meshes, paths, 4, NULL, &notes) != CONUS_OK);
+    assert_non_null(strstr(conus_message(), "far.obj: "));
+    assert_null(meshes[0].positions);
+    notes_finish(&notes);
+    assert_ok(mesh_foreign_read(meshes, paths, 2, NULL, &notes));
+    assert_int_equal(notes.count, 1);
+    assert_non_null(strstr(notes.lines[0], "2 mesh files do not state their space"));
+    mesh_finish(&meshes[0]);
+    mesh_finish(&meshes[1]);
+    notes_finish(&notes);
+}
+
+static void names_tell_what_is_foreign(void **state)
+{
+    (void)state;
+    assert_true(mesh_foreign_is("a.vtk"));
+    assert_true(mesh_foreign_is("folder/a.PLY"));
+    assert_false(mesh_foreign_is("a.gii"));
+    assert_false(mesh_foreign_is(".obj"));
+    assert_false(mesh_foreign_is(""));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(good_files_are_read_and_their_space_is_honoured),
+        cmocka_unit_test(the_caller_may_know_the_space_better),
+        cmocka_unit_test(what_we_write_vtk_reads),
+        cmocka_unit_test(hostile_files_are_one_line),
+        cmocka_unit_test(one_bad_file_among_many_is_named),
+        cmocka_unit_test(names_tell_what_is_foreign),
+    };
+    test_own_cache();
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
