@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "render/draw.h"
 #include "render/legend.h"
+#include "selection/cryptomatte.h"
 #include "selection/selection.h"
 
 #include <math.h>
@@ -307,6 +308,7 @@ conus_status conus_image_of_selection(conus_image **out, const conus_selection *
     conus_status status = image_create(&image, selection->evidence.resolution, selection->evidence.resolution);
     status = status ? status : add_channels(image, selection);
     status = status ? status : add_attributes(image, selection);
+    status = status ? status : cryptomatte_add(image, selection);
     status = status ? status : add_picture(image, selection);
     if (status) {
         conus_image_destroy(image);

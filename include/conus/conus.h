@@ -327,7 +327,8 @@ CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *rende
 
 /** What the device saw: channels id (uint32: the atlas's own label), object (uint32), X, Y, Z, t (float, world mm),
  * top row first as in every image, with atlas and pose as attributes. Where it saw nothing, id and object are 0, X, Y,
- * Z are NaN and t is infinity. A PNG of it is magnified, in the areas' colours, with a legend. */
+ * Z are NaN and t is infinity. Channels CryptoObject00.R, .G, .B, .A hold the same as Cryptomatte 1.2.0. A PNG of it is
+ * magnified, in the areas' colours, with a legend. */
 CONUS_CHECKED conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection);
 
 CONUS_API uint32_t conus_image_width(const conus_image *image);
