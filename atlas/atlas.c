@@ -155,6 +155,16 @@ conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct
     return status;
 }
 
+conus_status atlas_add_group(conus_atlas *atlas, const conus_object *area)
+{
+    if (atlas->object_count > atlas->area_count) {
+        return fail(CONUS_ERROR_ARGUMENT, "area %u: areas are added before pathways", area->label);
+    }
+    conus_status status = atlas_append_object(atlas, area, (struct object_place){false, SIZE_MAX});
+    atlas->area_count = atlas->object_count;
+    return status;
+}
+
 /* Number of voxels of a mask that volume->objects16 or 32 holds. */
 static conus_status mark_pathway(struct volume *volume, uint32_t number, uint64_t *voxels)
 {
@@ -262,7 +272,7 @@ const struct volume *atlas_parcellation(const conus_atlas *atlas)
 const struct volume *atlas_object_volume(const conus_atlas *atlas, uint32_t number)
 {
     struct object_place place = atlas->places[number - 1];
-    return place.is_mesh ? NULL : &atlas->volumes[place.index];
+    return place.is_mesh || place.index >= atlas->volume_count ? NULL : &atlas->volumes[place.index];
 }
 
 const struct mesh *atlas_object_mesh(const conus_atlas *atlas, uint32_t number)

@@ -8,7 +8,7 @@
 #include "atlas/volume.h"
 #include "base/notes.h"
 
-/** Where an object lies: in which of the atlas's meshes or volumes. */
+/** Where an object lies: in which of the atlas's meshes or volumes. An index beyond these: it has no shape. */
 struct object_place {
     bool is_mesh;
     size_t index;
@@ -48,6 +48,9 @@ conus_status atlas_append_object(conus_atlas *atlas, const conus_object *object,
  * filled in. Areas come before pathways: CONUS_ERROR_ARGUMENT once there is a pathway. */
 conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct mesh *mesh);
 
+/** Appends an area without a shape, which groups others in the area tree. Otherwise like atlas_add_mesh(). */
+conus_status atlas_add_group(conus_atlas *atlas, const conus_object *area);
+
 /** Adds a scalar volume as a pathway of the voxels with values >= info->threshold. @p values (one per voxel) is
  * taken over on success. */
 conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info, float *values, const char *name);
@@ -64,7 +67,7 @@ const char *atlas_path(const conus_atlas *atlas);
 /** The parcellation's volume, or NULL. */
 const struct volume *atlas_parcellation(const conus_atlas *atlas);
 
-/** The volume that holds object @p number; NULL if that is a mesh. */
+/** The volume that holds object @p number; NULL if that is a mesh or has no shape. */
 const struct volume *atlas_object_volume(const conus_atlas *atlas, uint32_t number);
 
 /** The mesh that is object @p number; NULL if that lies in a volume. */

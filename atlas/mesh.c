@@ -264,15 +264,14 @@ double mesh_distance(const struct mesh *mesh, size_t triangle, const double orig
         corner(p[k], mesh, triangle, k);
         vec3_sub(p[k], p[k], origin);
         double reach = vec3_dot(p[k], direction) * per_length;
-        nearest = reach < nearest ? reach : nearest;
-        farthest = reach > farthest ? reach : farthest;
+        nearest = fmin(nearest, reach);
+        farthest = fmax(farthest, reach);
     }
     vec3_sub(p[1], p[1], p[0]);
     vec3_sub(p[2], p[2], p[0]);
     vec3_cross(normal, p[1], p[2]);
     double t = vec3_dot(normal, p[0]) / vec3_dot(normal, direction);
-    t = t >= nearest ? t : nearest; /* also where the ray runs in the plane and t is no number */
-    return t <= farthest ? t : farthest;
+    return fmin(fmax(t, nearest), farthest); /* nearest, where the ray runs in the plane and t is no number */
 }
 
 void mesh_transform(struct mesh *mesh, const double world_from_mesh[16])

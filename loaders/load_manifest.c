@@ -5,8 +5,7 @@
 #include "loaders/folder.h"
 #include "loaders/fsl_atlas.h"
 #include "loaders/label_parse.h"
-#include "loaders/load.h"
-#include "loaders/manifest.h"
+#include "loaders/load_plan.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -42,35 +41,50 @@ static char *source_path(const struct loading *loading, const struct manifest_vo
     return selected.failed ? (buffer_finish(&selected), NULL) : selected.data;
 }
 
-/* ---- Parcellation ------------------------------------------------------------------------------------------- */
+/* ---- Areas --------------------------------------------------------------------------------------------------- */
 
-static conus_status load_parcellation(struct loading *loading)
+static conus_status read_parcellation(struct parcellation *parts, const struct loading *loading)
 {
     const struct manifest_parcellation *from = &loading->manifest->parcellation;
-    struct parcellation parts = {0};
     conus_load_options options = *loading->options;
     char *labels = from->labels && !options.labels ? file_beside(loading->path, from->labels) : NULL;
     char *path = source_path(loading, &from->source);
     conus_status status = path && (labels || !from->labels || options.labels) ? CONUS_OK : CONUS_ERROR_MEMORY;
     options.labels = labels ? labels : options.labels;
-    status = status ? status : parcellation_read(&parts, path, &options);
-    status = status ? status : parcellation_atlas(&loading->atlas, &parts);
-    parcellation_finish(&parts);
+    status = status ? status : parcellation_read(parts, path, &options);
     memory_free(path);
     memory_free(labels);
-    return status ? fail_at(status, loading, "parcellation") : CONUS_OK;
+    return status ? fail_in(status, "parcellation") : CONUS_OK;
 }
 
-static conus_status start_atlas(struct loading *loading)
+/* An atlas of the parcellation, if there is one, with all voxels that are no surface's. */
+static conus_status create_atlas(struct loading *loading, struct area_plan *plan)
 {
-    if (loading->manifest->parcellation.source.file) {
-        return load_parcellation(loading);
+    struct parcellation parts = {0};
+    if (!loading->manifest->parcellation.source.file) {
+        return loading->options->labels
+                   ? fail(CONUS_ERROR_ARGUMENT, "labels %s: the manifest has no parcellation that they could name",
+                          loading->options->labels)
+                   : atlas_create_empty(&loading->atlas, "the manifest");
     }
-    if (loading->options->labels) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: labels %s: the manifest has no parcellation that they could name",
-                    loading->path, loading->options->labels);
-    }
-    return atlas_create_empty(&loading->atlas, "manifest");
+    conus_status status = read_parcellation(&parts, loading);
+    status = status ? status : area_plan_settle(plan, &parts, loading->manifest->prefer);
+    status = status ? status : parcellation_atlas(&loading->atlas, &parts);
+    parcellation_finish(&parts);
+    return status;
+}
+
+static conus_status load_areas(struct loading *loading)
+{
+    struct area_plan plan = {0};
+    struct notes notes = {0};
+    conus_status status = area_plan_make(&plan, loading->manifest, loading->path, &notes);
+    status = status ? status : create_atlas(loading, &plan);
+    status = status ? status : notes_move(&loading->atlas->notes, &notes);
+    status = status ? status : area_plan_load(&plan, loading->atlas, loading->manifest, loading->options);
+    area_plan_finish(&plan);
+    notes_finish(&notes);
+    return status ? fail_in(status, loading->path) : CONUS_OK;
 }
 
 /* ---- Pathways ----------------------------------------------------------------------------------------------- */
@@ -287,7 +301,7 @@ conus_status manifest_load(conus_atlas **out, const char *path, struct text text
         return fail_in(status, path);
     }
     struct loading loading = {&manifest, path, options, NULL};
-    status = start_atlas(&loading);
+    status = load_areas(&loading);
     status = status ? status : add_pathways(&loading);
     status = status ? status : set_context(&loading);
     manifest_finish(&manifest);

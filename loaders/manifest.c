@@ -2,231 +2,83 @@
 /* Tables of the keys that each kind of JSON object may have drive the parser; one function per type of value. */
 #include "loaders/manifest.h"
 
-#include "base/buffer.h"
 #include "base/memory.h"
+#include "loaders/label_parse.h"
+#include "loaders/schema.h"
 
-#include <ctype.h>
-#include <jansson.h>
-#include <math.h>
-#include <stdio.h>
 #include <string.h>
 
-enum { KEY_SIZE = 160 };
-
-/* Where the parser is: the key's path for messages, and what holds for the whole file. */
-struct place {
-    char key[KEY_SIZE];
-    bool allow_outside;
-};
-
-/* A key that an object may have. `field` is the place that receives the value. */
-struct field {
-    const char *key;
-    conus_status (*read)(void *field, const json_t *value, const struct place *place);
-    size_t offset;
-    bool required;
-};
-
-/* ---- Messages ---------------------------------------------------------------------------------------------- */
-
-/* `text` as part of one line: at most 40 bytes, control characters as '?'. */
-static const char *shown(char out[48], const char *text)
-{
-    size_t i = 0;
-    for (; text[i] && i < 40; i++) {
-        out[i] = (unsigned char)text[i] < 0x20 || text[i] == 0x7f ? '?' : text[i];
-    }
-    while (i && ((unsigned char)text[i] & 0xc0) == 0x80) { /* never half a character */
-        i--;
-    }
-    snprintf(out + i, 4, "%s", text[i] ? "..." : "");
-    return out;
-}
-
-static conus_status fail_value(const struct place *place, const json_t *value, const char *wanted)
-{
-    static const char *const types[] = {
-        [JSON_OBJECT] = "an object", [JSON_ARRAY] = "a list", [JSON_STRING] = "a text", [JSON_INTEGER] = "a number",
-        [JSON_REAL] = "a number",    [JSON_TRUE] = "true",    [JSON_FALSE] = "false",   [JSON_NULL] = "null"};
-    char text[48];
-    char found[72];
-    if (json_is_string(value)) {
-        snprintf(found, sizeof found, "\"%s\"", shown(text, json_string_value(value)));
-    } else if (json_is_number(value)) {
-        snprintf(found, sizeof found, "%.9g", json_number_value(value));
-    } else {
-        snprintf(found, sizeof found, "%s", types[json_typeof(value)]);
-    }
-    return fail(CONUS_ERROR_DATA, "%s: found %s, %s is needed", place->key[0] ? place->key : "content", found, wanted);
-}
-
-static struct place below(const struct place *place, const char *key)
-{
-    char text[48];
-    struct place inner = {.allow_outside = place->allow_outside};
-    snprintf(inner.key, sizeof inner.key, "%.100s%s%s", place->key, place->key[0] ? "." : "", shown(text, key));
-    return inner;
-}
-
-static struct place element(const struct place *place, size_t index)
-{
-    struct place inner = {.allow_outside = place->allow_outside};
-    snprintf(inner.key, sizeof inner.key, "%.130s[%zu]", place->key, index);
-    return inner;
-}
-
-static conus_status fail_unknown(const struct place *place, const struct field *fields)
-{
-    struct buffer known = {0};
-    for (const struct field *field = fields; field->key; field++) {
-        buffer_format(&known, "%s%s", field == fields ? "" : ", ", field->key);
-    }
-    conus_status status = buffer_status(&known);
-    status = status ? status : fail(CONUS_ERROR_DATA, "%s: unknown key, allowed are %s", place->key, known.data);
-    buffer_finish(&known);
-    return status;
-}
-
-/* ---- Objects ----------------------------------------------------------------------------------------------- */
-
-static const struct field *find_field(const struct field *fields, const char *key)
-{
-    while (fields->key && strcmp(fields->key, key) != 0) {
-        fields++;
-    }
-    return fields->key ? fields : NULL;
-}
-
-static conus_status read_object(void *out, const json_t *object, const struct field *fields, const struct place *place)
-{
-    const char *key;
-    json_t *value;
-    if (!json_is_object(object)) {
-        return fail_value(place, object, "an object");
-    }
-    json_object_foreach((json_t *)object, key, value)
-    {
-        const struct field *field = find_field(fields, key);
-        struct place inner = below(place, key);
-        conus_status status =
-            field ? field->read((char *)out + field->offset, value, &inner) : fail_unknown(&inner, fields);
-        if (status) {
-            return status;
-        }
-    }
-    for (const struct field *field = fields; field->key; field++) {
-        if (field->required && !json_object_get(object, field->key)) {
-            return fail(CONUS_ERROR_DATA, "%s is missing", below(place, field->key).key);
-        }
-    }
-    return CONUS_OK;
-}
-
-/* ---- Values ------------------------------------------------------------------------------------------------ */
-
-static bool is_one_line(const char *text)
-{
-    while ((unsigned char)*text >= 0x20 && *text != 0x7f) {
-        text++;
-    }
-    return !*text;
-}
-
-static conus_status read_text(void *field, const json_t *value, const struct place *place)
-{
-    char **out = field;
-    const char *text = json_string_value(value);
-    if (!text || !text[0] || !is_one_line(text)) {
-        return fail_value(place, value, "a text of one line that is not empty");
-    }
-    *out = memory_text(text, json_string_length(value));
-    return *out ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
-static conus_status read_comment(void *field, const json_t *value, const struct place *place)
-{
-    (void)field;
-    return json_is_string(value) ? CONUS_OK : fail_value(place, value, "a text");
-}
-
-static conus_status read_flag(void *field, const json_t *value, const struct place *place)
-{
-    bool *out = field;
-    if (!json_is_boolean(value)) {
-        return fail_value(place, value, "true or false");
-    }
-    *out = json_is_true(value);
-    return CONUS_OK;
-}
-
-static conus_status read_positive(void *field, const json_t *value, const struct place *place)
-{
-    double *out = field;
-    double number = json_number_value(value);
-    if (!(number > 0) || !isfinite(number)) {
-        return fail_value(place, value, "a number above 0");
-    }
-    *out = number;
-    return CONUS_OK;
-}
-
-static conus_status read_version(void *field, const json_t *value, const struct place *place)
+static conus_status read_version(void *field, const json_t *value, const struct schema_place *place)
 {
     (void)field;
     return json_is_integer(value) && json_integer_value(value) == MANIFEST_VERSION
                ? CONUS_OK
-               : fail_value(place, value, "1, the version of this format,");
+               : schema_fail(place, value, "1, the version of this format,");
 }
 
-/* True when following `path` never climbs above where it begins. */
-static bool stays_inside(const char *path)
-{
-    long depth = 0;
-    for (const char *part = path; *part && depth >= 0;) {
-        size_t length = strcspn(part, "/");
-        bool up = length == 2 && memcmp(part, "..", 2) == 0;
-        bool here = length == 0 || (length == 1 && part[0] == '.');
-        depth += up ? -1 : here ? 0 : 1;
-        part += length + (part[length] == '/');
-    }
-    return depth >= 0 && path[0] != '/';
-}
-
-static conus_status read_path(void *field, const json_t *value, const struct place *place)
-{
-    const char *path = json_string_value(value);
-    if (path && !place->allow_outside && !stays_inside(path)) {
-        return fail_value(place, value, "a path inside the manifest's folder (or \"allow_outside\": true)");
-    }
-    return read_text(field, value, place);
-}
-
-static conus_status read_volume_number(void *field, const json_t *value, const struct place *place)
+static conus_status read_volume_number(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest_volume *out = field;
     json_int_t number = json_is_integer(value) ? json_integer_value(value) : -1;
     if (number < 0 || number > UINT32_MAX) {
-        return fail_value(place, value, "a whole number from 0");
+        return schema_fail(place, value, "a whole number from 0");
     }
     out->chosen = true;
     out->volume = (uint32_t)number;
     return CONUS_OK;
 }
 
-static conus_status read_names(void *field, const json_t *value, const struct place *place)
+static conus_status read_names(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest_pathway *pathway = field;
     size_t count = json_array_size(value);
     if (!count) {
-        return fail_value(place, value, "a list of names, one per volume,");
+        return schema_fail(place, value, "a list of names, one per volume,");
     }
     pathway->names = memory_zeroed(count, sizeof *pathway->names);
     pathway->name_count = pathway->names ? count : 0;
     conus_status status = pathway->names ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < count; i++) {
-        struct place inner = element(place, i);
-        status = read_text(&pathway->names[i], json_array_get(value, i), &inner);
+        struct schema_place inner = schema_element(place, i);
+        status = schema_text(&pathway->names[i], json_array_get(value, i), &inner);
     }
+    return status;
+}
+
+static conus_status read_offset(void *field, const json_t *value, const struct schema_place *place)
+{
+    return schema_uint(field, value, place, 0);
+}
+
+/* ---- What is said about an area ---------------------------------------------------------------------------- */
+
+static conus_status read_label_number(void *field, const json_t *value, const struct schema_place *place)
+{
+    return schema_uint(&((struct label *)field)->number, value, place, 1);
+}
+
+static conus_status read_parent(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct label *label = field;
+    label->has_parent = true;
+    return schema_uint(&label->parent, value, place, 1);
+}
+
+static conus_status read_color(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct label *label = field;
+    const char *text = json_string_value(value);
+    label->has_rgb = text && text[0] == '#' && strlen(text) == 7 && strspn(text + 1, "0123456789abcdefABCDEF") == 6;
+    return label->has_rgb ? label_cell_hex(label->rgb, text_from(text), place->key)
+                          : schema_fail(place, value, "\"#rrggbb\"");
+}
+
+static conus_status read_hemisphere(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const char *const words[] = {"L", "R", "B", NULL};
+    unsigned word = 0;
+    conus_status status = schema_word(&word, value, place, words);
+    ((struct label *)field)->hemisphere = status ? 0 : words[word][0];
     return status;
 }
 
@@ -234,46 +86,48 @@ static conus_status read_names(void *field, const json_t *value, const struct pl
 
 #define AT(type, member) offsetof(struct type, member)
 
-static conus_status read_transfer_file(void *field, const json_t *value, const struct place *place)
+static conus_status read_transfer_file(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest_context *context = field;
     context->transfer_is_file = true;
-    return read_path(&context->transfer, value, place);
+    return schema_path(&context->transfer, value, place);
 }
 
-static conus_status read_transfer(void *field, const json_t *value, const struct place *place)
+static conus_status read_transfer(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest_context *context = field;
-    static const struct field keys[] = {{"file", read_transfer_file, 0, true}, {0}};
-    return json_is_object(value) ? read_object(context, value, keys, place)
-                                 : read_text(&context->transfer, value, place);
+    static const struct schema_field keys[] = {{"file", read_transfer_file, 0, true}, {0}};
+    return json_is_object(value) ? schema_object(context, value, keys, place)
+                                 : schema_text(&context->transfer, value, place);
 }
 
-static conus_status read_parcellation(void *field, const json_t *value, const struct place *place)
+static conus_status read_parcellation(void *field, const json_t *value, const struct schema_place *place)
 {
-    static const struct field keys[] = {
-        {"file", read_path, AT(manifest_parcellation, source.file), true},
+    static const struct schema_field keys[] = {
+        {"file", schema_path, AT(manifest_parcellation, source.file), true},
         {"volume", read_volume_number, AT(manifest_parcellation, source), false},
-        {"labels", read_path, AT(manifest_parcellation, labels), false},
+        {"labels", schema_path, AT(manifest_parcellation, labels), false},
         {0},
     };
     struct manifest_parcellation *out = field;
-    return json_is_string(value) ? read_path(&out->source.file, value, place) : read_object(out, value, keys, place);
+    return json_is_string(value) ? schema_path(&out->source.file, value, place)
+                                 : schema_object(out, value, keys, place);
 }
 
-static conus_status read_context(void *field, const json_t *value, const struct place *place)
+static conus_status read_context(void *field, const json_t *value, const struct schema_place *place)
 {
-    static const struct field keys[] = {
-        {"file", read_path, AT(manifest_context, source.file), true},
+    static const struct schema_field keys[] = {
+        {"file", schema_path, AT(manifest_context, source.file), true},
         {"volume", read_volume_number, AT(manifest_context, source), false},
         {"transfer", read_transfer, 0, false},
         {0},
     };
     struct manifest_context *out = field;
-    return json_is_string(value) ? read_path(&out->source.file, value, place) : read_object(out, value, keys, place);
+    return json_is_string(value) ? schema_path(&out->source.file, value, place)
+                                 : schema_object(out, value, keys, place);
 }
 
-static conus_status check_pathway(const struct manifest_pathway *pathway, const struct place *place)
+static conus_status check_pathway(const struct manifest_pathway *pathway, const struct schema_place *place)
 {
     const char *one = pathway->name ? "name" : pathway->source.chosen ? "volume" : NULL;
     const char *many = pathway->fsl ? "fsl" : pathway->names ? "names" : NULL;
@@ -288,87 +142,181 @@ static conus_status check_pathway(const struct manifest_pathway *pathway, const 
                                                 : fail(CONUS_ERROR_DATA, "%s: file or fsl is missing", place->key);
 }
 
-static conus_status read_pathway(void *field, const json_t *value, const struct place *place)
+static conus_status read_pathway(void *field, const json_t *value, const struct schema_place *place)
 {
-    static const struct field keys[] = {
-        {"file", read_path, AT(manifest_pathway, source.file), false},
+    static const struct schema_field keys[] = {
+        {"file", schema_path, AT(manifest_pathway, source.file), false},
         {"volume", read_volume_number, AT(manifest_pathway, source), false},
-        {"fsl", read_path, AT(manifest_pathway, fsl), false},
-        {"name", read_text, AT(manifest_pathway, name), false},
+        {"fsl", schema_path, AT(manifest_pathway, fsl), false},
+        {"name", schema_text, AT(manifest_pathway, name), false},
         {"names", read_names, 0, false},
-        {"threshold", read_positive, AT(manifest_pathway, threshold), false},
-        {"comment", read_comment, 0, false},
+        {"threshold", schema_positive, AT(manifest_pathway, threshold), false},
+        {"comment", schema_comment, 0, false},
         {0},
     };
     struct manifest_pathway *out = field;
     if (json_is_string(value)) {
-        return read_path(&out->source.file, value, place);
+        return schema_path(&out->source.file, value, place);
     }
-    conus_status status = read_object(out, value, keys, place);
+    conus_status status = schema_object(out, value, keys, place);
     return status ? status : check_pathway(out, place);
 }
 
-/* Reads a list of `size` bytes per entry into *entries and *count. */
-static conus_status read_list(void **entries, size_t *count, size_t size, const json_t *list,
-                              conus_status (*read)(void *, const json_t *, const struct place *),
-                              const struct place *place)
+static conus_status read_area_label(void *field, const json_t *value, const struct schema_place *place)
 {
-    size_t length = json_array_size(list);
-    if (!json_is_array(list)) {
-        return fail_value(place, list, "a list");
-    }
-    *entries = memory_zeroed(length, size);
-    if (!*entries) {
-        return CONUS_ERROR_MEMORY;
-    }
-    *count = length;
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < length; i++) {
-        struct place inner = element(place, i);
-        status = read((char *)*entries + i * size, json_array_get(list, i), &inner);
-    }
+    struct manifest_area *area = field;
+    area->has_label = true;
+    return read_label_number(&area->label, value, place);
+}
+
+static conus_status read_structures(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const char *const words[] = {"leaves", "all", NULL};
+    unsigned word = 0;
+    conus_status status = schema_word(&word, value, place, words);
+    ((struct manifest_area *)field)->all_structures = word == 1;
     return status;
 }
 
-static conus_status read_pathways(void *field, const json_t *value, const struct place *place)
+/* Each kind of entry has keys of its own; the key that tells it comes first. */
+static const struct schema_field file_keys[] = {
+    {"file", schema_path, AT(manifest_area, file), true},
+    {"label", read_area_label, 0, false},
+    {"name", schema_text, AT(manifest_area, label.name), false},
+    {"abbreviation", schema_text, AT(manifest_area, label.abbreviation), false},
+    {"color", read_color, AT(manifest_area, label), false},
+    {"parent", read_parent, AT(manifest_area, label), false},
+    {"hemisphere", read_hemisphere, AT(manifest_area, label), false},
+    {"vertex_labels", schema_path, AT(manifest_area, vertex_labels), false},
+    {"label_offset", read_offset, AT(manifest_area, label_offset), false},
+    {"comment", schema_comment, 0, false},
+    {0},
+};
+static const struct schema_field files_keys[] = {
+    {"files", schema_path, AT(manifest_area, files), true},
+    {"labels", schema_path, AT(manifest_area, labels), false},
+    {"label_offset", read_offset, AT(manifest_area, label_offset), false},
+    {"parent", read_parent, AT(manifest_area, label), false},
+    {"hemisphere", read_hemisphere, AT(manifest_area, label), false},
+    {"comment", schema_comment, 0, false},
+    {0},
+};
+static const struct schema_field brainglobe_keys[] = {
+    {"brainglobe", schema_path, AT(manifest_area, brainglobe), true},
+    {"structures", read_structures, 0, false},
+    {"scale", schema_positive, AT(manifest_area, scale), false},
+    {"orientation", schema_text, AT(manifest_area, orientation), false},
+    {"comment", schema_comment, 0, false},
+    {0},
+};
+
+/* A surface that is cut into areas says nothing of a single one. */
+static conus_status check_area(const struct manifest_area *area, const struct schema_place *place)
 {
-    struct manifest *out = field;
-    return read_list((void **)&out->pathways, &out->pathway_count, sizeof *out->pathways, value, read_pathway, place);
+    bool single = area->has_label || area->label.name || area->label.abbreviation || area->label.has_rgb;
+    if (area->vertex_labels && single) {
+        return fail(CONUS_ERROR_DATA,
+                    "%s: has vertex_labels for several areas and label, name, abbreviation or color of one",
+                    place->key);
+    }
+    if (area->file && area->label_offset && !area->vertex_labels) {
+        return fail(CONUS_ERROR_DATA, "%s.label_offset: without vertex_labels, give label", place->key);
+    }
+    return CONUS_OK;
 }
 
-static const struct field manifest_keys[] = {
+static conus_status read_area(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const struct schema_field *const kinds[] = {file_keys, files_keys, brainglobe_keys};
+    const struct schema_field *keys = NULL;
+    struct manifest_area *out = field;
+    if (json_is_string(value)) {
+        return schema_path(&out->file, value, place);
+    }
+    for (size_t i = 0; !keys && i < sizeof kinds / sizeof kinds[0]; i++) {
+        keys = json_object_get(value, kinds[i]->key) ? kinds[i] : NULL;
+    }
+    if (json_is_object(value) && !keys) {
+        return fail(CONUS_ERROR_DATA, "%s: file, files or brainglobe is missing", place->key);
+    }
+    conus_status status = schema_object(out, value, keys, place);
+    return status ? status : check_area(out, place);
+}
+
+static conus_status read_node(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const struct schema_field keys[] = {
+        {"label", read_label_number, 0, true},
+        {"parent", read_parent, 0, false},
+        {"name", schema_text, AT(label, name), false},
+        {"abbreviation", schema_text, AT(label, abbreviation), false},
+        {"color", read_color, 0, false},
+        {"comment", schema_comment, 0, false},
+        {0},
+    };
+    return schema_object(field, value, keys, place);
+}
+
+static conus_status read_pathways(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest *out = field;
+    return schema_list((void **)&out->pathways, &out->pathway_count, sizeof *out->pathways, value, read_pathway, place);
+}
+
+static conus_status read_areas(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest *out = field;
+    return schema_list((void **)&out->areas, &out->area_count, sizeof *out->areas, value, read_area, place);
+}
+
+static conus_status read_tree(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest *out = field;
+    return schema_list((void **)&out->tree, &out->tree_count, sizeof *out->tree, value, read_node, place);
+}
+
+static conus_status read_space(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const char *const words[] = {"ras", "lps", NULL};
+    unsigned word = 0;
+    conus_status status = schema_word(&word, value, place, words);
+    ((struct manifest *)field)->space = word ? MESH_SPACE_LPS : MESH_SPACE_RAS;
+    return status;
+}
+
+static conus_status read_prefer(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const char *const words[] = {"areas", "parcellation", NULL};
+    unsigned word = 0;
+    conus_status status = schema_word(&word, value, place, words);
+    ((struct manifest *)field)->prefer = word ? MANIFEST_PREFER_PARCELLATION : MANIFEST_PREFER_AREAS;
+    return status;
+}
+
+static const struct schema_field manifest_keys[] = {
     {"conus_atlas", read_version, 0, true},
-    {"comment", read_comment, 0, false},
-    {"allow_outside", read_flag, AT(manifest, allow_outside), false},
+    {"comment", schema_comment, 0, false},
+    {"allow_outside", schema_flag, AT(manifest, allow_outside), false},
     {"parcellation", read_parcellation, AT(manifest, parcellation), false},
+    {"areas", read_areas, 0, false},
+    {"space", read_space, 0, false},
+    {"prefer", read_prefer, 0, false},
+    {"tree", read_tree, 0, false},
     {"pathways", read_pathways, 0, false},
-    {"threshold", read_positive, AT(manifest, threshold), false},
+    {"threshold", schema_positive, AT(manifest, threshold), false},
     {"context", read_context, AT(manifest, context), false},
     {0},
 };
 
 static conus_status check(const struct manifest *manifest)
 {
-    if (!manifest->parcellation.source.file && !manifest->pathway_count) {
-        return fail(CONUS_ERROR_DATA, "nothing to select: parcellation or pathways is needed");
+    if (!manifest->parcellation.source.file && !manifest->area_count && !manifest->pathway_count) {
+        return fail(CONUS_ERROR_DATA, "nothing to select: parcellation, areas or pathways is needed");
     }
     return CONUS_OK;
 }
 
 /* ---- The file ---------------------------------------------------------------------------------------------- */
-
-static conus_status fail_syntax(const json_error_t *error)
-{
-    char text[JSON_ERROR_TEXT_LENGTH];
-    if (json_error_code(error) == json_error_out_of_memory) {
-        return fail(CONUS_ERROR_MEMORY, "no memory for the JSON text");
-    }
-    snprintf(text, sizeof text, "%s", error->text);
-    for (char *c = text; *c; c++) {
-        *c = (unsigned char)*c < 0x20 || *c == 0x7f ? '?' : *c;
-    }
-    return fail(CONUS_ERROR_DATA, "line %d, column %d: %s", error->line, error->column, text);
-}
 
 bool manifest_is(struct text text)
 {
@@ -379,14 +327,11 @@ bool manifest_is(struct text text)
 
 conus_status manifest_parse(struct manifest *out, struct text text)
 {
-    json_error_t error;
+    json_t *root = NULL;
     struct manifest manifest = {0};
-    json_t *root = json_loadb(text.data, text.size, JSON_REJECT_DUPLICATES, &error);
-    if (!root) {
-        return fail_syntax(&error);
-    }
-    struct place place = {.allow_outside = json_is_true(json_object_get(root, "allow_outside"))};
-    conus_status status = read_object(&manifest, root, manifest_keys, &place);
+    conus_status status = schema_load(&root, text);
+    struct schema_place place = {.allow_outside = json_is_true(json_object_get(root, "allow_outside"))};
+    status = status ? status : schema_object(&manifest, root, manifest_keys, &place);
     status = status ? status : check(&manifest);
     json_decref(root);
     if (status) {
@@ -408,8 +353,29 @@ static void pathway_finish(struct manifest_pathway *pathway)
     memory_free(pathway->source.file);
 }
 
+static void area_finish(struct manifest_area *area)
+{
+    memory_free(area->file);
+    memory_free(area->files);
+    memory_free(area->brainglobe);
+    memory_free(area->label.name);
+    memory_free(area->label.abbreviation);
+    memory_free(area->vertex_labels);
+    memory_free(area->labels);
+    memory_free(area->orientation);
+}
+
 void manifest_finish(struct manifest *manifest)
 {
+    for (size_t i = 0; i < manifest->area_count; i++) {
+        area_finish(&manifest->areas[i]);
+    }
+    for (size_t i = 0; i < manifest->tree_count; i++) {
+        memory_free(manifest->tree[i].name);
+        memory_free(manifest->tree[i].abbreviation);
+    }
+    memory_free(manifest->areas);
+    memory_free(manifest->tree);
     for (size_t i = 0; i < manifest->pathway_count; i++) {
         pathway_finish(&manifest->pathways[i]);
     }

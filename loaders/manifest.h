@@ -5,8 +5,8 @@
 #ifndef CONUS_LOADERS_MANIFEST_H
 #define CONUS_LOADERS_MANIFEST_H
 
-#include "base/status.h"
-#include "base/text.h"
+#include "atlas/labels.h"
+#include "loaders/mesh_protocol.h"
 
 enum { MANIFEST_VERSION = 1 };
 
@@ -28,6 +28,24 @@ struct manifest_context {
     bool transfer_is_file;
 };
 
+/** Surfaces that are areas: one file, the files that match a pattern, or a BrainGlobe folder. */
+struct manifest_area {
+    char *file;
+    char *files;           /**< Pattern: * and ? in the last part of the path.                                      */
+    char *brainglobe;      /**< Folder of structures.json and meshes/ID.obj.                                        */
+    bool has_label;        /**< file: label.number is given, else the first number in the file's name.              */
+    struct label label;    /**< file: what is said about it; files: hemisphere and parent of all.                   */
+    char *vertex_labels;   /**< file: labels of its vertices, which cut it into areas; NULL if none.                */
+    char *labels;          /**< files: table that names them; NULL if none.                                         */
+    uint32_t label_offset; /**< files: added to the numbers in their names, or to 1, 2, ... where there are none.   */
+    double scale;          /**< brainglobe: mm per unit; 0 = 0.001.                                                 */
+    char *orientation;     /**< brainglobe: three letters, where the axes start; NULL = as metadata.json says.      */
+    bool all_structures;   /**< brainglobe: not only those that contain no other with a surface.                    */
+};
+
+/** Which one is the area where a label is a surface's and has voxels in the parcellation. */
+enum manifest_preference { MANIFEST_PREFER_NONE, MANIFEST_PREFER_AREAS, MANIFEST_PREFER_PARCELLATION };
+
 /** One pathway, or with `names` or `fsl` one for each volume of a 4-D file. */
 struct manifest_pathway {
     struct manifest_volume source;
@@ -42,6 +60,12 @@ struct manifest {
     bool allow_outside; /**< Paths may leave the manifest's folder.                                           */
     struct manifest_parcellation parcellation;
     struct manifest_context context;
+    enum mesh_space space; /**< Of the surfaces' coordinates; unstated = as each file says.                       */
+    enum manifest_preference prefer;
+    struct manifest_area *areas;
+    size_t area_count;
+    struct label *tree; /**< Parents, and areas without a shape that group others.                                */
+    size_t tree_count;
     struct manifest_pathway *pathways;
     size_t pathway_count;
     double threshold; /**< Of pathways that give none; 0 = the default.                                       */

@@ -60,14 +60,12 @@ struct mesh_rays {
     char message[160];
 };
 
-/* What Embree hands to choose(); the context comes first. */
+/* What Embree hands to weigh(); the context comes first. */
 struct walk {
     struct RTCIntersectContext context;
     const struct mesh_rays *rays;
     struct mesh_bundle *bundle;
-    double start;                 /* mm from the apex to where Embree's rays begin; negative a little behind it */
-    float depth[MESH_RAYS_LIMIT]; /* of each ray's first contact so far, from there on */
-    bool rough[MESH_RAYS_LIMIT];  /* that contact's t has not been computed yet        */
+    double start; /* mm from the apex to where Embree's rays begin; negative a little behind it */
 };
 
 /* ---- The scene -------------------------------------------------------------------------------------------- */
@@ -200,7 +198,7 @@ static void measure_scene(struct mesh_rays *rays, size_t triangles)
     rays->cell = cbrt(volume / (double)triangles);
 }
 
-/* What distance_to() needs of every object. */
+/* What weigh() needs of every object. */
 static conus_status keep_surfaces(struct mesh_rays *rays, const struct mesh_object *objects, size_t count)
 {
     bool placed = false;
@@ -282,47 +280,17 @@ static bool is_first(const struct mesh_bundle *bundle, size_t ray, double t, uin
            (object == bundle->object[ray] && triangle < bundle->triangle[ray]);
 }
 
-static void keep(struct walk *walk, size_t ray, uint32_t object, uint64_t triangle, float depth)
+/* Where Embree's ray has to look no farther: behind what the ray has met, and a little more. */
+static float reach(const struct walk *walk, size_t ray)
 {
-    walk->bundle->object[ray] = object;
-    walk->bundle->triangle[ray] = triangle;
-    walk->depth[ray] = depth;
+    return (float)(walk->bundle->t[ray] - walk->start + walk->rays->slack);
 }
 
-static void settle(struct walk *walk, size_t ray)
-{
-    struct mesh_bundle *bundle = walk->bundle;
-    if (walk->rough[ray]) {
-        bundle->t[ray] = distance_to(walk, ray, bundle->object[ray], (size_t)bundle->triangle[ray]);
-        walk->rough[ray] = false;
-    }
-}
-
-/* Whether a triangle that Embree found at @p depth is met first so far. The exact t is computed only where Embree's
- * cannot tell. */
-static bool weigh(struct walk *walk, size_t ray, uint32_t object, uint64_t triangle, float depth)
-{
-    struct mesh_bundle *bundle = walk->bundle;
-    float slack = (float)walk->rays->slack;
-    if (depth + slack < walk->depth[ray] && depth > 2 * slack) {
-        keep(walk, ray, object, triangle, depth);
-        walk->rough[ray] = true;
-        return true;
-    }
-    settle(walk, ray);
-    double t = distance_to(walk, ray, object, (size_t)triangle);
-    if (is_first(bundle, ray, t, object, triangle)) {
-        bundle->t[ray] = t;
-        keep(walk, ray, object, triangle, (float)(t - walk->start));
-        return true;
-    }
-    return false;
-}
-
-/* Embree calls this for what it finds before the end of the rays. */
-static void choose(const struct RTCFilterFunctionNArguments *arguments)
+/* Embree calls this for what it finds before the end of the ray. */
+static void weigh(const struct RTCFilterFunctionNArguments *arguments)
 {
     struct walk *walk = (struct walk *)arguments->context;
+    struct mesh_bundle *bundle = walk->bundle;
     union number *rays = (union number *)arguments->ray;
     const union number *hits = (const union number *)arguments->hit;
     unsigned width = arguments->N;
@@ -332,9 +300,13 @@ static void choose(const struct RTCFilterFunctionNArguments *arguments)
             uint32_t place = hits[INSTANCE * width + lane].whole;
             uint32_t geometry = hits[GEOMETRY * width + lane].whole;
             uint32_t object = 1 + (place == RTC_INVALID_GEOMETRY_ID ? geometry : place);
-            union number *end = &rays[FAR * width + lane]; /* where the hit is */
-            if (weigh(walk, ray, object, hits[PRIMITIVE * width + lane].whole, end->real)) {
-                end->real = walk->depth[ray] + (float)walk->rays->slack;
+            uint32_t triangle = hits[PRIMITIVE * width + lane].whole;
+            double t = distance_to(walk, ray, object, triangle);
+            if (is_first(bundle, ray, t, object, triangle)) {
+                bundle->t[ray] = t;
+                bundle->object[ray] = object;
+                bundle->triangle[ray] = triangle;
+                rays[FAR * width + lane].real = reach(walk, ray);
             } else {
                 arguments->valid[lane] = 0;
             }
@@ -353,7 +325,7 @@ static inline __attribute__((always_inline)) void set_ray(const struct walk *wal
     }
     packet[NEAR * width].real = 0;
     packet[TIME * width].real = 0;
-    packet[FAR * width].real = walk->depth[ray] + (float)walk->rays->slack;
+    packet[FAR * width].real = reach(walk, ray);
     packet[MASK * width].whole = UINT32_MAX;
     packet[RAY * width].whole = (uint32_t)ray;
     packet[FLAGS * width].whole = 0;
@@ -394,17 +366,10 @@ static double start_of(const struct mesh_rays *rays, const double apex[3])
 
 conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width)
 {
-    struct walk walk;
-    walk.rays = rays;
-    walk.bundle = bundle;
-    walk.start = start_of(rays, bundle->origin);
+    struct walk walk = {.rays = rays, .bundle = bundle, .start = start_of(rays, bundle->origin)};
     rtcInitIntersectContext(&walk.context);
     walk.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    walk.context.filter = choose;
-    for (size_t ray = 0; ray < bundle->count; ray++) {
-        walk.depth[ray] = (float)(bundle->t[ray] - walk.start);
-        walk.rough[ray] = false;
-    }
+    walk.context.filter = weigh;
     for (size_t first = 0; first < bundle->count; first += width) {
         switch (width) {
         case 16:
@@ -419,9 +384,6 @@ conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, 
         default:
             shoot(&walk, first, 1);
         }
-    }
-    for (size_t ray = 0; ray < bundle->count; ray++) {
-        settle(&walk, ray);
     }
     return embree_status(rays);
 }

@@ -2,9 +2,9 @@
 /** @file
  * The first triangle along rays (Eq. 9), found by Embree and settled in double precision.
  *
- * Embree works in single precision, so it only proposes: triangles that it finds as near as what a ray has, within its
- * precision, are compared by mesh_distance(), and the nearest wins; of equally near ones that of the lower object, then
- * the lower triangle. What stays to Embree is whether a ray passes an edge on this side or that. */
+ * Embree works in single precision, so it only proposes: every triangle that it finds nearer than what a ray has, or
+ * as near within its precision, is weighed by mesh_distance(), and the nearest wins; of equally near ones that of the
+ * lower object, then the lower triangle. What stays to Embree is whether a ray passes an edge on this side or that. */
 #ifndef CONUS_SELECTION_MESH_RAYS_H
 #define CONUS_SELECTION_MESH_RAYS_H
 

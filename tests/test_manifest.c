@@ -14,6 +14,12 @@ static const char whole[] =
     "  \"comment\": \"everything that the schema has\",\n"
     "  \"allow_outside\": true,\n"
     "  \"parcellation\": {\"file\": \"/data/aal.nii\", \"volume\": 2, \"labels\": \"../aal.txt\"},\n"
+    "  \"areas\": [\"1.gii\", {\"file\": \"b.ply\", \"label\": 7, \"name\": \"B\", \"abbreviation\": \"b\", \"color\":"
+    "    \"#0a0B0c\", \"parent\": 9, \"hemisphere\": \"R\", \"comment\": \"c\"},\n"
+    "    {\"files\": \"lh/*.gii\", \"labels\": \"lh.tsv\", \"label_offset\": 1000, \"hemisphere\": \"L\"},\n"
+    "    {\"brainglobe\": \"mouse\", \"structures\": \"all\", \"scale\": 1, \"orientation\": \"ras\"}],\n"
+    "  \"space\": \"lps\", \"prefer\": \"areas\",\n"
+    "  \"tree\": [{\"label\": 9, \"name\": \"Nine\"}, {\"label\": 7, \"parent\": 9}],\n"
     "  \"threshold\": 0.3,\n"
     "  \"pathways\": [\"fornix.nii.gz\",\n"
     "    {\"file\": \"tracts.nii.gz\", \"volume\": 1, \"name\": \"Cingulum\", \"threshold\": 12.5, \"comment\": "
@@ -34,6 +40,25 @@ static void every_key_is_kept(void **state)
     assert_true(m.parcellation.source.chosen);
     assert_int_equal(m.parcellation.source.volume, 2);
     assert_string_equal(m.parcellation.labels, "../aal.txt");
+    assert_int_equal(m.area_count, 4);
+    assert_string_equal(m.areas[0].file, "1.gii");
+    assert_true(m.areas[1].has_label);
+    assert_int_equal(m.areas[1].label.number, 7);
+    assert_string_equal(m.areas[1].label.name, "B");
+    assert_int_equal(m.areas[1].label.rgb[1], 11);
+    assert_int_equal(m.areas[1].label.parent, 9);
+    assert_int_equal(m.areas[1].label.hemisphere, 'R');
+    assert_string_equal(m.areas[2].files, "lh/*.gii");
+    assert_string_equal(m.areas[2].labels, "lh.tsv");
+    assert_int_equal(m.areas[2].label_offset, 1000);
+    assert_string_equal(m.areas[3].brainglobe, "mouse");
+    assert_true(m.areas[3].all_structures);
+    assert_near(m.areas[3].scale, 1, 0);
+    assert_string_equal(m.areas[3].orientation, "ras");
+    assert_int_equal(m.space, MESH_SPACE_LPS);
+    assert_int_equal(m.prefer, MANIFEST_PREFER_AREAS);
+    assert_int_equal(m.tree_count, 2);
+    assert_string_equal(m.tree[0].name, "Nine");
     assert_near(m.threshold, 0.3, 0);
     assert_int_equal(m.pathway_count, 4);
     assert_string_equal(m.pathways[0].source.file, "fornix.nii.gz");
@@ -49,49 +74,68 @@ static void every_key_is_kept(void **state)
     manifest_finish(&m);
 }
 
+static const struct {
+    const char *text, *message;
+} refused[] = {
+    {"{\"conus_atlas\": 2}", "conus_atlas: found 2, 1, the version of this format, is needed"},
+    {"[]", "content: found a list, an object is needed"},
+    {"{\"conus_atlas\": 1}", "nothing to select: parcellation, areas or pathways is needed"},
+    {"{\"pathways\": [\"a\"]}", "conus_atlas is missing"},
+    {"{\"conus_atlas\": 1,\n \"pathways\": [,]}", "line 2, column 15: unexpected token near ','"},
+    {"{\"conus_atlas\": 1, \"conus_atlas\": 1}", "line 1, column 32: duplicate object key near '\"conus_atlas\"'"},
+    {"{\"conus_atlas\": 1, \"pathway\": []}", "pathway: unknown key, allowed are conus_atlas, comment, "
+                                              "allow_outside, parcellation, areas, space, prefer, tree, "
+                                              "pathways, threshold, context"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"name\": \"a\"}]}", "areas[0]: file, files or brainglobe is missing"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"files\": \"a\", \"label\": 1}]}",
+     "areas[0].label: unknown key, allowed are files, labels, label_offset, parent, hemisphere, comment"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"file\": \"a\", \"label\": 0}]}",
+     "areas[0].label: found 0, a whole number from 1 to 4294967295 is needed"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"file\": \"a\", \"color\": \"red\"}]}",
+     "areas[0].color: found \"red\", \"#rrggbb\" is needed"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"file\": \"a\", \"hemisphere\": \"left\"}]}",
+     "areas[0].hemisphere: found \"left\", \"L\" or \"R\" or \"B\" is needed"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"file\": \"a\", \"vertex_labels\": \"b\", \"name\": \"x\"}]}",
+     "areas[0]: has vertex_labels for several areas and label, name, abbreviation or color of one"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"file\": \"a\", \"label_offset\": 5}]}",
+     "areas[0].label_offset: without vertex_labels, give label"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"brainglobe\": \"../a\"}]}",
+     "areas[0].brainglobe: found \"../a\", a path inside the manifest's folder (or \"allow_outside\": true) is "
+     "needed"},
+    {"{\"conus_atlas\": 1, \"space\": \"mni\"}", "space: found \"mni\", \"ras\" or \"lps\" is needed"},
+    {"{\"conus_atlas\": 1, \"tree\": [{\"parent\": 4}]}", "tree[0].label is missing"},
+    {"{\"conus_atlas\": 1, \"pathways\": \"a\"}", "pathways: found \"a\", a list is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [1.5]}", "pathways[0]: found 1.5, an object is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"treshold\": 1}]}",
+     "pathways[0].treshold: unknown key, allowed are file, volume, fsl, name, names, threshold, comment"},
+    {"{\"conus_atlas\": 1, \"pathways\": [\"a\", {\"name\": \"x\"}]}", "pathways[1]: file or fsl is missing"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"threshold\": -1}]}",
+     "pathways[0].threshold: found -1, a number above 0 is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"threshold\": \"0.5\"}]}",
+     "pathways[0].threshold: found \"0.5\", a number above 0 is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"names\": []}]}",
+     "pathways[0].names: found a list, a list of names, one per volume, is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"names\": [\"x\", null]}]}",
+     "pathways[0].names[1]: found null, a text of one line that is not empty is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"names\": [\"x\"], \"name\": \"y\"}]}",
+     "pathways[0]: has name for one pathway and names for several, one of them is allowed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"fsl\": \"a\", \"volume\": 1}]}",
+     "pathways[0]: has volume for one pathway and fsl for several, one of them is allowed"},
+    {"{\"conus_atlas\": 1, \"parcellation\": {\"labels\": \"x\"}}", "parcellation.file is missing"},
+    {"{\"conus_atlas\": 1, \"parcellation\": {\"file\": \"a\", \"volume\": 0.5}}",
+     "parcellation.volume: found 0.5, a whole number from 0 is needed"},
+    {"{\"conus_atlas\": 1, \"parcellation\": \"a\\nb\"}",
+     "parcellation: found \"a?b\", a text of one line that is not empty is needed"},
+    {"{\"conus_atlas\": 1, \"allow_outside\": \"yes\"}", "allow_outside: found \"yes\", true or false is needed"},
+};
+
 static void what_the_schema_does_not_know_is_refused(void **state)
 {
     (void)state;
-    static const struct {
-        const char *text, *message;
-    } cases[] = {
-        {"{\"conus_atlas\": 2}", "conus_atlas: found 2, 1, the version of this format, is needed"},
-        {"[]", "content: found a list, an object is needed"},
-        {"{\"conus_atlas\": 1}", "nothing to select: parcellation or pathways is needed"},
-        {"{\"pathways\": [\"a\"]}", "conus_atlas is missing"},
-        {"{\"conus_atlas\": 1,\n \"pathways\": [,]}", "line 2, column 15: unexpected token near ','"},
-        {"{\"conus_atlas\": 1, \"conus_atlas\": 1}", "line 1, column 32: duplicate object key near '\"conus_atlas\"'"},
-        {"{\"conus_atlas\": 1, \"pathway\": []}",
-         "pathway: unknown key, allowed are conus_atlas, comment, allow_outside, parcellation, pathways, threshold, "
-         "context"},
-        {"{\"conus_atlas\": 1, \"pathways\": \"a\"}", "pathways: found \"a\", a list is needed"},
-        {"{\"conus_atlas\": 1, \"pathways\": [1.5]}", "pathways[0]: found 1.5, an object is needed"},
-        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"treshold\": 1}]}",
-         "pathways[0].treshold: unknown key, allowed are file, volume, fsl, name, names, threshold, comment"},
-        {"{\"conus_atlas\": 1, \"pathways\": [\"a\", {\"name\": \"x\"}]}", "pathways[1]: file or fsl is missing"},
-        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"threshold\": -1}]}",
-         "pathways[0].threshold: found -1, a number above 0 is needed"},
-        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"threshold\": \"0.5\"}]}",
-         "pathways[0].threshold: found \"0.5\", a number above 0 is needed"},
-        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"names\": []}]}",
-         "pathways[0].names: found a list, a list of names, one per volume, is needed"},
-        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"names\": [\"x\", null]}]}",
-         "pathways[0].names[1]: found null, a text of one line that is not empty is needed"},
-        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"names\": [\"x\"], \"name\": \"y\"}]}",
-         "pathways[0]: has name for one pathway and names for several, one of them is allowed"},
-        {"{\"conus_atlas\": 1, \"pathways\": [{\"fsl\": \"a\", \"volume\": 1}]}",
-         "pathways[0]: has volume for one pathway and fsl for several, one of them is allowed"},
-        {"{\"conus_atlas\": 1, \"parcellation\": {\"labels\": \"x\"}}", "parcellation.file is missing"},
-        {"{\"conus_atlas\": 1, \"parcellation\": {\"file\": \"a\", \"volume\": 0.5}}",
-         "parcellation.volume: found 0.5, a whole number from 0 is needed"},
-        {"{\"conus_atlas\": 1, \"parcellation\": \"a\\nb\"}",
-         "parcellation: found \"a?b\", a text of one line that is not empty is needed"},
-        {"{\"conus_atlas\": 1, \"allow_outside\": \"yes\"}", "allow_outside: found \"yes\", true or false is needed"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
         struct manifest m;
-        assert_fails(manifest_parse(&m, text_from(cases[i].text)), CONUS_ERROR_DATA);
-        assert_string_equal(conus_message(), cases[i].message);
+        assert_fails(manifest_parse(&m, text_from(refused[i].text)), CONUS_ERROR_DATA);
+        assert_string_equal(conus_message(), refused[i].message);
     }
 }
 

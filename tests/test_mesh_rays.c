@@ -5,12 +5,7 @@
 #include "selection/mesh_rays.h"
 #include "test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 static const unsigned widths[] = {1, 4, 8, 16};
 
@@ -466,50 +461,9 @@ static void every_failing_allocation_is_reported(void **test)
     conus_atlas_destroy(atlas);
 }
 
-/* In a process of its own, whose memory ends a little above what it has. */
-static int create_in_little_memory(const struct mesh_object *object)
-{
-    char line[128] = "";
-    FILE *file = fopen("/proc/self/statm", "r");
-    bool known = file && fgets(line, sizeof line, file); /* pages in use come first */
-    if (file) {
-        fclose(file);
-    }
-    const rlim_t limit = strtoul(line, NULL, 10) * (rlim_t)sysconf(_SC_PAGESIZE) + ((rlim_t)96 << 20);
-    if (!known || setrlimit(RLIMIT_AS, &(struct rlimit){limit, limit})) {
-        return -1;
-    }
-    struct mesh_rays *rays = NULL;
-    conus_status status = mesh_rays_create(&rays, object, 1);
-    mesh_rays_destroy(rays);
-    return (int)status;
-}
-
-static void embree_without_memory_is_reported(void **test)
-{
-    (void)test;
-#ifdef __SANITIZE_ADDRESS__
-    print_message("skipped: a sanitizer takes the address space\n");
-    skip();
-#endif
-    struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 80, 1000, 1000);
-    const struct mesh_object object = {&sphere, NULL};
-    pid_t child = fork();
-    assert_true(child >= 0);
-    if (child == 0) {
-        _exit(create_in_little_memory(&object));
-    }
-    int result;
-    assert_int_equal(waitpid(child, &result, 0), child);
-    assert_true(WIFEXITED(result));
-    assert_int_equal(WEXITSTATUS(result), CONUS_ERROR_MEMORY);
-    mesh_finish(&sphere);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(embree_without_memory_is_reported), /* forks: before Embree has threads here */
         cmocka_unit_test(finds_the_first_triangle_of_random_ones),
         cmocka_unit_test(finds_the_outermost_of_nested_spheres),
         cmocka_unit_test(no_ray_slips_between_two_triangles),

@@ -202,7 +202,7 @@ enum { SIZES = sizeof sizes / sizeof sizes[0] };
 static conus_status measure(struct bench *bench, struct round rounds[SIZES])
 {
     struct bench_variant variants[SIZES * WAYS];
-    const struct bench_variant *by_rule[SIZES] = {0};
+    const struct bench_variant *by_rule[SIZES];
     size_t count = 0;
     for (size_t s = 0; s < SIZES; s++) {
         for (size_t i = 0; i < rounds[s].count; i++) {

@@ -84,23 +84,54 @@ static void put_volume(FILE *out, const conus_volume_info *info)
     fprintf(out, "\n  sha256       %s\n", info->sha256);
 }
 
+/* The name of pathway @p ordinal, from 1. */
+static const char *pathway_name(const conus_atlas *atlas, size_t ordinal)
+{
+    for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
+        const conus_object *object = conus_atlas_object(atlas, i);
+        if (object->kind == CONUS_PATHWAY && --ordinal == 0) {
+            return object->name;
+        }
+    }
+    return "";
+}
+
 static void put_volumes(FILE *out, const conus_atlas *atlas)
 {
     size_t pathway = 0;
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
         const conus_volume_info *info = conus_atlas_volume(atlas, i);
+        fputs(i ? "\n" : "", out);
         if (info->role == CONUS_PARCELLATION) {
             fputs("Atlas\n", out);
             put_volume(out, info);
             fprintf(out, "  labels       %s\n", conus_atlas_label_source(atlas));
         } else if (info->role == CONUS_SCALAR) {
-            fprintf(out, "\nPathway %zu\n", ++pathway);
+            pathway++;
+            fprintf(out, "Pathway %zu: %s\n", pathway, pathway_name(atlas, pathway));
             put_volume(out, info);
             fprintf(out, "  threshold    %.9g\n", info->threshold);
         } else {
-            fputs("\nContext\n", out);
+            fputs("Context\n", out);
             put_volume(out, info);
         }
+    }
+}
+
+static void put_surfaces(FILE *out, const conus_atlas *atlas)
+{
+    size_t surfaces = 0;
+    size_t closed = 0;
+    unsigned long long triangles = 0;
+    for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
+        const conus_object *object = conus_atlas_object(atlas, i);
+        surfaces += object->triangles > 0;
+        closed += object->triangles && object->volume_mm3 > 0;
+        triangles += object->triangles;
+    }
+    if (surfaces) {
+        fprintf(out, "%sSurfaces\n  %zu, of them %zu closed; %llu triangles\n",
+                conus_atlas_volume_count(atlas) ? "\n" : "", surfaces, closed, triangles);
     }
 }
 
@@ -174,13 +205,38 @@ static void put_color(FILE *out, const conus_atlas *atlas, const conus_object *o
 static void put_voxels(FILE *out, const conus_atlas *atlas, const conus_object *object)
 {
     (void)atlas;
-    fprintf(out, "%llu", (unsigned long long)object->voxels);
+    if (object->triangles) {
+        fputs("n/a", out);
+    } else {
+        fprintf(out, "%llu", (unsigned long long)object->voxels);
+    }
+}
+
+static void put_triangles(FILE *out, const conus_atlas *atlas, const conus_object *object)
+{
+    (void)atlas;
+    if (object->triangles) {
+        fprintf(out, "%llu", (unsigned long long)object->triangles);
+    } else {
+        fputs("n/a", out);
+    }
+}
+
+/* A surface that is not closed has no volume. */
+static void put_closed(FILE *out, const conus_atlas *atlas, const conus_object *object)
+{
+    (void)atlas;
+    fputs(!object->triangles ? "n/a" : object->volume_mm3 > 0 ? "yes" : "no", out);
 }
 
 static void put_mm3(FILE *out, const conus_atlas *atlas, const conus_object *object)
 {
     (void)atlas;
-    fprintf(out, "%.9g", object->volume_mm3);
+    if (object->triangles && object->volume_mm3 == 0) {
+        fputs("n/a", out);
+    } else {
+        fprintf(out, "%.9g", object->volume_mm3);
+    }
 }
 
 static const struct column columns[] = {
@@ -192,6 +248,8 @@ static const struct column columns[] = {
     {"parent", true, put_parent},
     {"color", false, put_color},
     {"voxels", true, put_voxels},
+    {"triangles", true, put_triangles},
+    {"closed", false, put_closed},
     {"volume_mm3", true, put_mm3},
 };
 
@@ -291,7 +349,7 @@ static bool is_nameless(const conus_object *object)
 
 static bool is_empty(const conus_object *object)
 {
-    return is_area(object) && object->voxels == 0;
+    return is_area(object) && object->voxels == 0 && object->triangles == 0;
 }
 
 static int put_table(FILE *out, const conus_atlas *atlas)
@@ -309,10 +367,12 @@ static int put_table(FILE *out, const conus_atlas *atlas)
     }
     size_t areas = count_objects(atlas, is_area);
     put_volumes(out, atlas);
+    put_surfaces(out, atlas);
     put_notes(out, atlas);
     size_t pathways = conus_atlas_object_count(atlas) - areas;
-    fprintf(out, "\n%zu area%s (%zu without a name, %zu without voxels), %zu pathway%s\n", areas, areas == 1 ? "" : "s",
-            count_objects(atlas, is_nameless), count_objects(atlas, is_empty), pathways, pathways == 1 ? "" : "s");
+    fprintf(out, "\n%zu area%s (%zu without a name, %zu without a shape), %zu pathway%s\n", areas,
+            areas == 1 ? "" : "s", count_objects(atlas, is_nameless), count_objects(atlas, is_empty), pathways,
+            pathways == 1 ? "" : "s");
     put_aligned(out, tsv);
     free(tsv);
     return EXIT_DONE;

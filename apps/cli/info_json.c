@@ -82,15 +82,32 @@ static json_t *parent(const conus_atlas *atlas, const conus_object *object)
     return other ? json_integer(other->label) : json_null();
 }
 
+static json_t *triangles(const conus_object *object)
+{
+    return object->triangles ? json_integer((json_int_t)object->triangles) : json_null();
+}
+
+/* A surface that is not closed has no volume. */
+static json_t *closed(const conus_object *object)
+{
+    return object->triangles ? json_boolean(object->volume_mm3 > 0) : json_null();
+}
+
+static json_t *volume_mm3(const conus_object *object)
+{
+    return object->triangles && object->volume_mm3 == 0 ? json_null() : json_real(object->volume_mm3);
+}
+
 static json_t *object(const conus_atlas *atlas, const conus_object *object)
 {
     char color[8];
     snprintf(color, sizeof color, "#%02x%02x%02x", object->rgb[0], object->rgb[1], object->rgb[2]);
-    return json_pack("{s:s,s:I,s:s,s:b,s:o,s:o,s:o,s:s,s:I,s:f}", "kind",
+    return json_pack("{s:s,s:I,s:s,s:b,s:o,s:o,s:o,s:s,s:I,s:o,s:o,s:o}", "kind",
                      object->kind == CONUS_AREA ? "area" : "pathway", "index", (json_int_t)object->label, "name",
                      object->name, "named", object->named, "abbreviation", text_or_null(object->abbreviation),
                      "hemisphere", hemisphere(object->hemisphere), "parent", parent(atlas, object), "color", color,
-                     "voxels", (json_int_t)object->voxels, "volume_mm3", object->volume_mm3);
+                     "voxels", (json_int_t)object->voxels, "triangles", triangles(object), "closed", closed(object),
+                     "volume_mm3", volume_mm3(object));
 }
 
 char *info_json(const conus_atlas *atlas)

@@ -84,7 +84,8 @@ typedef struct conus_load_options {
 } conus_load_options;
 
 /** Loads a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, or an FSL atlas XML of type Label;
- * or what a manifest NAME.atlas.json joins: parcellation, pathways and context. What a file is, its content decides.
+ * or what a manifest NAME.atlas.json joins: parcellation, surfaces, pathways and context. What a file is, its content
+ * decides.
  * @p path may end in ",volume=K" to choose volume K (from 0) of a 4-D file. docs/formats.md says how the label table is
  * found. Values must be whole numbers from 0 to 4294967295; 0 is background. */
 CONUS_CHECKED conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options);
@@ -124,7 +125,8 @@ typedef struct conus_object {
     uint64_t triangles;       /**< Of its surface, where the area is a mesh (then voxels is 0).                      */
 } conus_object;
 
-/** Areas come first, ordered by label; pathways follow in the order in which they were added. */
+/** Areas come first: those of the parcellation and those that are meshes, each ordered by label, and those that only
+ * group others; pathways follow in the order in which they were added. */
 CONUS_API size_t conus_atlas_object_count(const conus_atlas *atlas);
 /** Object @p number, 1 to count; NULL outside. */
 CONUS_API const conus_object *conus_atlas_object(const conus_atlas *atlas, size_t number);

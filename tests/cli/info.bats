@@ -10,7 +10,7 @@ load helpers
     has 'orientation  RAS: sform, code 4'
     has 'aal.nii.txt'
     has 'covers       x -90.5 to 90.5, y -125.5 to 91.5, z -71.5 to 109.5 mm'
-    has '116 areas (0 without a name, 0 without voxels), 0 pathways'
+    has '116 areas (0 without a name, 0 without a shape), 0 pathways'
     grep -qE '^ +area +11 +Frontal_Inf_Oper_L +#[0-9a-f]{6} +8271 +8271$' <<<"$output"
 }
 
@@ -48,7 +48,7 @@ load helpers
     answers info sphere.nii.gz --labels mine.txt
     has 'mine.txt'
     has 'My ball'
-    has '2 areas (0 without a name, 1 without voxels)'
+    has '2 areas (0 without a name, 1 without a shape)'
     rm sphere.tsv sphere.json
     answers info sphere.nii.gz
     has 'Notes'

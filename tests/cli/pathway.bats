@@ -83,7 +83,7 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 2 --quiet --format tsv'
     scene
     answers info slabs.nii.gz --context sphere.nii.gz
     has 'Context'
-    has '2 areas (0 without a name, 0 without voxels), 0 pathways'
+    has '2 areas (0 without a name, 0 without a shape), 0 pathways'
     fails 3 'none.nii: cannot open' info slabs.nii.gz --context none.nii
 }
 
