@@ -68,9 +68,18 @@ static const struct phantom table[] = {
 
 enum { TABLE_SIZE = sizeof table / sizeof table[0] };
 
+/* Not drawn but made by atlas/phantom_brain.c. */
+static const conus_phantom_info brain = {
+    "brain", "eleven packed surfaces (234,444 triangles), a context and a curved pathway, with their manifest"};
+
+const struct phantom *phantom_entry(size_t index)
+{
+    return index < TABLE_SIZE ? &table[index] : NULL;
+}
+
 const conus_phantom_info *conus_phantom(size_t index)
 {
-    return index < TABLE_SIZE ? &table[index].info : NULL;
+    return index < TABLE_SIZE ? &table[index].info : index == TABLE_SIZE ? &brain : NULL;
 }
 
 void phantom_area_colour(uint8_t rgb[3], size_t index)
@@ -301,7 +310,7 @@ static conus_status find_phantom(const struct phantom **out, const char *kind)
         size_t used = strlen(known);
         snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", table[i].info.name);
     }
-    return fail(CONUS_ERROR_ARGUMENT, "phantom: '%s', allowed are %s", kind ? kind : "", known);
+    return fail(CONUS_ERROR_ARGUMENT, "phantom: '%s', allowed are %s, brain", kind ? kind : "", known);
 }
 
 conus_status phantom_draw(struct phantom_drawing *out, const char *kind, const conus_phantom_options *options)

@@ -40,6 +40,9 @@ struct phantom {
     size_t shape_count;
 };
 
+/** The table of drawn phantoms: entry @p index, NULL past the last. */
+const struct phantom *phantom_entry(size_t index);
+
 #define PHANTOM_EDGE 64.0
 
 /** A phantom on a grid: the shapes scaled to the grid's cube, and the labels painted from them. A voxel has the label

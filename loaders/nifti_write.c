@@ -9,7 +9,7 @@
 #include <string.h>
 
 enum { HEADER = 352, EDGE_LIMIT = 32767, GZIP_LEVEL = 6 };
-enum { INTENT_LABEL = 1002, UNITS_MM = 2 };
+enum { INTENT_NONE = 0, INTENT_LABEL = 1002, UNITS_MM = 2 };
 
 struct datatype {
     uint32_t limit;
@@ -109,7 +109,8 @@ static void put_qform(uint8_t *header, const double m[16], int code)
     }
 }
 
-static void put_header(uint8_t *header, const conus_volume_info *info, const struct datatype *type, int code)
+static void put_header(uint8_t *header, const conus_volume_info *info, const struct datatype *type, int intent,
+                       int code)
 {
     const double *m = info->world_from_voxel;
     put(header, 348, 4);
@@ -118,7 +119,7 @@ static void put_header(uint8_t *header, const conus_volume_info *info, const str
         put(header + 42 + 2 * axis, axis < 3 ? (uint32_t)info->dim[axis] : 1, 2);
         put_float(header + 80 + 4 * axis, axis < 3 ? vec3_length(m + 4 * axis) : 1);
     }
-    put(header + 68, INTENT_LABEL, 2);
+    put(header + 68, (uint32_t)intent, 2);
     put(header + 70, (uint32_t)type->code, 2);
     put(header + 72, (uint32_t)type->size * 8, 2);
     put_float(header + 76, 1);
@@ -149,7 +150,8 @@ static const struct datatype *narrowest(const uint32_t *labels, size_t count)
     return type;
 }
 
-conus_status nifti_format_labels(struct bytes *out, const conus_volume_info *info, const uint32_t *labels, int code)
+static conus_status format_numbers(struct bytes *out, const conus_volume_info *info, const uint32_t *labels, int intent,
+                                   int code)
 {
     conus_status status = check_grid(info);
     if (status) {
@@ -162,12 +164,22 @@ conus_status nifti_format_labels(struct bytes *out, const conus_volume_info *inf
     if (!file.data) {
         return CONUS_ERROR_MEMORY;
     }
-    put_header(file.data, info, type, code);
+    put_header(file.data, info, type, intent, code);
     for (size_t i = 0; i < count; i++) {
         put(file.data + HEADER + i * type->size, labels[i], type->size);
     }
     *out = file;
     return CONUS_OK;
+}
+
+conus_status nifti_format_labels(struct bytes *out, const conus_volume_info *info, const uint32_t *labels, int code)
+{
+    return format_numbers(out, info, labels, INTENT_LABEL, code);
+}
+
+conus_status nifti_format_values(struct bytes *out, const conus_volume_info *info, const uint32_t *values, int code)
+{
+    return format_numbers(out, info, values, INTENT_NONE, code);
 }
 
 conus_status gzip_format(struct bytes *out, const void *data, size_t size)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Labelled volumes as NIfTI-1 (nifti1.h, https://nifti.nimh.nih.gov/nifti-1). */
+/** @file Volumes of unsigned integers as NIfTI-1 (nifti1.h, https://nifti.nimh.nih.gov/nifti-1). */
 #ifndef CONUS_LOADERS_NIFTI_WRITE_H
 #define CONUS_LOADERS_NIFTI_WRITE_H
 
@@ -11,6 +11,9 @@
  * @p out is the caller's to finish. CONUS_ERROR_ARGUMENT for a grid that NIfTI-1 cannot hold (1 to 32767 voxels an
  * edge) or a matrix that is not finite as float. */
 conus_status nifti_format_labels(struct bytes *out, const conus_volume_info *info, const uint32_t *labels, int code);
+
+/** The same without intent, for values that are no labels. */
+conus_status nifti_format_values(struct bytes *out, const conus_volume_info *info, const uint32_t *values, int code);
 
 /** Packs as one gzip member without name or time. @p out is the caller's to finish. */
 conus_status gzip_format(struct bytes *out, const void *data, size_t size);

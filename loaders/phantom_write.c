@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_phantom_write(): a drawing as the files that any other program reads, and the truth behind it. */
+#include "loaders/phantom_write.h"
 #include "atlas/phantom.h"
 #include "base/buffer.h"
 #include "base/file.h"
@@ -111,21 +112,25 @@ static void append_truth(struct buffer *out, const struct phantom_drawing *drawi
     buffer_text(out, "\n  ]\n}\n");
 }
 
-static conus_status write_beside(const char *folder, const char *kind, const char *ending, const void *data,
-                                 size_t size)
+conus_status phantom_write_file(const char *folder, const char *name, const struct buffer *content)
 {
     struct buffer path = {0};
-    buffer_format(&path, "%s/%s%s", folder, kind, ending);
-    conus_status status = buffer_status(&path);
-    status = status ? status : file_write(path.data, data, size);
+    buffer_format(&path, "%s/%s", folder, name);
+    conus_status status = buffer_status(content);
+    status = status ? status : buffer_status(&path);
+    status = status ? status : file_write(path.data, content->data, content->size);
     buffer_finish(&path);
     return status;
 }
 
-static conus_status write_text(const char *folder, const char *kind, const char *ending, const struct buffer *text)
+static conus_status write_beside(const char *folder, const char *kind, const char *ending, const struct buffer *content)
 {
-    conus_status status = buffer_status(text);
-    return status ? status : write_beside(folder, kind, ending, text->data, text->size);
+    struct buffer name = {0};
+    buffer_format(&name, "%s%s", kind, ending);
+    conus_status status = buffer_status(&name);
+    status = status ? status : phantom_write_file(folder, name.data, content);
+    buffer_finish(&name);
+    return status;
 }
 
 static conus_status write_volume(const char *folder, const struct phantom_drawing *drawing)
@@ -134,7 +139,8 @@ static conus_status write_volume(const char *folder, const struct phantom_drawin
     struct bytes packed = {0};
     conus_status status = nifti_format_labels(&file, &drawing->grid, drawing->labels, CODE_SCANNER);
     status = status ? status : gzip_format(&packed, file.data, file.size);
-    status = status ? status : write_beside(folder, drawing->phantom->info.name, ".nii.gz", packed.data, packed.size);
+    const struct buffer content = {.data = (char *)packed.data, .size = packed.size};
+    status = status ? status : write_beside(folder, drawing->phantom->info.name, ".nii.gz", &content);
     bytes_finish(&packed);
     bytes_finish(&file);
     return status;
@@ -149,17 +155,35 @@ static conus_status write_drawing(const char *folder, const struct phantom_drawi
     append_table(&table, drawing->phantom);
     append_truth(&truth, drawing);
     conus_status status = file_make_folder(folder);
-    status = status ? status : write_text(folder, kind, ".tsv", &table);
-    status = status ? status : write_text(folder, kind, ".json", &truth);
+    status = status ? status : write_beside(folder, kind, ".tsv", &table);
+    status = status ? status : write_beside(folder, kind, ".json", &truth);
     status = status ? status : write_volume(folder, drawing);
     buffer_finish(&truth);
     buffer_finish(&table);
     return status;
 }
 
+/* The one phantom that is no drawing. */
+static conus_status write_brain(const char *folder, const conus_phantom_options *options)
+{
+    static const conus_phantom_options none;
+    if (options && memcmp(options->spacing, none.spacing, sizeof none.spacing) != 0) {
+        return fail(CONUS_ERROR_ARGUMENT, "brain: spacing: it has one grid, of 1 mm");
+    }
+    if (options &&
+        (options->size || options->oblique != 0 || options->flip[0] || options->flip[1] || options->flip[2])) {
+        return fail(CONUS_ERROR_ARGUMENT, "brain: size, oblique and flip: it has one grid, of 151 x 188 x 154 voxels");
+    }
+    conus_status status = file_make_folder(folder);
+    return status ? status : phantom_brain_write(folder);
+}
+
 conus_status conus_phantom_write(const char *kind, const char *folder, const conus_phantom_options *options)
 {
     struct phantom_drawing drawing;
+    if (kind && strcmp(kind, "brain") == 0 && folder && folder[0]) {
+        return write_brain(folder, options);
+    }
     if (!folder || !folder[0]) {
         return fail(CONUS_ERROR_ARGUMENT, "folder: empty, a path is needed");
     }

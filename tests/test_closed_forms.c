@@ -345,8 +345,8 @@ static void shares_sum_to_one(void **state)
 {
     (void)state;
     uint64_t random = 11;
-    for (size_t kind = 0; conus_phantom(kind); kind++) {
-        struct view view = open_phantom(conus_phantom(kind)->name, &grids[kind % GRIDS], 1);
+    for (size_t kind = 0; phantom_entry(kind); kind++) {
+        struct view view = open_phantom(phantom_entry(kind)->info.name, &grids[kind % GRIDS], 1);
         for (uint32_t n = 1; n <= 64; n++) {
             conus_pose pose;
             double sum = 0;
@@ -395,12 +395,12 @@ static void rigid_motion_changes_nothing(void **state)
 {
     (void)state;
     uint64_t random = 5;
-    for (size_t kind = 0; conus_phantom(kind); kind++) {
-        struct view still = open_phantom(conus_phantom(kind)->name, NULL, 16);
+    for (size_t kind = 0; phantom_entry(kind); kind++) {
+        struct view still = open_phantom(phantom_entry(kind)->info.name, NULL, 16);
         struct view moved = {0};
         double motion[16];
         rigid_matrix(motion, &random);
-        assert_ok(phantom_draw(&moved.drawing, conus_phantom(kind)->name, NULL));
+        assert_ok(phantom_draw(&moved.drawing, phantom_entry(kind)->info.name, NULL));
         mat4_multiply(motion, motion, still.drawing.grid.world_from_voxel);
         assert_ok(space_describe(&moved.drawing.grid, motion, "moved"));
         assert_ok(phantom_drawing_atlas(&moved.atlas, &moved.drawing));

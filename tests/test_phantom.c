@@ -67,9 +67,9 @@ static void check_volumes(const char *kind, const conus_phantom_options *options
 static void voxels_fill_the_analytic_volume(void **state)
 {
     (void)state;
-    for (size_t i = 0; conus_phantom(i); i++) {
+    for (size_t i = 0; phantom_entry(i); i++) {
         for (size_t g = 0; g < GRIDS; g++) {
-            check_volumes(conus_phantom(i)->name, &grids[g]);
+            check_volumes(phantom_entry(i)->info.name, &grids[g]);
         }
     }
 }
@@ -181,9 +181,9 @@ static void orientations_are_named_right(void **state)
 static void shapes_stay_in_every_turned_grid(void **state)
 {
     (void)state;
-    for (size_t i = 0; conus_phantom(i); i++) {
+    for (size_t i = 0; phantom_entry(i); i++) {
         struct phantom_drawing drawing;
-        assert_ok(phantom_draw(&drawing, conus_phantom(i)->name, NULL));
+        assert_ok(phantom_draw(&drawing, phantom_entry(i)->info.name, NULL));
         uint64_t seed = 7;
         for (int n = 0; n < 20000; n++) {
             double p[3];

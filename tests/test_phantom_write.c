@@ -234,9 +234,9 @@ static void nibabel_and_numpy_agree(void **state)
         struct buffer command = {0};
         const char *folder = test_scratch("oracle");
         buffer_format(&command, "/usr/bin/python3 '%s/tests/oracles/phantom.py' '%s'", CONUS_SOURCE_DIR, folder);
-        for (size_t i = 0; conus_phantom(i); i++) {
-            assert_ok(conus_phantom_write(conus_phantom(i)->name, folder, &grids[g]));
-            buffer_format(&command, " %s", conus_phantom(i)->name);
+        for (size_t i = 0; phantom_entry(i); i++) {
+            assert_ok(conus_phantom_write(phantom_entry(i)->info.name, folder, &grids[g]));
+            buffer_format(&command, " %s", phantom_entry(i)->info.name);
         }
         assert_int_equal(system(command.data), 0);
         buffer_finish(&command);
@@ -265,9 +265,9 @@ static void check_reading_back(const char *kind, const conus_phantom_options *op
 static void what_is_written_reads_back(void **state)
 {
     (void)state;
-    for (size_t i = 0; conus_phantom(i); i++) {
-        check_reading_back(conus_phantom(i)->name, &(conus_phantom_options){.size = 40});
-        check_reading_back(conus_phantom(i)->name,
+    for (size_t i = 0; phantom_entry(i); i++) {
+        check_reading_back(phantom_entry(i)->info.name, &(conus_phantom_options){.size = 40});
+        check_reading_back(phantom_entry(i)->info.name,
                            &(conus_phantom_options){.size = 30, .oblique = 1, .flip = {true, false, false}});
     }
 }

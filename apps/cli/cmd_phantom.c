@@ -20,7 +20,7 @@ static const struct option own_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct phantom_settings, output),
      .value = "DIR",
-     .help = "folder for KIND.nii.gz, KIND.tsv and KIND.json; made if missing",
+     .help = "folder for the files, KIND.nii.gz and so on; made if missing",
      .required = true},
     {.name = "size",
      .type = OPTION_COUNT,
@@ -123,7 +123,8 @@ const struct command cmd_phantom = {
     .form = "-o DIR",
     .description =
         "Writes an atlas of simple shapes, its label table and a description of the shapes in mm, from which\n"
-        "every answer follows.",
+        "every answer follows. KIND brain is a scene of surfaces, a pathway and a context with their manifest,\n"
+        "brain.atlas.json, and knows none of the options of the grid.",
     .examples = "  conus phantom sphere -o phantoms\n"
                 "  conus phantom torus -o phantoms --size 128 --spacing 1,1,2 --oblique 30 --flip x\n",
     .groups = groups,
