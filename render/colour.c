@@ -12,6 +12,8 @@
 /* One table entry for each of four steps between neighbouring densities. */
 enum { TABLE_PER_LEVEL = 4, TABLE_ENTRIES = (FIELD_LEVELS - 1) * TABLE_PER_LEVEL + 1 };
 
+enum { MESH_POINTS = 100000 };
+
 /* The shader's uniform block View, in std140's layout. */
 struct view_block {
     float context_from_camera[16], areas_from_camera[16], world_from_camera[16];
@@ -173,13 +175,48 @@ static conus_status upload_objects(struct colour_pass *pass, const conus_atlas *
         pathway = atlas->volumes[i].info.role == CONUS_SCALAR ? &atlas->volumes[i] : NULL;
     }
     if (!pathway) {
-        return upload_areas(pass, &atlas->volumes[0], memory_left);
+        const struct volume *parcellation = atlas_parcellation(atlas);
+        return parcellation ? upload_areas(pass, parcellation, memory_left) : CONUS_OK;
     }
     struct volume joint = {0};
     conus_status status = join_pathways(&joint, atlas, pathway);
     status = status ? status : upload_areas(pass, &joint, memory_left);
     volume_finish(&joint);
     return status;
+}
+
+/* Vertices, about MESH_POINTS of them, for the camera to frame. */
+static conus_status add_mesh_content(struct colour_pass *pass, const conus_atlas *atlas)
+{
+    size_t vertices = 0;
+    for (size_t i = 0; i < atlas->mesh_count; i++) {
+        vertices += atlas->meshes[i].vertex_count;
+    }
+    size_t step = vertices / MESH_POINTS + 1;
+    double(*points)[3] =
+        memory_resize(pass->content, pass->content_count + vertices / step + atlas->mesh_count + 1, sizeof *points);
+    if (!points) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->content = points;
+    for (size_t i = 0; i < atlas->mesh_count; i++) {
+        for (size_t v = 0; v < atlas->meshes[i].vertex_count; v += step) {
+            for (size_t a = 0; a < 3; a++) {
+                points[pass->content_count][a] = (double)atlas->meshes[i].positions[3 * v + a];
+            }
+            pass->content_count++;
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status upload_meshes(struct colour_pass *pass, const conus_atlas *atlas, uint64_t *memory_left)
+{
+    if (!atlas->mesh_count) {
+        return CONUS_OK;
+    }
+    conus_status status = mesh_layer_create(&pass->meshes, atlas, memory_left);
+    return status ? status : add_mesh_content(pass, atlas);
 }
 
 static GLuint table_texture(const float *table)
@@ -272,7 +309,10 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
     if (!status && context) {
         status = upload_context(&pass, context, transfer, &max_memory);
     }
-    if (!status && !pass.content_count) {
+    if (!status) {
+        status = upload_meshes(&pass, atlas, &max_memory);
+    }
+    if (!status && !pass.content_count && pass.has_areas) {
         status = add_corners(&pass, &pass.areas);
     }
     if (status) {
@@ -289,6 +329,7 @@ void colour_pass_finish(struct colour_pass *pass)
                                pass->areas.empty, pass->context.field, pass->context.empty};
     const GLuint buffers[] = {pass->view, pass->palette};
     if (pass->program) { /* otherwise there may be no GL at all */
+        mesh_layer_destroy(pass->meshes);
         glDeleteTextures(sizeof textures / sizeof *textures, textures);
         glDeleteBuffers(sizeof buffers / sizeof *buffers, buffers);
         glDeleteVertexArrays(1, &pass->vertices);
@@ -409,12 +450,19 @@ static void set_view(struct view_block *block, const struct colour_pass *pass, c
         set_cone(block, view, camera_from_world);
     }
     set_markers(block, view, camera_from_world);
+    block->counts[1] = pass->meshes ? 1 : 0;
 }
 
 static void bind(const struct colour_pass *pass)
 {
-    const GLuint textures[] = {pass->context.field, pass->context.empty, pass->transfer,
-                               pass->areas.field,   pass->areas.empty,   pass->objects};
+    const GLuint textures[] = {pass->context.field,
+                               pass->context.empty,
+                               pass->transfer,
+                               pass->areas.field,
+                               pass->areas.empty,
+                               pass->objects,
+                               pass->meshes ? mesh_layer_surface(pass->meshes) : 0,
+                               pass->meshes ? mesh_layer_object(pass->meshes) : 0};
     glBindTextures(0, sizeof textures / sizeof *textures, textures);
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, pass->view);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, pass->palette);
@@ -433,6 +481,12 @@ void colour_pass_prepare(const struct colour_pass *pass, const struct colour_vie
     glNamedBufferSubData(pass->palette, 0, (GLsizeiptr)((pass->object_count + 1) * 4 * sizeof *pass->colours),
                          pass->colours);
     bind(pass);
+}
+
+conus_status colour_pass_begin(const struct colour_pass *pass, const struct colour_view *view)
+{
+    const struct mesh_layer_view layer = {view->camera, view->width, view->height, {view->shift[0], view->shift[1]}};
+    return pass->meshes ? mesh_layer_draw(pass->meshes, &layer) : CONUS_OK;
 }
 
 conus_status colour_pass_draw(const struct colour_pass *pass, const struct colour_view *view)

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The colour pass (Eq. 8): the atlas's areas, opaque, or its pathways, where it has any; around them the context volume
- * through its transfer function; and a cone with markers. One ray per pixel over view-aligned planes (Eq. 7), empty
- * bricks skipped. */
+ * The colour pass (Eq. 8): the atlas's areas, opaque, or its pathways, where it has any; areas that are meshes; around
+ * them the context volume through its transfer function; and a cone with markers. One ray per pixel over view-aligned
+ * planes (Eq. 7), empty bricks skipped, up to the mesh that covers the pixel. */
 #ifndef CONUS_RENDER_COLOUR_H
 #define CONUS_RENDER_COLOUR_H
 
 #include "atlas/atlas.h"
 #include "render/camera.h"
+#include "render/mesh_layer.h"
 #include "render/program.h"
 #include "render/slices.h"
 #include "render/transfer.h"
@@ -31,6 +32,7 @@ struct colour_pass {
     GLuint tile_program; /**< Over squares of the screen (shaders/tile.vert.glsl). */
     GLuint view, palette, vertices, transfer, objects;
     struct colour_volume areas, context;
+    struct mesh_layer *meshes; /**< NULL if there are none.              */
     bool has_areas, has_context;
     size_t object_count;
     float *colours;       /**< [object_count + 1][4] linear R, G, B, 1.                                        */
@@ -65,6 +67,10 @@ void colour_pass_finish(struct colour_pass *pass);
 /** The planes of Eq. 7 over the joint depth range of the volumes: @p count of them, 0 = slices_default() of the finest
  * volume. */
 struct slices colour_pass_slices(const struct colour_pass *pass, const struct camera *camera, uint32_t count);
+
+/** Draws the meshes of @p view into textures of the pass, which the calls below use; to be called before each of them,
+ * and before the picture's framebuffer is bound. */
+conus_status colour_pass_begin(const struct colour_pass *pass, const struct colour_view *view);
 
 /** Draws into the framebuffer that is bound (RGBA float, linear light times opacity). */
 conus_status colour_pass_draw(const struct colour_pass *pass, const struct colour_view *view);

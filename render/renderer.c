@@ -75,6 +75,9 @@ static conus_status draw(float *rgba, const struct colour_pass *pass, const stru
     struct target target = {0};
     conus_status status = target_init(&target, view->width, view->height, &colour, 1);
     if (!status) {
+        status = colour_pass_begin(pass, view);
+    }
+    if (!status) {
         target_bind(&target);
         target_clear(&target);
         status = colour_pass_draw(pass, view);

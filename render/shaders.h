@@ -6,8 +6,10 @@
 extern const char shader_colour_frag[];
 extern const char shader_common[];
 extern const char shader_id_frag[];
+extern const char shader_mesh_frag[];
 extern const char shader_mesh_id_frag[];
 extern const char shader_mesh_id_vert[];
+extern const char shader_mesh_vert[];
 extern const char shader_screen_vert[];
 extern const char shader_tile_vert[];
 

@@ -62,18 +62,22 @@ static conus_status find_tiles(struct tiles *out, const float *rgba, const struc
 }
 
 /* Adds up the tiles' pictures by rays through four places of each pixel, a rotated square, a quarter each. */
-static void draw_tiles(const struct tiles *tiles, const struct colour_pass *pass, const struct colour_view *view)
+static conus_status draw_tiles(const struct tiles *tiles, const struct target *target, const struct colour_pass *pass,
+                               const struct colour_view *view)
 {
     static const double places[RAYS][2] = {{-0.125, -0.375}, {0.375, -0.125}, {0.125, 0.375}, {-0.375, 0.125}};
     GLuint buffer = 0;
     glCreateBuffers(1, &buffer);
     glNamedBufferData(buffer, (GLsizeiptr)(tiles->count * sizeof *tiles->items), tiles->items, GL_STREAM_DRAW);
-    glEnable(GL_BLEND);
     glBlendColor(0, 0, 0, 1.0F / RAYS);
     glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE);
-    for (int n = 0; n < RAYS; n++) {
+    conus_status status = CONUS_OK;
+    for (int n = 0; n < RAYS && !status; n++) {
         struct colour_view shifted = *view;
         memcpy(shifted.shift, places[n], sizeof shifted.shift);
+        status = colour_pass_begin(pass, &shifted);
+        target_bind(target);
+        glEnable(GL_BLEND);
         colour_pass_prepare(pass, &shifted);
         glUseProgram(pass->tile_program);
         glUniform2f(0, (float)view->width, (float)view->height);
@@ -82,6 +86,7 @@ static void draw_tiles(const struct tiles *tiles, const struct colour_pass *pass
     }
     glDisable(GL_BLEND);
     glDeleteBuffers(1, &buffer);
+    return status;
 }
 
 static void copy_tiles(float *rgba, const float *smooth, const struct tiles *tiles, const struct target *target)
@@ -105,8 +110,8 @@ conus_status smooth_edges(float *rgba, const struct target *target, const struct
     if (!status && tiles.count) {
         target_bind(target);
         target_clear(target);
-        draw_tiles(&tiles, pass, view);
-        status = target_read(target, "colour", smooth);
+        status = draw_tiles(&tiles, target, pass, view);
+        status = status ? status : target_read(target, "colour", smooth);
         if (!status) {
             copy_tiles(rgba, smooth, &tiles, target);
         }

@@ -17,7 +17,7 @@ layout(std140, binding = 0) uniform View
     vec4 cone_colour;       // of walls and axis; w: a wall's opacity
     vec4 line;              // x: radius of the axis, y: half the width of the rim and the footprint's outline, mm;
                             // zw: shift of the rays from the pixels' centres, pixels
-    ivec4 counts;           // x: markers
+    ivec4 counts;           // x: markers; y: 1 where there are meshes
     vec4 markers[MARKER_LIMIT]; // xyz: centre, w: radius
     vec4 marker_colours[MARKER_LIMIT];
 };
@@ -28,6 +28,8 @@ layout(binding = 2) uniform sampler2D transfer;       // linear R, G, B; extinct
 layout(binding = 3) uniform sampler3D areas_field;
 layout(binding = 4) uniform usampler3D areas_empty;
 layout(binding = 5) uniform usampler3D area_objects;
+layout(binding = 6) uniform sampler2D mesh_surface; // normal in world axes, depth; 0 = nothing
+layout(binding = 7) uniform usampler2D mesh_object;
 layout(std430, binding = 0) readonly buffer Palette
 {
     vec4 palette[]; // per object: linear R, G, B; 1 where it is emphasised
@@ -184,6 +186,16 @@ vec3 lit(vec3 albedo, vec3 normal, vec3 view)
     return albedo * (0.30 + 0.75 * diffuse(normal)) + 0.06 * highlight;
 }
 
+// Of an opaque surface at depth t: pale where it is not emphasised, with the outline of the cone's footprint.
+vec3 object_colour(uint object, vec3 normal, vec3 direction, vec3 view, float t)
+{
+    vec4 entry = palette[object];
+    vec3 albedo = mix(0.16 * entry.rgb + 0.30, entry.rgb, entry.a);
+    float wall = distance_to_cone(t * direction);
+    albedo = abs(wall) < line.y ? cone_colour.rgb : albedo;
+    return lit(albedo, normal, view);
+}
+
 vec3 area_normal(vec4 field)
 {
     vec3 gradient = decode_gradient(field.xyz);
@@ -240,15 +252,24 @@ float area_depth(Track track, float t)
 vec3 area_colour(Track track, vec3 direction, vec3 view, float t)
 {
     vec3 place = place_on(track, t);
-    vec4 entry = palette[object_at(place)];
-    vec3 normal = area_normal(textureLod(areas_field, place, 0.0));
-    vec3 albedo = mix(0.16 * entry.rgb + 0.30, entry.rgb, entry.a);
-    float wall = distance_to_cone(t * direction);
-    albedo = abs(wall) < line.y ? cone_colour.rgb : albedo;
-    return lit(albedo, normal, view);
+    return object_colour(object_at(place), area_normal(textureLod(areas_field, place, 0.0)), direction, view, t);
 }
 
 #endif
+
+// ---- Meshes: a layer that was drawn before ------------------------------------------------------------------------
+
+float mesh_depth()
+{
+    float depth = counts.y == 0 ? 0.0 : texelFetch(mesh_surface, ivec2(gl_FragCoord.xy), 0).w;
+    return depth > 0.0 ? depth : NEVER;
+}
+
+vec3 mesh_colour(vec3 direction, vec3 view, float t)
+{
+    uint object = texelFetch(mesh_object, ivec2(gl_FragCoord.xy), 0).x;
+    return object_colour(object, texelFetch(mesh_surface, ivec2(gl_FragCoord.xy), 0).xyz, direction, view, t);
+}
 
 // ---- The cone, its axis and the markers: surfaces in closed form ------------------------------------------------
 
@@ -405,10 +426,11 @@ void main()
     meet_axis(solid, direction, view);
     meet_markers(solid, direction, view);
 
+    float mesh = mesh_depth();
     Track context = make_track(context_from_camera, context_bricks.w, direction);
     Track areas = make_track(areas_from_camera, areas_bricks.w, direction);
     float end = min(max(context.end < NEVER ? context.end : 0.0, areas.end < NEVER ? areas.end : 0.0),
-                    plane_after(solid.depth));
+                    plane_after(min(solid.depth, mesh)));
     float plane = min(context.first, areas.first);
     float hit = NEVER;
     vec4 sum = vec4(0.0);
@@ -435,6 +457,16 @@ void main()
         float depth = area_depth(areas, hit);
         meet_area(sum, context, direction, depth, hit);
         blend(sum, vec4(area_colour(areas, direction, view, depth), 1.0));
+    }
+    while (hit == NEVER && near.depth < min(mesh, solid.depth)) {
+        blend(sum, near.colour);
+        near = far;
+        far.depth = NEVER;
+    }
+    if (hit == NEVER && mesh < solid.depth && sum.a < OPAQUE) {
+        hit = mesh;
+        meet_area(sum, context, direction, mesh, depth_of(plane_after(mesh)));
+        blend(sum, vec4(mesh_colour(direction, view, mesh), 1.0));
     }
     vec4 rest = vec4(0.0);
     while (near.depth < solid.depth) {

@@ -1,0 +1,23 @@
+// A corner of a triangle as the camera sees it; like mesh_id.vert.glsl relative to the eye in double precision.
+layout(location = 0) in vec3 position; // world mm
+layout(location = 1) in vec3 normal;   // world
+layout(location = 2) in uint object;
+
+uniform dvec3 eye;
+uniform dmat3 camera_from_world; // rows: to the right and up, over the tangents of half the field of view; forward
+uniform vec2 shift;              // of the rays, in units of half the picture
+
+out vec3 side;
+out float depth;
+flat out uint number;
+
+const float NEAR = 0.1; // mm before the eye, as the rays'
+
+void main()
+{
+    vec3 place = vec3(camera_from_world * (dvec3(position) - eye));
+    gl_Position = vec4(place.xy - shift * place.z, NEAR, place.z); // reversed: 1 at NEAR, 0 at infinity
+    side = normal;
+    depth = place.z;
+    number = object;
+}
