@@ -134,8 +134,9 @@ static conus_status start_gifti(struct parsing *parsing, const struct xml_event 
     return parsing->counted ? read_whole(&parsing->array_count, event, "NumberOfDataArrays", 0, ARRAY_LIMIT) : CONUS_OK;
 }
 
-static conus_status end_gifti(struct parsing *parsing)
+static conus_status end_gifti(struct parsing *parsing, struct text text)
 {
+    (void)text;
     if (parsing->counted && parsing->array_count != parsing->gifti.array_count) {
         return fail(CONUS_ERROR_DATA, "NumberOfDataArrays: found %llu, but %zu are there",
                     (unsigned long long)parsing->array_count, parsing->gifti.array_count);
@@ -260,8 +261,9 @@ static conus_status end_data(struct parsing *parsing, struct text text)
     return gifti_data_decode(&array->values, &parsing->storage, text);
 }
 
-static conus_status end_array(struct parsing *parsing)
+static conus_status end_array(struct parsing *parsing, struct text text)
 {
+    (void)text;
     if (parsing->array && !parsing->array->values) {
         return fail(CONUS_ERROR_DATA, "Data is missing, one is needed in each DataArray");
     }
@@ -422,26 +424,31 @@ static conus_status start_element(struct parsing *parsing, const struct xml_even
                                                                          : CONUS_OK;
 }
 
+/* The end of an element inside a CoordinateSystemTransformMatrix. */
+static conus_status end_in_transform(struct gifti_transform *transform, const struct xml_event *event)
+{
+    return strcmp(event->name, "DataSpace") == 0 ? end_space(&transform->data_space, event->name, event->text)
+           : strcmp(event->name, "TransformedSpace") == 0
+               ? end_space(&transform->transformed_space, event->name, event->text)
+           : strcmp(event->name, "MatrixData") == 0 ? end_matrix(transform->matrix, event->text)
+                                                    : CONUS_OK;
+}
+
 static conus_status end_element(struct parsing *parsing, const struct xml_event *event)
 {
+    static const struct {
+        const char *name;
+        conus_status (*end)(struct parsing *parsing, struct text text);
+    } elements[] = {{"Data", end_data},   {"DataArray", end_array}, {"Name", end_name},
+                    {"Value", end_value}, {"Label", end_label},     {"GIFTI", end_gifti}};
     struct gifti_transform *transform = transform_of(parsing->array);
-    const char *name = event->name;
-    if (transform && strcmp(name, "DataSpace") == 0) {
-        return end_space(&transform->data_space, name, event->text);
+    conus_status status = transform ? end_in_transform(transform, event) : CONUS_OK;
+    for (size_t i = 0; !status && i < sizeof elements / sizeof elements[0]; i++) {
+        if (strcmp(event->name, elements[i].name) == 0) {
+            return elements[i].end(parsing, event->text);
+        }
     }
-    if (transform && strcmp(name, "TransformedSpace") == 0) {
-        return end_space(&transform->transformed_space, name, event->text);
-    }
-    if (transform && strcmp(name, "MatrixData") == 0) {
-        return end_matrix(transform->matrix, event->text);
-    }
-    return strcmp(name, "Data") == 0        ? end_data(parsing, event->text)
-           : strcmp(name, "DataArray") == 0 ? end_array(parsing)
-           : strcmp(name, "Name") == 0      ? end_name(parsing, event->text)
-           : strcmp(name, "Value") == 0     ? end_value(parsing, event->text)
-           : strcmp(name, "Label") == 0     ? end_label(parsing, event->text)
-           : strcmp(name, "GIFTI") == 0     ? end_gifti(parsing)
-                                            : CONUS_OK;
+    return status;
 }
 
 /* Says where: "line 7, DataArray 1: ...". */
