@@ -65,7 +65,8 @@ conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, co
 conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_stored, struct notes *notes);
 
 /** Labels of the vertices in LABEL array @p map (of those, from 0): *labels has *count, 0 = no area; the caller's to
- * memory_free(). Negative ones become 0, with a note. */
+ * memory_free(). Negative ones become 0, with a note. None (NULL, 0) where the file has no LABEL array and @p map is 0.
+ */
 conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *gifti, size_t map, struct notes *notes);
 
 #endif

@@ -191,6 +191,11 @@ conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *
     size_t arrays;
     size_t sparse;
     const struct gifti_array *array = find(gifti, GIFTI_LABEL, map, &arrays);
+    if (!arrays && !map) {
+        *labels = NULL;
+        *count = 0;
+        return CONUS_OK;
+    }
     if (!array) {
         return fail(CONUS_ERROR_DATA, "LABEL array %zu: the file has %zu (counted from 0)", map, arrays);
     }

@@ -9,6 +9,7 @@
 #include "loaders/fsl_atlas.h"
 #include "loaders/label_parse.h"
 #include "loaders/manifest.h"
+#include "loaders/mesh_file.h"
 #include "loaders/xml.h"
 
 #include <stdio.h>
@@ -220,5 +221,7 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     if (!out || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
     }
-    return first_character(path) == '{' ? load_json(out, path, options) : load_volume(out, path, options);
+    return first_character(path) == '{' ? load_json(out, path, options)
+           : mesh_file_is(path)         ? surface_load(out, path, options)
+                                        : load_volume(out, path, options);
 }

@@ -25,6 +25,10 @@ conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts);
 /** Loads what the manifest @p text, read from @p path, names. */
 conus_status manifest_load(conus_atlas **out, const char *path, struct text text, const conus_load_options *options);
 
+/** Loads the surface @p path: its areas are those of the labels of its vertices (options->labels, else in its own
+ * file), or there is one, the whole. */
+conus_status surface_load(conus_atlas **out, const char *path, const conus_load_options *options);
+
 /** Path of @p image as the FSL atlas @p xml_path writes it: from the XML's folder, mostly without ending; NULL in *out
  * if there is no such file, else the caller's to memory_free(). */
 conus_status fsl_image_find(char **out, const char *xml_path, const char *image);

@@ -8,7 +8,10 @@
 #include "loaders/freesurfer.h"
 #include "loaders/gifti.h"
 #include "loaders/gzip.h"
+#include "loaders/label_parse.h"
 #include "loaders/xml.h"
+
+#include <stdio.h>
 
 static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
 static const struct mesh_file_options defaults;
@@ -34,7 +37,25 @@ static conus_status read_unpacked(struct bytes *out, const char *path, const str
 
 static bool is_gifti(const struct bytes *bytes)
 {
-    return text_equal(xml_root((struct text){(const char *)bytes->data, bytes->size}), "GIFTI");
+    return text_equal(xml_root(label_text_of(bytes->data, bytes->size)), "GIFTI");
+}
+
+bool mesh_file_is(const char *path)
+{
+    enum { HEAD = 4096 };
+    uint8_t head[HEAD];
+    FILE *file = file_exists(path) ? fopen(path, "rbe") : NULL;
+    struct bytes start = {head, file ? fread(head, 1, sizeof head, file) : 0};
+    struct bytes unpacked = {0};
+    if (file) {
+        fclose(file);
+    }
+    if (gzip_is(start.data, start.size) && !gzip_head(&unpacked, start.data, start.size, HEAD)) {
+        start = unpacked;
+    }
+    bool is = is_gifti(&start) || freesurfer_is_surface(start.data, start.size);
+    bytes_finish(&unpacked);
+    return is;
 }
 
 static conus_status parse_gifti(struct gifti *out, const struct bytes *bytes, const char *path,
@@ -148,6 +169,9 @@ static conus_status take_labels(struct vertex_labels *out, const struct bytes *b
 {
     if (is_gifti(bytes)) {
         return take_gifti_labels(out, bytes, path, options, notes);
+    }
+    if (freesurfer_is_surface(bytes->data, bytes->size)) {
+        return CONUS_OK;
     }
     conus_status status =
         freesurfer_annot_parse(&out->labels, &out->count, &out->table, bytes->data, bytes->size, notes);

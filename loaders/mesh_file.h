@@ -32,8 +32,12 @@ void vertex_labels_finish(struct vertex_labels *labels);
 
 /** Reads GIFTI labels (.label.gii, the first LABEL array; also those of a surface file itself) or a FreeSurfer
  * annotation
- * (.annot), each plain or gzip. Notes and errors carry the path. @p options may be NULL. */
+ * (.annot), each plain or gzip. A surface without labels has none: count 0. Notes and errors carry the path. @p options
+ * may be NULL. */
 conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
                                 struct notes *notes);
+
+/** True where @p path begins like a surface that mesh_file_read() reads; false also where it cannot be read. */
+bool mesh_file_is(const char *path);
 
 #endif

@@ -3,9 +3,9 @@
 """Surfaces and labels of vertices against nibabel: real files, files that nibabel writes here, and broken ones.
 
 Same vertices (1e-5), triangles (but those without area) and labels with names. Where conus refuses what nibabel reads,
-it is in a table with the reason.
+it is in a table with the reason. And what `conus query` meets first on them, against every triangle tried here.
 
-usage: compare_meshes.py DUMP_MESH [SHARED_FOLDER]; exit 77 = skipped."""
+usage: compare_meshes.py DUMP_MESH CONUS [SHARED_FOLDER]; exit 77 = skipped."""
 
 import glob
 import gzip
@@ -25,7 +25,8 @@ except ImportError:
 
 DUMP = sys.argv[1]
 HERE = os.path.dirname(os.path.abspath(__file__))
-SHARED = sys.argv[2] if len(sys.argv) > 2 else os.environ.get(
+CONUS = sys.argv[2]
+SHARED = sys.argv[3] if len(sys.argv) > 3 else os.environ.get(
     "CONUS_SHARED_DATA", os.path.join(HERE, "../../../shared/data"))
 
 # Real files that nibabel reads, as far as one asks it to, and conus does not.
@@ -123,6 +124,50 @@ def compare_split(surface, annot):
     print(f"{os.path.basename(surface)} by {os.path.basename(annot)}: {len(got)} parts, {sum(got.values())} triangles")
 
 
+def first_hit(corners, origin, direction):
+    """Distance to the first triangle along the ray, and its number (Moeller and Trumbore)."""
+    a, ab, ac = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    p = np.cross(direction, ac)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = 1 / np.einsum("ij,ij->i", ab, p)
+        u = np.einsum("ij,ij->i", origin - a, p) * scale
+        q = np.cross(origin - a, ab)
+        v = (q @ direction) * scale
+        t = np.where((u >= 0) & (v >= 0) & (u + v <= 1), np.einsum("ij,ij->i", ac, q) * scale, np.inf)
+    t[~(t > 0)] = np.inf
+    return t.min(), int(t.argmin())
+
+
+def compare_queries(surface, annot, count=20):
+    """A needle from outside through random points: what it meets, and where."""
+    points, triangles = surface_of(surface)
+    labels, names = labels_of(annot)
+    corners = points.astype(np.float64)[triangles]
+    owner = labels[triangles]
+    owner = np.where(owner[:, 1] == owner[:, 2], owner[:, 1], owner[:, 0])
+    corners, owner = corners[owner > 0], owner[owner > 0]
+    random = np.random.default_rng(1)
+    middle = points.mean(axis=0)
+    for _ in range(count):
+        direction = random.normal(size=3)
+        direction /= np.linalg.norm(direction)
+        origin = middle + random.uniform(-15, 15, 3) - 200 * direction
+        distance, triangle = first_hit(corners, origin, direction)
+        text = subprocess.run(
+            [CONUS, "query", surface, "--labels", annot, "--origin=" + ",".join(f"{x:.9g}" for x in origin),
+             "--direction=" + ",".join(f"{x:.9g}" for x in direction), "--angle", "0.001", "--format", "tsv"],
+            check=True, capture_output=True, encoding="utf-8").stdout
+        rows = [dict(zip(text.splitlines()[0].split("\t"), row.split("\t"))) for row in text.splitlines()[1:]]
+        best = rows[0]
+        if not np.isfinite(distance):
+            if best["kind"] != "unassigned":
+                sys.exit(f"{surface}: from {origin} along {direction}: {best}, wanted nothing")
+        elif best["name"] != names[int(owner[triangle])] or abs(float(best["distance_mm"]) - distance) > 0.02:
+            sys.exit(f"{surface}: from {origin} along {direction}: {best['name']} at {best['distance_mm']}, wanted "
+                     f"{names[int(owner[triangle])]} at {distance}")
+    print(f"{os.path.basename(surface)} by {os.path.basename(annot)}: {count} queries equal")
+
+
 def compare_shared(folder):
     surfaces = vertices = triangles = 0
     paths = [p for pattern in ("meshes/julich31-areas/lh/*.gii", "meshes/fsaverage5/*.gii.gz", "meshes/format-zoo/*.gii",
@@ -146,7 +191,9 @@ def compare_shared(folder):
     for side, name in (("lh", "left"), ("rh", "right")):
         annot = os.path.join(folder, f"meshes/fsaverage5/{side}.aparc.annot")
         print(f"{side}.aparc.annot: {compare_labels(annot, side)[1]} labels equal")
-        compare_split(os.path.join(folder, f"meshes/fsaverage5/pial_{name}.gii.gz"), annot)
+        surface = os.path.join(folder, f"meshes/fsaverage5/pial_{name}.gii.gz")
+        compare_split(surface, annot)
+        compare_queries(surface, annot)
     with tempfile.TemporaryDirectory() as scratch: # nibabel does not unpack it
         packed, plain = os.path.join(folder, "meshes/format-zoo/lh.aparc.annot.gz"), os.path.join(scratch, "plain.annot")
         with gzip.open(packed) as source, open(plain, "wb") as target:
