@@ -33,7 +33,7 @@ static void surface_finish(struct surface *surface)
 /* What the file's name says: "lh.pial" of "lh.pial.surf.gii.gz". */
 static char *name_of_file(const char *path)
 {
-    static const char *const endings[] = {".gz", ".gii", ".surf"};
+    static const char *const endings[] = {".gz", ".gii", ".surf", ".vtk", ".vtp", ".ply", ".stl", ".obj"};
     const char *file = path_base(path);
     size_t length = strlen(file);
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
@@ -76,6 +76,9 @@ static conus_status read_surface(struct surface *out, const char *path, const co
 {
     const struct mesh_file_options file_options = {.max_memory = options->max_memory};
     const char *labels = options->labels ? options->labels : path;
+    if (options->labels && !mesh_file_keeps_vertices(path)) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "%s: labels of vertices need a GIFTI or FreeSurfer surface", path);
+    }
     conus_status status = mesh_file_read(&out->mesh, &out->about, path, &file_options, &out->notes);
     status = status ? status : vertex_labels_read(&out->labels, labels, &file_options, &out->notes);
     if (status) {

@@ -9,6 +9,7 @@
 #include "loaders/gifti.h"
 #include "loaders/gzip.h"
 #include "loaders/label_parse.h"
+#include "loaders/mesh_foreign.h"
 #include "loaders/xml.h"
 
 #include <stdio.h>
@@ -32,7 +33,7 @@ static conus_status read_unpacked(struct bytes *out, const char *path, const str
     }
     status = gzip_unpack_all(out, stored.data, stored.size, limit_of(options));
     bytes_finish(&stored);
-    return fail_in(status, path);
+    return status ? fail_in(status, path) : CONUS_OK;
 }
 
 static bool is_gifti(const struct bytes *bytes)
@@ -40,7 +41,12 @@ static bool is_gifti(const struct bytes *bytes)
     return text_equal(xml_root(label_text_of(bytes->data, bytes->size)), "GIFTI");
 }
 
-bool mesh_file_is(const char *path)
+static bool is_own(const struct bytes *bytes)
+{
+    return is_gifti(bytes) || freesurfer_is_surface(bytes->data, bytes->size);
+}
+
+bool mesh_file_keeps_vertices(const char *path)
 {
     enum { HEAD = 4096 };
     uint8_t head[HEAD];
@@ -53,9 +59,14 @@ bool mesh_file_is(const char *path)
     if (gzip_is(start.data, start.size) && !gzip_head(&unpacked, start.data, start.size, HEAD)) {
         start = unpacked;
     }
-    bool is = is_gifti(&start) || freesurfer_is_surface(start.data, start.size);
+    bool own = is_own(&start);
     bytes_finish(&unpacked);
-    return is;
+    return own;
+}
+
+bool mesh_file_is(const char *path)
+{
+    return mesh_file_keeps_vertices(path) || (file_exists(path) && mesh_foreign_is(path));
 }
 
 static conus_status parse_gifti(struct gifti *out, const struct bytes *bytes, const char *path,
@@ -89,7 +100,8 @@ static conus_status take_any(struct mesh *out, struct label *about, const struct
     if (freesurfer_is_surface(bytes->data, bytes->size)) {
         return freesurfer_surface_parse(out, bytes->data, bytes->size, options->space != MESH_SPACE_UNSTATED, notes);
     }
-    return fail(CONUS_ERROR_UNSUPPORTED, "neither a GIFTI nor a FreeSurfer surface");
+    return fail(CONUS_ERROR_UNSUPPORTED,
+                "neither a GIFTI nor a FreeSurfer surface, nor named as VTK, VTP, PLY, STL or OBJ");
 }
 
 /* Notes of the parsers do not know the path. */
@@ -110,23 +122,19 @@ static conus_status finish_mesh(struct mesh *mesh, const char *path, enum mesh_s
         mesh_transform(mesh, turn);
     }
     mesh->path = memory_text(path, strlen(path));
-    return mesh->path ? fail_in(mesh_check(mesh, notes), path) : CONUS_ERROR_MEMORY;
+    conus_status status = mesh->path ? mesh_check(mesh, notes) : CONUS_ERROR_MEMORY;
+    return status ? fail_in(status, path) : CONUS_OK;
 }
 
-conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
-                            const struct mesh_file_options *options, struct notes *notes)
+/* A surface of ours, in `bytes`. */
+static conus_status read_own(struct mesh *out, struct label *about, const struct bytes *bytes, const char *path,
+                             const struct mesh_file_options *options, struct notes *notes)
 {
-    struct bytes bytes = {0};
     struct mesh mesh = {0};
     struct label said = {0};
     struct notes own = {0};
-    options = options ? options : &defaults;
-    conus_status status = read_unpacked(&bytes, path, options);
-    if (!status) {
-        status = fail_in(take_any(&mesh, &said, &bytes, path, options, &own), path);
-    }
-    bytes_finish(&bytes);
-    status = status ? status : move_notes(notes, &own, path);
+    conus_status status = take_any(&mesh, &said, bytes, path, options, &own);
+    status = status ? fail_in(status, path) : move_notes(notes, &own, path);
     status = status ? status : finish_mesh(&mesh, path, options->space, notes);
     notes_finish(&own);
     if (status || !about) {
@@ -140,6 +148,25 @@ conus_status mesh_file_read(struct mesh *out, struct label *about, const char *p
     }
     *out = mesh;
     return CONUS_OK;
+}
+
+conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
+                            const struct mesh_file_options *options, struct notes *notes)
+{
+    struct bytes bytes = {0};
+    options = options ? options : &defaults;
+    conus_status status = read_unpacked(&bytes, path, options);
+    if (status) {
+        return status;
+    }
+    if (is_own(&bytes) || !mesh_foreign_is(path)) {
+        status = read_own(out, about, &bytes, path, options, notes);
+        bytes_finish(&bytes);
+        return status;
+    }
+    bytes_finish(&bytes); /* conus-mesh reads the file itself */
+    const struct mesh_foreign_options foreign = {options->space, options->max_memory};
+    return mesh_foreign_read(out, &path, 1, &foreign, notes);
 }
 
 void vertex_labels_finish(struct vertex_labels *labels)
@@ -170,7 +197,7 @@ static conus_status take_labels(struct vertex_labels *out, const struct bytes *b
     if (is_gifti(bytes)) {
         return take_gifti_labels(out, bytes, path, options, notes);
     }
-    if (freesurfer_is_surface(bytes->data, bytes->size)) {
+    if (freesurfer_is_surface(bytes->data, bytes->size) || mesh_foreign_is(path)) {
         return CONUS_OK;
     }
     conus_status status =
@@ -186,11 +213,12 @@ conus_status vertex_labels_read(struct vertex_labels *out, const char *path, con
     struct notes own = {0};
     options = options ? options : &defaults;
     conus_status status = read_unpacked(&bytes, path, options);
-    if (!status) {
-        status = fail_in(take_labels(&labels, &bytes, path, options, &own), path);
+    if (status) {
+        return status;
     }
+    status = take_labels(&labels, &bytes, path, options, &own);
     bytes_finish(&bytes);
-    status = status ? status : move_notes(notes, &own, path);
+    status = status ? fail_in(status, path) : move_notes(notes, &own, path);
     notes_finish(&own);
     if (status) {
         vertex_labels_finish(&labels);

@@ -14,7 +14,8 @@ struct mesh_file_options {
     uint64_t max_memory; /**< For a file, and for the numbers of one array; 8 GiB.    */
 };
 
-/** Reads the surface @p path (GIFTI or FreeSurfer, each plain or gzip), checked by mesh_check(), path set. @p about, if
+/** Reads the surface @p path: GIFTI or FreeSurfer, each plain or gzip, by content; else, by its name, what conus-mesh
+ * reads (loaders/mesh_foreign.h; many at once are better read there). Checked by mesh_check(), path set. @p about, if
  * not NULL, gets name and hemisphere as far as the file says them; its strings are the caller's to memory_free(). Notes
  * and errors carry the path. @p options may be NULL. */
 conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
@@ -31,13 +32,16 @@ struct vertex_labels {
 void vertex_labels_finish(struct vertex_labels *labels);
 
 /** Reads GIFTI labels (.label.gii, the first LABEL array; also those of a surface file itself) or a FreeSurfer
- * annotation
- * (.annot), each plain or gzip. A surface without labels has none: count 0. Notes and errors carry the path. @p options
- * may be NULL. */
+ * annotation (.annot), each plain or gzip. A surface without labels has none: count 0. Notes and errors carry the path.
+ * @p options may be NULL. */
 conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
                                 struct notes *notes);
 
 /** True where @p path begins like a surface that mesh_file_read() reads; false also where it cannot be read. */
 bool mesh_file_is(const char *path);
+
+/** True where mesh_file_read() keeps the file's own vertices in their order, so that labels can be told which is whose:
+ * GIFTI and FreeSurfer. What conus-mesh reads comes in another order. */
+bool mesh_file_keeps_vertices(const char *path);
 
 #endif

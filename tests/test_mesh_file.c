@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "gifti_builder.h"
+#include "loaders/mesh_child.h"
 #include "nifti_builder.h"
 #include "test.h"
 
@@ -62,6 +63,54 @@ static void content_decides(void **state)
         mesh_finish(&mesh);
         buffer_finish(&bytes);
     }
+}
+
+/* What conus-mesh reads. */
+static void other_formats_by_name(void **state)
+{
+    (void)state;
+    static const char text[] = "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 4\n";
+    const struct buffer bytes = {.data = (char *)text, .size = sizeof text - 1};
+    const char *path = write_bytes("tetrahedron.obj", &bytes);
+    const struct mesh_file_options options = {.space = MESH_SPACE_LPS};
+    struct mesh mesh = {0};
+    struct label about = {0};
+    struct notes notes = {0};
+    char *program = NULL;
+    if (mesh_child_find(&program)) {
+        print_message("skipped: %s\n", conus_message());
+        skip();
+    }
+    memory_free(program);
+    assert_true(mesh_file_is(path));
+    assert_ok(mesh_file_read(&mesh, &about, path, &options, &notes));
+    assert_int_equal(mesh.vertex_count, 4);
+    assert_int_equal(mesh.triangle_count, 4);
+    double low = 0;
+    for (size_t i = 0; i < 12; i++) { /* VTK's order of vertices, of which labels know nothing */
+        low = mesh.positions[i] < (float)low ? (double)mesh.positions[i] : low;
+    }
+    assert_near(low, -10, 0);
+    assert_false(mesh_file_keeps_vertices(path));
+    assert_null(about.name);
+    assert_string_equal(mesh.path, path);
+    assert_int_equal(notes.count, 0);
+    mesh_finish(&mesh);
+}
+
+static void what_is_a_surface(void **state)
+{
+    (void)state;
+    struct buffer bytes = {0};
+    const struct buffer text = {.data = (char *)"hello", .size = 5};
+    make_gifti(&bytes);
+    assert_true(mesh_file_is(write_bytes("any", &bytes)));
+    assert_true(mesh_file_is(write_packed("any", &bytes)));
+    assert_true(mesh_file_keeps_vertices(write_packed("any.obj", &bytes)));
+    assert_false(mesh_file_is(write_bytes("any", &text)));
+    assert_false(mesh_file_is("absent.obj"));
+    assert_false(mesh_file_is("."));
+    buffer_finish(&bytes);
 }
 
 static void a_given_space_is_not_asked_of_the_file(void **state)
@@ -206,7 +255,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(labels_of_vertices),    cmocka_unit_test(labels_without_memory_or_sense),
-        cmocka_unit_test(content_decides),       cmocka_unit_test(a_given_space_is_not_asked_of_the_file),
+        cmocka_unit_test(content_decides),       cmocka_unit_test(other_formats_by_name),
+        cmocka_unit_test(what_is_a_surface),     cmocka_unit_test(a_given_space_is_not_asked_of_the_file),
         cmocka_unit_test(errors_carry_the_path), cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

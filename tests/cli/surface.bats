@@ -1,0 +1,84 @@
+#!/usr/bin/env bats
+# A surface as ATLAS, as a user types it.
+load helpers
+
+# array INTENT TYPE DIMS NUMBERS: a DataArray in text.
+array() {
+    echo "<DataArray Intent=\"NIFTI_INTENT_$1\" DataType=\"NIFTI_TYPE_$2\" Encoding=\"ASCII\" Endian=\"LittleEndian\"" \
+        "ArrayIndexingOrder=\"RowMajorOrder\" $3>"
+    [ "$1" != POINTSET ] || echo "<CoordinateSystemTransformMatrix><DataSpace>NIFTI_XFORM_MNI_152</DataSpace>" \
+        "<TransformedSpace>NIFTI_XFORM_MNI_152</TransformedSpace></CoordinateSystemTransformMatrix>"
+    echo "<Data>$4</Data></DataArray>"
+}
+
+gifti() {
+    printf '<?xml version="1.0"?>\n<!DOCTYPE GIFTI SYSTEM "gifti.dtd">\n<GIFTI Version="1.0">\n'
+    cat
+    echo "</GIFTI>"
+}
+
+# Two squares side by side at z = 0, x from -20 to 20, y from -10 to 10.
+square() {
+    array POINTSET FLOAT32 'Dimensionality="2" Dim0="6" Dim1="3"' "-20 -10 0 0 -10 0 20 -10 0 -20 10 0 0 10 0 20 10 0" |
+        sed "s/Dim0=\"6\"/Dim0=\"${1:-6}\"/"
+    array TRIANGLE INT32 'Dimensionality="2" Dim0="4" Dim1="3"' "0 1 4 0 4 3 1 2 5 1 5 4"
+}
+
+# Labels 7 on the left, 3 on the right and 7 between.
+labels() {
+    echo '<LabelTable><Label Key="7">west</Label><Label Key="3" Red="1" Green="0" Blue="0">east</Label></LabelTable>'
+    array LABEL INT32 "Dimensionality=\"1\" Dim0=\"$1\"" "7 7 3 7 7 3 ${2:-}"
+}
+
+@test "a surface is one area, called as its file" {
+    square | gifti >lh.pial.surf.gii
+    run -0 --separate-stderr "$CONUS" query lh.pial.surf.gii --origin 5,5,30 --toward 5,5,0 --angle 5 --format tsv
+    # shellcheck disable=SC2154 # bats sets stderr
+    [ "$stderr" = "conus: note: lh.pial.surf.gii: the surface is not closed" ]
+    [ "$(cut -f 2-4,8,13-16 <<<"${lines[1]}")" = "area	1	lh.pial	208	30.0002234	4.91813573	4.91813573	0" ]
+}
+
+@test "labels of the vertices cut it, in its own file or another" {
+    { square; labels 6; } | gifti >both.gii
+    square | gifti >surface.gii
+    labels 6 | gifti | gzip >labels.gii.gz
+    for atlas in both.gii "surface.gii --labels labels.gii.gz"; do
+        # shellcheck disable=SC2086 # words
+        run -0 --separate-stderr "$CONUS" info $atlas --format tsv
+            [ "$(cut -f 2,3,7 <<<"${lines[1]}")" = "3	east	#ff0000" ]
+        [ "$(cut -f 2,3 <<<"${lines[2]}")" = "7	west" ]
+        # shellcheck disable=SC2086
+        run -0 --separate-stderr "$CONUS" query $atlas --origin 15,0,30 --toward 15,0,0 --angle 5 --format tsv
+        [ "$(cut -f 3,4 <<<"${lines[1]}")" = "3	east" ]
+        # shellcheck disable=SC2086
+        run -0 --separate-stderr "$CONUS" query $atlas --origin=-10,0,30 --toward=-10,0,0 --angle 5 --format tsv
+        [ "$(cut -f 3,4 <<<"${lines[1]}")" = "7	west" ]
+    done
+}
+
+@test "what contradicts itself is refused with its line" {
+    square 7 | gifti >dim.gii
+    fails 3 "dim.gii: line 6, DataArray 0: Data: 18 numbers, the Dim attributes ask for 21" info dim.gii
+    { square; labels 7 3; } | gifti >labels.gii
+    fails 3 "labels.gii: labels of 7 vertices, the surface labels.gii has 6" info labels.gii
+    square | sed 's/0 1 4/0 1 6/' | gifti >index.gii
+    fails 3 "index.gii: triangle 0: vertex index 6, allowed are whole numbers from 0 to 5" info index.gii
+    square | sed 's/-20 -10/nan -10/' | gifti >nan.gii
+    fails 3 "nan.gii: vertex 0: a coordinate is nan mm" info nan.gii
+    labels 6 | gifti >alone.gii
+    fails 3 "alone.gii: no POINTSET array: not a surface" info alone.gii
+    square | sed 's/ASCII/ExternalFileBinary/' | gifti >external.gii
+    fails 3 "arrays in other files are not read unless that is allowed" info external.gii
+    head -c 700 dim.gii >cut.gii
+    fails 3 "cut.gii: line " info cut.gii
+}
+
+@test "a surface that conus-mesh reads, which labels do not fit" {
+    [ -x "$(dirname "$CONUS")/conus-mesh" ] || skip "no conus-mesh: built without VTK"
+    export XDG_CACHE_HOME=$PWD/cache
+    printf 'v -20 -10 0\nv 0 -10 0\nv 20 -10 0\nv -20 10 0\nv 0 10 0\nv 20 10 0\nf 1 2 5\nf 1 5 4\nf 2 3 6\nf 2 6 5\n' >s.obj
+    labels 6 | gifti >labels.gii
+    fails 3 "s.obj: labels of vertices need a GIFTI or FreeSurfer surface" info s.obj --labels labels.gii
+    run -0 --separate-stderr "$CONUS" info s.obj --format tsv
+    [ "$(cut -f 2,3 <<<"${lines[1]}")" = "1	s" ]
+}
