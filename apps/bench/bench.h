@@ -60,6 +60,7 @@ struct bench_scenario {
 
 conus_status bench_colour(struct bench *bench);
 conus_status bench_volume(struct bench *bench);
+conus_status bench_mesh(struct bench *bench);
 conus_status bench_torus(struct bench *bench);
 
 #endif

@@ -17,6 +17,7 @@ enum { EXIT_USAGE = 2, EXIT_DATA = 3, DEFAULT_POSES = 64, DEFAULT_SLICES = 362, 
 static const struct bench_scenario scenarios[] = {
     {"colour", "a picture: blended slices against ray casting without and with skipping", bench_colour},
     {"volume", "256 rays through a labelled volume: plain traversal against the rays engine", bench_volume},
+    {"mesh", "256 rays at an atlas's surfaces (--atlas MANIFEST), one at a time or in packets", bench_mesh},
     {"torus", "256 rays into 1,000 to 200,000 tori, one at a time or in packets", bench_torus},
 };
 
@@ -29,7 +30,7 @@ static void print_help(void)
         printf("  %-10s %s\n", scenarios[i].name, scenarios[i].description);
     }
     puts("\noptions:\n"
-         "  --atlas FILE   labelled volume (default " DEFAULT_ATLAS ")\n"
+         "  --atlas FILE   labelled volume, or a manifest (default " DEFAULT_ATLAS ")\n"
          "  --context FILE volume around the areas in pictures (default " DEFAULT_CONTEXT ")\n"
          "  --slices N     planes of a picture (default 362)\n"
          "  --angle A      full opening angle in degrees (default 5)\n"

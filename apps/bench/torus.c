@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "apps/bench/bench.h"
+#include "apps/bench/mesh_look.h"
 #include "apps/bench/torus_scene.h"
 #include "base/math3.h"
 #include "base/memory.h"
@@ -47,37 +48,6 @@ static void contender_finish(struct contender *contender)
     memory_free(contender->answers);
 }
 
-/* Pixels in tiles of 4 x 4, as the rays engine takes them. */
-static size_t pixel_of(size_t ray)
-{
-    size_t tile = ray / 16, row = tile / 4 * 4 + ray % 16 / 4, column = tile % 4 * 4 + ray % 4;
-    return row * TORUS_RESOLUTION + column;
-}
-
-static conus_status look_at_places(struct contender *contender, struct evidence *out, const struct cone *cone)
-{
-    double u[PIXELS], v[PIXELS], direction[3][MESH_RAYS_LIMIT];
-    struct mesh_bundle bundle = {.count = PIXELS, .origin = cone->pose.world_from_device + 12};
-    bundle.direction = (const double(*)[MESH_RAYS_LIMIT])direction;
-    for (size_t ray = 0; ray < PIXELS; ray++) {
-        u[ray] = cone_coordinate((uint32_t)(pixel_of(ray) % TORUS_RESOLUTION), TORUS_RESOLUTION);
-        v[ray] = cone_coordinate((uint32_t)(pixel_of(ray) / TORUS_RESOLUTION), TORUS_RESOLUTION);
-        bundle.t[ray] = INFINITY;
-    }
-    double *const axes[3] = {direction[0], direction[1], direction[2]};
-    cone_rays(axes, cone, u, v, PIXELS);
-    double pitch = cone->angle / cone->resolution;
-    unsigned width = contender->width ? contender->width : mesh_rays_width(contender->rays, bundle.origin, pitch);
-    conus_status status = mesh_rays_walk(contender->rays, &bundle, width);
-    for (size_t ray = 0; ray < PIXELS; ray++) {
-        size_t pixel = pixel_of(ray);
-        out->object[pixel] = bundle.object[ray];
-        out->distance[pixel] = bundle.t[ray];
-        out->voxel[pixel] = bundle.triangle[ray];
-    }
-    return status;
-}
-
 static void answer_all(void *data)
 {
     struct contender *contender = data;
@@ -85,7 +55,7 @@ static void answer_all(void *data)
         struct evidence *answer = &contender->answers[i];
         const struct cone *cone = &contender->cones[i];
         conus_status status = contender->engine ? contender->engine->functions->look(contender->engine, answer, cone)
-                                                : look_at_places(contender, answer, cone);
+                                                : bench_look_at_meshes(answer, contender->rays, cone, contender->width);
         contender->status = status ? status : contender->status;
     }
 }
@@ -207,7 +177,9 @@ static conus_status measure(struct bench *bench, struct round rounds[SIZES])
     for (size_t s = 0; s < SIZES; s++) {
         for (size_t i = 0; i < rounds[s].count; i++) {
             struct contender *contender = &rounds[s].contenders[i];
-            by_rule[s] = contender->width || contender->engine ? by_rule[s] : &variants[count];
+            if (!contender->width && !contender->engine) {
+                by_rule[s] = &variants[count];
+            }
             fill_in(&variants[count++], &rounds[s], contender);
         }
     }
