@@ -4,6 +4,7 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "loaders/mesh_child.h"
+#include "loaders/mesh_file.h"
 #include "loaders/mesh_foreign.h"
 #include "loaders/mesh_format.h"
 #include "test.h"
@@ -117,6 +118,29 @@ static void the_caller_may_know_the_space_better(void **state)
 }
 
 /* What conus mesh writes, VTK reads as it was. */
+/* Through the door for meshes of all kinds. */
+static void mesh_file_read_leads_here(void **state)
+{
+    (void)state;
+    need_conus_mesh();
+    static const char freesurfer[] = "\xff\xff\xfe"
+                                     "created by someone\n\n\0\0\0\4";
+    const struct mesh_file_options ras = {.space = MESH_SPACE_RAS};
+    struct mesh mesh;
+    struct label about = {.number = 7};
+    struct notes notes = {0};
+    const char *path = write_text("lps.ply", ply, sizeof ply - 1);
+    assert_ok(mesh_file_read(&mesh, &about, path, NULL, &notes));
+    assert_null(about.name);
+    check_shape(&mesh, 4.5, -0.75, 0.75);
+    assert_ok(mesh_file_read(&mesh, NULL, path, &ras, &notes));
+    check_shape(&mesh, 4.5, 0.75, 0.75);
+    path = write_text("lh.obj", freesurfer, sizeof freesurfer - 1);
+    assert_fails(mesh_file_read(&mesh, NULL, path, NULL, &notes), CONUS_ERROR_DATA);
+    assert_null(strstr(conus_message(), "VTK")); /* what it is decides, not its name */
+    notes_finish(&notes);
+}
+
 static void what_we_write_vtk_reads(void **state)
 {
     (void)state;
@@ -235,6 +259,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(good_files_are_read_and_their_space_is_honoured),
         cmocka_unit_test(the_caller_may_know_the_space_better),
+        cmocka_unit_test(mesh_file_read_leads_here),
         cmocka_unit_test(what_we_write_vtk_reads),
         cmocka_unit_test(hostile_files_are_one_line),
         cmocka_unit_test(one_bad_file_among_many_is_named),
