@@ -244,6 +244,54 @@ static void one_bad_file_among_many_is_named(void **state)
     notes_finish(&notes);
 }
 
+/* The same cube of 2 mm in four files, its triangles not all turned the same way. */
+static void real_files_are_read(void **state)
+{
+    (void)state;
+    need_conus_mesh();
+    static const char *const cubes[] = {"cube.vtk", "cube.ply", "cube.stl", "cube_bin.stl"};
+    for (size_t i = 0; i < sizeof cubes / sizeof cubes[0]; i++) {
+        char name[64];
+        struct mesh mesh;
+        struct mesh_shape shape;
+        struct notes notes = {0};
+        snprintf(name, sizeof name, "meshes/format-zoo/%s", cubes[i]);
+        read_one(&mesh, test_shared(name), NULL, &notes);
+        assert_ok(mesh_measure(&shape, &mesh));
+        assert_int_equal(mesh.vertex_count, 8);
+        assert_int_equal(mesh.triangle_count, 12);
+        for (int a = 0; a < 3; a++) {
+            assert_near(shape.low[a], -1, 1e-6);
+            assert_near(shape.high[a], 1, 1e-6);
+            assert_near(shape.centroid[a], 0, 1e-6);
+        }
+        notes_finish(&notes);
+        mesh_finish(&mesh);
+    }
+}
+
+static conus_status attempt(void *data)
+{
+    const char *const paths[] = {data, data};
+    struct mesh meshes[2];
+    struct notes notes = {0};
+    conus_status status = mesh_foreign_read(meshes, paths, 2, NULL, &notes);
+    for (int i = 0; !status && i < 2; i++) {
+        mesh_finish(&meshes[i]);
+    }
+    notes_finish(&notes);
+    return status;
+}
+
+static void every_failing_allocation(void **state)
+{
+    (void)state;
+    need_conus_mesh();
+    char path[256];
+    snprintf(path, sizeof path, "%s", write_text("cube.obj", quads, sizeof quads - 1));
+    test_every_allocation(attempt, path);
+}
+
 static void names_tell_what_is_foreign(void **state)
 {
     (void)state;
@@ -263,6 +311,8 @@ int main(void)
         cmocka_unit_test(what_we_write_vtk_reads),
         cmocka_unit_test(hostile_files_are_one_line),
         cmocka_unit_test(one_bad_file_among_many_is_named),
+        cmocka_unit_test(real_files_are_read),
+        cmocka_unit_test(every_failing_allocation),
         cmocka_unit_test(names_tell_what_is_foreign),
     };
     test_own_cache();

@@ -172,7 +172,7 @@ static void obj_is_text_to_the_nanometre(void **state)
     assert_ok(mesh_format(&bytes, &sample, &title, CONUS_OBJ));
     assert_string_equal(bytes.data, "# SPACE=RAS\n# label 7 color #ff0080\no A & B\n"
                                     "v 0.000000 0.000000 0.000000\nv -1.500000 0.000000 0.000000\n"
-                                    "v 0.000000 0.000000 123456.789063\nv 2e+09 0.000000 0.250000\n"
+                                    "v 0.000000 0.000000 123456.789063\nv 2000000000 0.000000 0.250000\n"
                                     "f 1 3 2\nf 1 2 4\n");
     buffer_finish(&bytes);
 }
