@@ -9,6 +9,7 @@ usage: compare_meshes.py DUMP_MESH CONUS [SHARED_FOLDER]; exit 77 = skipped."""
 
 import glob
 import gzip
+import json
 import os
 import re
 import subprocess
@@ -138,34 +139,55 @@ def first_hit(corners, origin, direction):
     return t.min(), int(t.argmin())
 
 
-def compare_queries(surface, annot, count=20):
-    """A needle from outside through random points: what it meets, and where."""
-    points, triangles = surface_of(surface)
-    labels, names = labels_of(annot)
-    corners = points.astype(np.float64)[triangles]
-    owner = labels[triangles]
-    owner = np.where(owner[:, 1] == owner[:, 2], owner[:, 1], owner[:, 0])
-    corners, owner = corners[owner > 0], owner[owner > 0]
+def compare_queries(what, atlas, corners, names, count=20):
+    """A needle from outside through random points: which of `names` (one per triangle) it meets, and how far away."""
     random = np.random.default_rng(1)
-    middle = points.mean(axis=0)
+    middle = corners.reshape(-1, 3).mean(axis=0)
+    hits = 0
     for _ in range(count):
         direction = random.normal(size=3)
         direction /= np.linalg.norm(direction)
         origin = middle + random.uniform(-15, 15, 3) - 200 * direction
         distance, triangle = first_hit(corners, origin, direction)
         text = subprocess.run(
-            [CONUS, "query", surface, "--labels", annot, "--origin=" + ",".join(f"{x:.9g}" for x in origin),
+            [CONUS, "query", *atlas, "--origin=" + ",".join(f"{x:.9g}" for x in origin),
              "--direction=" + ",".join(f"{x:.9g}" for x in direction), "--angle", "0.001", "--format", "tsv"],
             check=True, capture_output=True, encoding="utf-8").stdout
         rows = [dict(zip(text.splitlines()[0].split("\t"), row.split("\t"))) for row in text.splitlines()[1:]]
         best = rows[0]
         if not np.isfinite(distance):
             if best["kind"] != "unassigned":
-                sys.exit(f"{surface}: from {origin} along {direction}: {best}, wanted nothing")
-        elif best["name"] != names[int(owner[triangle])] or abs(float(best["distance_mm"]) - distance) > 0.02:
-            sys.exit(f"{surface}: from {origin} along {direction}: {best['name']} at {best['distance_mm']}, wanted "
-                     f"{names[int(owner[triangle])]} at {distance}")
-    print(f"{os.path.basename(surface)} by {os.path.basename(annot)}: {count} queries equal")
+                sys.exit(f"{what}: from {origin} along {direction}: {best}, wanted nothing")
+            continue
+        hits += 1
+        if best["name"] != names[triangle] or abs(float(best["distance_mm"]) - distance) > 0.02:
+            sys.exit(f"{what}: from {origin} along {direction}: {best['name']} at {best['distance_mm']}, wanted "
+                     f"{names[triangle]} at {distance}")
+    print(f"{what}: {count} queries equal, {hits} of them hits")
+
+
+def query_labelled(surface, annot):
+    points, triangles = surface_of(surface)
+    labels, names = labels_of(annot)
+    owner = labels[triangles]
+    owner = np.where(owner[:, 1] == owner[:, 2], owner[:, 1], owner[:, 0])
+    corners = points.astype(np.float64)[triangles][owner > 0]
+    what = f"{os.path.basename(surface)} by {os.path.basename(annot)}"
+    compare_queries(what, [surface, "--labels", annot], corners, [names[int(k)] for k in owner[owner > 0]])
+
+
+def query_folder(paths, scratch):
+    """All of them as the areas of a manifest, by the names in the files."""
+    corners, names = [], []
+    for path in paths:
+        points, triangles = surface_of(path)
+        corners.append(points.astype(np.float64)[triangles])
+        names += [nib.load(path).meta["Name"]] * len(triangles)
+    manifest = os.path.join(scratch, "all.atlas.json")
+    with open(manifest, "w", encoding="utf-8") as file:
+        json.dump({"conus_atlas": 1, "allow_outside": True,
+                   "areas": [{"files": os.path.join(os.path.dirname(os.path.abspath(paths[0])), "*.gii")}]}, file)
+    compare_queries(f"{len(paths)} areas of a manifest", [manifest], np.concatenate(corners), names)
 
 
 def compare_shared(folder):
@@ -193,8 +215,10 @@ def compare_shared(folder):
         print(f"{side}.aparc.annot: {compare_labels(annot, side)[1]} labels equal")
         surface = os.path.join(folder, f"meshes/fsaverage5/pial_{name}.gii.gz")
         compare_split(surface, annot)
-        compare_queries(surface, annot)
-    with tempfile.TemporaryDirectory() as scratch: # nibabel does not unpack it
+        query_labelled(surface, annot)
+    with tempfile.TemporaryDirectory() as scratch:
+        query_folder(sorted(glob.glob(os.path.join(folder, "meshes/julich31-areas/lh/*.gii"))), scratch)
+        # nibabel does not unpack it
         packed, plain = os.path.join(folder, "meshes/format-zoo/lh.aparc.annot.gz"), os.path.join(scratch, "plain.annot")
         with gzip.open(packed) as source, open(plain, "wb") as target:
             target.write(source.read())
