@@ -126,7 +126,7 @@ static conus_status upload_areas(struct colour_pass *pass, const struct volume *
 /* Object of the pathway whose cell holds the world point, 0 if none. */
 static uint32_t pathway_at(const conus_atlas *atlas, const double world[3])
 {
-    for (size_t i = 1; i < atlas->volume_count; i++) {
+    for (size_t i = 0; i < atlas->volume_count; i++) {
         const struct volume *volume = &atlas->volumes[i];
         const size_t *dim = volume->info.dim;
         double p[3];

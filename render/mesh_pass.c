@@ -13,7 +13,7 @@
 enum { POSITION_UNIT, CORNER_UNIT };
 enum { PIXEL_BUFFER };
 enum { FIRST_ROOM = 6, ROOM_STEP = 8 };
-enum { BATCH = 8192 }; /* triangles; Mesa 22.3's llvmpipe takes thrice the time for each in batches of 16384 */
+enum { BATCH = 4096 }; /* triangles; Mesa 22.3's llvmpipe takes thrice the time for each in batches of 16384 */
 
 struct mesh_pass {
     const struct mesh *const *meshes; /* a copy of the caller's array, by object */

@@ -190,6 +190,32 @@ static void meshes_and_voxels_hide_each_other(void **state)
     }
 }
 
+/* A pathway may be the only volume of an atlas. */
+static void a_pathway_shows_among_meshes(void **state)
+{
+    (void)state;
+    enum { EDGE = 40 };
+    conus_volume_info grid = picture_grid((size_t[]){EDGE, EDGE, EDGE}, (double[]){1, 1, 1}, identity);
+    conus_atlas *atlas = mesh_scene_atlas();
+    add_ball(atlas, 0, 5, 0, 10, red);
+    float *values = memory_zeroed((size_t)EDGE * EDGE * EDGE, sizeof *values);
+    assert_non_null(values);
+    for (size_t v = 0; v < (size_t)EDGE * EDGE * EDGE; v++) {
+        values[v] = v / EDGE % EDGE < EDGE / 2 ? 1 : 0; /* the half at negative y */
+    }
+    grid.role = CONUS_SCALAR;
+    grid.threshold = 0.5;
+    assert_ok(atlas_add_pathway(atlas, &grid, values, "tract"));
+    memcpy(atlas->objects[1].rgb, blue, 3);
+    float *front = draw_atlas(atlas, (double[]){0, 1, 0}, 120);
+    float *back = draw_atlas(atlas, (double[]){0, -1, 0}, 120);
+    assert_true(middle(front)[2] > 4 * middle(front)[0]);
+    assert_true(middle(back)[0] > 4 * middle(back)[2]);
+    memory_free(front);
+    memory_free(back);
+    conus_atlas_destroy(atlas);
+}
+
 /* Eq. 8: black haze of length L before a mesh lets (1 - a)^L of its light through, wherever the planes lie. */
 static void haze_before_a_mesh_obeys_its_closed_form(void **state)
 {
@@ -325,6 +351,7 @@ int main(void)
         cmocka_unit_test(both_faces_are_lit),
         cmocka_unit_test(meshes_not_met_are_pale),
         cmocka_unit_test(meshes_and_voxels_hide_each_other),
+        cmocka_unit_test(a_pathway_shows_among_meshes),
         cmocka_unit_test(haze_before_a_mesh_obeys_its_closed_form),
         cmocka_unit_test(cone_and_markers_among_meshes),
         cmocka_unit_test(allocations_may_fail),

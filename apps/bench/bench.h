@@ -62,5 +62,6 @@ conus_status bench_colour(struct bench *bench);
 conus_status bench_volume(struct bench *bench);
 conus_status bench_mesh(struct bench *bench);
 conus_status bench_torus(struct bench *bench);
+conus_status bench_torus_gl(struct bench *bench); /**< Its part that needs OpenGL. */
 
 #endif

@@ -413,6 +413,18 @@ void meet_area(inout vec4 sum, Track context, vec3 direction, float depth, float
     }
 }
 
+// The mesh at that depth, or an area that begins just before it, so that no plane lies between. Returns what was met.
+float meet_mesh(inout vec4 sum, Track context, Track areas, vec3 direction, vec3 view, float mesh)
+{
+    float plane = plane_after(mesh);
+    float t = depth_of(plane);
+    bool is_area = is_on(areas, plane) && shows_area(place_on(areas, t));
+    float hit = is_area ? min(area_depth(areas, t), mesh) : mesh;
+    meet_area(sum, context, direction, hit, t);
+    blend(sum, vec4(hit < mesh ? area_colour(areas, direction, view, hit) : mesh_colour(direction, view, mesh), 1.0));
+    return hit;
+}
+
 // The loops are nested so that a machine which runs several pixels in step, and both sides of every branch, still does
 // nothing but look at bricks where there is nothing to see, and nothing but sample where there is.
 void main()
@@ -464,9 +476,7 @@ void main()
         far.depth = NEVER;
     }
     if (hit == NEVER && mesh < solid.depth && sum.a < OPAQUE) {
-        hit = mesh;
-        meet_area(sum, context, direction, mesh, depth_of(plane_after(mesh)));
-        blend(sum, vec4(mesh_colour(direction, view, mesh), 1.0));
+        hit = meet_mesh(sum, context, areas, direction, view, mesh);
     }
     vec4 rest = vec4(0.0);
     while (near.depth < solid.depth) {
