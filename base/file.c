@@ -75,14 +75,15 @@ conus_status file_read(struct bytes *out, const char *path, uint64_t limit)
     return status;
 }
 
-static bool write_fully(int descriptor, const uint8_t *data, size_t size)
+bool file_write_fully(int descriptor, const void *data, size_t size)
 {
+    const uint8_t *at = data;
     while (size) {
-        ssize_t n = write(descriptor, data, size);
+        ssize_t n = write(descriptor, at, size);
         if (n < 0 && errno != EINTR) {
             return false;
         }
-        data += n > 0 ? n : 0;
+        at += n > 0 ? n : 0;
         size -= n > 0 ? (size_t)n : 0;
     }
     return true;
@@ -94,7 +95,7 @@ static conus_status write_directly(const char *path, const void *data, size_t si
     if (descriptor < 0) {
         return fail_errno(path, "open");
     }
-    bool written = write_fully(descriptor, data, size);
+    bool written = file_write_fully(descriptor, data, size);
     conus_status status = written ? CONUS_OK : fail_errno(path, "write");
     close(descriptor);
     return status;
@@ -106,7 +107,7 @@ static conus_status write_and_rename(const char *path, const char *temporary, co
     if (descriptor < 0) {
         return fail_errno(path, "write");
     }
-    bool written = write_fully(descriptor, data, size) && (!wait || fsync(descriptor) == 0);
+    bool written = file_write_fully(descriptor, data, size) && (!wait || fsync(descriptor) == 0);
     written = close(descriptor) == 0 && written;
     if (!written || rename(temporary, path)) {
         conus_status status = fail_errno(path, "write");

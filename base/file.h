@@ -29,6 +29,9 @@ conus_status file_write(const char *path, const void *data, size_t size);
  * the next seconds may lose them. */
 conus_status file_write_soon(const char *path, const void *data, size_t size);
 
+/** Writes all of it to an open file; false (errno) where that fails. */
+bool file_write_fully(int descriptor, const void *data, size_t size);
+
 /** Makes the folder @p path unless it is there. */
 conus_status file_make_folder(const char *path);
 

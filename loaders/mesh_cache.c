@@ -179,26 +179,6 @@ static conus_status make_space(const char *folder_path, uint64_t limit)
     return status;
 }
 
-static bool write_pieces(int descriptor, const uint8_t tail[TAIL_SIZE], const struct buffer *content)
-{
-    const struct {
-        const void *data;
-        size_t size;
-    } pieces[2] = {{content->data, content->size}, {tail, TAIL_SIZE}};
-    for (int i = 0; i < 2; i++) {
-        const char *at = pieces[i].data;
-        for (size_t left = pieces[i].size; left;) {
-            ssize_t n = write(descriptor, at, left);
-            if (n < 0 && errno != EINTR) {
-                return false;
-            }
-            at += n > 0 ? n : 0;
-            left -= n > 0 ? (size_t)n : 0;
-        }
-    }
-    return true;
-}
-
 /* A checksum tells a damaged entry, so that nothing need wait for the disk. */
 static conus_status write_entry(const struct buffer *path, const struct buffer *content)
 {
@@ -209,7 +189,8 @@ static conus_status write_entry(const struct buffer *path, const struct buffer *
     int descriptor = status ? -1 : mkostemps(temporary.data, (int)strlen(ending), O_CLOEXEC);
     if (descriptor >= 0) {
         write_tail(tail, content->data, content->size);
-        bool written = write_pieces(descriptor, tail, content);
+        bool written = file_write_fully(descriptor, content->data, content->size) &&
+                       file_write_fully(descriptor, tail, sizeof tail);
         written = close(descriptor) == 0 && written;
         if (!written || rename(temporary.data, path->data)) {
             unlink(temporary.data);

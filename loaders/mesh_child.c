@@ -122,25 +122,12 @@ static conus_status fail_system(const char *action)
     return fail(CONUS_ERROR_IO, "%s: cannot %s: %s", program, action, strerror(errno));
 }
 
-static bool write_all(int descriptor, const uint8_t *data, size_t size)
-{
-    while (size) {
-        ssize_t n = write(descriptor, data, size);
-        if (n < 0 && errno != EINTR) {
-            return false;
-        }
-        data += n > 0 ? n : 0;
-        size -= n > 0 ? (size_t)n : 0;
-    }
-    return true;
-}
-
 /* The request as a file in memory, or -1. */
 static int request_file(const struct mesh_child_request *request)
 {
     int descriptor = memfd_create(program, MFD_CLOEXEC);
-    if (descriptor >= 0 && !(write_all(descriptor, (const uint8_t *)request->head.data, request->head.size) &&
-                             write_all(descriptor, request->voxels, request->size))) {
+    if (descriptor >= 0 && !(file_write_fully(descriptor, request->head.data, request->head.size) &&
+                             file_write_fully(descriptor, request->voxels, request->size))) {
         close(descriptor);
         return -1;
     }

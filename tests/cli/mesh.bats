@@ -54,3 +54,31 @@ need_mesh() {
     [ "$(find out -name '*.gii' | wc -l)" -eq 116 ]
     [ -s out/37_Hippocampus_L.gii ]
 }
+
+@test "mesh files that break VTK's readers are one line each" {
+    need_mesh
+    local header='ply\nformat binary_little_endian 1.0\nelement vertex %s\nproperty float x\nproperty float y\nproperty float z\n'
+    # shellcheck disable=SC2059 # a format
+    printf "${header}element face 2\nproperty list uchar int vertex_indices\nend_header\nxxxx" 4 >short.ply
+    # shellcheck disable=SC2059
+    printf "${header}end_header\n" 2000000000 >claims.ply
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 999999\n' >far.obj
+    printf 'P 0.3 0.3 0.4 10 1 3\n 0 0 0\n' >mni.obj
+    : >empty.obj
+    fails 3 'short.ply: conus-mesh: VTK crashed (signal ' info short.ply
+    fails 3 'claims.ply: header: element vertex 2000000000: more than the ' info claims.ply
+    fails 3 'far.obj: vertex index 999998, allowed are 0 to 2' info far.obj
+    fails 3 'mni.obj: content: an MNI object file' info mni.obj
+    fails 3 'empty.obj: content: the file is empty' info empty.obj
+    [ -z "$(find . -name '*.mesh')" ]
+}
+
+@test "a mesh that conus wrote is an atlas again" {
+    need_mesh
+    sphere --size 24
+    for format in gii vtp obj ply stl; do
+        conus mesh sphere.nii.gz -o out --format $format
+        run -0 "$CONUS" query out/1_Sphere.$format --origin 0,0,90 --toward 0,0,0 --angle 2 --quiet --format tsv
+        [ "$(cell pixels 1)" = 208 ]
+    done
+}
