@@ -101,23 +101,41 @@ static conus_status write_directly(const char *path, const void *data, size_t si
     return status;
 }
 
-static conus_status write_and_rename(const char *path, const char *temporary, const void *data, size_t size, bool wait)
+enum { WRITE_WAIT = 1, WRITE_NEW = 2 };
+
+/* Gives the finished file its name. */
+static bool settle(const char *path, const char *temporary, unsigned how)
+{
+    if (!(how & WRITE_NEW)) {
+        return rename(temporary, path) == 0;
+    }
+    bool linked = link(temporary, path) == 0; /* unlike rename(), never in the place of another */
+    int error = errno;
+    unlink(temporary);
+    errno = error;
+    return linked;
+}
+
+static conus_status write_and_rename(const char *path, const char *temporary, const void *data, size_t size,
+                                     unsigned how)
 {
     int descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0) {
         return fail_errno(path, "write");
     }
-    bool written = file_write_fully(descriptor, data, size) && (!wait || fsync(descriptor) == 0);
+    bool written = file_write_fully(descriptor, data, size) && (!(how & WRITE_WAIT) || fsync(descriptor) == 0);
     written = close(descriptor) == 0 && written;
-    if (!written || rename(temporary, path)) {
-        conus_status status = fail_errno(path, "write");
+    if (!written || !settle(path, temporary, how)) {
+        conus_status status = errno == EEXIST
+                                  ? fail(CONUS_ERROR_IO, "%s: there is a file already, which is not replaced", path)
+                                  : fail_errno(path, "write");
         unlink(temporary);
         return status;
     }
     return CONUS_OK;
 }
 
-static conus_status write_file(const char *path, const void *data, size_t size, bool wait)
+static conus_status write_file(const char *path, const void *data, size_t size, unsigned how)
 {
     struct stat info;
     if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
@@ -130,19 +148,24 @@ static conus_status write_file(const char *path, const void *data, size_t size, 
         return fail_in(CONUS_ERROR_MEMORY, path);
     }
     snprintf(temporary, length, "%s.%ld.part", path, (long)getpid());
-    conus_status status = write_and_rename(path, temporary, data, size, wait);
+    conus_status status = write_and_rename(path, temporary, data, size, how);
     memory_free(temporary);
     return status;
 }
 
 conus_status file_write(const char *path, const void *data, size_t size)
 {
-    return write_file(path, data, size, true);
+    return write_file(path, data, size, WRITE_WAIT);
 }
 
 conus_status file_write_soon(const char *path, const void *data, size_t size)
 {
-    return write_file(path, data, size, false);
+    return write_file(path, data, size, 0);
+}
+
+conus_status file_write_new(const char *path, const void *data, size_t size)
+{
+    return write_file(path, data, size, WRITE_WAIT | WRITE_NEW);
 }
 
 conus_status file_make_folder(const char *path)

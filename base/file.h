@@ -32,6 +32,9 @@ conus_status file_write_soon(const char *path, const void *data, size_t size);
 /** Writes all of it to an open file; false (errno) where that fails. */
 bool file_write_fully(int descriptor, const void *data, size_t size);
 
+/** Like file_write(), but never in the place of anything that is there: CONUS_ERROR_IO then. */
+conus_status file_write_new(const char *path, const void *data, size_t size);
+
 /** Makes the folder @p path unless it is there. */
 conus_status file_make_folder(const char *path);
 

@@ -30,7 +30,7 @@ static bool ends_with(const char *name, const char *ending)
     return length >= tail && strcmp(name + length - tail, ending) == 0;
 }
 
-static conus_status add_name(struct names *names, const char *name)
+conus_status names_add(struct names *names, const char *name)
 {
     char **grown = memory_resize(names->names, names->count + 1, sizeof *grown);
     if (!grown) {
@@ -50,7 +50,7 @@ conus_status names_list(struct names *out, const char *folder, const char *endin
     DIR *directory = opendir(folder);
     conus_status status = CONUS_OK;
     for (struct dirent *entry; directory && !status && out->count < NAME_LIMIT && (entry = readdir(directory));) {
-        status = ends_with(entry->d_name, ending) ? add_name(out, entry->d_name) : CONUS_OK;
+        status = ends_with(entry->d_name, ending) ? names_add(out, entry->d_name) : CONUS_OK;
     }
     if (directory) {
         closedir(directory);

@@ -16,6 +16,9 @@ struct names {
 conus_status names_list(struct names *out, const char *folder, const char *ending);
 void names_finish(struct names *names);
 
+/** Appends a copy of @p name. */
+conus_status names_add(struct names *names, const char *name);
+
 /** The folder of @p path with a '/' at its end, "./" if it has none. NULL without memory; memory_free() it. */
 char *path_folder(const char *path);
 

@@ -117,10 +117,6 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
     if (!option_needs(arguments, "voxels-of", "voxels")) {
         return false;
     }
-    if (settings->voxels && !settings->voxels_of && !settings->atlas.pathways.count) {
-        complain("--voxels lists the voxels of pathways, and there is no --pathway; --voxels-of all adds the areas'");
-        return false;
-    }
     if (settings->image && !path_ends(settings->image, ".exr") && !path_ends(settings->image, ".png")) {
         complain("--image: \"%s\" ends neither in .exr nor in .png", settings->image);
         return false;
@@ -312,6 +308,19 @@ static bool check_inputs(const struct query *query)
     return true;
 }
 
+/* Whether --voxels has something to list. */
+static bool check_voxels(const struct query *query)
+{
+    size_t count = conus_atlas_object_count(query->atlas);
+    const conus_object *last = conus_atlas_object(query->atlas, count); /* pathways come last */
+    if (query->settings->voxels && !query->settings->voxels_of && !(last && last->kind == CONUS_PATHWAY)) {
+        complain(
+            "--voxels lists the voxels of pathways, and there is none; --pathway adds one, --voxels-of all the areas'");
+        return false;
+    }
+    return true;
+}
+
 static int work(struct query *query)
 {
     const struct query_settings *settings = query->settings;
@@ -322,7 +331,7 @@ static int work(struct query *query)
     if (code) {
         return code;
     }
-    if (!check_inputs(query)) {
+    if (!check_inputs(query) || !check_voxels(query)) {
         return EXIT_USAGE;
     }
     conus_status status = start(query);

@@ -8,6 +8,7 @@
 extern const struct command cmd_info;
 extern const struct command cmd_query;
 extern const struct command cmd_render;
+extern const struct command cmd_manifest;
 extern const struct command cmd_mesh;
 extern const struct command cmd_phantom;
 extern const struct command cmd_diff;

@@ -412,6 +412,16 @@ CONUS_API const conus_phantom_info *conus_phantom(size_t index);
 CONUS_CHECKED conus_status conus_phantom_write(const char *kind, const char *folder,
                                                const conus_phantom_options *options);
 
+typedef struct conus_manifest_options {
+    uint64_t max_memory;
+    conus_log log; /**< Hears how each file was taken, a line each; NULL = silent. */
+    void *log_user;
+} conus_manifest_options;
+
+/** Writes a first manifest (docs/formats.md) of what lies in the folder of @p path and the folders in it: volumes, FSL
+ * atlases, surfaces, BrainGlobe folders. What a volume is for, is guessed. A file that is there is never replaced. */
+CONUS_CHECKED conus_status conus_manifest_write(const char *path, const conus_manifest_options *options);
+
 /** Writes a file that appears whole or not at all. */
 CONUS_CHECKED conus_status conus_write_file(const char *path, const void *data, size_t size);
 

@@ -56,7 +56,7 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 2 --quiet --format tsv'
 
 @test "--voxels lists a pathway's voxels with their values" {
     scene
-    fails 2 '--voxels lists the voxels of pathways, and there is no --pathway' query slabs.nii.gz $AIM --voxels v.tsv
+    fails 2 '--voxels lists the voxels of pathways, and there is none' query slabs.nii.gz $AIM --voxels v.tsv
     answers query slabs.nii.gz $AIM --pathway sphere.nii.gz --voxels v.tsv
     output=$(cat v.tsv)
     [ "$(cell pathway 1)/$(cell kind 1)/$(cell value 1)" = sphere/pathway/1 ]

@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/commands.h"
+#include "cli/messages.h"
+#include "cli/settings.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct manifest_settings {
+    struct common_settings common;
+    const char *name;
+    uint64_t max_memory;
+};
+
+static const struct option own_options[] = {
+    {.name = "name",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct manifest_settings, name),
+     .value = "NAME",
+     .help = "write DIR/NAME.atlas.json (default: the folder's name)"},
+    {.name = "max-memory",
+     .type = OPTION_BYTES,
+     .offset = offsetof(struct manifest_settings, max_memory),
+     .value = "SIZE",
+     .help = "largest file or volume to look into, like 512M or 2G (default 8G)"},
+    {.name = "quiet",
+     .letter = 'q',
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct manifest_settings, common.quiet),
+     .help = "do not say on stderr how each file was taken"},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"Options", own_options, 0},
+    {"", plain_options, offsetof(struct manifest_settings, common)},
+    {0},
+};
+
+static void say_note(void *user, const char *line)
+{
+    (void)user;
+    complain("note: %s", line);
+}
+
+/* The last part of the folder's full path; NULL without memory or such a folder. The caller frees it. */
+static char *folder_name(const char *folder)
+{
+    char *full = realpath(folder, NULL);
+    const char *slash = full ? strrchr(full, '/') : NULL;
+    char *name = slash ? strdup(slash[1] ? slash + 1 : "atlas") : NULL;
+    free(full);
+    return name;
+}
+
+/* DIR/NAME.atlas.json; NULL without memory. The caller frees it. */
+static char *manifest_path(const char *folder, const char *name)
+{
+    static const char ending[] = ".atlas.json";
+    size_t length = strlen(folder) + 1 + strlen(name) + sizeof ending;
+    char *path = malloc(length);
+    if (path) {
+        bool slash = folder[strlen(folder) - 1] == '/';
+        snprintf(path, length, "%s%s%s%s", folder, slash ? "" : "/", name, ending);
+    }
+    return path;
+}
+
+static int write_manifest(const char *folder, const char *name, const struct manifest_settings *settings)
+{
+    const conus_manifest_options options = {.max_memory = settings->max_memory,
+                                            .log = settings->common.quiet ? NULL : say_note};
+    char *path = manifest_path(folder, name);
+    if (!path) {
+        complain("not enough memory");
+        return EXIT_DATA;
+    }
+    conus_status status = conus_manifest_write(path, &options);
+    int code = status ? complain_status(status) : EXIT_DONE;
+    if (!status) {
+        printf("%s\n", path);
+    }
+    free(path);
+    return code;
+}
+
+static int run(const void *given, const struct arguments *arguments)
+{
+    const struct manifest_settings *settings = given;
+    const char *folder = arguments->operands[0];
+    if (settings->name && (strchr(settings->name, '/') || !settings->name[0])) {
+        return complain_usage("--name: \"%s\", a name without / is needed", settings->name);
+    }
+    char *own = settings->name ? NULL : folder_name(folder);
+    if (!settings->name && !own) {
+        complain("%s: there is no such folder", folder);
+        return EXIT_DATA;
+    }
+    int code = write_manifest(folder, settings->name ? settings->name : own, settings);
+    free(own);
+    return code;
+}
+
+const struct command cmd_manifest = {
+    .name = "manifest",
+    .summary = "write a first manifest of the volumes and surfaces in a folder",
+    .operands = {"DIR"},
+    .description =
+        "Looks at the volumes, FSL atlases, surfaces and BrainGlobe folders in DIR, and at the surfaces in the\n"
+        "folders in it, and writes a manifest that joins them: DIR/NAME.atlas.json, an ATLAS for all other\n"
+        "commands. What each file is for, is guessed and said; correct it in the file. conus info then checks\n"
+        "it. A manifest that is there is never replaced.",
+    .examples = "  conus manifest my-atlas\n"
+                "  conus info my-atlas/my-atlas.atlas.json\n",
+    .groups = groups,
+    .settings_size = sizeof(struct manifest_settings),
+    .run = run,
+};
