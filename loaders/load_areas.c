@@ -354,8 +354,8 @@ static const struct planned_area *area_of_note(const char **text, const struct a
     return NULL;
 }
 
-/* Adds "text: N surfaces (a, b, ...)" for the notes from `first` on that say the same as that one, which are taken
- * out. */
+/* Adds note `first`; if others say the same about other surfaces, "N surfaces (a, b, ...): text", and takes those out.
+ */
 static conus_status add_gathered(struct notes *to, const struct area_plan *plan, struct notes *from, size_t first)
 {
     enum { SHOWN = 3 };
@@ -363,7 +363,9 @@ static conus_status add_gathered(struct notes *to, const struct area_plan *plan,
     const char *other = NULL;
     struct buffer names = {0};
     size_t count = 0;
-    area_of_note(&text, plan, from->lines[first]);
+    if (!area_of_note(&text, plan, from->lines[first])) {
+        return notes_add(to, "%s", from->lines[first]);
+    }
     for (size_t i = first; i < from->count; i++) {
         const struct planned_area *area = from->lines[i] ? area_of_note(&other, plan, from->lines[i]) : NULL;
         if (!area || strcmp(other, text) != 0) {
@@ -389,14 +391,9 @@ static conus_status add_gathered(struct notes *to, const struct area_plan *plan,
 /* Moves the notes to `to`; what several surfaces have in common is said once. */
 static conus_status gather_notes(struct notes *to, const struct area_plan *plan, struct notes *from)
 {
-    const char *text;
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < from->count; i++) {
-        if (!from->lines[i]) {
-            continue;
-        }
-        status = area_of_note(&text, plan, from->lines[i]) ? add_gathered(to, plan, from, i)
-                                                           : notes_add(to, "%s", from->lines[i]);
+        status = from->lines[i] ? add_gathered(to, plan, from, i) : CONUS_OK;
     }
     return status;
 }

@@ -47,7 +47,8 @@ static conus_status write_volume(const char *folder, const char *name, uint16_t 
     status = status || values ? status : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < count; i++) {
         size_t row = i / grid.dim[0];
-        double world[3] = {(double)(i % grid.dim[0]), (double)(row % grid.dim[1]), (double)(row / grid.dim[1])};
+        size_t slice = row / grid.dim[1];
+        double world[3] = {(double)(i % grid.dim[0]), (double)(row % grid.dim[1]), (double)slice};
         mat4_point(world, grid.world_from_voxel, world);
         values[i] = value(world);
     }
