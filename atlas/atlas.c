@@ -35,6 +35,10 @@ void conus_atlas_destroy(conus_atlas *atlas)
     memory_free(atlas->places);
     memory_free(atlas->label_source);
     memory_free(atlas->transfer);
+    for (size_t i = 0; i < atlas->file_count; i++) {
+        memory_free(atlas->files[i].path);
+    }
+    memory_free(atlas->files);
     notes_finish(&atlas->notes);
     memory_free(atlas);
 }
@@ -246,6 +250,28 @@ conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info
     return status;
 }
 
+conus_status atlas_add_file(conus_atlas *atlas, const char *path, const struct bytes *content)
+{
+    for (size_t i = 0; i < atlas->file_count; i++) {
+        if (strcmp(atlas->files[i].path, path) == 0) {
+            return CONUS_OK;
+        }
+    }
+    struct atlas_file *files = memory_resize(atlas->files, atlas->file_count + 1, sizeof *files);
+    if (!files) {
+        return CONUS_ERROR_MEMORY;
+    }
+    atlas->files = files;
+    struct atlas_file *file = &files[atlas->file_count];
+    file->path = memory_text(path, strlen(path));
+    if (!file->path) {
+        return CONUS_ERROR_MEMORY;
+    }
+    file_sha256(file->sha256, content);
+    atlas->file_count++;
+    return CONUS_OK;
+}
+
 const struct volume *atlas_context(const conus_atlas *atlas)
 {
     for (size_t i = 0; i < atlas->volume_count; i++) {
@@ -259,7 +285,8 @@ const struct volume *atlas_context(const conus_atlas *atlas)
 const char *atlas_path(const conus_atlas *atlas)
 {
     const struct volume *parcellation = atlas_parcellation(atlas);
-    const char *path = parcellation ? parcellation->path : atlas->mesh_count ? atlas->meshes[0].path : NULL;
+    const char *own = atlas->file_count ? atlas->files[0].path : atlas->mesh_count ? atlas->meshes[0].path : NULL;
+    const char *path = parcellation ? parcellation->path : own;
     return path ? path : "";
 }
 

@@ -6,12 +6,19 @@
 #include "atlas/labels.h"
 #include "atlas/mesh.h"
 #include "atlas/volume.h"
+#include "base/file.h"
 #include "base/notes.h"
 
 /** Where an object lies: in which of the atlas's meshes or volumes. An index beyond these: it has no shape. */
 struct object_place {
     bool is_mesh;
     size_t index;
+};
+
+/** A file of which the atlas is made, other than those of its volumes. */
+struct atlas_file {
+    char *path;
+    char sha256[65];
 };
 
 struct conus_atlas {
@@ -24,6 +31,8 @@ struct conus_atlas {
     size_t object_count;
     size_t area_count; /**< The first so many objects are areas.                                      */
     char *label_source;
+    struct atlas_file *files; /**< The manifest, then surfaces.                                             */
+    size_t file_count;
     char *transfer; /**< Transfer function of the context: a preset's name or a file; NULL = the default.       */
     struct notes notes;
 };
@@ -58,10 +67,13 @@ conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info
 /** Sets the context volume, replacing one that was there. @p values is taken over on success. */
 conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info, float *values);
 
+/** Notes that the atlas rests on the file @p path with these bytes; a path that is noted already is not noted again. */
+conus_status atlas_add_file(conus_atlas *atlas, const char *path, const struct bytes *content);
+
 /** The context volume, or NULL. */
 const struct volume *atlas_context(const conus_atlas *atlas);
 
-/** The file by which people know the atlas: the parcellation's, else the first mesh's. */
+/** The file by which people know the atlas: the parcellation's, else the manifest's, else the first mesh's. */
 const char *atlas_path(const conus_atlas *atlas);
 
 /** The parcellation's volume, or NULL. */

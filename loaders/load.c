@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_load(): from a labelled volume, from an FSL atlas XML that names some, or from a manifest. */
+/* conus_atlas_load(): from a labelled volume, from an FSL atlas XML that names some, from a manifest or
+ * from surfaces. */
 #include "loaders/load.h"
 
 #include "atlas/space.h"
@@ -209,8 +210,23 @@ static conus_status load_json(conus_atlas **out, const char *path, const conus_l
         status =
             fail(CONUS_ERROR_DATA, "%s: neither a volume nor a manifest (which has the key \"conus_atlas\")", path);
     }
-    status = status ? status : manifest_load(out, path, text, options);
+    status = status ? status : manifest_load(out, path, &bytes, options);
     bytes_finish(&bytes);
+    return status;
+}
+
+static conus_status load_folder(conus_atlas **out, const char *path, const conus_load_options *options)
+{
+    struct buffer folder = {0};
+    struct buffer text = {0};
+    size_t length = strlen(path);
+    buffer_format(&folder, "%s%s", path, path[length - 1] == '/' ? "" : "/");
+    conus_status status = buffer_status(&folder);
+    status = status ? status : manifest_of_surfaces(&text, folder.data);
+    const struct bytes bytes = {(uint8_t *)text.data, text.size};
+    status = status ? status : manifest_load(out, folder.data, &bytes, options);
+    buffer_finish(&text);
+    buffer_finish(&folder);
     return status;
 }
 
@@ -220,6 +236,9 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     options = options ? options : &defaults;
     if (!out || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
+    }
+    if (file_is_folder(path)) {
+        return load_folder(out, path, options);
     }
     return first_character(path) == '{' ? load_json(out, path, options)
            : mesh_file_is(path)         ? surface_load(out, path, options)

@@ -4,6 +4,7 @@
 #define CONUS_LOADERS_LOAD_H
 
 #include "atlas/atlas.h"
+#include "base/buffer.h"
 #include "loaders/label_files.h"
 
 /** What a parcellation is made of, until atlas_create() has it. */
@@ -22,8 +23,13 @@ void parcellation_finish(struct parcellation *parts);
 /** An atlas of it; the notes go there. */
 conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts);
 
-/** Loads what the manifest @p text, read from @p path, names. */
-conus_status manifest_load(conus_atlas **out, const char *path, struct text text, const conus_load_options *options);
+/** Loads what the manifest in @p file, the bytes of @p path, names. A path that ends in '/' is a folder for which the
+ * manifest was made up. */
+conus_status manifest_load(conus_atlas **out, const char *path, const struct bytes *file,
+                           const conus_load_options *options);
+
+/** Appends to @p out a manifest of the surfaces in @p folder (ending in '/'), or of the BrainGlobe atlas that it is. */
+conus_status manifest_of_surfaces(struct buffer *out, const char *folder);
 
 /** Loads the surface @p path: its areas are those of the labels of its vertices (options->labels, else in its own
  * file), or there is one, the whole. */

@@ -233,9 +233,9 @@ static conus_status read_own(struct surfaces *surfaces, struct planned_area *are
 
 static conus_status read_sheet(struct mesh *mesh, const struct surfaces *surfaces, const char *path)
 {
-    if (mesh_foreign_is(path)) {
-        struct mesh_foreign_options options = {surfaces->space, surfaces->max_memory};
-        return mesh_foreign_read(mesh, &path, 1, &options, surfaces->notes);
+    if (!mesh_file_keeps_vertices(path)) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "vertex_labels: %s: a GIFTI or FreeSurfer surface is needed",
+                    path_base(path));
     }
     struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->max_memory};
     return mesh_file_read(mesh, NULL, path, &options, surfaces->notes);
@@ -410,6 +410,16 @@ static conus_object object_of(const struct label *label, size_t index)
     return object;
 }
 
+/* Notes the files, for those who want to know later what an answer rests on. */
+static conus_status note_file(conus_atlas *atlas, const char *path)
+{
+    struct bytes content = {0};
+    conus_status status = file_read(&content, path, UINT64_MAX);
+    status = status ? status : atlas_add_file(atlas, path, &content);
+    bytes_finish(&content);
+    return status;
+}
+
 static conus_status add_surfaces(struct area_plan *plan, struct surfaces *surfaces, conus_atlas *atlas)
 {
     conus_status status = CONUS_OK;
@@ -422,7 +432,9 @@ static conus_status add_surfaces(struct area_plan *plan, struct surfaces *surfac
         if (area->placed) {
             mesh_transform(&surfaces->meshes[i], area->world_from_mesh);
         }
+        bool repeated = area->is_part && i && strcmp(plan->areas[i - 1].path, area->path) == 0;
         status = atlas_add_mesh(atlas, &object, &surfaces->meshes[i]);
+        status = status || repeated ? status : note_file(atlas, area->path);
     }
     return status;
 }

@@ -16,7 +16,8 @@ enum { XML_LIMIT = 4 << 20 };
 /* What all steps need. */
 struct loading {
     const struct manifest *manifest;
-    const char *path; /* of the manifest */
+    const char *path;         /* of the manifest, ending in '/' if it was made for a folder */
+    const struct bytes *file; /* its bytes */
     const conus_load_options *options;
     conus_atlas *atlas;
 };
@@ -81,6 +82,9 @@ static conus_status load_areas(struct loading *loading)
     conus_status status = area_plan_make(&plan, loading->manifest, loading->path, &notes);
     status = status ? status : create_atlas(loading, &plan);
     status = status ? status : notes_move(&loading->atlas->notes, &notes);
+    if (!status && path_base(loading->path)[0]) {
+        status = atlas_add_file(loading->atlas, loading->path, loading->file);
+    }
     status = status ? status : area_plan_load(&plan, loading->atlas, loading->manifest, loading->options);
     area_plan_finish(&plan);
     notes_finish(&notes);
@@ -293,14 +297,15 @@ static conus_status set_context(struct loading *loading)
     return status ? fail_at(status, loading, "context") : CONUS_OK;
 }
 
-conus_status manifest_load(conus_atlas **out, const char *path, struct text text, const conus_load_options *options)
+conus_status manifest_load(conus_atlas **out, const char *path, const struct bytes *file,
+                           const conus_load_options *options)
 {
     struct manifest manifest;
-    conus_status status = manifest_parse(&manifest, text);
+    conus_status status = manifest_parse(&manifest, label_text_of(file->data, file->size));
     if (status) {
         return fail_in(status, path);
     }
-    struct loading loading = {&manifest, path, options, NULL};
+    struct loading loading = {&manifest, path, file, options, NULL};
     status = load_areas(&loading);
     status = status ? status : add_pathways(&loading);
     status = status ? status : set_context(&loading);

@@ -477,7 +477,7 @@ static conus_status plan_globe(struct area_plan *plan, size_t entry, const struc
         status = notes_add(notes,
                            "%s: %zu surfaces, stored times %g is mm, axes start at \"%s\"; the world's origin is that "
                            "corner",
-                           area->brainglobe, plan->count - before, scale, orientation);
+                           globe.folder, plan->count - before, scale, orientation);
     }
     globe_finish(&globe);
     return status;

@@ -8,6 +8,7 @@
 #include "loaders/fsl_atlas.h"
 #include "loaders/label_files.h"
 #include "loaders/label_parse.h"
+#include "loaders/load.h"
 #include "loaders/manifest.h"
 #include "loaders/manifest_scan.h"
 #include "loaders/xml.h"
@@ -324,6 +325,22 @@ static conus_status format(struct buffer *out, const struct draft *draft)
     json_decref(root);
     buffer_text(out, "\n");
     return done ? buffer_status(out) : fail(CONUS_ERROR_MEMORY, "no memory for the manifest");
+}
+
+conus_status manifest_of_surfaces(struct buffer *out, const char *folder)
+{
+    static const conus_manifest_options silent;
+    struct draft draft = {.folder = folder, .options = &silent, .areas = json_array(), .pathways = json_array()};
+    conus_status status = draft.areas && draft.pathways ? look_at_folder(&draft, "") : CONUS_ERROR_MEMORY;
+    if (!status && !json_array_size(draft.areas)) {
+        status = fail(CONUS_ERROR_DATA,
+                      "%.*s: no surfaces in this folder (or structures.json and meshes/, as BrainGlobe has them); for "
+                      "volumes: conus manifest",
+                      (int)strlen(folder) - 1, folder);
+    }
+    status = status ? status : format(out, &draft);
+    draft_finish(&draft);
+    return status;
 }
 
 /* What is written must be what the parser reads. */

@@ -122,6 +122,19 @@ static json_t *json_from_volume(const conus_volume_info *info)
     return whole_or_null(volume, whole);
 }
 
+/* The manifest and the surfaces, if there are any. */
+static json_t *json_from_files(const conus_atlas *atlas)
+{
+    json_t *files = json_array();
+    bool whole = true;
+    for (size_t i = 0; i < atlas->file_count; i++) {
+        const struct atlas_file *file = &atlas->files[i];
+        json_t *entry = json_pack("{s: o, s: s}", "path", json_from_text(file->path), "sha256", file->sha256);
+        whole = json_array_append_new(files, entry) == 0 && whole;
+    }
+    return whole_or_null(files, whole);
+}
+
 static json_t *json_from_atlas(const conus_atlas *atlas)
 {
     json_t *volumes = json_array();
@@ -134,7 +147,9 @@ static json_t *json_from_atlas(const conus_atlas *atlas)
         whole = json_array_append_new(notes, json_from_text(conus_atlas_note(atlas, i))) == 0 && whole;
     }
     json_t *labels = json_from_text(conus_atlas_label_source(atlas));
-    return whole_or_null(json_pack("{s: o, s: o, s: o}", "labels", labels, "volumes", volumes, "notes", notes), whole);
+    return whole_or_null(json_pack("{s: o, s: o, s: o, s: o}", "labels", labels, "volumes", volumes, "files",
+                                   json_from_files(atlas), "notes", notes),
+                         whole);
 }
 
 static json_t *json_from_settings(const conus_report *report)

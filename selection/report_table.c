@@ -107,8 +107,10 @@ static void write_sources(struct buffer *out, const conus_report *report)
 {
     const conus_atlas *atlas = report->atlas;
     const struct volume *parcellation = atlas_parcellation(atlas);
-    buffer_format(out, "atlas %s, placed by %s\n", file_of(atlas_path(atlas)),
-                  parcellation ? parcellation->info.transform : "the coordinates in its mesh files");
+    if (parcellation || atlas->mesh_count) {
+        buffer_format(out, "atlas %s, placed by %s\n", file_of(atlas_path(atlas)),
+                      parcellation ? parcellation->info.transform : "the coordinates in its mesh files");
+    }
     for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
         const conus_volume_info *info = &atlas_object_volume(atlas, (uint32_t)number)->info;
         buffer_format(out, "pathway %s: values from ", conus_atlas_object(atlas, number)->name);

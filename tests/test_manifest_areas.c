@@ -309,6 +309,26 @@ static void shapes_of_all_kinds_are_met_by_one_cone(void **state)
     conus_atlas_destroy(atlas);
 }
 
+static void a_folder_of_surfaces_is_an_atlas(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, in("set"), NULL));
+    assert_int_equal(conus_atlas_object_count(atlas), 2);
+    assert_int_equal(conus_atlas_object(atlas, 1)->label, 2);
+    assert_int_equal(conus_atlas_object(atlas, 2)->label, 7);
+    assert_int_equal(atlas->file_count, 2);
+    assert_int_equal(strlen(atlas->files[1].sha256), 64);
+    assert_non_null(strstr(atlas_path(atlas), "set/area_02.gii"));
+    conus_atlas_destroy(atlas);
+    atlas = loaded("\"areas\": [{\"file\": \"a.gii\", \"label\": 4}]");
+    assert_int_equal(atlas->file_count, 2);
+    assert_non_null(strstr(atlas_path(atlas), "test.atlas.json"));
+    conus_atlas_destroy(atlas);
+    assert_fails(conus_atlas_load(&atlas, test_scratch(""), NULL), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "no surfaces in this folder"));
+}
+
 /* ---- BrainGlobe ------------------------------------------------------------------------------------------------- */
 
 static void need_conus_mesh(void)
@@ -357,6 +377,10 @@ static void brainglobe_folders_are_placed_and_grouped(void **state)
     assert_true(has_note(atlas, "axes start at \"asr\""));
     conus_atlas_destroy(atlas);
 
+    assert_ok(conus_atlas_load(&atlas, in("globe"), NULL));
+    assert_int_equal(conus_atlas_object_count(atlas), 3);
+    conus_atlas_destroy(atlas);
+
     write_text("globe/metadata.json", "{\"orientation\": \"lpi\"}");
     atlas = loaded("\"areas\": [{\"brainglobe\": \"globe\", \"structures\": \"all\", \"scale\": 1}]");
     assert_int_equal(conus_atlas_object_count(atlas), 3);
@@ -402,6 +426,7 @@ int main(void)
         cmocka_unit_test(the_tree_groups_areas),
         cmocka_unit_test(labels_of_vertices_cut_a_surface),
         cmocka_unit_test(shapes_of_all_kinds_are_met_by_one_cone),
+        cmocka_unit_test(a_folder_of_surfaces_is_an_atlas),
         cmocka_unit_test(brainglobe_folders_are_placed_and_grouped),
         cmocka_unit_test(every_failing_allocation_is_reported),
     };

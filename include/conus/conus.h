@@ -86,8 +86,8 @@ typedef struct conus_load_options {
 
 /** Loads a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, or an FSL atlas XML of type Label;
  * or what a manifest NAME.atlas.json joins: parcellation, surfaces, pathways and context; or a surface (GIFTI,
- * FreeSurfer and what conus-mesh reads), cut by the labels of its vertices if there are any. What a file is, its
- * content decides.
+ * FreeSurfer and what conus-mesh reads), cut by the labels of its vertices if there are any; or a folder of
+ * surfaces or BrainGlobe folder. What a file is, its content decides.
  * @p path may end in ",volume=K" to choose volume K (from 0) of a 4-D file. docs/formats.md says how the label table is
  * found. Values must be whole numbers from 0 to 4294967295; 0 is background. */
 CONUS_CHECKED conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options);

@@ -33,7 +33,7 @@ refuses() {
 
 @test "a file that is not there, a folder, a device" {
     refuses 'cannot open: No such file or directory' none.nii
-    refuses 'cannot read: is a folder' .
+    refuses 'no surfaces in this folder' .
     refuses 'cannot read: is a device or pipe, a regular file is needed' /dev/null
 }
 
