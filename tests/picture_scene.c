@@ -5,6 +5,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "test.h"
+#include "test_gl.h"
 
 conus_volume_info picture_grid(const size_t dim[3], const double spacing[3], const double world_from_grid[16])
 {
@@ -81,4 +82,43 @@ void picture_rigid(double out[16], double angle, const double to[3])
         }
         out[12 + column] = to[column];
     }
+}
+
+conus_renderer *picture_renderer(const conus_atlas *atlas, const char *transfer)
+{
+    gl_context_destroy(test_gl_context(NULL, NULL));
+    const conus_renderer_options options = {.transfer = transfer};
+    conus_renderer *renderer = NULL;
+    assert_ok(conus_renderer_create(&renderer, atlas, &options));
+    return renderer;
+}
+
+struct camera picture_camera(const double forward[3], double distance, double field_of_view)
+{
+    struct camera camera;
+    const double points[2][3] = {{-1, -1, -1}, {1, 1, 1}};
+    const struct camera_frame frame = {.width = PICTURE_WIDTH, .height = PICTURE_HEIGHT};
+    camera_frame_points(&camera, points[0], 2, forward, field_of_view, &frame);
+    vec3_scale(camera.world_from_camera + 12, camera.world_from_camera + 8, distance);
+    return camera;
+}
+
+float *picture_draw(conus_renderer *renderer, const struct camera *camera, const struct colour_view *extra, bool smooth)
+{
+    struct colour_view view = extra ? *extra : (struct colour_view){0};
+    view.camera = camera;
+    view.width = PICTURE_WIDTH;
+    view.height = PICTURE_HEIGHT;
+    float *rgba = memory_zeroed(PICTURE_PIXELS, 4 * sizeof *rgba);
+    assert_ok(renderer_draw(rgba, renderer, &view, smooth));
+    return rgba;
+}
+
+double picture_difference(const float *a, const float *b)
+{
+    double sum = 0;
+    for (size_t i = 0; i < (size_t)PICTURE_PIXELS * 4; i++) {
+        sum += fabs((double)a[i] - (double)b[i]);
+    }
+    return sum / (PICTURE_PIXELS * 4);
 }

@@ -3,7 +3,9 @@
 #ifndef CONUS_TESTS_PICTURE_SCENE_H
 #define CONUS_TESTS_PICTURE_SCENE_H
 
-#include "atlas/atlas.h"
+#include "render/renderer.h"
+
+enum { PICTURE_WIDTH = 160, PICTURE_HEIGHT = 120, PICTURE_PIXELS = PICTURE_WIDTH * PICTURE_HEIGHT };
 
 /** Label (or grey value) of a world point. */
 typedef double (*picture_function)(const double world[3]);
@@ -18,5 +20,18 @@ conus_atlas *picture_atlas(const conus_volume_info *grid, picture_function label
 
 /** A rotation by @p angle about (1, 2, 3), then the translation @p to. */
 void picture_rigid(double out[16], double angle, const double to[3]);
+
+/** A renderer, or the running test is skipped where there is no GL. */
+conus_renderer *picture_renderer(const conus_atlas *atlas, const char *transfer);
+
+/** At @p distance from the world's origin, looking at it along @p forward. */
+struct camera picture_camera(const double forward[3], double distance, double field_of_view);
+
+/** PICTURE_PIXELS of R, G, B, A, bottom row first; @p extra may be NULL. End it with memory_free(). */
+float *picture_draw(conus_renderer *renderer, const struct camera *camera, const struct colour_view *extra,
+                    bool smooth);
+
+/** Mean difference of all channels of two pictures. */
+double picture_difference(const float *a, const float *b);
 
 #endif

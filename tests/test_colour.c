@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { WIDTH = 160, HEIGHT = 120, PIXELS = WIDTH * HEIGHT };
+enum { WIDTH = PICTURE_WIDTH, HEIGHT = PICTURE_HEIGHT, PIXELS = PICTURE_PIXELS };
 
 static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
@@ -56,16 +56,6 @@ static double soft_shell(const double p[3])
 
 /* ---- Drawing ---------------------------------------------------------------------------------------------------- */
 
-/* A renderer, or the test is skipped. */
-static conus_renderer *renderer_of(const conus_atlas *atlas, const char *transfer)
-{
-    gl_context_destroy(test_gl_context(NULL, NULL));
-    const conus_renderer_options options = {.transfer = transfer};
-    conus_renderer *renderer = NULL;
-    assert_ok(conus_renderer_create(&renderer, atlas, &options));
-    return renderer;
-}
-
 static const char *transfer_file(const char *text)
 {
     const char *path = test_scratch("function.tf");
@@ -73,40 +63,9 @@ static const char *transfer_file(const char *text)
     return path;
 }
 
-/* At `distance` from the world's origin, looking at it along `forward`. */
-static struct camera looking(const double forward[3], double distance, double field_of_view)
-{
-    struct camera camera;
-    const double points[2][3] = {{-1, -1, -1}, {1, 1, 1}};
-    const struct camera_frame frame = {.width = WIDTH, .height = HEIGHT};
-    camera_frame_points(&camera, points[0], 2, forward, field_of_view, &frame);
-    vec3_scale(camera.world_from_camera + 12, camera.world_from_camera + 8, distance);
-    return camera;
-}
-
-static float *draw(conus_renderer *renderer, const struct camera *camera, const struct colour_view *extra)
-{
-    struct colour_view view = extra ? *extra : (struct colour_view){0};
-    view.camera = camera;
-    view.width = WIDTH;
-    view.height = HEIGHT;
-    float *rgba = memory_zeroed(PIXELS, 4 * sizeof *rgba);
-    assert_ok(renderer_draw(rgba, renderer, &view, false));
-    return rgba;
-}
-
 static const float *pixel(const float *rgba, int column, int row_from_bottom)
 {
     return rgba + 4 * ((ptrdiff_t)row_from_bottom * WIDTH + column);
-}
-
-static double mean_difference(const float *a, const float *b)
-{
-    double sum = 0;
-    for (size_t i = 0; i < (size_t)PIXELS * 4; i++) {
-        sum += fabs((double)a[i] - (double)b[i]);
-    }
-    return sum / (PIXELS * 4);
 }
 
 /* ---- Tests ------------------------------------------------------------------------------------------------------ */
@@ -118,10 +77,10 @@ static void a_slab_obeys_its_closed_form(void **state)
     (void)state;
     conus_volume_info grid = picture_grid((size_t[]){80, 20, 80}, (double[]){1, 0.5, 1}, identity); /* 10 mm thick */
     conus_atlas *atlas = picture_atlas(&grid, nothing, NULL, ten);
-    conus_renderer *renderer = renderer_of(atlas, transfer_file("0 1 0.5 0 0.06\n20 1 0.5 0 0.06\n"));
-    struct camera camera = looking((double[]){0, 1, 0}, 200, radians_from_degrees(15));
+    conus_renderer *renderer = picture_renderer(atlas, transfer_file("0 1 0.5 0 0.06\n20 1 0.5 0 0.06\n"));
+    struct camera camera = picture_camera((double[]){0, 1, 0}, 200, radians_from_degrees(15));
     for (uint32_t slices = 7; slices < 400; slices *= 3) {
-        float *rgba = draw(renderer, &camera, &(struct colour_view){.slices = slices});
+        float *rgba = picture_draw(renderer, &camera, &(struct colour_view){.slices = slices}, false);
         for (int column = 5; column < WIDTH; column += 30) {
             double u = ((column + 0.5) / WIDTH * 2 - 1) * camera.slope[0];
             double v = (60.5 / HEIGHT * 2 - 1) * camera.slope[1];
@@ -145,11 +104,12 @@ static void haze_before_an_area_obeys_its_closed_form(void **state)
     conus_volume_info grid = picture_grid((size_t[]){60, 60, 60}, (double[]){1, 1, 1}, identity);
     conus_atlas *clear = picture_atlas(&grid, ball_of_20, NULL, NULL);
     conus_atlas *hazy = picture_atlas(&grid, ball_of_20, NULL, ten);
-    conus_renderer *renderers[2] = {renderer_of(clear, NULL), renderer_of(hazy, transfer_file("0 0 0 0 0.06\n"))};
-    struct camera camera = looking((double[]){0, 1, 0}, 200, radians_from_degrees(15));
+    conus_renderer *renderers[2] = {picture_renderer(clear, NULL),
+                                    picture_renderer(hazy, transfer_file("0 0 0 0 0.06\n"))};
+    struct camera camera = picture_camera((double[]){0, 1, 0}, 200, radians_from_degrees(15));
     for (uint32_t slices = 23; slices < 300; slices += 31) {
-        float *without = draw(renderers[0], &camera, &(struct colour_view){.slices = slices});
-        float *with = draw(renderers[1], &camera, &(struct colour_view){.slices = slices});
+        float *without = picture_draw(renderers[0], &camera, &(struct colour_view){.slices = slices}, false);
+        float *with = picture_draw(renderers[1], &camera, &(struct colour_view){.slices = slices}, false);
         const float *a = pixel(without, WIDTH / 2, HEIGHT / 2);
         const float *b = pixel(with, WIDTH / 2, HEIGHT / 2);
         assert_near(b[0] / a[0], pow(1 - 0.06, 10), 0.01); /* from the box at 30 mm to the ball at 20 */
@@ -168,12 +128,12 @@ static void more_planes_change_little(void **state)
     (void)state;
     conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
     conus_atlas *atlas = picture_atlas(&grid, three_areas, NULL, soft_shell);
-    conus_renderer *renderer = renderer_of(atlas, "brain");
-    struct camera camera = looking((double[]){1, 2, -1}, 150, radians_from_degrees(25));
-    float *once = draw(renderer, &camera, NULL);
-    float *twice = draw(renderer, &camera, &(struct colour_view){.slices = 140});
-    assert_true(mean_difference(once, twice) > 0);
-    assert_true(mean_difference(once, twice) < 0.003);
+    conus_renderer *renderer = picture_renderer(atlas, "brain");
+    struct camera camera = picture_camera((double[]){1, 2, -1}, 150, radians_from_degrees(25));
+    float *once = picture_draw(renderer, &camera, NULL, false);
+    float *twice = picture_draw(renderer, &camera, &(struct colour_view){.slices = 140}, false);
+    assert_true(picture_difference(once, twice) > 0);
+    assert_true(picture_difference(once, twice) < 0.003);
     memory_free(once);
     memory_free(twice);
     conus_renderer_destroy(renderer);
@@ -184,7 +144,7 @@ static void draw_both_ways(conus_renderer *renderer, uint64_t *seed)
 {
     for (int view = 0; view < 6; view++) {
         double forward[3] = {test_random(seed, -1, 1), test_random(seed, -1, 1), test_random(seed, -1, 1)};
-        struct camera camera = looking(forward, view == 5 ? 10 : test_random(seed, 40, 300), 0.5);
+        struct camera camera = picture_camera(forward, view == 5 ? 10 : test_random(seed, 40, 300), 0.5);
         conus_pose pose;
         assert_ok(conus_pose_toward(&pose, (double[]){-60, 10, test_random(seed, -20, 20)}, (double[]){0, 0, 0}, NULL));
         const struct colour_marker marker = {.centre = {5, -13, 2}, .radius = 3, .rgb = {200, 20, 20}};
@@ -195,9 +155,9 @@ static void draw_both_ways(conus_renderer *renderer, uint64_t *seed)
                                       .line_width = 1,
                                       .markers = &marker,
                                       .marker_count = 1};
-        float *skipping = draw(renderer, &camera, &options);
+        float *skipping = picture_draw(renderer, &camera, &options, false);
         options.no_skipping = true;
-        float *not_skipping = draw(renderer, &camera, &options);
+        float *not_skipping = picture_draw(renderer, &camera, &options, false);
         assert_memory_equal(skipping, not_skipping, PIXELS * 4 * sizeof *skipping);
         memory_free(skipping);
         memory_free(not_skipping);
@@ -221,7 +181,7 @@ static void skipping_changes_no_bit(void **state)
         conus_volume_info other = picture_grid((size_t[]){40, 77, 19}, (double[]){1.2, -0.7, 2.4}, context);
         conus_atlas *atlas = picture_atlas(&grid, three_areas, &other, soft_shell);
         const char *transfer = f < 3 ? functions[f] : transfer_file(functions[f]);
-        conus_renderer *renderer = renderer_of(atlas, transfer);
+        conus_renderer *renderer = picture_renderer(atlas, transfer);
         draw_both_ways(renderer, &seed);
         conus_renderer_destroy(renderer);
         conus_atlas_destroy(atlas);
@@ -234,11 +194,11 @@ static void a_ball_has_its_silhouette(void **state)
     (void)state;
     conus_volume_info grid = picture_grid((size_t[]){50, 60, 50}, (double[]){1, 0.8, 1}, identity);
     conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, NULL);
-    conus_renderer *renderer = renderer_of(atlas, NULL);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
     const double forwards[3][3] = {{0, 1, 0}, {1, 0, -0.3}, {-0.4, -0.8, -0.7}};
     for (int n = 0; n < 3; n++) {
-        struct camera camera = looking(forwards[n], 120, radians_from_degrees(25));
-        float *rgba = draw(renderer, &camera, NULL);
+        struct camera camera = picture_camera(forwards[n], 120, radians_from_degrees(25));
+        float *rgba = picture_draw(renderer, &camera, NULL, false);
         double area = 0, x = 0, y = 0;
         for (int row = 0; row < HEIGHT; row++) {
             for (int column = 0; column < WIDTH; column++) {
@@ -274,14 +234,14 @@ static void moving_everything_changes_little(void **state)
             mat4_multiply(volume->info.world_from_voxel, moved ? move : still, volume->info.world_from_voxel);
             assert_true(mat4_invert_affine(volume->voxel_from_world, volume->info.world_from_voxel));
         }
-        conus_renderer *renderer = renderer_of(atlas, "brain");
-        struct camera camera = looking((double[]){1, 2, -1}, 150, radians_from_degrees(25));
+        conus_renderer *renderer = picture_renderer(atlas, "brain");
+        struct camera camera = picture_camera((double[]){1, 2, -1}, 150, radians_from_degrees(25));
         mat4_multiply(camera.world_from_camera, moved ? move : still, camera.world_from_camera);
-        pictures[moved] = draw(renderer, &camera, NULL);
+        pictures[moved] = picture_draw(renderer, &camera, NULL, false);
         conus_renderer_destroy(renderer);
         conus_atlas_destroy(atlas);
     }
-    assert_true(mean_difference(pictures[0], pictures[1]) < 0.002);
+    assert_true(picture_difference(pictures[0], pictures[1]) < 0.002);
     memory_free(pictures[0]);
     memory_free(pictures[1]);
 }
@@ -306,11 +266,11 @@ static void left_is_left(void **state)
         conus_volume_info grid =
             picture_grid((size_t[]){60, 40, 40}, (double[]){flipped ? -1 : 1, flipped ? -1 : 1, 1}, identity);
         conus_atlas *atlas = picture_atlas(&grid, ball_on_the_left, NULL, NULL);
-        conus_renderer *renderer = renderer_of(atlas, NULL);
-        struct camera front = looking((double[]){0, -1, 0}, 150, radians_from_degrees(25));
-        struct camera back = looking((double[]){0, 1, 0}, 150, radians_from_degrees(25));
-        float *from_front = draw(renderer, &front, NULL);
-        float *from_back = draw(renderer, &back, NULL);
+        conus_renderer *renderer = picture_renderer(atlas, NULL);
+        struct camera front = picture_camera((double[]){0, -1, 0}, 150, radians_from_degrees(25));
+        struct camera back = picture_camera((double[]){0, 1, 0}, 150, radians_from_degrees(25));
+        float *from_front = picture_draw(renderer, &front, NULL, false);
+        float *from_back = picture_draw(renderer, &back, NULL, false);
         assert_true(centre_column(from_front) > WIDTH / 2.0 + 10);
         assert_true(centre_column(from_back) < WIDTH / 2.0 - 10);
         memory_free(from_front);
@@ -326,21 +286,21 @@ static void depth_decides_what_is_seen(void **state)
     (void)state;
     conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
     conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, NULL);
-    conus_renderer *renderer = renderer_of(atlas, NULL);
-    struct camera camera = looking((double[]){0, 1, 0}, 120, radians_from_degrees(25));
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    struct camera camera = picture_camera((double[]){0, 1, 0}, 120, radians_from_degrees(25));
     struct colour_marker marker = {.centre = {3, -30, 0}, .radius = 4, .rgb = {0, 0, 255}};
     struct colour_view view = {.markers = &marker, .marker_count = 1};
-    float *plain = draw(renderer, &camera, NULL);
-    float *before = draw(renderer, &camera, &view);
+    float *plain = picture_draw(renderer, &camera, NULL, false);
+    float *before = picture_draw(renderer, &camera, &view, false);
     marker.centre[1] = 30;
-    float *behind = draw(renderer, &camera, &view);
-    assert_true(mean_difference(plain, behind) > 0);
-    assert_true(mean_difference(plain, behind) < 0.4 * mean_difference(plain, before));
+    float *behind = picture_draw(renderer, &camera, &view, false);
+    assert_true(picture_difference(plain, behind) > 0);
+    assert_true(picture_difference(plain, behind) < 0.4 * picture_difference(plain, before));
     conus_pose pose; /* from the left, in front of the ball: both walls are before it */
     assert_ok(conus_pose_toward(&pose, (double[]){-60, -30, 0}, (double[]){0, -30, 0}, NULL));
     const struct colour_view cone = {
         .world_from_cone = pose.world_from_device, .cone_slope = 0.1, .cone_length = 100, .line_width = 0.5};
-    float *with_cone = draw(renderer, &camera, &cone);
+    float *with_cone = picture_draw(renderer, &camera, &cone, false);
     const float *clear = pixel(plain, WIDTH / 2, HEIGHT / 2 + 5);
     const float *tinted = pixel(with_cone, WIDTH / 2, HEIGHT / 2 + 5);
     assert_true(tinted[0] / tinted[2] > 1.2F * clear[0] / clear[2]); /* the cone is orange */
@@ -358,11 +318,11 @@ static void areas_not_met_are_pale(void **state)
     conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
     conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, NULL);
     memcpy(atlas->objects[0].rgb, (uint8_t[]){255, 0, 0}, 3);
-    conus_renderer *renderer = renderer_of(atlas, NULL);
-    struct camera camera = looking((double[]){0, 1, 0}, 120, radians_from_degrees(25));
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    struct camera camera = picture_camera((double[]){0, 1, 0}, 120, radians_from_degrees(25));
     const bool none[2] = {false, false};
-    float *full = draw(renderer, &camera, NULL);
-    float *pale = draw(renderer, &camera, &(struct colour_view){.emphasised = none});
+    float *full = picture_draw(renderer, &camera, NULL, false);
+    float *pale = picture_draw(renderer, &camera, &(struct colour_view){.emphasised = none}, false);
     const float *strong = pixel(full, WIDTH / 2, HEIGHT / 2);
     const float *weak = pixel(pale, WIDTH / 2, HEIGHT / 2);
     assert_true(strong[0] > 4 * strong[1]);
@@ -393,9 +353,9 @@ static void pathways_are_drawn_in_place_of_areas(void **state)
     }
     assert_ok(atlas_add_pathway(atlas, &other, values, "tract"));
     memcpy(atlas->objects[1].rgb, (uint8_t[]){0, 0, 255}, 3);
-    conus_renderer *renderer = renderer_of(atlas, NULL);
-    struct camera camera = looking((double[]){0, 1, 0}, 120, radians_from_degrees(25));
-    float *rgba = draw(renderer, &camera, NULL);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    struct camera camera = picture_camera((double[]){0, 1, 0}, 120, radians_from_degrees(25));
+    float *rgba = picture_draw(renderer, &camera, NULL, false);
     double area = 0;
     for (ptrdiff_t i = 0; i < PIXELS; i++) {
         area += (double)rgba[4 * i + 3];
@@ -422,7 +382,7 @@ static void allocations_may_fail(void **state)
     (void)state;
     conus_volume_info grid = picture_grid((size_t[]){9, 8, 7}, (double[]){1, 1, 1}, identity);
     conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, soft_shell);
-    conus_renderer_destroy(renderer_of(atlas, NULL)); /* skips where there is no GL */
+    conus_renderer_destroy(picture_renderer(atlas, NULL)); /* skips where there is no GL */
     test_every_allocation(create_and_destroy, atlas);
     conus_atlas_destroy(atlas);
 }
@@ -432,7 +392,7 @@ static void limits_are_kept(void **state)
     (void)state;
     conus_volume_info grid = picture_grid((size_t[]){20, 20, 20}, (double[]){1, 1, 1}, identity);
     conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, soft_shell);
-    conus_renderer_destroy(renderer_of(atlas, NULL)); /* skips where there is no GL */
+    conus_renderer_destroy(picture_renderer(atlas, NULL)); /* skips where there is no GL */
     conus_renderer *renderer = NULL;
     assert_fails(conus_renderer_create(&renderer, atlas, &(conus_renderer_options){.max_memory = 40000}),
                  CONUS_ERROR_MEMORY);

@@ -212,6 +212,17 @@ static void assert_agreement(const struct pair *pair, double hit_part)
     assert_true(pair->at_edges <= 1 + pair->pixels / 200); /* triangles may be as small as pixels */
 }
 
+static void compare_100_poses(uint64_t *random, const conus_atlas *atlas, double size)
+{
+    struct pair pair = pair_of(atlas);
+    for (int pose = 0; pose < 100; pose++) {
+        struct cone cone = random_cone(random, size);
+        compare(&pair, &cone);
+    }
+    assert_agreement(&pair, 0.3);
+    pair_finish(&pair);
+}
+
 /* ---- Scenes ------------------------------------------------------------------------------------------------- */
 
 static void one_sphere(void **state)
@@ -264,13 +275,7 @@ static void one_hundred_poses_of_nested_spheres(void **state)
         struct mesh sphere = mesh_scene_sphere((double[]){3, -2, 1}, 50 - i * pow(10, -i), 30, 60);
         mesh_scene_add(atlas, &sphere);
     }
-    struct pair pair = pair_of(atlas);
-    for (int pose = 0; pose < 100; pose++) {
-        struct cone cone = random_cone(&random, 50);
-        compare(&pair, &cone);
-    }
-    assert_agreement(&pair, 0.3);
-    pair_finish(&pair);
+    compare_100_poses(&random, atlas, 50);
     conus_atlas_destroy(atlas);
 }
 
@@ -305,13 +310,7 @@ static void one_hundred_poses_of_the_brain(void **state)
     (void)state;
     uint64_t random = 35;
     conus_atlas *atlas = brain_atlas();
-    struct pair pair = pair_of(atlas);
-    for (int pose = 0; pose < 100; pose++) {
-        struct cone cone = random_cone(&random, 60);
-        compare(&pair, &cone);
-    }
-    assert_agreement(&pair, 0.3);
-    pair_finish(&pair);
+    compare_100_poses(&random, atlas, 60);
     conus_atlas_destroy(atlas);
 }
 
@@ -333,13 +332,7 @@ static void one_hundred_poses_of_julich_brain(void **state)
         mesh_scene_add(atlas, &mesh);
     }
     globfree(&files);
-    struct pair pair = pair_of(atlas);
-    for (int pose = 0; pose < 100; pose++) {
-        struct cone cone = random_cone(&random, 60);
-        compare(&pair, &cone);
-    }
-    assert_agreement(&pair, 0.3);
-    pair_finish(&pair);
+    compare_100_poses(&random, atlas, 60);
     conus_atlas_destroy(atlas);
 }
 

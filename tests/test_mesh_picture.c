@@ -11,7 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 160, HEIGHT = 120, PIXELS = WIDTH * HEIGHT };
+enum { WIDTH = PICTURE_WIDTH, HEIGHT = PICTURE_HEIGHT, PIXELS = PICTURE_PIXELS };
+
+#define FIELD_OF_VIEW radians_from_degrees(25)
 
 static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
@@ -47,43 +49,12 @@ static void add_ball(conus_atlas *atlas, double x, double y, double z, double ra
 
 static const uint8_t red[3] = {255, 0, 0}, blue[3] = {0, 0, 255};
 
-/* A renderer, or the test is skipped. */
-static conus_renderer *renderer_of(const conus_atlas *atlas, const char *transfer)
-{
-    gl_context_destroy(test_gl_context(NULL, NULL));
-    const conus_renderer_options options = {.transfer = transfer};
-    conus_renderer *renderer = NULL;
-    assert_ok(conus_renderer_create(&renderer, atlas, &options));
-    return renderer;
-}
-
-/* At `distance` from the world's origin, looking at it along `forward`. */
-static struct camera looking(const double forward[3], double distance)
-{
-    struct camera camera;
-    const double points[2][3] = {{-1, -1, -1}, {1, 1, 1}};
-    const struct camera_frame frame = {.width = WIDTH, .height = HEIGHT};
-    camera_frame_points(&camera, points[0], 2, forward, radians_from_degrees(25), &frame);
-    vec3_scale(camera.world_from_camera + 12, camera.world_from_camera + 8, distance);
-    return camera;
-}
-
-static float *draw(conus_renderer *renderer, const struct camera *camera, struct colour_view view, bool smooth)
-{
-    view.camera = camera;
-    view.width = WIDTH;
-    view.height = HEIGHT;
-    float *rgba = memory_zeroed(PIXELS, 4 * sizeof *rgba);
-    assert_ok(renderer_draw(rgba, renderer, &view, smooth));
-    return rgba;
-}
-
 /* Draws `atlas` as it is from `distance`; the caller frees the picture. */
 static float *draw_atlas(const conus_atlas *atlas, const double forward[3], double distance)
 {
-    conus_renderer *renderer = renderer_of(atlas, NULL);
-    struct camera camera = looking(forward, distance);
-    float *rgba = draw(renderer, &camera, (struct colour_view){0}, false);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    struct camera camera = picture_camera(forward, distance, FIELD_OF_VIEW);
+    float *rgba = picture_draw(renderer, &camera, NULL, false);
     conus_renderer_destroy(renderer);
     return rgba;
 }
@@ -91,15 +62,6 @@ static float *draw_atlas(const conus_atlas *atlas, const double forward[3], doub
 static const float *middle(const float *rgba)
 {
     return rgba + (ptrdiff_t)4 * (HEIGHT / 2 * WIDTH + WIDTH / 2);
-}
-
-static double mean_difference(const float *a, const float *b)
-{
-    double sum = 0;
-    for (size_t i = 0; i < (size_t)PIXELS * 4; i++) {
-        sum += fabs((double)a[i] - (double)b[i]);
-    }
-    return sum / (PIXELS * 4);
 }
 
 /* ---- Meshes alone ----------------------------------------------------------------------------------------------- */
@@ -110,11 +72,11 @@ static void a_mesh_ball_has_its_silhouette(void **state)
     (void)state;
     conus_atlas *atlas = mesh_scene_atlas();
     add_ball(atlas, 0, 0, 0, 20, red);
-    conus_renderer *renderer = renderer_of(atlas, NULL);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
     const double forwards[3][3] = {{0, 1, 0}, {1, 0, -0.3}, {-0.4, -0.8, -0.7}};
     for (int n = 0; n < 6; n++) {
-        struct camera camera = looking(forwards[n % 3], 120);
-        float *rgba = draw(renderer, &camera, (struct colour_view){0}, n >= 3);
+        struct camera camera = picture_camera(forwards[n % 3], 120, FIELD_OF_VIEW);
+        float *rgba = picture_draw(renderer, &camera, NULL, n >= 3);
         double radius = tan(asin(20.0 / 120)) / camera.slope[1] * HEIGHT / 2;
         double area = 0;
         for (ptrdiff_t i = 0; i < PIXELS; i++) {
@@ -145,7 +107,7 @@ static void both_faces_are_lit(void **state)
         pictures[turned] = draw_atlas(atlas, (double[]){0, 1, 0}, 120);
         conus_atlas_destroy(atlas);
     }
-    assert_true(mean_difference(pictures[0], pictures[1]) < 1e-4);
+    assert_true(picture_difference(pictures[0], pictures[1]) < 1e-4);
     memory_free(pictures[0]);
     memory_free(pictures[1]);
 }
@@ -155,11 +117,11 @@ static void meshes_not_met_are_pale(void **state)
     (void)state;
     conus_atlas *atlas = mesh_scene_atlas();
     add_ball(atlas, 0, 0, 0, 20, red);
-    conus_renderer *renderer = renderer_of(atlas, NULL);
-    struct camera camera = looking((double[]){0, 1, 0}, 120);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    struct camera camera = picture_camera((double[]){0, 1, 0}, 120, FIELD_OF_VIEW);
     const bool none[2] = {false, false};
-    float *full = draw(renderer, &camera, (struct colour_view){0}, false);
-    float *pale = draw(renderer, &camera, (struct colour_view){.emphasised = none}, false);
+    float *full = picture_draw(renderer, &camera, NULL, false);
+    float *pale = picture_draw(renderer, &camera, &(struct colour_view){.emphasised = none}, false);
     assert_true(middle(full)[0] > 4 * middle(full)[1]);
     assert_true(middle(pale)[0] < 2 * middle(pale)[1]);
     memory_free(full);
@@ -228,10 +190,10 @@ static void haze_before_a_mesh_obeys_its_closed_form(void **state)
     add_ball(hazy, 0, 0, 0, 20, red);
     add_ball(clear, 0, 0, 0, 20, red);
     float *without = draw_atlas(clear, (double[]){0, 1, 0}, 200);
-    conus_renderer *renderer = renderer_of(hazy, black);
-    struct camera camera = looking((double[]){0, 1, 0}, 200);
+    conus_renderer *renderer = picture_renderer(hazy, black);
+    struct camera camera = picture_camera((double[]){0, 1, 0}, 200, FIELD_OF_VIEW);
     for (uint32_t slices = 23; slices < 300; slices += 31) {
-        float *with = draw(renderer, &camera, (struct colour_view){.slices = slices}, false);
+        float *with = picture_draw(renderer, &camera, &(struct colour_view){.slices = slices}, false);
         assert_near(middle(with)[0] / middle(without)[0], pow(1 - 0.06, 10), 0.01); /* from 30 mm to the ball at 20 */
         memory_free(with);
     }
@@ -247,20 +209,20 @@ static void cone_and_markers_among_meshes(void **state)
     (void)state;
     conus_atlas *atlas = mesh_scene_atlas();
     add_ball(atlas, 0, 0, 0, 20, red);
-    conus_renderer *renderer = renderer_of(atlas, NULL);
-    struct camera camera = looking((double[]){0, 1, 0}, 120);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    struct camera camera = picture_camera((double[]){0, 1, 0}, 120, FIELD_OF_VIEW);
     struct colour_marker marker = {.centre = {0, -30, 0}, .radius = 4, .rgb = {0, 0, 255}};
     const struct colour_view view = {.markers = &marker, .marker_count = 1};
-    float *before = draw(renderer, &camera, view, false);
+    float *before = picture_draw(renderer, &camera, &view, false);
     assert_true(middle(before)[2] > 4 * middle(before)[0]);
     conus_pose pose;
     assert_ok(conus_pose_toward(&pose, (double[]){-60, -30, 0}, (double[]){0, -30, 0}, NULL));
-    float *plain = draw(renderer, &camera, (struct colour_view){0}, false);
-    float *wall =
-        draw(renderer, &camera,
-             (struct colour_view){
-                 .world_from_cone = pose.world_from_device, .cone_slope = 0.1, .cone_length = 100, .line_width = 0.5},
-             false);
+    float *plain = picture_draw(renderer, &camera, NULL, false);
+    float *wall = picture_draw(
+        renderer, &camera,
+        &(struct colour_view){
+            .world_from_cone = pose.world_from_device, .cone_slope = 0.1, .cone_length = 100, .line_width = 0.5},
+        false);
     const ptrdiff_t above = (ptrdiff_t)4 * 5 * WIDTH;                       /* the axis is in the middle */
     assert_true(middle(wall + above)[1] > 1.1F * middle(plain + above)[1]); /* orange over red */
     memory_free(before);
@@ -284,7 +246,7 @@ static void allocations_may_fail(void **state)
     conus_volume_info grid = picture_grid((size_t[]){9, 8, 7}, (double[]){1, 1, 1}, identity);
     conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, ten);
     add_ball(atlas, 0, 0, 0, 20, red);
-    conus_renderer_destroy(renderer_of(atlas, NULL)); /* skips where there is no GL */
+    conus_renderer_destroy(picture_renderer(atlas, NULL)); /* skips where there is no GL */
     test_every_allocation(create_and_destroy, atlas);
     conus_atlas_destroy(atlas);
 }
@@ -304,7 +266,7 @@ static conus_image *picture_of_rings(void)
     add_ball(atlas, -6, 0, 4, 6, red);
     memcpy(atlas->objects[0].rgb, (uint8_t[]){60, 160, 80}, 3);
     memcpy(atlas->objects[1].rgb, (uint8_t[]){230, 170, 40}, 3);
-    conus_renderer *renderer = renderer_of(atlas, "brain");
+    conus_renderer *renderer = picture_renderer(atlas, "brain");
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
     conus_image *image = NULL;
@@ -347,14 +309,10 @@ static void rings_look_as_they_did(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_mesh_ball_has_its_silhouette),
-        cmocka_unit_test(both_faces_are_lit),
-        cmocka_unit_test(meshes_not_met_are_pale),
-        cmocka_unit_test(meshes_and_voxels_hide_each_other),
-        cmocka_unit_test(a_pathway_shows_among_meshes),
-        cmocka_unit_test(haze_before_a_mesh_obeys_its_closed_form),
-        cmocka_unit_test(cone_and_markers_among_meshes),
-        cmocka_unit_test(allocations_may_fail),
+        cmocka_unit_test(a_mesh_ball_has_its_silhouette), cmocka_unit_test(both_faces_are_lit),
+        cmocka_unit_test(meshes_not_met_are_pale),        cmocka_unit_test(meshes_and_voxels_hide_each_other),
+        cmocka_unit_test(a_pathway_shows_among_meshes),   cmocka_unit_test(haze_before_a_mesh_obeys_its_closed_form),
+        cmocka_unit_test(cone_and_markers_among_meshes),  cmocka_unit_test(allocations_may_fail),
         cmocka_unit_test(rings_look_as_they_did),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
