@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -158,6 +159,7 @@ static void become(const char *path, const struct mesh_child_limits *limits, con
     char *const words[] = {name, file, NULL};
     /* stdin is empty: no program of ours reads it, and a library that did would wait for ever. */
     int nothing = open("/dev/null", O_RDONLY); /* may be stdin already, so not to be closed */
+    prctl(PR_SET_PDEATHSIG, SIGKILL);          /* it does not outlive who asked */
     limit_resource(RLIMIT_AS, limits->memory);
     limit_resource(RLIMIT_CPU, limits->seconds);
     limit_resource(RLIMIT_CORE, 0);
@@ -344,13 +346,18 @@ static conus_status hear_meshes(struct child *child)
     return status || !got ? status : digest(child);
 }
 
+static conus_status fail_late(const struct child *child)
+{
+    return fail(CONUS_ERROR_DATA, "%s: no end after %u seconds", program, child->limits->wait);
+}
+
 static conus_status listen_once(struct child *child)
 {
     struct pollfd ends[2] = {{.fd = child->out, .events = POLLIN}, {.fd = child->err, .events = POLLIN}};
     double left = child->deadline - now();
     int ready = left > 0 ? poll(ends, 2, (int)(1000 * left) + 1) : 0;
     if (ready == 0) {
-        return fail(CONUS_ERROR_DATA, "%s: no end after %u seconds", program, child->limits->wait);
+        return fail_late(child);
     }
     if (ready < 0) {
         return errno == EINTR ? CONUS_OK : fail_system("wait for it");
@@ -389,13 +396,31 @@ static conus_status judge(const struct child *child, int how)
                                         : fail(CONUS_ERROR_DATA, "%s: what it wrote is cut off or goes on", program);
 }
 
+/* It may have closed what it writes to and go on all the same. */
+static conus_status await_end(const struct child *child, int *how)
+{
+    static const struct timespec moment = {.tv_nsec = 1000000};
+    pid_t ended = 0;
+    while (ended == 0 || (ended < 0 && errno == EINTR)) {
+        ended = waitpid(child->pid, how, WNOHANG);
+        if (ended == 0 && now() > child->deadline) {
+            return fail_late(child);
+        }
+        if (ended == 0) {
+            nanosleep(&moment, NULL);
+        }
+    }
+    return CONUS_OK;
+}
+
 static conus_status finish(struct child *child, conus_status status)
 {
     int how = 0;
+    status = status ? status : await_end(child, &how);
     if (status && child->pid) {
         kill(child->pid, SIGKILL);
-    }
-    while (child->pid && waitpid(child->pid, &how, 0) < 0 && errno == EINTR) {
+        while (waitpid(child->pid, &how, 0) < 0 && errno == EINTR) {
+        }
     }
     if (child->out >= 0) {
         close(child->out);

@@ -107,6 +107,7 @@ static void bad_ends_are_one_line(void **state)
     fails_with("kill -SEGV $$", "VTK crashed (signal 11, Segmentation fault)");
     fails_with("kill -ABRT $$", "VTK crashed (signal 6, Aborted)");
     fails_with("echo garbage, which is longer than a frame", "it does not begin with CONUSMS1");
+    fails_with("exec >&- 2>&-; exec sleep 30", "no end after 2 seconds");
     fails_with("printf CONUS", "what it wrote is cut off");
     fails_with(":", "what it wrote is cut off");
     fails_with("printf CONUSMS1", "what it wrote is cut off");

@@ -116,13 +116,15 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
  * which lies beside the voxels. */
 static bool is_label_table(const conus_atlas *atlas, const char *path)
 {
-    const char *voxels = conus_atlas_volume(atlas, 0)->path;
+    const conus_volume_info *info = conus_atlas_volume(atlas, 0);
+    const char *voxels = info ? info->path : "";
     const char *slash = strrchr(voxels, '/');
     const char *own_slash = strrchr(path, '/');
     const char *name = own_slash ? own_slash + 1 : path;
-    const char *named = strstr(conus_atlas_label_source(atlas), name);
+    const char *source = conus_atlas_label_source(atlas);
+    const char *named = strstr(source, name);
     char beside[PATH_MAX];
-    if (!named || strncmp(named - 1, " ", 1) != 0) {
+    if (!info || !named || named == source || named[-1] != ' ') {
         return false;
     }
     snprintf(beside, sizeof beside, "%.*s%s", slash ? (int)(slash - voxels + 1) : 0, voxels, name);

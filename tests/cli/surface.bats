@@ -56,6 +56,27 @@ labels() {
     done
 }
 
+@test "its answer and its picture go into files" {
+    square | gifti >s.gii
+    local aim="s.gii --origin 5,5,30 --toward 5,5,0"
+    # shellcheck disable=SC2086 # words
+    run -0 --separate-stderr "$CONUS" query $aim --angle 5 -o labels.tsv --image seen.exr --voxels v.tsv --voxels-of all
+    [ "$(sed -n 2p labels.tsv | cut -f 2-4)" = "area	1	s" ]
+    [ "$(wc -l <v.tsv)" = 1 ] # a surface has no voxels
+    # shellcheck disable=SC2086
+    run -0 --separate-stderr "$CONUS" query $aim -o the
+    # shellcheck disable=SC2086
+    fails 2 "--voxels lists the voxels of pathways, and there is none" query $aim --voxels v.tsv
+    "$CONUS" render s.gii --size 16x16 -o s.png || [ $? = 4 ]
+}
+
+@test "pathways of a manifest have voxels to list" {
+    "$CONUS" phantom sphere -o . --size 16
+    echo '{"conus_atlas": 1, "pathways": [{"file": "sphere.nii.gz", "name": "way"}]}' >s.atlas.json
+    run -0 --separate-stderr "$CONUS" query s.atlas.json --origin 0,0,60 --toward 0,0,0 --voxels v.tsv -o a.tsv
+    [ "$(sed -n 2p v.tsv | cut -f 2,9,11)" = "way	1	pathway" ]
+}
+
 @test "what contradicts itself is refused with its line" {
     square 7 | gifti >dim.gii
     fails 3 "dim.gii: line 6, DataArray 0: Data: 18 numbers, the Dim attributes ask for 21" info dim.gii
