@@ -121,3 +121,12 @@ png_size() {
     check_message 'no OpenGL 4.5 core context'
     [ ! -e out.png ]
 }
+
+@test "an atlas of surfaces without a volume: rows and picture into files" {
+    "$CONUS" phantom brain -o brain
+    cp brain/brain-01-AntL.surf.gii ant.gii
+    "$CONUS" query ant.gii --origin -200,100,60 --toward -20,40,10 --format tsv -q -o rows.tsv
+    [ -s rows.tsv ]
+    gl render ant.gii -o ant.png $SMALL
+    [ -s ant.png ]
+}
