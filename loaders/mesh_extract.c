@@ -9,8 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PASS_BAND 0.1
-
 /* A run under way. */
 struct extraction {
     const conus_atlas *atlas;
@@ -55,7 +53,7 @@ static void append_request(struct buffer *out, const struct extraction *work,
     mesh_append_u32(out, work->volume->objects16 ? 2 : 4);
     mesh_append_u32(out, options->iterations);
     mesh_append_u32(out, 0);
-    append_f64(out, PASS_BAND);
+    append_f64(out, options->pass_band);
     append_f64(out, options->reduction);
     for (int i = 0; i < 16; i++) {
         append_f64(out, info->world_from_voxel[i]);

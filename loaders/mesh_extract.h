@@ -6,10 +6,13 @@
 #include "atlas/atlas.h"
 #include "atlas/mesh.h"
 
-enum { MESH_DEFAULT_SMOOTH = 15 };
+/* What keeps AAL nearest to its voxels: of more, the corners that voxels have are lost, too. */
+enum { MESH_DEFAULT_SMOOTH = 5 };
+#define MESH_DEFAULT_PASS_BAND 0.7
 
 struct mesh_extract_options {
-    uint32_t iterations; /**< Of windowed-sinc smoothing, pass band 0.1; 0 = none.           */
+    uint32_t iterations; /**< Of windowed-sinc smoothing; 0 = none.                          */
+    double pass_band;    /**< Of it, above 0 to 2; less is smoother.                         */
     double reduction;    /**< Part of the triangles that decimation removes, in [0, 1).      */
     uint64_t max_memory; /**< Of conus-mesh and of one mesh, in bytes.                       */
 };

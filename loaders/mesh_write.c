@@ -88,12 +88,13 @@ static conus_status write_own_meshes(struct writing *work)
 static conus_status write_surfaces(struct writing *work, struct notes *notes)
 {
     const conus_mesh_options *options = work->options;
-    const struct mesh_extract_options extract = {.iterations = options->no_smoothing ? 0
-                                                               : options->smooth     ? options->smooth
-                                                                                     : MESH_DEFAULT_SMOOTH,
-                                                 .reduction = options->decimate,
-                                                 .max_memory =
-                                                     options->max_memory ? options->max_memory : default_memory};
+    const struct mesh_extract_options extract = {
+        .iterations = options->no_smoothing ? 0
+                      : options->smooth     ? options->smooth
+                                            : MESH_DEFAULT_SMOOTH,
+        .pass_band = options->pass_band > 0 ? options->pass_band : MESH_DEFAULT_PASS_BAND,
+        .reduction = options->decimate,
+        .max_memory = options->max_memory ? options->max_memory : default_memory};
     return mesh_extract(work->atlas, &extract, write_mesh, work, notes);
 }
 
@@ -117,6 +118,9 @@ static conus_status check(const conus_atlas *atlas, const char *folder, const co
     }
     if (options->smooth > SMOOTH_LIMIT) {
         return fail(CONUS_ERROR_ARGUMENT, "smooth: %u iterations, allowed are 1 to %d", options->smooth, SMOOTH_LIMIT);
+    }
+    if (!(options->pass_band >= 0 && options->pass_band <= 2)) {
+        return fail(CONUS_ERROR_ARGUMENT, "pass_band: %g, allowed is 0 (default) to 2", options->pass_band);
     }
     if (!(options->decimate >= 0 && options->decimate < 1)) {
         return fail(CONUS_ERROR_ARGUMENT, "decimate: %g, allowed is 0 or more and less than 1", options->decimate);

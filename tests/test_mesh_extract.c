@@ -38,7 +38,7 @@ static void need_conus_mesh(void)
 
 static struct found extract(const conus_atlas *atlas, uint32_t iterations, double reduction)
 {
-    const struct mesh_extract_options options = {iterations, reduction, UINT64_C(8) << 30};
+    const struct mesh_extract_options options = {iterations, MESH_DEFAULT_PASS_BAND, reduction, UINT64_C(8) << 30};
     struct found found = {0};
     struct notes notes = {0};
     assert_ok(mesh_extract(atlas, &options, take, &found, &notes));

@@ -11,6 +11,7 @@ struct mesh_settings {
     const char *labels;
     uint64_t max_memory;
     uint32_t smooth;
+    double pass_band;
     double decimate;
     size_t format; /* conus_mesh_format */
 };
@@ -29,9 +30,16 @@ static const struct option own_options[] = {
      .type = OPTION_COUNT,
      .offset = offsetof(struct mesh_settings, smooth),
      .value = "N",
-     .help = "iterations of windowed-sinc smoothing, 0 to 1000 (default 15); 0 leaves the voxels' steps",
+     .help = "iterations of windowed-sinc smoothing, 0 to 1000 (default 5); 0 leaves the voxels' steps",
      .low = 0,
      .high = 1000},
+    {.name = "pass-band",
+     .type = OPTION_NUMBER,
+     .offset = offsetof(struct mesh_settings, pass_band),
+     .value = "B",
+     .help = "of the smoothing, 0.001 to 2 (default 0.7); less is smoother",
+     .low = 0.001,
+     .high = 2},
     {.name = "decimate",
      .type = OPTION_NUMBER,
      .offset = offsetof(struct mesh_settings, decimate),
@@ -90,11 +98,15 @@ static int run(const void *given, const struct arguments *arguments)
         .format = (conus_mesh_format)settings->format,
         .smooth = settings->smooth,
         .no_smoothing = option_given(arguments, "smooth") && settings->smooth == 0,
+        .pass_band = settings->pass_band,
         .decimate = settings->decimate,
         .max_memory = settings->max_memory,
         .progress = !settings->common.quiet && isatty(STDERR_FILENO) ? show_progress : NULL,
         .log = settings->common.quiet ? NULL : say_note,
     };
+    if (options.no_smoothing && option_given(arguments, "pass-band")) {
+        return complain_usage("--pass-band has no effect with --smooth 0");
+    }
     conus_atlas *atlas = NULL;
     int code = settings_load_atlas(&atlas, arguments->operands[0], &atlas_settings);
     if (!code) {
@@ -115,7 +127,7 @@ const struct command cmd_mesh = {
         "Writes one closed triangle mesh per area, in world mm, named LABEL_Name. Runs conus-mesh, which is\n"
         "built where VTK is; its results are kept in the user's cache folder.",
     .examples = "  conus mesh aal.nii.gz -o aal-meshes\n"
-                "  conus mesh aal.nii.gz -o print --format stl --smooth 30 --decimate 0.8\n",
+                "  conus mesh aal.nii.gz -o print --format stl --smooth 20 --pass-band 0.1 --decimate 0.8\n",
     .groups = groups,
     .settings_size = sizeof(struct mesh_settings),
     .run = run,

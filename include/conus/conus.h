@@ -375,7 +375,8 @@ typedef void (*conus_progress)(void *user, size_t done, size_t total);
 
 typedef struct conus_mesh_options {
     conus_mesh_format format;
-    uint32_t smooth;     /**< Iterations of windowed-sinc smoothing, 1 to 1000; 0 = 15.                         */
+    uint32_t smooth;     /**< Iterations of windowed-sinc smoothing, 1 to 1000; 0 = 5.                          */
+    double pass_band;    /**< Of the smoothing, up to 2; less is smoother; 0 = 0.7.                             */
     bool no_smoothing;   /**< Leave the voxels' steps as they are.                                              */
     double decimate;     /**< Part of the triangles that decimation removes, in [0, 1).                         */
     uint64_t max_memory; /**< Of the program that makes the surfaces, in bytes; 0 = 8 GiB.                      */

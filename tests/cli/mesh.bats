@@ -27,9 +27,11 @@ need_mesh() {
     sphere --size 24
     conus mesh sphere.nii.gz -o plain --format obj
     conus mesh sphere.nii.gz -o steps --format obj --smooth 0
+    conus mesh sphere.nii.gz -o round --format obj --smooth 15 --pass-band 0.1
     conus mesh sphere.nii.gz -o few --format obj --decimate 0.5
     [ "$(grep -c ^f plain/1_Sphere.obj)" -eq "$(grep -c ^f steps/1_Sphere.obj)" ]
     ! cmp -s plain/1_Sphere.obj steps/1_Sphere.obj
+    ! cmp -s plain/1_Sphere.obj round/1_Sphere.obj
     [ "$(grep -c ^v few/1_Sphere.obj)" -lt "$(($(grep -c ^v plain/1_Sphere.obj) * 6 / 10))" ]
 }
 
@@ -43,6 +45,9 @@ need_mesh() {
     sphere --size 16
     fails 2 '--decimate' mesh sphere.nii.gz -o out --decimate 1
     fails 2 '--smooth' mesh sphere.nii.gz -o out --smooth 1001
+    fails 2 '--pass-band' mesh sphere.nii.gz -o out --pass-band 2.1
+    fails 2 '--pass-band' mesh sphere.nii.gz -o out --pass-band 0
+    fails 2 '--pass-band has no effect' mesh sphere.nii.gz -o out --smooth 0 --pass-band 1
     fails 2 '--format' mesh sphere.nii.gz -o out --format xyz
     [ ! -e out ]
 }
