@@ -272,6 +272,15 @@ conus_status atlas_add_file(conus_atlas *atlas, const char *path, const struct b
     return CONUS_OK;
 }
 
+conus_status atlas_note_file(conus_atlas *atlas, const char *path)
+{
+    struct bytes content = {0};
+    conus_status status = file_read(&content, path, UINT64_MAX);
+    status = status ? status : atlas_add_file(atlas, path, &content);
+    bytes_finish(&content);
+    return status;
+}
+
 const struct volume *atlas_context(const conus_atlas *atlas)
 {
     for (size_t i = 0; i < atlas->volume_count; i++) {
@@ -331,6 +340,16 @@ const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, size_t ind
 const char *conus_atlas_label_source(const conus_atlas *atlas)
 {
     return atlas ? atlas->label_source : "";
+}
+
+size_t conus_atlas_file_count(const conus_atlas *atlas)
+{
+    return atlas ? atlas->file_count : 0;
+}
+
+const char *conus_atlas_file(const conus_atlas *atlas, size_t index)
+{
+    return atlas && index < atlas->file_count ? atlas->files[index].path : NULL;
 }
 
 size_t conus_atlas_note_count(const conus_atlas *atlas)

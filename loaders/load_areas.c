@@ -313,13 +313,10 @@ static conus_status read_foreign(struct surfaces *surfaces, struct area_plan *pl
 static conus_status read_areas(struct surfaces *surfaces, struct area_plan *plan)
 {
     conus_status status = CONUS_OK;
-    struct label nothing = {0};
     for (size_t i = 0; !status && i < plan->count; i++) {
         char key[48];
         struct planned_area *area = &plan->areas[i];
-        if (area->is_part) {
-            status = area->label.name ? CONUS_OK : name_area(area, &nothing);
-        } else if (!is_foreign(area)) {
+        if (!area->is_part && !is_foreign(area)) {
             status = read_own(surfaces, area, &surfaces->meshes[i]);
         }
         snprintf(key, sizeof key, "areas[%zu]", area->entry);
@@ -400,24 +397,17 @@ static conus_status gather_notes(struct notes *to, const struct area_plan *plan,
 
 /* ---- Areas ------------------------------------------------------------------------------------------------------ */
 
-static conus_object object_of(const struct label *label, size_t index)
+/* `digits` becomes its name where it has none. */
+static conus_object object_of(const struct label *label, size_t index, char digits[16])
 {
-    conus_object object = {.kind = CONUS_AREA, .label = label->number, .named = true, .hemisphere = label->hemisphere};
-    object.name = label->name ? label->name : "";
+    conus_object object = {
+        .kind = CONUS_AREA, .label = label->number, .named = label->name != NULL, .hemisphere = label->hemisphere};
+    snprintf(digits, 16, "%u", label->number);
+    object.name = label->name ? label->name : digits;
     object.abbreviation = label->abbreviation ? label->abbreviation : "";
     palette_colour(object.rgb, index);
     memcpy(object.rgb, label->has_rgb ? label->rgb : object.rgb, sizeof object.rgb);
     return object;
-}
-
-/* Notes the files, for those who want to know later what an answer rests on. */
-static conus_status note_file(conus_atlas *atlas, const char *path)
-{
-    struct bytes content = {0};
-    conus_status status = file_read(&content, path, UINT64_MAX);
-    status = status ? status : atlas_add_file(atlas, path, &content);
-    bytes_finish(&content);
-    return status;
 }
 
 static conus_status add_surfaces(struct area_plan *plan, struct surfaces *surfaces, conus_atlas *atlas)
@@ -425,7 +415,8 @@ static conus_status add_surfaces(struct area_plan *plan, struct surfaces *surfac
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < plan->count; i++) {
         const struct planned_area *area = &plan->areas[i];
-        conus_object object = object_of(&area->label, atlas->object_count);
+        char digits[16];
+        conus_object object = object_of(&area->label, atlas->object_count, digits);
         if (!surfaces->meshes[i].triangle_count) { /* a label on no triangle */
             continue;
         }
@@ -434,7 +425,7 @@ static conus_status add_surfaces(struct area_plan *plan, struct surfaces *surfac
         }
         bool repeated = area->is_part && i && strcmp(plan->areas[i - 1].path, area->path) == 0;
         status = atlas_add_mesh(atlas, &object, &surfaces->meshes[i]);
-        status = status || repeated ? status : note_file(atlas, area->path);
+        status = status || repeated ? status : atlas_note_file(atlas, area->path);
     }
     return status;
 }
@@ -465,7 +456,8 @@ static conus_status add_groups(struct area_plan *plan, conus_atlas *atlas, struc
         if (*number) {
             continue;
         }
-        conus_object object = object_of(group, atlas->object_count);
+        char digits[16];
+        conus_object object = object_of(group, atlas->object_count, digits);
         if (!group->name) {
             return fail(CONUS_ERROR_DATA, "tree: label %u is no area, and a new one needs a name", group->number);
         }

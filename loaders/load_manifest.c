@@ -22,10 +22,10 @@ struct loading {
     conus_atlas *atlas;
 };
 
-/* Puts manifest and key in front of the message. */
+/* Puts manifest and key in front of the message. What a manifest asks for in vain is its fault, not the caller's. */
 static conus_status fail_at(conus_status status, const struct loading *loading, const char *key)
 {
-    status = fail_in(status, key);
+    status = fail_in(status == CONUS_ERROR_ARGUMENT ? CONUS_ERROR_DATA : status, key);
     return fail_in(status, loading->path);
 }
 
@@ -55,6 +55,9 @@ static conus_status read_parcellation(struct parcellation *parts, const struct l
     status = status ? status : parcellation_read(parts, path, &options);
     memory_free(path);
     memory_free(labels);
+    if (status == CONUS_ERROR_ARGUMENT && !loading->options->labels) { /* as in fail_at() */
+        status = CONUS_ERROR_DATA;
+    }
     return status ? fail_in(status, "parcellation") : CONUS_OK;
 }
 

@@ -159,8 +159,16 @@ static conus_status make_atlas(conus_atlas **out, struct surface *surface)
 conus_status surface_load(conus_atlas **out, const char *path, const conus_load_options *options)
 {
     struct surface surface = {0};
+    conus_atlas *atlas = NULL;
     conus_status status = read_surface(&surface, path, options);
-    status = status ? status : make_atlas(out, &surface);
+    status = status ? status : make_atlas(&atlas, &surface);
+    status = status ? status : atlas_note_file(atlas, path);
+    status = status || !options->labels ? status : atlas_note_file(atlas, options->labels);
     surface_finish(&surface);
-    return status;
+    if (status) {
+        conus_atlas_destroy(atlas);
+        return status;
+    }
+    *out = atlas;
+    return CONUS_OK;
 }

@@ -278,7 +278,7 @@ static void a_failure_names_manifest_and_key(void **state)
         {"{\"conus_atlas\": 1, \"pathways\": [\"sphere.nii.gz\", \"no.nii\"]}",
          "test.atlas.json: pathways[1]: ", CONUS_ERROR_IO},
         {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"sphere.nii.gz\", \"threshold\": 2}]}",
-         "test.atlas.json: pathways[0]: ", CONUS_ERROR_ARGUMENT},
+         "test.atlas.json: pathways[0]: ", CONUS_ERROR_DATA},
         {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"sphere.nii.gz\", \"names\": [\"a\", \"b\"]}]}",
          "names: has 2 entries, sphere.nii.gz has 1 volumes: they must be as many", CONUS_ERROR_DATA},
         {"{\"conus_atlas\": 1, \"pathways\": [{\"fsl\": \"no.xml\"}]}",

@@ -146,6 +146,11 @@ const char *settings_input(const conus_atlas *atlas, const struct input *inputs,
             return inputs->what;
         }
     }
+    for (size_t i = 0; i < conus_atlas_file_count(atlas); i++) {
+        if (paths_equal(conus_atlas_file(atlas, i), path)) {
+            return "the atlas's file";
+        }
+    }
     return is_label_table(atlas, path) ? "the label table" : NULL;
 }
 

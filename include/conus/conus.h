@@ -156,6 +156,10 @@ typedef struct conus_volume_info {
 CONUS_API size_t conus_atlas_volume_count(const conus_atlas *atlas);
 CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, size_t index);
 
+/** Paths of the other files that an atlas is made of: a manifest, surfaces, labels of their vertices. */
+CONUS_API size_t conus_atlas_file_count(const conus_atlas *atlas);
+CONUS_API const char *conus_atlas_file(const conus_atlas *atlas, size_t index);
+
 /** Where the names come from, in words: "ITK-SNAP labels in aal.label", "none found". */
 CONUS_API const char *conus_atlas_label_source(const conus_atlas *atlas);
 

@@ -67,7 +67,23 @@ labels() {
     run -0 --separate-stderr "$CONUS" query $aim -o the
     # shellcheck disable=SC2086
     fails 2 "--voxels lists the voxels of pathways, and there is none" query $aim --voxels v.tsv
+    # shellcheck disable=SC2086
+    fails 2 "--output would overwrite the atlas s.gii" query $aim -o s.gii
+    labels 6 | gifti >two.gii
+    # shellcheck disable=SC2086
+    fails 2 "--output would overwrite the label table two.gii" query $aim --labels two.gii -o two.gii
+    echo '{"conus_atlas": 1, "areas": [{"file": "s.gii", "label": 3}]}' >m.atlas.json
+    fails 2 "--output would overwrite the atlas's file s.gii" query m.atlas.json --origin 0,0,9 --toward 0,0,0 -o s.gii
     "$CONUS" render s.gii --size 16x16 -o s.png || [ $? = 4 ]
+}
+
+@test "labels without a name are called by their number, in a manifest, too" {
+    square | gifti >s.gii
+    { labels 6 | sed 's/<Label Key="7">west//; s/<.Label>//'; } | gifti >labels.gii
+    echo '{"conus_atlas": 1, "areas": [{"file": "s.gii", "vertex_labels": "labels.gii"}]}' >m.atlas.json
+    run -0 --separate-stderr "$CONUS" info m.atlas.json --format tsv
+    [ "$(cut -f 2,3 <<<"${lines[1]}")" = "3	east" ]
+    [ "$(cut -f 2,3 <<<"${lines[2]}")" = "7	7" ]
 }
 
 @test "pathways of a manifest have voxels to list" {
