@@ -2,7 +2,7 @@
 #include "atlas/phantom_brain.h"
 #include "base/math3.h"
 #include "base/memory.h"
-#include "loaders/mesh_file.h"
+#include "loaders/mesh_child.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/evidence.h"
@@ -314,24 +314,44 @@ static void one_hundred_poses_of_the_brain(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Julich-Brain's area meshes, many of which share borders. */
+/* A manifest of Julich-Brain's areas, many of which share borders (the right side's are OBJ, which conus-mesh reads), and
+ * the Juelich atlas's 18 pathways. */
+static const char *julich_manifest(void)
+{
+    const char *path = test_scratch("julich.atlas.json");
+    const char *shared = test_shared("");
+    char *program = NULL;
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fprintf(file, "{\"conus_atlas\": 1, \"allow_outside\": true, \"space\": \"ras\", \"areas\": [");
+    fprintf(file, "{\"files\": \"%smeshes/julich31-areas/lh/*.gii\"}", shared);
+    if (mesh_child_find(&program)) {
+        print_message("left side only: %s\n", conus_message());
+    } else {
+        fprintf(file, ", {\"files\": \"%smeshes/julich31-areas/rh/*.obj\", \"label_offset\": 1000}", shared);
+    }
+    memory_free(program);
+    glob_t pathways;
+    char pattern[1024];
+    snprintf(pattern, sizeof pattern, "%sprob/juelich-fibre-pathways-u16/*.nii.gz", shared);
+    assert_int_equal(glob(pattern, 0, NULL, &pathways), 0);
+    assert_int_equal(pathways.gl_pathc, 18);
+    for (size_t i = 0; i < pathways.gl_pathc; i++) {
+        fprintf(file, "%s\"%s\"", i ? ", " : "], \"pathways\": [", pathways.gl_pathv[i]);
+    }
+    globfree(&pathways);
+    fprintf(file, "]}\n");
+    assert_int_equal(fclose(file), 0);
+    return path;
+}
+
 static void one_hundred_poses_of_julich_brain(void **state)
 {
     (void)state;
     uint64_t random = 36;
-    char pattern[1024];
-    glob_t files;
-    conus_atlas *atlas = empty_atlas();
-    snprintf(pattern, sizeof pattern, "%s/?h/*.surf.gii", test_shared("meshes/julich31-areas"));
-    assert_int_equal(glob(pattern, 0, NULL, &files), 0);
-    for (size_t i = 0; i < files.gl_pathc; i++) {
-        struct mesh mesh;
-        struct notes notes = {0};
-        assert_ok(mesh_file_read(&mesh, NULL, files.gl_pathv[i], NULL, &notes));
-        notes_finish(&notes);
-        mesh_scene_add(atlas, &mesh);
-    }
-    globfree(&files);
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, julich_manifest(), NULL));
+    assert_true(conus_atlas_object_count(atlas) >= 207 + 18);
     compare_100_poses(&random, atlas, 60);
     conus_atlas_destroy(atlas);
 }
