@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# docs/commands.md says what is: its examples are run, its lists compared with the program's own.
+# docs/commands.md says what is: its examples, and those of docs/scenes.md, are run, its lists compared with the program's own.
 load helpers
 DOCS=$BATS_TEST_DIRNAME/../../docs/commands.md
 
@@ -8,9 +8,10 @@ same_engine() {
     sed -E 's/engine rays, [a-z0-9]+/engine rays, any/'
 }
 
-@test "the examples print what they are said to print" {
-    awk '/^```console/ { on = 1; next } /^```/ { on = 0 } on' "$DOCS" >transcript
-    [ "$(grep -c '^\$ ' transcript)" -ge 8 ]
+# examples PAGE LEAST: runs the page's examples, of which there are LEAST or more.
+examples() {
+    awk '/^```console/ { on = 1; next } /^```/ { on = 0 } on' "$1" >transcript
+    [ "$(grep -c '^\$ ' transcript)" -ge "$2" ]
     {
         echo 'exec 2>&1'
         printf 'conus() { %q "$@"; }\n' "$CONUS"
@@ -22,6 +23,14 @@ same_engine() {
     (cd folder && bash ../examples.sh) | same_engine >got || true
     same_engine <transcript >wanted
     diff wanted got
+}
+
+@test "the examples print what they are said to print" {
+    examples "$DOCS" 8
+}
+
+@test "so do those of the tour of scenes" {
+    examples "${DOCS%/*}/scenes.md" 2
 }
 
 # section NAME: the part of the page under that command's heading.
