@@ -314,8 +314,8 @@ static void one_hundred_poses_of_the_brain(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A manifest of Julich-Brain's areas, many of which share borders (the right side's are OBJ, which conus-mesh reads), and
- * the Juelich atlas's 18 pathways. */
+/* A manifest of Julich-Brain's areas, many of which share borders (the right side's are OBJ, which conus-mesh reads),
+ * and the Juelich atlas's 18 pathways. */
 static const char *julich_manifest(void)
 {
     const char *path = test_scratch("julich.atlas.json");
