@@ -97,11 +97,37 @@ static void hand_over_parents(struct area_plan *plan, const struct label_table *
     }
 }
 
+/* An entry of the table that lies in a surface becomes a node of the tree, since the table will not know its parent.
+ * The first `stated` nodes are the manifest's. */
+static conus_status hand_over_link(struct area_plan *plan, struct label *entry, size_t stated)
+{
+    if (!entry->name || !entry->has_parent || !area_plan_find(plan, entry->parent)) {
+        return CONUS_OK;
+    }
+    struct label *node = NULL;
+    for (size_t i = 0; i < stated && !node; i++) {
+        node = plan->groups.entries[i].number == entry->number ? &plan->groups.entries[i] : NULL;
+    }
+    node = node ? node : label_table_add(&plan->groups, entry->number);
+    if (!node) {
+        return CONUS_ERROR_MEMORY;
+    }
+    node->parent = node->has_parent ? node->parent : entry->parent;
+    node->has_parent = true;
+    entry->has_parent = false;
+    return CONUS_OK;
+}
+
 /* The table keeps what is no surface's. */
-static void hand_over_entries(struct area_plan *plan, struct label_table *table)
+static conus_status hand_over_entries(struct area_plan *plan, struct label_table *table)
 {
     size_t kept = 0;
+    size_t stated = plan->groups.count;
+    conus_status status = CONUS_OK;
     hand_over_parents(plan, table);
+    for (size_t i = 0; !status && i < table->count; i++) {
+        status = hand_over_link(plan, &table->entries[i], stated);
+    }
     for (size_t i = 0; i < table->count; i++) {
         struct label *entry = &table->entries[i];
         struct planned_area *area = area_plan_find(plan, entry->number);
@@ -114,6 +140,7 @@ static void hand_over_entries(struct area_plan *plan, struct label_table *table)
         }
     }
     table->count = kept;
+    return status;
 }
 
 /* Voxels with a planned area's label become background. */
@@ -163,9 +190,8 @@ conus_status area_plan_settle(struct area_plan *plan, struct parcellation *parts
     uint64_t *counts = memory_zeroed(plan->count, sizeof *counts);
     conus_status status = counts ? count_voxels(counts, plan, parts) : CONUS_ERROR_MEMORY;
     status = status ? status : prefer(plan, parts, counts, preference);
-    if (!status) {
-        hand_over_entries(plan, &parts->table);
-    }
+    status = status ? status : hand_over_entries(plan, &parts->table);
+    status = status ? status : label_table_sort(&plan->groups, &parts->notes);
     memory_free(counts);
     return status;
 }

@@ -210,6 +210,28 @@ static void a_surface_may_replace_voxels(void **state)
     conus_atlas_destroy(atlas);
 }
 
+static void voxels_may_lie_in_a_surface(void **state)
+{
+    (void)state;
+    write_text("tree.tsv", "index\tname\tparent_id\n1\tAnterior\t\n300\tPosterior\t1\n");
+    conus_atlas *atlas =
+        loaded("\"prefer\": \"areas\", \"parcellation\": {\"file\": \"slabs.nii.gz\", \"labels\": \"tree.tsv\"}, "
+               "\"areas\": [{\"file\": \"a.gii\", \"label\": 1}]");
+    assert_int_equal(conus_atlas_object_count(atlas), 2);
+    assert_string_equal(conus_atlas_object(atlas, 1)->name, "Posterior");
+    assert_string_equal(conus_atlas_object(atlas, 2)->name, "Anterior");
+    assert_int_equal(conus_atlas_object(atlas, 1)->parent, 2);
+    assert_false(has_note(atlas, "treated as a root"));
+    conus_atlas_destroy(atlas);
+
+    atlas = loaded("\"prefer\": \"areas\", \"parcellation\": {\"file\": \"slabs.nii.gz\", \"labels\": \"tree.tsv\"}, "
+                   "\"areas\": [{\"file\": \"a.gii\", \"label\": 1}], \"tree\": [{\"label\": 7, \"name\": \"Whole\"}, "
+                   "{\"label\": 300, \"parent\": 7}]");
+    assert_string_equal(conus_atlas_object(atlas, 3)->name, "Whole");
+    assert_int_equal(conus_atlas_object(atlas, 1)->parent, 3);
+    conus_atlas_destroy(atlas);
+}
+
 static void the_tree_groups_areas(void **state)
 {
     (void)state;
@@ -423,6 +445,7 @@ int main(void)
         cmocka_unit_test(patterns_number_by_file_name),
         cmocka_unit_test(labels_that_clash_are_refused),
         cmocka_unit_test(a_surface_may_replace_voxels),
+        cmocka_unit_test(voxels_may_lie_in_a_surface),
         cmocka_unit_test(the_tree_groups_areas),
         cmocka_unit_test(labels_of_vertices_cut_a_surface),
         cmocka_unit_test(shapes_of_all_kinds_are_met_by_one_cone),
