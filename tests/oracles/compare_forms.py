@@ -4,8 +4,9 @@
 is one ray, so that a row of answers is a pixel.
 
 Areas agree in 97 % of the pixels that meet one. Where they differ, the pixel lies on a border: within half a voxel's
-diagonal beside the ray, the volume shows what the surfaces show. Of what remains there may be 2 in 1000 pixels. The device
-is outside of all areas: a voxel around it is met at once (Eq. 5), a surface around it is met from within (Eq. 9).
+diagonal beside the ray, the volume shows what the surfaces show. The device is outside of all areas: a voxel around it
+is met at once (Eq. 5), a surface around it is met from within (Eq. 9). So 2 in 1000 pixels may be elsewhere: those of a
+device so close to an area that its surface is around the device already.
 
 usage: compare_forms.py CONUS CONUS_MESH [TEMPLATE_FOLDER]; exit 77 = skipped."""
 
@@ -28,7 +29,7 @@ except ImportError:
 
 from compare_query import device_frame
 
-POSES = 120
+POSES = 1000
 N = 8  # pixels along a cone's edge
 BESIDE = 16  # rays around one that differs
 
