@@ -23,6 +23,11 @@ void parcellation_finish(struct parcellation *parts);
 /** An atlas of it; the notes go there. */
 conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts);
 
+/** Adds the chosen volume of @p file as a pathway; threshold 0 and no name are the defaults. On success the atlas has
+ * @p notes, those of opening the file, too; on failure it is as before. */
+conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, double threshold, const char *wanted,
+                         struct notes *notes);
+
 /** Loads what the manifest in @p file, the bytes of @p path, names. A path that ends in '/' is a folder for which the
  * manifest was made up. */
 conus_status manifest_load(conus_atlas **out, const char *path, const struct bytes *file,

@@ -20,6 +20,8 @@ struct loading {
     const struct bytes *file; /* its bytes */
     const conus_load_options *options;
     conus_atlas *atlas;
+    struct volume_file series; /* kept for the pathways that follow, if any of them is of it */
+    const char *series_name;   /* as the manifest writes it; NULL without one */
 };
 
 /* Puts manifest and key in front of the message. What a manifest asks for in vain is its fault, not the caller's. */
@@ -96,52 +98,31 @@ static conus_status load_areas(struct loading *loading)
 
 /* ---- Pathways ----------------------------------------------------------------------------------------------- */
 
-static conus_status add_pathway(struct loading *loading, const struct manifest_pathway *pathway, const char *path,
-                                const char *name)
+/* Adds volume `volume` of `file`; notes of opening it go to the atlas with it. */
+static conus_status add_volume(struct loading *loading, const struct manifest_pathway *pathway,
+                               struct volume_file *file, size_t volume, const char *name, struct notes *notes)
 {
     double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
-    const conus_pathway_options options = {threshold, name, loading->options->max_memory};
-    return conus_atlas_add_pathway(loading->atlas, path, &options);
-}
-
-/* Adds volume `volume` of the 4-D file `path`. */
-static conus_status add_volume(struct loading *loading, const struct manifest_pathway *pathway, const char *path,
-                               size_t volume, const char *name)
-{
-    struct buffer selected = {0};
-    buffer_format(&selected, "%s,volume=%zu", path, volume);
-    conus_status status = buffer_status(&selected);
-    status = status ? status : add_pathway(loading, pathway, selected.data, name);
-    buffer_finish(&selected);
-    return status;
-}
-
-static conus_status open_first(struct volume_file *file, const struct loading *loading, const char *path)
-{
-    struct buffer selected = {0};
-    struct notes notes = {0};
-    buffer_format(&selected, "%s,volume=0", path);
-    conus_status status = buffer_status(&selected);
-    status = status ? status : volume_file_open(file, selected.data, loading->options->max_memory, &notes);
-    buffer_finish(&selected);
-    notes_finish(&notes);
-    return status;
+    conus_status status = volume_file_select(file, volume);
+    return status ? status : pathway_add(loading->atlas, file, threshold, name, notes);
 }
 
 static conus_status add_named_volumes(struct loading *loading, const struct manifest_pathway *pathway)
 {
     struct volume_file file = {0};
+    struct notes notes = {0};
     char *path = file_beside(loading->path, pathway->source.file);
-    conus_status status = path ? open_first(&file, loading, path) : CONUS_ERROR_MEMORY;
-    size_t count = file.info.volume_count;
-    volume_file_finish(&file);
-    if (!status && count != pathway->name_count) {
+    conus_status status =
+        path ? volume_file_open_series(&file, path, loading->options->max_memory, &notes) : CONUS_ERROR_MEMORY;
+    if (!status && file.info.volume_count != pathway->name_count) {
         status = fail(CONUS_ERROR_DATA, "names: has %zu entries, %s has %zu volumes: they must be as many",
-                      pathway->name_count, pathway->source.file, count);
+                      pathway->name_count, pathway->source.file, file.info.volume_count);
     }
-    for (size_t i = 0; !status && i < count; i++) {
-        status = add_volume(loading, pathway, path, i, pathway->names[i]);
+    for (size_t i = 0; !status && i < pathway->name_count; i++) {
+        status = add_volume(loading, pathway, &file, i, pathway->names[i], &notes);
     }
+    volume_file_finish(&file);
+    notes_finish(&notes);
     memory_free(path);
     return status;
 }
@@ -151,33 +132,38 @@ static conus_status add_named_volumes(struct loading *loading, const struct mani
 /* An FSL atlas and the image of it that is taken. */
 struct fsl_choice {
     struct fsl_atlas atlas;
-    char *image;
-    size_t volume_count;
-    double voxel_mm3;
+    struct volume_file image; /* path NULL before there is one */
+    struct notes notes;       /* of opening it */
 };
 
 static void fsl_choice_finish(struct fsl_choice *choice)
 {
     fsl_atlas_finish(&choice->atlas);
-    memory_free(choice->image);
+    volume_file_finish(&choice->image);
+    notes_finish(&choice->notes);
 }
 
-/* Takes the image `path` (taken over) if its voxels are smaller than those of the one that is there. */
-static conus_status consider_image(struct fsl_choice *choice, const struct loading *loading, char *path)
+static double voxel_mm3(const struct volume_file *file)
+{
+    const double *s = file->info.spacing;
+    return s[0] * s[1] * s[2];
+}
+
+/* Takes the image `path` if its voxels are smaller than those of the one that is there. */
+static conus_status consider_image(struct fsl_choice *choice, const struct loading *loading, const char *path)
 {
     struct volume_file file = {0};
-    conus_status status = open_first(&file, loading, path);
-    const double *s = file.info.spacing;
-    double voxel_mm3 = s[0] * s[1] * s[2];
-    if (!status && (!choice->image || voxel_mm3 < choice->voxel_mm3)) {
-        char *other = choice->image;
-        choice->image = path;
-        path = other;
-        choice->voxel_mm3 = voxel_mm3;
-        choice->volume_count = file.info.volume_count;
+    struct notes notes = {0};
+    conus_status status = volume_file_open_series(&file, path, loading->options->max_memory, &notes);
+    if (!status && (!choice->image.path || voxel_mm3(&file) < voxel_mm3(&choice->image))) {
+        volume_file_finish(&choice->image);
+        notes_finish(&choice->notes);
+        choice->image = file;
+        choice->notes = notes;
+        return CONUS_OK;
     }
-    memory_free(path);
     volume_file_finish(&file);
+    notes_finish(&notes);
     return status;
 }
 
@@ -189,8 +175,9 @@ static conus_status choose_image(struct fsl_choice *choice, const struct loading
         const char *image = choice->atlas.images[i].image;
         status = image ? fsl_image_find(&path, xml, image) : CONUS_OK;
         status = !status && path ? consider_image(choice, loading, path) : status;
+        memory_free(path);
     }
-    if (!status && !choice->image) {
+    if (!status && !choice->image.path) {
         return fail(CONUS_ERROR_DATA, "fsl: none of the %zu images of %s is there (<imagefile> is relative to the XML)",
                     choice->atlas.image_count, path_base(xml));
     }
@@ -221,12 +208,13 @@ static conus_status choose_fsl(struct fsl_choice *choice, const struct loading *
     if (!status && pathway->source.file) {
         char *path = file_beside(loading->path, pathway->source.file);
         status = path ? consider_image(choice, loading, path) : CONUS_ERROR_MEMORY;
+        memory_free(path);
     } else if (!status) {
         status = choose_image(choice, loading, xml);
     }
-    if (!status && choice->atlas.labels.count > choice->volume_count) {
+    if (!status && choice->atlas.labels.count > choice->image.info.volume_count) {
         status = fail(CONUS_ERROR_DATA, "fsl: %s has %zu labels, %s has %zu volumes", path_base(xml),
-                      choice->atlas.labels.count, path_base(choice->image), choice->volume_count);
+                      choice->atlas.labels.count, path_base(choice->image.path), choice->image.info.volume_count);
     }
     return status;
 }
@@ -238,36 +226,80 @@ static conus_status add_fsl(struct loading *loading, const struct manifest_pathw
     conus_status status = xml ? choose_fsl(&choice, loading, pathway, xml) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < choice.atlas.labels.count; i++) {
         const struct label *label = &choice.atlas.labels.entries[i];
-        status = add_volume(loading, pathway, choice.image, label->number - 1, label->name);
+        status = add_volume(loading, pathway, &choice.image, label->number - 1, label->name, &choice.notes);
     }
     status = status ? status
                     : notes_add(&loading->atlas->notes, "pathways of %s: %zu, from %s", path_base(xml),
-                                choice.atlas.labels.count, path_base(choice.image));
+                                choice.atlas.labels.count, path_base(choice.image.path));
     fsl_choice_finish(&choice);
     memory_free(xml);
     return status;
 }
 
+/* ---- Pathways one by one ------------------------------------------------------------------------------------- */
+
 static conus_status add_one(struct loading *loading, const struct manifest_pathway *pathway)
 {
+    double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
+    const conus_pathway_options options = {threshold, pathway->name, loading->options->max_memory};
     char *path = source_path(loading, &pathway->source);
-    conus_status status = path ? add_pathway(loading, pathway, path, pathway->name) : CONUS_ERROR_MEMORY;
+    conus_status status = path ? conus_atlas_add_pathway(loading->atlas, path, &options) : CONUS_ERROR_MEMORY;
     memory_free(path);
     return status;
+}
+
+static void close_series(struct loading *loading)
+{
+    volume_file_finish(&loading->series);
+    loading->series_name = NULL;
+}
+
+static conus_status open_series(struct loading *loading, const char *name, struct notes *notes)
+{
+    if (loading->series_name && strcmp(loading->series_name, name) == 0) {
+        return CONUS_OK;
+    }
+    close_series(loading);
+    char *path = file_beside(loading->path, name);
+    conus_status status = path ? volume_file_open_series(&loading->series, path, loading->options->max_memory, notes)
+                               : CONUS_ERROR_MEMORY;
+    loading->series_name = status ? NULL : name;
+    memory_free(path);
+    return status;
+}
+
+/* Adds a pathway whose neighbours in the manifest are of the same file. */
+static conus_status add_of_series(struct loading *loading, const struct manifest_pathway *pathway)
+{
+    struct notes notes = {0};
+    conus_status status = open_series(loading, pathway->source.file, &notes);
+    status =
+        status ? status : add_volume(loading, pathway, &loading->series, pathway->source.volume, pathway->name, &notes);
+    notes_finish(&notes);
+    return status;
+}
+
+static bool of_one_file(const struct manifest_pathway *a, const struct manifest_pathway *b)
+{
+    return a->source.chosen && b->source.chosen && strcmp(a->source.file, b->source.file) == 0;
 }
 
 static conus_status add_pathways(struct loading *loading)
 {
     conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < loading->manifest->pathway_count; i++) {
+    size_t count = loading->manifest->pathway_count;
+    for (size_t i = 0; !status && i < count; i++) {
         char key[48];
         const struct manifest_pathway *pathway = &loading->manifest->pathways[i];
+        bool shared = (i && of_one_file(pathway - 1, pathway)) || (i + 1 < count && of_one_file(pathway, pathway + 1));
         status = pathway->fsl     ? add_fsl(loading, pathway)
                  : pathway->names ? add_named_volumes(loading, pathway)
+                 : shared         ? add_of_series(loading, pathway)
                                   : add_one(loading, pathway);
         snprintf(key, sizeof key, "pathways[%zu]", i);
         status = status ? fail_at(status, loading, key) : CONUS_OK;
     }
+    close_series(loading);
     return status;
 }
 
@@ -308,7 +340,7 @@ conus_status manifest_load(conus_atlas **out, const char *path, const struct byt
     if (status) {
         return fail_in(status, path);
     }
-    struct loading loading = {&manifest, path, file, options, NULL};
+    struct loading loading = {.manifest = &manifest, .path = path, .file = file, .options = options};
     status = load_areas(&loading);
     status = status ? status : add_pathways(&loading);
     status = status ? status : set_context(&loading);

@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "loaders/folder.h"
 #include "loaders/fsl_atlas.h"
-#include "loaders/volume_file.h"
+#include "loaders/load.h"
 
 #include <string.h>
 
@@ -108,33 +108,40 @@ static void cut_notes(struct notes *notes, size_t count)
     }
 }
 
-conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path, const conus_pathway_options *options)
+conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, double threshold, const char *wanted,
+                         struct notes *notes)
 {
-    static const conus_pathway_options defaults;
-    struct volume_file file = {0};
-    struct notes notes = {0};
     struct buffer name = {0};
     float *values = NULL;
-    options = options ? options : &defaults;
-    if (!atlas || !path) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_pathway: an atlas and a path are needed");
-    }
     size_t note_count = atlas->notes.count;
-    conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
-    status = status ? status : volume_file_values(&values, &file, &notes);
+    conus_status status = volume_file_values(&values, file, notes);
     if (!status) {
-        file.info.role = CONUS_SCALAR;
-        status = choose_name(&name, options->name, &file.info, &notes);
+        file->info.role = CONUS_SCALAR;
+        status = choose_name(&name, wanted, &file->info, notes);
     }
     const char *words = name.data;
-    status = status ? status : choose_threshold(&file, options->threshold, words, &notes);
-    status = status ? status : notes_move(&atlas->notes, &notes);
-    status = status ? status : atlas_add_pathway(atlas, &file.info, values, words);
+    status = status ? status : choose_threshold(file, threshold, words, notes);
+    status = status ? status : notes_move(&atlas->notes, notes);
+    status = status ? status : atlas_add_pathway(atlas, &file->info, values, words);
     if (status) {
         memory_free(values);
         cut_notes(&atlas->notes, note_count);
     }
     buffer_finish(&name);
+    return status;
+}
+
+conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path, const conus_pathway_options *options)
+{
+    static const conus_pathway_options defaults;
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    options = options ? options : &defaults;
+    if (!atlas || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_pathway: an atlas and a path are needed");
+    }
+    conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
+    status = status ? status : pathway_add(atlas, &file, options->threshold, options->name, &notes);
     notes_finish(&notes);
     volume_file_finish(&file);
     return status;

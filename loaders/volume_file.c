@@ -85,18 +85,6 @@ static conus_status note_rest(const struct gzip_range *range, bool footer, struc
     return status;
 }
 
-/* Moves the chosen volume out of `stored`, whose packed bytes are gone afterwards. */
-static conus_status take_voxels(struct bytes *out, struct stored *stored, const struct volume_header *header,
-                                struct notes *notes)
-{
-    struct gzip_range range = {.from = header->offset + header->info.volume * header->volume_size,
-                               .count = header->volume_size,
-                               .total = header->offset + header->info.volume_count * header->volume_size};
-    conus_status status = stored->packed ? gzip_unpack(out, &range, stored->bytes.data, stored->bytes.size)
-                                         : take_plain(out, &range, &stored->bytes);
-    return status ? status : note_rest(&range, header->footer, notes);
-}
-
 /* ---- Names ------------------------------------------------------------------------------------------------------- */
 
 /* True where `path` ends in ".ext" or ".ext.gz", whatever the case; *at is where "ext" stands. */
@@ -174,6 +162,9 @@ struct opening {
     struct volume_header header;
     struct notes notes;
     uint64_t limit;
+    bool chosen; /* the caller says which volume */
+    uint64_t volume;
+    bool all; /* volumes are kept, not only the chosen one */
 };
 
 static void opening_finish(struct opening *opening)
@@ -276,25 +267,28 @@ static conus_status open_files(struct opening *o, const char *path)
     return status;
 }
 
-static conus_status choose_volume(struct volume_header *header, bool chosen, uint64_t volume, uint64_t limit)
+/* Which volume is wanted; all of them only where they are allowed together. */
+static conus_status choose_volume(struct opening *o)
 {
+    struct volume_header *header = &o->header;
     size_t count = header->info.volume_count;
-    if (!chosen && count > 1) {
+    if (!o->chosen && count > 1) {
         return fail(CONUS_ERROR_ARGUMENT,
                     "volume: the file has %zu, choose one by adding \",volume=K\", K from 0 to %zu", count, count - 1);
     }
-    if (volume >= count) {
-        return fail(CONUS_ERROR_ARGUMENT, "volume: found %llu, allowed are 0 to %zu", (unsigned long long)volume,
+    if (o->volume >= count) {
+        return fail(CONUS_ERROR_ARGUMENT, "volume: found %llu, allowed are 0 to %zu", (unsigned long long)o->volume,
                     count - 1);
     }
-    if (header->volume_size > limit || header->offset > limit - header->volume_size) {
+    if (header->volume_size > o->limit || header->offset > o->limit - header->volume_size) {
         return fail(CONUS_ERROR_MEMORY,
                     "dim: %zu x %zu x %zu voxels of %s take %zu bytes unpacked, allowed are %llu "
                     "(--max-memory)",
                     header->info.dim[0], header->info.dim[1], header->info.dim[2], header->info.datatype,
-                    header->volume_size, (unsigned long long)limit);
+                    header->volume_size, (unsigned long long)o->limit);
     }
-    header->info.volume = (size_t)volume;
+    header->info.volume = (size_t)o->volume;
+    o->all = o->all && count <= (o->limit - header->offset) / header->volume_size;
     return CONUS_OK;
 }
 
@@ -346,6 +340,24 @@ static void describe_format(conus_volume_info *info, const struct volume_header 
              packed ? ", gzip" : "", big ? ", big-endian" : ", little-endian");
 }
 
+/* Moves the voxels out of what is stored, whose packed bytes are gone afterwards. */
+static conus_status take_voxels(struct volume_file *file, struct opening *o)
+{
+    const struct volume_header *header = &o->header;
+    struct stored *stored = &o->voxels;
+    struct bytes *out = o->all ? &file->series : &file->voxels;
+    struct gzip_range range = {.from = header->offset + (o->all ? 0 : header->info.volume * header->volume_size),
+                               .count = header->volume_size * (o->all ? header->info.volume_count : 1),
+                               .total = header->offset + header->info.volume_count * header->volume_size};
+    conus_status status = stored->packed ? gzip_unpack(out, &range, stored->bytes.data, stored->bytes.size)
+                                         : take_plain(out, &range, &stored->bytes);
+    if (!status && o->all) {
+        file->voxels =
+            (struct bytes){file->series.data + header->info.volume * header->volume_size, header->volume_size};
+    }
+    return status ? status : note_rest(&range, header->footer, &o->notes);
+}
+
 /* Everything into `file`, which the caller finishes on failure. */
 static conus_status take_all(struct volume_file *file, struct opening *o)
 {
@@ -362,7 +374,8 @@ static conus_status take_all(struct volume_file *file, struct opening *o)
     file->intent_code = o->header.intent_code;
     describe_format(&file->info, &o->header, o->voxels.packed);
     file_sha256(file->info.sha256, &o->voxels.bytes);
-    status = take_voxels(&file->voxels, &o->voxels, &o->header, &o->notes);
+    file->max_memory = o->limit;
+    status = take_voxels(file, o);
     if (status) {
         return fail_in(status, o->voxels.path);
     }
@@ -382,34 +395,71 @@ static conus_status hand_over_notes(struct notes *notes, const struct opening *o
     return status;
 }
 
-conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes)
+/* Opens what `o` asks for, and finishes it. */
+static conus_status open_wanted(struct volume_file *out, const char *path, struct opening *o, struct notes *notes)
 {
-    char *name = NULL;
-    bool chosen;
-    uint64_t volume;
     struct volume_file file = {0};
-    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY};
-    conus_status status = split_selector(&name, &chosen, &volume, path);
-    if (!status) {
-        status = open_files(&opening, name);
+    conus_status status = open_files(o, path);
+    if (!status && (status = choose_volume(o))) {
+        fail_in(status, path);
     }
-    if (!status && (status = choose_volume(&opening.header, chosen, volume, opening.limit))) {
-        fail_in(status, name);
-    }
-    if (!status) {
-        status = take_all(&file, &opening);
-    }
-    if (!status) {
-        status = hand_over_notes(notes, &opening, file.path);
-    }
+    status = status ? status : take_all(&file, o);
+    status = status ? status : hand_over_notes(notes, o, file.path);
     if (status) {
         volume_file_finish(&file);
     } else {
         *out = file;
     }
-    opening_finish(&opening);
+    opening_finish(o);
+    return status;
+}
+
+conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes)
+{
+    char *name = NULL;
+    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY};
+    conus_status status = split_selector(&name, &opening.chosen, &opening.volume, path);
+    status = status ? status : open_wanted(out, name, &opening, notes);
     memory_free(name);
     return status;
+}
+
+conus_status volume_file_open_series(struct volume_file *out, const char *path, uint64_t max_memory,
+                                     struct notes *notes)
+{
+    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY, .chosen = true, .all = true};
+    return open_wanted(out, path, &opening, notes);
+}
+
+/* Its notes were given when the file was opened first. */
+static conus_status reopen(struct volume_file *file, size_t volume)
+{
+    struct volume_file other = {0};
+    struct notes notes = {0};
+    struct opening opening = {.limit = file->max_memory, .chosen = true, .volume = volume};
+    conus_status status = open_wanted(&other, file->path, &opening, &notes);
+    notes_finish(&notes);
+    if (!status) {
+        volume_file_finish(file);
+        *file = other;
+    }
+    return status;
+}
+
+conus_status volume_file_select(struct volume_file *file, size_t volume)
+{
+    size_t count = file->info.volume_count;
+    if (volume >= count) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: volume: found %zu, allowed are 0 to %zu", file->path, volume, count - 1);
+    }
+    if (volume != file->info.volume && !file->series.data) {
+        return reopen(file, volume);
+    }
+    file->info.volume = volume;
+    if (file->series.data) {
+        file->voxels.data = file->series.data + volume * file->voxels.size;
+    }
+    return CONUS_OK;
 }
 
 void volume_file_finish(struct volume_file *file)
@@ -417,6 +467,6 @@ void volume_file_finish(struct volume_file *file)
     memory_free(file->path);
     memory_free(file->extensions);
     bytes_finish(&file->head);
-    bytes_finish(&file->voxels);
+    bytes_finish(file->series.data ? &file->series : &file->voxels);
     *file = (struct volume_file){0};
 }

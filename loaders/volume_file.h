@@ -27,6 +27,8 @@ struct volume_file {
     size_t extension_count;
     struct text embedded; /**< Between the last extension (or header) and the voxels, NULs at both ends left out. */
     int intent_code;      /**< NIfTI intent, 0 if none.                                                    */
+    struct bytes series;  /**< The voxels of all volumes, in which `voxels` lies; empty where only those are kept. */
+    uint64_t max_memory;
 };
 
 /** Reads @p path (NIfTI-1/2 single file or either half of a pair, MGH; each plain or gzip, told by content), which may
@@ -34,6 +36,16 @@ struct volume_file {
  * What a careful user should know (a qform used because there is no sform, a second transform that differs) goes into
  * @p notes. Errors carry path, field, value found and what is allowed. */
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes);
+
+/** Reads @p path as above, but takes it whole for a name: volume 0, and the others for volume_file_select(). They are
+ * unpacked together and kept, unless that takes more than @p max_memory (0 = 8 GiB): then each is read when selected.
+ */
+conus_status volume_file_open_series(struct volume_file *out, const char *path, uint64_t max_memory,
+                                     struct notes *notes);
+
+/** Makes @p volume, from 0, the chosen one, as if the file had been opened with it. A failure leaves @p file as it was;
+ * a volume that is not there is CONUS_ERROR_ARGUMENT. */
+conus_status volume_file_select(struct volume_file *file, size_t volume);
 void volume_file_finish(struct volume_file *file);
 
 /** Decodes to labels, one per voxel. Refuses scaled values that are not whole, or outside 0..4294967295, naming the

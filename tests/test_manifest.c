@@ -2,6 +2,8 @@
 /* The manifest's parser, and what loading one gives and refuses. */
 #include "base/file.h"
 #include "loaders/manifest.h"
+#include "loaders/volume_header.h"
+#include "nifti_builder.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -319,6 +321,56 @@ static void an_fsl_atlas_gives_one_pathway_per_label(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Three volumes without an sform, which is noted; volume t has t + 1 voxels of 1. */
+static void write_four(void)
+{
+    struct nifti_builder b;
+    nifti_begin(&b, 1, false, VOLUME_UINT8, (const int64_t[]){3, 2, 2});
+    nifti_set(&b, "dim", 0, 4);
+    nifti_set(&b, "dim", 4, 3);
+    nifti_set(&b, "sform_code", 0, 0);
+    for (size_t v = 0; v < 36; v++) {
+        nifti_voxel(&b, v % 12 <= v / 12);
+    }
+    write_packed("scene/four.nii.gz", &b.bytes);
+    buffer_finish(&b.bytes);
+}
+
+static const char *const series_manifests[] = {
+    "{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"four.nii.gz\", \"names\": [\"a\", \"b\", \"c\"]}]}",
+    "{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"four.nii.gz\", \"volume\": 0, \"name\": \"a\"}, "
+    "{\"file\": \"four.nii.gz\", \"volume\": 1, \"name\": \"b\"}, "
+    "{\"file\": \"four.nii.gz\", \"volume\": 2, \"name\": \"c\"}]}"};
+
+static void volumes_of_one_file_are_pathways_of_their_own(void **state)
+{
+    (void)state;
+    write_four();
+    for (size_t i = 0; i < 2; i++) {
+        conus_atlas *atlas = NULL;
+        size_t told = 0;
+        assert_ok(conus_atlas_load(&atlas, write_manifest(series_manifests[i]), NULL));
+        assert_int_equal(conus_atlas_object_count(atlas), 3);
+        for (size_t k = 0; k < 3; k++) {
+            assert_int_equal(conus_atlas_object(atlas, k + 1)->name[0], 'a' + k);
+            assert_int_equal(conus_atlas_object(atlas, k + 1)->voxels, k + 1);
+            assert_int_equal(conus_atlas_volume(atlas, k)->volume, k);
+        }
+        for (size_t k = 0; k < conus_atlas_note_count(atlas); k++) {
+            told += strstr(conus_atlas_note(atlas, k), "four.nii.gz: ") != NULL;
+        }
+        assert_int_equal(told, 1); /* once, not for each volume */
+        conus_atlas_destroy(atlas);
+    }
+    conus_atlas *atlas = NULL;
+    const char *beyond =
+        write_manifest("{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"four.nii.gz\", \"volume\": 2}, "
+                       "{\"file\": \"four.nii.gz\", \"volume\": 3}]}");
+    assert_fails(conus_atlas_load(&atlas, beyond, NULL), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "pathways[1]: "));
+    assert_non_null(strstr(conus_message(), "volume: found 3, allowed are 0 to 2"));
+}
+
 static conus_status load_scene(void *data)
 {
     conus_atlas *atlas = NULL;
@@ -334,6 +386,10 @@ static void every_failing_allocation_of_a_scene_is_reported(void **state)
                                       "\"pathways\": [{\"file\": \"sphere.nii.gz\", \"names\": [\"Ball\"]}],"
                                       "\"context\": {\"file\": \"sphere.nii.gz\", \"transfer\": \"grey\"}}");
     test_every_allocation(load_scene, (void *)path);
+    write_four();
+    for (size_t i = 0; i < 2; i++) {
+        test_every_allocation(load_scene, (void *)write_manifest(series_manifests[i]));
+    }
 }
 
 int main(void)
@@ -347,6 +403,7 @@ int main(void)
         cmocka_unit_test(a_scene_is_loaded_in_one_piece),
         cmocka_unit_test(labels_of_the_command_line_come_first),
         cmocka_unit_test(a_failure_names_manifest_and_key),
+        cmocka_unit_test(volumes_of_one_file_are_pathways_of_their_own),
         cmocka_unit_test(an_fsl_atlas_gives_one_pathway_per_label),
         cmocka_unit_test(every_failing_allocation_of_a_scene_is_reported),
     };

@@ -137,6 +137,83 @@ static void one_volume_of_a_series(void **state)
     }
 }
 
+/* The chosen volume is the one that opening the file with ",volume=K" gives. */
+static void assert_as_opened(const struct volume_file *file, const char *path, size_t volume)
+{
+    struct volume_file alone;
+    char choice[300];
+    snprintf(choice, sizeof choice, "%s,volume=%zu", path, volume);
+    open_ok(&alone, choice);
+    assert_int_equal(file->info.volume, volume);
+    assert_int_equal(file->info.volume_count, alone.info.volume_count);
+    assert_string_equal(file->path, alone.path);
+    assert_ptr_equal(file->info.path, file->path);
+    assert_string_equal(file->info.sha256, alone.info.sha256);
+    assert_string_equal(file->info.format, alone.info.format);
+    assert_int_equal(file->head.size, alone.head.size);
+    assert_memory_equal(file->head.data, alone.head.data, alone.head.size);
+    assert_int_equal(file->voxels.size, alone.voxels.size);
+    assert_memory_equal(file->voxels.data, alone.voxels.data, alone.voxels.size);
+    volume_file_finish(&alone);
+}
+
+enum { TOO_LITTLE = 400 }; /* for the 352 + 6 * 24 bytes of a series, enough for a volume */
+
+static void a_series_gives_what_each_volume_by_itself_does(void **state)
+{
+    (void)state;
+    static const size_t order[] = {0, 1, 2, 5, 3, 3, 0, 4};
+    const struct {
+        bool packed;
+        uint64_t max_memory;
+    } cases[] = {{false, 0}, {true, 0}, {true, 352 + 6 * 24}, {true, 352 + 6 * 24 - 1}, {true, TOO_LITTLE}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct volume_file file;
+        struct notes notes = {0};
+        const char *path = write_series(cases[i].packed);
+        assert_ok(volume_file_open_series(&file, path, cases[i].max_memory, &notes));
+        assert_int_equal(file.series.size, i < 3 ? 6 * 24 : 0);
+        assert_as_opened(&file, path, 0);
+        for (size_t k = 0; k < sizeof order / sizeof order[0]; k++) {
+            assert_ok(volume_file_select(&file, order[k]));
+            assert_as_opened(&file, path, order[k]);
+        }
+        assert_int_equal(notes.count, 0);
+        volume_file_finish(&file);
+    }
+}
+
+static void a_volume_that_is_not_there_cannot_be_selected(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < 2; i++) {
+        struct volume_file file;
+        struct notes notes = {0};
+        const char *path = write_series(true);
+        assert_ok(volume_file_open_series(&file, path, i ? TOO_LITTLE : 0, &notes));
+        assert_ok(volume_file_select(&file, 5));
+        assert_fails(volume_file_select(&file, 6), CONUS_ERROR_ARGUMENT);
+        assert_non_null(strstr(conus_message(), "series.nii.gz: volume: found 6, allowed are 0 to 5"));
+        assert_fails(volume_file_select(&file, SIZE_MAX), CONUS_ERROR_ARGUMENT);
+        assert_as_opened(&file, path, 5);
+        volume_file_finish(&file);
+    }
+}
+
+static void a_series_that_vanishes_stays_as_it_was(void **state)
+{
+    (void)state;
+    struct volume_file file;
+    struct notes notes = {0};
+    const char *path = write_series(true);
+    assert_ok(volume_file_open_series(&file, path, TOO_LITTLE, &notes));
+    assert_ok(volume_file_select(&file, 2));
+    assert_int_equal(remove(path), 0);
+    assert_fails(volume_file_select(&file, 3), CONUS_ERROR_IO);
+    assert_as_opened(&file, write_series(true), 2);
+    volume_file_finish(&file);
+}
+
 static void folders_may_look_like_choices(void **state)
 {
     (void)state;
@@ -402,6 +479,35 @@ static conus_status open_and_decode(void *path)
     return status;
 }
 
+struct series_case {
+    const char *path;
+    uint64_t max_memory;
+};
+
+static conus_status open_and_select(void *data)
+{
+    const struct series_case *wanted = data;
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    conus_status status = volume_file_open_series(&file, wanted->path, wanted->max_memory, &notes);
+    for (size_t i = 0; !status && i < 3; i++) {
+        size_t before = file.info.volume;
+        status = volume_file_select(&file, 2 * i);
+        assert_int_equal(file.info.volume, status ? before : 2 * i);
+    }
+    notes_finish(&notes);
+    volume_file_finish(&file);
+    return status;
+}
+
+static void every_failing_allocation_of_a_series(void **state)
+{
+    (void)state;
+    test_every_allocation(open_and_select, &(struct series_case){write_series(false), 0});
+    test_every_allocation(open_and_select, &(struct series_case){write_series(true), 0});
+    test_every_allocation(open_and_select, &(struct series_case){write_series(true), TOO_LITTLE});
+}
+
 static void every_failing_allocation(void **state)
 {
     (void)state;
@@ -458,6 +564,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_type_order_version_and_packing),
         cmocka_unit_test(one_volume_of_a_series),
+        cmocka_unit_test(a_series_gives_what_each_volume_by_itself_does),
+        cmocka_unit_test(a_volume_that_is_not_there_cannot_be_selected),
+        cmocka_unit_test(a_series_that_vanishes_stays_as_it_was),
         cmocka_unit_test(folders_may_look_like_choices),
         cmocka_unit_test(choices_that_are_none),
         cmocka_unit_test(pairs_open_by_either_half),
@@ -468,6 +577,7 @@ int main(void)
         cmocka_unit_test(memory_is_capped_before_it_is_taken),
         cmocka_unit_test(other_files_are_refused),
         cmocka_unit_test(every_prefix_is_refused),
+        cmocka_unit_test(every_failing_allocation_of_a_series),
         cmocka_unit_test(every_failing_allocation),
         cmocka_unit_test(reads_the_mricron_templates),
     };
