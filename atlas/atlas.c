@@ -169,8 +169,8 @@ conus_status atlas_add_group(conus_atlas *atlas, const conus_object *area)
     return status;
 }
 
-/* Number of voxels of a mask that volume->objects16 or 32 holds. */
-static conus_status mark_pathway(struct volume *volume, uint32_t number, uint64_t *voxels)
+/* Makes volume->objects16 or 32 a mask of the voxels with values from the threshold on, and counts them. */
+static conus_status mark_voxels(struct volume *volume, uint32_t number, uint64_t *voxels)
 {
     float threshold = (float)volume->info.threshold;
     bool narrow = number <= UINT16_MAX;
@@ -211,7 +211,7 @@ conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info
     conus_status status = volume_init(&volume, info);
     if (!status) {
         volume.values = values;
-        status = mark_pathway(&volume, (uint32_t)atlas->object_count + 1, &voxels);
+        status = mark_voxels(&volume, (uint32_t)atlas->object_count + 1, &voxels);
     }
     if (!status) {
         conus_object object = pathway_object(atlas, name, voxels, space_voxel_mm3(info));
@@ -233,18 +233,22 @@ conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info
 conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info, float *values)
 {
     struct volume volume = {0};
-    conus_status status = volume_init(&volume, info);
     struct volume *old = (struct volume *)atlas_context(atlas);
+    uint64_t voxels;
+    size_t index;
+    conus_status status = volume_init(&volume, info);
+    volume.values = values;
+    if (!status && info->threshold > 0) {
+        status = mark_voxels(&volume, VOLUME_BLOCKER, &voxels);
+    }
     if (!status && old) {
         volume_finish(old);
         *old = volume;
-        old->values = values;
         return CONUS_OK;
     }
-    size_t index;
     status = status ? status : append_volume(atlas, &volume, &index);
-    if (!status) {
-        atlas->volumes[index].values = values;
+    if (status) {
+        volume.values = NULL; /* stays the caller's */
     }
     volume_finish(&volume);
     return status;

@@ -64,7 +64,8 @@ conus_status atlas_add_group(conus_atlas *atlas, const conus_object *area);
  * taken over on success. */
 conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info, float *values, const char *name);
 
-/** Sets the context volume, replacing one that was there. @p values is taken over on success. */
+/** Sets the context volume, replacing one that was there. Voxels with values >= info->threshold stop rays, unless that
+ * is 0. @p values is taken over on success. */
 conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info, float *values);
 
 /** Notes that the atlas rests on the file @p path with these bytes; a path that is noted already is not noted again. */

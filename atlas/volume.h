@@ -5,13 +5,17 @@
 
 #include "base/status.h"
 
+/** Stands where an object's number would for a voxel that stops rays and is no object. Above every number, so that an
+ * object that is equally near comes first. */
+#define VOLUME_BLOCKER UINT32_MAX
+
 struct volume {
     conus_volume_info info;
     char *path; /**< Owned; info.path points to it.                                           */
     double voxel_from_world[16];
     size_t voxel_count;  /**< dim[0] dim[1] dim[2]; i runs fastest.                                     */
     uint16_t *objects16; /**< Object number per voxel, 0 = none. One of the two, by the number of       */
-    uint32_t *objects32; /**< objects; a context volume has neither.                                    */
+    uint32_t *objects32; /**< objects; a context volume that blocks nothing has neither.                */
     float *values;       /**< Scaled value per voxel; NULL for a parcellation.                          */
 };
 
@@ -19,6 +23,12 @@ void volume_finish(struct volume *volume);
 
 /** Fills the parts that follow from @p info: copies path, inverts the affine, counts voxels. */
 conus_status volume_init(struct volume *out, const conus_volume_info *info);
+
+/** Whether rays meet anything in it. */
+static inline bool volume_is_met(const struct volume *volume)
+{
+    return volume->objects16 || volume->objects32;
+}
 
 /** Object of the voxel with linear index @p voxel. */
 static inline uint32_t volume_object(const struct volume *volume, size_t voxel)

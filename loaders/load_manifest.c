@@ -326,7 +326,8 @@ static conus_status set_context(struct loading *loading)
         return CONUS_OK;
     }
     char *path = source_path(loading, &context->source);
-    conus_status status = path ? conus_atlas_set_context(loading->atlas, path, loading->options) : CONUS_ERROR_MEMORY;
+    const conus_context_options options = {context->blocks, loading->options ? loading->options->max_memory : 0};
+    conus_status status = path ? conus_atlas_set_context(loading->atlas, path, &options) : CONUS_ERROR_MEMORY;
     status = status || !context->transfer ? status : set_transfer(loading);
     memory_free(path);
     return status ? fail_at(status, loading, "context") : CONUS_OK;

@@ -147,21 +147,36 @@ conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path, const
     return status;
 }
 
-conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const conus_load_options *options)
+static conus_status choose_block(conus_volume_info *info, double wanted)
 {
+    char threshold[TEXT_NUMBER_SIZE];
+    char maximum[TEXT_NUMBER_SIZE];
+    bool fits = wanted > 0 && (float)wanted <= (float)info->maximum; /* as the values are kept */
+    info->threshold = wanted;
+    return wanted == 0 || fits ? CONUS_OK
+                               : fail(CONUS_ERROR_ARGUMENT,
+                                      "%s: blocks from %s on, allowed is above 0 to %s, the largest value (0 = never)",
+                                      info->path, text_number(threshold, wanted), text_number(maximum, info->maximum));
+}
+
+conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const conus_context_options *options)
+{
+    static const conus_context_options defaults;
     struct volume_file file = {0};
     struct notes notes = {0};
     float *values = NULL;
     if (!atlas || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context: an atlas and a path are needed");
     }
+    options = options ? options : &defaults;
     size_t note_count = atlas->notes.count;
-    conus_status status = volume_file_open(&file, path, options ? options->max_memory : 0, &notes);
+    conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
     status = status ? status : volume_file_values(&values, &file, &notes);
     if (!status) {
         file.info.role = CONUS_CONTEXT;
-        status = notes_move(&atlas->notes, &notes);
+        status = choose_block(&file.info, options->block_threshold);
     }
+    status = status ? status : notes_move(&atlas->notes, &notes);
     status = status ? status : atlas_set_context(atlas, &file.info, values);
     if (status) {
         memory_free(values);

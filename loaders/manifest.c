@@ -120,6 +120,7 @@ static conus_status read_context(void *field, const json_t *value, const struct 
         {"file", schema_path, AT(manifest_context, source.file), true},
         {"volume", read_volume_number, AT(manifest_context, source), false},
         {"transfer", read_transfer, 0, false},
+        {"blocks", schema_positive, AT(manifest_context, blocks), false},
         {0},
     };
     struct manifest_context *out = field;

@@ -26,6 +26,7 @@ struct manifest_context {
     struct manifest_volume source;
     char *transfer; /**< A preset's name or a file; NULL if none.                */
     bool transfer_is_file;
+    double blocks; /**< Threshold from which on it stops rays; 0 if it does not.  */
 };
 
 /** Surfaces that are areas: one file, the files that match a pattern, or a BrainGlobe folder. */

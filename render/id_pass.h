@@ -25,7 +25,8 @@ struct id_pixels {
     const double *distances;     /**< [n n] mm along the ray, exact.                                  */
 };
 
-/** @p identifiers[k] is what object number k is drawn as; 0 makes it invisible (@p identifier_count = objects + 1). */
+/** @p identifiers[k] is what object number k is drawn as, the last one also what VOLUME_BLOCKER is drawn as; 0 makes it
+ * invisible. */
 conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const uint32_t *identifiers,
                             size_t identifier_count);
 /** NULL is fine. */

@@ -94,7 +94,8 @@ static conus_status draw(struct gl_engine *gl, const struct cone *cone)
 
 static uint64_t linear_index(const conus_atlas *atlas, uint32_t object, const float voxel[4])
 {
-    const size_t *dim = atlas_object_volume(atlas, object)->info.dim;
+    bool blocked = object == VOLUME_BLOCKER;
+    const size_t *dim = (blocked ? atlas_context(atlas) : atlas_object_volume(atlas, object))->info.dim;
     return (uint64_t)voxel[0] + dim[0] * ((uint64_t)voxel[1] + dim[1] * (uint64_t)voxel[2]);
 }
 
@@ -151,10 +152,10 @@ static conus_status look(struct engine *engine, struct evidence *out, const stru
 
 /* ---- Creation ----------------------------------------------------------------------------------------------- */
 
-/* Identifiers are the objects' numbers: dense, from 1, integers all the way. */
+/* Identifiers are the objects' numbers: dense, from 1, integers all the way; behind them that of what blocks. */
 static conus_status create_pass(struct gl_engine *gl)
 {
-    size_t count = gl->atlas->object_count + 1;
+    size_t count = gl->atlas->object_count + 2;
     uint32_t *identifiers = memory_raw(count, sizeof *identifiers);
     if (!identifiers) {
         return CONUS_ERROR_MEMORY;
@@ -162,6 +163,7 @@ static conus_status create_pass(struct gl_engine *gl)
     for (size_t i = 0; i < count; i++) {
         identifiers[i] = (uint32_t)i;
     }
+    identifiers[count - 1] = VOLUME_BLOCKER;
     conus_status status = id_pass_create(&gl->pass, gl->sampling, identifiers, count);
     memory_free(identifiers);
     return status;
@@ -171,7 +173,7 @@ static conus_status upload_volumes(struct gl_engine *gl, uint64_t *memory_left)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < gl->atlas->volume_count && !status; i++) {
-        if (gl->atlas->volumes[i].info.role != CONUS_CONTEXT) {
+        if (volume_is_met(&gl->atlas->volumes[i])) {
             status = gl->pass ? CONUS_OK : create_pass(gl);
             status = status ? status : id_pass_add_volume(gl->pass, &gl->atlas->volumes[i], memory_left);
             gl->volumes[gl->volume_count] = i;

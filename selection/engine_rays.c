@@ -230,7 +230,7 @@ conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atl
     snprintf(engine->base.name, sizeof engine->base.name, "rays, %s", kernel->name);
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < atlas->volume_count && !status; i++) {
-        if (atlas->volumes[i].info.role != CONUS_CONTEXT) {
+        if (volume_is_met(&atlas->volumes[i])) {
             status = add_target(engine, &atlas->volumes[i], options->slices);
         }
     }

@@ -29,13 +29,28 @@ void evidence_finish(struct evidence *evidence)
     *evidence = (struct evidence){0};
 }
 
+static void clear_pixel(struct evidence *evidence, size_t pixel)
+{
+    evidence->object[pixel] = 0;
+    evidence->distance[pixel] = INFINITY;
+    evidence->voxel[pixel] = EVIDENCE_NO_VOXEL;
+}
+
 void evidence_clear(struct evidence *evidence)
 {
     size_t pixels = (size_t)evidence->resolution * evidence->resolution;
     for (size_t i = 0; i < pixels; i++) {
-        evidence->object[i] = 0;
-        evidence->distance[i] = INFINITY;
-        evidence->voxel[i] = EVIDENCE_NO_VOXEL;
+        clear_pixel(evidence, i);
+    }
+}
+
+void evidence_drop_blocked(struct evidence *evidence)
+{
+    size_t pixels = (size_t)evidence->resolution * evidence->resolution;
+    for (size_t i = 0; i < pixels; i++) {
+        if (evidence->object[i] == VOLUME_BLOCKER) {
+            clear_pixel(evidence, i);
+        }
     }
 }
 

@@ -25,6 +25,9 @@ void evidence_finish(struct evidence *evidence);
 /** Sets every pixel to "nothing". */
 void evidence_clear(struct evidence *evidence);
 
+/** Sets pixels that hold VOLUME_BLOCKER to "nothing". */
+void evidence_drop_blocked(struct evidence *evidence);
+
 /** An engine for one atlas. */
 struct engine;
 

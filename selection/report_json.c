@@ -118,7 +118,8 @@ static json_t *json_from_volume(const conus_volume_info *info)
                                json_from_text(info->path), "sha256", info->sha256, "format", info->format, "volume",
                                (json_int_t)info->volume, "orientation", info->orientation, "transform", info->transform,
                                "world_from_voxel", json_from_matrix(info->world_from_voxel));
-    bool whole = info->role != CONUS_SCALAR || put(volume, "threshold", json_real(info->threshold));
+    bool has_none = info->role != CONUS_SCALAR && info->threshold == 0;
+    bool whole = has_none || put(volume, "threshold", json_real(info->threshold));
     return whole_or_null(volume, whole);
 }
 

@@ -87,9 +87,11 @@ static conus_status answer(conus_selection *selection, conus_selector *selector)
     status = status ? status : mark_cone(selection);
     status =
         status ? status : selector->engine->functions->look(selector->engine, &selection->evidence, &selection->cone);
-    status = status ? status
-                    : statistics_gather(&selection->statistics, &selection->evidence, &selection->cone,
-                                        selector->atlas->object_count);
+    if (!status) {
+        evidence_drop_blocked(&selection->evidence);
+        status = statistics_gather(&selection->statistics, &selection->evidence, &selection->cone,
+                                   selector->atlas->object_count);
+    }
     if (!status) {
         set_kinds(&selection->statistics, selector->atlas);
         score_rank(&selection->statistics, selector->score, &selection->cone);

@@ -231,6 +231,58 @@ static void the_context_is_never_met(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Grids of their own, voxels that block strewn over them. */
+static void add_blocking_context(conus_atlas *atlas, uint64_t *random)
+{
+    const size_t dim[3] = {9, 7, 8};
+    conus_volume_info info = scene_grid(random, dim);
+    float *values = memory_zeroed(9 * 7 * 8, sizeof *values);
+    assert_non_null(values);
+    for (size_t v = 0; v < 9 * 7 * 8; v++) {
+        values[v] = (float)test_random(random, 0, 1);
+    }
+    info.role = CONUS_CONTEXT;
+    info.threshold = 0.9;
+    assert_ok(atlas_set_context(atlas, &info, values));
+}
+
+static size_t count_blocked(struct engine *engine, const struct cone *cone)
+{
+    struct evidence evidence;
+    size_t blocked = 0;
+    assert_ok(evidence_init(&evidence, cone->resolution));
+    assert_ok(engine->functions->look(engine, &evidence, cone));
+    for (size_t i = 0; i < (size_t)cone->resolution * cone->resolution; i++) {
+        blocked += evidence.object[i] == VOLUME_BLOCKER;
+    }
+    evidence_finish(&evidence);
+    return blocked;
+}
+
+static void what_blocks_is_seen_alike(void **state)
+{
+    (void)state;
+    uint64_t random = 15;
+    size_t blocked = 0;
+    size_t hits = 0;
+    for (int scene = 0; scene < 20; scene++) {
+        conus_sampling sampling = scene % 2 ? CONUS_SLICES : CONUS_EXACT;
+        conus_atlas *atlas = scene_atlas(&random, 24, scene % 3);
+        add_blocking_context(atlas, &random);
+        struct engine *gl = gl_engine(atlas, sampling, 0);
+        struct engine *rays = rays_engine(atlas, sampling, 0);
+        for (int pose = 0; pose < 6; pose++) {
+            struct cone cone = scene_cone(&random, atlas);
+            hits += assert_same_look(gl, rays, &cone);
+            blocked += count_blocked(rays, &cone);
+        }
+        engine_destroy(rays);
+        engine_destroy(gl);
+        conus_atlas_destroy(atlas);
+    }
+    assert_true(blocked > 500 && hits - blocked > 500);
+}
+
 /* ---- The world around --------------------------------------------------------------------------------------- */
 
 static GLint longest_texture(void)
@@ -375,6 +427,7 @@ int main(void)
         cmocka_unit_test(more_objects_than_16_bits_hold),
         cmocka_unit_test(distances_are_those_of_the_closed_form),
         cmocka_unit_test(the_context_is_never_met),
+        cmocka_unit_test(what_blocks_is_seen_alike),
         cmocka_unit_test(a_volume_too_long_for_the_driver_is_refused),
         cmocka_unit_test(every_failing_allocation_is_reported),
         cmocka_unit_test(the_callers_context_stays_current),

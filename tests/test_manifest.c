@@ -28,7 +28,7 @@ static const char whole[] =
     "\"c\"},\n"
     "    {\"file\": \"four.nii\", \"names\": [\"a\", \"b\"]},\n"
     "    {\"fsl\": \"JHU.xml\", \"file\": \"JHU/prob.nii.gz\"}],\n"
-    "  \"context\": {\"file\": \"t1.nii\", \"volume\": 0, \"transfer\": {\"file\": \"t1.tf\"}}\n"
+    "  \"context\": {\"file\": \"t1.nii\", \"volume\": 0, \"transfer\": {\"file\": \"t1.tf\"}, \"blocks\": 80}\n"
     "}\n";
 
 static void every_key_is_kept(void **state)
@@ -73,6 +73,7 @@ static void every_key_is_kept(void **state)
     assert_string_equal(m.context.source.file, "t1.nii");
     assert_true(m.context.source.chosen && m.context.transfer_is_file);
     assert_string_equal(m.context.transfer, "t1.tf");
+    assert_near(m.context.blocks, 80, 0);
     manifest_finish(&m);
 }
 
@@ -234,7 +235,7 @@ static void a_scene_is_loaded_in_one_piece(void **state)
     const char *path =
         write_manifest("\xef\xbb\xbf \n{\"conus_atlas\": 1, \"parcellation\": \"slabs.nii.gz\", \"threshold\": 0.5,"
                        "\"pathways\": [{\"file\": \"sphere.nii.gz\", \"name\": \"Ball\"}, \"sphere.nii.gz\"],"
-                       "\"context\": {\"file\": \"sphere.nii.gz\", \"transfer\": \"grey\"}}");
+                       "\"context\": {\"file\": \"sphere.nii.gz\", \"transfer\": \"grey\", \"blocks\": 0.5}}");
     assert_ok(conus_atlas_load(&atlas, path, NULL));
     assert_int_equal(conus_atlas_object_count(atlas), 4);
     assert_string_equal(conus_atlas_object(atlas, 1)->name, "Slab anterior");
@@ -245,6 +246,7 @@ static void a_scene_is_loaded_in_one_piece(void **state)
     assert_int_equal(conus_atlas_volume_count(atlas), 4);
     assert_near(conus_atlas_volume(atlas, 1)->threshold, 0.5, 0);
     assert_int_equal(conus_atlas_volume(atlas, 3)->role, CONUS_CONTEXT);
+    assert_near(conus_atlas_volume(atlas, 3)->threshold, 0.5, 0);
     conus_atlas_destroy(atlas);
 }
 

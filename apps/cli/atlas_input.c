@@ -112,6 +112,13 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
     return EXIT_DONE;
 }
 
+int settings_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings)
+{
+    const conus_context_options options = {blocks, settings->max_memory};
+    conus_status status = path ? conus_atlas_set_context(atlas, path, &options) : CONUS_OK;
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
 /* Whether `path` is the file that the atlas's label source names ("BIDS label table in aal.tsv, colours in aal.lut"),
  * which lies beside the voxels. */
 static bool is_label_table(const conus_atlas *atlas, const char *path)

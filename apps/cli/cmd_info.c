@@ -114,6 +114,9 @@ static void put_volumes(FILE *out, const conus_atlas *atlas)
         } else {
             fputs("Context\n", out);
             put_volume(out, info);
+            if (info->threshold > 0) {
+                fprintf(out, "  blocks       from %.9g on\n", info->threshold);
+            }
         }
     }
 }
@@ -428,11 +431,7 @@ static int run(const void *given, const struct arguments *arguments)
     if (code) {
         return code;
     }
-    if (settings->context) {
-        const conus_load_options options = {.max_memory = settings->atlas.max_memory};
-        conus_status status = conus_atlas_set_context(atlas, settings->context, &options);
-        code = status ? complain_status(status) : EXIT_DONE;
-    }
+    code = settings_load_context(atlas, settings->context, 0, &settings->atlas);
     if (!code) {
         code = write_atlas(atlas, (enum info_format)settings->format);
     }

@@ -4,6 +4,7 @@
 #include "cli/output.h"
 #include "cli/settings.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,6 +13,8 @@ struct query_settings {
     struct aim_settings aim;
     struct engine_settings engine;
     struct common_settings common;
+    const char *context;
+    double context_blocks;
     size_t format; /* conus_format */
     const char *output;
     const char *voxels;
@@ -21,6 +24,23 @@ struct query_settings {
 
 static const char *const formats[] = {"table", "tsv", "json", "ndjson", NULL};
 static const char *const voxel_kinds[] = {"pathways", "all", NULL};
+
+static const struct option context_options[] = {
+    {.name = "context",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct query_settings, context),
+     .value = "FILE",
+     .help = "a volume that blocks the view, a skull, say"},
+    {.name = "context-blocks",
+     .type = OPTION_NUMBER,
+     .offset = offsetof(struct query_settings, context_blocks),
+     .value = "T",
+     .help = "its values from T on block",
+     .low = 0,
+     .high = FLT_MAX,
+     .open = true},
+    {0},
+};
 
 static const struct option output_options[] = {
     {.name = "format",
@@ -59,6 +79,7 @@ static const struct option_group groups[] = {
     {"How it looks", engine_options, offsetof(struct query_settings, engine)},
     {"", slices_options, offsetof(struct query_settings, engine)},
     {"What it may find", atlas_options, offsetof(struct query_settings, atlas)},
+    {"", context_options, 0},
     {"What is written", output_options, 0},
     {"", quiet_options, offsetof(struct query_settings, common)},
     {0},
@@ -130,7 +151,9 @@ static bool check(const struct query_settings *settings, const struct arguments 
         complain("--slices has no effect without --sampling slices");
         return false;
     }
-    return settings_check_aim(arguments, true) && check_outputs(settings, arguments);
+    return option_needs(arguments, "context", "context-blocks") &&
+           option_needs(arguments, "context-blocks", "context") && settings_check_aim(arguments, true) &&
+           check_outputs(settings, arguments);
 }
 
 static int load_poses(struct query *query)
@@ -327,6 +350,9 @@ static int work(struct query *query)
     int code = settings->aim.pose ? load_poses(query) : EXIT_DONE;
     if (!code) {
         code = settings_load_atlas(&query->atlas, query->arguments->operands[0], &settings->atlas);
+    }
+    if (!code) {
+        code = settings_load_context(query->atlas, settings->context, settings->context_blocks, &settings->atlas);
     }
     if (code) {
         return code;

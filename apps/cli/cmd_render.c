@@ -233,11 +233,7 @@ static int load(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     int code = settings_load_atlas(&picture->atlas, picture->arguments->operands[0], &settings->atlas);
-    if (!code && settings->context) {
-        const conus_load_options options = {.max_memory = settings->atlas.max_memory};
-        conus_status status = conus_atlas_set_context(picture->atlas, settings->context, &options);
-        code = status ? complain_status(status) : EXIT_DONE;
-    }
+    code = code ? code : settings_load_context(picture->atlas, settings->context, 0, &settings->atlas);
     if (code) {
         return code;
     }

@@ -70,7 +70,7 @@ static json_t *volume(const conus_volume_info *info)
         "world_from_voxel", matrix(info->world_from_voxel), "spacing_mm", info->spacing[0], info->spacing[1],
         info->spacing[2], "orientation", info->orientation, "transform", info->transform, "slope", info->slope,
         "intercept", info->intercept, "minimum", value(info->minimum), "maximum", value(info->maximum));
-    if (info->role == CONUS_SCALAR) {
+    if (info->role == CONUS_SCALAR || info->threshold != 0) {
         json_object_set_new(json, "threshold", json_real(info->threshold));
     }
     return json;

@@ -41,6 +41,9 @@ enum { DEFAULT_ANGLE = 10 };
 /** Loads the atlas and adds its pathways. Gives the exit code, having complained unless it is 0. */
 int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings);
 
+/** Sets the context, unless @p path is NULL; @p blocks 0 = it does not block. Gives the exit code likewise. */
+int settings_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings);
+
 /** A file that the command line names. */
 struct input {
     const char *what; /**< "the atlas"; NULL ends a list. */

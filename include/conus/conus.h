@@ -102,14 +102,22 @@ typedef struct conus_pathway_options {
 /** Adds a scalar (probability) volume as one selectable pathway. */
 CONUS_CHECKED conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path,
                                                    const conus_pathway_options *options);
-/** Sets the volume that is drawn around the areas (a T1, say); never selectable. Only max_memory is used. */
+
+typedef struct conus_context_options {
+    double block_threshold; /**< Voxels with values at or above it stop what looks at the atlas: a skull, say. What is
+                                 behind them is not met, and such pixels met nothing. 0 = none do.               */
+    uint64_t max_memory;
+} conus_context_options;
+
+/** Sets the volume that is drawn around the areas (a T1, say), replacing one that is there; never selectable. */
 CONUS_CHECKED conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path,
-                                                   const conus_load_options *options);
+                                                   const conus_context_options *options);
 
 typedef enum conus_kind {
     CONUS_AREA = 1,
     CONUS_PATHWAY,
-    CONUS_UNASSIGNED /**< Of a result: what the cone's pixels hit when they hit no object. */
+    CONUS_UNASSIGNED /**< Of a result: what the cone's pixels hit when they hit no object, or first a context that
+                          blocks. */
 } conus_kind;
 
 /** An area or a pathway. */
@@ -149,7 +157,7 @@ typedef struct conus_volume_info {
     char transform[96];          /**< Where world_from_voxel comes from: "sform, code 4 (MNI 152)".            */
     double slope, intercept;     /**< Of the stored values; 1 and 0 if unscaled.                               */
     double minimum, maximum;     /**< Of the scaled values.                                                    */
-    double threshold;            /**< Of a pathway; else 0.                                                    */
+    double threshold;            /**< Of a pathway, or of a context that blocks; else 0.                       */
 } conus_volume_info;
 
 /** The parcellation comes first, if there is one; pathways and the context follow. */

@@ -48,7 +48,8 @@ Ray load_ray()
 
 uint identify(dvec3 cell)
 {
-    return identifiers[texelFetch(objects, ivec3(cell), 0).r];
+    uint last = uint(identifiers.length() - 1);
+    return identifiers[min(texelFetch(objects, ivec3(cell), 0).r, last)];
 }
 
 #if SLICES

@@ -87,6 +87,33 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 2 --quiet --format tsv'
     fails 3 'none.nii: cannot open' info slabs.nii.gz --context none.nii
 }
 
+@test "a context that blocks hides what is behind it" {
+    scene
+    answers query slabs.nii.gz $AIM --context sphere.nii.gz --context-blocks 0.5
+    [ "$(cell kind 1)/$(cell pixels 1)/$(cell share 1)" = unassigned/208/1 ]
+    answers query slabs.nii.gz $AIM --pathway sphere.nii.gz --context sphere.nii.gz --context-blocks 0.5
+    [ "$(cell kind 1)/$(cell pixels 1)" = pathway/208 ]
+    printf '{"conus_atlas": 1, "parcellation": "slabs.nii.gz",
+             "context": {"file": "sphere.nii.gz", "blocks": 0.5}}' >m.atlas.json
+    answers query m.atlas.json $AIM
+    [ "$(cell kind 1)/$(cell pixels 1)" = unassigned/208 ]
+    answers info m.atlas.json
+    has 'blocks       from 0.5 on'
+    answers query slabs.nii.gz ${AIM/tsv/json} --context sphere.nii.gz --context-blocks 0.5
+    has '"threshold": 0.5'
+}
+
+@test "mistakes in --context-blocks are named" {
+    scene
+    local start="query slabs.nii.gz $AIM"
+    fails 2 '--context has no effect without --context-blocks' $start --context sphere.nii.gz
+    fails 2 '--context-blocks has no effect without --context' $start --context-blocks 1
+    fails 2 '--context-blocks: 0 is out of range' $start --context sphere.nii.gz --context-blocks 0
+    fails 2 'blocks from 2 on, allowed is above 0 to 1' $start --context sphere.nii.gz --context-blocks 2
+    fails 3 'none.nii: cannot open' $start --context none.nii --context-blocks 1
+    fails 2 'would overwrite the context' $start --context sphere.nii.gz --context-blocks 1 -o sphere.nii.gz
+}
+
 @test "a Jülich fibre pathway in AAL" {
     need_aal
     local pathway=${CONUS_SHARED_DATA:-$BATS_TEST_DIRNAME/../../../shared/data}/prob/juelich-fibre-pathways-u16
