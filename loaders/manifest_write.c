@@ -217,7 +217,7 @@ static conus_status take_surfaces(struct draft *draft, const char *folder, const
         }
     }
     draft->label_offset += OFFSET_STEP;
-    return status ? status : say(draft, "%s*%s: %zu surfaces, labels from %u on", folder, ending, names->count, offset);
+    return status ? status : say(draft, "%s*%s: %zu surfaces, labels above %u", folder, ending, names->count, offset);
 }
 
 /* `folder` is "" or a name with '/' at its end. */

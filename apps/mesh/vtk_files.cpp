@@ -55,6 +55,9 @@ class Listener : public vtkOutputWindow
             first.erase(0, line + 1);
         }
         first.erase(std::find(first.begin(), first.end(), '\n'), first.end());
+        for (size_t at; (at = first.find("(0x")) != std::string::npos && first.find(')', at) != std::string::npos;) {
+            first.erase(at, first.find(')', at) - at + 1); /* where in memory an object is, says nothing */
+        }
         first = first.empty() ? "an error without a description" : first;
     }
 

@@ -48,7 +48,7 @@ said() {
 @test "surfaces, pathway and context of the brain phantom are found again" {
     conus phantom brain -o brain
     makes brain --name found
-    said '*.surf.gii: 11 surfaces, labels from 0 on'
+    said '*.surf.gii: 11 surfaces, labels above 0'
     said 'brain-context.nii.gz: context, values almost everywhere'
     said 'brain-pathway.nii.gz: pathway, mostly zero'
     answers info brain/found.atlas.json
