@@ -166,8 +166,7 @@ static conus_status write_drawing(const char *folder, const struct phantom_drawi
 /* The one phantom that is no drawing. */
 static conus_status write_brain(const char *folder, const conus_phantom_options *options)
 {
-    static const conus_phantom_options none;
-    if (options && memcmp(options->spacing, none.spacing, sizeof none.spacing) != 0) {
+    if (options && (options->spacing[0] != 0 || options->spacing[1] != 0 || options->spacing[2] != 0)) {
         return fail(CONUS_ERROR_ARGUMENT, "brain: spacing: it has one grid, of 1 mm");
     }
     if (options &&
