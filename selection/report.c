@@ -37,36 +37,51 @@ void conus_report_destroy(conus_report *report)
     memory_free(report);
 }
 
-static conus_status append_query(conus_report *report, const char *id, const conus_selection *selection)
+/* Room for `count` elements in an array that doubles, so that adding n queries costs O(n). The array stays as it was
+ * where there is no memory. */
+static conus_status reserve(void **array, size_t *capacity, size_t count, size_t size)
 {
-    struct report_query *queries = memory_resize(report->queries, report->query_count + 1, sizeof *queries);
-    if (!queries) {
+    if (count <= *capacity) {
+        return CONUS_OK;
+    }
+    size_t wanted = count > 2 * *capacity ? count : 2 * *capacity;
+    void *larger = memory_resize(*array, wanted, size);
+    if (!larger) {
         return CONUS_ERROR_MEMORY;
     }
+    *array = larger;
+    *capacity = wanted;
+    return CONUS_OK;
+}
+
+static conus_status append_query(conus_report *report, const char *id, const conus_selection *selection)
+{
+    void *queries = report->queries;
+    conus_status status = reserve(&queries, &report->query_capacity, report->query_count + 1, sizeof *report->queries);
     report->queries = queries;
-    struct report_query query = {.id = text_to_utf8(text_from(id)), .cone = selection->cone};
+    struct report_query query = {.cone = selection->cone};
+    query.id = status ? NULL : text_to_utf8(text_from(id));
     if (!query.id) {
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < selection->statistics.count; i++) {
         query.cone_pixels += selection->statistics.results[i].pixels;
     }
-    queries[report->query_count++] = query;
+    report->queries[report->query_count++] = query;
     return CONUS_OK;
 }
 
 static conus_status append_rows(conus_report *report, const conus_selection *selection)
 {
     size_t count = selection->statistics.count;
-    struct report_row *rows = memory_resize(report->rows, report->row_count + count, sizeof *rows);
-    if (!rows) {
-        return CONUS_ERROR_MEMORY;
-    }
+    void *rows = report->rows;
+    conus_status status = reserve(&rows, &report->row_capacity, report->row_count + count, sizeof *report->rows);
     report->rows = rows;
-    for (size_t i = 0; i < count; i++) {
-        rows[report->row_count++] = (struct report_row){report->query_count - 1, selection->statistics.results[i]};
+    for (size_t i = 0; !status && i < count; i++) {
+        report->rows[report->row_count++] =
+            (struct report_row){report->query_count - 1, selection->statistics.results[i]};
     }
-    return CONUS_OK;
+    return status;
 }
 
 conus_status conus_report_add(conus_report *report, const char *query_id, const conus_selection *selection)

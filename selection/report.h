@@ -25,9 +25,9 @@ struct conus_report {
     char engine[96];
     conus_report_options options;
     struct report_query *queries;
-    size_t query_count;
+    size_t query_count, query_capacity;
     struct report_row *rows;
-    size_t row_count;
+    size_t row_count, row_capacity;
     struct buffer voxels; /**< TSV rows of conus_report_voxels(), without its header. */
     struct buffer text;   /**< What was last handed out. */
 };
