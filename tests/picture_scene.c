@@ -7,6 +7,25 @@
 #include "test.h"
 #include "test_gl.h"
 
+const double picture_identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+double picture_nothing(const double world[3])
+{
+    (void)world;
+    return 0;
+}
+
+double picture_ten(const double world[3])
+{
+    (void)world;
+    return 10;
+}
+
+double picture_ball_of_20(const double world[3])
+{
+    return vec3_length(world) < 20;
+}
+
 conus_volume_info picture_grid(const size_t dim[3], const double spacing[3], const double world_from_grid[16])
 {
     conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "scene.nii", .dim = {dim[0], dim[1], dim[2]}};

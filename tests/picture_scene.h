@@ -10,6 +10,13 @@ enum { PICTURE_WIDTH = 160, PICTURE_HEIGHT = 120, PICTURE_PIXELS = PICTURE_WIDTH
 /** Label (or grey value) of a world point. */
 typedef double (*picture_function)(const double world[3]);
 
+extern const double picture_identity[16];
+
+/* Functions that several tests draw: 0 and 10 everywhere, and 1 within 20 mm of the origin. */
+double picture_nothing(const double world[3]);
+double picture_ten(const double world[3]);
+double picture_ball_of_20(const double world[3]);
+
 /** A grid of @p dim voxels whose middle is at world_from_grid's origin, voxel edges along its axes @p spacing long. */
 conus_volume_info picture_grid(const size_t dim[3], const double spacing[3], const double world_from_grid[16]);
 

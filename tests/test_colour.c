@@ -11,26 +11,7 @@
 
 enum { WIDTH = PICTURE_WIDTH, HEIGHT = PICTURE_HEIGHT, PIXELS = PICTURE_PIXELS };
 
-static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-
 /* ---- Shapes ----------------------------------------------------------------------------------------------------- */
-
-static double nothing(const double p[3])
-{
-    (void)p;
-    return 0;
-}
-
-static double ten(const double p[3])
-{
-    (void)p;
-    return 10;
-}
-
-static double ball_of_20(const double p[3])
-{
-    return vec3_length(p) < 20;
-}
 
 static double ball_on_the_left(const double p[3])
 {
@@ -75,8 +56,9 @@ static const float *pixel(const float *rgba, int column, int row_from_bottom)
 static void a_slab_obeys_its_closed_form(void **state)
 {
     (void)state;
-    conus_volume_info grid = picture_grid((size_t[]){80, 20, 80}, (double[]){1, 0.5, 1}, identity); /* 10 mm thick */
-    conus_atlas *atlas = picture_atlas(&grid, nothing, NULL, ten);
+    conus_volume_info grid =
+        picture_grid((size_t[]){80, 20, 80}, (double[]){1, 0.5, 1}, picture_identity); /* 10 mm thick */
+    conus_atlas *atlas = picture_atlas(&grid, picture_nothing, NULL, picture_ten);
     conus_renderer *renderer = picture_renderer(atlas, transfer_file("0 1 0.5 0 0.06\n20 1 0.5 0 0.06\n"));
     struct camera camera = picture_camera((double[]){0, 1, 0}, 200, radians_from_degrees(15));
     for (uint32_t slices = 7; slices < 400; slices *= 3) {
@@ -101,9 +83,9 @@ static void a_slab_obeys_its_closed_form(void **state)
 static void haze_before_an_area_obeys_its_closed_form(void **state)
 {
     (void)state;
-    conus_volume_info grid = picture_grid((size_t[]){60, 60, 60}, (double[]){1, 1, 1}, identity);
-    conus_atlas *clear = picture_atlas(&grid, ball_of_20, NULL, NULL);
-    conus_atlas *hazy = picture_atlas(&grid, ball_of_20, NULL, ten);
+    conus_volume_info grid = picture_grid((size_t[]){60, 60, 60}, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *clear = picture_atlas(&grid, picture_ball_of_20, NULL, NULL);
+    conus_atlas *hazy = picture_atlas(&grid, picture_ball_of_20, NULL, picture_ten);
     conus_renderer *renderers[2] = {picture_renderer(clear, NULL),
                                     picture_renderer(hazy, transfer_file("0 0 0 0 0.06\n"))};
     struct camera camera = picture_camera((double[]){0, 1, 0}, 200, radians_from_degrees(15));
@@ -126,7 +108,7 @@ static void haze_before_an_area_obeys_its_closed_form(void **state)
 static void more_planes_change_little(void **state)
 {
     (void)state;
-    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
+    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, picture_identity);
     conus_atlas *atlas = picture_atlas(&grid, three_areas, NULL, soft_shell);
     conus_renderer *renderer = picture_renderer(atlas, "brain");
     struct camera camera = picture_camera((double[]){1, 2, -1}, 150, radians_from_degrees(25));
@@ -192,8 +174,8 @@ static void skipping_changes_no_bit(void **state)
 static void a_ball_has_its_silhouette(void **state)
 {
     (void)state;
-    conus_volume_info grid = picture_grid((size_t[]){50, 60, 50}, (double[]){1, 0.8, 1}, identity);
-    conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, NULL);
+    conus_volume_info grid = picture_grid((size_t[]){50, 60, 50}, (double[]){1, 0.8, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, NULL);
     conus_renderer *renderer = picture_renderer(atlas, NULL);
     const double forwards[3][3] = {{0, 1, 0}, {1, 0, -0.3}, {-0.4, -0.8, -0.7}};
     for (int n = 0; n < 3; n++) {
@@ -227,7 +209,7 @@ static void moving_everything_changes_little(void **state)
     picture_rigid(move, 2.1, (double[]){300, -40, 1000});
     float *pictures[2];
     for (int moved = 0; moved < 2; moved++) {
-        conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
+        conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, picture_identity);
         conus_atlas *atlas = picture_atlas(&grid, three_areas, NULL, soft_shell);
         for (size_t i = 0; i < atlas->volume_count; i++) { /* the same voxels, elsewhere */
             struct volume *volume = &atlas->volumes[i];
@@ -264,7 +246,7 @@ static void left_is_left(void **state)
     (void)state;
     for (int flipped = 0; flipped < 2; flipped++) {
         conus_volume_info grid =
-            picture_grid((size_t[]){60, 40, 40}, (double[]){flipped ? -1 : 1, flipped ? -1 : 1, 1}, identity);
+            picture_grid((size_t[]){60, 40, 40}, (double[]){flipped ? -1 : 1, flipped ? -1 : 1, 1}, picture_identity);
         conus_atlas *atlas = picture_atlas(&grid, ball_on_the_left, NULL, NULL);
         conus_renderer *renderer = picture_renderer(atlas, NULL);
         struct camera front = picture_camera((double[]){0, -1, 0}, 150, radians_from_degrees(25));
@@ -284,8 +266,8 @@ static void left_is_left(void **state)
 static void depth_decides_what_is_seen(void **state)
 {
     (void)state;
-    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
-    conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, NULL);
+    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, NULL);
     conus_renderer *renderer = picture_renderer(atlas, NULL);
     struct camera camera = picture_camera((double[]){0, 1, 0}, 120, radians_from_degrees(25));
     struct colour_marker marker = {.centre = {3, -30, 0}, .radius = 4, .rgb = {0, 0, 255}};
@@ -315,8 +297,8 @@ static void depth_decides_what_is_seen(void **state)
 static void areas_not_met_are_pale(void **state)
 {
     (void)state;
-    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
-    conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, NULL);
+    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, NULL);
     memcpy(atlas->objects[0].rgb, (uint8_t[]){255, 0, 0}, 3);
     conus_renderer *renderer = picture_renderer(atlas, NULL);
     struct camera camera = picture_camera((double[]){0, 1, 0}, 120, radians_from_degrees(25));
@@ -339,11 +321,11 @@ static void pathways_are_drawn_in_place_of_areas(void **state)
     (void)state;
     double turned[16];
     picture_rigid(turned, 0.7, (double[]){0, 0, 0});
-    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
+    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, picture_identity);
     conus_volume_info other = picture_grid((size_t[]){30, 70, 40}, (double[]){1.5, 0.7, 1}, turned);
     other.role = CONUS_SCALAR;
     other.threshold = 0.5;
-    conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, NULL);
+    conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, NULL);
     float *values = memory_raw((size_t)30 * 70 * 40, sizeof *values);
     for (size_t v = 0; v < (size_t)30 * 70 * 40; v++) {
         const size_t at[3] = {v % 30, v / 30 % 70, v / 30 / 70};
@@ -380,8 +362,8 @@ static conus_status create_and_destroy(void *data)
 static void allocations_may_fail(void **state)
 {
     (void)state;
-    conus_volume_info grid = picture_grid((size_t[]){9, 8, 7}, (double[]){1, 1, 1}, identity);
-    conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, soft_shell);
+    conus_volume_info grid = picture_grid((size_t[]){9, 8, 7}, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, soft_shell);
     conus_renderer_destroy(picture_renderer(atlas, NULL)); /* skips where there is no GL */
     test_every_allocation(create_and_destroy, atlas);
     conus_atlas_destroy(atlas);
@@ -390,8 +372,8 @@ static void allocations_may_fail(void **state)
 static void limits_are_kept(void **state)
 {
     (void)state;
-    conus_volume_info grid = picture_grid((size_t[]){20, 20, 20}, (double[]){1, 1, 1}, identity);
-    conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, soft_shell);
+    conus_volume_info grid = picture_grid((size_t[]){20, 20, 20}, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, soft_shell);
     conus_renderer_destroy(picture_renderer(atlas, NULL)); /* skips where there is no GL */
     conus_renderer *renderer = NULL;
     assert_fails(conus_renderer_create(&renderer, atlas, &(conus_renderer_options){.max_memory = 40000}),

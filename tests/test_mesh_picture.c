@@ -15,25 +15,6 @@ enum { WIDTH = PICTURE_WIDTH, HEIGHT = PICTURE_HEIGHT, PIXELS = PICTURE_PIXELS }
 
 #define FIELD_OF_VIEW radians_from_degrees(25)
 
-static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-
-static double nothing(const double p[3])
-{
-    (void)p;
-    return 0;
-}
-
-static double ten(const double p[3])
-{
-    (void)p;
-    return 10;
-}
-
-static double ball_of_20(const double p[3])
-{
-    return vec3_length(p) < 20;
-}
-
 /* A shell of 100 with a soft edge. */
 static double soft_shell(const double p[3])
 {
@@ -136,9 +117,9 @@ static void meshes_not_met_are_pale(void **state)
 static void meshes_and_voxels_hide_each_other(void **state)
 {
     (void)state;
-    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
+    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, picture_identity);
     for (int inside = 0; inside < 2; inside++) {
-        conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, NULL);
+        conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, NULL);
         memcpy(atlas->objects[0].rgb, red, 3);
         add_ball(atlas, 0, inside ? 0 : -18, 0, 8, blue);
         float *front = draw_atlas(atlas, (double[]){0, 1, 0}, 120);
@@ -157,7 +138,7 @@ static void a_pathway_shows_among_meshes(void **state)
 {
     (void)state;
     enum { EDGE = 40 };
-    conus_volume_info grid = picture_grid((size_t[]){EDGE, EDGE, EDGE}, (double[]){1, 1, 1}, identity);
+    conus_volume_info grid = picture_grid((size_t[]){EDGE, EDGE, EDGE}, (double[]){1, 1, 1}, picture_identity);
     conus_atlas *atlas = mesh_scene_atlas();
     add_ball(atlas, 0, 5, 0, 10, red);
     float *values = memory_zeroed((size_t)EDGE * EDGE * EDGE, sizeof *values);
@@ -184,8 +165,8 @@ static void haze_before_a_mesh_obeys_its_closed_form(void **state)
     (void)state;
     const char *black = test_scratch("black.tf");
     assert_ok(conus_write_file(black, "0 0 0 0 0.06\n", strlen("0 0 0 0 0.06\n")));
-    conus_volume_info grid = picture_grid((size_t[]){60, 60, 60}, (double[]){1, 1, 1}, identity);
-    conus_atlas *hazy = picture_atlas(&grid, nothing, NULL, ten);
+    conus_volume_info grid = picture_grid((size_t[]){60, 60, 60}, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *hazy = picture_atlas(&grid, picture_nothing, NULL, picture_ten);
     conus_atlas *clear = mesh_scene_atlas();
     add_ball(hazy, 0, 0, 0, 20, red);
     add_ball(clear, 0, 0, 0, 20, red);
@@ -243,8 +224,8 @@ static conus_status create_and_destroy(void *atlas)
 static void allocations_may_fail(void **state)
 {
     (void)state;
-    conus_volume_info grid = picture_grid((size_t[]){9, 8, 7}, (double[]){1, 1, 1}, identity);
-    conus_atlas *atlas = picture_atlas(&grid, ball_of_20, NULL, ten);
+    conus_volume_info grid = picture_grid((size_t[]){9, 8, 7}, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, picture_ten);
     add_ball(atlas, 0, 0, 0, 20, red);
     conus_renderer_destroy(picture_renderer(atlas, NULL)); /* skips where there is no GL */
     test_every_allocation(create_and_destroy, atlas);
@@ -256,8 +237,8 @@ static void allocations_may_fail(void **state)
 /* Rings and balls in a shell of tissue, with a cone. */
 static conus_image *picture_of_rings(void)
 {
-    conus_volume_info grid = picture_grid((size_t[]){64, 64, 64}, (double[]){1, 1, 1}, identity);
-    conus_atlas *atlas = picture_atlas(&grid, nothing, NULL, soft_shell);
+    conus_volume_info grid = picture_grid((size_t[]){64, 64, 64}, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_nothing, NULL, soft_shell);
     struct mesh rings[] = {mesh_scene_torus(14, 4, 48, 24), mesh_scene_torus(14, 4, 48, 24)};
     double turn[16] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 14, 0, 0, 1};
     mesh_transform(&rings[1], turn);
