@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The census (Eq. 10): which voxels have their centre in a region, and what they amount to for each object. Exact: the
+ * voxels are those for which region_has() holds, to the last bit. */
+#ifndef CONUS_SELECTION_CENSUS_H
+#define CONUS_SELECTION_CENSUS_H
+
+#include "atlas/atlas.h"
+#include "selection/region.h"
+
+/** @p count voxels of @p volume in the region, from indices @p at on along i. */
+typedef void (*census_row)(void *user, const struct volume *volume, const size_t at[3], size_t count);
+
+/** Calls @p row for all voxels of @p volume in @p region, in the order in which they are stored. */
+void census_walk(const struct region *region, const struct volume *volume, census_row row, void *user);
+
+/** What the voxels of an object in a region add up to. */
+struct census_count {
+    uint64_t voxels;
+    uint64_t index[3];     /**< Sums of their i, j and k.                                                   */
+    double value, maximum; /**< Sum and largest of their values; 0 of a parcellation's.                     */
+    double moment[3];      /**< Sums of value times i, j, k.                                                */
+};
+
+/** Counts of all objects, kept between regions. */
+struct census {
+    struct census_count *counts; /**< [object_count + 1]; [0]: voxels of the parcellation that are no object's. */
+    uint32_t *touched;           /**< Objects with voxels, in ascending order; 0 is not among them.         */
+    size_t touched_count;
+    uint64_t area_voxels; /**< Sum over all areas.                                                          */
+    double area_mm3;
+};
+
+conus_status census_init(struct census *out, const conus_atlas *atlas);
+void census_finish(struct census *census);
+
+/** Forgets the last region's counts and takes those of @p region. The context takes no part. */
+void census_take(struct census *census, const conus_atlas *atlas, const struct region *region);
+
+#endif
