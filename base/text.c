@@ -10,7 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
-enum { NUMBER_LIMIT = 63 };
+enum { NUMBER_LIMIT = 63, DISTANCE_LIMIT = 255 };
 
 struct text text_from(const char *string)
 {
@@ -97,6 +97,44 @@ bool text_starts(struct text text, const char *prefix)
 {
     size_t size = strlen(prefix);
     return text.size >= size && memcmp(text.data, prefix, size) == 0;
+}
+
+bool text_contains(struct text text, struct text part)
+{
+    for (size_t i = 0; part.size <= text.size && i <= text.size - part.size; i++) {
+        if (strncasecmp(text.data + i, part.data, part.size) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static unsigned char lower(char c)
+{
+    return (unsigned char)(c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c);
+}
+
+/* Levenshtein 1966, row by row. */
+size_t text_distance(struct text a, struct text b)
+{
+    size_t row[DISTANCE_LIMIT + 1];
+    if (a.size > DISTANCE_LIMIT || b.size > DISTANCE_LIMIT) {
+        return SIZE_MAX;
+    }
+    for (size_t j = 0; j <= b.size; j++) {
+        row[j] = j;
+    }
+    for (size_t i = 0; i < a.size; i++) {
+        size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (size_t j = 0; j < b.size; j++) {
+            size_t replaced = diagonal + (lower(a.data[i]) != lower(b.data[j]));
+            size_t shifted = 1 + (row[j] < row[j + 1] ? row[j] : row[j + 1]);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced < shifted ? replaced : shifted;
+        }
+    }
+    return row[b.size];
 }
 
 bool text_to_double(struct text text, double *out)

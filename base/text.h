@@ -35,6 +35,13 @@ bool text_equal(struct text text, const char *string);
 bool text_equal_ignoring_case(struct text text, const char *string);
 bool text_starts(struct text text, const char *prefix);
 
+/** True when @p part stands somewhere in @p text; upper and lower case (of ASCII) are the same. */
+bool text_contains(struct text text, struct text part);
+
+/** How many bytes must be put in, taken out or replaced to make @p a of @p b, when case is ignored; for guessing what
+ * was meant. SIZE_MAX when either is longer than 255 bytes. */
+size_t text_distance(struct text a, struct text b);
+
 /* Numbers are at most 63 characters long; longer text is none. */
 
 /** The whole of @p text as a decimal number ('.' is the decimal point; "nan" and "inf" are read). False if it is none.

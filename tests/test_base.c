@@ -37,6 +37,22 @@ static void empty_fields_are_fields(void **state)
     assert_false(text_field(&rest, '\t', &more, &field));
 }
 
+static void distances_ignore_case(void **state)
+{
+    (void)state;
+    assert_int_equal(text_distance(text_from("thalmus"), text_from("Thalamus")), 1);
+    assert_int_equal(text_distance(text_from("kitten"), text_from("SITTING")), 3);
+    assert_int_equal(text_distance(text_from(""), text_from("abc")), 3);
+    assert_int_equal(text_distance(text_from("abc"), text_from("")), 3);
+    static const char many[300];
+    assert_int_equal(text_distance((struct text){many, 255}, (struct text){many, 250}), 5);
+    assert_int_equal(text_distance((struct text){many, 256}, (struct text){many, 1}), SIZE_MAX);
+    assert_int_equal(text_distance((struct text){many, 1}, (struct text){many, 256}), SIZE_MAX);
+    assert_true(text_contains(text_from("Frontal_Inf"), text_from("inf")));
+    assert_true(text_contains(text_from("inf"), text_from("")));
+    assert_false(text_contains(text_from("in"), text_from("inf")));
+}
+
 static void numbers_are_read_whole_or_not(void **state)
 {
     (void)state;
@@ -193,6 +209,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lines_end_in_any_way),
         cmocka_unit_test(empty_fields_are_fields),
+        cmocka_unit_test(distances_ignore_case),
         cmocka_unit_test(numbers_are_read_whole_or_not),
         cmocka_unit_test(numbers_are_written_short_and_without_locale),
         cmocka_unit_test(utf8_is_told_from_latin1),

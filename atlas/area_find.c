@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "atlas/area_find.h"
+
+#include "base/buffer.h"
+
+#include <string.h>
+
+enum { SHOWN = 4, CONTAINED_FROM = 3, QUOTED_SIZE = 80 };
+
+/** The areas that go by a text. */
+struct matches {
+    uint32_t first;
+    size_t count;
+    uint32_t labels[SHOWN];
+};
+
+static bool is_called(const conus_object *object, struct text text)
+{
+    uint64_t label;
+    return text_equal(text, object->name) || text_equal(text, object->abbreviation) ||
+           (object->kind == CONUS_AREA && text_to_uint(text, UINT32_MAX, &label) && label == object->label);
+}
+
+static bool is_called_ignoring_case(const conus_object *object, struct text text)
+{
+    return text_equal_ignoring_case(text, object->name) || text_equal_ignoring_case(text, object->abbreviation);
+}
+
+static struct matches match(const conus_atlas *atlas, struct text text,
+                            bool (*matches)(const conus_object *object, struct text text))
+{
+    struct matches found = {0};
+    for (size_t i = 0; i < atlas->area_count; i++) {
+        if (matches(&atlas->objects[i], text)) {
+            found.first = found.count ? found.first : (uint32_t)i + 1;
+            if (found.count < SHOWN) {
+                found.labels[found.count] = atlas->objects[i].label;
+            }
+            found.count++;
+        }
+    }
+    return found;
+}
+
+/* Long texts are cut in messages. */
+static int shown_size(struct text text)
+{
+    return (int)(text.size < QUOTED_SIZE ? text.size : QUOTED_SIZE);
+}
+
+static conus_status fail_ambiguous(struct text text, const struct matches *found)
+{
+    struct buffer list = {0};
+    for (size_t i = 0; i < found->count && i < SHOWN; i++) {
+        buffer_format(&list, "%s%u", i ? ", " : "", found->labels[i]);
+    }
+    conus_status status = buffer_status(&list);
+    if (!status) {
+        status = fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" may be any of %zu areas, whose labels are %s%s: give a label",
+                      shown_size(text), text.data, found->count, list.data, found->count > SHOWN ? ", ..." : "");
+    }
+    buffer_finish(&list);
+    return status;
+}
+
+/** How likely a name was meant: compare near, then far. */
+struct likeness {
+    const char *name; /* NULL = none is close */
+    size_t near, far;
+};
+
+/* A name that contains the text is as near as a third of its bytes mistyped. */
+static void consider(struct likeness *best, const char *name, struct text text)
+{
+    size_t far = text_distance(text, text_from(name));
+    size_t limit = (text.size + 1) / 3;
+    bool contained = text.size >= CONTAINED_FROM && text_contains(text_from(name), text);
+    size_t near = contained && far > limit ? limit : far;
+    if (*name && near <= limit && (!best->name || near < best->near || (near == best->near && far < best->far))) {
+        *best = (struct likeness){name, near, far};
+    }
+}
+
+static conus_status fail_unknown(const conus_atlas *atlas, struct text text)
+{
+    struct likeness best = {0};
+    for (size_t i = 0; i < atlas->area_count; i++) {
+        consider(&best, atlas->objects[i].name, text);
+        consider(&best, atlas->objects[i].abbreviation, text);
+    }
+    if (!best.name) {
+        return fail(CONUS_ERROR_ARGUMENT, "no area has the name, abbreviation or label \"%.*s\"", shown_size(text),
+                    text.data);
+    }
+    return fail(CONUS_ERROR_ARGUMENT, "no area has the name, abbreviation or label \"%.*s\"; did you mean \"%s\"?%s",
+                shown_size(text), text.data, best.name,
+                strchr(best.name, ',') ? " Names with commas are put in double quotes" : "");
+}
+
+static bool is_pathway(const conus_atlas *atlas, struct text text)
+{
+    for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
+        if (is_called(&atlas->objects[i], text)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text)
+{
+    struct matches found = match(atlas, text, is_called);
+    if (!found.count) {
+        found = match(atlas, text, is_called_ignoring_case);
+    }
+    if (found.count > 1) {
+        return fail_ambiguous(text, &found);
+    }
+    if (!found.count && is_pathway(atlas, text)) {
+        return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is a pathway, which is no part of the area tree", shown_size(text),
+                    text.data);
+    }
+    if (!found.count) {
+        return fail_unknown(atlas, text);
+    }
+    *out = found.first;
+    return CONUS_OK;
+}

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Areas by what people call them. */
+#ifndef CONUS_ATLAS_AREA_FIND_H
+#define CONUS_ATLAS_AREA_FIND_H
+
+#include "atlas/atlas.h"
+#include "base/text.h"
+
+/** The number of the one area whose name, abbreviation or label is @p text (not empty); if there is none, whose name or
+ * abbreviation differs from it in upper and lower case only. CONUS_ERROR_ARGUMENT if there is none, with the closest
+ * one in the message, or if there are several, with their labels, and if it is a pathway's name. */
+conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text);
+
+#endif

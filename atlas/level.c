@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "atlas/level.h"
+
+#include "atlas/area_find.h"
+#include "base/buffer.h"
+#include "base/memory.h"
+#include "base/text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { FILE_LIMIT = 64 << 20 };
+
+struct level {
+    uint32_t *group;
+    bool is_identity;
+};
+
+/** What a level is made with. */
+struct climb {
+    const conus_atlas *atlas;
+    uint32_t *group;  /* [object_count + 1], to be filled */
+    uint32_t *depth;  /* [object_count + 1] of areas, from 1; 0 of pathways */
+    uint32_t deepest; /* the largest of them */
+    bool *listed;     /* [object_count + 1] */
+};
+
+static uint32_t parent_of(const conus_atlas *atlas, uint32_t number)
+{
+    return atlas->objects[number - 1].parent;
+}
+
+/* ---- The tree --------------------------------------------------------------------------------------------------- */
+
+/* Depth of each area: up to the first ancestor whose depth is known, then down again on the same way. */
+static void measure_depths(struct climb *climb)
+{
+    const conus_atlas *atlas = climb->atlas;
+    for (uint32_t number = 1; number <= atlas->area_count; number++) {
+        uint32_t steps = 0;
+        uint32_t at = number;
+        while (at && !climb->depth[at]) {
+            at = parent_of(atlas, at);
+            steps++;
+        }
+        uint32_t depth = (at ? climb->depth[at] : 0) + steps;
+        climb->deepest = depth > climb->deepest ? depth : climb->deepest;
+        for (at = number; at && !climb->depth[at]; at = parent_of(atlas, at)) {
+            climb->depth[at] = depth--;
+        }
+    }
+}
+
+static conus_status need_tree(const struct climb *climb)
+{
+    return climb->deepest > 1
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "the atlas has no area tree: none of its %zu areas is part of another",
+                      climb->atlas->area_count);
+}
+
+static conus_status roll_to_depth(struct climb *climb, uint64_t depth)
+{
+    if (depth < 1 || depth > climb->deepest) {
+        return fail(CONUS_ERROR_ARGUMENT, "depth %llu, the area tree has depths 1 to %u", (unsigned long long)depth,
+                    climb->deepest);
+    }
+    for (uint32_t number = 1; number <= climb->atlas->area_count; number++) {
+        uint32_t at = number;
+        while (climb->depth[at] > depth) {
+            at = parent_of(climb->atlas, at);
+        }
+        climb->group[number] = at;
+    }
+    return CONUS_OK;
+}
+
+static void roll_to_listed(struct climb *climb)
+{
+    for (uint32_t number = 1; number <= climb->atlas->area_count; number++) {
+        uint32_t at = number;
+        while (at && !climb->listed[at]) {
+            at = parent_of(climb->atlas, at);
+        }
+        climb->group[number] = at ? at : number;
+    }
+}
+
+/* ---- Lists of areas --------------------------------------------------------------------------------------------- */
+
+static conus_status list_area(struct climb *climb, struct text name)
+{
+    uint32_t number = 0;
+    if (!name.size) {
+        return fail(CONUS_ERROR_ARGUMENT, "an area is missing: names, abbreviations or labels, separated by commas");
+    }
+    conus_status status = area_find(&number, climb->atlas, name);
+    if (!status) {
+        climb->listed[number] = true;
+    }
+    return status;
+}
+
+static conus_status list_line(struct climb *climb, struct text line, const char *path, size_t number)
+{
+    char where[32];
+    line = text_trim(line);
+    if (!line.size || line.data[0] == '#') {
+        return CONUS_OK;
+    }
+    conus_status status = list_area(climb, line);
+    if (status == CONUS_ERROR_ARGUMENT) {
+        snprintf(where, sizeof where, "line %zu", number);
+        status = fail_in(fail_in(status, where), path);
+    }
+    return status;
+}
+
+static conus_status list_lines(struct climb *climb, const char *path)
+{
+    struct bytes bytes = {0};
+    struct text line;
+    conus_status status = file_read(&bytes, path, FILE_LIMIT);
+    struct text rest = {(const char *)bytes.data, bytes.size};
+    if (!status && text_starts(rest, "\xef\xbb\xbf")) {
+        rest = (struct text){rest.data + 3, rest.size - 3};
+    }
+    for (size_t number = 1; !status && text_line(&rest, &line); number++) {
+        status = list_line(climb, line, path, number);
+    }
+    bytes_finish(&bytes);
+    return status;
+}
+
+static conus_status list_file(struct climb *climb, struct text path)
+{
+    if (!path.size) {
+        return fail(CONUS_ERROR_ARGUMENT, "@ without a file; @FILE has one area per line");
+    }
+    char *copy = memory_text(path.data, path.size);
+    conus_status status = copy ? list_lines(climb, copy) : CONUS_ERROR_MEMORY;
+    memory_free(copy);
+    return status;
+}
+
+/* Takes "..." off @p rest, which begins with the quote, and what follows up to the comma or the end. */
+static conus_status take_quoted(struct text *rest, bool *more, struct text *out)
+{
+    struct text after;
+    const char *end = memchr(rest->data + 1, '"', rest->size - 1);
+    if (!end) {
+        return fail(CONUS_ERROR_ARGUMENT, "%.*s: the closing quote is missing",
+                    (int)(rest->size < 40 ? rest->size : 40), rest->data);
+    }
+    *out = (struct text){rest->data + 1, (size_t)(end - rest->data) - 1};
+    *rest = (struct text){end + 1, rest->size - out->size - 2};
+    text_field(rest, ',', more, &after);
+    after = text_trim(after);
+    return !after.size ? CONUS_OK
+                       : fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is followed by \"%.*s\", a comma is needed between areas",
+                              (int)(out->size < 40 ? out->size : 40), out->data,
+                              (int)(after.size < 40 ? after.size : 40), after.data);
+}
+
+static conus_status list_item(struct climb *climb, struct text *rest, bool *more)
+{
+    struct text item;
+    struct text start = text_trim(*rest);
+    if (text_starts(start, "\"")) {
+        *rest = start;
+        conus_status status = take_quoted(rest, more, &item);
+        return status ? status : list_area(climb, item);
+    }
+    text_field(rest, ',', more, &item);
+    item = text_trim(item);
+    return text_starts(item, "@") ? list_file(climb, (struct text){item.data + 1, item.size - 1})
+                                  : list_area(climb, item);
+}
+
+static conus_status roll_to_list(struct climb *climb, struct text spec)
+{
+    bool more = true;
+    conus_status status = CONUS_OK;
+    while (!status && more) {
+        status = list_item(climb, &spec, &more);
+    }
+    if (!status) {
+        roll_to_listed(climb);
+    }
+    return status;
+}
+
+/* ---- The level -------------------------------------------------------------------------------------------------- */
+
+static conus_status roll(struct climb *climb, const char *spec)
+{
+    uint64_t depth;
+    struct text text = text_trim(text_from(spec));
+    measure_depths(climb);
+    conus_status status = need_tree(climb);
+    if (!status) {
+        status = text_to_uint(text, UINT64_MAX, &depth) ? roll_to_depth(climb, depth) : roll_to_list(climb, text);
+    }
+    return status ? fail_in(status, "level") : CONUS_OK;
+}
+
+static conus_status fill(struct level *level, const conus_atlas *atlas, const char *spec)
+{
+    size_t count = atlas->object_count + 1;
+    struct climb climb = {.atlas = atlas, .group = level->group};
+    for (size_t i = 0; i < count; i++) {
+        level->group[i] = (uint32_t)i;
+    }
+    climb.depth = memory_zeroed(count, sizeof *climb.depth);
+    climb.listed = memory_zeroed(count, sizeof *climb.listed);
+    conus_status status = climb.depth && climb.listed ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status && spec) {
+        status = roll(&climb, spec);
+    }
+    memory_free(climb.depth);
+    memory_free(climb.listed);
+    level->is_identity = true;
+    for (size_t i = 0; i < count; i++) {
+        level->is_identity = level->is_identity && level->group[i] == i;
+    }
+    return status;
+}
+
+conus_status level_create(struct level **out, const conus_atlas *atlas, const char *spec)
+{
+    struct level *level = memory_zeroed(1, sizeof *level);
+    if (!level) {
+        return CONUS_ERROR_MEMORY;
+    }
+    level->group = memory_zeroed(atlas->object_count + 1, sizeof *level->group);
+    conus_status status = level->group ? fill(level, atlas, spec) : CONUS_ERROR_MEMORY;
+    if (status) {
+        level_destroy(level);
+        return status;
+    }
+    *out = level;
+    return CONUS_OK;
+}
+
+void level_destroy(struct level *level)
+{
+    if (level) {
+        memory_free(level->group);
+        memory_free(level);
+    }
+}
+
+const uint32_t *level_group(const struct level *level)
+{
+    return level->group;
+}
+
+bool level_is_identity(const struct level *level)
+{
+    return level->is_identity;
+}

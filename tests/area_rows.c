@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "area_rows.h"
+
+#include "atlas/space.h"
+#include "base/math3.h"
+#include "base/memory.h"
+
+#include <string.h>
+
+static conus_status add_row(struct label_table *table, const struct area_row *row)
+{
+    struct label *label = label_table_add(table, row->label);
+    if (!label) {
+        return CONUS_ERROR_MEMORY;
+    }
+    label->hemisphere = row->hemisphere;
+    label->has_parent = row->parent != 0;
+    label->parent = row->parent;
+    conus_status status = label_set_text(&label->name, text_from(row->name));
+    return status || !row->abbreviation ? status : label_set_text(&label->abbreviation, text_from(row->abbreviation));
+}
+
+static conus_status describe(conus_volume_info *info, const size_t dim[3])
+{
+    double m[16];
+    *info = (conus_volume_info){.role = CONUS_PARCELLATION, .path = "rows", .slope = 1};
+    mat4_identity(m);
+    for (size_t axis = 0; axis < 3; axis++) {
+        info->dim[axis] = dim[axis];
+        m[12 + axis] = -((double)dim[axis] - 1) / 2;
+    }
+    return space_describe(info, m, "test");
+}
+
+conus_status area_rows_atlas(conus_atlas **out, const size_t dim[3], const uint32_t *labels,
+                             const struct area_row *rows)
+{
+    conus_volume_info info;
+    struct label_table table = {0};
+    struct notes notes = {0};
+    conus_status status = describe(&info, dim);
+    for (; !status && rows->label; rows++) {
+        status = add_row(&table, rows);
+    }
+    status = status ? status : label_table_sort(&table, &notes);
+    status = status ? status : atlas_create(out, &info, labels, &table, "rows", &notes);
+    label_table_finish(&table);
+    notes_finish(&notes);
+    return status;
+}
+
+uint32_t area_rows_number(const conus_atlas *atlas, const char *name)
+{
+    for (uint32_t number = 1; number <= conus_atlas_object_count(atlas); number++) {
+        if (strcmp(conus_atlas_object(atlas, number)->name, name) == 0) {
+            return number;
+        }
+    }
+    return 0;
+}
+
+conus_status area_rows_add_pathway(conus_atlas *atlas, const char *name)
+{
+    conus_volume_info info = atlas->volumes[0].info;
+    size_t count = atlas->volumes[0].voxel_count;
+    float *values = memory_zeroed(count, sizeof *values);
+    if (!values) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < count; i++) {
+        values[i] = 1;
+    }
+    info.role = CONUS_SCALAR;
+    info.threshold = 0.5;
+    conus_status status = atlas_add_pathway(atlas, &info, values, name);
+    memory_free(status ? values : NULL);
+    return status;
+}
