@@ -35,3 +35,18 @@ conus_status volume_init(struct volume *out, const conus_volume_info *info)
     *out = volume;
     return CONUS_OK;
 }
+
+bool volume_find_voxel(size_t *voxel, const struct volume *volume, const double point[3])
+{
+    const size_t *dim = volume->info.dim;
+    double cell[3];
+    mat4_point(cell, volume->voxel_from_world, point);
+    for (int a = 0; a < 3; a++) {
+        cell[a] = floor(cell[a] + 0.5);
+        if (!(cell[a] >= 0 && cell[a] < (double)dim[a])) {
+            return false;
+        }
+    }
+    *voxel = (size_t)cell[0] + dim[0] * ((size_t)cell[1] + dim[1] * (size_t)cell[2]);
+    return true;
+}

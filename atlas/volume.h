@@ -30,6 +30,9 @@ static inline bool volume_is_met(const struct volume *volume)
     return volume->objects16 || volume->objects32;
 }
 
+/** Linear index of the voxel whose cell holds the world position @p point (Eq. 5); false outside the grid. */
+bool volume_find_voxel(size_t *voxel, const struct volume *volume, const double point[3]);
+
 /** Object of the voxel with linear index @p voxel. */
 static inline uint32_t volume_object(const struct volume *volume, size_t voxel)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A cone: a pose, an opening angle and the pixels it is looked at through (Eq. 3). */
+/** @file A cone: a pose, an opening angle and the pixels it is looked at through (Eq. 3); or a cylinder, whose rays are
+ * parallel. */
 #ifndef CONUS_SELECTION_CONE_H
 #define CONUS_SELECTION_CONE_H
 
@@ -7,12 +8,14 @@
 
 struct cone {
     conus_pose pose;
-    double angle;        /**< Full opening angle, radians, in (0, pi). */
+    double angle;        /**< Full opening angle, radians, in (0, pi); 0 of a cylinder. */
     uint32_t resolution; /**< n */
     conus_aperture aperture;
+    double radius;   /**< Of a cylinder, mm; 0 of a cone.                                        */
+    double range[2]; /**< Nearest and farthest depth along the axis, mm; both 0 = everything.   */
 };
 
-/** CONUS_ERROR_ARGUMENT with what is allowed, unless angle and resolution are in their ranges. */
+/** CONUS_ERROR_ARGUMENT with what is allowed, unless angle, resolution, radius and range are in their ranges. */
 conus_status cone_check(const struct cone *cone);
 
 /** Buffer coordinates u (or v) of pixel column (or row) @p i: (2i + 1)/n - 1 (Eq. 3). */
@@ -24,7 +27,21 @@ static inline double cone_coordinate(uint32_t i, uint32_t resolution)
 /** Unit direction in world space of the ray of pixel column @p i, row @p j (Eq. 3). */
 void cone_ray(double out[3], const struct cone *cone, uint32_t i, uint32_t j);
 
-/** The same for @p count rays through the points (u, v) of the buffer: out[axis][ray]. The same bits, too. */
+/** Where that ray starts: the apex, or (u, v) radii beside it for a cylinder (Eq. 3). */
+void cone_origin(double out[3], const struct cone *cone, uint32_t i, uint32_t j);
+
+/** mm along that ray per mm of depth along the axis. */
+double cone_per_depth(const struct cone *cone, uint32_t i, uint32_t j);
+
+static inline bool cone_has_range(const struct cone *cone)
+{
+    return cone->range[1] > 0;
+}
+
+/** Solid angle of the aperture, or the cross-section of a cylinder in mm^2 (Eq. 10). */
+double cone_cross_section(const struct cone *cone);
+
+/** cone_ray() for @p count rays through the points (u, v) of the buffer: out[axis][ray]. The same bits, too. */
 void cone_rays(double *const out[3], const struct cone *cone, const double *u, const double *v, size_t count);
 
 /** Distance of a pixel's centre from the buffer's, r = sqrt(u^2 + v^2), 1 at the circle's rim (Eq. 3). */

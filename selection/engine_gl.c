@@ -150,6 +150,14 @@ static conus_status look(struct engine *engine, struct evidence *out, const stru
     return status;
 }
 
+static conus_status pierce(struct engine *engine, struct layers *out, const struct cone *cone)
+{
+    (void)engine;
+    (void)out;
+    (void)cone;
+    return fail(CONUS_ERROR_UNSUPPORTED, "engine gl: all layers, or a range");
+}
+
 /* ---- Creation ----------------------------------------------------------------------------------------------- */
 
 /* Identifiers are the objects' numbers: dense, from 1, integers all the way; behind them that of what blocks. */
@@ -222,7 +230,7 @@ static conus_status fill(struct gl_engine *gl, const struct engine_options *opti
 
 conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options)
 {
-    static const struct engine_functions functions = {.look = look, .destroy = destroy};
+    static const struct engine_functions functions = {.look = look, .pierce = pierce, .destroy = destroy};
     struct gl_engine *gl = memory_zeroed(1, sizeof *gl);
     if (!gl) {
         return CONUS_ERROR_MEMORY;

@@ -59,6 +59,12 @@ static void keep_nearer(struct evidence *out, size_t pixel, const struct volume 
     }
 }
 
+/* A bundle has one origin, so every ray of a cylinder is one. */
+static uint32_t block_edge(const struct cone *cone)
+{
+    return cone->radius > 0 ? 1 : BLOCK;
+}
+
 /* Fills the block of pixels whose lowest column and row are given. */
 static void block_init(struct block *block, const struct cone *cone, uint32_t column, uint32_t row)
 {
@@ -75,7 +81,8 @@ static void block_init(struct block *block, const struct cone *cone, uint32_t co
         uint32_t tile = k / (TILE * TILE);
         uint32_t i = tile % (BLOCK / TILE) * TILE + k % TILE;
         uint32_t j = tile / (BLOCK / TILE) * TILE + k / TILE % TILE;
-        if (column + i < cone->resolution && row + j < cone->resolution) {
+        bool is_mine = i < block_edge(cone) && j < block_edge(cone);
+        if (is_mine && column + i < cone->resolution && row + j < cone->resolution) {
             block->pixel[count] = (size_t)(row + j) * cone->resolution + column + i;
             u[count] = coordinate[0][i];
             v[count++] = coordinate[1][j];
@@ -84,7 +91,7 @@ static void block_init(struct block *block, const struct cone *cone, uint32_t co
     double *const directions[3] = {bundle->direction[0], bundle->direction[1], bundle->direction[2]};
     cone_rays(directions, cone, u, v, count);
     bundle->count = count;
-    memcpy(bundle->origin, cone->pose.world_from_device + 12, sizeof bundle->origin);
+    cone_origin(bundle->origin, cone, column, row);
 }
 
 /* Eq. 7: the first of the planes, at depths along the axis, on which a ray meets an object's voxel. */
@@ -179,12 +186,47 @@ static conus_status look(struct engine *engine, struct evidence *out, const stru
     evidence_clear(out);
     struct block block;
     conus_status status = CONUS_OK;
-    for (uint32_t row = 0; row < cone->resolution && !status; row += BLOCK) {
-        for (uint32_t column = 0; column < cone->resolution && !status; column += BLOCK) {
+    uint32_t edge = block_edge(cone);
+    for (uint32_t row = 0; row < cone->resolution && !status; row += edge) {
+        for (uint32_t column = 0; column < cone->resolution && !status; column += edge) {
             block_init(&block, cone, column, row);
             look_through(rays, out, cone, &block);
             status = rays->meshes ? look_at_meshes(rays, out, cone, &block) : CONUS_OK;
         }
+    }
+    return status;
+}
+
+static conus_status pierce_volumes(const struct rays_engine *engine, struct layers *out, const struct cone *cone,
+                                   uint32_t pixel)
+{
+    conus_status status = CONUS_OK;
+    double origin[3];
+    double direction[3];
+    cone_origin(origin, cone, pixel % cone->resolution, pixel / cone->resolution);
+    cone_ray(direction, cone, pixel % cone->resolution, pixel / cone->resolution);
+    for (size_t t = 0; t < engine->target_count && !status; t++) {
+        const struct target *target = &engine->targets[t];
+        double start[3];
+        double step[3];
+        struct traverse_ray ray;
+        mat4_point(start, target->volume->voxel_from_world, origin);
+        mat4_direction(step, target->volume->voxel_from_world, direction);
+        traverse_ray_init(&ray, start, step);
+        status = traverse_pierce(out, &target->map, target->volume, &ray, pixel);
+    }
+    return status;
+}
+
+static conus_status pierce(struct engine *engine, struct layers *out, const struct cone *cone)
+{
+    const struct rays_engine *rays = (const struct rays_engine *)engine;
+    conus_status status = CONUS_OK;
+    if (rays->meshes) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "all layers, or a range, of an atlas with surfaces");
+    }
+    for (uint32_t pixel = 0; pixel < cone->resolution * cone->resolution && !status; pixel++) {
+        status = pierce_volumes(rays, out, cone, pixel);
     }
     return status;
 }
@@ -219,7 +261,7 @@ static conus_status add_target(struct rays_engine *engine, const struct volume *
 conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atlas,
                                      const struct engine_options *options, const struct traverse_kernel *kernel)
 {
-    static const struct engine_functions functions = {.look = look, .destroy = destroy};
+    static const struct engine_functions functions = {.look = look, .pierce = pierce, .destroy = destroy};
     struct rays_engine *engine = memory_zeroed(1, sizeof *engine + atlas->volume_count * sizeof engine->targets[0]);
     if (!engine) {
         return CONUS_ERROR_MEMORY;

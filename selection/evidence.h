@@ -30,10 +30,14 @@ void evidence_drop_blocked(struct evidence *evidence);
 
 /** An engine for one atlas. */
 struct engine;
+struct layers;
 
 struct engine_functions {
     /** Fills @p out (already initialised to the cone's resolution) for @p cone. */
     conus_status (*look)(struct engine *engine, struct evidence *out, const struct cone *cone);
+    /** Appends every piece of every pixel's ray inside an object to @p out, whatever hides it (Eq. 10), and inside what
+     * blocks, as VOLUME_BLOCKER. Neither heeds the cone's range. Exact sampling only. */
+    conus_status (*pierce)(struct engine *engine, struct layers *out, const struct cone *cone);
     void (*destroy)(struct engine *engine);
 };
 

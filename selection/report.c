@@ -111,13 +111,17 @@ static void write_cell(struct buffer *out, struct cell cell)
 
 static void write_tsv(struct buffer *out, const conus_report *report)
 {
-    for (const struct report_column *column = report_columns; column->name; column++) {
-        buffer_format(out, "%s%s", column == report_columns ? "" : "\t", column->name);
+    const char *tab = "";
+    for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
+        buffer_format(out, "%s%s", tab, column->name);
+        tab = "\t";
     }
     buffer_text(out, "\n");
     for (size_t i = 0; i < report->row_count; i++) {
-        for (const struct report_column *column = report_columns; column->name; column++) {
-            buffer_text(out, column == report_columns ? "" : "\t");
+        tab = "";
+        for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
+            buffer_text(out, tab);
+            tab = "\t";
             write_cell(out, column->get(report, &report->rows[i]));
         }
         buffer_text(out, "\n");

@@ -46,10 +46,11 @@ struct report_column {
     const char *units; /**< NULL if it has none. */
     const char *description;
     struct cell (*get)(const conus_report *report, const struct report_row *row);
+    bool layers_only; /**< Only in reports of all layers. */
 };
 
-/** The columns in their order; ended by a NULL name. */
-extern const struct report_column report_columns[];
+/** The column behind @p column in @p report, the first one for NULL; NULL past the last. */
+const struct report_column *report_next_column(const conus_report *report, const struct report_column *column);
 
 /** "area", "pathway", "unassigned". */
 const char *report_kind(conus_kind kind);

@@ -134,37 +134,139 @@ static struct cell get_contact_z(const conus_report *report, const struct report
     return contact(report, row, 2);
 }
 
-/* Columns that the visible layer does not fill; they stand in every table so that readers find one shape. */
-static struct cell get_none(const conus_report *report, const struct report_row *row)
+/* ---- All layers; n/a in every row of what is only visible ---------------------------------------------------- */
+
+static struct cell of_layers(const conus_report *report, const struct report_row *row, struct cell cell)
 {
-    (void)report;
-    (void)row;
-    return none();
+    return report->selector.layers && row->result.object ? cell : none();
 }
 
-const struct report_column report_columns[] = {
-    {"query", NULL, "query_id of the pose, else its number from 1", get_query},
-    {"kind", NULL, "area, pathway, or unassigned: the part of the cone that met nothing", get_kind},
-    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway", get_index},
-    {"name", NULL, "name of the area or pathway", get_name},
-    {"abbreviation", NULL, "abbreviation in the label table", get_abbreviation},
-    {"rank", NULL, "1 is the best score", get_rank},
-    {"score", NULL, "value of the ranking named in the settings, higher is better", get_score},
-    {"pixels", NULL, "pixels of the cone that met it first", get_pixels},
-    {"share", NULL, "its part of the cone's solid angle; all shares of a query sum to 1", get_share},
-    {"pierced", NULL, "pixels whose ray passes it, hidden or not", get_none},
-    {"center_px", "pixel", "smallest distance of its pixels to the buffer's centre", get_center},
-    {"offset_deg", "degree", "smallest angle between its rays and the axis", get_offset},
-    {"distance_mm", "mm", "distance from the apex to the nearest first contact of any of its pixels", get_distance},
-    {"contact_x", "mm", "first contact on its ray closest to the axis, x", get_contact_x},
-    {"contact_y", "mm", "the same, y", get_contact_y},
-    {"contact_z", "mm", "the same, z", get_contact_z},
-    {"entry_mm", "mm", "nearest entry over all layers", get_none},
-    {"exit_mm", "mm", "farthest exit over all layers", get_none},
-    {"path_mm", "mm", "mean path length over its rays", get_none},
-    {"volume_mm3", "mm^3", "its volume inside the cone", get_none},
-    {"fraction", NULL, "that volume as a part of its whole", get_none},
-    {"mean_value", NULL, "mean value of a pathway's voxels in the cone", get_none},
-    {"max_value", NULL, "largest value of a pathway's voxels in the cone", get_none},
-    {NULL, NULL, NULL, NULL},
+static struct cell get_pierced(const conus_report *report, const struct report_row *row)
+{
+    return of_layers(report, row, integer(row->result.pierced));
+}
+
+static struct cell get_entry(const conus_report *report, const struct report_row *row)
+{
+    return of_layers(report, row, number(row->result.entry));
+}
+
+static struct cell get_exit(const conus_report *report, const struct report_row *row)
+{
+    return of_layers(report, row, number(row->result.exit));
+}
+
+static struct cell get_path(const conus_report *report, const struct report_row *row)
+{
+    return of_layers(report, row, number(row->result.path));
+}
+
+static struct cell get_volume(const conus_report *report, const struct report_row *row)
+{
+    return of_layers(report, row, number(row->result.volume));
+}
+
+static struct cell get_fraction(const conus_report *report, const struct report_row *row)
+{
+    return of_layers(report, row, number(row->result.fraction));
+}
+
+static struct cell get_mean_value(const conus_report *report, const struct report_row *row)
+{
+    return of_layers(report, row, number(row->result.mean_value));
+}
+
+static struct cell get_max_value(const conus_report *report, const struct report_row *row)
+{
+    return of_layers(report, row, number(row->result.max_value));
+}
+
+/* ---- Columns that only a report of all layers has ----------------------------------------------------------- */
+
+static struct cell get_voxels(const conus_report *report, const struct report_row *row)
+{
+    return of_layers(report, row, integer(row->result.voxels));
+}
+
+static struct cell get_cone_fraction(const conus_report *report, const struct report_row *row)
+{
+    return of_layers(report, row, number(row->result.cone_fraction));
+}
+
+static struct cell get_sum_value(const conus_report *report, const struct report_row *row)
+{
+    return of_layers(report, row, number(row->result.sum_value));
+}
+
+static struct cell centroid(const conus_report *report, const struct report_row *row, int axis)
+{
+    double point[3];
+    memcpy(point, row->result.centroid, sizeof point);
+    report_point(report, point);
+    return of_layers(report, row, number(point[axis]));
+}
+
+static struct cell get_centroid_x(const conus_report *report, const struct report_row *row)
+{
+    return centroid(report, row, 0);
+}
+
+static struct cell get_centroid_y(const conus_report *report, const struct report_row *row)
+{
+    return centroid(report, row, 1);
+}
+
+static struct cell get_centroid_z(const conus_report *report, const struct report_row *row)
+{
+    return centroid(report, row, 2);
+}
+
+static struct cell get_unoccluded(const conus_report *report, const struct report_row *row)
+{
+    return of_layers(report, row, number(row->result.pixels / (double)row->result.pierced));
+}
+
+static const struct report_column report_columns[] = {
+    {"query", NULL, "query_id of the pose, else its number from 1", get_query, false},
+    {"kind", NULL, "area, pathway, or unassigned: the part of the cone that met nothing", get_kind, false},
+    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway", get_index, false},
+    {"name", NULL, "name of the area or pathway", get_name, false},
+    {"abbreviation", NULL, "abbreviation in the label table", get_abbreviation, false},
+    {"rank", NULL, "1 is the best score", get_rank, false},
+    {"score", NULL, "value of the ranking named in the settings, higher is better", get_score, false},
+    {"pixels", NULL, "pixels of the cone that met it first", get_pixels, false},
+    {"share", NULL, "its part of the cone's solid angle; all shares of a query sum to 1", get_share, false},
+    {"pierced", NULL, "pixels whose ray passes it, hidden or not", get_pierced, false},
+    {"center_px", "pixel", "smallest distance of its pixels to the buffer's centre", get_center, false},
+    {"offset_deg", "degree", "smallest angle between its rays and the axis", get_offset, false},
+    {"distance_mm", "mm", "distance from the apex to the nearest first contact of any of its pixels", get_distance,
+     false},
+    {"contact_x", "mm", "first contact on its ray closest to the axis, x", get_contact_x, false},
+    {"contact_y", "mm", "the same, y", get_contact_y, false},
+    {"contact_z", "mm", "the same, z", get_contact_z, false},
+    {"entry_mm", "mm", "nearest entry over all layers", get_entry, false},
+    {"exit_mm", "mm", "farthest exit over all layers", get_exit, false},
+    {"path_mm", "mm", "mean path length over its rays", get_path, false},
+    {"volume_mm3", "mm^3", "its volume inside the cone", get_volume, false},
+    {"fraction", NULL, "that volume as a part of its whole", get_fraction, false},
+    {"mean_value", NULL, "mean value of a pathway's voxels in the cone", get_mean_value, false},
+    {"max_value", NULL, "largest value of a pathway's voxels in the cone", get_max_value, false},
+    {"voxels", NULL, "its voxels whose centre is in the cone", get_voxels, true},
+    {"cone_fraction", NULL, "its volume in the cone as a part of that of all areas in the cone", get_cone_fraction,
+     true},
+    {"sum_value", NULL, "sum of the values of a pathway's voxels in the cone", get_sum_value, true},
+    {"centroid_x", "mm", "centroid of its voxels in the cone, of a pathway weighted by value, x", get_centroid_x, true},
+    {"centroid_y", "mm", "the same, y", get_centroid_y, true},
+    {"centroid_z", "mm", "the same, z", get_centroid_z, true},
+    {"unoccluded", NULL, "pixels that met it first as a part of those that pierce it", get_unoccluded, true},
+    {NULL, NULL, NULL, NULL, false},
 };
+
+const struct report_column *report_next_column(const conus_report *report, const struct report_column *column)
+{
+    column = column ? column + 1 : report_columns;
+    while (column->name && column->layers_only && !report->selector.layers) {
+        column++;
+    }
+    return column->name ? column : NULL;
+}

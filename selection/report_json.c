@@ -50,7 +50,7 @@ static json_t *json_from_row(const conus_report *report, const struct report_row
 {
     json_t *object = json_object();
     bool whole = true;
-    for (const struct report_column *column = report_columns; column->name; column++) {
+    for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
         whole = put(object, column->name, json_from_cell(column->get(report, row))) && whole;
     }
     return whole_or_null(object, whole);
@@ -199,7 +199,7 @@ conus_status report_write_sidecar(struct buffer *out, const conus_report *report
 {
     json_t *root = json_object();
     bool whole = true;
-    for (const struct report_column *column = report_columns; column->name; column++) {
+    for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
         json_t *entry = json_pack("{s: s}", "Description", column->description);
         whole = (!column->units || put(entry, "Units", json_string(column->units))) && whole;
         whole = put(root, column->name, entry) && whole;

@@ -13,7 +13,7 @@ static double by_share(const conus_result *result, const struct cone *cone)
 
 static double by_center(const conus_result *result, const struct cone *cone)
 {
-    return 1 - result->offset / (cone->angle / 2);
+    return 1 - (cone->radius > 0 ? 2 * result->center_px / cone->resolution : result->offset / (cone->angle / 2));
 }
 
 static double by_distance(const conus_result *result, const struct cone *cone)
@@ -49,20 +49,23 @@ conus_status score_find(const struct score **out, const char *name)
     return fail(CONUS_ERROR_ARGUMENT, "score: \"%s\", allowed are %s", name, known);
 }
 
+/* The larger first; what is no number, last. */
+static int falling(double x, double y)
+{
+    if (isnan(x) || isnan(y)) {
+        return isnan(x) - isnan(y);
+    }
+    return (x < y) - (x > y);
+}
+
 static int compare(const void *a, const void *b)
 {
     const conus_result *x = a;
     const conus_result *y = b;
-    if (x->score != y->score) {
-        return x->score > y->score ? -1 : 1;
-    }
-    if (x->share != y->share) {
-        return x->share > y->share ? -1 : 1;
-    }
-    if (x->distance != y->distance) {
-        return x->distance < y->distance ? -1 : 1;
-    }
-    return (x->object > y->object) - (x->object < y->object);
+    int order = falling(x->score, y->score);
+    order = order ? order : falling(x->share, y->share);
+    order = order ? order : falling(-x->distance, -y->distance);
+    return order ? order : (x->object > y->object) - (x->object < y->object);
 }
 
 void score_rank(struct statistics *statistics, const struct score *score, const struct cone *cone)

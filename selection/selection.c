@@ -10,12 +10,32 @@ enum { DEFAULT_RESOLUTION = 16 };
 
 static conus_status check_options(const conus_selector_options *options)
 {
-    struct cone cone = {.angle = 1, .resolution = options->resolution};
+    struct cone cone = {.angle = options->radius == 0 ? 1 : 0,
+                        .resolution = options->resolution,
+                        .radius = options->radius,
+                        .range = {options->range[0], options->range[1]}};
     conus_status status = cone_check(&cone);
+    if (!status && options->sampling == CONUS_SLICES && (options->layers || cone_has_range(&cone))) {
+        status = fail(CONUS_ERROR_ARGUMENT, "%s: needs exact sampling, slices see only what is first",
+                      options->layers ? "layers" : "range");
+    }
     if (!status && options->slices && options->sampling != CONUS_SLICES) {
         status = fail(CONUS_ERROR_ARGUMENT, "slices: %u with exact sampling, which has none", options->slices);
     }
     return status;
+}
+
+static conus_status measure_objects(conus_selector *selector)
+{
+    const conus_atlas *atlas = selector->atlas;
+    selector->whole = memory_zeroed(atlas->object_count + 1, sizeof *selector->whole);
+    if (!selector->whole) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t number = 1; number <= atlas->object_count; number++) {
+        selector->whole[number] += atlas->objects[number - 1].volume_mm3;
+    }
+    return CONUS_OK;
 }
 
 conus_status conus_selector_create(conus_selector **out, const conus_atlas *atlas,
@@ -31,6 +51,7 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     conus_status status = score_find(&selector->score, selector->options.score);
     selector->options.score = NULL;
     status = status ? status : check_options(&selector->options);
+    status = status ? status : measure_objects(selector);
     if (!status) {
         const struct engine_options engine = {selector->options.sampling, selector->options.slices,
                                               selector->options.log, selector->options.log_user};
@@ -49,6 +70,8 @@ void conus_selector_destroy(conus_selector *selector)
 {
     if (selector) {
         engine_destroy(selector->engine);
+        tally_finish(&selector->tally);
+        memory_free(selector->whole);
         memory_free(selector);
     }
 }
@@ -81,16 +104,71 @@ static void set_kinds(struct statistics *statistics, const conus_atlas *atlas)
     }
 }
 
+/* A piece that the range cut begins in another voxel; where rounding puts that into a neighbour, the old one stays. */
+static void move_entries(conus_selection *selection)
+{
+    const struct cone *cone = &selection->cone;
+    for (size_t s = 0; s < selection->layers.count; s++) {
+        conus_span *span = &selection->layers.spans[s];
+        const struct volume *volume =
+            span->object == VOLUME_BLOCKER ? NULL : atlas_object_volume(selection->atlas, span->object);
+        uint32_t i = span->pixel % cone->resolution;
+        uint32_t j = span->pixel / cone->resolution;
+        if (volume && span->entry == cone->range[0] * cone_per_depth(cone, i, j)) {
+            double ray[3];
+            double point[3];
+            size_t voxel = 0;
+            cone_ray(ray, cone, i, j);
+            cone_origin(point, cone, i, j);
+            vec3_add_scaled(point, point, span->entry, ray);
+            if (volume_find_voxel(&voxel, volume, point) && volume_object(volume, voxel) == span->object) {
+                span->voxel = voxel;
+            }
+        }
+    }
+}
+
+/* All layers, and with a range what is first of what is in it. */
+static conus_status pierce(conus_selection *selection, struct engine *engine)
+{
+    struct layers *layers = &selection->layers;
+    size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
+    conus_status status = engine->functions->pierce(engine, layers, &selection->cone);
+    status = status ? status : layers_sort(layers, pixels);
+    if (!status && cone_has_range(&selection->cone)) {
+        layers_clip(layers, &selection->cone);
+        move_entries(selection);
+        layers_first(&selection->evidence, layers);
+    }
+    layers_drop_blockers(layers);
+    return status;
+}
+
+static conus_status look(conus_selection *selection, struct engine *engine)
+{
+    bool has_range = cone_has_range(&selection->cone);
+    conus_status status =
+        has_range ? CONUS_OK : engine->functions->look(engine, &selection->evidence, &selection->cone);
+    if (!status && (selection->has_layers || has_range)) {
+        status = pierce(selection, engine);
+    }
+    evidence_drop_blocked(&selection->evidence);
+    return status;
+}
+
 static conus_status answer(conus_selection *selection, conus_selector *selector)
 {
     conus_status status = evidence_init(&selection->evidence, selection->cone.resolution);
     status = status ? status : mark_cone(selection);
-    status =
-        status ? status : selector->engine->functions->look(selector->engine, &selection->evidence, &selection->cone);
+    status = status ? status : look(selection, selector->engine);
+    status = status ? status : tally_prepare(&selector->tally, selector->atlas->object_count);
     if (!status) {
-        evidence_drop_blocked(&selection->evidence);
-        status = statistics_gather(&selection->statistics, &selection->evidence, &selection->cone,
-                                   selector->atlas->object_count);
+        const struct gathering gathering = {.atlas = selector->atlas,
+                                            .cone = &selection->cone,
+                                            .evidence = &selection->evidence,
+                                            .layers = selection->has_layers ? &selection->layers : NULL,
+                                            .whole = selector->whole};
+        status = statistics_gather(&selection->statistics, &gathering, &selector->tally);
     }
     if (!status) {
         set_kinds(&selection->statistics, selector->atlas);
@@ -101,8 +179,12 @@ static conus_status answer(conus_selection *selection, conus_selector *selector)
 
 conus_status conus_select(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle)
 {
-    struct cone cone = {
-        .angle = angle, .resolution = selector->options.resolution, .aperture = selector->options.aperture};
+    const conus_selector_options *options = &selector->options;
+    struct cone cone = {.angle = angle,
+                        .resolution = options->resolution,
+                        .aperture = options->aperture,
+                        .radius = options->radius,
+                        .range = {options->range[0], options->range[1]}};
     conus_status status = conus_pose_from_matrix(&cone.pose, pose->world_from_device);
     status = status ? status : cone_check(&cone);
     if (status) {
@@ -113,7 +195,8 @@ conus_status conus_select(conus_selection **out, conus_selector *selector, const
         return CONUS_ERROR_MEMORY;
     }
     selection->atlas = selector->atlas;
-    selection->sampling = selector->options.sampling;
+    selection->sampling = options->sampling;
+    selection->has_layers = options->layers == CONUS_ALL_LAYERS;
     selection->cone = cone;
     memcpy(selection->engine, selector->engine->name, sizeof selection->engine);
     status = answer(selection, selector);
@@ -129,6 +212,7 @@ void conus_selection_destroy(conus_selection *selection)
 {
     if (selection) {
         evidence_finish(&selection->evidence);
+        layers_finish(&selection->layers);
         statistics_finish(&selection->statistics);
         memory_free(selection->in_cone);
         memory_free(selection);
@@ -152,6 +236,13 @@ conus_evidence conus_selection_evidence(const conus_selection *selection)
     }
     return (conus_evidence){selection->evidence.resolution, selection->evidence.object, selection->evidence.distance,
                             selection->evidence.voxel, selection->in_cone};
+}
+
+const conus_span *conus_selection_spans(const conus_selection *selection, size_t *count)
+{
+    bool has_layers = selection && selection->has_layers;
+    *count = has_layers ? selection->layers.count : 0;
+    return has_layers ? selection->layers.spans : NULL;
 }
 
 void conus_selection_position(const conus_selection *selection, size_t pixel, double out[3])

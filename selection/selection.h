@@ -11,6 +11,8 @@ struct conus_selector {
     conus_selector_options options; /**< Defaults filled in; strings are not kept (score is looked up). */
     const struct score *score;
     struct engine *engine;
+    struct tally tally; /**< Prepared for the atlas's objects. */
+    double *whole;      /**< [object_count + 1] Volumes of the objects, mm^3; with all layers. */
 };
 
 struct conus_selection {
@@ -19,7 +21,9 @@ struct conus_selection {
     char engine[96];
     struct cone cone;
     struct evidence evidence;
-    bool *in_cone; /**< [n*n] */
+    bool has_layers;
+    struct layers layers; /**< Sorted, if has_layers. */
+    bool *in_cone;        /**< [n*n] */
     struct statistics statistics;
 };
 

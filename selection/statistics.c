@@ -6,14 +6,23 @@
 
 #include <stdlib.h>
 
-/* What is kept of an object while its pixels come by. */
-struct gathered {
+enum { NO_PIXEL = UINT32_MAX };
+
+/* What is kept of an object while its pixels and spans come by. */
+struct tallied {
+    bool touched;
     uint32_t pixels;
     uint32_t i, j; /* the pixel of its contact so far */
     double weight;
     double radius;           /* r of that pixel */
     double contact_distance; /* and its distance */
     double nearest;
+    uint32_t pierced;
+    uint32_t last_pixel; /* the one that pierced it last, and */
+    double last_exit;    /* how far its spans there reach     */
+    double entry, exit;
+    double length; /* of all its spans' union, over all rays */
+    double volume; /* of its meshes                          */
 };
 
 void statistics_finish(struct statistics *statistics)
@@ -21,6 +30,57 @@ void statistics_finish(struct statistics *statistics)
     memory_free(statistics->results);
     *statistics = (struct statistics){0};
 }
+
+/* ---- The tally ---------------------------------------------------------------------------------------------- */
+
+conus_status tally_prepare(struct tally *tally, size_t object_count)
+{
+    if (tally->objects && tally->object_count >= object_count) {
+        return CONUS_OK;
+    }
+    struct tally larger = {.object_count = object_count};
+    larger.objects = memory_zeroed(object_count + 1, sizeof *larger.objects);
+    larger.touched = memory_raw(object_count + 1, sizeof *larger.touched);
+    if (!larger.objects || !larger.touched) {
+        tally_finish(&larger);
+        return CONUS_ERROR_MEMORY;
+    }
+    tally_finish(tally);
+    *tally = larger;
+    return CONUS_OK;
+}
+
+void tally_finish(struct tally *tally)
+{
+    memory_free(tally->objects);
+    memory_free(tally->touched);
+    *tally = (struct tally){0};
+}
+
+static struct tallied *touch(struct tally *tally, uint32_t object)
+{
+    struct tallied *tallied = &tally->objects[object];
+    if (!tallied->touched) {
+        *tallied = (struct tallied){.touched = true, .last_pixel = NO_PIXEL, .entry = INFINITY, .nearest = INFINITY};
+        tally->touched[tally->touched_count++] = object;
+    }
+    return tallied;
+}
+
+static void clear(struct tally *tally)
+{
+    for (size_t i = 0; i < tally->touched_count; i++) {
+        tally->objects[tally->touched[i]].touched = false;
+    }
+    tally->touched_count = 0;
+}
+
+static uint32_t group_of(const struct gathering *gathering, uint32_t object)
+{
+    return gathering->group ? gathering->group[object] : object;
+}
+
+/* ---- What is met first -------------------------------------------------------------------------------------- */
 
 void evidence_position(double out[3], const struct evidence *evidence, const struct cone *cone, uint32_t i, uint32_t j)
 {
@@ -31,17 +91,18 @@ void evidence_position(double out[3], const struct evidence *evidence, const str
         return;
     }
     cone_ray(ray, cone, i, j);
-    vec3_add_scaled(out, cone->pose.world_from_device + 12, evidence->distance[pixel], ray);
+    cone_origin(out, cone, i, j);
+    vec3_add_scaled(out, out, evidence->distance[pixel], ray);
 }
 
 /* Eq. 11: smallest r, ties: nearest. */
-static bool is_better_contact(const struct gathered *object, double radius, double distance)
+static bool is_better_contact(const struct tallied *object, double radius, double distance)
 {
     return !object->pixels || radius < object->radius ||
            (radius == object->radius && distance < object->contact_distance);
 }
 
-static void add_pixel(struct gathered *object, const struct cone *cone, uint32_t i, uint32_t j, double distance)
+static void add_pixel(struct tallied *object, const struct cone *cone, uint32_t i, uint32_t j, double distance)
 {
     double radius = cone_radius(cone, i, j);
     if (is_better_contact(object, radius, distance)) {
@@ -50,21 +111,24 @@ static void add_pixel(struct gathered *object, const struct cone *cone, uint32_t
         object->radius = radius;
         object->contact_distance = distance;
     }
-    object->nearest = object->pixels ? fmin(object->nearest, distance) : distance;
+    object->nearest = fmin(object->nearest, distance);
     object->weight += cone_weight(cone, i, j);
     object->pixels++;
 }
 
-/* gathered[0] is the unassigned part. Returns the weight of the whole cone. */
-static double gather_pixels(struct gathered *gathered, const struct evidence *evidence, const struct cone *cone)
+/* Returns the weight of the whole cone. */
+static double add_pixels(struct tally *tally, const struct gathering *gathering)
 {
+    const struct evidence *evidence = gathering->evidence;
+    const struct cone *cone = gathering->cone;
     uint32_t n = evidence->resolution;
     double total = 0;
     for (uint32_t j = 0; j < n; j++) {
         for (uint32_t i = 0; i < n; i++) {
             if (cone_has_pixel(cone, i, j)) {
                 size_t pixel = (size_t)j * n + i;
-                add_pixel(&gathered[evidence->object[pixel]], cone, i, j, evidence->distance[pixel]);
+                uint32_t object = group_of(gathering, evidence->object[pixel]);
+                add_pixel(touch(tally, object), cone, i, j, evidence->distance[pixel]);
                 total += cone_weight(cone, i, j);
             }
         }
@@ -72,53 +136,118 @@ static double gather_pixels(struct gathered *gathered, const struct evidence *ev
     return total;
 }
 
-static conus_result describe(const struct gathered *object, uint32_t number, const struct evidence *evidence,
-                             const struct cone *cone, double total)
+/* ---- All layers --------------------------------------------------------------------------------------------- */
+
+/* Between two distances on rays from one point the volume grows with their cubes, on parallel ones with themselves. */
+static double volume_between(const struct cone *cone, double from, double to)
 {
-    conus_result result = {.object = number, .pixels = object->pixels, .share = object->weight / total};
-    result.center_px = object->radius * cone->resolution / 2;
-    result.offset = atan(object->radius * tan(cone->angle / 2));
-    result.distance = object->nearest;
-    evidence_position(result.contact, evidence, cone, object->i, object->j);
+    return cone->radius > 0 ? to - from : (to * to * to - from * from * from) / 3;
+}
+
+/* Spans of a pixel come by entry, so what they add to their union is what reaches beyond the last exit. */
+static void add_span(struct tallied *object, const conus_span *span, const struct cone *cone, double weight)
+{
+    if (object->last_pixel != span->pixel) {
+        object->pierced++;
+        object->last_pixel = span->pixel;
+        object->last_exit = span->entry;
+    }
+    object->entry = fmin(object->entry, span->entry);
+    object->exit = fmax(object->exit, span->exit);
+    if (span->exit > object->last_exit) {
+        double from = fmax(span->entry, object->last_exit);
+        object->length += span->exit - from;
+        object->volume += weight * volume_between(cone, from, span->exit);
+        object->last_exit = span->exit;
+    }
+}
+
+static void add_spans(struct tally *tally, const struct gathering *gathering)
+{
+    const struct layers *layers = gathering->layers;
+    const struct cone *cone = gathering->cone;
+    for (size_t s = 0; s < layers->count; s++) {
+        const conus_span *span = &layers->spans[s];
+        uint32_t i = span->pixel % cone->resolution;
+        uint32_t j = span->pixel / cone->resolution;
+        if (cone_has_pixel(cone, i, j)) {
+            double weight = atlas_object_mesh(gathering->atlas, span->object) ? cone_weight(cone, i, j) : 0;
+            add_span(touch(tally, group_of(gathering, span->object)), span, cone, weight);
+        }
+    }
+}
+
+/* ---- Results ------------------------------------------------------------------------------------------------ */
+
+static void describe_layers(conus_result *result, const struct tallied *object, const struct gathering *gathering,
+                            double total)
+{
+    result->pierced = object->pierced;
+    if (object->pierced) {
+        result->entry = object->entry;
+        result->exit = object->exit;
+        result->path = object->length / object->pierced;
+    }
+    if (object->volume > 0) {
+        result->volume = object->volume / total * cone_cross_section(gathering->cone);
+        result->fraction = result->volume / gathering->whole[result->object];
+    }
+}
+
+static conus_result empty_result(uint32_t number)
+{
+    conus_result result = {.object = number, .score = NAN, .center_px = NAN, .offset = NAN, .distance = NAN};
+    result.contact[0] = result.contact[1] = result.contact[2] = NAN;
+    result.entry = result.exit = result.path = NAN;
+    result.volume = result.fraction = result.cone_fraction = NAN;
+    result.sum_value = result.mean_value = result.max_value = NAN;
+    result.centroid[0] = result.centroid[1] = result.centroid[2] = NAN;
     return result;
 }
 
-static conus_result describe_unassigned(const struct gathered *nothing, double total)
+static conus_result describe(uint32_t number, const struct tallied *object, const struct gathering *gathering,
+                             double total)
 {
-    return (conus_result){.pixels = nothing->pixels,
-                          .share = nothing->weight / total,
-                          .center_px = NAN,
-                          .offset = NAN,
-                          .distance = NAN,
-                          .contact = {NAN, NAN, NAN},
-                          .score = NAN};
+    const struct cone *cone = gathering->cone;
+    conus_result result = empty_result(number);
+    result.pixels = object->pixels;
+    result.share = object->weight / total;
+    if (number && object->pixels) {
+        result.center_px = object->radius * cone->resolution / 2;
+        result.offset = atan(object->radius * tan(cone->angle / 2));
+        result.distance = object->nearest;
+        evidence_position(result.contact, gathering->evidence, cone, object->i, object->j);
+    }
+    if (gathering->layers) {
+        describe_layers(&result, object, gathering, total);
+    }
+    return result;
 }
 
-conus_status statistics_gather(struct statistics *out, const struct evidence *evidence, const struct cone *cone,
-                               size_t object_count)
+static int by_number(const void *a, const void *b)
 {
-    struct gathered *gathered = memory_zeroed(object_count + 1, sizeof *gathered);
-    conus_result *results = NULL;
-    size_t count = 0;
-    if (!gathered) {
-        return CONUS_ERROR_MEMORY;
+    uint32_t x = *(const uint32_t *)a - 1; /* what met nothing is the last */
+    uint32_t y = *(const uint32_t *)b - 1;
+    return (x > y) - (x < y);
+}
+
+conus_status statistics_gather(struct statistics *out, const struct gathering *gathering, struct tally *tally)
+{
+    touch(tally, 0);
+    double total = add_pixels(tally, gathering);
+    if (gathering->layers) {
+        add_spans(tally, gathering);
     }
-    double total = gather_pixels(gathered, evidence, cone);
-    for (size_t number = 1; number <= object_count; number++) {
-        count += gathered[number].pixels > 0;
-    }
-    results = memory_zeroed(count + 1, sizeof *results);
-    if (!results) {
-        memory_free(gathered);
-        return CONUS_ERROR_MEMORY;
-    }
-    *out = (struct statistics){results, count + 1};
-    for (size_t number = 1; number <= object_count; number++) {
-        if (gathered[number].pixels) {
-            *results++ = describe(&gathered[number], (uint32_t)number, evidence, cone, total);
+    size_t count = tally->touched_count;
+    conus_result *results = memory_raw(count, sizeof *results);
+    if (results) {
+        qsort(tally->touched, count, sizeof *tally->touched, by_number);
+        for (size_t i = 0; i < count; i++) {
+            uint32_t number = tally->touched[i];
+            results[i] = describe(number, &tally->objects[number], gathering, total);
         }
+        *out = (struct statistics){results, count};
     }
-    *results = describe_unassigned(&gathered[0], total);
-    memory_free(gathered);
-    return CONUS_OK;
+    clear(tally);
+    return results ? CONUS_OK : CONUS_ERROR_MEMORY;
 }

@@ -3,7 +3,7 @@
 #ifndef CONUS_SELECTION_STATISTICS_H
 #define CONUS_SELECTION_STATISTICS_H
 
-#include "selection/evidence.h"
+#include "selection/layers.h"
 
 struct statistics {
     conus_result *results; /**< In order of object number, then what hit nothing (object 0); kind,
@@ -13,12 +13,35 @@ struct statistics {
 
 void statistics_finish(struct statistics *statistics);
 
-/** Gathers pixels, share (Eq. 4), nearest distance, smallest offset and contact (Eq. 11) of each object that an
- * in-cone pixel of @p evidence met first. @p object_count bounds the object numbers. */
-conus_status statistics_gather(struct statistics *out, const struct evidence *evidence, const struct cone *cone,
-                               size_t object_count);
+/** What is added up per object while pixels and rays come by; of all objects, so that a query costs what it meets and
+ * not what the atlas has. A zeroed one is ready for statistics_prepare(). */
+struct tally {
+    struct tallied *objects; /**< [object_count + 1]; number 0 is what met nothing.        */
+    uint32_t *touched;       /**< [object_count + 1] Numbers of those that are not zeroed, */
+    size_t touched_count;    /**< of which there are so many.                              */
+    size_t object_count;
+};
 
-/** World position of the contact of pixel column @p i, row @p j: apex + distance x ray. */
+/** Makes room for objects up to @p object_count. */
+conus_status tally_prepare(struct tally *tally, size_t object_count);
+void tally_finish(struct tally *tally);
+
+/** What is to be gathered. */
+struct gathering {
+    const conus_atlas *atlas;
+    const struct cone *cone;
+    const struct evidence *evidence;
+    const struct layers *layers; /**< Sorted; NULL = visible only.                                     */
+    const double *whole;         /**< [object_count + 1] Whole volumes of the objects, with layers, mm^3.  */
+    const uint32_t *group;       /**< [object_count + 1] As what each object is reported; NULL = itself. */
+};
+
+/** Gathers pixels, share (Eq. 4), nearest distance, smallest offset and contact (Eq. 11) of each object that an
+ * in-cone pixel met first, and with layers pierced pixels, entry, exit and path length, and of meshes volume and
+ * fraction (Eq. 10). @p tally is prepared for the atlas's objects. */
+conus_status statistics_gather(struct statistics *out, const struct gathering *gathering, struct tally *tally);
+
+/** World position of the contact of pixel column @p i, row @p j: the ray's origin + distance x ray. */
 void evidence_position(double out[3], const struct evidence *evidence, const struct cone *cone, uint32_t i, uint32_t j);
 
 #endif

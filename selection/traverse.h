@@ -9,6 +9,7 @@
 #ifndef CONUS_SELECTION_TRAVERSE_H
 #define CONUS_SELECTION_TRAVERSE_H
 
+#include "selection/layers.h"
 #include "selection/leap_map.h"
 
 /** A ray, prepared. An axis along which it does not move has direction 0, inverse infinity, sign 1, and the centre of
@@ -47,6 +48,11 @@ bool traverse_leap(const struct leap_map *map, const struct traverse_ray *ray, d
 
 /** Walks one ray; gives up beyond @p limit mm. */
 struct traverse_contact traverse_one(const struct leap_map *map, const struct traverse_ray *ray, double limit);
+
+/** Appends to @p out the pieces of @p pixel's ray inside the objects of @p volume, whose map @p map is: runs of cells
+ * with the same object, to the exit from the last one (Eq. 10). */
+conus_status traverse_pierce(struct layers *out, const struct leap_map *map, const struct volume *volume,
+                             const struct traverse_ray *ray, uint32_t pixel);
 
 enum { TRAVERSE_BUNDLE = 256, TRAVERSE_LANES = 16 };
 

@@ -90,7 +90,8 @@ static void test_walk_is_predicate(void **unused)
     for (int scene = 0; scene < 150; scene++) {
         conus_atlas *atlas = scene_atlas(&state, 24, 0);
         for (int i = 0; i < 30; i++) {
-            struct cone cone = {scene_pose(&state, atlas), random_angle(&state), 16, (conus_aperture)(i % 3 == 0)};
+            struct cone cone = {.pose = scene_pose(&state, atlas), .angle = random_angle(&state), .resolution = 16};
+            cone.aperture = (conus_aperture)(i % 3 == 0);
             struct region region = random_region(&state, &cone);
             found += check_walk(&region, &atlas->volumes[0]);
         }

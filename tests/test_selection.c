@@ -33,7 +33,7 @@ static void destroy_nothing(struct engine *engine)
     (void)engine;
 }
 
-static const struct engine_functions script_functions = {look_at_script, destroy_nothing};
+static const struct engine_functions script_functions = {.look = look_at_script, .destroy = destroy_nothing};
 
 struct fixture {
     conus_atlas *atlas;
@@ -80,6 +80,7 @@ static int tear_down(void **state)
 {
     struct fixture *fixture = *state;
     conus_selection_destroy(fixture->selection);
+    tally_finish(&fixture->selector.tally);
     conus_atlas_destroy(fixture->atlas);
     return 0;
 }
@@ -124,7 +125,9 @@ static void scores_order_by_their_measure(void **state)
     struct fixture *fixture = *state;
     const struct score *score;
     struct statistics statistics = {0};
-    assert_ok(statistics_gather(&statistics, &fixture->selection->evidence, &fixture->selection->cone, 3));
+    const struct gathering gathering = {
+        .atlas = fixture->atlas, .cone = &fixture->selection->cone, .evidence = &fixture->selection->evidence};
+    assert_ok(statistics_gather(&statistics, &gathering, &fixture->selector.tally));
     assert_ok(score_find(&score, "distance"));
     score_rank(&statistics, score, &fixture->selection->cone);
     assert_int_equal(statistics.results[0].object, 1);
@@ -221,7 +224,7 @@ static void sidecar_describes_every_column(void **state)
     const char *text;
     size_t size;
     assert_ok(conus_report_sidecar(report, &text, &size));
-    for (const struct report_column *column = report_columns; column->name; column++) {
+    for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
         char key[64];
         snprintf(key, sizeof key, "\"%s\": {", column->name);
         assert_non_null(strstr(text, key));

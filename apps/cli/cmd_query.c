@@ -76,6 +76,7 @@ static const struct option output_options[] = {
 
 static const struct option_group groups[] = {
     {"Where the cone is", aim_options, offsetof(struct query_settings, aim)},
+    {"", shape_options, offsetof(struct query_settings, engine)},
     {"How it looks", engine_options, offsetof(struct query_settings, engine)},
     {"", slices_options, offsetof(struct query_settings, engine)},
     {"What it may find", atlas_options, offsetof(struct query_settings, atlas)},
@@ -153,7 +154,7 @@ static bool check(const struct query_settings *settings, const struct arguments 
     }
     return option_needs(arguments, "context", "context-blocks") &&
            option_needs(arguments, "context-blocks", "context") && settings_check_aim(arguments, true) &&
-           check_outputs(settings, arguments);
+           settings_check_shape(&settings->aim, &settings->engine, arguments) && check_outputs(settings, arguments);
 }
 
 static int load_poses(struct query *query)
@@ -199,7 +200,8 @@ static int answer_row(struct query *query, const conus_pose_row *row)
         query->failed = true;
         return EXIT_DONE;
     }
-    conus_status status = answer(query, row->id, &row->pose, row->angle != 0 ? row->angle : settings_angle(aim));
+    conus_status status = answer(query, row->id, &row->pose,
+                                 row->angle != 0 ? row->angle : settings_angle(aim, &query->settings->engine));
     if (status == CONUS_ERROR_ARGUMENT) {
         complain("%s:%zu: %s", aim->pose, row->line, conus_message());
         query->failed = true;
@@ -217,7 +219,7 @@ static int answer_all(struct query *query)
         if (code) {
             return code;
         }
-        conus_status status = answer(query, "1", &pose, settings_angle(aim));
+        conus_status status = answer(query, "1", &pose, settings_angle(aim, &query->settings->engine));
         return status ? complain_status(status) : EXIT_DONE;
     }
     int code = EXIT_DONE;

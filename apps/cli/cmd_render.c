@@ -125,11 +125,11 @@ static void picture_finish(struct picture *picture)
 }
 
 /* Options about the cone mean nothing without one. */
-static bool check_cone(const struct arguments *arguments)
+static bool check_cone(const struct render_settings *settings, const struct arguments *arguments)
 {
     static const char *const of_cone[] = {"angle",  "space",    "resolution", "aperture",
                                           "engine", "sampling", "score",      NULL};
-    if (!settings_check_aim(arguments, false)) {
+    if (!settings_check_aim(arguments, false) || !settings_check_shape(&settings->aim, &settings->engine, arguments)) {
         return false;
     }
     bool cone = option_given(arguments, "origin") || option_given(arguments, "pose");
@@ -163,7 +163,7 @@ static bool check_output(const struct render_settings *settings)
 
 static bool check(const struct render_settings *settings, const struct arguments *arguments)
 {
-    return check_output(settings) && check_cone(arguments) && check_camera(arguments) &&
+    return check_output(settings) && check_cone(settings, arguments) && check_camera(arguments) &&
            option_needs(arguments, "transfer", "context");
 }
 
@@ -212,7 +212,7 @@ static int find_camera(struct picture *picture)
 static int find_cone(struct picture *picture, conus_pose *pose, double *angle)
 {
     const struct aim_settings *aim = &picture->settings->aim;
-    *angle = settings_angle(aim);
+    *angle = settings_angle(aim, &picture->settings->engine);
     if (!aim->pose) {
         return settings_pose(pose, aim, picture->arguments);
     }

@@ -124,15 +124,14 @@ static bool split(char copy[NUMBERS_SIZE], const char *text, char separator, con
     return false;
 }
 
-static bool read_vector(const struct option *option, double field[3], const char *text)
+static bool read_numbers(const struct option *option, double *field, size_t count, const char *text, const char *wanted)
 {
-    static const char wanted[] = "three numbers X,Y,Z without spaces";
     char copy[NUMBERS_SIZE];
     const char *parts[3];
-    if (!split(copy, text, ',', parts, 3)) {
+    if (!split(copy, text, ',', parts, count)) {
         return refuse(option, text, wanted);
     }
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < count; i++) {
         if (!number_parse(parts[i], &field[i])) {
             return refuse(option, text, wanted);
         }
@@ -141,6 +140,14 @@ static bool read_vector(const struct option *option, double field[3], const char
         }
     }
     return true;
+}
+
+static bool read_range(const struct option *option, double field[2], const char *text)
+{
+    if (!read_numbers(option, field, 2, text, "two numbers LOW,HIGH without spaces")) {
+        return false;
+    }
+    return field[0] < field[1] || refuse(option, text, "two numbers, the lower one first");
 }
 
 static bool read_size(const struct option *option, uint32_t field[2], const char *text)
@@ -253,7 +260,9 @@ bool option_read(const struct option *option, void *field, const char *text)
     case OPTION_COUNT:
         return read_count(option, field, text);
     case OPTION_VECTOR:
-        return read_vector(option, field, text);
+        return read_numbers(option, field, 3, text, "three numbers X,Y,Z without spaces");
+    case OPTION_RANGE:
+        return read_range(option, field, text);
     case OPTION_SIZE:
         return read_size(option, field, text);
     case OPTION_BYTES:

@@ -11,6 +11,7 @@ static const char *const spaces[] = {"ras", "lps", NULL};
 static const char *const apertures[] = {"circle", "square", NULL};
 static const char *const engines[] = {"auto", "rays", "gl", NULL};
 static const char *const samplings[] = {"exact", "slices", NULL};
+static const char *const layers[] = {"visible", "all", NULL};
 
 static const char *score_at(size_t index)
 {
@@ -90,10 +91,7 @@ const struct option aim_options[] = {
      .type = OPTION_NUMBER,
      .offset = FIELD(aim_settings, angle),
      .value = "DEGREES",
-     .help = "full opening angle of the cone, more than 0 and less than 180 (default 10)",
-     .low = 0,
-     .high = 180,
-     .open = true},
+     .help = "full opening angle of the cone, more than 0 and less than 180 (default 10)"},
     {.name = "space",
      .type = OPTION_CHOICE,
      .offset = FIELD(aim_settings, space),
@@ -136,6 +134,31 @@ const struct option engine_options[] = {
      .value = "NAME",
      .help = "what ranks the objects, see below:",
      .choice_at = score_at},
+    {0},
+};
+
+const struct option shape_options[] = {
+    {.name = "layers",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(engine_settings, layers),
+     .value = "WHICH",
+     .help = "what is met first, or everything in the cone, with path lengths, volumes and values:",
+     .choices = layers},
+    {.name = "range",
+     .type = OPTION_RANGE,
+     .offset = FIELD(engine_settings, range),
+     .value = "NEAR,FAR",
+     .help = "only between these depths along the axis, mm from the apex: a focal spot, the length of a probe",
+     .low = 0,
+     .high = 1e9},
+    {.name = "radius",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(engine_settings, radius),
+     .value = "MM",
+     .help = "a cylinder about the axis in place of the cone: a needle, a probe; more than 0",
+     .low = 0,
+     .high = 1e9,
+     .open = true},
     {0},
 };
 
@@ -228,9 +251,27 @@ double radians(double degrees)
     return degrees * (M_PI / 180);
 }
 
-double settings_angle(const struct aim_settings *settings)
+double settings_angle(const struct aim_settings *settings, const struct engine_settings *engine)
 {
-    return radians(settings->angle != 0 ? settings->angle : DEFAULT_ANGLE);
+    return engine->radius > 0 ? 0 : radians(settings->angle != 0 ? settings->angle : DEFAULT_ANGLE);
+}
+
+bool settings_check_shape(const struct aim_settings *settings, const struct engine_settings *engine,
+                          const struct arguments *arguments)
+{
+    if (!option_given(arguments, "angle")) {
+        return true;
+    }
+    if (engine->radius > 0 && settings->angle != 0) {
+        complain("--radius makes a cylinder, whose --angle is 0");
+        return false;
+    }
+    if (engine->radius == 0 && !(settings->angle > 0 && settings->angle < 180)) {
+        complain("--angle: %.10g is out of range, allowed is more than 0 and less than 180%s", settings->angle,
+                 settings->angle == 0 ? "; 0 goes with --radius" : "");
+        return false;
+    }
+    return true;
 }
 
 conus_selector_options settings_engine(const struct engine_settings *settings, const struct common_settings *common)
@@ -241,6 +282,9 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
         .sampling = (conus_sampling)settings->sampling,
         .resolution = settings->resolution,
         .slices = settings->slices,
+        .layers = (conus_layers)settings->layers,
+        .range = {settings->range[0], settings->range[1]},
+        .radius = settings->radius,
         .score = conus_score(settings->score)->name,
         .log = common->verbose ? log_line : NULL,
     };

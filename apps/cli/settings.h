@@ -27,6 +27,8 @@ struct aim_settings {
 struct engine_settings {
     uint32_t resolution, slices;
     size_t aperture, engine, sampling, score; /* conus_aperture, conus_engine, conus_sampling, index of a score */
+    size_t layers;                            /* conus_layers */
+    double range[2], radius;                  /* mm */
 };
 
 extern const struct option quiet_options[];  /**< common_settings: --help, --version, --quiet, --verbose */
@@ -34,6 +36,7 @@ extern const struct option plain_options[];  /**< common_settings: --help, --ver
 extern const struct option atlas_options[];  /**< atlas_settings */
 extern const struct option aim_options[];    /**< aim_settings */
 extern const struct option engine_options[]; /**< engine_settings, without --slices */
+extern const struct option shape_options[];  /**< engine_settings: --layers, --range, --radius */
 extern const struct option slices_options[]; /**< engine_settings: --slices of the ID pass */
 
 enum { DEFAULT_ANGLE = 10 };
@@ -69,8 +72,12 @@ int settings_pose(conus_pose *out, const struct aim_settings *settings, const st
 /** A number of degrees in radians. */
 double radians(double degrees);
 
-/** --angle in radians, or its default. */
-double settings_angle(const struct aim_settings *settings);
+/** --angle in radians, or its default; of a cylinder 0. */
+double settings_angle(const struct aim_settings *settings, const struct engine_settings *engine);
+
+/** Whether angle and radius go together; complains if not. */
+bool settings_check_shape(const struct aim_settings *settings, const struct engine_settings *engine,
+                          const struct arguments *arguments);
 
 /** What the library is told about the engine; @p common chooses whether it logs. */
 conus_selector_options settings_engine(const struct engine_settings *settings, const struct common_settings *common);

@@ -216,6 +216,7 @@ CONUS_API void conus_pose_list_destroy(conus_pose_list *list);
 typedef enum conus_engine { CONUS_ENGINE_AUTO = 0, CONUS_ENGINE_RAYS, CONUS_ENGINE_GL } conus_engine;
 typedef enum conus_aperture { CONUS_CIRCLE = 0, CONUS_SQUARE } conus_aperture;
 typedef enum conus_sampling { CONUS_EXACT = 0, CONUS_SLICES } conus_sampling;
+typedef enum conus_layers { CONUS_VISIBLE = 0, CONUS_ALL_LAYERS } conus_layers;
 
 /** Receives a driver's or engine's messages, one line each, on the thread that called into the library. */
 typedef void (*conus_log)(void *user, const char *line);
@@ -226,6 +227,10 @@ typedef struct conus_selector_options {
     conus_sampling sampling; /**< Exact cells (Eq. 5) or the paper's slices (Eq. 7).                             */
     uint32_t resolution;     /**< n of the n x n buffer, 1 to 1024; 0 = 16.                                      */
     uint32_t slices;         /**< N of Eq. 7; the ID pass takes N/5. 0 = default.                                */
+    conus_layers layers;     /**< What the pixels meet first, or also all that their rays pass (Eq. 10).         */
+    double range[2];         /**< Nearest and farthest depth along the axis, mm from the apex: what lies outside is
+                                  as if it were not there. Both 0 = everything.                                  */
+    double radius;           /**< mm: instead of a cone a cylinder about the axis, whose angle is 0. 0 = a cone. */
     const char *score;       /**< Ranking, a name from conus_score(); NULL = "share".                            */
     conus_log log;           /**< NULL = silent.                                                                 */
     void *log_user;
@@ -238,7 +243,7 @@ CONUS_API void conus_selector_destroy(conus_selector *selector);
 /** The engine in use, in words: "rays, avx512", "gl, llvmpipe (LLVM 15.0.6, 256 bits)". */
 CONUS_API const char *conus_selector_engine(const conus_selector *selector);
 
-/** Aims a cone with full opening @p angle, in (0, pi), from @p pose. */
+/** Aims a cone with full opening @p angle, in (0, pi), from @p pose; or a cylinder, with @p angle 0. */
 CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *selector, const conus_pose *pose,
                                         double angle);
 CONUS_API void conus_selection_destroy(conus_selection *selection);
@@ -254,10 +259,24 @@ typedef struct conus_result {
     double center_px;  /**< Smallest distance of its pixels to the buffer's centre, in pixels.                  */
     double offset;     /**< Smallest angle of its rays to the axis, radians.                                    */
     double distance;   /**< Nearest first contact of any of its pixels, mm from the apex.                       */
-    double contact[3]; /**< World position of its contact (Eq. 11).                                             */
+    double contact[3]; /**< World position of its contact (Eq. 11); NaN if no pixel met it first.               */
+
+    /* With CONUS_ALL_LAYERS (Eq. 10); else 0, and NaN where 0 would say something. */
+    uint32_t pierced;     /**< Pixels of the cone whose ray passes it, hidden or not.                           */
+    double entry, exit;   /**< Nearest entry and farthest exit of any of these rays, mm from the apex.          */
+    double path;          /**< Mean length of these rays inside it, mm.                                         */
+    uint64_t voxels;      /**< Its voxels whose centre is in the cone.                                          */
+    double volume;        /**< Their volume, mm^3; of a mesh, estimated from the rays.                          */
+    double fraction;      /**< That volume as a part of its whole one.                                          */
+    double cone_fraction; /**< And as a part of the volume of all areas in the cone.                            */
+    double sum_value;     /**< Of a pathway: sum of the values of these voxels,                                 */
+    double mean_value;    /**< their mean,                                                                      */
+    double max_value;     /**< and the largest.                                                                 */
+    double centroid[3];   /**< World position: mean of these voxels' centres, weighted by a pathway's values.   */
 } conus_result;
 
-/** Results by rank, unassigned last (there even if nothing is unassigned). */
+/** Results by rank, unassigned last (there even if nothing is unassigned). With CONUS_ALL_LAYERS objects that are
+ * hidden, or too thin for any ray but with a voxel's centre in the cone, have results of 0 pixels. */
 CONUS_API size_t conus_selection_count(const conus_selection *selection);
 CONUS_API const conus_result *conus_selection_result(const conus_selection *selection, size_t index);
 
@@ -274,6 +293,17 @@ typedef struct conus_evidence {
 CONUS_API conus_evidence conus_selection_evidence(const conus_selection *selection);
 /** World position of the contact at @p pixel (row-major index); NaN where it hit nothing, or there is no pixel. */
 CONUS_API void conus_selection_position(const conus_selection *selection, size_t pixel, double out[3]);
+
+/** A piece of a pixel's ray inside one object. */
+typedef struct conus_span {
+    uint32_t pixel;     /**< Index into the evidence's arrays.                                                    */
+    uint32_t object;    /**< Number in the atlas.                                                                 */
+    double entry, exit; /**< mm from the apex; equal where the ray only touches it, or the surface is not closed. */
+    uint64_t voxel;     /**< The voxel (or triangle) of the entry, as in the evidence.                            */
+} conus_span;
+
+/** With CONUS_ALL_LAYERS, all pieces of all rays, by pixel, then entry, then object; else NULL, and @p count 0. */
+CONUS_API const conus_span *conus_selection_spans(const conus_selection *selection, size_t *count);
 
 typedef struct conus_score_info {
     const char *name, *description;

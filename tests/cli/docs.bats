@@ -51,7 +51,7 @@ section() {
 
 @test "the columns of the page are those of the TSV, in their order" {
     sphere --size 16
-    conus query sphere.nii.gz --origin 0,0,90 --toward 0,0,0 --format tsv | head -1 | tr '\t' '\n' >there
+    conus query sphere.nii.gz --origin 0,0,90 --toward 0,0,0 --layers all --format tsv | head -1 | tr '\t' '\n' >there
     awk '/^### Columns/ { on = 1 } /^## conus diff/ { on = 0 } on' "$DOCS" |
         sed -nE 's/^\| `([a-z0-9_]+)` .*/\1/p' >said
     diff there said

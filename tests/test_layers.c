@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* All layers (Eq. 10): the container of the pieces, and what the rays engine puts into it. */
+#include "base/math3.h"
+#include "scene.h"
+#include "selection/selection.h"
+#include "test.h"
+
+static conus_span span(uint32_t pixel, uint32_t object, double entry, double exit)
+{
+    return (conus_span){pixel, object, entry, exit, 7};
+}
+
+static void assert_span(const conus_span *got, uint32_t pixel, uint32_t object, double entry, double exit)
+{
+    assert_int_equal(got->pixel, pixel);
+    assert_int_equal(got->object, object);
+    assert_near(got->entry, entry, 0);
+    assert_near(got->exit, exit, 0);
+}
+
+static void pieces_are_sorted_by_pixel_entry_and_object(void **state)
+{
+    (void)state;
+    struct layers layers = {0};
+    const conus_span given[] = {span(3, 1, 5, 6), span(0, 2, 1, 2), span(3, 1, 2, 3), span(0, 1, 1, 9),
+                                span(0, 1, 1, 3)};
+    for (size_t i = 0; i < 5; i++) {
+        assert_ok(layers_add(&layers, &given[i]));
+    }
+    assert_ok(layers_sort(&layers, 4));
+    assert_int_equal(layers.count, 5);
+    assert_span(&layers.spans[0], 0, 1, 1, 3);
+    assert_span(&layers.spans[1], 0, 1, 1, 9);
+    assert_span(&layers.spans[2], 0, 2, 1, 2);
+    assert_span(&layers.spans[3], 3, 1, 2, 3);
+    assert_span(&layers.spans[4], 3, 1, 5, 6);
+    layers_finish(&layers);
+}
+
+static void many_pieces_of_one_pixel_are_sorted(void **state)
+{
+    (void)state;
+    struct layers layers = {0};
+    for (uint32_t i = 0; i < 5000; i++) {
+        const conus_span piece = span(0, 1, (i * 2654435761U) % 10007, 20000);
+        assert_ok(layers_add(&layers, &piece));
+    }
+    assert_ok(layers_sort(&layers, 1));
+    for (size_t i = 1; i < layers.count; i++) {
+        assert_true(layers.spans[i - 1].entry <= layers.spans[i].entry);
+    }
+    layers_finish(&layers);
+}
+
+/* One pixel, whose ray is the axis: depth is distance. */
+static void a_range_cuts_pieces_and_drops_the_rest(void **state)
+{
+    (void)state;
+    struct layers layers = {0};
+    const struct cone cone = {.angle = 0.5, .resolution = 1, .range = {10, 20}};
+    const conus_span given[] = {span(0, 9, 1, 9),   span(0, 5, 2, 12),  span(0, 4, 3, 30), span(0, 3, 12, 13),
+                                span(0, 2, 19, 22), span(0, 1, 21, 22), span(0, 6, 20, 25)};
+    struct evidence evidence;
+    for (size_t i = 0; i < sizeof given / sizeof given[0]; i++) {
+        assert_ok(layers_add(&layers, &given[i]));
+    }
+    assert_ok(layers_sort(&layers, 1));
+    layers_clip(&layers, &cone);
+    assert_int_equal(layers.count, 5);
+    assert_span(&layers.spans[0], 0, 4, 10, 20); /* both are cut at 10: the lower object first */
+    assert_span(&layers.spans[1], 0, 5, 10, 12);
+    assert_span(&layers.spans[2], 0, 3, 12, 13);
+    assert_span(&layers.spans[3], 0, 2, 19, 20);
+    assert_span(&layers.spans[4], 0, 6, 20, 20);
+    assert_ok(evidence_init(&evidence, 1));
+    layers_first(&evidence, &layers);
+    assert_int_equal(evidence.object[0], 4);
+    assert_near(evidence.distance[0], 10, 0);
+    evidence_finish(&evidence);
+    layers_finish(&layers);
+}
+
+static void what_blocks_is_dropped(void **state)
+{
+    (void)state;
+    struct layers layers = {0};
+    const conus_span given[] = {span(0, VOLUME_BLOCKER, 1, 2), span(0, 1, 1, 3), span(1, VOLUME_BLOCKER, 0, 1)};
+    for (size_t i = 0; i < 3; i++) {
+        assert_ok(layers_add(&layers, &given[i]));
+    }
+    layers_drop_blockers(&layers);
+    assert_int_equal(layers.count, 1);
+    assert_span(&layers.spans[0], 0, 1, 1, 3);
+    layers_finish(&layers);
+}
+
+static conus_selection *select_with(const conus_atlas *atlas, const conus_selector_options *options,
+                                    const struct cone *cone)
+{
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, options));
+    assert_ok(conus_select(&selection, selector, &cone->pose, options->radius > 0 ? 0 : cone->angle));
+    conus_selector_destroy(selector);
+    return selection;
+}
+
+/* Property: what is visible is the first piece of each pixel, to the bit. */
+static void the_first_piece_is_what_is_visible(void **state)
+{
+    (void)state;
+    uint64_t random = 41;
+    for (int k = 0; k < 60; k++) {
+        conus_atlas *atlas = scene_atlas(&random, 12, 1);
+        struct cone cone = scene_cone(&random, atlas);
+        const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .resolution = cone.resolution};
+        conus_selection *selection = select_with(atlas, &options, &cone);
+        struct evidence first;
+        size_t pixels = (size_t)cone.resolution * cone.resolution;
+        assert_ok(evidence_init(&first, cone.resolution));
+        layers_first(&first, &selection->layers);
+        assert_memory_equal(first.object, selection->evidence.object, pixels * sizeof *first.object);
+        assert_memory_equal(first.distance, selection->evidence.distance, pixels * sizeof *first.distance);
+        assert_memory_equal(first.voxel, selection->evidence.voxel, pixels * sizeof *first.voxel);
+        evidence_finish(&first);
+        conus_selection_destroy(selection);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* Property: two ranges that meet see what one over both sees. */
+static void ranges_that_meet_add_up(void **state)
+{
+    (void)state;
+    uint64_t random = 43;
+    for (int k = 0; k < 20; k++) {
+        conus_atlas *atlas = scene_atlas(&random, 12, 0);
+        struct cone cone = scene_cone(&random, atlas);
+        static const double ranges[3][2] = {{2, 9}, {9, 400}, {2, 400}};
+        double length[3] = {0};
+        for (int r = 0; r < 3; r++) {
+            const conus_selector_options options = {
+                .layers = CONUS_ALL_LAYERS, .range = {ranges[r][0], ranges[r][1]}, .resolution = cone.resolution};
+            conus_selection *selection = select_with(atlas, &options, &cone);
+            for (size_t i = 0; i + 1 < conus_selection_count(selection); i++) {
+                const conus_result *result = conus_selection_result(selection, i);
+                length[r] += result->pierced ? result->path * result->pierced : 0;
+            }
+            conus_selection_destroy(selection);
+        }
+        assert_near(length[0] + length[1], length[2], 1e-9 * (1 + length[2]));
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* A cylinder through the whole of a box of one area: each ray is as long as the box. */
+static void a_cylinder_has_parallel_rays(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    static uint32_t labels[10 * 10 * 10];
+    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "box.nii", .dim = {10, 10, 10}, .spacing = {1, 1, 1}};
+    struct label_table table = {0};
+    struct notes notes = {0};
+    struct cone cone = {.resolution = 16};
+    mat4_identity(info.world_from_voxel);
+    for (size_t i = 0; i < 1000; i++) {
+        labels[i] = 1;
+    }
+    assert_ok(atlas_create(&atlas, &info, labels, &table, "here", &notes));
+    label_table_finish(&table);
+    assert_ok(conus_pose_along(&cone.pose, (double[]){4.5, 4.5, 50}, (double[]){0, 0, -1}, NULL));
+    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .radius = 4};
+    conus_selection *selection = select_with(atlas, &options, &cone);
+    const conus_result *box = conus_selection_result(selection, 0);
+    assert_int_equal(box->pixels, 208);
+    assert_int_equal(box->pierced, 208);
+    assert_near(box->entry, 40.5, 1e-12);
+    assert_near(box->exit, 50.5, 1e-12);
+    assert_near(box->path, 10, 1e-12);
+    assert_near(box->share, 1, 1e-12);
+    assert_near(box->offset, 0, 0);
+    double lowest = 4.5;
+    for (size_t pixel = 0; pixel < 256; pixel++) {
+        double point[3];
+        conus_selection_position(selection, pixel, point);
+        lowest = fmin(lowest, point[0]);
+    }
+    assert_near(lowest, 4.5 - 4 * 15.0 / 16, 1e-12);
+    conus_selection_destroy(selection);
+    conus_atlas_destroy(atlas);
+}
+
+static void shapes_out_of_range_are_refused(void **state)
+{
+    (void)state;
+    uint64_t random = 44;
+    conus_atlas *atlas = scene_atlas(&random, 4, 0);
+    conus_selector *selector = NULL;
+    const conus_selector_options bad[] = {
+        {.radius = -1},
+        {.radius = NAN},
+        {.radius = INFINITY},
+        {.range = {5, 2}},
+        {.range = {-1, 2}},
+        {.range = {3, 3}},
+        {.range = {NAN, 2}},
+        {.range = {0, NAN}},
+        {.range = {0, INFINITY}},
+        {.layers = CONUS_ALL_LAYERS, .sampling = CONUS_SLICES},
+        {.range = {1, 2}, .sampling = CONUS_SLICES},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_fails(conus_selector_create(&selector, atlas, &bad[i]), CONUS_ERROR_ARGUMENT);
+    }
+    const conus_selector_options cylinder = {.radius = 2};
+    struct cone cone = scene_cone(&random, atlas);
+    conus_selection *selection = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, &cylinder));
+    assert_fails(conus_select(&selection, selector, &cone.pose, 0.2), CONUS_ERROR_ARGUMENT);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
+struct attempt {
+    conus_atlas *atlas;
+    struct cone cone;
+};
+
+static conus_status select_all(void *data)
+{
+    const struct attempt *attempt = data;
+    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .range = {1, 100}};
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_status status = conus_selector_create(&selector, attempt->atlas, &options);
+    status = status ? status : conus_select(&selection, selector, &attempt->cone.pose, 1);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    return status;
+}
+
+static void every_failing_allocation_is_survived(void **state)
+{
+    (void)state;
+    uint64_t random = 45;
+    struct attempt attempt = {.atlas = scene_atlas(&random, 8, 1)};
+    attempt.cone = scene_cone(&random, attempt.atlas);
+    test_every_allocation(select_all, &attempt);
+    conus_atlas_destroy(attempt.atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pieces_are_sorted_by_pixel_entry_and_object),
+        cmocka_unit_test(many_pieces_of_one_pixel_are_sorted),
+        cmocka_unit_test(a_range_cuts_pieces_and_drops_the_rest),
+        cmocka_unit_test(what_blocks_is_dropped),
+        cmocka_unit_test(the_first_piece_is_what_is_visible),
+        cmocka_unit_test(ranges_that_meet_add_up),
+        cmocka_unit_test(a_cylinder_has_parallel_rays),
+        cmocka_unit_test(shapes_out_of_range_are_refused),
+        cmocka_unit_test(every_failing_allocation_is_survived),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
