@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Poses from text: a table whose header names the columns, or one plain 4 x 4 matrix. */
+/** @file All poses of a file at once. */
 #ifndef CONUS_SELECTION_POSE_LIST_H
 #define CONUS_SELECTION_POSE_LIST_H
 
+#include "base/notes.h"
 #include "base/text.h"
 #include "conus/conus.h"
 
@@ -10,10 +11,18 @@ struct conus_pose_list {
     conus_pose_row *rows; /**< Strings are owned. */
     size_t count;
     size_t capacity;
+    struct notes notes;
 };
 
+/** Adds a row with copies of its strings. An @p id that is empty becomes the row's number; one that is too long or not
+ * UTF-8, too, and then the row has an error. @p error NULL: none. */
+conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, struct text id, const char *error);
+
+/** Frees what is in it. */
+void pose_list_finish(conus_pose_list *list);
+
 /** Parses @p text (docs/formats.md). A row that is no pose is kept with its error; CONUS_ERROR_DATA is for a text in
- * which no row can be read: an unknown or missing column, no rows, not text. */
-conus_status pose_list_parse(conus_pose_list **out, struct text text, conus_space space);
+ * which no row can be read: an unknown or missing column, no rows, not text. @p options NULL = the default. */
+conus_status pose_list_parse(conus_pose_list **out, struct text text, const conus_pose_options *options);
 
 #endif

@@ -84,7 +84,7 @@ static void impossible_poses_are_refused(void **state)
 static conus_pose_list *parse(const char *text, conus_space space)
 {
     conus_pose_list *list = NULL;
-    assert_ok(pose_list_parse(&list, text_from(text), space));
+    assert_ok(pose_list_parse(&list, text_from(text), &(conus_pose_options){.space = space}));
     return list;
 }
 
@@ -176,7 +176,7 @@ static void bad_headers_are_refused(void **state)
                                         "1 2 3 4 5\n"};
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         conus_pose_list *list = NULL;
-        assert_fails(pose_list_parse(&list, text_from(texts[i]), CONUS_RAS), CONUS_ERROR_DATA);
+        assert_fails(pose_list_parse(&list, text_from(texts[i]), NULL), CONUS_ERROR_DATA);
         assert_null(list);
     }
 }
@@ -184,7 +184,7 @@ static void bad_headers_are_refused(void **state)
 static conus_status parse_table(void *data)
 {
     conus_pose_list *list = NULL;
-    conus_status status = pose_list_parse(&list, text_from(data), CONUS_RAS);
+    conus_status status = pose_list_parse(&list, text_from(data), NULL);
     conus_pose_list_destroy(list);
     return status;
 }

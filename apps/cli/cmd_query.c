@@ -160,7 +160,8 @@ static bool check(const struct query_settings *settings, const struct arguments 
 static int load_poses(struct query *query)
 {
     const struct aim_settings *aim = &query->settings->aim;
-    conus_status status = conus_pose_list_load(&query->poses, aim->pose, (conus_space)aim->space);
+    conus_status status =
+        conus_pose_list_load(&query->poses, aim->pose, &(conus_pose_options){.space = (conus_space)aim->space});
     if (status) {
         return complain_status(status);
     }
@@ -195,8 +196,8 @@ static conus_status answer(struct query *query, const char *id, const conus_pose
 static int answer_row(struct query *query, const conus_pose_row *row)
 {
     const struct aim_settings *aim = &query->settings->aim;
-    if (row->error) {
-        complain("%s:%zu: %s", aim->pose, row->line, row->error);
+    if (row->error || row->is_point) {
+        complain("%s:%zu: %s", aim->pose, row->line, row->error ? row->error : POINT_LOOKS_NOWHERE);
         query->failed = true;
         return EXIT_DONE;
     }

@@ -171,7 +171,7 @@ static bool check(const struct render_settings *settings, const struct arguments
 static int load_pose(conus_pose_row *out, const char *path, size_t space)
 {
     conus_pose_list *list = NULL;
-    conus_status status = conus_pose_list_load(&list, path, (conus_space)space);
+    conus_status status = conus_pose_list_load(&list, path, &(conus_pose_options){.space = (conus_space)space});
     if (status) {
         return complain_status(status);
     }
@@ -180,8 +180,8 @@ static int load_pose(conus_pose_row *out, const char *path, size_t space)
     int code = EXIT_DONE;
     if (count != 1) {
         code = complain_usage("%s has %zu poses, a picture takes one", path, count);
-    } else if (row->error) {
-        complain("%s:%zu: %s", path, row->line, row->error);
+    } else if (row->error || row->is_point) {
+        complain("%s:%zu: %s", path, row->line, row->error ? row->error : POINT_LOOKS_NOWHERE);
         code = EXIT_DATA;
     } else {
         *out = *row;

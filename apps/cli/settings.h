@@ -41,6 +41,9 @@ extern const struct option slices_options[]; /**< engine_settings: --slices of t
 
 enum { DEFAULT_ANGLE = 10 };
 
+/** What is wrong with a pose that is only a point, where a cone is wanted. */
+#define POINT_LOOKS_NOWHERE "a point, without the direction that a cone needs"
+
 /** Loads the atlas and adds its pathways. Gives the exit code, having complained unless it is 0. */
 int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings);
 

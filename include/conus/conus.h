@@ -51,13 +51,14 @@ extern "C" {
 
 #define CONUS_VERSION "0.1.0"
 
-typedef struct conus_atlas conus_atlas;         /**< Volumes, areas and pathways of one brain.            */
-typedef struct conus_pose_list conus_pose_list; /**< Poses read from a file.                              */
-typedef struct conus_selector conus_selector;   /**< An engine made ready for one atlas.                  */
-typedef struct conus_selection conus_selection; /**< The answer to one query. Immutable.                  */
-typedef struct conus_report conus_report;       /**< Answers collected for writing.                       */
-typedef struct conus_renderer conus_renderer;   /**< GL objects of one atlas, for pictures.               */
-typedef struct conus_image conus_image;         /**< Named float and uint32 channels of one picture.      */
+typedef struct conus_atlas conus_atlas;             /**< Volumes, areas and pathways of one brain.            */
+typedef struct conus_pose_list conus_pose_list;     /**< Poses read from a file.                              */
+typedef struct conus_pose_stream conus_pose_stream; /**< Poses being read.                                */
+typedef struct conus_selector conus_selector;       /**< An engine made ready for one atlas.                  */
+typedef struct conus_selection conus_selection;     /**< The answer to one query. Immutable.                  */
+typedef struct conus_report conus_report;           /**< Answers collected for writing.                       */
+typedef struct conus_renderer conus_renderer;       /**< GL objects of one atlas, for pictures.               */
+typedef struct conus_image conus_image;             /**< Named float and uint32 channels of one picture.      */
 
 /* ---- Status ----------------------------------------------------------------------------------------------- */
 
@@ -195,20 +196,74 @@ CONUS_CHECKED conus_status conus_pose_from_quaternion(conus_pose *out, const dou
 
 typedef enum conus_space { CONUS_RAS = 0, CONUS_LPS } conus_space;
 
+/** The axis of a device along which it looks. */
+typedef enum conus_axis {
+    CONUS_AXIS_OF_FORMAT = 0, /**< As the file's format has it (docs/formats.md): -z where nothing is said.       */
+    CONUS_AXIS_PLUS_X,
+    CONUS_AXIS_MINUS_X,
+    CONUS_AXIS_PLUS_Y,
+    CONUS_AXIS_MINUS_Y,
+    CONUS_AXIS_PLUS_Z,
+    CONUS_AXIS_MINUS_Z
+} conus_axis;
+
+/** What a file of poses is written in; docs/formats.md describes each. */
+typedef enum conus_pose_format {
+    CONUS_POSES_AUTO = 0, /**< The content decides.                                                               */
+    CONUS_POSES_TABLE,    /**< A table (TSV or CSV) whose header names the columns.                               */
+    CONUS_POSES_MATRIX,   /**< Sixteen numbers, a row-major world_from_device.                                    */
+    CONUS_POSES_POINTS    /**< Lines of x y z and perhaps a name: points.                                         */
+} conus_pose_format;
+
+typedef struct conus_pose_options {
+    conus_space space; /**< Of the numbers in the file, where it does not say so itself.                   */
+    conus_axis axis;   /**< Where the file gives rotations.                                                */
+    conus_pose_format format;
+    uint64_t max_memory; /**< Largest file of a format that is read whole, in bytes; 0 = 1 GiB.              */
+} conus_pose_options;
+
 /** One row of a pose file. */
 typedef struct conus_pose_row {
-    const char *id; /**< Column query_id, or the row's number from 1. */
-    size_t line;    /**< Line in the file, from 1.                     */
+    const char *id; /**< Column query_id, or the row's number from 1. Ids may repeat.                             */
+    size_t line;    /**< Line in the file, from 1.                                                                */
     conus_pose pose;
-    double angle;      /**< Column angle, full opening; 0 if absent.      */
-    const char *error; /**< NULL, or why the row is no pose.             */
+    bool is_point;     /**< Only a position (the pose's, which is not turned), not where it looks.                */
+    bool trigger;      /**< Column trigger; false if absent.                                                      */
+    double angle;      /**< Column angle, full opening; 0 if absent.                                              */
+    double time_s;     /**< Column time_s, seconds; NaN if absent.                                                */
+    double error_deg;  /**< Column error_deg: how far off the direction may be, degrees (not radians); NaN if
+                            absent.                                                                               */
+    double error_mm;   /**< Column error_mm: how far off the position may be; NaN if absent.                      */
+    const char *error; /**< NULL, or why the row is no pose; then only id and line are to be used.                */
 } conus_pose_row;
 
-/** Reads poses: a table (TSV or CSV) with a header naming its columns, or four lines of four numbers, a row-major
- * world_from_device (docs/formats.md). A bad row is kept with its error. */
-CONUS_CHECKED conus_status conus_pose_list_load(conus_pose_list **out, const char *path, conus_space space);
+/** Opens poses for reading one block after the other: tables and points of any length in memory that does not grow,
+ * other formats whole. @p path may be a pipe; NULL or "-" is standard input. A file without any pose opens, too, unless
+ * nothing in it tells what it is. The stream belongs to one thread at a time. */
+CONUS_CHECKED conus_status conus_pose_stream_open(conus_pose_stream **out, const char *path,
+                                                  const conus_pose_options *options);
+/** Reads the next @p count of at most @p capacity rows (at least 1), fewer only at the end, 0 when there are no more.
+ * A bad row is given with its error. Strings live until the next call on the stream. */
+CONUS_CHECKED conus_status conus_pose_stream_read(conus_pose_stream *stream, conus_pose_row *rows, size_t capacity,
+                                                  size_t *count);
+/** Passes over the next @p rows rows, or those that are left, without reading what they say: much faster. */
+CONUS_CHECKED conus_status conus_pose_stream_skip(conus_pose_stream *stream, uint64_t rows);
+/** How many rows there are in all, those already read included. CONUS_ERROR_UNSUPPORTED for what is read as it comes
+ * from a pipe. */
+CONUS_CHECKED conus_status conus_pose_stream_count(conus_pose_stream *stream, uint64_t *count);
+/** What the poses are written in; never CONUS_POSES_AUTO. */
+CONUS_API conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream);
+/** What a careful user should know about these poses, a line each; NULL past the last. */
+CONUS_API const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index);
+CONUS_API void conus_pose_stream_destroy(conus_pose_stream *stream);
+
+/** Reads all rows of conus_pose_stream_open(): CONUS_ERROR_DATA if there are none. */
+CONUS_CHECKED conus_status conus_pose_list_load(conus_pose_list **out, const char *path,
+                                                const conus_pose_options *options);
 CONUS_API size_t conus_pose_list_count(const conus_pose_list *list);
 CONUS_API const conus_pose_row *conus_pose_list_row(const conus_pose_list *list, size_t index);
+/** As conus_pose_stream_note(). */
+CONUS_API const char *conus_pose_list_note(const conus_pose_list *list, size_t index);
 CONUS_API void conus_pose_list_destroy(conus_pose_list *list);
 
 /* ---- Selection -------------------------------------------------------------------------------------------- */

@@ -10,7 +10,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     conus_pose_list *list = NULL;
-    if (pose_list_parse(&list, (struct text){(const char *)data, size}, size % 2 ? CONUS_LPS : CONUS_RAS)) {
+    if (pose_list_parse(&list, (struct text){(const char *)data, size},
+                        &(conus_pose_options){.space = size % 2 ? CONUS_LPS : CONUS_RAS})) {
         return 0;
     }
     for (size_t i = 0; i < conus_pose_list_count(list); i++) {

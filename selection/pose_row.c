@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/pose_row.h"
+
+#include "base/math3.h"
+#include "base/status.h"
+
+#include <stdio.h>
+
+conus_pose_row pose_row_at(size_t line)
+{
+    return (conus_pose_row){.line = line, .time_s = NAN, .error_deg = NAN, .error_mm = NAN};
+}
+
+const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint64_t number)
+{
+    const char *bad = id->size > POSE_ID_LIMIT         ? "the name is longer than 255 bytes"
+                      : id->size && !text_is_utf8(*id) ? "the name is not UTF-8 text"
+                                                       : NULL;
+    if (bad || !id->size) {
+        snprintf(ordinal, POSE_ORDINAL_SIZE, "%llu", (unsigned long long)number);
+        *id = text_from(ordinal);
+    }
+    return bad;
+}
+
+void pose_flip_point(double p[3])
+{
+    p[0] = 0 - p[0]; /* makes no "-0" of 0 */
+    p[1] = 0 - p[1];
+}
+
+void pose_flip_matrix(double m[16])
+{
+    for (int column = 0; column < 4; column++) {
+        pose_flip_point(m + 4 * column);
+    }
+}
+
+void pose_turn(conus_pose *pose, conus_axis axis)
+{
+    /* Columns: where the turned device's x, y, z point in the one given; -z is the axis that looks. */
+    static const double turns[][9] = {
+        [CONUS_AXIS_OF_FORMAT] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, [CONUS_AXIS_PLUS_X] = {0, 0, 1, 0, 1, 0, -1, 0, 0},
+        [CONUS_AXIS_MINUS_X] = {0, 0, -1, 0, 1, 0, 1, 0, 0},  [CONUS_AXIS_PLUS_Y] = {1, 0, 0, 0, 0, 1, 0, -1, 0},
+        [CONUS_AXIS_MINUS_Y] = {-1, 0, 0, 0, 0, 1, 0, 1, 0},  [CONUS_AXIS_PLUS_Z] = {-1, 0, 0, 0, 1, 0, 0, 0, -1},
+        [CONUS_AXIS_MINUS_Z] = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    const double *turn = turns[axis];
+    double *m = pose->world_from_device;
+    double columns[3][3];
+    for (int i = 0; i < 3; i++) {
+        mat4_direction(columns[i], m, turn + 3 * i);
+    }
+    for (int i = 0; i < 3; i++) {
+        memcpy(m + 4 * i, columns[i], sizeof columns[i]);
+    }
+}
+
+const char *pose_axis_name(conus_axis axis)
+{
+    static const char *const names[] = {"", "+x", "-x", "+y", "-y", "+z", "-z"};
+    return names[axis];
+}
+
+conus_status pose_of_point(conus_pose *out, const double point[3])
+{
+    if (!vec3_is_finite(point)) {
+        return fail(CONUS_ERROR_ARGUMENT, "position: %g,%g,%g, allowed are finite numbers", point[0], point[1],
+                    point[2]);
+    }
+    *out = (conus_pose){{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, point[0], point[1], point[2], 1}};
+    return CONUS_OK;
+}
+
+int pose_quote(struct text field)
+{
+    return (int)(field.size < POSE_QUOTE_LIMIT ? field.size : POSE_QUOTE_LIMIT);
+}

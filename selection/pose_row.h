@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What the readers of poses share: rows, spaces and axes. */
+#ifndef CONUS_SELECTION_POSE_ROW_H
+#define CONUS_SELECTION_POSE_ROW_H
+
+#include "base/text.h"
+#include "conus/conus.h"
+
+enum {
+    POSE_ID_LIMIT = 255,    /**< Longest id, in bytes.                  */
+    POSE_QUOTE_LIMIT = 40,  /**< How much of a field a message quotes.  */
+    POSE_ORDINAL_SIZE = 24, /**< A row's number as text.                */
+};
+
+/** What a text of poses may be, for messages. */
+#define POSE_FORMATS "a header line and one line per pose, a 4 x 4 matrix, or lines of x y z"
+
+/** A row that says nothing yet: no times, no errors, no angle. */
+conus_pose_row pose_row_at(size_t line);
+
+/** Lets @p id be the number of the row, written into @p ordinal, unless it is a name that can be used. Says what is
+ * wrong with it, NULL if nothing is; not to have one is fine. */
+const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint64_t number);
+
+/** LPS to RAS and back: x and y change sign. */
+void pose_flip_point(double p[3]);
+/** The same for a matrix that maps into that space. */
+void pose_flip_matrix(double m[16]);
+
+/** Turns @p pose, whose device looks along its @p axis, so that it looks along its -z (Eq. 2): by a half turn about y
+ * for +z and quarter turns about y for +-x, so that +y stays up, and with +z up for +-y. */
+void pose_turn(conus_pose *pose, conus_axis axis);
+
+/** "+x" and so on; "" for CONUS_AXIS_OF_FORMAT. */
+const char *pose_axis_name(conus_axis axis);
+
+/** A pose that is only a position. */
+conus_status pose_of_point(conus_pose *out, const double point[3]);
+
+/** @p size for a message: at most POSE_QUOTE_LIMIT. */
+int pose_quote(struct text field);
+
+#endif

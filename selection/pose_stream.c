@@ -1,0 +1,406 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/pose_stream.h"
+
+#include "base/memory.h"
+#include "selection/pose_lines.h"
+#include "selection/pose_list.h"
+#include "selection/pose_row.h"
+#include "selection/pose_strings.h"
+#include "selection/pose_table.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const uint64_t DEFAULT_MEMORY = UINT64_C(1) << 30;
+
+struct conus_pose_stream {
+    conus_pose_options options;
+    conus_pose_format format;
+    char *name;     /* for messages; NULL for a text */
+    int descriptor; /* -1 for a text */
+    bool owned;     /* it is ours to close */
+    uint64_t start; /* of the text in the file */
+    struct text text;
+    struct pose_lines lines;
+    struct pose_table table;
+    struct pose_strings strings; /* of the rows of the last block */
+    conus_pose_list whole;       /* rows of a format that is read whole, and all notes */
+    uint64_t taken;              /* rows read or passed over */
+};
+
+static conus_status fail_of(const conus_pose_stream *stream, conus_status status)
+{
+    return status && stream->name ? fail_in(status, stream->name) : status;
+}
+
+static bool is_whole(const conus_pose_stream *stream)
+{
+    return stream->format == CONUS_POSES_MATRIX;
+}
+
+/* What the first line with data looks like; CONUS_POSES_AUTO while it is not all there. */
+static conus_pose_format guess(struct text text, bool all)
+{
+    const char *end = text.data + text.size;
+    struct text line;
+    double number;
+    while (text_line(&text, &line)) {
+        struct text trimmed = text_trim(line);
+        if (!all && line.data + line.size == end) {
+            return CONUS_POSES_AUTO;
+        }
+        if (!trimmed.size || trimmed.data[0] == '#') {
+            continue;
+        }
+        if (pose_is_point(line)) {
+            return CONUS_POSES_POINTS;
+        }
+        return text_word(&trimmed, &line) && text_to_double(line, &number) ? CONUS_POSES_MATRIX : CONUS_POSES_TABLE;
+    }
+    return all ? CONUS_POSES_TABLE : CONUS_POSES_AUTO;
+}
+
+static conus_status find_format(conus_pose_stream *stream)
+{
+    struct pose_lines *lines = &stream->lines;
+    conus_status status = CONUS_OK;
+    stream->format = stream->options.format;
+    while (!status && stream->format == CONUS_POSES_AUTO) {
+        bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
+        stream->format = guess((struct text){lines->data, lines->size}, all);
+        if (stream->format == CONUS_POSES_AUTO) {
+            status = pose_lines_fill(lines, lines->size + 1);
+        }
+    }
+    if (!status && lines->size && memchr(lines->data, '\0', lines->size)) {
+        status = fail(CONUS_ERROR_DATA, "a zero byte: not a text of poses");
+    }
+    return status;
+}
+
+static conus_status skip_mark(struct pose_lines *lines)
+{
+    static const char mark[] = "\xef\xbb\xbf";
+    enum { SIZE = sizeof mark - 1 };
+    conus_status status = pose_lines_fill(lines, SIZE);
+    if (!status && lines->size >= SIZE && memcmp(lines->data, mark, SIZE) == 0) {
+        lines->data += SIZE;
+        lines->size -= SIZE;
+    }
+    return status;
+}
+
+/* The next line that holds data. */
+static conus_status next_line(struct pose_lines *lines, struct pose_line *line, bool *found)
+{
+    conus_status status = CONUS_OK;
+    do {
+        status = pose_lines_next(lines, line, found);
+    } while (!status && *found && line->blank);
+    return status;
+}
+
+static conus_status read_header(conus_pose_stream *stream)
+{
+    struct pose_line line;
+    bool found = false;
+    conus_status status = next_line(&stream->lines, &line, &found);
+    if (status) {
+        return status;
+    }
+    if (!found) {
+        return fail(CONUS_ERROR_DATA, "no poses: " POSE_FORMATS " is needed");
+    }
+    return line.too_long ? fail(CONUS_ERROR_DATA, "header: a line of more than %d bytes", POSE_LINE_LIMIT)
+                         : pose_table_header(&stream->table, line.text, stream->options.axis);
+}
+
+static conus_status parse_matrix(conus_pose_stream *stream, struct text text)
+{
+    conus_pose_row row = pose_row_at(1);
+    conus_status bad = CONUS_OK;
+    if (!pose_plain_matrix(&row, &bad, text, &stream->options)) {
+        return fail(CONUS_ERROR_DATA, "numbers, but neither the 16 of a matrix nor lines of x y z and a name");
+    }
+    return pose_list_add(&stream->whole, &row, text_from(""), bad ? conus_message() : NULL);
+}
+
+static conus_status read_whole(conus_pose_stream *stream)
+{
+    struct bytes bytes = {0};
+    uint64_t limit = stream->options.max_memory ? stream->options.max_memory : DEFAULT_MEMORY;
+    conus_status status = pose_lines_rest(&bytes, &stream->lines, limit);
+    status = status ? status : parse_matrix(stream, (struct text){(const char *)bytes.data, bytes.size});
+    bytes_finish(&bytes);
+    return status;
+}
+
+static conus_status check_no_axis(const conus_pose_stream *stream)
+{
+    return stream->options.axis == CONUS_AXIS_OF_FORMAT
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "points look nowhere, so that no axis (%s) is to be chosen",
+                      pose_axis_name(stream->options.axis));
+}
+
+static conus_status begin(conus_pose_stream *stream)
+{
+    conus_status status = skip_mark(&stream->lines);
+    status = status ? status : find_format(stream);
+    if (status) {
+        return status;
+    }
+    return is_whole(stream)                      ? read_whole(stream)
+           : stream->format == CONUS_POSES_TABLE ? read_header(stream)
+                                                 : check_no_axis(stream);
+}
+
+static conus_status fail_errno(const char *action)
+{
+    return fail(CONUS_ERROR_IO, "cannot %s: %s", action, strerror(errno));
+}
+
+static conus_status begin_file(conus_pose_stream *stream)
+{
+    struct stat info;
+    if (fstat(stream->descriptor, &info)) {
+        return fail_errno("read");
+    }
+    if (S_ISDIR(info.st_mode)) {
+        return fail(CONUS_ERROR_IO, "cannot read: is a folder, a file is needed");
+    }
+    off_t at = S_ISREG(info.st_mode) ? lseek(stream->descriptor, 0, SEEK_CUR) : -1;
+    stream->start = at > 0 ? (uint64_t)at : 0;
+    conus_status status = pose_lines_init(&stream->lines, stream->descriptor, at >= 0, stream->start);
+    return status ? status : begin(stream);
+}
+
+static bool is_stdin(const char *path)
+{
+    return !path || strcmp(path, "-") == 0;
+}
+
+const char *pose_path_name(const char *path)
+{
+    return is_stdin(path) ? "stdin" : path;
+}
+
+static conus_status open_path(conus_pose_stream *stream, const char *path)
+{
+    const char *name = pose_path_name(path);
+    stream->name = memory_text(name, strlen(name));
+    if (!stream->name) {
+        return CONUS_ERROR_MEMORY;
+    }
+    stream->descriptor = is_stdin(path) ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    stream->owned = !is_stdin(path) && stream->descriptor >= 0;
+    return fail_of(stream, stream->descriptor < 0 ? fail_errno("open") : begin_file(stream));
+}
+
+static conus_status check_options(const conus_pose_options *options)
+{
+    bool fine = (unsigned)options->space <= CONUS_LPS && (unsigned)options->axis <= CONUS_AXIS_MINUS_Z &&
+                (unsigned)options->format <= CONUS_POSES_POINTS;
+    return fine ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "options of poses: space, axis or format is none of its names");
+}
+
+static conus_status create(conus_pose_stream **out, const conus_pose_options *options)
+{
+    static const conus_pose_options none = {0};
+    options = options ? options : &none;
+    conus_status status = check_options(options);
+    conus_pose_stream *stream = status ? NULL : memory_zeroed(1, sizeof *stream);
+    if (!stream) {
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    stream->options = *options;
+    stream->descriptor = -1;
+    stream->lines.descriptor = -1;
+    *out = stream;
+    return CONUS_OK;
+}
+
+static conus_status settle(conus_pose_stream **out, conus_pose_stream *stream, conus_status status)
+{
+    if (status) {
+        conus_pose_stream_destroy(stream);
+    } else {
+        *out = stream;
+    }
+    return status;
+}
+
+conus_status conus_pose_stream_open(conus_pose_stream **out, const char *path, const conus_pose_options *options)
+{
+    conus_pose_stream *stream = NULL;
+    conus_status status = create(&stream, options);
+    return settle(out, stream, status ? status : open_path(stream, path));
+}
+
+conus_status pose_stream_parse(conus_pose_stream **out, struct text text, const conus_pose_options *options)
+{
+    conus_pose_stream *stream = NULL;
+    conus_status status = create(&stream, options);
+    if (!status) {
+        stream->text = text;
+        pose_lines_init_text(&stream->lines, text);
+        status = begin(stream);
+    }
+    return settle(out, stream, status);
+}
+
+void conus_pose_stream_destroy(conus_pose_stream *stream)
+{
+    if (!stream) {
+        return;
+    }
+    if (stream->owned) {
+        close(stream->descriptor);
+    }
+    pose_lines_finish(&stream->lines);
+    pose_strings_finish(&stream->strings);
+    pose_list_finish(&stream->whole);
+    memory_free(stream->name);
+    memory_free(stream);
+}
+
+static conus_status row_from_line(conus_pose_row *row, struct text *id, const conus_pose_stream *stream,
+                                  const struct pose_line *line)
+{
+    if (line->too_long) {
+        return fail(CONUS_ERROR_DATA, "a line of more than %d bytes", POSE_LINE_LIMIT);
+    }
+    return stream->format == CONUS_POSES_POINTS ? pose_point_row(row, id, line->text, &stream->options)
+                                                : pose_table_row(row, id, &stream->table, line->text, &stream->options);
+}
+
+/* Gives the row its strings, which live until the next block. */
+static conus_status keep_strings(conus_pose_row *row, conus_pose_stream *stream, struct text id, const char *error)
+{
+    char ordinal[POSE_ORDINAL_SIZE];
+    const char *bad = pose_check_id(&id, ordinal, stream->taken + 1);
+    error = error ? error : bad;
+    row->id = pose_strings_add(&stream->strings, id);
+    row->error = error ? pose_strings_add(&stream->strings, text_from(error)) : NULL;
+    return row->id && (!error || row->error) ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, bool *found)
+{
+    struct pose_line line;
+    conus_status status = next_line(&stream->lines, &line, found);
+    if (status || !*found) {
+        return status;
+    }
+    conus_pose_row row = pose_row_at(line.number);
+    struct text id = {"", 0};
+    conus_status bad = row_from_line(&row, &id, stream, &line);
+    status = keep_strings(&row, stream, id, bad ? conus_message() : NULL);
+    *out = row;
+    return status;
+}
+
+static void read_kept(conus_pose_row *out, const conus_pose_stream *stream, bool *found)
+{
+    *found = stream->taken < stream->whole.count;
+    if (*found) {
+        *out = stream->whole.rows[stream->taken];
+    }
+}
+
+conus_status conus_pose_stream_read(conus_pose_stream *stream, conus_pose_row *rows, size_t capacity, size_t *count)
+{
+    size_t got = 0;
+    bool found = true;
+    conus_status status = capacity ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "capacity: 0 rows, allowed is 1 or more");
+    pose_strings_clear(&stream->strings);
+    while (!status && found && got < capacity) {
+        if (is_whole(stream)) {
+            read_kept(&rows[got], stream, &found);
+        } else {
+            status = read_row(&rows[got], stream, &found);
+        }
+        got += found;
+        stream->taken += found;
+    }
+    *count = status ? *count : got;
+    return fail_of(stream, status);
+}
+
+conus_status conus_pose_stream_skip(conus_pose_stream *stream, uint64_t rows)
+{
+    conus_status status = CONUS_OK;
+    pose_strings_clear(&stream->strings);
+    if (is_whole(stream)) {
+        uint64_t left = stream->whole.count - stream->taken;
+        stream->taken += rows < left ? rows : left;
+        return CONUS_OK;
+    }
+    for (bool found = true; !status && found && rows; rows--) {
+        struct pose_line line;
+        status = next_line(&stream->lines, &line, &found);
+        stream->taken += !status && found;
+    }
+    return fail_of(stream, status);
+}
+
+static conus_status count_lines(uint64_t *count, struct pose_lines *lines)
+{
+    struct pose_line line;
+    bool found = true;
+    conus_status status = skip_mark(lines);
+    for (*count = 0; !status && found; *count += found) {
+        status = next_line(lines, &line, &found);
+        found = !status && found;
+    }
+    return status;
+}
+
+static conus_status count_again(uint64_t *count, const conus_pose_stream *stream)
+{
+    struct pose_lines lines = {.descriptor = -1};
+    conus_status status = CONUS_OK;
+    if (stream->descriptor < 0) {
+        pose_lines_init_text(&lines, stream->text);
+    } else if (stream->lines.seekable) {
+        status = pose_lines_init(&lines, stream->descriptor, true, stream->start);
+    } else {
+        status = fail(CONUS_ERROR_UNSUPPORTED, "rows of a pipe cannot be counted before they are read");
+    }
+    status = status ? status : count_lines(count, &lines);
+    pose_lines_finish(&lines);
+    return status;
+}
+
+conus_status conus_pose_stream_count(conus_pose_stream *stream, uint64_t *count)
+{
+    if (is_whole(stream)) {
+        *count = stream->whole.count;
+        return CONUS_OK;
+    }
+    uint64_t lines = 0;
+    conus_status status = count_again(&lines, stream);
+    if (status) {
+        return fail_of(stream, status);
+    }
+    *count = lines - (stream->format == CONUS_POSES_TABLE); /* without the header */
+    return CONUS_OK;
+}
+
+conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream)
+{
+    return stream->format;
+}
+
+const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index)
+{
+    return stream && index < stream->whole.notes.count ? stream->whole.notes.lines[index] : NULL;
+}
+
+conus_status pose_stream_take_notes(struct notes *notes, conus_pose_stream *stream)
+{
+    return notes_move(notes, &stream->whole.notes);
+}

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Poses one block after the other, whatever they are written in. */
+#ifndef CONUS_SELECTION_POSE_STREAM_H
+#define CONUS_SELECTION_POSE_STREAM_H
+
+#include "base/notes.h"
+#include "base/text.h"
+#include "conus/conus.h"
+
+/** As conus_pose_stream_open(), from a text that outlives the stream. Errors name no file. */
+conus_status pose_stream_parse(conus_pose_stream **out, struct text text, const conus_pose_options *options);
+
+/** Appends the stream's notes to @p notes; it has none afterwards. */
+conus_status pose_stream_take_notes(struct notes *notes, conus_pose_stream *stream);
+
+/** What messages call the file @p path: itself, or "stdin". */
+const char *pose_path_name(const char *path);
+
+#endif

@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/pose_table.h"
+
+#include "base/math3.h"
+#include "base/status.h"
+#include "selection/cone.h"
+#include "selection/pose_row.h"
+
+enum { MATRIX_NUMBERS = 16 };
+
+/* The columns that a row may have; m00..m33 are row-major. */
+enum column {
+    X,
+    Y,
+    Z,
+    TX,
+    TY,
+    TZ,
+    DX,
+    DY,
+    DZ,
+    QW,
+    QX,
+    QY,
+    QZ,
+    M00,
+    M33 = M00 + 15,
+    UX,
+    UY,
+    UZ,
+    ANGLE,
+    TIME,
+    TRIGGER,
+    ERROR_DEG,
+    ERROR_MM,
+    ID,
+    COLUMNS
+};
+
+_Static_assert((int)COLUMNS == POSE_COLUMNS, "one flag per column");
+
+static const char *const names[COLUMNS] = {
+    "x",   "y",   "z",   "tx",  "ty",  "tz",  "dx",    "dy",     "dz",      "qw",        "qx",       "qy",      "qz",
+    "m00", "m01", "m02", "m03", "m10", "m11", "m12",   "m13",    "m20",     "m21",       "m22",      "m23",     "m30",
+    "m31", "m32", "m33", "ux",  "uy",  "uz",  "angle", "time_s", "trigger", "error_deg", "error_mm", "query_id"};
+
+static bool has_all(const struct pose_table *table, enum column first, size_t count)
+{
+    bool all = true;
+    for (size_t i = 0; i < count; i++) {
+        all = all && table->has[first + i];
+    }
+    return all;
+}
+
+static bool has_any(const struct pose_table *table, enum column first, size_t count)
+{
+    bool any = false;
+    for (size_t i = 0; i < count; i++) {
+        any = any || table->has[first + i];
+    }
+    return any;
+}
+
+static conus_status check_axis(const struct pose_table *table, conus_axis axis)
+{
+    bool turns = table->has[QW] || table->has[M00];
+    return axis == CONUS_AXIS_OF_FORMAT || turns
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA,
+                      "header: it gives a direction, so that no axis (%s) is to be chosen; "
+                      "qw qx qy qz or m00...m33 have axes",
+                      pose_axis_name(axis));
+}
+
+/* One way of saying where the device looks, and only one, each with all its columns. */
+static conus_status check_header(const struct pose_table *table)
+{
+    static const struct {
+        enum column first;
+        size_t count;
+        const char *names;
+    } groups[] = {{TX, 3, "tx ty tz"}, {DX, 3, "dx dy dz"}, {QW, 4, "qw qx qy qz"}, {M00, 16, "m00...m33"}};
+    size_t directions = 0;
+    for (size_t i = 0; i < sizeof groups / sizeof groups[0]; i++) {
+        bool some = has_any(table, groups[i].first, groups[i].count);
+        if (some && !has_all(table, groups[i].first, groups[i].count)) {
+            return fail(CONUS_ERROR_DATA, "header: only some of the columns %s", groups[i].names);
+        }
+        directions += some;
+    }
+    if (directions != 1) {
+        return fail(CONUS_ERROR_DATA,
+                    "header: %zu ways of giving the direction, exactly one of tx ty tz, dx dy dz, qw "
+                    "qx qy qz, m00...m33 is needed",
+                    directions);
+    }
+    if (table->has[M00] ? has_any(table, X, 3) : !has_all(table, X, 3)) {
+        return fail(CONUS_ERROR_DATA, "header: x y z are needed, and only, without m00...m33");
+    }
+    bool up_fits = table->has[TX] || table->has[DX];
+    if (has_any(table, UX, 3) && !(has_all(table, UX, 3) && up_fits)) {
+        return fail(CONUS_ERROR_DATA, "header: ux uy uz go together, with tx ty tz or dx dy dz");
+    }
+    return CONUS_OK;
+}
+
+static conus_status add_column(struct pose_table *table, struct text field)
+{
+    enum column column = 0;
+    while (column < COLUMNS && !text_equal_ignoring_case(text_trim(field), names[column])) {
+        column++;
+    }
+    if (column == COLUMNS) {
+        return fail(CONUS_ERROR_DATA,
+                    "header: column \"%.*s\" is not known (x y z, tx ty tz, dx dy dz, qw qx qy qz, "
+                    "m00...m33, ux uy uz, angle, time_s, trigger, error_deg, error_mm, query_id)",
+                    pose_quote(field), field.data);
+    }
+    if (table->has[column] || table->field_count == POSE_COLUMN_LIMIT) {
+        return fail(CONUS_ERROR_DATA, "header: column \"%s\" twice", names[column]);
+    }
+    table->has[column] = true;
+    table->of_field[table->field_count++] = (uint8_t)column;
+    return CONUS_OK;
+}
+
+conus_status pose_table_header(struct pose_table *out, struct text line, conus_axis axis)
+{
+    struct pose_table table = {.separator = memchr(line.data, '\t', line.size) ? '\t' : ','};
+    struct text field;
+    if (!text_is_utf8(line)) {
+        return fail(CONUS_ERROR_DATA, "header: not UTF-8 text");
+    }
+    for (bool more = true; text_field(&line, table.separator, &more, &field);) {
+        conus_status status = add_column(&table, field);
+        if (status) {
+            return status;
+        }
+    }
+    conus_status status = check_header(&table);
+    status = status ? status : check_axis(&table, axis);
+    *out = status ? *out : table;
+    return status;
+}
+
+static conus_status pose_from_values(conus_pose *out, const struct pose_table *table, double v[COLUMNS],
+                                     const conus_pose_options *options)
+{
+    double m[16];
+    double q[4] = {v[QW], v[QX], v[QY], v[QZ]};
+    for (int i = 0; i < 16; i++) {
+        m[i] = v[M00 + 4 * (i % 4) + i / 4];
+    }
+    if (options->space == CONUS_LPS) { /* turning by pi about z takes a rotation's LPS form to its RAS form:
+                                          (w, x, y, z) -> (-z, -y, x, w) */
+        pose_flip_point(v + X);
+        pose_flip_point(v + TX);
+        pose_flip_point(v + DX);
+        pose_flip_point(v + UX);
+        pose_flip_matrix(m);
+        const double turned[4] = {-v[QZ], -v[QY], v[QX], v[QW]};
+        memcpy(q, turned, sizeof q);
+    }
+    const double *up = table->has[UX] ? v + UX : NULL;
+    conus_status status = table->has[M00]  ? conus_pose_from_matrix(out, m)
+                          : table->has[QW] ? conus_pose_from_quaternion(out, v + X, q)
+                          : table->has[TX] ? conus_pose_toward(out, v + X, v + TX, up)
+                                           : conus_pose_along(out, v + X, v + DX, up);
+    if (!status) {
+        pose_turn(out, options->axis);
+    }
+    return status;
+}
+
+static bool is_absent(struct text field)
+{
+    return !field.size || text_equal_ignoring_case(field, "n/a");
+}
+
+static conus_status read_trigger(double *out, struct text field)
+{
+    bool on = text_equal(field, "1") || text_equal_ignoring_case(field, "true");
+    bool off = is_absent(field) || text_equal(field, "0") || text_equal_ignoring_case(field, "false");
+    *out = on;
+    return on || off ? CONUS_OK
+                     : fail(CONUS_ERROR_DATA, "column trigger: \"%.*s\", allowed are 0, 1, true, false and n/a",
+                            pose_quote(field), field.data);
+}
+
+static conus_status read_value(double *out, enum column column, struct text field)
+{
+    if (column >= ANGLE && is_absent(field)) { /* what a row can do without */
+        *out = NAN;
+        return CONUS_OK;
+    }
+    if (!text_to_double(field, out) || !isfinite(*out)) {
+        return fail(CONUS_ERROR_DATA, "column %s: \"%.*s\" is not a finite number", names[column], pose_quote(field),
+                    field.data);
+    }
+    bool is_error = column == ERROR_DEG || column == ERROR_MM;
+    return is_error && *out < 0 ? fail(CONUS_ERROR_DATA, "column %s: %g, allowed are 0 and more", names[column], *out)
+                                : CONUS_OK;
+}
+
+static conus_status read_field(double values[COLUMNS], struct text *id, enum column column, struct text field)
+{
+    if (column == ID) {
+        *id = field;
+        return CONUS_OK;
+    }
+    return column == TRIGGER ? read_trigger(&values[TRIGGER], field) : read_value(&values[column], column, field);
+}
+
+static conus_status read_values(double values[COLUMNS], struct text *id, const struct pose_table *table,
+                                struct text line)
+{
+    struct text field;
+    size_t count = 0;
+    conus_status status = CONUS_OK;
+    for (bool more = true; text_field(&line, table->separator, &more, &field); count++) {
+        if (count < table->field_count && !status) {
+            status = read_field(values, id, table->of_field[count], text_trim(field));
+        }
+    }
+    return count == table->field_count || status
+               ? status
+               : fail(CONUS_ERROR_DATA, "%zu fields, the header has %zu", count, table->field_count);
+}
+
+static conus_status check_text(struct text line)
+{
+    if (memchr(line.data, '\0', line.size)) {
+        return fail(CONUS_ERROR_DATA, "a zero byte: not text");
+    }
+    return text_is_utf8(line) ? CONUS_OK : fail(CONUS_ERROR_DATA, "not UTF-8 text");
+}
+
+static conus_status check_angle(double *out, double degrees)
+{
+    const struct cone cone = {.angle = radians_from_degrees(degrees), .resolution = 1};
+    *out = cone.angle;
+    return cone_check(&cone);
+}
+
+conus_status pose_table_row(conus_pose_row *row, struct text *id, const struct pose_table *table, struct text line,
+                            const conus_pose_options *options)
+{
+    double values[COLUMNS] = {[TIME] = NAN, [ERROR_DEG] = NAN, [ERROR_MM] = NAN};
+    conus_status status = check_text(line);
+    status = status ? status : read_values(values, id, table, line);
+    status = status ? status : pose_from_values(&row->pose, table, values, options);
+    if (!status && table->has[ANGLE] && !isnan(values[ANGLE])) {
+        status = check_angle(&row->angle, values[ANGLE]);
+    }
+    row->time_s = values[TIME];
+    row->trigger = values[TRIGGER] != 0;
+    row->error_deg = values[ERROR_DEG];
+    row->error_mm = values[ERROR_MM];
+    return status;
+}
+
+static struct text next_field(struct text *rest, bool commas)
+{
+    struct text field = {"", 0};
+    bool more = true;
+    (void)(commas ? text_field(rest, ',', &more, &field) : text_word(rest, &field));
+    return text_trim(field);
+}
+
+/* Three numbers and the rest of the line; false with a message. */
+static bool read_point(double point[3], struct text *name, struct text line)
+{
+    struct text rest = line;
+    struct text word = next_field(&rest, false);
+    bool commas = word.size && memchr(word.data, ',', word.size);
+    for (int i = 0; i < 3; i++) {
+        word = next_field(&line, commas);
+        if (!text_to_double(word, &point[i]) || !isfinite(point[i])) {
+            (void)fail(CONUS_ERROR_DATA, "%c: \"%.*s\" is not a finite number", "xyz"[i], pose_quote(word), word.data);
+            return false;
+        }
+    }
+    *name = text_trim(line);
+    rest = *name;
+    word = next_field(&rest, commas);
+    double number;
+    if (text_to_double(word, &number)) {
+        (void)fail(CONUS_ERROR_DATA, "a number after x y z: \"%.*s\", allowed is a name that does not begin with one",
+                   pose_quote(word), word.data);
+        return false;
+    }
+    return true;
+}
+
+bool pose_is_point(struct text line)
+{
+    double point[3];
+    struct text name;
+    return read_point(point, &name, line);
+}
+
+conus_status pose_point_row(conus_pose_row *row, struct text *id, struct text line, const conus_pose_options *options)
+{
+    double point[3];
+    conus_status status = check_text(line);
+    if (status || !read_point(point, id, line)) {
+        return CONUS_ERROR_DATA;
+    }
+    if (options->space == CONUS_LPS) {
+        pose_flip_point(point);
+    }
+    row->is_point = true;
+    return pose_of_point(&row->pose, point);
+}
+
+bool pose_plain_matrix(conus_pose_row *row, conus_status *bad, struct text text, const conus_pose_options *options)
+{
+    const struct pose_table table = {.has[M00] = true};
+    double values[COLUMNS] = {0};
+    struct text word;
+    size_t count = 0;
+    while (text_word(&text, &word)) {
+        if (count == MATRIX_NUMBERS || !text_to_double(word, &values[M00 + count])) {
+            return false;
+        }
+        count++;
+    }
+    if (count != MATRIX_NUMBERS) {
+        return false;
+    }
+    *bad = pose_from_values(&row->pose, &table, values, options);
+    return true;
+}
