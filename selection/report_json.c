@@ -162,6 +162,10 @@ static json_t *json_from_settings(const conus_report *report)
                   "aperture", options->aperture == CONUS_SQUARE ? "square" : "circle", "score", report->score);
     bool whole = options->sampling != CONUS_SLICES ||
                  put(settings, "slices", options->slices ? json_integer(options->slices) : json_string("auto"));
+    whole = whole && put(settings, "layers", json_string(options->layers ? "all" : "visible")) &&
+            (options->radius == 0 || put(settings, "radius_mm", json_real(options->radius))) &&
+            (options->range[1] == 0 ||
+             put(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1])));
     return whole_or_null(settings, whole);
 }
 

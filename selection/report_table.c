@@ -50,23 +50,35 @@ static void write_name(struct buffer *out, const char *name, int width)
     buffer_format(out, "%s%*s", columns > width ? "..." : "", columns > width ? 0 : width - columns, "");
 }
 
+static void write_shape(struct buffer *out, const struct cone *cone)
+{
+    bool square = cone->aperture == CONUS_SQUARE;
+    if (cone->radius > 0) {
+        buffer_format(out, "%s %.4g mm", square ? "square rod of half width" : "cylinder of radius", cone->radius);
+    } else {
+        buffer_format(out, "%s of %.4g degrees", square ? "square pyramid" : "cone", degrees_from_radians(cone->angle));
+    }
+    if (cone_has_range(cone)) {
+        buffer_format(out, ", %.4g to %.4g mm deep,", cone->range[0], cone->range[1]);
+    }
+}
+
 static void write_query(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
     const double *m = query->cone.pose.world_from_device;
     double origin[3] = {m[12], m[13], m[14]};
     double axis[3] = {-m[8], -m[9], -m[10]};
-    const char *shape = query->cone.aperture == CONUS_SQUARE ? "square pyramid" : "cone";
     report_point(report, origin);
     report_point(report, axis);
     if (report->query_count > 1) {
         buffer_format(out, "query %s: ", query->id);
     }
-    buffer_format(out, "%s of %.4g degrees from (%.2f, %.2f, %.2f) along (%.4f, %.4f, %.4f), %s mm\n", shape,
-                  degrees_from_radians(query->cone.angle), origin[0], origin[1], origin[2], axis[0], axis[1], axis[2],
-                  report->options.space == CONUS_LPS ? "LPS" : "RAS");
+    write_shape(out, &query->cone);
+    buffer_format(out, " from (%.2f, %.2f, %.2f) along (%.4f, %.4f, %.4f), %s mm\n", origin[0], origin[1], origin[2],
+                  axis[0], axis[1], axis[2], report->options.space == CONUS_LPS ? "LPS" : "RAS");
 }
 
-static void write_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+static void write_label(struct buffer *out, const conus_report *report, const conus_result *result, int width)
 {
     const conus_object *object = conus_atlas_object(report->atlas, result->object);
     char rank[16] = "";
@@ -78,12 +90,30 @@ static void write_result(struct buffer *out, const conus_report *report, const c
     buffer_format(out, "%4s  ", rank);
     write_name(out, name_of(report, result), width);
     buffer_format(out, "  %10s  %6.2f %%  %6u", label, 100 * result->share, result->pixels);
-    if (object) {
+}
+
+/* A number in a column of this width behind two spaces, "-" if it is none; then the unit, or nothing. */
+static void write_number(struct buffer *out, int width, int digits, double value, const char *unit)
+{
+    if (isfinite(value)) {
+        buffer_format(out, "  %*.*f%s", width, digits, value, unit);
+    } else {
+        buffer_format(out, "  %*s%*s", width, "-", (int)strlen(unit), "");
+    }
+}
+
+static void write_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+{
+    write_label(out, report, result, width);
+    if (result->object) {
         double contact[3];
         memcpy(contact, result->contact, sizeof contact);
         report_point(report, contact);
-        buffer_format(out, "  %9.2f  %8.2f  %8.2f %8.2f %8.2f", result->distance, degrees_from_radians(result->offset),
-                      contact[0], contact[1], contact[2]);
+        write_number(out, 9, 2, result->distance, "");
+        write_number(out, 8, 2, degrees_from_radians(result->offset), "");
+        write_number(out, 8, 2, contact[0], "");
+        write_number(out, 7, 2, contact[1], "");
+        write_number(out, 7, 2, contact[2], "");
     }
     buffer_text(out, "\n");
 }
@@ -94,6 +124,31 @@ static void write_heading(struct buffer *out, int width)
                   "nearest", "off axis", "contact x, y, z");
     buffer_format(out, "%4s  %-*s  %10s  %8s  %6s  %9s  %8s  %26s\n", "", width, "", "", "of cone", "", "mm", "degrees",
                   "mm");
+}
+
+static void write_layers_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, result->object);
+    write_label(out, report, result, width);
+    if (object) {
+        buffer_format(out, "  %7u", result->pierced);
+        write_number(out, 8, 2, result->entry, "");
+        write_number(out, 8, 2, result->exit, "");
+        write_number(out, 7, 2, result->path, "");
+        write_number(out, 9, 1, result->volume, "");
+        write_number(out, 6, 2, 100 * result->fraction, " %");
+        write_number(out, 9, 4, result->mean_value, "");
+    }
+    buffer_text(out, "\n");
+}
+
+static void write_layers_heading(struct buffer *out, int width)
+{
+    static const char form[] = "%4s  %-*s  %10s  %8s  %6s  %7s  %8s  %8s  %7s  %9s  %8s  %9s\n";
+    buffer_format(out, form, "rank", width, "name", "label", "share", "pixels", "pixels", "enters", "leaves", "inside",
+                  "volume", "of whole", "mean");
+    buffer_format(out, form, "", width, "", "", "of cone", "seen", "pierced", "mm", "mm", "mm", "mm^3", "area",
+                  "value");
 }
 
 static const char *file_of(const char *path)
@@ -125,9 +180,10 @@ void report_write_table(struct buffer *out, const conus_report *report)
     size_t row = 0;
     for (size_t i = 0; i < report->query_count; i++) {
         write_query(out, report, &report->queries[i]);
-        write_heading(out, width);
+        (report->selector.layers ? write_layers_heading : write_heading)(out, width);
         for (; row < report->row_count && report->rows[row].query == i; row++) {
-            write_result(out, report, &report->rows[row].result, width);
+            const conus_result *result = &report->rows[row].result;
+            (report->selector.layers ? write_layers_result : write_result)(out, report, result, width);
         }
         buffer_format(out, "%u pixels in the cone (%u x %u buffer); ranked by %s; engine %s, %s\n%s",
                       report->queries[i].cone_pixels, report->queries[i].cone.resolution,

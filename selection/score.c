@@ -65,6 +65,7 @@ static int compare(const void *a, const void *b)
     int order = falling(x->score, y->score);
     order = order ? order : falling(x->share, y->share);
     order = order ? order : falling(-x->distance, -y->distance);
+    order = order ? order : falling(-x->entry, -y->entry);
     return order ? order : (x->object > y->object) - (x->object < y->object);
 }
 
