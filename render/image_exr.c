@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* OpenEXR through its C library, between an image and bytes in memory. */
-#include "render/image.h"
+#include "render/exr_stream.h"
 
-#include "base/buffer.h"
-#include "base/memory.h"
-
-#include <openexr.h>
-#include <stdio.h>
 #include <string.h>
 
 enum {
@@ -15,98 +10,7 @@ enum {
     MAX_DENSITY = 1024, /* values in a byte of file: deflated HALF reaches 516 */
 };
 
-/* What the library's callbacks see. */
-struct stream {
-    struct buffer written;
-    const uint8_t *data; /* read */
-    size_t size;
-};
-
-/* What went wrong in the call under way: the first message (later ones are its consequences), and whether memory was
- * short, which the library does not always pass on. Not in struct stream: the library gives its allocator no user data,
- * and while it reports it holds the lock that exr_get_user_data() takes. */
-static _Thread_local struct {
-    char message[256];
-    bool no_memory;
-} trouble;
-
-static void keep_message(exr_const_context_t context, exr_result_t code, const char *text)
-{
-    (void)context;
-    (void)code;
-    if (!trouble.message[0]) {
-        snprintf(trouble.message, sizeof trouble.message, "%s", text);
-    }
-}
-
-static void *allocate(size_t size)
-{
-    void *block = memory_raw(size, 1);
-    trouble.no_memory = trouble.no_memory || !block;
-    return block;
-}
-
-/* Begins a call. */
-static exr_context_initializer_t settings(struct stream *stream)
-{
-    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    trouble.message[0] = '\0';
-    trouble.no_memory = false;
-    init.error_handler_fn = keep_message;
-    init.alloc_fn = allocate;
-    init.free_fn = memory_free;
-    init.user_data = stream;
-    init.max_image_width = (int)IMAGE_MAX_SIDE;
-    init.max_image_height = (int)IMAGE_MAX_SIDE;
-    init.flags = EXR_CONTEXT_FLAG_STRICT_HEADER | EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
-    return init;
-}
-
-static conus_status fail_exr(exr_result_t code)
-{
-    if (trouble.no_memory || code == EXR_ERR_OUT_OF_MEMORY) {
-        return fail(CONUS_ERROR_MEMORY, "no memory for an OpenEXR image");
-    }
-    return fail(code == EXR_ERR_FEATURE_NOT_IMPLEMENTED ? CONUS_ERROR_UNSUPPORTED : CONUS_ERROR_DATA, "OpenEXR: %s",
-                trouble.message[0] ? trouble.message : exr_get_default_error_message(code));
-}
-
 /* ---- Writing ---- */
-
-static int64_t write_at(exr_const_context_t context, void *user, const void *bytes, uint64_t size, uint64_t offset,
-                        exr_stream_error_func_ptr_t error)
-{
-    struct buffer *written = &((struct stream *)user)->written;
-    uint64_t over = offset < written->size ? written->size - offset : 0;
-    over = over < size ? over : size;
-    if (over) {
-        memcpy(written->data + offset, bytes, over);
-    }
-    while (!written->failed && written->size < offset) {
-        buffer_append(written, "", 1);
-    }
-    buffer_append(written, (const char *)bytes + over, size - over);
-    (void)context;
-    (void)error;
-    trouble.no_memory = trouble.no_memory || written->failed;
-    return written->failed ? -1 : (int64_t)size;
-}
-
-static exr_result_t write_attributes(exr_context_t file, const conus_image *image)
-{
-    exr_result_t code = EXR_ERR_SUCCESS;
-    for (size_t i = 0; !code && i < image->attribute_count; i++) {
-        const struct image_attribute *attribute = &image->attributes[i];
-        if (attribute->is_matrix) {
-            exr_attr_m44d_t matrix;
-            memcpy(&matrix, attribute->matrix, sizeof matrix); /* Imath has row vectors: the same numbers in a row */
-            code = exr_attr_set_m44d(file, 0, attribute->name, &matrix);
-        } else {
-            code = exr_attr_set_string(file, 0, attribute->name, attribute->text);
-        }
-    }
-    return code;
-}
 
 static exr_result_t write_header(exr_context_t file, const conus_image *image)
 {
@@ -122,7 +26,7 @@ static exr_result_t write_header(exr_context_t file, const conus_image *image)
             exr_add_channel(file, part, channel->name, channel->type == IMAGE_FLOAT ? EXR_PIXEL_FLOAT : EXR_PIXEL_UINT,
                             EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
     }
-    code = code ? code : write_attributes(file, image);
+    code = code ? code : exr_stream_attributes(file, image);
     return code ? code : exr_write_header(file);
 }
 
@@ -161,45 +65,15 @@ static exr_result_t write_pixels(exr_context_t file, const conus_image *image)
 
 conus_status image_format_exr(struct bytes *out, const conus_image *image)
 {
-    struct stream stream = {0};
+    struct exr_stream stream = {0};
     exr_context_t file = NULL;
-    exr_context_initializer_t init = settings(&stream);
-    init.write_fn = write_at;
-    exr_result_t code = exr_start_write(&file, "image", EXR_WRITE_FILE_DIRECTLY, &init);
-    if (!code) {
-        code = write_header(file, image);
-        code = code ? code : write_pixels(file, image);
-        exr_result_t finished = exr_finish(&file); /* writes the table of chunks */
-        code = code ? code : finished;
-    }
-    if (code) {
-        buffer_finish(&stream.written);
-        return fail_exr(code);
-    }
-    *out = (struct bytes){(uint8_t *)stream.written.data, stream.written.size};
-    return CONUS_OK;
+    exr_result_t code = exr_stream_write(&file, &stream);
+    code = code ? code : write_header(file, image);
+    code = code ? code : write_pixels(file, image);
+    return exr_stream_end(out, file, &stream, code);
 }
 
 /* ---- Reading ---- */
-
-static int64_t read_at(exr_const_context_t context, void *user, void *bytes, uint64_t size, uint64_t offset,
-                       exr_stream_error_func_ptr_t error)
-{
-    const struct stream *stream = user;
-    if (offset >= stream->size) {
-        error(context, EXR_ERR_READ_IO, "file of %zu bytes ends too early", stream->size);
-        return -1;
-    }
-    size_t got = stream->size - offset < size ? stream->size - offset : size; /* it asks for blocks, and checks */
-    memcpy(bytes, stream->data + offset, got);
-    return (int64_t)got;
-}
-
-static int64_t total_size(exr_const_context_t context, void *user)
-{
-    (void)context;
-    return (int64_t)((const struct stream *)user)->size;
-}
 
 static conus_status read_channels(conus_image *image, const exr_attr_chlist_t *list, exr_compression_t compression)
 {
@@ -258,7 +132,7 @@ static conus_status read_attributes(conus_image *image, exr_const_context_t file
 }
 
 /* Makes the image that the header speaks of. */
-static conus_status read_header(conus_image **out, exr_const_context_t file, const struct stream *stream)
+static conus_status read_header(conus_image **out, exr_const_context_t file, const struct exr_stream *stream)
 {
     int parts = 0;
     exr_storage_t storage = EXR_STORAGE_SCANLINE;
@@ -267,7 +141,7 @@ static conus_status read_header(conus_image **out, exr_const_context_t file, con
     exr_compression_t compression = EXR_COMPRESSION_NONE;
     if (exr_get_count(file, &parts) || exr_get_storage(file, 0, &storage) || exr_get_data_window(file, 0, &window) ||
         exr_get_channels(file, 0, &list) || exr_get_compression(file, 0, &compression)) {
-        return fail_exr(EXR_ERR_FILE_BAD_HEADER);
+        return exr_stream_fail(EXR_ERR_FILE_BAD_HEADER);
     }
     if (parts != 1 || storage != EXR_STORAGE_SCANLINE) {
         return fail(CONUS_ERROR_UNSUPPORTED,
@@ -343,20 +217,17 @@ static exr_result_t read_pixels(exr_const_context_t file, conus_image *image)
 
 conus_status image_parse_exr(conus_image **out, const uint8_t *data, size_t size)
 {
-    struct stream stream = {.data = data, .size = size};
+    struct exr_stream stream = {.data = data, .size = size};
     exr_context_t file = NULL;
-    exr_context_initializer_t init = settings(&stream);
-    init.read_fn = read_at;
-    init.size_fn = total_size;
-    exr_result_t code = exr_start_read(&file, "image", &init);
+    exr_result_t code = exr_stream_read(&file, &stream);
     if (code) {
-        return fail_exr(code);
+        return exr_stream_fail(code);
     }
     conus_image *image = NULL;
     conus_status status = read_header(&image, file, &stream);
     if (!status) {
         code = read_pixels(file, image);
-        status = code ? fail_exr(code) : CONUS_OK;
+        status = code ? exr_stream_fail(code) : CONUS_OK;
     }
     exr_finish(&file);
     if (status) {

@@ -124,7 +124,7 @@ static conus_status add_names(conus_image *image, const conus_selection *selecti
     return status;
 }
 
-static conus_status add_attributes(conus_image *image, const conus_selection *selection)
+conus_status picture_add_selection(conus_image *image, const conus_selection *selection)
 {
     char angle[TEXT_NUMBER_SIZE];
     text_number(angle, degrees_from_radians(selection->cone.angle));
@@ -307,7 +307,7 @@ conus_status conus_image_of_selection(conus_image **out, const conus_selection *
     conus_image *image = NULL;
     conus_status status = image_create(&image, selection->evidence.resolution, selection->evidence.resolution);
     status = status ? status : add_channels(image, selection);
-    status = status ? status : add_attributes(image, selection);
+    status = status ? status : picture_add_selection(image, selection);
     status = status ? status : cryptomatte_add(image, selection);
     status = status ? status : add_picture(image, selection);
     if (status) {

@@ -20,6 +20,7 @@ struct query_settings {
     const char *voxels;
     size_t voxels_of;
     const char *image;
+    const char *deep;
 };
 
 static const char *const formats[] = {"table", "tsv", "json", "ndjson", NULL};
@@ -71,6 +72,11 @@ static const struct option output_options[] = {
      .offset = offsetof(struct query_settings, image),
      .value = "FILE",
      .help = "write what the device saw: .exr with id, X, Y, Z, t per pixel, or .png in the areas' colours"},
+    {.name = "deep",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct query_settings, deep),
+     .value = "FILE.exr",
+     .help = "with --layers all: write every piece of every ray inside an object, as a deep image with names"},
     {0},
 };
 
@@ -86,7 +92,7 @@ static const struct option_group groups[] = {
     {0},
 };
 
-enum { OUTPUT_COUNT = 4 };
+enum { OUTPUT_COUNT = 5 };
 
 /** A query under way. */
 struct query {
@@ -103,12 +109,14 @@ struct query {
     conus_selector *selector;
     conus_report *report;
     conus_image *image;
-    bool failed; /* some poses had no answer */
+    conus_selection *selection; /* kept for --deep */
+    bool failed;                /* some poses had no answer */
 };
 
 static void query_finish(struct query *query)
 {
     conus_image_destroy(query->image);
+    conus_selection_destroy(query->selection);
     conus_report_destroy(query->report);
     conus_selector_destroy(query->selector);
     conus_pose_list_destroy(query->poses);
@@ -143,6 +151,14 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
         complain("--image: \"%s\" ends neither in .exr nor in .png", settings->image);
         return false;
     }
+    if (settings->deep && !path_ends(settings->deep, ".exr")) {
+        complain("--deep: \"%s\" does not end in .exr", settings->deep);
+        return false;
+    }
+    if (settings->deep && settings->engine.layers != CONUS_ALL_LAYERS) {
+        complain("--deep needs --layers all");
+        return false;
+    }
     return true;
 }
 
@@ -166,8 +182,9 @@ static int load_poses(struct query *query)
         return complain_status(status);
     }
     size_t count = conus_pose_list_count(query->poses);
-    if (query->settings->image && count != 1) {
-        return complain_usage("--image shows one pose, %s has %zu", aim->pose, count);
+    if ((query->settings->image || query->settings->deep) && count != 1) {
+        return complain_usage("--%s shows one pose, %s has %zu", query->settings->image ? "image" : "deep", aim->pose,
+                              count);
     }
     for (size_t i = 0; i < count && aim->angle != 0; i++) {
         if (conus_pose_list_row(query->poses, i)->angle == 0) {
@@ -188,6 +205,10 @@ static conus_status answer(struct query *query, const char *id, const conus_pose
     }
     if (!status && query->settings->image) {
         status = conus_image_of_selection(&query->image, selection);
+    }
+    if (!status && query->settings->deep) {
+        query->selection = selection;
+        return CONUS_OK;
     }
     conus_selection_destroy(selection);
     return status;
@@ -287,10 +308,19 @@ static int write_answer(struct query *query)
     return status ? complain_status(status) : output_write(query->settings->output, text, size);
 }
 
+static int write_deep(struct query *query)
+{
+    if (!query->selection) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_selection_write_deep(query->selection, query->settings->deep);
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
 /* The answer comes last: where it is, all that belongs to it is there, too. */
 static int write_all(struct query *query)
 {
-    static int (*const steps[])(struct query *) = {write_sidecar, write_voxels, write_image, write_answer};
+    static int (*const steps[])(struct query *) = {write_sidecar, write_voxels, write_image, write_deep, write_answer};
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
         int code = steps[i](query);
         if (code) {
@@ -398,7 +428,8 @@ static int run_named(struct query *query)
     const struct output outputs[OUTPUT_COUNT] = {{"--output", answer},
                                                  {"the .json beside --output", query->sidecar},
                                                  {"--voxels", settings->voxels},
-                                                 {"--image", settings->image}};
+                                                 {"--image", settings->image},
+                                                 {"--deep", settings->deep}};
     memcpy(query->outputs, outputs, sizeof outputs);
     return check_paths(query) ? work(query) : EXIT_USAGE;
 }

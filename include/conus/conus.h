@@ -432,6 +432,12 @@ CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *rende
  * magnified, in the areas' colours, with a legend. */
 CONUS_CHECKED conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection);
 
+/** Writes everything in the cone as a deep OpenEXR image: for each piece of a pixel's ray inside an object, by entry,
+ * id (uint32: the atlas's own label), object (uint32), Z and ZBack (float: depths along the axis where it begins and
+ * ends), t and tBack (distances from the apex), A (1). The attribute idManifest names the objects. The file appears
+ * whole or not at all. CONUS_ERROR_ARGUMENT unless @p selection is of CONUS_ALL_LAYERS. */
+CONUS_CHECKED conus_status conus_selection_write_deep(const conus_selection *selection, const char *path);
+
 CONUS_API uint32_t conus_image_width(const conus_image *image);
 CONUS_API uint32_t conus_image_height(const conus_image *image);
 /** Name of channel @p index, NULL past the last. */
