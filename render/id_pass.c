@@ -5,6 +5,7 @@
 #include "render/bricks.h"
 #include "render/context.h"
 #include "render/program.h"
+#include "render/shader_list.h"
 #include "render/shaders.h"
 #include "render/target.h"
 #include "render/volume_texture.h"
@@ -13,26 +14,34 @@
 #include <string.h>
 
 enum { OBJECTS_UNIT, BRICKS_UNIT, NEAREST_ID_UNIT, NEAREST_T_UNIT };
-enum { IDENTIFIER_BUFFER, RAY_BUFFER };
+enum { IDENTIFIER_BUFFER, RAY_BUFFER, PIECE_BUFFER };
 enum { BRICK_SHIFT = 2, RAY_DOUBLES = sizeof(struct id_ray) / sizeof(double) };
 enum { RAY_BUFFER_SIZE = 1 << 24 }; /* where one volume's rays need no more */
+enum { FIRST_PIECES = 1024 };
+
+/* What a program does with a ray: the first contact, also if it is nearer than what is there, or all layers. */
+enum id_kind { FIRST, LATER, PIERCE, KIND_COUNT };
 
 struct id_program {
     GLuint program;
     GLint resolution, first_ray;
     GLint slice_count, slice_start, slice_spacing; /* of slices only */
+    GLint pixels;                                  /* of PIERCE only */
 };
 
 struct id_volume {
     GLuint objects, bricks;
+    size_t dim[3];
 };
 
 struct id_pass {
     conus_sampling sampling;
-    struct id_program first, later; /* later: merges with what is there; made when there is a second volume */
-    GLuint vertices;                /* an empty vertex array */
+    struct id_program programs[KIND_COUNT]; /* made when they are needed for the first time */
+    GLuint vertices;                        /* an empty vertex array */
     GLuint identifier_buffer, ray_buffer;
     struct target target;
+    struct target blank;       /* as large, without pixels: what pierces writes to the list */
+    struct shader_list pieces; /* of struct id_piece */
     struct id_volume *volumes;
     size_t volume_count;
     size_t drawn; /* volumes since id_pass_begin() */
@@ -43,12 +52,13 @@ struct id_pass {
     double *distances;
 };
 
-static conus_status create_program(struct id_program *out, conus_sampling sampling, bool merge)
+static conus_status create_program(struct id_program *out, conus_sampling sampling, enum id_kind kind)
 {
     bool slices = sampling == CONUS_SLICES;
     const struct program_define defines[] = {
         {"SLICES", slices},
-        {"MERGE", merge},
+        {"MERGE", kind == LATER},
+        {"PIERCE", kind == PIERCE},
         {"BRICK_SHIFT", BRICK_SHIFT},
         {"RAY_DOUBLES", RAY_DOUBLES},
         {"OBJECTS_UNIT", OBJECTS_UNIT},
@@ -57,6 +67,7 @@ static conus_status create_program(struct id_program *out, conus_sampling sampli
         {"NEAREST_T_UNIT", NEAREST_T_UNIT},
         {"IDENTIFIER_BUFFER", IDENTIFIER_BUFFER},
         {"RAY_BUFFER", RAY_BUFFER},
+        {"PIECE_BUFFER", PIECE_BUFFER},
     };
     const struct program_source source = {.vertex = {"screen.vert.glsl", shader_screen_vert},
                                           .fragment = {"id.frag.glsl", shader_id_frag},
@@ -74,8 +85,17 @@ static conus_status create_program(struct id_program *out, conus_sampling sampli
         program.slice_start = program_uniform(program.program, "slice_start");
         program.slice_spacing = program_uniform(program.program, "slice_spacing");
     }
+    if (kind == PIERCE) {
+        program.pixels = program_uniform(program.program, "pixels");
+    }
     *out = program;
     return CONUS_OK;
+}
+
+static conus_status need_program(struct id_pass *pass, enum id_kind kind)
+{
+    struct id_program *program = &pass->programs[kind];
+    return program->program ? CONUS_OK : create_program(program, pass->sampling, kind);
 }
 
 conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const uint32_t *identifiers,
@@ -87,7 +107,7 @@ conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const
         return CONUS_ERROR_MEMORY;
     }
     pass->sampling = sampling;
-    conus_status status = create_program(&pass->first, sampling, false);
+    conus_status status = need_program(pass, FIRST);
     if (!status) {
         glCreateVertexArrays(1, &pass->vertices);
         glCreateBuffers(1, &pass->ray_buffer);
@@ -107,6 +127,7 @@ conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const
 static void finish_pixels(struct id_pass *pass)
 {
     target_finish(&pass->target);
+    target_finish(&pass->blank);
     memory_free(pass->rays);
     memory_free(pass->identifiers);
     memory_free(pass->voxels);
@@ -131,8 +152,10 @@ void id_pass_destroy(struct id_pass *pass)
     glDeleteBuffers(1, &pass->identifier_buffer);
     glDeleteBuffers(1, &pass->ray_buffer);
     glDeleteVertexArrays(1, &pass->vertices);
-    glDeleteProgram(pass->first.program);
-    glDeleteProgram(pass->later.program);
+    for (int kind = 0; kind < KIND_COUNT; kind++) {
+        glDeleteProgram(pass->programs[kind].program);
+    }
+    shader_list_finish(&pass->pieces);
     memory_free(pass);
 }
 
@@ -157,6 +180,7 @@ static conus_status upload(struct id_volume *out, const struct volume *volume, u
         glDeleteTextures(1, &textures.objects);
         return status;
     }
+    memcpy(textures.dim, volume->info.dim, sizeof textures.dim);
     *out = textures;
     return CONUS_OK;
 }
@@ -170,7 +194,7 @@ conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volum
     pass->volumes = volumes;
     conus_status status = CONUS_OK;
     if (pass->volume_count == 1) {
-        status = create_program(&pass->later, pass->sampling, true);
+        status = need_program(pass, LATER);
     }
     if (!status) {
         status = upload(&volumes[pass->volume_count], volume, memory_left);
@@ -198,6 +222,7 @@ static conus_status init_pixels(struct id_pass *pass, uint32_t resolution)
     pass->room = pass->volume_count * size <= RAY_BUFFER_SIZE ? pass->volume_count : RAY_BUFFER_SIZE / size + 1;
     glNamedBufferData(pass->ray_buffer, (GLsizeiptr)(pass->room * size), NULL, GL_STREAM_DRAW);
     conus_status status = gl_check("rays");
+    status = status ? status : target_init(&pass->blank, resolution, resolution, NULL, 0);
     return status ? status : target_init(&pass->target, resolution, resolution, attachments, 3);
 }
 
@@ -250,7 +275,7 @@ conus_status id_pass_draw(struct id_pass *pass, size_t volume, const struct slic
     if (pass->sampling == CONUS_SLICES && slices->count == 0) {
         return CONUS_OK;
     }
-    const struct id_program *program = pass->drawn == 0 ? &pass->first : &pass->later;
+    const struct id_program *program = &pass->programs[pass->drawn == 0 ? FIRST : LATER];
     GLint first_ray = upload_rays(pass);
     if (pass->drawn) {
         glTextureBarrier(); /* the pixels drawn before are now read */
@@ -297,4 +322,59 @@ conus_status id_pass_read(struct id_pass *pass, struct id_pixels *out)
     join_words(pass->distances, (size_t)pass->target.width * pass->target.height);
     *out = (struct id_pixels){pass->identifiers, (const float(*)[4])pass->voxels, pass->distances};
     return CONUS_OK;
+}
+
+/* ---- All layers ----------------------------------------------------------------------------------------------- */
+
+struct piercing {
+    struct id_pass *pass;
+    size_t volume;
+    GLint first_ray;
+    id_pass_take take;
+    void *user;
+};
+
+static conus_status draw_pieces(void *user, uint32_t first, uint32_t end)
+{
+    const struct piercing *piercing = user;
+    struct id_pass *pass = piercing->pass;
+    const struct id_program *program = &pass->programs[PIERCE];
+    bind_inputs(pass, &pass->volumes[piercing->volume]);
+    target_bind(&pass->blank);
+    glBindVertexArray(pass->vertices);
+    glUseProgram(program->program);
+    glUniform1i(program->resolution, (GLint)pass->blank.width);
+    glUniform1i(program->first_ray, piercing->first_ray);
+    glUniform2i(program->pixels, (GLint)first, (GLint)end);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    return gl_check("ID pass of all layers");
+}
+
+static conus_status take_pieces(void *user, const void *records, uint32_t count)
+{
+    const struct piercing *piercing = user;
+    return piercing->take(piercing->user, records, count);
+}
+
+conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take take, void *user)
+{
+    assert(volume < pass->volume_count && pass->rays && pass->sampling == CONUS_EXACT);
+    static_assert(sizeof(struct id_piece) == 40, "the shader's Piece");
+    struct piercing piercing = {pass, volume, 0, take, user};
+    conus_status status = need_program(pass, PIERCE);
+    if (!status && !pass->pieces.buffer) {
+        status = shader_list_init(&pass->pieces, sizeof(struct id_piece), FIRST_PIECES);
+    }
+    if (status) {
+        return status;
+    }
+    const size_t *dim = pass->volumes[volume].dim;
+    const struct shader_list_job job = {.binding = PIECE_BUFFER,
+                                        .draw = draw_pieces,
+                                        .take = take_pieces,
+                                        .user = &piercing,
+                                        .pixels = pass->blank.width * pass->blank.height,
+                                        .per_pixel = (uint32_t)(dim[0] + dim[1] + dim[2])}; /* cells of any ray */
+    piercing.first_ray = upload_rays(pass);
+    return shader_list_collect(&pass->pieces, &job);
 }

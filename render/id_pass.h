@@ -2,7 +2,7 @@
 /** @file
  * The ID pass: draws which object each pixel of an n x n target meets first, instead of its colour. Needs a current
  * context throughout. One look is: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_draw();
- * id_pass_read(). */
+ * id_pass_read(). For all layers: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_pierce(). */
 #ifndef CONUS_RENDER_ID_PASS_H
 #define CONUS_RENDER_ID_PASS_H
 
@@ -23,6 +23,13 @@ struct id_pixels {
     const uint32_t *identifiers; /**< [n n] 0 = nothing.                                              */
     const float (*voxels)[4];    /**< [n n] indices i, j, k of the voxel met, and its distance rounded. */
     const double *distances;     /**< [n n] mm along the ray, exact.                                  */
+};
+
+/** A piece of a pixel's ray: a run of cells that are drawn as one identifier (Eq. 10). */
+struct id_piece {
+    uint32_t pixel, identifier;
+    double entry, exit; /**< mm along the ray, exact.          */
+    uint32_t cell[3];   /**< Indices of its first voxel.       */
 };
 
 /** @p identifiers[k] is what object number k is drawn as, the last one also what VOLUME_BLOCKER is drawn as; 0 makes it
@@ -47,5 +54,12 @@ struct id_ray *id_pass_rays(struct id_pass *pass);
 conus_status id_pass_draw(struct id_pass *pass, size_t volume, const struct slices *slices);
 
 conus_status id_pass_read(struct id_pass *pass, struct id_pixels *out);
+
+/** Takes @p count pieces in any order, but those of one pixel as they lie along its ray. */
+typedef conus_status (*id_pass_take)(void *user, const struct id_piece *pieces, uint32_t count);
+
+/** Hands to @p take, in portions, all pieces of the pixels' rays in volume number @p volume, whatever hides them. Not
+ * for CONUS_SLICES. */
+conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take take, void *user);
 
 #endif

@@ -6,6 +6,7 @@
 #include "render/context.h"
 #include "render/id_pass.h"
 #include "render/mesh_pass.h"
+#include "selection/layers.h"
 #include "selection/traverse.h"
 
 #include <stdio.h>
@@ -63,14 +64,15 @@ static void prepare_rays(struct gl_engine *gl, const struct volume *volume, cons
 {
     struct id_ray *rays = id_pass_rays(gl->pass);
     uint32_t n = cone->resolution;
-    double origin[3];
     double axis[3];
-    mat4_point(origin, volume->voxel_from_world, cone->pose.world_from_device + 12);
     view_axis(axis, cone);
     for (uint32_t pixel = 0; pixel < n * n; pixel++) {
+        double origin[3];
         double direction[3];
+        cone_origin(origin, cone, pixel % n, pixel / n);
         cone_ray(direction, cone, pixel % n, pixel / n);
         rays[pixel].per_depth = 1 / vec3_dot(direction, axis);
+        mat4_point(origin, volume->voxel_from_world, origin);
         mat4_direction(direction, volume->voxel_from_world, direction);
         prepare_ray(&rays[pixel], origin, direction, gl->sampling);
     }
@@ -92,11 +94,11 @@ static conus_status draw(struct gl_engine *gl, const struct cone *cone)
     return status;
 }
 
-static uint64_t linear_index(const conus_atlas *atlas, uint32_t object, const float voxel[4])
+static uint64_t linear_index(const conus_atlas *atlas, uint32_t object, uint64_t i, uint64_t j, uint64_t k)
 {
     bool blocked = object == VOLUME_BLOCKER;
     const size_t *dim = (blocked ? atlas_context(atlas) : atlas_object_volume(atlas, object))->info.dim;
-    return (uint64_t)voxel[0] + dim[0] * ((uint64_t)voxel[1] + dim[1] * (uint64_t)voxel[2]);
+    return i + dim[0] * (j + dim[1] * k);
 }
 
 static conus_status look_at_volumes(struct gl_engine *gl, struct evidence *out, const struct cone *cone)
@@ -109,7 +111,8 @@ static conus_status look_at_volumes(struct gl_engine *gl, struct evidence *out, 
         if (object) {
             out->object[i] = object;
             out->distance[i] = pixels.distances[i];
-            out->voxel[i] = linear_index(gl->atlas, object, pixels.voxels[i]);
+            const float *voxel = pixels.voxels[i];
+            out->voxel[i] = linear_index(gl->atlas, object, (uint64_t)voxel[0], (uint64_t)voxel[1], (uint64_t)voxel[2]);
         }
     }
     return status;
@@ -150,12 +153,52 @@ static conus_status look(struct engine *engine, struct evidence *out, const stru
     return status;
 }
 
+/* ---- All layers --------------------------------------------------------------------------------------------- */
+
+struct piercing {
+    struct gl_engine *gl;
+    struct layers *out;
+};
+
+static conus_status take_pieces(void *user, const struct id_piece *pieces, uint32_t count)
+{
+    const struct piercing *piercing = user;
+    conus_status status = CONUS_OK;
+    for (uint32_t i = 0; i < count && !status; i++) {
+        const struct id_piece *piece = &pieces[i];
+        const conus_span span = {
+            piece->pixel, piece->identifier, piece->entry, piece->exit,
+            linear_index(piercing->gl->atlas, piece->identifier, piece->cell[0], piece->cell[1], piece->cell[2])};
+        status = layers_add(piercing->out, &span);
+    }
+    return status;
+}
+
+static conus_status pierce_volumes(struct gl_engine *gl, struct layers *out, const struct cone *cone)
+{
+    struct piercing piercing = {gl, out};
+    conus_status status = id_pass_begin(gl->pass, cone->resolution);
+    for (size_t i = 0; i < gl->volume_count && !status; i++) {
+        prepare_rays(gl, &gl->atlas->volumes[gl->volumes[i]], cone);
+        status = id_pass_pierce(gl->pass, i, take_pieces, &piercing);
+    }
+    return status;
+}
+
 static conus_status pierce(struct engine *engine, struct layers *out, const struct cone *cone)
 {
-    (void)engine;
-    (void)out;
-    (void)cone;
-    return fail(CONUS_ERROR_UNSUPPORTED, "engine gl: all layers, or a range");
+    struct gl_engine *gl = (struct gl_engine *)engine;
+    struct gl_current previous = {0};
+    if (gl->mesh_pass) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "all layers, or a range, of an atlas with surfaces");
+    }
+    conus_status status = gl_context_use(gl->context, &previous);
+    if (status) {
+        return status;
+    }
+    status = gl->pass ? pierce_volumes(gl, out, cone) : CONUS_OK;
+    gl_current_restore(&previous);
+    return status;
 }
 
 /* ---- Creation ----------------------------------------------------------------------------------------------- */

@@ -1,8 +1,9 @@
 // The ID pass: per pixel, the first voxel along its ray that belongs to an object (Eq. 5), or the first of the planes of
 // Eq. 7 on which the ray samples one. In double precision and `precise`, so that it takes the very cells that the CPU
 // takes. Rays come prepared from the CPU. Drawn once per volume; a later volume (MERGE) only overwrites what is farther.
+// PIERCE draws nothing and appends every piece of the ray inside an object to a list instead (Eq. 10).
 //
-// Defines: SLICES, MERGE (0 or 1), BRICK_SHIFT, RAY_DOUBLES, and the bindings *_UNIT (textures) and *_BUFFER.
+// Defines: SLICES, MERGE, PIERCE (0 or 1), BRICK_SHIFT, RAY_DOUBLES, and the bindings *_UNIT (textures) and *_BUFFER.
 
 layout(binding = OBJECTS_UNIT) uniform usampler3D objects;
 layout(std430, binding = IDENTIFIER_BUFFER) readonly restrict buffer Identifiers { uint identifiers[]; };
@@ -21,9 +22,24 @@ layout(binding = NEAREST_ID_UNIT) uniform usampler2D nearest_id; // this target 
 layout(binding = NEAREST_T_UNIT) uniform usampler2D nearest_t;
 #endif
 
+#if PIERCE
+struct Piece { // struct id_piece
+    uint pixel, id;
+    double entry, exit;
+    uint cell[3];
+};
+
+layout(std430, binding = PIECE_BUFFER) restrict buffer Pieces // see shader_list.h
+{
+    uint piece_count, unused;
+    Piece pieces[];
+};
+uniform ivec2 pixels; // the first, and the first that is not to be drawn
+#else
 layout(location = 0) out uint out_id;
 layout(location = 1) out vec4 out_voxel; // i, j, k, and t rounded to a float
 layout(location = 2) out uvec2 out_t;    // the bits of t, a double
+#endif
 
 #define NEVER packDouble2x32(uvec2(0u, 0x7ff00000u)) // infinity; to glslang not a constant
 
@@ -169,9 +185,66 @@ double leave_box(Ray ray, dvec3 sign, dvec3 end, dvec3 last, inout dvec3 cell)
     return first.t;
 }
 
+// Leaves the cell, or the box of empty bricks around it, `empty` of them each way less one; the time of it.
+double leave(Ray ray, dvec3 sign, dvec3 end, int empty, inout dvec3 cell)
+{
+    ivec3 brick = ivec3(cell) >> BRICK_SHIFT;
+    dvec3 high = dvec3(((brick + empty) << BRICK_SHIFT) - 1);
+    dvec3 low = dvec3((brick + 1 - empty) << BRICK_SHIFT);
+    return leave_box(ray, sign, end, empty == 0 ? cell : mix(high, low, lessThan(sign, dvec3(0.0))), cell);
+}
+
+int count_empty_bricks(dvec3 cell)
+{
+    return int(texelFetch(bricks, ivec3(cell) >> BRICK_SHIFT, 0).r);
+}
+
+dvec3 signs_of(Ray ray)
+{
+    return mix(dvec3(1.0), dvec3(-1.0), lessThan(ray.direction, dvec3(0.0)));
+}
+
+#if PIERCE
+// Ends the piece at t and begins one of `id` there.
+void change(inout Piece piece, uint id, double t, dvec3 cell)
+{
+    if (piece.id != 0u) {
+        piece.exit = t;
+        uint place = atomicAdd(piece_count, 1u);
+        if (place < uint(pieces.length())) {
+            pieces[place] = piece;
+        }
+    }
+    piece.id = id;
+    piece.entry = t;
+    piece.cell = uint[](uint(cell.x), uint(cell.y), uint(cell.z));
+}
+
+// Eq. 10: runs of cells with the same object.
+void pierce(Ray ray, ivec3 dim, uint pixel)
+{
+    dvec3 sign = signs_of(ray);
+    dvec3 end = mix(dvec3(dim), dvec3(-1.0), lessThan(sign, dvec3(0.0)));
+    Piece piece = Piece(pixel, 0u, 0.0, 0.0, uint[](0u, 0u, 0u));
+    dvec3 cell;
+    double t;
+    if (!enter_grid(ray, sign, end, dvec3(dim), cell, t)) {
+        return;
+    }
+    while (is_inside(ivec3(cell), dim)) {
+        int empty = count_empty_bricks(cell);
+        uint id = empty == 0 ? identify(cell) : 0u;
+        if (id != piece.id) {
+            change(piece, id, t, cell);
+        }
+        t = leave(ray, sign, end, empty, cell);
+    }
+    change(piece, 0u, t, dvec3(0.0));
+}
+#else
 Hit walk(Ray ray, ivec3 dim, double limit)
 {
-    dvec3 sign = mix(dvec3(1.0), dvec3(-1.0), lessThan(ray.direction, dvec3(0.0)));
+    dvec3 sign = signs_of(ray);
     dvec3 end = mix(dvec3(dim), dvec3(-1.0), lessThan(sign, dvec3(0.0)));
     dvec3 cell;
     double t;
@@ -179,21 +252,28 @@ Hit walk(Ray ray, ivec3 dim, double limit)
         return Hit(0u, dvec3(0.0), NEVER);
     }
     while (t <= limit && is_inside(ivec3(cell), dim)) {
-        ivec3 brick = ivec3(cell) >> BRICK_SHIFT;
-        int empty = int(texelFetch(bricks, brick, 0).r);
+        int empty = count_empty_bricks(cell);
         uint id = empty == 0 ? identify(cell) : 0u;
         if (id != 0u) {
             return Hit(id, cell, t);
         }
-        dvec3 high = dvec3(((brick + empty) << BRICK_SHIFT) - 1);
-        dvec3 low = dvec3((brick + 1 - empty) << BRICK_SHIFT);
-        dvec3 last = empty == 0 ? cell : mix(high, low, lessThan(sign, dvec3(0.0)));
-        t = leave_box(ray, sign, end, last, cell);
+        t = leave(ray, sign, end, empty, cell);
     }
     return Hit(0u, dvec3(0.0), NEVER);
 }
 #endif
+#endif
 
+#if PIERCE
+void main()
+{
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    int pixel = at.y * resolution + at.x;
+    if (pixel >= pixels.x && pixel < pixels.y) {
+        pierce(load_ray(), textureSize(objects, 0), uint(pixel));
+    }
+}
+#else
 void main()
 {
     double limit = NEVER;
@@ -213,3 +293,4 @@ void main()
     out_voxel = vec4(hit.cell, hit.t);
     out_t = unpackDouble2x32(hit.t);
 }
+#endif

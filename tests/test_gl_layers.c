@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* All layers (Eq. 10) of the gl engine against those of the rays engine. */
+#include "atlas/space.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "scene.h"
+#include "selection/layers.h"
+#include "test.h"
+
+#include <string.h>
+
+static int driver_messages;
+
+static void print_line(void *user, const char *line)
+{
+    *(int *)user += 1;
+    print_message("%s\n", line);
+}
+
+/* Both engines for one atlas; the running test is skipped where there is no GL. */
+struct pair {
+    const conus_atlas *atlas;
+    struct engine *gl, *rays;
+    size_t spans, blocked;
+};
+
+static struct pair pair_with(const conus_atlas *atlas, struct engine_options options)
+{
+    struct pair pair = {.atlas = atlas};
+    options.log = print_line;
+    options.log_user = &driver_messages;
+    conus_status status = engine_gl_create(&pair.gl, atlas, &options);
+    if (status == CONUS_ERROR_GL) {
+        print_message("skipped: %s\n", conus_message());
+        skip();
+    }
+    assert_ok(status);
+    assert_ok(engine_rays_create(&pair.rays, atlas, &options));
+    return pair;
+}
+
+static struct pair pair_of(const conus_atlas *atlas)
+{
+    return pair_with(atlas, (struct engine_options){0});
+}
+
+static void pair_finish(struct pair *pair)
+{
+    engine_destroy(pair->gl);
+    engine_destroy(pair->rays);
+}
+
+static struct layers pierce(struct engine *engine, const struct cone *cone)
+{
+    struct layers layers = {0};
+    assert_ok(engine->functions->pierce(engine, &layers, cone));
+    assert_ok(layers_sort(&layers, (size_t)cone->resolution * cone->resolution));
+    return layers;
+}
+
+/* ---- Volumes ------------------------------------------------------------------------------------------------ */
+
+static void fail_at(const struct cone *cone, const conus_span *got, const conus_span *wanted)
+{
+    fail_msg("%u x %u, %g degrees: pixel %u object %u from %.17g to %.17g voxel %llu; wanted %u %u %.17g %.17g %llu",
+             cone->resolution, cone->resolution, degrees_from_radians(cone->angle), got->pixel, got->object, got->entry,
+             got->exit, (unsigned long long)got->voxel, wanted->pixel, wanted->object, wanted->entry, wanted->exit,
+             (unsigned long long)wanted->voxel);
+}
+
+/* Fails where the pieces differ by a single bit. */
+static void assert_same_pieces(struct pair *pair, const struct cone *cone)
+{
+    struct layers got = pierce(pair->gl, cone);
+    struct layers wanted = pierce(pair->rays, cone);
+    for (size_t i = 0; i < got.count && i < wanted.count; i++) {
+        if (memcmp(&got.spans[i], &wanted.spans[i], sizeof *got.spans) != 0) {
+            fail_at(cone, &got.spans[i], &wanted.spans[i]);
+        }
+        pair->blocked += wanted.spans[i].object == VOLUME_BLOCKER;
+    }
+    assert_int_equal(got.count, wanted.count);
+    pair->spans += wanted.count;
+    layers_finish(&got);
+    layers_finish(&wanted);
+}
+
+/* Fails where the looks differ by a single bit. Returns how many pixels hit. */
+static size_t assert_same_look(struct pair *pair, const struct cone *cone)
+{
+    struct evidence got, wanted;
+    size_t pixels = (size_t)cone->resolution * cone->resolution;
+    size_t hits = 0;
+    assert_ok(evidence_init(&got, cone->resolution));
+    assert_ok(evidence_init(&wanted, cone->resolution));
+    assert_ok(pair->gl->functions->look(pair->gl, &got, cone));
+    assert_ok(pair->rays->functions->look(pair->rays, &wanted, cone));
+    assert_memory_equal(got.object, wanted.object, pixels * sizeof *got.object);
+    assert_memory_equal(got.distance, wanted.distance, pixels * sizeof *got.distance);
+    assert_memory_equal(got.voxel, wanted.voxel, pixels * sizeof *got.voxel);
+    for (size_t i = 0; i < pixels; i++) {
+        hits += wanted.object[i] != 0;
+    }
+    evidence_finish(&got);
+    evidence_finish(&wanted);
+    return hits;
+}
+
+static conus_atlas *grid_atlas(size_t edge, const uint32_t *labels)
+{
+    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "grid", .dim = {edge, edge, edge}, .slope = 1};
+    struct label_table table = {0};
+    struct notes notes = {0};
+    conus_atlas *atlas = NULL;
+    double world_from_voxel[16];
+    mat4_identity(world_from_voxel);
+    assert_ok(space_describe(&info, world_from_voxel, "a test"));
+    assert_ok(atlas_create(&atlas, &info, labels, &table, "a test", &notes));
+    notes_finish(&notes);
+    return atlas;
+}
+
+static void make_cylinder(struct cone *cone, double radius)
+{
+    cone->angle = 0;
+    cone->radius = radius;
+}
+
+static size_t compare_scenes(uint64_t random, int scenes, bool cylinders)
+{
+    size_t spans = 0;
+    for (int scene = 0; scene < scenes; scene++) {
+        conus_atlas *atlas = scene_atlas(&random, scene % 10 ? 24 : 70, scene % 4);
+        struct pair pair = pair_of(atlas);
+        for (int pose = 0; pose < 8; pose++) {
+            struct cone cone = scene_cone(&random, atlas);
+            if (cylinders) {
+                make_cylinder(&cone, test_random(&random, 0.01, 30));
+            }
+            assert_same_pieces(&pair, &cone);
+        }
+        spans += pair.spans;
+        pair_finish(&pair);
+        conus_atlas_destroy(atlas);
+    }
+    return spans;
+}
+
+/* Eq. 10: oblique, flipped, anisotropic and sheared grids, several volumes, apices inside, on faces and far away. */
+static void pieces_of_volumes_are_those_of_rays(void **state)
+{
+    (void)state;
+    assert_true(compare_scenes(71, 100, false) > 200000);
+}
+
+static void pieces_in_cylinders_are_those_of_rays(void **state)
+{
+    (void)state;
+    assert_true(compare_scenes(72, 40, true) > 50000);
+}
+
+/* Eq. 3, Eq. 5, Eq. 7: the visible part of cylinders. */
+static void looks_through_cylinders_are_those_of_rays(void **state)
+{
+    (void)state;
+    uint64_t random = 73;
+    size_t hits = 0;
+    for (int scene = 0; scene < 40; scene++) {
+        const struct engine_options options = {.sampling = scene % 2 ? CONUS_SLICES : CONUS_EXACT};
+        conus_atlas *atlas = scene_atlas(&random, 24, scene % 3);
+        struct pair pair = pair_with(atlas, options);
+        for (int pose = 0; pose < 8; pose++) {
+            struct cone cone = scene_cone(&random, atlas);
+            make_cylinder(&cone, test_random(&random, 0.01, 30));
+            hits += assert_same_look(&pair, &cone);
+        }
+        pair_finish(&pair);
+        conus_atlas_destroy(atlas);
+    }
+    assert_true(hits > 5000);
+}
+
+/* Grids of their own, voxels that block strewn over them. */
+static void add_blocking_context(conus_atlas *atlas, uint64_t *random)
+{
+    const size_t dim[3] = {9, 7, 8};
+    conus_volume_info info = scene_grid(random, dim);
+    float *values = memory_zeroed(9 * 7 * 8, sizeof *values);
+    assert_non_null(values);
+    for (size_t v = 0; v < 9 * 7 * 8; v++) {
+        values[v] = (float)test_random(random, 0, 1);
+    }
+    info.role = CONUS_CONTEXT;
+    info.threshold = 0.9;
+    assert_ok(atlas_set_context(atlas, &info, values));
+}
+
+static void what_blocks_has_pieces_too(void **state)
+{
+    (void)state;
+    uint64_t random = 74;
+    size_t blocked = 0;
+    for (int scene = 0; scene < 10; scene++) {
+        conus_atlas *atlas = scene_atlas(&random, 24, scene % 3);
+        add_blocking_context(atlas, &random);
+        struct pair pair = pair_of(atlas);
+        for (int pose = 0; pose < 8; pose++) {
+            struct cone cone = scene_cone(&random, atlas);
+            assert_same_pieces(&pair, &cone);
+        }
+        blocked += pair.blocked;
+        pair_finish(&pair);
+        conus_atlas_destroy(atlas);
+    }
+    assert_true(blocked > 500);
+}
+
+/* More pieces than a list on the device holds: the pixels are drawn in portions. */
+static void a_million_pieces_come_in_portions(void **state)
+{
+    (void)state;
+    enum { EDGE = 40, COUNT = EDGE * EDGE * EDGE };
+    static uint32_t labels[COUNT];
+    for (uint32_t i = 0; i < COUNT; i++) {
+        labels[i] = 1 + i; /* every cell is a piece */
+    }
+    conus_atlas *atlas = grid_atlas(EDGE, labels);
+    struct pair pair = pair_of(atlas);
+    struct cone cone = {.angle = radians_from_degrees(30), .resolution = 160};
+    assert_ok(conus_pose_toward(&cone.pose, (double[]){-60, 17, 25}, (double[]){19, 20, 21}, NULL));
+    assert_same_pieces(&pair, &cone);
+    assert_true(pair.spans > ((size_t)1 << 24) / sizeof(conus_span));
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+static void the_driver_was_silent(void **state)
+{
+    (void)state;
+    assert_int_equal(driver_messages, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pieces_of_volumes_are_those_of_rays),
+        cmocka_unit_test(pieces_in_cylinders_are_those_of_rays),
+        cmocka_unit_test(looks_through_cylinders_are_those_of_rays),
+        cmocka_unit_test(what_blocks_has_pieces_too),
+        cmocka_unit_test(a_million_pieces_come_in_portions),
+        cmocka_unit_test(the_driver_was_silent),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
