@@ -121,16 +121,20 @@ void census_walk(const struct region *region, const struct volume *volume, censu
     }
 }
 
-conus_status census_init(struct census *out, const conus_atlas *atlas)
+conus_status census_prepare(struct census *census, const conus_atlas *atlas)
 {
-    struct census census = {0};
-    census.counts = memory_zeroed(atlas->object_count + 1, sizeof *census.counts);
-    census.touched = memory_raw(atlas->object_count + 1, sizeof *census.touched);
-    if (!census.counts || !census.touched) {
-        census_finish(&census);
+    if (census->counts && census->object_count >= atlas->object_count) {
+        return CONUS_OK;
+    }
+    struct census larger = {.object_count = atlas->object_count};
+    larger.counts = memory_zeroed(atlas->object_count + 1, sizeof *larger.counts);
+    larger.touched = memory_raw(atlas->object_count + 1, sizeof *larger.touched);
+    if (!larger.counts || !larger.touched) {
+        census_finish(&larger);
         return CONUS_ERROR_MEMORY;
     }
-    *out = census;
+    census_finish(census);
+    *census = larger;
     return CONUS_OK;
 }
 
@@ -207,7 +211,6 @@ static void forget(struct census *census)
     }
     census->counts[0] = (struct census_count){0};
     census->touched_count = 0;
-    census->area_voxels = 0;
     census->area_mm3 = 0;
 }
 
@@ -225,8 +228,18 @@ void census_take(struct census *census, const conus_atlas *atlas, const struct r
     qsort(census->touched, census->touched_count, sizeof *census->touched, ascending);
     for (size_t i = 0; i < census->touched_count && census->touched[i] <= atlas->area_count; i++) {
         uint32_t area = census->touched[i];
-        census->area_voxels += census->counts[area].voxels;
         census->area_mm3 +=
             (double)census->counts[area].voxels * space_voxel_mm3(&atlas_object_volume(atlas, area)->info);
     }
+}
+
+void census_centroid(double out[3], const struct census *census, const conus_atlas *atlas, uint32_t object)
+{
+    const struct census_count *count = &census->counts[object];
+    const struct volume *volume = atlas_object_volume(atlas, object);
+    double index[3];
+    for (int a = 0; a < 3; a++) {
+        index[a] = volume->values ? count->moment[a] / count->value : (double)count->index[a] / (double)count->voxels;
+    }
+    mat4_point(out, volume->info.world_from_voxel, index);
 }

@@ -22,19 +22,23 @@ struct census_count {
     double moment[3];      /**< Sums of value times i, j, k.                                                */
 };
 
-/** Counts of all objects, kept between regions. */
+/** Counts of all objects, kept between regions, so that a query costs what it meets and not what the atlas has. */
 struct census {
     struct census_count *counts; /**< [object_count + 1]; [0]: voxels of the parcellation that are no object's. */
     uint32_t *touched;           /**< Objects with voxels, in ascending order; 0 is not among them.         */
     size_t touched_count;
-    uint64_t area_voxels; /**< Sum over all areas.                                                          */
-    double area_mm3;
+    double area_mm3; /**< Volume of all areas' voxels.                                                      */
+    size_t object_count;
 };
 
-conus_status census_init(struct census *out, const conus_atlas *atlas);
+/** Makes room for the objects of @p atlas; a zeroed census is ready for it. */
+conus_status census_prepare(struct census *census, const conus_atlas *atlas);
 void census_finish(struct census *census);
 
 /** Forgets the last region's counts and takes those of @p region. The context takes no part. */
 void census_take(struct census *census, const conus_atlas *atlas, const struct region *region);
+
+/** World position of the centroid of the voxels of @p object, weighted by value in a scalar volume. */
+void census_centroid(double out[3], const struct census *census, const conus_atlas *atlas, uint32_t object);
 
 #endif

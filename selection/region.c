@@ -11,14 +11,18 @@ static const double ROUNDING = 1e-12;
 void region_from_cone(struct region *out, const struct cone *cone)
 {
     const double *m = cone->pose.world_from_device;
-    *out = (struct region){.shape = REGION_CONE, .square = cone->aperture == CONUS_SQUARE, .far = INFINITY};
+    *out = (struct region){.shape = cone->radius > 0 ? REGION_CYLINDER : REGION_CONE,
+                           .square = cone->aperture == CONUS_SQUARE,
+                           .radius = cone->radius,
+                           .near = cone->range[0],
+                           .far = cone_has_range(cone) ? cone->range[1] : INFINITY};
     for (int a = 0; a < 3; a++) {
         out->right[a] = m[a];
         out->up[a] = m[4 + a];
         out->axis[a] = -m[8 + a];
         out->origin[a] = m[12 + a];
     }
-    out->slope = tan(cone->angle / 2);
+    out->slope = tan(cone->angle / 2); /* a cylinder's angle is 0 */
     out->sine = sin(cone->angle / 2);
     out->cosine = cos(cone->angle / 2);
 }

@@ -21,6 +21,7 @@ struct region {
     double near, far;                /**< Depth along the axis in mm, 0 or more; infinite where there is none. */
 };
 
+/** The cone with its range, or the cylinder. */
 void region_from_cone(struct region *out, const struct cone *cone);
 
 /** A ball of @p radius > 0 mm. */

@@ -163,7 +163,7 @@ static struct cell get_path(const conus_report *report, const struct report_row 
 
 static struct cell get_volume(const conus_report *report, const struct report_row *row)
 {
-    return of_layers(report, row, number(row->result.volume));
+    return report->selector.layers ? number(row->result.volume) : none();
 }
 
 static struct cell get_fraction(const conus_report *report, const struct report_row *row)
@@ -185,7 +185,8 @@ static struct cell get_max_value(const conus_report *report, const struct report
 
 static struct cell get_voxels(const conus_report *report, const struct report_row *row)
 {
-    return of_layers(report, row, integer(row->result.voxels));
+    bool in_grid = row->result.object || isfinite(row->result.volume);
+    return report->selector.layers && in_grid ? integer(row->result.voxels) : none();
 }
 
 static struct cell get_cone_fraction(const conus_report *report, const struct report_row *row)
@@ -247,7 +248,8 @@ static const struct report_column report_columns[] = {
     {"entry_mm", "mm", "nearest entry over all layers", get_entry, false},
     {"exit_mm", "mm", "farthest exit over all layers", get_exit, false},
     {"path_mm", "mm", "mean path length over its rays", get_path, false},
-    {"volume_mm3", "mm^3", "its volume inside the cone", get_volume, false},
+    {"volume_mm3", "mm^3", "its volume inside the cone; of unassigned, that of voxels that are no area's", get_volume,
+     false},
     {"fraction", NULL, "that volume as a part of its whole", get_fraction, false},
     {"mean_value", NULL, "mean value of a pathway's voxels in the cone", get_mean_value, false},
     {"max_value", NULL, "largest value of a pathway's voxels in the cone", get_max_value, false},

@@ -71,6 +71,7 @@ void conus_selector_destroy(conus_selector *selector)
     if (selector) {
         engine_destroy(selector->engine);
         tally_finish(&selector->tally);
+        census_finish(&selector->census);
         memory_free(selector->whole);
         memory_free(selector);
     }
@@ -156,17 +157,28 @@ static conus_status look(conus_selection *selection, struct engine *engine)
     return status;
 }
 
+static conus_status count_voxels(const conus_selection *selection, conus_selector *selector)
+{
+    conus_status status = selection->has_layers ? census_prepare(&selector->census, selector->atlas) : CONUS_OK;
+    if (!status && selection->has_layers) {
+        census_take(&selector->census, selector->atlas, &selection->region);
+    }
+    return status;
+}
+
 static conus_status answer(conus_selection *selection, conus_selector *selector)
 {
     conus_status status = evidence_init(&selection->evidence, selection->cone.resolution);
     status = status ? status : mark_cone(selection);
     status = status ? status : look(selection, selector->engine);
     status = status ? status : tally_prepare(&selector->tally, selector->atlas->object_count);
+    status = status ? status : count_voxels(selection, selector);
     if (!status) {
         const struct gathering gathering = {.atlas = selector->atlas,
                                             .cone = &selection->cone,
                                             .evidence = &selection->evidence,
                                             .layers = selection->has_layers ? &selection->layers : NULL,
+                                            .census = &selector->census,
                                             .whole = selector->whole};
         status = statistics_gather(&selection->statistics, &gathering, &selector->tally);
     }
@@ -198,6 +210,7 @@ conus_status conus_select(conus_selection **out, conus_selector *selector, const
     selection->sampling = options->sampling;
     selection->has_layers = options->layers == CONUS_ALL_LAYERS;
     selection->cone = cone;
+    region_from_cone(&selection->region, &cone);
     memcpy(selection->engine, selector->engine->name, sizeof selection->engine);
     status = answer(selection, selector);
     if (status) {

@@ -12,7 +12,8 @@ struct conus_selector {
     const struct score *score;
     struct engine *engine;
     struct tally tally; /**< Prepared for the atlas's objects. */
-    double *whole;      /**< [object_count + 1] Volumes of the objects, mm^3; with all layers. */
+    struct census census;
+    double *whole; /**< [object_count + 1] Volumes of the objects, mm^3; with all layers. */
 };
 
 struct conus_selection {
@@ -20,6 +21,7 @@ struct conus_selection {
     conus_sampling sampling;
     char engine[96];
     struct cone cone;
+    struct region region; /**< Where voxels are counted: the cone, or a ball. */
     struct evidence evidence;
     bool has_layers;
     struct layers layers; /**< Sorted, if has_layers. */

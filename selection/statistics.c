@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "selection/statistics.h"
 
+#include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
 
@@ -23,6 +24,18 @@ struct tallied {
     double entry, exit;
     double length; /* of all its spans' union, over all rays */
     double volume; /* of its meshes                          */
+    bool in_grid;  /* some of it is voxels,                  */
+    uint64_t voxels;
+    double mm3; /* of which these are in the cone         */
+    double value, maximum;
+    double moment[3];      /* sum of position times weight, that being the number of voxels or their values, */
+    double weight_in_grid; /* and the sum of the weights                 */
+};
+
+/* Of the whole cone. */
+struct totals {
+    double weight; /* of its pixels       */
+    double areas;  /* mm^3 of areas in it */
 };
 
 void statistics_finish(struct statistics *statistics)
@@ -171,27 +184,99 @@ static void add_spans(struct tally *tally, const struct gathering *gathering)
         uint32_t i = span->pixel % cone->resolution;
         uint32_t j = span->pixel / cone->resolution;
         if (cone_has_pixel(cone, i, j)) {
-            double weight = atlas_object_mesh(gathering->atlas, span->object) ? cone_weight(cone, i, j) : 0;
-            add_span(touch(tally, group_of(gathering, span->object)), span, cone, weight);
+            bool mesh = atlas_object_mesh(gathering->atlas, span->object);
+            struct tallied *object = touch(tally, group_of(gathering, span->object));
+            object->in_grid = object->in_grid || !mesh;
+            add_span(object, span, cone, mesh ? cone_weight(cone, i, j) : 0);
         }
+    }
+}
+
+static void add_count(struct tallied *to, const struct gathering *gathering, uint32_t number)
+{
+    const struct census_count *count = &gathering->census->counts[number];
+    const struct volume *volume = atlas_object_volume(gathering->atlas, number);
+    double weight = volume->values ? count->value : (double)count->voxels;
+    double centroid[3];
+    census_centroid(centroid, gathering->census, gathering->atlas, number);
+    vec3_add_scaled(to->moment, to->moment, weight, centroid);
+    to->weight_in_grid += weight;
+    to->maximum = to->in_grid ? fmax(to->maximum, count->maximum) : count->maximum;
+    to->value += count->value;
+    to->voxels += count->voxels;
+    to->mm3 += (double)count->voxels * space_voxel_mm3(&volume->info);
+    to->in_grid = true;
+}
+
+static void add_census(struct tally *tally, const struct gathering *gathering)
+{
+    const struct census *census = gathering->census;
+    const struct volume *parcellation = atlas_parcellation(gathering->atlas);
+    for (size_t i = 0; i < census->touched_count; i++) {
+        add_count(touch(tally, group_of(gathering, census->touched[i])), gathering, census->touched[i]);
+    }
+    if (parcellation) {
+        struct tallied *nothing = touch(tally, 0);
+        nothing->in_grid = true;
+        nothing->voxels += census->counts[0].voxels;
+        nothing->mm3 += (double)census->counts[0].voxels * space_voxel_mm3(&parcellation->info);
     }
 }
 
 /* ---- Results ------------------------------------------------------------------------------------------------ */
 
-static void describe_layers(conus_result *result, const struct tallied *object, const struct gathering *gathering,
-                            double total)
+/* mm^3 in the cone: of voxels by count, of meshes from the rays, for each of which `total` is the whole cone. */
+static double volume_of(const struct tallied *object, const struct gathering *gathering, double total)
 {
+    return object->mm3 + object->volume / total * cone_cross_section(gathering->cone);
+}
+
+/* Of all areas in the cone. */
+static double volume_of_areas(const struct tally *tally, const struct gathering *gathering, double total)
+{
+    double sum = 0;
+    for (size_t i = 0; i < tally->touched_count; i++) {
+        uint32_t number = tally->touched[i];
+        if (number && number <= gathering->atlas->area_count) {
+            sum += volume_of(&tally->objects[number], gathering, total);
+        }
+    }
+    return sum;
+}
+
+static void describe_voxels(conus_result *result, const struct tallied *object, bool pathway)
+{
+    result->voxels = object->voxels;
+    if (object->weight_in_grid > 0) {
+        vec3_scale(result->centroid, object->moment, 1 / object->weight_in_grid);
+    }
+    if (pathway) {
+        result->sum_value = object->value;
+    }
+    if (pathway && object->voxels) {
+        result->mean_value = object->value / (double)object->voxels;
+        result->max_value = object->maximum;
+    }
+}
+
+static void describe_layers(conus_result *result, const struct tallied *object, const struct gathering *gathering,
+                            const struct totals *totals)
+{
+    bool pathway = result->object > gathering->atlas->area_count;
     result->pierced = object->pierced;
     if (object->pierced) {
         result->entry = object->entry;
         result->exit = object->exit;
         result->path = object->length / object->pierced;
     }
-    if (object->volume > 0) {
-        result->volume = object->volume / total * cone_cross_section(gathering->cone);
-        result->fraction = result->volume / gathering->whole[result->object];
+    if (object->in_grid || object->volume > 0) {
+        result->volume = volume_of(object, gathering, totals->weight);
     }
+    if (result->object && result->volume >= 0) {
+        result->fraction = result->volume / gathering->whole[result->object];
+        result->cone_fraction = pathway || totals->areas == 0 ? NAN : result->volume / totals->areas;
+    }
+    describe_voxels(result, object, pathway);
 }
 
 static conus_result empty_result(uint32_t number)
@@ -206,12 +291,12 @@ static conus_result empty_result(uint32_t number)
 }
 
 static conus_result describe(uint32_t number, const struct tallied *object, const struct gathering *gathering,
-                             double total)
+                             const struct totals *totals)
 {
     const struct cone *cone = gathering->cone;
     conus_result result = empty_result(number);
     result.pixels = object->pixels;
-    result.share = object->weight / total;
+    result.share = object->weight / totals->weight;
     if (number && object->pixels) {
         result.center_px = object->radius * cone->resolution / 2;
         result.offset = atan(object->radius * tan(cone->angle / 2));
@@ -219,7 +304,7 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
         evidence_position(result.contact, gathering->evidence, cone, object->i, object->j);
     }
     if (gathering->layers) {
-        describe_layers(&result, object, gathering, total);
+        describe_layers(&result, object, gathering, totals);
     }
     return result;
 }
@@ -234,9 +319,11 @@ static int by_number(const void *a, const void *b)
 conus_status statistics_gather(struct statistics *out, const struct gathering *gathering, struct tally *tally)
 {
     touch(tally, 0);
-    double total = add_pixels(tally, gathering);
+    struct totals totals = {.weight = add_pixels(tally, gathering)};
     if (gathering->layers) {
         add_spans(tally, gathering);
+        add_census(tally, gathering);
+        totals.areas = volume_of_areas(tally, gathering, totals.weight);
     }
     size_t count = tally->touched_count;
     conus_result *results = memory_raw(count, sizeof *results);
@@ -244,7 +331,7 @@ conus_status statistics_gather(struct statistics *out, const struct gathering *g
         qsort(tally->touched, count, sizeof *tally->touched, by_number);
         for (size_t i = 0; i < count; i++) {
             uint32_t number = tally->touched[i];
-            results[i] = describe(number, &tally->objects[number], gathering, total);
+            results[i] = describe(number, &tally->objects[number], gathering, &totals);
         }
         *out = (struct statistics){results, count};
     }

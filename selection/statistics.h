@@ -3,6 +3,7 @@
 #ifndef CONUS_SELECTION_STATISTICS_H
 #define CONUS_SELECTION_STATISTICS_H
 
+#include "selection/census.h"
 #include "selection/layers.h"
 
 struct statistics {
@@ -32,13 +33,15 @@ struct gathering {
     const struct cone *cone;
     const struct evidence *evidence;
     const struct layers *layers; /**< Sorted; NULL = visible only.                                     */
+    const struct census *census; /**< Of the cone's voxels; with layers.                               */
     const double *whole;         /**< [object_count + 1] Whole volumes of the objects, with layers, mm^3.  */
     const uint32_t *group;       /**< [object_count + 1] As what each object is reported; NULL = itself. */
 };
 
 /** Gathers pixels, share (Eq. 4), nearest distance, smallest offset and contact (Eq. 11) of each object that an
- * in-cone pixel met first, and with layers pierced pixels, entry, exit and path length, and of meshes volume and
- * fraction (Eq. 10). @p tally is prepared for the atlas's objects. */
+ * in-cone pixel met first, and with layers pierced pixels, entry, exit and path length, and what lies in the cone,
+ * by the census or, of meshes, by rays (Eq. 10): objects with a voxel there have a result even if no ray meets them. @p
+ * tally is prepared for the atlas's objects. */
 conus_status statistics_gather(struct statistics *out, const struct gathering *gathering, struct tally *tally);
 
 /** World position of the contact of pixel column @p i, row @p j: the ray's origin + distance x ray. */

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The census of Eq. 10: the fast walk finds the voxels of the predicate, each once and in order. */
+#include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "scene.h"
-#include "selection/census.h"
+#include "selection/selection.h"
 #include "test.h"
 
 #include <string.h>
@@ -100,10 +101,129 @@ static void test_walk_is_predicate(void **unused)
     assert_true(found > 1000000);
 }
 
+/* ---- What the voxels add up to ------------------------------------------------------------------------------ */
+
+struct sums {
+    uint64_t voxels;
+    double value, maximum, weight, moment[3];
+};
+
+static void add_voxel(struct sums *sum, const double point[3], double value, double weight)
+{
+    sum->maximum = sum->voxels ? fmax(sum->maximum, value) : value;
+    sum->voxels++;
+    sum->value += value;
+    sum->weight += weight;
+    vec3_add_scaled(sum->moment, sum->moment, weight, point);
+}
+
+/* One voxel after the other, nothing left out: [object_count + 1], [0] the background of the parcellation. */
+static void sum_up(struct sums *sums, const conus_atlas *atlas, const struct region *region)
+{
+    for (size_t v = 0; v < atlas->volume_count; v++) {
+        const struct volume *volume = &atlas->volumes[v];
+        const size_t *dim = volume->info.dim;
+        for (size_t voxel = 0; voxel < volume->voxel_count; voxel++) {
+            uint32_t object = volume_object(volume, voxel);
+            double value = volume->values ? (double)volume->values[voxel] : 0;
+            double p[3] = {(double)(voxel % dim[0]), (double)(voxel / dim[0] % dim[1]),
+                           (double)(voxel / dim[0] / dim[1])};
+            mat4_point(p, volume->info.world_from_voxel, p);
+            if (region_has(region, p) && (object || v == 0)) {
+                add_voxel(&sums[object], p, value, volume->values ? value : 1);
+            }
+        }
+    }
+}
+
+static double area_mm3(const struct sums *sums, const conus_atlas *atlas)
+{
+    double mm3 = 0;
+    for (size_t area = 1; area <= atlas->area_count; area++) {
+        mm3 += (double)sums[area].voxels * space_voxel_mm3(&atlas->volumes[0].info);
+    }
+    return mm3;
+}
+
+static void check_pathway(const conus_result *result, const struct sums *sum)
+{
+    assert_near(result->sum_value, sum->value, 1e-9 * sum->value);
+    assert_true(isnan(result->cone_fraction));
+    if (sum->voxels) {
+        assert_near(result->mean_value, sum->value / (double)sum->voxels, 1e-9);
+        assert_near(result->max_value, sum->maximum, 0);
+    } else {
+        assert_true(isnan(result->mean_value) && isnan(result->max_value));
+    }
+}
+
+static void check_result(const conus_result *result, const struct sums *sum, const conus_atlas *atlas, double areas)
+{
+    const conus_object *object = &atlas->objects[result->object - 1];
+    assert_int_equal(result->voxels, sum->voxels);
+    double mm3 = (double)sum->voxels * space_voxel_mm3(&atlas_object_volume(atlas, result->object)->info);
+    assert_near(result->volume, mm3, 1e-12 * mm3);
+    assert_near(result->fraction, (double)sum->voxels / (double)object->voxels, 1e-12);
+    for (int a = 0; a < 3 && sum->voxels; a++) {
+        assert_near(result->centroid[a], sum->moment[a] / sum->weight, 1e-9);
+    }
+    if (object->kind == CONUS_PATHWAY) {
+        check_pathway(result, sum);
+    } else {
+        assert_true(isnan(result->sum_value) && isnan(result->mean_value) && isnan(result->max_value));
+        assert_true(areas > 0 ? fabs(result->cone_fraction - mm3 / areas) < 1e-12 : isnan(result->cone_fraction));
+    }
+}
+
+static void check_selection(const conus_selection *selection, const conus_atlas *atlas)
+{
+    struct sums *sums = memory_zeroed(atlas->object_count + 1, sizeof *sums);
+    assert_non_null(sums);
+    sum_up(sums, atlas, &selection->region);
+    double areas = area_mm3(sums, atlas);
+    size_t count = conus_selection_count(selection);
+    for (size_t i = 0; i + 1 < count; i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        check_result(result, &sums[result->object], atlas, areas);
+        sums[result->object].voxels = 0;
+    }
+    assert_int_equal(conus_selection_result(selection, count - 1)->voxels, sums[0].voxels);
+    for (size_t object = 1; object <= atlas->object_count; object++) {
+        assert_int_equal(sums[object].voxels, 0); /* whatever has a voxel in the cone has a row */
+    }
+    memory_free(sums);
+}
+
+static void test_results_are_sums_over_voxels(void **unused)
+{
+    (void)unused;
+    uint64_t state = 2;
+    for (int scene = 0; scene < 60; scene++) {
+        conus_atlas *atlas = scene_atlas(&state, 16, scene % 3);
+        conus_selector *selector = NULL;
+        const conus_selector_options options = {.layers = CONUS_ALL_LAYERS,
+                                                .resolution = 4,
+                                                .aperture = (conus_aperture)(scene % 2),
+                                                .radius = scene % 5 ? 0 : 3,
+                                                .range = {0, scene % 4 ? 0 : 15}};
+        assert_ok(conus_selector_create(&selector, atlas, &options));
+        for (int i = 0; i < 10; i++) {
+            conus_selection *selection = NULL;
+            conus_pose pose = scene_pose(&state, atlas);
+            assert_ok(conus_select(&selection, selector, &pose, scene % 5 ? random_angle(&state) : 0));
+            check_selection(selection, atlas);
+            conus_selection_destroy(selection);
+        }
+        conus_selector_destroy(selector);
+        conus_atlas_destroy(atlas);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_walk_is_predicate),
+        cmocka_unit_test(test_results_are_sums_over_voxels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
