@@ -223,7 +223,8 @@ static void rotate_about_diagonal(double m[16], double angle)
 static conus_status make_grid(conus_volume_info *out, const char *name, const conus_phantom_options *options,
                               double edge)
 {
-    conus_volume_info grid = {.role = CONUS_PARCELLATION, .path = name, .volume_count = 1, .slope = 1};
+    conus_volume_info grid = {
+        .role = CONUS_PARCELLATION, .path = name, .volume_count = 1, .slope = 1, .space_code = SPACE_SCANNER};
     double m[16];
     double middle[3];
     rotate_about_diagonal(m, options->oblique);

@@ -5,6 +5,8 @@
 
 #include "base/status.h"
 
+enum { SPACE_SCANNER = 1 }; /**< NIfTI's code of a scanner's own space. */
+
 /** Checks @p world_from_voxel (finite, not singular) and derives info's spacing and orientation from it.
  * The error names @p transform, the words for where the matrix comes from. */
 conus_status space_describe(conus_volume_info *info, const double world_from_voxel[16], const char *transform);

@@ -87,6 +87,7 @@ static conus_status read_placement(struct volume_header *header, const uint8_t *
                       -(double)header->info.dim[2] / 2};
     mat4_direction(half, world, half);
     vec3_add_scaled(world + 12, half, 1, centre);
+    header->info.space_code = SPACE_SCANNER;
     return space_describe(&header->info, world, good ? "direction cosines and c_ras" : "none: FreeSurfer's default");
 }
 

@@ -174,5 +174,8 @@ conus_status nifti_place(conus_volume_info *info, const struct nifti_placement *
     for (int i = 0; i < 16; i++) {
         world[i] *= i % 4 < 3 ? mm : 1;
     }
+    info->space_code = placement->sform_code > 0   ? placement->sform_code
+                       : placement->qform_code > 0 ? placement->qform_code
+                                                   : 0;
     return space_describe(info, world, words);
 }

@@ -7,9 +7,10 @@
 #include <libdeflate.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 enum { HEADER = 352, EDGE_LIMIT = 32767, GZIP_LEVEL = 6 };
-enum { INTENT_NONE = 0, INTENT_LABEL = 1002, UNITS_MM = 2 };
+enum { INTENT_NONE = 0, INTENT_LABEL = 1002, UNITS_MM = 2, CODE_ALIGNED = 2 };
 
 struct datatype {
     uint32_t limit;
@@ -17,7 +18,20 @@ struct datatype {
     int code;
 };
 
-static const struct datatype datatypes[] = {{UINT8_MAX, 1, 2}, {UINT16_MAX, 2, 512}, {UINT32_MAX, 4, 768}};
+static const struct datatype datatypes[] = {[CONUS_UINT8] = {UINT8_MAX, 1, 2},
+                                            [CONUS_UINT16] = {UINT16_MAX, 2, 512},
+                                            [CONUS_UINT32] = {UINT32_MAX, 4, 768},
+                                            [CONUS_FLOAT32] = {0, 4, 16}};
+
+/* What the header is made of. */
+struct heading {
+    const size_t *dim;
+    const double *world_from_voxel;
+    int code; /* of the space */
+    int intent;
+    const struct datatype *type;
+    const char *description;
+};
 
 static void put(uint8_t *at, uint32_t value, size_t size)
 {
@@ -34,17 +48,18 @@ static void put_float(uint8_t *at, double value)
     put(at, bits, sizeof bits);
 }
 
-static conus_status check_grid(const conus_volume_info *info)
+static conus_status check_grid(const struct heading *heading)
 {
     for (int axis = 0; axis < 3; axis++) {
-        if (info->dim[axis] < 1 || info->dim[axis] > EDGE_LIMIT) {
-            return fail(CONUS_ERROR_ARGUMENT, "NIfTI-1: dim[%d]: %zu, allowed is 1 to %d", axis + 1, info->dim[axis],
+        if (heading->dim[axis] < 1 || heading->dim[axis] > EDGE_LIMIT) {
+            return fail(CONUS_ERROR_ARGUMENT, "NIfTI-1: dim[%d]: %zu, allowed is 1 to %d", axis + 1, heading->dim[axis],
                         EDGE_LIMIT);
         }
     }
     for (int i = 0; i < 16; i++) {
-        if (!isfinite((float)info->world_from_voxel[i])) {
-            return fail(CONUS_ERROR_ARGUMENT, "NIfTI-1: srow: %g, a finite float is needed", info->world_from_voxel[i]);
+        if (!isfinite((float)heading->world_from_voxel[i])) {
+            return fail(CONUS_ERROR_ARGUMENT, "NIfTI-1: srow: %g, a finite float is needed",
+                        heading->world_from_voxel[i]);
         }
     }
     return CONUS_OK;
@@ -109,32 +124,44 @@ static void put_qform(uint8_t *header, const double m[16], int code)
     }
 }
 
-static void put_header(uint8_t *header, const conus_volume_info *info, const struct datatype *type, int intent,
-                       int code)
+static void put_header(uint8_t *header, const struct heading *heading)
 {
-    const double *m = info->world_from_voxel;
+    const double *m = heading->world_from_voxel;
     put(header, 348, 4);
     put(header + 40, 3, 2);
     for (int axis = 0; axis < 7; axis++) {
-        put(header + 42 + 2 * axis, axis < 3 ? (uint32_t)info->dim[axis] : 1, 2);
+        put(header + 42 + 2 * axis, axis < 3 ? (uint32_t)heading->dim[axis] : 1, 2);
         put_float(header + 80 + 4 * axis, axis < 3 ? vec3_length(m + 4 * axis) : 1);
     }
-    put(header + 68, (uint32_t)intent, 2);
-    put(header + 70, (uint32_t)type->code, 2);
-    put(header + 72, (uint32_t)type->size * 8, 2);
+    put(header + 68, (uint32_t)heading->intent, 2);
+    put(header + 70, (uint32_t)heading->type->code, 2);
+    put(header + 72, (uint32_t)heading->type->size * 8, 2);
     put_float(header + 76, 1);
     put_float(header + 108, HEADER);
     put_float(header + 112, 1);
     header[123] = UNITS_MM;
-    snprintf((char *)header + 148, 80, "conus %s", conus_version());
-    put_qform(header, m, code);
-    put(header + 254, (uint32_t)code, 2);
+    snprintf((char *)header + 148, 80, "%s", heading->description);
+    put_qform(header, m, heading->code);
+    put(header + 254, (uint32_t)heading->code, 2);
     for (int row = 0; row < 3; row++) {
         for (int column = 0; column < 4; column++) {
             put_float(header + 280 + 16 * row + 4 * column, m[4 * column + row]);
         }
     }
     memcpy(header + 344, "n+1", 4);
+}
+
+/* A file of a checked grid with its header, and zeros for voxels. */
+static conus_status start_file(struct bytes *out, const struct heading *heading)
+{
+    struct bytes file = {.size = HEADER + heading->dim[0] * heading->dim[1] * heading->dim[2] * heading->type->size};
+    file.data = memory_zeroed(file.size, 1);
+    if (!file.data) {
+        return CONUS_ERROR_MEMORY;
+    }
+    put_header(file.data, heading);
+    *out = file;
+    return CONUS_OK;
 }
 
 static const struct datatype *narrowest(const uint32_t *labels, size_t count)
@@ -153,22 +180,24 @@ static const struct datatype *narrowest(const uint32_t *labels, size_t count)
 static conus_status format_numbers(struct bytes *out, const conus_volume_info *info, const uint32_t *labels, int intent,
                                    int code)
 {
-    conus_status status = check_grid(info);
+    struct heading heading = {.dim = info->dim,
+                              .world_from_voxel = info->world_from_voxel,
+                              .code = code,
+                              .intent = intent,
+                              .description = "conus " CONUS_VERSION};
+    conus_status status = check_grid(&heading);
     if (status) {
         return status;
     }
-    size_t count = info->dim[0] * info->dim[1] * info->dim[2];
-    const struct datatype *type = narrowest(labels, count);
-    struct bytes file = {.size = HEADER + count * type->size};
-    file.data = memory_zeroed(file.size, 1);
-    if (!file.data) {
-        return CONUS_ERROR_MEMORY;
+    heading.type = narrowest(labels, info->dim[0] * info->dim[1] * info->dim[2]);
+    status = start_file(out, &heading);
+    if (status) {
+        return status;
     }
-    put_header(file.data, info, type, intent, code);
-    for (size_t i = 0; i < count; i++) {
-        put(file.data + HEADER + i * type->size, labels[i], type->size);
+    size_t size = heading.type->size;
+    for (size_t i = 0; i < (out->size - HEADER) / size; i++) {
+        put(out->data + HEADER + i * size, labels[i], size);
     }
-    *out = file;
     return CONUS_OK;
 }
 
@@ -197,4 +226,59 @@ conus_status gzip_format(struct bytes *out, const void *data, size_t size)
     }
     *out = packed;
     return CONUS_OK;
+}
+
+static uint32_t bits_at(const conus_grid *grid, size_t i)
+{
+    switch (grid->size) {
+    case 1:
+        return ((const uint8_t *)grid->data)[i];
+    case 2:
+        return ((const uint16_t *)grid->data)[i];
+    default:
+        return ((const uint32_t *)grid->data)[i];
+    }
+}
+
+conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid)
+{
+    const conus_grid_view *view = &grid->view;
+    const struct heading heading = {.dim = view->dim,
+                                    .world_from_voxel = view->world_from_voxel,
+                                    .code = view->space_code <= INT16_MAX ? view->space_code : CODE_ALIGNED,
+                                    .intent = grid->labels ? INTENT_LABEL : INTENT_NONE,
+                                    .type = &datatypes[view->number],
+                                    .description = view->description};
+    conus_status status = check_grid(&heading);
+    status = status ? status : start_file(out, &heading);
+    for (size_t i = 0; !status && i < view->count; i++) {
+        put(out->data + HEADER + i * grid->size, bits_at(grid, i), grid->size);
+    }
+    return status;
+}
+
+static bool ends(const char *path, const char *ending)
+{
+    size_t length = strlen(path);
+    size_t wanted = strlen(ending);
+    return length > wanted && strcasecmp(path + length - wanted, ending) == 0;
+}
+
+conus_status conus_grid_write(const conus_grid *grid, const char *path)
+{
+    struct bytes file = {0};
+    struct bytes packed = {0};
+    if (!ends(path, ".nii") && !ends(path, ".nii.gz")) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: a volume's name ends in .nii or .nii.gz", path);
+    }
+    conus_status status = nifti_format_grid(&file, grid);
+    status = status ? fail_in(status, path) : CONUS_OK;
+    if (!status && ends(path, ".gz")) {
+        status = gzip_format(&packed, file.data, file.size);
+    }
+    const struct bytes *content = packed.data ? &packed : &file;
+    status = status ? status : file_write(path, content->data, content->size);
+    bytes_finish(&packed);
+    bytes_finish(&file);
+    return status;
 }

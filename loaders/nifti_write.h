@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Volumes of unsigned integers as NIfTI-1 (nifti1.h, https://nifti.nimh.nih.gov/nifti-1). */
+/** @file Volumes as NIfTI-1 (nifti1.h, https://nifti.nimh.nih.gov/nifti-1). */
 #ifndef CONUS_LOADERS_NIFTI_WRITE_H
 #define CONUS_LOADERS_NIFTI_WRITE_H
 
+#include "atlas/grid.h"
 #include "base/file.h"
 
 /** Writes @p labels (one per voxel of @p info, i fastest) as a little-endian single file in the narrowest of uint8,
@@ -14,6 +15,9 @@ conus_status nifti_format_labels(struct bytes *out, const conus_volume_info *inf
 
 /** The same without intent, for values that are no labels. */
 conus_status nifti_format_values(struct bytes *out, const conus_volume_info *info, const uint32_t *values, int code);
+
+/** The numbers of @p grid in their own type; otherwise the same, with the grid's code and description. */
+conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid);
 
 /** Packs as one gzip member without name or time. @p out is the caller's to finish. */
 conus_status gzip_format(struct bytes *out, const void *data, size_t size);

@@ -2,6 +2,7 @@
 /* The brain phantom as files: surfaces, two volumes and the manifest that joins them. */
 #include "atlas/palette.h"
 #include "atlas/phantom_brain.h"
+#include "atlas/space.h"
 #include "base/buffer.h"
 #include "base/math3.h"
 #include "base/memory.h"
@@ -12,7 +13,6 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { CODE_SCANNER = 1 };
 
 static void surface_name(char out[64], size_t index)
 {
@@ -52,7 +52,7 @@ static conus_status write_volume(const char *folder, const char *name, uint16_t 
         mat4_point(world, grid.world_from_voxel, world);
         values[i] = value(world);
     }
-    status = status ? status : nifti_format_values(&file, &grid, values, CODE_SCANNER);
+    status = status ? status : nifti_format_values(&file, &grid, values, SPACE_SCANNER);
     status = status ? status : gzip_format(&packed, file.data, file.size);
     struct buffer bytes = {.data = (char *)packed.data, .size = packed.size};
     status = status ? status : phantom_write_file(folder, name, &bytes);

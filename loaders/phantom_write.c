@@ -2,6 +2,7 @@
 /* conus_phantom_write(): a drawing as the files that any other program reads, and the truth behind it. */
 #include "loaders/phantom_write.h"
 #include "atlas/phantom.h"
+#include "atlas/space.h"
 #include "base/buffer.h"
 #include "base/file.h"
 #include "base/math3.h"
@@ -11,7 +12,6 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { CODE_SCANNER = 1 };
 
 /* The columns of a BIDS _dseg.tsv. */
 static void append_table(struct buffer *out, const struct phantom *phantom)
@@ -137,7 +137,7 @@ static conus_status write_volume(const char *folder, const struct phantom_drawin
 {
     struct bytes file = {0};
     struct bytes packed = {0};
-    conus_status status = nifti_format_labels(&file, &drawing->grid, drawing->labels, CODE_SCANNER);
+    conus_status status = nifti_format_labels(&file, &drawing->grid, drawing->labels, SPACE_SCANNER);
     status = status ? status : gzip_format(&packed, file.data, file.size);
     const struct buffer content = {.data = (char *)packed.data, .size = packed.size};
     status = status ? status : write_beside(folder, drawing->phantom->info.name, ".nii.gz", &content);

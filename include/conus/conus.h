@@ -59,6 +59,7 @@ typedef struct conus_selection conus_selection;     /**< The answer to one query
 typedef struct conus_report conus_report;           /**< Answers collected for writing.                       */
 typedef struct conus_renderer conus_renderer;       /**< GL objects of one atlas, for pictures.               */
 typedef struct conus_image conus_image;             /**< Named float and uint32 channels of one picture.      */
+typedef struct conus_grid conus_grid;               /**< Numbers on an atlas's voxel grid, to be written.     */
 
 /* ---- Status ----------------------------------------------------------------------------------------------- */
 
@@ -156,6 +157,7 @@ typedef struct conus_volume_info {
     double spacing[3];           /**< Edge lengths of a voxel in mm.                                           */
     char orientation[4];         /**< Towards which i, j, k grow: "RAS", "LPI".                                */
     char transform[96];          /**< Where world_from_voxel comes from: "sform, code 4 (MNI 152)".            */
+    int space_code;              /**< NIfTI's code of the space that it maps to, 4 for MNI 152; 0 if unknown.  */
     double slope, intercept;     /**< Of the stored values; 1 and 0 if unscaled.                               */
     double minimum, maximum;     /**< Of the scaled values.                                                    */
     double threshold;            /**< Of a pathway, or of a context that blocks; else 0.                       */
@@ -392,6 +394,44 @@ CONUS_CHECKED conus_status conus_report_voxels(conus_report *report, const char 
 /** The JSON sidecar: columns, units, space, atlas files with SHA-256, settings, version. Borrowed likewise. */
 CONUS_CHECKED conus_status conus_report_sidecar(conus_report *report, const char **text, size_t *size);
 CONUS_API void conus_report_destroy(conus_report *report);
+
+/* ---- Masks ------------------------------------------------------------------------------------------------ */
+
+typedef enum conus_grid_content {
+    CONUS_MASK_OF_AREAS = 0, /**< 1 in every area's voxels in the region.                                      */
+    CONUS_MASK_OF_REGION,    /**< 1 in all voxels in the region, background too.                                */
+    CONUS_MAP_OF_LABELS,     /**< The atlas's own labels of the areas' voxels in the region.                    */
+    CONUS_MAP_OF_VALUES      /**< A pathway's values in the region, on the pathway's grid.                      */
+} conus_grid_content;
+
+typedef struct conus_grid_options {
+    conus_grid_content content;
+    uint32_t object; /**< Only this object and those below it in the area tree; 0 = all. A map of values needs a
+                          pathway here, unless there is only one; a mask of one is made with it, too.           */
+} conus_grid_options;
+
+/** The voxels with their centre in a selection's cone, cylinder or ball (Eq. 10), hidden or not, on the grid of the
+ * parcellation, or else of the pathway. CONUS_ERROR_ARGUMENT where there is no such grid or object. */
+CONUS_CHECKED conus_status conus_selection_grid(conus_grid **out, const conus_selection *selection,
+                                                const conus_grid_options *options);
+
+typedef enum conus_number { CONUS_UINT8 = 0, CONUS_UINT16, CONUS_UINT32, CONUS_FLOAT32 } conus_number;
+
+typedef struct conus_grid_view {
+    size_t dim[3];
+    double world_from_voxel[16];
+    int space_code; /**< NIfTI's, as the atlas's.                                                               */
+    conus_number number;
+    const void *data; /**< [count] numbers, i fastest; 0 outside of the selection.                              */
+    uint64_t count;
+    const char *description; /**< One line.                                                                     */
+} conus_grid_view;
+
+/** What is on the grid. Borrowed. */
+CONUS_API conus_grid_view conus_grid_look(const conus_grid *grid);
+/** Writes NIfTI-1, .nii or .nii.gz by ending: whole or not at all, the same bytes for the same grid. */
+CONUS_CHECKED conus_status conus_grid_write(const conus_grid *grid, const char *path);
+CONUS_API void conus_grid_destroy(conus_grid *grid);
 
 /* ---- Pictures --------------------------------------------------------------------------------------------- */
 

@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus_selection_grid(): the voxels of a selection's region on their own grid. */
+#include "atlas/grid.h"
+#include "base/memory.h"
+#include "selection/selection.h"
+
+#include <stdio.h>
+
+struct mask {
+    const conus_atlas *atlas;
+    const struct volume *volume;
+    conus_grid_content content;
+    bool *wanted; /* [object_count + 1] which objects count */
+    conus_grid *grid;
+};
+
+static conus_status find_pathway(const struct volume **out, const conus_atlas *atlas, const char *what)
+{
+    size_t count = atlas->object_count - atlas->area_count;
+    if (count != 1) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: found %zu pathways, name one of them", what, count);
+    }
+    *out = atlas_object_volume(atlas, (uint32_t)atlas->object_count);
+    return CONUS_OK;
+}
+
+static conus_status find_volume(const struct volume **out, const conus_atlas *atlas, const conus_grid_options *options)
+{
+    const conus_object *object = conus_atlas_object(atlas, options->object);
+    if (options->object && !object) {
+        return fail(CONUS_ERROR_ARGUMENT, "object: %u, allowed is up to %zu", options->object, atlas->object_count);
+    }
+    if (object && object->kind == CONUS_PATHWAY) {
+        *out = atlas_object_volume(atlas, options->object);
+        return CONUS_OK;
+    }
+    if (options->content == CONUS_MAP_OF_VALUES) {
+        return object ? fail(CONUS_ERROR_ARGUMENT, "map of values: %s is an area, a pathway is needed", object->name)
+                      : find_pathway(out, atlas, "map of values");
+    }
+    *out = atlas_parcellation(atlas);
+    return *out ? CONUS_OK : find_pathway(out, atlas, "mask of an atlas without labelled voxels");
+}
+
+/* Whether `number` is `ancestor` or below it. */
+static bool is_below(const conus_atlas *atlas, uint32_t number, uint32_t ancestor)
+{
+    while (number && number != ancestor) {
+        number = atlas->objects[number - 1].parent;
+    }
+    return number;
+}
+
+static conus_status choose_objects(struct mask *mask, uint32_t object)
+{
+    bool found = mask->content == CONUS_MASK_OF_REGION;
+    mask->wanted = memory_zeroed(mask->atlas->object_count + 1, sizeof *mask->wanted);
+    if (!mask->wanted) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (uint32_t number = 1; number <= mask->atlas->object_count; number++) {
+        if (!object || is_below(mask->atlas, number, object)) {
+            mask->wanted[number] = true;
+            found = found || atlas_object_volume(mask->atlas, number) == mask->volume;
+        }
+    }
+    return found ? CONUS_OK
+                 : fail(CONUS_ERROR_ARGUMENT, "mask: %s has no voxels",
+                        object ? mask->atlas->objects[object - 1].name : "the atlas");
+}
+
+static conus_number number_of_labels(const struct mask *mask)
+{
+    uint32_t most = 0;
+    for (size_t i = 0; i < mask->atlas->object_count; i++) {
+        most = mask->wanted[i + 1] && mask->atlas->objects[i].label > most ? mask->atlas->objects[i].label : most;
+    }
+    return most <= UINT8_MAX ? CONUS_UINT8 : most <= UINT16_MAX ? CONUS_UINT16 : CONUS_UINT32;
+}
+
+static void put_label(conus_grid *grid, size_t voxel, uint32_t label)
+{
+    switch (grid->view.number) {
+    case CONUS_UINT8:
+        ((uint8_t *)grid->data)[voxel] = (uint8_t)label;
+        break;
+    case CONUS_UINT16:
+        ((uint16_t *)grid->data)[voxel] = (uint16_t)label;
+        break;
+    default:
+        ((uint32_t *)grid->data)[voxel] = label;
+    }
+}
+
+static void fill_row(void *user, const struct volume *volume, const size_t at[3], size_t count)
+{
+    struct mask *mask = user;
+    const size_t *dim = volume->info.dim;
+    size_t first = at[0] + dim[0] * (at[1] + dim[1] * at[2]);
+    for (size_t voxel = first; voxel < first + count; voxel++) {
+        uint32_t number = volume_object(volume, voxel);
+        if (mask->content == CONUS_MASK_OF_REGION) {
+            put_label(mask->grid, voxel, 1);
+        } else if (mask->wanted[number] && mask->content == CONUS_MAP_OF_VALUES) {
+            ((float *)mask->grid->data)[voxel] = volume->values[voxel];
+        } else if (mask->wanted[number]) {
+            bool labels = mask->content == CONUS_MAP_OF_LABELS;
+            put_label(mask->grid, voxel, labels ? mask->atlas->objects[number - 1].label : 1);
+        }
+    }
+}
+
+static conus_status start_grid(struct mask *mask, const struct region *region)
+{
+    static const char *const contents[] = {"mask of areas", "mask of everything", "labels of areas",
+                                           "values of a pathway"};
+    static const char *const shapes[] = {"cone", "cylinder", "ball"};
+    static const char *const square_shapes[] = {"square pyramid", "square rod", "ball"};
+    char words[80];
+    snprintf(words, sizeof words, "conus " CONUS_VERSION ": %s in a %s", contents[mask->content],
+             (region->square ? square_shapes : shapes)[region->shape]);
+    conus_number number = mask->content == CONUS_MAP_OF_VALUES   ? CONUS_FLOAT32
+                          : mask->content == CONUS_MAP_OF_LABELS ? number_of_labels(mask)
+                                                                 : CONUS_UINT8;
+    conus_status status = grid_create(&mask->grid, &mask->volume->info, number, words);
+    if (!status) {
+        mask->grid->labels = mask->content == CONUS_MAP_OF_LABELS;
+    }
+    return status;
+}
+
+conus_status conus_selection_grid(conus_grid **out, const conus_selection *selection, const conus_grid_options *options)
+{
+    const conus_grid_options defaults = {0};
+    options = options ? options : &defaults;
+    struct mask mask = {.atlas = selection->atlas, .content = options->content};
+    conus_status status = find_volume(&mask.volume, selection->atlas, options);
+    status = status ? status : choose_objects(&mask, options->object);
+    status = status ? status : start_grid(&mask, &selection->region);
+    if (!status) {
+        census_walk(&selection->region, mask.volume, fill_row, &mask);
+        *out = mask.grid;
+    }
+    memory_free(mask.wanted);
+    return status;
+}
