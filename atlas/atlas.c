@@ -137,16 +137,15 @@ static conus_status append_mesh(conus_atlas *atlas, struct mesh *mesh)
 
 conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct mesh *mesh)
 {
-    struct mesh_shape shape;
     conus_object copy = *area;
     if (atlas->object_count > atlas->area_count) {
         return fail(CONUS_ERROR_ARGUMENT, "area %u: areas are added before pathways", area->label);
     }
-    conus_status status = mesh_measure(&shape, mesh);
+    conus_status status = mesh_measure(&mesh->shape, mesh);
     if (!status) {
         copy.kind = CONUS_AREA;
         copy.triangles = mesh->triangle_count;
-        copy.volume_mm3 = shape.closed ? fabs(shape.volume_mm3) : 0;
+        copy.volume_mm3 = mesh->shape.closed ? fabs(mesh->shape.volume_mm3) : 0;
         status = atlas_append_object(atlas, &copy, (struct object_place){true, atlas->mesh_count});
     }
     if (!status) {

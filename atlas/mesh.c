@@ -254,7 +254,8 @@ conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh)
     return CONUS_OK;
 }
 
-double mesh_distance(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3])
+double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const double origin[3],
+                     const double direction[3])
 {
     double p[3][3], normal[3];
     double nearest = INFINITY;
@@ -270,8 +271,16 @@ double mesh_distance(const struct mesh *mesh, size_t triangle, const double orig
     vec3_sub(p[1], p[1], p[0]);
     vec3_sub(p[2], p[2], p[0]);
     vec3_cross(normal, p[1], p[2]);
-    double t = vec3_dot(normal, p[0]) / vec3_dot(normal, direction);
+    double slope = vec3_dot(normal, direction);
+    double t = vec3_dot(normal, p[0]) / slope;
+    *side = (slope < 0) - (slope > 0);
     return fmin(fmax(t, nearest), farthest); /* nearest, where the ray runs in the plane and t is no number */
+}
+
+double mesh_distance(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3])
+{
+    int side;
+    return mesh_crossing(&side, mesh, triangle, origin, direction);
 }
 
 void mesh_transform(struct mesh *mesh, const double world_from_mesh[16])

@@ -5,14 +5,6 @@
 
 #include "base/notes.h"
 
-struct mesh {
-    char *path;       /**< Of the file it came from; owned, NULL if none.                              */
-    float *positions; /**< [3 vertex_count] x, y, z in world mm (RAS); owned.                          */
-    size_t vertex_count;
-    uint32_t *triangles; /**< [3 triangle_count] vertex indices, counter-clockwise from outside; owned.   */
-    size_t triangle_count;
-};
-
 /** What mesh_measure() finds. */
 struct mesh_shape {
     double low[3], high[3]; /**< Bounds of the vertices that triangles use.                                  */
@@ -20,6 +12,15 @@ struct mesh_shape {
     double centroid[3];     /**< Of the enclosed volume where closed, else of the surface.                   */
     bool closed;            /**< Every edge is shared by exactly two triangles that pass it in opposite
                                  directions.                                                                 */
+};
+
+struct mesh {
+    char *path;       /**< Of the file it came from; owned, NULL if none.                              */
+    float *positions; /**< [3 vertex_count] x, y, z in world mm (RAS); owned.                          */
+    size_t vertex_count;
+    uint32_t *triangles; /**< [3 triangle_count] vertex indices, counter-clockwise from outside; owned.   */
+    size_t triangle_count;
+    struct mesh_shape shape; /**< Of a mesh in an atlas: atlas_add_mesh() fills it in.                          */
 };
 
 void mesh_finish(struct mesh *mesh);
@@ -40,6 +41,11 @@ conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh);
 /** Distance along a ray to the plane of @p triangle, held within the triangle's reach along the ray: for a ray that
  * meets it, or passes it by less than rounding. In units of @p direction's length. */
 double mesh_distance(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3]);
+
+/** mesh_distance(), and in @p side from which side the ray comes: 1 from that which the triangle faces, -1 from the
+ * other, 0 where it runs in the triangle's plane. */
+double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const double origin[3],
+                     const double direction[3]);
 
 /** Moves every vertex by @p world_from_mesh; turns triangles around where that mirrors. */
 void mesh_transform(struct mesh *mesh, const double world_from_mesh[16]);

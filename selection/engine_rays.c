@@ -24,6 +24,7 @@ struct rays_engine {
     conus_sampling sampling;
     const struct traverse_kernel *kernel;
     struct mesh_rays *meshes; /* NULL if the atlas has none */
+    struct mesh_spans spans;
     size_t target_count;
     struct target targets[];
 };
@@ -42,6 +43,7 @@ static void destroy(struct engine *engine)
         leap_map_finish(&rays->targets[i].map);
     }
     mesh_rays_destroy(rays->meshes);
+    mesh_spans_finish(&rays->spans);
     memory_free(rays);
 }
 
@@ -155,14 +157,20 @@ static void look_through(const struct rays_engine *engine, struct evidence *out,
     }
 }
 
-/* Behind look_through(): what the volumes show limits how far the meshes are looked for. */
-static conus_status look_at_meshes(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
-                                   struct block *block)
+static void aim_at_meshes(struct block *block)
 {
     struct mesh_bundle *bundle = &block->meshes;
     bundle->count = block->bundle.count;
     bundle->origin = block->bundle.origin;
     bundle->direction = (const double(*)[MESH_RAYS_LIMIT])block->bundle.direction;
+}
+
+/* Behind look_through(): what the volumes show limits how far the meshes are looked for. */
+static conus_status look_at_meshes(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
+                                   struct block *block)
+{
+    struct mesh_bundle *bundle = &block->meshes;
+    aim_at_meshes(block);
     for (size_t ray = 0; ray < bundle->count; ray++) {
         size_t pixel = block->pixel[ray];
         bundle->object[ray] = out->object[pixel];
@@ -218,17 +226,33 @@ static conus_status pierce_volumes(const struct rays_engine *engine, struct laye
     return status;
 }
 
+static conus_status pierce_meshes(struct rays_engine *engine, struct layers *out, const struct cone *cone)
+{
+    struct block block;
+    struct mesh_bundle *bundle = &block.meshes;
+    conus_status status = CONUS_OK;
+    uint32_t edge = block_edge(cone);
+    for (uint32_t row = 0; row < cone->resolution && !status; row += edge) {
+        for (uint32_t column = 0; column < cone->resolution && !status; column += edge) {
+            block_init(&block, cone, column, row);
+            aim_at_meshes(&block);
+            unsigned width = mesh_rays_width(engine->meshes, bundle->origin, cone->angle / cone->resolution);
+            status = mesh_rays_pierce(engine->meshes, bundle, width, &engine->spans, block.pixel);
+        }
+    }
+    status = status ? status : mesh_spans_pair(out, &engine->spans, cone);
+    engine->spans.count = 0;
+    return status;
+}
+
 static conus_status pierce(struct engine *engine, struct layers *out, const struct cone *cone)
 {
-    const struct rays_engine *rays = (const struct rays_engine *)engine;
+    struct rays_engine *rays = (struct rays_engine *)engine;
     conus_status status = CONUS_OK;
-    if (rays->meshes) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "all layers, or a range, of an atlas with surfaces");
-    }
     for (uint32_t pixel = 0; pixel < cone->resolution * cone->resolution && !status; pixel++) {
         status = pierce_volumes(rays, out, cone, pixel);
     }
-    return status;
+    return !status && rays->meshes ? pierce_meshes(rays, out, cone) : status;
 }
 
 static conus_status add_meshes(struct rays_engine *engine, const conus_atlas *atlas)
@@ -244,6 +268,7 @@ static conus_status add_meshes(struct rays_engine *engine, const conus_atlas *at
         objects[i].mesh = atlas_object_mesh(atlas, (uint32_t)i + 1);
     }
     conus_status status = mesh_rays_create(&engine->meshes, objects, atlas->object_count);
+    mesh_spans_init(&engine->spans, atlas);
     memory_free(objects);
     return status;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The first triangle along rays (Eq. 9), found by Embree and settled in double precision.
+ * The first triangle along rays (Eq. 9), or all (Eq. 10), found by Embree and settled in double precision.
  *
  * Embree works in single precision, so it only proposes: every triangle that it finds nearer than what a ray has, or
  * as near within its precision, is weighed by mesh_distance(), and the nearest wins; of equally near ones that of the
@@ -9,6 +9,7 @@
 #define CONUS_SELECTION_MESH_RAYS_H
 
 #include "atlas/mesh.h"
+#include "selection/mesh_spans.h"
 
 /** A surface at its place. */
 struct mesh_object {
@@ -39,6 +40,11 @@ void mesh_rays_destroy(struct mesh_rays *rays);
 
 /** Looks for nearer contacts than those that @p bundle has, @p width rays at once: 1, 4, 8 or 16. */
 conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width);
+
+/** Appends all crossings of all of the bundle's rays with all surfaces to @p out (Eq. 10), whatever the rays have met;
+ * ray k is that of pixel[k]. Leaves t undefined. */
+conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width,
+                              struct mesh_spans *out, const size_t *pixel);
 
 /** The width to take for rays from @p apex that are @p pitch radians apart: 16 as long as neighbours meet the scene
  * less than a triangle's cell apart, else 1. The cell is the cube root of the scene's volume per triangle. */

@@ -273,7 +273,8 @@ static void describe_layers(conus_result *result, const struct tallied *object, 
         result->volume = volume_of(object, gathering, totals->weight);
     }
     if (result->object && result->volume >= 0) {
-        result->fraction = result->volume / gathering->whole[result->object];
+        double whole = gathering->whole[result->object];
+        result->fraction = whole > 0 ? result->volume / whole : NAN;
         result->cone_fraction = pathway || totals->areas == 0 ? NAN : result->volume / totals->areas;
     }
     describe_voxels(result, object, pathway);

@@ -4,6 +4,8 @@
 #include "base/math3.h"
 #include "test.h"
 
+#include <stdlib.h>
+
 conus_atlas *mesh_scene_atlas(void)
 {
     conus_atlas *atlas = NULL;
@@ -131,7 +133,8 @@ static void corner(double out[3], const struct mesh *mesh, size_t triangle, size
 }
 
 /* Eq. 9 for one triangle by Moeller and Trumbore: both faces, edges included; INFINITY if the ray misses. */
-static double meet(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3])
+static double meet(int *side, const struct mesh *mesh, size_t triangle, const double origin[3],
+                   const double direction[3])
 {
     double p[3][3], across[3], from[3], turned[3];
     for (size_t k = 0; k < 3; k++) {
@@ -145,22 +148,46 @@ static double meet(const struct mesh *mesh, size_t triangle, const double origin
     double scale = 1 / vec3_dot(p[1], across);
     double u = vec3_dot(from, across) * scale, v = vec3_dot(direction, turned) * scale;
     double t = vec3_dot(p[2], turned) * scale;
+    *side = (scale > 0) - (scale < 0);
     return u >= 0 && v >= 0 && u + v <= 1 && t >= 0 ? t : INFINITY;
 }
 
 struct mesh_hit mesh_scene_first(const conus_atlas *atlas, const double origin[3], const double direction[3])
 {
     struct mesh_hit first = {.t = INFINITY};
+    int side;
     for (uint32_t object = 1; object <= atlas->object_count; object++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, object);
         for (size_t i = 0; mesh && i < mesh->triangle_count; i++) {
-            double t = meet(mesh, i, origin, direction);
+            double t = meet(&side, mesh, i, origin, direction);
             if (t < first.t) {
                 first = (struct mesh_hit){object, i, t};
             }
         }
     }
     return first;
+}
+
+static int by_distance(const void *a, const void *b)
+{
+    double x = ((const struct crossing *)a)->t, y = ((const struct crossing *)b)->t;
+    return (x > y) - (x < y);
+}
+
+size_t mesh_scene_all(struct crossing *out, size_t limit, const struct mesh *mesh, const double origin[3],
+                      const double direction[3])
+{
+    size_t count = 0;
+    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
+        int side;
+        double t = meet(&side, mesh, i, origin, direction);
+        if (t < INFINITY) {
+            assert_true(count < limit);
+            out[count++] = (struct crossing){.triangle = i, .side = side, .t = t};
+        }
+    }
+    qsort(out, count, sizeof *out, by_distance);
+    return count;
 }
 
 /* Of the point 0 from the segment a b. */

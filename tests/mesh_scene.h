@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_MESH_SCENE_H
 #define CONUS_TESTS_MESH_SCENE_H
 
-#include "selection/evidence.h"
+#include "selection/mesh_spans.h"
 
 /** An atlas without objects. End it with conus_atlas_destroy(). */
 conus_atlas *mesh_scene_atlas(void);
@@ -32,6 +32,10 @@ struct mesh_hit {
     double t;
 };
 struct mesh_hit mesh_scene_first(const conus_atlas *atlas, const double origin[3], const double direction[3]);
+
+/** All triangles that a ray passes, by distance, up to @p limit of them; pixel and object stay 0. */
+size_t mesh_scene_all(struct crossing *out, size_t limit, const struct mesh *mesh, const double origin[3],
+                      const double direction[3]);
 
 /** Smallest distance in mm between a ray's line and the edges of a triangle. */
 double mesh_scene_edge_distance(const struct mesh *mesh, size_t triangle, const double origin[3],

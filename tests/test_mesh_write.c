@@ -162,7 +162,8 @@ static void options_have_ranges(void **state)
 
 static float positions[12] = {0, 0, 0, -1.5f, 0, 0, 0, 1e-7f, 123456.789f, 2e9f, -0.0f, 0.25f};
 static uint32_t triangles[6] = {0, 2, 1, 0, 1, 3};
-static const struct mesh sample = {NULL, positions, 4, triangles, 2};
+static const struct mesh sample = {
+    .positions = positions, .vertex_count = 4, .triangles = triangles, .triangle_count = 2};
 static const struct mesh_title title = {7, "A & B", {255, 0, 128}, "NIFTI_XFORM_TALAIRACH"};
 
 static void obj_is_text_to_the_nanometre(void **state)

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Embree's scene of the surfaces, for those who send rays into it. */
+#ifndef CONUS_SELECTION_MESH_EMBREE_H
+#define CONUS_SELECTION_MESH_EMBREE_H
+
+#include "selection/mesh_rays.h"
+
+#include <embree3/rtcore.h>
+
+struct surface {
+    const struct mesh *mesh;
+    const double *mesh_from_world; /**< NULL = the identity */
+};
+
+struct mesh_rays {
+    RTCDevice device;
+    RTCScene scene;
+    struct surface *surfaces;      /**< [count] */
+    double (*mesh_from_world)[16]; /**< [count] if any surface has one */
+    double low[3], high[3];        /**< Bounds of everything. */
+    double slack;                  /**< mm */
+    double cell;                   /**< mm: how far apart triangles are. */
+    enum RTCError error;           /**< Embree's first. */
+    char message[160];
+};
+
+/** CONUS_OK, or what Embree has complained about so far. */
+conus_status mesh_embree_status(const struct mesh_rays *rays);
+
+#endif

@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* All layers of surfaces (Eq. 10): against every triangle tried in double, and against what is visible. */
+#include "base/math3.h"
+#include "mesh_scene.h"
+#include "selection/selection.h"
+#include "test.h"
+
+#include <string.h>
+
+/* Single precision may put a ray on the other side of an edge that it passes within so much of the scene's size. */
+#define EDGE 1e-6
+
+enum { CROSSINGS = 1000 };
+
+static conus_selection *select_with(const conus_atlas *atlas, const conus_selector_options *options,
+                                    const struct cone *cone)
+{
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, options));
+    assert_ok(conus_select(&selection, selector, &cone->pose, options->radius > 0 ? 0 : cone->angle));
+    conus_selector_destroy(selector);
+    return selection;
+}
+
+static conus_selection *select_all(const conus_atlas *atlas, const struct cone *cone)
+{
+    const conus_selector_options options = {
+        .layers = CONUS_ALL_LAYERS, .resolution = cone->resolution, .radius = cone->radius};
+    return select_with(atlas, &options, cone);
+}
+
+static void random_point(uint64_t *random, double out[3], double size)
+{
+    for (int a = 0; a < 3; a++) {
+        out[a] = test_random(random, -size, size);
+    }
+}
+
+/* ---- Against the oracle ----------------------------------------------------------------------------------- */
+
+struct compared {
+    size_t rays, pieces, inside, at_edges;
+};
+
+/* The pieces of closed surfaces: where as many exits as lie ahead outnumber the entries ahead. */
+static size_t oracle_pieces(conus_span *out, const struct crossing *crossings, size_t count)
+{
+    size_t pieces = 0;
+    int depth = 0;
+    for (size_t i = 0; i < count; i++) {
+        depth -= crossings[i].side;
+    }
+    if (depth > 0) {
+        out[pieces++] = (conus_span){.entry = 0};
+    }
+    for (size_t i = 0; i < count; i++) {
+        int next = depth + crossings[i].side;
+        if (depth <= 0 && next > 0) {
+            out[pieces++] = (conus_span){.entry = crossings[i].t};
+        } else if (depth > 0 && next <= 0) {
+            out[pieces - 1].exit = crossings[i].t;
+        }
+        depth = next;
+    }
+    return pieces;
+}
+
+/* True if the ray passes an edge of what it meets so closely that single precision may see it otherwise. */
+static bool is_at_edge(const struct mesh *mesh, const double origin[3], const double direction[3], double size)
+{
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        if (mesh_scene_edge_distance(mesh, i, origin, direction) <= EDGE * size) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool are_equal(const conus_span *got, size_t got_count, const conus_span *wanted, size_t wanted_count)
+{
+    bool equal = got_count == wanted_count;
+    for (size_t i = 0; equal && i < wanted_count; i++) {
+        double tolerance = 1e-9 * (1 + wanted[i].exit);
+        equal = fabs(got[i].entry - wanted[i].entry) <= tolerance && fabs(got[i].exit - wanted[i].exit) <= tolerance;
+    }
+    return equal;
+}
+
+static void compare_object(const conus_selection *selection, uint32_t pixel, uint32_t object, double size,
+                           struct compared *tally)
+{
+    const struct cone *cone = &selection->cone;
+    const struct mesh *mesh = atlas_object_mesh(selection->atlas, object);
+    struct crossing crossings[CROSSINGS];
+    conus_span wanted[CROSSINGS], got[CROSSINGS];
+    size_t got_count = 0;
+    double origin[3], direction[3];
+    cone_origin(origin, cone, pixel % cone->resolution, pixel / cone->resolution);
+    cone_ray(direction, cone, pixel % cone->resolution, pixel / cone->resolution);
+    size_t wanted_count =
+        oracle_pieces(wanted, crossings, mesh_scene_all(crossings, CROSSINGS, mesh, origin, direction));
+    for (size_t s = 0; s < selection->layers.count; s++) {
+        const conus_span *span = &selection->layers.spans[s];
+        if (span->pixel == pixel && span->object == object) {
+            got[got_count++] = *span;
+        }
+    }
+    tally->rays++;
+    tally->pieces += wanted_count;
+    tally->inside += wanted_count && wanted[0].entry == 0;
+    if (!are_equal(got, got_count, wanted, wanted_count)) {
+        tally->at_edges++;
+        if (!is_at_edge(mesh, origin, direction, size)) {
+            fail_msg("pixel %u, object %u: %zu pieces (%.12g %.12g), wanted %zu (%.12g %.12g)", pixel, object,
+                     got_count, got_count ? got[0].entry : NAN, got_count ? got[0].exit : NAN, wanted_count,
+                     wanted_count ? wanted[0].entry : NAN, wanted_count ? wanted[0].exit : NAN);
+        }
+    }
+}
+
+/* Eq. 9 and Eq. 10 agree: what is visible is the first piece, but for an apex that is inside. */
+static void compare_visible(const conus_selection *selection)
+{
+    const struct evidence *evidence = &selection->evidence;
+    size_t s = 0;
+    for (uint32_t pixel = 0; pixel < evidence->resolution * evidence->resolution; pixel++) {
+        const conus_span *first = NULL;
+        bool inside = false;
+        for (; s < selection->layers.count && selection->layers.spans[s].pixel == pixel; s++) {
+            inside = inside || selection->layers.spans[s].entry == 0;
+            first = first ? first : &selection->layers.spans[s];
+        }
+        if (!inside) {
+            assert_int_equal(evidence->object[pixel], first ? first->object : 0);
+            assert_true(first ? evidence->distance[pixel] == first->entry : isinf(evidence->distance[pixel]));
+            assert_true(evidence->voxel[pixel] == (first ? first->voxel : EVIDENCE_NO_VOXEL));
+        }
+    }
+}
+
+static void compare_selection(const conus_selection *selection, double size, struct compared *tally)
+{
+    uint32_t n = selection->cone.resolution;
+    for (uint32_t pixel = 0; pixel < n * n; pixel++) {
+        for (uint32_t object = 1; object <= selection->atlas->object_count; object++) {
+            compare_object(selection, pixel, object, size, tally);
+        }
+    }
+    compare_visible(selection);
+}
+
+/* Spheres and tori, nested and overlapping, now and then two shells in one mesh. */
+static conus_atlas *random_atlas(uint64_t *random, double size)
+{
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = 0; i < 5; i++) {
+        double centre[3];
+        random_point(random, centre, size / 2);
+        double radius = size * test_random(random, 0.2, 0.6);
+        struct mesh mesh = i % 2 ? mesh_scene_torus(radius, radius * test_random(random, 0.1, 0.8), 14, 9)
+                                 : mesh_scene_sphere(centre, radius, 9, 13);
+        mesh_scene_add(atlas, &mesh);
+    }
+    return atlas;
+}
+
+static void compare_random(uint64_t *random, double size, double away, double radius, struct compared *tally)
+{
+    conus_atlas *atlas = random_atlas(random, size);
+    double origin[3], target[3];
+    random_point(random, origin, away);
+    random_point(random, target, size / 2);
+    uint32_t n = 1 + (uint32_t)test_random(random, 0, 20);
+    double wide = degrees_from_radians(2 * atan(size / away));
+    struct cone cone = mesh_scene_cone(origin, target, away > size ? wide : test_random(random, 5, 120), n);
+    cone.radius = radius;
+    conus_selection *selection = select_all(atlas, &cone);
+    compare_selection(selection, fmax(size, radius), tally);
+    conus_selection_destroy(selection);
+    conus_atlas_destroy(atlas);
+}
+
+static void pieces_are_those_of_all_triangles_in_double(void **state)
+{
+    (void)state;
+    uint64_t random = 71;
+    struct compared tally = {0};
+    for (int i = 0; i < 60; i++) {
+        double size = pow(10, test_random(&random, -1, 3));
+        compare_random(&random, size, i % 3 == 0 ? size : i % 3 == 1 ? 5 * size : 1e3 * size, 0, &tally);
+    }
+    assert_true(tally.rays > 10000 && tally.pieces > tally.rays / 10 && tally.inside > 100);
+    assert_true(tally.at_edges < tally.rays / 1000);
+}
+
+static void a_cylinder_s_pieces_are_too(void **state)
+{
+    (void)state;
+    uint64_t random = 72;
+    struct compared tally = {0};
+    for (int i = 0; i < 20; i++) {
+        compare_random(&random, 50, i % 2 ? 50 : 200, 30, &tally);
+    }
+    assert_true(tally.rays > 5000 && tally.pieces > tally.rays / 20 && tally.inside > 100);
+    assert_true(tally.at_edges < tally.rays / 1000);
+}
+
+/* ---- Failing ---------------------------------------------------------------------------------------------- */
+
+static conus_status create_and_pierce(void *data)
+{
+    const conus_atlas *atlas = data;
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS};
+    struct cone cone = mesh_scene_cone((double[]){1, 2, 300}, (double[]){0, 0, 0}, 10, 16);
+    conus_status status = conus_selector_create(&selector, atlas, &options);
+    status = status ? status : conus_select(&selection, selector, &cone.pose, cone.angle);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    return status;
+}
+
+static void every_failing_allocation_is_reported(void **state)
+{
+    (void)state;
+    uint64_t random = 73;
+    conus_atlas *atlas = random_atlas(&random, 50);
+    test_every_allocation(create_and_pierce, atlas);
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pieces_are_those_of_all_triangles_in_double),
+        cmocka_unit_test(a_cylinder_s_pieces_are_too),
+        cmocka_unit_test(every_failing_allocation_is_reported),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

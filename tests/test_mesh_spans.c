@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From crossings to pieces (Eq. 10), with crossings made by hand. */
+#include "mesh_scene.h"
+#include "test.h"
+
+#include <string.h>
+
+/* Objects of the atlas: spheres of radius 10 at 0 of 8 x 12 quadrilaterals; the last is a half, open below. */
+enum { CLOSED = 1, INWARD, HALF };
+
+enum { RINGS = 8, SECTORS = 12 };
+
+/* Triangles of the sphere that have no corner in common, and two that have an edge in common with the first. */
+enum { SOUTH = 0, MIDDLE = 60, NORTH = 150, BESIDE_MIDDLE = 61 };
+
+static void face_inwards(struct mesh *mesh)
+{
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        uint32_t kept = mesh->triangles[3 * i];
+        mesh->triangles[3 * i] = mesh->triangles[3 * i + 1];
+        mesh->triangles[3 * i + 1] = kept;
+    }
+}
+
+static conus_atlas *make_atlas(void)
+{
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int object = CLOSED; object <= HALF; object++) {
+        struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 10, RINGS, SECTORS);
+        if (object == INWARD) {
+            face_inwards(&sphere);
+        } else if (object == HALF) {
+            size_t dropped = sphere.triangle_count / 2;
+            memmove(sphere.triangles, sphere.triangles + 3 * dropped, 3 * dropped * sizeof *sphere.triangles);
+            sphere.triangle_count -= dropped;
+        }
+        mesh_scene_add(atlas, &sphere);
+    }
+    return atlas;
+}
+
+/* A piece, and what leads to it. */
+struct crossed {
+    int side;
+    double t;
+    uint32_t triangle;
+};
+
+struct piece {
+    double entry, exit;
+    uint32_t triangle;
+};
+
+/* One ray from @p depth below 0 on the z axis, through crossings in an order that is not theirs. */
+static void assert_pieces(uint32_t object, double depth, const struct crossed *crossed, size_t count,
+                          const struct piece *wanted, size_t wanted_count)
+{
+    conus_atlas *atlas = make_atlas();
+    struct mesh_spans spans;
+    struct layers layers = {0};
+    struct cone cone = mesh_scene_cone((double[]){0, 0, -depth}, (double[]){0, 0, 100}, 1, 1);
+    mesh_spans_init(&spans, atlas);
+    for (size_t i = 0; i < count; i++) {
+        const struct crossed *c = &crossed[(i * 7 + 3) % count];
+        assert_true(count % 7 != 0);
+        assert_ok(mesh_spans_add(&spans, &(struct crossing){0, object, c->triangle, c->side, c->t}));
+    }
+    assert_ok(mesh_spans_pair(&layers, &spans, &cone));
+    assert_int_equal(spans.count, 0);
+    assert_int_equal(layers.count, wanted_count);
+    for (size_t i = 0; i < wanted_count; i++) {
+        assert_int_equal(layers.spans[i].object, object);
+        assert_int_equal(layers.spans[i].voxel, wanted[i].triangle);
+        assert_near(layers.spans[i].entry, wanted[i].entry, 0);
+        assert_near(layers.spans[i].exit, wanted[i].exit, 0);
+    }
+    layers_finish(&layers);
+    mesh_spans_finish(&spans);
+    conus_atlas_destroy(atlas);
+}
+
+#define CROSSED(...)                                                                                                   \
+    (const struct crossed[]){__VA_ARGS__}, sizeof((struct crossed[]){__VA_ARGS__}) / sizeof(struct crossed)
+#define PIECES(...) (const struct piece[]){__VA_ARGS__}, sizeof((struct piece[]){__VA_ARGS__}) / sizeof(struct piece)
+
+static void a_piece_is_from_entry_to_exit(void **state)
+{
+    (void)state;
+    assert_pieces(CLOSED, 30, CROSSED({1, 20, SOUTH}, {-1, 40, NORTH}), PIECES({20, 40, SOUTH}));
+    assert_pieces(CLOSED, 30, CROSSED({1, 20, SOUTH}, {-1, 25, MIDDLE}, {1, 30, NORTH}, {-1, 40, SOUTH}),
+                  PIECES({20, 25, SOUTH}, {30, 40, NORTH}));
+}
+
+static void an_inward_mesh_is_turned_around(void **state)
+{
+    (void)state;
+    assert_pieces(INWARD, 30, CROSSED({-1, 20, SOUTH}, {1, 40, NORTH}), PIECES({20, 40, SOUTH}));
+}
+
+static void nested_and_overlapping_shells_are_one(void **state)
+{
+    (void)state;
+    assert_pieces(CLOSED, 30, CROSSED({1, 20, 1}, {1, 25, MIDDLE}, {-1, 30, NORTH}, {-1, 40, 9}), PIECES({20, 40, 1}));
+    assert_pieces(CLOSED, 30,
+                  CROSSED({1, 20, 1}, {1, 21, MIDDLE}, {-1, 22, 5}, {1, 23, NORTH}, {-1, 24, 70}, {-1, 40, 9}),
+                  PIECES({20, 40, 1}));
+}
+
+static void a_cavity_is_left_out(void **state)
+{
+    (void)state;
+    assert_pieces(CLOSED, 30, CROSSED({1, 20, 1}, {-1, 25, MIDDLE}, {1, 35, NORTH}, {-1, 40, 9}),
+                  PIECES({20, 25, 1}, {35, 40, NORTH}));
+}
+
+static void an_edge_counts_once(void **state)
+{
+    (void)state;
+    const double near = 20 + 1e-6;
+    assert_pieces(CLOSED, 30, CROSSED({1, 20, MIDDLE}, {1, 20, BESIDE_MIDDLE}, {-1, 40, NORTH}),
+                  PIECES({20, 40, MIDDLE}));
+    assert_pieces(CLOSED, 30, CROSSED({1, 20, BESIDE_MIDDLE}, {1, near, MIDDLE}, {-1, 40, NORTH}),
+                  PIECES({20, 40, BESIDE_MIDDLE}));
+    assert_pieces(CLOSED, 5, CROSSED({-1, 20, BESIDE_MIDDLE}, {-1, near, MIDDLE}), PIECES({0, 20, BESIDE_MIDDLE}));
+    assert_pieces(CLOSED, 5, CROSSED({1, 3, 150}, {-1, 20, BESIDE_MIDDLE}, {-1, near, MIDDLE}, {-1, near, MIDDLE}),
+                  PIECES({3, 20, 150}));
+}
+
+static void a_graze_has_no_length_whichever_way_round(void **state)
+{
+    (void)state;
+    const double near = 20 + 1e-6;
+    assert_pieces(CLOSED, 30, CROSSED({1, 20, MIDDLE}, {-1, near, BESIDE_MIDDLE}), PIECES({20, near, MIDDLE}));
+    assert_pieces(CLOSED, 5, CROSSED({-1, 20, MIDDLE}, {1, near, BESIDE_MIDDLE}), PIECES({20, near, MIDDLE}));
+    assert_pieces(CLOSED, 5, CROSSED({0, 20, MIDDLE}, {0, 20, BESIDE_MIDDLE}), PIECES({20, 20, MIDDLE}));
+}
+
+static void a_piece_begins_at_an_apex_inside(void **state)
+{
+    (void)state;
+    assert_pieces(CLOSED, 0, CROSSED({-1, 10, NORTH}), PIECES({0, 10, NORTH}));
+    assert_pieces(INWARD, 0, CROSSED({1, 10, NORTH}), PIECES({0, 10, NORTH}));
+    assert_pieces(CLOSED, 0, CROSSED({-1, 3, SOUTH}, {1, 5, MIDDLE}, {-1, 10, NORTH}),
+                  PIECES({0, 3, SOUTH}, {5, 10, MIDDLE}));
+    assert_pieces(CLOSED, 0, CROSSED({-1, 3, SOUTH}, {-1, 10, NORTH}), PIECES({0, 10, SOUTH})); /* in two shells */
+}
+
+static void what_has_no_partner_has_no_length(void **state)
+{
+    (void)state;
+    assert_pieces(CLOSED, 30, CROSSED({-1, 10, NORTH}), PIECES({10, 10, NORTH})); /* the apex is outside */
+    assert_pieces(HALF, 0, CROSSED({-1, 10, 80}), PIECES({10, 10, 80}));
+    assert_pieces(HALF, 30, CROSSED({1, 10, 80}), PIECES({10, 10, 80}));
+    assert_pieces(HALF, 30, CROSSED({1, 10, 1}, {-1, 12, 80}), PIECES({10, 12, 1}));
+    assert_pieces(HALF, 30, CROSSED({1, 10, 1}, {1, 12, 40}, {-1, 14, 80}), PIECES({10, 10, 1}, {12, 14, 40}));
+}
+
+/* Pixels and objects at random: each ray passes each object once, and its pieces come back whole. */
+static void crossings_may_come_in_any_order(void **state)
+{
+    (void)state;
+    enum { SIDE = 9, PIXELS = SIDE * SIDE, COUNT = 2 * PIXELS * 2 * 40 };
+    conus_atlas *atlas = make_atlas();
+    struct cone cone = mesh_scene_cone((double[]){0, 0, -30}, (double[]){0, 0, 100}, 1, SIDE);
+    struct mesh_spans spans;
+    struct layers layers = {0};
+    mesh_spans_init(&spans, atlas);
+    for (uint32_t round = 0; round < 2; round++) {
+        for (uint32_t i = 0; i < COUNT; i++) {
+            uint32_t k = (uint32_t)((uint64_t)i * 10007 % COUNT);
+            uint32_t pixel = k % PIXELS, object = 1 + k / PIXELS % 2, step = k / PIXELS / 2;
+            int side = (step % 2 ? -1 : 1) * (object == INWARD ? -1 : 1);
+            assert_ok(mesh_spans_add(&spans, &(struct crossing){pixel, object, step, side, pixel + step}));
+        }
+        layers_clear(&layers);
+        assert_ok(mesh_spans_pair(&layers, &spans, &cone));
+        assert_int_equal(layers.count, COUNT / 2);
+        for (uint32_t i = 0; i < layers.count; i++) {
+            const conus_span *span = &layers.spans[i];
+            assert_int_equal(span->voxel % 2, 0);
+            assert_near(span->entry, span->pixel + (double)span->voxel, 0);
+            assert_near(span->exit, span->entry + 1, 0);
+        }
+    }
+    layers_finish(&layers);
+    mesh_spans_finish(&spans);
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_piece_is_from_entry_to_exit),
+        cmocka_unit_test(an_inward_mesh_is_turned_around),
+        cmocka_unit_test(nested_and_overlapping_shells_are_one),
+        cmocka_unit_test(a_cavity_is_left_out),
+        cmocka_unit_test(an_edge_counts_once),
+        cmocka_unit_test(a_graze_has_no_length_whichever_way_round),
+        cmocka_unit_test(a_piece_begins_at_an_apex_inside),
+        cmocka_unit_test(what_has_no_partner_has_no_length),
+        cmocka_unit_test(crossings_may_come_in_any_order),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
