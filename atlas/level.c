@@ -252,10 +252,10 @@ void level_destroy(struct level *level)
 
 const uint32_t *level_group(const struct level *level)
 {
-    return level->group;
+    return level ? level->group : NULL;
 }
 
 bool level_is_identity(const struct level *level)
 {
-    return level->is_identity;
+    return !level || level->is_identity;
 }

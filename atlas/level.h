@@ -25,10 +25,10 @@ conus_status level_create(struct level **out, const conus_atlas *atlas, const ch
 /** NULL is fine. */
 void level_destroy(struct level *level);
 
-/** [object_count + 1] the object as which each is reported; 0 of 0. */
+/** [object_count + 1] the object as which each is reported; 0 of 0. NULL of no level. */
 const uint32_t *level_group(const struct level *level);
 
-/** Whether every object is reported as itself. */
+/** Whether every object is reported as itself, as without a level. */
 bool level_is_identity(const struct level *level);
 
 #endif

@@ -33,6 +33,15 @@ void *memory_resize(void *block, size_t count, size_t size)
     return check(fits ? realloc(block, bytes ? bytes : 1) : NULL, count, size);
 }
 
+void *memory_copy(const void *block, size_t count, size_t size)
+{
+    void *copy = memory_raw(count, size);
+    if (copy && count) {
+        memcpy(copy, block, count * size);
+    }
+    return copy;
+}
+
 char *memory_text(const char *text, size_t length)
 {
     char *copy = memory_raw(length + 1, 1);

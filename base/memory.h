@@ -19,6 +19,9 @@ void *memory_raw(size_t count, size_t size);
 /** Resizes @p block to @p count elements of @p size bytes; NULL (and @p block as it was) on failure. */
 void *memory_resize(void *block, size_t count, size_t size);
 
+/** A copy of @p count elements of @p size bytes. */
+void *memory_copy(const void *block, size_t count, size_t size);
+
 /** A copy of @p length bytes of @p text with a final NUL. */
 char *memory_text(const char *text, size_t length);
 

@@ -261,7 +261,8 @@ static conus_status upload_palette(struct colour_pass *pass, const conus_atlas *
 {
     pass->object_count = atlas->object_count;
     pass->colours = memory_zeroed(atlas->object_count + 1, 4 * sizeof *pass->colours);
-    if (!pass->colours) {
+    pass->shown = memory_zeroed(atlas->object_count + 1, 4 * sizeof *pass->shown);
+    if (!pass->colours || !pass->shown) {
         return CONUS_ERROR_MEMORY;
     }
     for (size_t number = 1; number <= atlas->object_count; number++) {
@@ -337,6 +338,7 @@ void colour_pass_finish(struct colour_pass *pass)
         glDeleteProgram(pass->tile_program);
     }
     memory_free(pass->colours);
+    memory_free(pass->shown);
     memory_free(pass->content);
     *pass = (struct colour_pass){0};
 }
@@ -475,11 +477,13 @@ void colour_pass_prepare(const struct colour_pass *pass, const struct colour_vie
     struct view_block block = {0};
     set_view(&block, pass, view);
     for (size_t number = 0; number <= pass->object_count; number++) {
-        pass->colours[4 * number + 3] = !view->emphasised || view->emphasised[number] ? 1 : 0;
+        size_t from = view->group ? view->group[number] : number;
+        memcpy(pass->shown + 4 * number, pass->colours + 4 * from, 3 * sizeof *pass->shown);
+        pass->shown[4 * number + 3] = !view->emphasised || view->emphasised[from] ? 1 : 0;
     }
     glNamedBufferSubData(pass->view, 0, sizeof block, &block);
-    glNamedBufferSubData(pass->palette, 0, (GLsizeiptr)((pass->object_count + 1) * 4 * sizeof *pass->colours),
-                         pass->colours);
+    glNamedBufferSubData(pass->palette, 0, (GLsizeiptr)((pass->object_count + 1) * 4 * sizeof *pass->shown),
+                         pass->shown);
     bind(pass);
 }
 

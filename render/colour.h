@@ -36,6 +36,7 @@ struct colour_pass {
     bool has_areas, has_context;
     size_t object_count;
     float *colours;       /**< [object_count + 1][4] linear R, G, B, 1.                                        */
+    float *shown;         /**< [object_count + 1][4] what the last picture used of them.                       */
     double (*content)[3]; /**< [content_count] world points around everything that shows.                */
     size_t content_count;
 };
@@ -58,6 +59,7 @@ struct colour_view {
     const struct colour_marker *markers;
     size_t marker_count;    /**< Markers from COLOUR_MARKER_LIMIT on are not drawn.             */
     const bool *emphasised; /**< [object_count + 1] by number: full colour, others pale; NULL = all. */
+    const uint32_t *group;  /**< [object_count + 1] whose colour each object has; NULL = its own. */
 };
 
 conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas, const struct transfer *transfer,

@@ -134,6 +134,45 @@ void layers_first(struct evidence *out, const struct layers *layers)
     }
 }
 
+/* Takes spans first to end of one pixel to @p kept on; last[] is where the last span of each object went, + 1. Returns
+ * one past the last. */
+static size_t regroup_pixel(conus_span *spans, size_t first, size_t end, size_t kept, const uint32_t *group,
+                            size_t *last)
+{
+    size_t start = kept;
+    for (size_t i = first; i < end; i++) {
+        conus_span span = spans[i];
+        span.object = group[span.object];
+        conus_span *before = last[span.object] > start ? &spans[last[span.object] - 1] : NULL;
+        if (before && span.entry <= before->exit) {
+            before->exit = span.exit > before->exit ? span.exit : before->exit;
+        } else {
+            spans[kept++] = span;
+            last[span.object] = kept;
+        }
+    }
+    sort_pixel(spans + start, kept - start);
+    return kept;
+}
+
+conus_status layers_regroup(struct layers *layers, const uint32_t *group, size_t object_count)
+{
+    size_t *last = memory_zeroed(object_count + 1, sizeof *last);
+    size_t kept = 0;
+    if (!last) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t first = 0, end = 0; first < layers->count; first = end) {
+        while (end < layers->count && layers->spans[end].pixel == layers->spans[first].pixel) {
+            end++;
+        }
+        kept = regroup_pixel(layers->spans, first, end, kept, group, last);
+    }
+    layers->count = kept;
+    memory_free(last);
+    return CONUS_OK;
+}
+
 void layers_drop_blockers(struct layers *layers)
 {
     size_t kept = 0;

@@ -35,6 +35,10 @@ void layers_clip(struct layers *layers, const struct cone *cone);
 /** What each pixel met first, from sorted layers: the visible part of the evidence. */
 void layers_first(struct evidence *out, const struct layers *layers);
 
+/** Gives every span the object as which its own is reported, by @p group [@p object_count + 1]; spans of a pixel that
+ * then have one object and touch or overlap become one. Needs sorted layers without blockers and leaves them sorted. */
+conus_status layers_regroup(struct layers *layers, const uint32_t *group, size_t object_count);
+
 /** Drops the spans of what blocks and is no object (VOLUME_BLOCKER). */
 void layers_drop_blockers(struct layers *layers);
 

@@ -99,6 +99,7 @@ static conus_status add_cone(struct picture *picture)
         return CONUS_ERROR_MEMORY;
     }
     view->emphasised = picture->emphasised;
+    view->group = selection->group;
     view->world_from_cone = selection->cone.pose.world_from_device;
     view->cone_slope = tan(selection->cone.angle / 2);
     view->cone_length = cone_length(picture, selection);

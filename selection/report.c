@@ -18,6 +18,11 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     report->score = selector->score->info.name;
     report->options = options ? *options : (conus_report_options){0};
     memcpy(report->engine, selector->engine->name, sizeof report->engine);
+    report->level = selector->level_spec ? memory_text(selector->level_spec, strlen(selector->level_spec)) : NULL;
+    if (selector->level_spec && !report->level) {
+        memory_free(report);
+        return CONUS_ERROR_MEMORY;
+    }
     *out = report;
     return CONUS_OK;
 }
@@ -30,6 +35,7 @@ void conus_report_destroy(conus_report *report)
     for (size_t i = 0; i < report->query_count; i++) {
         memory_free(report->queries[i].id);
     }
+    memory_free(report->level);
     memory_free(report->queries);
     memory_free(report->rows);
     buffer_finish(&report->voxels);

@@ -22,6 +22,7 @@ struct conus_report {
     const conus_atlas *atlas;
     conus_selector_options selector;
     const char *score; /**< Name of the ranking; static. */
+    char *level;       /**< NULL = none.                  */
     char engine[96];
     conus_report_options options;
     struct report_query *queries;

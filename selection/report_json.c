@@ -166,6 +166,7 @@ static json_t *json_from_settings(const conus_report *report)
             (options->radius == 0 || put(settings, "radius_mm", json_real(options->radius))) &&
             (options->range[1] == 0 ||
              put(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1])));
+    whole = (!report->level || put(settings, "level", json_from_text(report->level))) && whole;
     return whole_or_null(settings, whole);
 }
 

@@ -162,6 +162,9 @@ static void write_sources(struct buffer *out, const conus_report *report)
 {
     const conus_atlas *atlas = report->atlas;
     const struct volume *parcellation = atlas_parcellation(atlas);
+    if (report->level) {
+        buffer_format(out, "areas at level %s\n", report->level);
+    }
     if (parcellation || atlas->mesh_count) {
         buffer_format(out, "atlas %s, placed by %s\n", file_of(atlas_path(atlas)),
                       parcellation ? parcellation->info.transform : "the coordinates in its mesh files");

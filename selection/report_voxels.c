@@ -38,10 +38,11 @@ static size_t collect(struct met *met, const conus_report *report, const conus_s
     size_t pixels = (size_t)evidence->resolution * evidence->resolution;
     size_t count = 0;
     for (size_t i = 0; i < pixels; i++) {
-        const conus_object *object = conus_atlas_object(report->atlas, evidence->object[i]);
-        if (object && selection->in_cone[i] && atlas_object_volume(report->atlas, evidence->object[i]) &&
+        uint32_t number = selection_own_object(selection, i);
+        const conus_object *object = conus_atlas_object(report->atlas, number);
+        if (object && selection->in_cone[i] && atlas_object_volume(report->atlas, number) &&
             (object->kind == CONUS_PATHWAY || report->options.all_voxels)) {
-            met[count++] = (struct met){evidence->object[i], evidence->voxel[i], evidence->distance[i]};
+            met[count++] = (struct met){number, evidence->voxel[i], evidence->distance[i]};
         }
     }
     return count;

@@ -25,6 +25,25 @@ static conus_status check_options(const conus_selector_options *options)
     return status;
 }
 
+static conus_status set_level(conus_selector *selector, const char *spec)
+{
+    selector->options.level = NULL;
+    selector->level_spec = spec ? memory_text(spec, strlen(spec)) : NULL;
+    return spec && !selector->level_spec ? CONUS_ERROR_MEMORY : level_create(&selector->level, selector->atlas, spec);
+}
+
+/* Whether an area that is reported as the same is a mesh that contains this one. */
+static bool lies_in_mesh(const conus_selector *selector, uint32_t number)
+{
+    const conus_atlas *atlas = selector->atlas;
+    const uint32_t *group = level_group(selector->level);
+    uint32_t at = atlas->objects[number - 1].parent;
+    while (at && !(group[at] == group[number] && atlas_object_mesh(atlas, at))) {
+        at = atlas->objects[at - 1].parent;
+    }
+    return at && atlas_object_mesh(atlas, number);
+}
+
 static conus_status measure_objects(conus_selector *selector)
 {
     const conus_atlas *atlas = selector->atlas;
@@ -32,8 +51,10 @@ static conus_status measure_objects(conus_selector *selector)
     if (!selector->whole) {
         return CONUS_ERROR_MEMORY;
     }
-    for (size_t number = 1; number <= atlas->object_count; number++) {
-        selector->whole[number] += atlas->objects[number - 1].volume_mm3;
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        if (!lies_in_mesh(selector, number)) {
+            selector->whole[level_group(selector->level)[number]] += atlas->objects[number - 1].volume_mm3;
+        }
     }
     return CONUS_OK;
 }
@@ -51,6 +72,7 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     conus_status status = score_find(&selector->score, selector->options.score);
     selector->options.score = NULL;
     status = status ? status : check_options(&selector->options);
+    status = status ? status : set_level(selector, selector->options.level);
     status = status ? status : measure_objects(selector);
     if (!status) {
         const struct engine_options engine = {selector->options.sampling, selector->options.slices,
@@ -72,6 +94,8 @@ void conus_selector_destroy(conus_selector *selector)
         engine_destroy(selector->engine);
         tally_finish(&selector->tally);
         census_finish(&selector->census);
+        level_destroy(selector->level);
+        memory_free(selector->level_spec);
         memory_free(selector->whole);
         memory_free(selector);
     }
@@ -166,6 +190,25 @@ static conus_status count_voxels(const conus_selection *selection, conus_selecto
     return status;
 }
 
+/* From here on the evidence has the objects as which its own are reported. */
+static conus_status regroup(conus_selection *selection, const struct level *level)
+{
+    size_t object_count = selection->atlas->object_count;
+    size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
+    if (level_is_identity(level)) {
+        return CONUS_OK;
+    }
+    selection->group = memory_copy(level_group(level), object_count + 1, sizeof *selection->group);
+    selection->own = memory_copy(selection->evidence.object, pixels, sizeof *selection->own);
+    if (!selection->group || !selection->own) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t pixel = 0; pixel < pixels; pixel++) {
+        selection->evidence.object[pixel] = selection->group[selection->own[pixel]];
+    }
+    return selection->has_layers ? layers_regroup(&selection->layers, selection->group, object_count) : CONUS_OK;
+}
+
 static conus_status answer(conus_selection *selection, conus_selector *selector)
 {
     conus_status status = evidence_init(&selection->evidence, selection->cone.resolution);
@@ -179,9 +222,11 @@ static conus_status answer(conus_selection *selection, conus_selector *selector)
                                             .evidence = &selection->evidence,
                                             .layers = selection->has_layers ? &selection->layers : NULL,
                                             .census = &selector->census,
-                                            .whole = selector->whole};
+                                            .whole = selector->whole,
+                                            .group = level_group(selector->level)};
         status = statistics_gather(&selection->statistics, &gathering, &selector->tally);
     }
+    status = status ? status : regroup(selection, selector->level);
     if (!status) {
         set_kinds(&selection->statistics, selector->atlas);
         score_rank(&selection->statistics, selector->score, &selection->cone);
@@ -226,6 +271,8 @@ void conus_selection_destroy(conus_selection *selection)
     if (selection) {
         evidence_finish(&selection->evidence);
         layers_finish(&selection->layers);
+        memory_free(selection->own);
+        memory_free(selection->group);
         statistics_finish(&selection->statistics);
         memory_free(selection->in_cone);
         memory_free(selection);

@@ -3,6 +3,7 @@
 #ifndef CONUS_SELECTION_SELECTION_H
 #define CONUS_SELECTION_SELECTION_H
 
+#include "atlas/level.h"
 #include "selection/evidence.h"
 #include "selection/score.h"
 
@@ -10,10 +11,12 @@ struct conus_selector {
     const conus_atlas *atlas;
     conus_selector_options options; /**< Defaults filled in; strings are not kept (score is looked up). */
     const struct score *score;
+    struct level *level;
+    char *level_spec; /**< NULL = none. */
     struct engine *engine;
     struct tally tally; /**< Prepared for the atlas's objects. */
     struct census census;
-    double *whole; /**< [object_count + 1] Volumes of the objects, mm^3; with all layers. */
+    double *whole; /**< [object_count + 1] Volumes of what is reported, mm^3; with all layers. */
 };
 
 struct conus_selection {
@@ -21,12 +24,20 @@ struct conus_selection {
     conus_sampling sampling;
     char engine[96];
     struct cone cone;
-    struct region region; /**< Where voxels are counted: the cone, or a ball. */
-    struct evidence evidence;
+    struct region region;     /**< Where voxels are counted: the cone, or a ball. */
+    struct evidence evidence; /**< Objects as they are reported. */
+    uint32_t *own;            /**< [n*n] What they were before; NULL where every object is reported as itself, */
+    uint32_t *group;          /**< [object_count + 1] and as what each one is; NULL likewise. */
     bool has_layers;
-    struct layers layers; /**< Sorted, if has_layers. */
+    struct layers layers; /**< Sorted, if has_layers; objects as they are reported. */
     bool *in_cone;        /**< [n*n] */
     struct statistics statistics;
 };
+
+/** The object that @p pixel met first, whatever it is reported as. */
+static inline uint32_t selection_own_object(const conus_selection *selection, size_t pixel)
+{
+    return selection->own ? selection->own[pixel] : selection->evidence.object[pixel];
+}
 
 #endif

@@ -20,9 +20,10 @@ struct tallied {
     double nearest;
     uint32_t pierced;
     uint32_t last_pixel; /* the one that pierced it last, and */
-    double last_exit;    /* how far its spans there reach     */
+    double run_entry;    /* where its last spans there begin, without a gap between them, */
+    double last_exit;    /* and how far they reach */
     double entry, exit;
-    double length; /* of all its spans' union, over all rays */
+    double length; /* of all its spans' union, over all rays, but for the last run */
     double volume; /* of its meshes                          */
     bool in_grid;  /* some of it is voxels,                  */
     uint64_t voxels;
@@ -157,20 +158,27 @@ static double volume_between(const struct cone *cone, double from, double to)
     return cone->radius > 0 ? to - from : (to * to * to - from * from * from) / 3;
 }
 
+/* Adds the run that has come to its end, in one piece: however it is cut into objects that are reported as one, its
+ * length has the same bits. */
+static void end_run(struct tallied *object, const conus_span *next)
+{
+    object->length += object->last_exit - object->run_entry;
+    object->run_entry = object->last_exit = next->entry;
+}
+
 /* Spans of a pixel come by entry, so what they add to their union is what reaches beyond the last exit. */
 static void add_span(struct tallied *object, const conus_span *span, const struct cone *cone, double weight)
 {
-    if (object->last_pixel != span->pixel) {
-        object->pierced++;
-        object->last_pixel = span->pixel;
-        object->last_exit = span->entry;
+    bool is_next_pixel = object->last_pixel != span->pixel;
+    if (is_next_pixel || span->entry > object->last_exit) {
+        end_run(object, span);
     }
+    object->pierced += is_next_pixel;
+    object->last_pixel = span->pixel;
     object->entry = fmin(object->entry, span->entry);
     object->exit = fmax(object->exit, span->exit);
     if (span->exit > object->last_exit) {
-        double from = fmax(span->entry, object->last_exit);
-        object->length += span->exit - from;
-        object->volume += weight * volume_between(cone, from, span->exit);
+        object->volume += weight * volume_between(cone, object->last_exit, span->exit);
         object->last_exit = span->exit;
     }
 }
@@ -267,7 +275,7 @@ static void describe_layers(conus_result *result, const struct tallied *object, 
     if (object->pierced) {
         result->entry = object->entry;
         result->exit = object->exit;
-        result->path = object->length / object->pierced;
+        result->path = (object->length + (object->last_exit - object->run_entry)) / object->pierced;
     }
     if (object->in_grid || object->volume > 0) {
         result->volume = volume_of(object, gathering, totals->weight);

@@ -127,8 +127,8 @@ static void picture_finish(struct picture *picture)
 /* Options about the cone mean nothing without one. */
 static bool check_cone(const struct render_settings *settings, const struct arguments *arguments)
 {
-    static const char *const of_cone[] = {"angle",  "space",    "resolution", "aperture",
-                                          "engine", "sampling", "score",      NULL};
+    static const char *const of_cone[] = {"angle",    "space", "resolution", "aperture", "engine",
+                                          "sampling", "score", "level",      NULL};
     if (!settings_check_aim(arguments, false) || !settings_check_shape(&settings->aim, &settings->engine, arguments)) {
         return false;
     }

@@ -128,6 +128,13 @@ const struct option engine_options[] = {
      .value = "KIND",
      .help = "every voxel on the way, or slices across the view, which can miss thin objects:",
      .choices = samplings},
+    {.name = "level",
+     .type = OPTION_TEXT,
+     .offset = FIELD(engine_settings, level),
+     .value = "N|AREA,...",
+     .help =
+         "report areas rolled up the area tree: to depth N (roots have 1), or to the nearest of these areas, by name, "
+         "abbreviation or label; a name with a comma in double quotes, @FILE for a file with one area per line"},
     {.name = "score",
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, score),
@@ -285,6 +292,7 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
         .layers = (conus_layers)settings->layers,
         .range = {settings->range[0], settings->range[1]},
         .radius = settings->radius,
+        .level = settings->level,
         .score = conus_score(settings->score)->name,
         .log = common->verbose ? log_line : NULL,
     };

@@ -28,7 +28,8 @@ struct engine_settings {
     uint32_t resolution, slices;
     size_t aperture, engine, sampling, score; /* conus_aperture, conus_engine, conus_sampling, index of a score */
     size_t layers;                            /* conus_layers */
-    double range[2], radius;                  /* mm */
+    const char *level;
+    double range[2], radius; /* mm */
 };
 
 extern const struct option quiet_options[];  /**< common_settings: --help, --version, --quiet, --verbose */

@@ -288,6 +288,8 @@ typedef struct conus_selector_options {
     double range[2];         /**< Nearest and farthest depth along the axis, mm from the apex: what lies outside is
                                   as if it were not there. Both 0 = everything.                                  */
     double radius;           /**< mm: instead of a cone a cylinder about the axis, whose angle is 0. 0 = a cone. */
+    const char *level;       /**< Areas are rolled up the area tree: to a depth ("2", roots are at 1), or to the nearest
+                                  of listed areas ("Thalamus,Isocortex"; docs/commands.md has more). NULL = none are. */
     const char *score;       /**< Ranking, a name from conus_score(); NULL = "share".                            */
     conus_log log;           /**< NULL = silent.                                                                 */
     void *log_user;
@@ -308,7 +310,7 @@ CONUS_API void conus_selection_destroy(conus_selection *selection);
 /** One object met by the cone. */
 typedef struct conus_result {
     conus_kind kind;
-    uint32_t object;   /**< Number in the atlas; 0 for CONUS_UNASSIGNED.                                        */
+    uint32_t object;   /**< Number in the atlas, as what it is reported (level); 0 for CONUS_UNASSIGNED.        */
     uint32_t rank;     /**< From 1; 0 for CONUS_UNASSIGNED.                                                     */
     double score;      /**< By the selector's score; higher is better.                                          */
     uint32_t pixels;   /**< Pixels of the cone that meet it first.                                              */
@@ -340,9 +342,10 @@ CONUS_API const conus_result *conus_selection_result(const conus_selection *sele
 /** The evidence behind the results: for each of n x n pixels, row j = 0 at the device's bottom (Eq. 3). */
 typedef struct conus_evidence {
     uint32_t resolution;
-    const uint32_t *object; /**< [n*n] object met first, 0 if none; pixels outside the aperture too.             */
+    const uint32_t *object; /**< [n*n] object met first, as it is reported (level), 0 if none; pixels outside the
+                                 aperture too.                                                                   */
     const double *distance; /**< [n*n] mm from the apex along the ray, infinity if nothing.                      */
-    const uint64_t *voxel;  /**< [n*n] linear index i + dim0 (j + dim1 k) in the object's volume, or
+    const uint64_t *voxel;  /**< [n*n] linear index i + dim0 (j + dim1 k) in the volume of what is met, or
                                  the triangle of its mesh; UINT64_MAX if nothing.     */
     const bool *in_cone;    /**< [n*n] the aperture.                                                             */
 } conus_evidence;
@@ -354,7 +357,7 @@ CONUS_API void conus_selection_position(const conus_selection *selection, size_t
 /** A piece of a pixel's ray inside one object. */
 typedef struct conus_span {
     uint32_t pixel;     /**< Index into the evidence's arrays.                                                    */
-    uint32_t object;    /**< Number in the atlas.                                                                 */
+    uint32_t object;    /**< Number in the atlas, as it is reported (level): pieces of one group that touch are one. */
     double entry, exit; /**< mm from the apex; equal where the ray only touches it, or the surface is not closed. */
     uint64_t voxel;     /**< The voxel (or triangle) of the entry, as in the evidence.                            */
 } conus_span;

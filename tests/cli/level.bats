@@ -1,0 +1,85 @@
+#!/usr/bin/env bats
+# --level, as a user types it.
+load helpers
+
+# nested.nii.gz: a ball of three shells, with a tree over them.
+nested() {
+    conus phantom nested -o .
+    printf 'index\tname\tabbreviation\tparent_id\n' >tree.tsv
+    printf '1\tOuter, the\tO\t20\n300\tInner\tI\t20\n20\tShell\tS\t40\n4000000001\tCore\tC\t40\n40\tBall\tB\tn/a\n' >>tree.tsv
+    view=(query nested.nii.gz --labels tree.tsv --origin 0,-100,0 --toward 0,0,0 --angle 30 --format tsv -q)
+}
+
+@test "a depth and a list give the same union" {
+    nested
+    answers "${view[@]}" --layers all --level 2
+    [ "$(cell name 1)/$(cell index 1)/$(cell pixels 1)/$(cell pierced 1)" = Shell/20/180/180 ]
+    [ "$(cell name 2)/$(cell pierced 2)" = Core/16 ]
+    depth=$output
+    answers "${view[@]}" --layers all --level Shell
+    [ "$output" = "$depth" ]
+    answers "${view[@]}" --layers all --level '"20"'
+    [ "$output" = "$depth" ]
+    printf '# my areas\n\nshell\r\n' >list.txt
+    answers "${view[@]}" --layers all --level @list.txt
+    [ "$output" = "$depth" ]
+    answers "${view[@]}" --level 1
+    [ "$(cell name 1)/$(cell name 2)" = Ball/unassigned ]
+}
+
+@test "names with commas are quoted" {
+    nested
+    answers "${view[@]}" --level '"Outer, the",B'
+    [ "$(cell name 1)" = "Outer, the" ]
+    fails 2 '"Outer"; did you mean "Outer, the"? Names with commas are put in double quotes' "${view[@]}" --level 'Outer, the'
+    fails 2 'the closing quote is missing' "${view[@]}" --level '"Outer, the'
+}
+
+@test "a mistyped level is explained" {
+    nested
+    fails 2 'level: no area has the name, abbreviation or label "Shel"; did you mean "Shell"?' "${view[@]}" --level Shel
+    fails 2 'level: depth 4, the area tree has depths 1 to 3' "${view[@]}" --level 4
+    fails 2 'level: depth 0, the area tree has depths 1 to 3' "${view[@]}" --level 0
+    fails 2 'an area is missing' "${view[@]}" --level Shell,
+    fails 3 'nowhere.txt' "${view[@]}" --level @nowhere.txt
+    printf 'Shell\nCoree\n' >list.txt
+    fails 2 'list.txt: line 2: no area has the name, abbreviation or label "Coree"; did you mean "Core"?' \
+        "${view[@]}" --level @list.txt
+    fails 2 '--level' render nested.nii.gz -o view.png --level 2
+    nothing_left nested.json nested.nii.gz nested.tsv tree.tsv list.txt
+}
+
+@test "an atlas without a tree says so" {
+    need_aal
+    fails 2 'level: the atlas has no area tree: none of its 116 areas is part of another' \
+        query "$aal" --origin -90,20,20 --toward 0,-10,10 --level 2
+}
+
+@test "the sidecar tells the level" {
+    nested
+    answers "${view[@]}" --level 2 -o answer.tsv
+    grep -q '"level": "2"' answer.json
+    answers query nested.nii.gz --labels tree.tsv --origin 0,-100,0 --toward 0,0,0 --level Shell -q
+    has 'areas at level Shell'
+}
+
+@test "Allen's tree: each depth has all the pixels of the one below" {
+    allen=${CONUS_SHARED_DATA:-$BATS_TEST_DIRNAME/../../../shared/data}/meshes/brainglobe-allen-ccf2017-subset
+    [ -d "$allen" ] || skip "no BrainGlobe folder ($allen)"
+    view=(query "$allen" --origin -9,5,-3 --toward -6,-7,-4 --angle 40 --format tsv -q)
+    answers "${view[@]}"
+    pixels=$(awk -F'\t' '$2 == "area" { sum += $8 } END { print sum }' <<<"$output")
+    [ "$pixels" -gt 20 ]
+    rows=1
+    for depth in 1 2 3 4 5 6 7 8 9 10; do
+        answers "${view[@]}" --level "$depth"
+        [ "$(awk -F'\t' '$2 == "area" { sum += $8 } END { print sum }' <<<"$output")" -eq "$pixels" ]
+        [ "${#lines[@]}" -ge "$rows" ]
+        rows=${#lines[@]}
+    done
+    answers "${view[@]}" --level 'isocortex,TH'
+    has Isocortex
+    fails 2 'did you mean "Isocortex"?' "${view[@]}" --level Isocortx
+    fails 2 'did you mean "Frontal pole, layer 1"? Names with commas are put in double quotes' \
+        "${view[@]}" --level 'Frontal pole, layer 1'
+}

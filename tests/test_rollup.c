@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Rolled up areas (Eq. 10) are exactly what they would be had their voxels been relabelled beforehand. */
+#include "base/memory.h"
+#include "scene.h"
+#include "selection/selection.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { SCENES = 60, DIM = 12 };
+
+/* Gives areas random parents, and some no shape of their own to be met. */
+static void grow_tree(conus_atlas *atlas, uint64_t *state)
+{
+    for (size_t i = 1; i < atlas->area_count; i++) {
+        bool root = test_random(state, 0, 1) < 0.1;
+        atlas->objects[i].parent = root ? 0 : 1 + (uint32_t)test_random(state, 0, (double)i);
+    }
+}
+
+/* Makes every voxel of an area one of the area as which it is reported. */
+static void relabel(conus_atlas *atlas, const uint32_t *group)
+{
+    struct volume *volume = &atlas->volumes[0];
+    for (size_t i = 0; i < volume->voxel_count; i++) {
+        if (volume->objects16) {
+            volume->objects16[i] = (uint16_t)group[volume->objects16[i]];
+        } else {
+            volume->objects32[i] = group[volume->objects32[i]];
+        }
+    }
+    for (uint32_t number = 1; number <= atlas->area_count; number++) {
+        conus_object *from = &atlas->objects[number - 1];
+        conus_object *to = &atlas->objects[group[number] - 1];
+        if (from != to) {
+            to->volume_mm3 += from->volume_mm3;
+            to->voxels += from->voxels;
+            from->volume_mm3 = 0;
+            from->voxels = 0;
+        }
+    }
+}
+
+/* Two atlases with the same voxels and tree, and a depth of it that changes something; false if there is none. */
+static bool make_pair(conus_atlas *out[2], char spec[16], uint64_t seed)
+{
+    struct level *level = NULL;
+    for (int k = 0; k < 2; k++) {
+        uint64_t state = seed;
+        out[k] = scene_atlas(&state, DIM, 1);
+        grow_tree(out[k], &state);
+    }
+    snprintf(spec, 16, "%d", 1 + (int)(seed % 3));
+    if (level_create(&level, out[1], spec)) {
+        return false; /* no tree, or not as deep */
+    }
+    bool changes = !level_is_identity(level);
+    relabel(out[1], level_group(level));
+    level_destroy(level);
+    return changes;
+}
+
+static conus_selection *look(const conus_atlas *atlas, const conus_selector_options *options, const conus_pose *pose)
+{
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, options));
+    assert_ok(conus_select(&selection, selector, pose, options->radius > 0 ? 0 : 0.7));
+    conus_selector_destroy(selector);
+    return selection;
+}
+
+static void assert_same_number(double a, double b)
+{
+    if (isnan(a) || isnan(b)) {
+        assert_true(isnan(a) && isnan(b));
+    } else {
+        assert_near(a, b, 0);
+    }
+}
+
+/* To the last bit, but for sums over voxels, whose order may differ. */
+static void assert_same_result(const conus_result *a, const conus_result *b)
+{
+    assert_int_equal(a->kind, b->kind);
+    assert_int_equal(a->object, b->object);
+    assert_int_equal(a->rank, b->rank);
+    assert_int_equal(a->pixels, b->pixels);
+    assert_int_equal(a->pierced, b->pierced);
+    assert_int_equal(a->voxels, b->voxels);
+    const double mine[] = {a->score,      a->share,      a->center_px, a->offset, a->distance, a->contact[0],
+                           a->contact[1], a->contact[2], a->entry,     a->exit,   a->path};
+    const double other[] = {b->score,      b->share,      b->center_px, b->offset, b->distance, b->contact[0],
+                            b->contact[1], b->contact[2], b->entry,     b->exit,   b->path};
+    for (size_t i = 0; i < sizeof mine / sizeof mine[0]; i++) {
+        assert_same_number(mine[i], other[i]);
+    }
+    const double sums[] = {a->volume,    a->fraction,    a->cone_fraction, a->sum_value,  a->mean_value,
+                           a->max_value, a->centroid[0], a->centroid[1],   a->centroid[2]};
+    const double wanted[] = {b->volume,    b->fraction,    b->cone_fraction, b->sum_value,  b->mean_value,
+                             b->max_value, b->centroid[0], b->centroid[1],   b->centroid[2]};
+    for (size_t i = 0; i < sizeof sums / sizeof sums[0]; i++) {
+        if (isnan(wanted[i])) {
+            assert_true(isnan(sums[i]));
+        } else {
+            assert_near(sums[i], wanted[i], 1e-9 * (1 + fabs(wanted[i])));
+        }
+    }
+}
+
+static void assert_same_answer(const conus_selection *a, const conus_selection *b)
+{
+    size_t spans = 0;
+    size_t other_spans = 0;
+    const conus_span *span = conus_selection_spans(a, &spans);
+    const conus_span *other = conus_selection_spans(b, &other_spans);
+    conus_evidence mine = conus_selection_evidence(a);
+    conus_evidence theirs = conus_selection_evidence(b);
+    assert_int_equal(conus_selection_count(a), conus_selection_count(b));
+    for (size_t i = 0; i < conus_selection_count(a); i++) {
+        assert_same_result(conus_selection_result(a, i), conus_selection_result(b, i));
+    }
+    for (size_t p = 0; p < (size_t)mine.resolution * mine.resolution; p++) {
+        assert_int_equal(mine.object[p], theirs.object[p]);
+        assert_int_equal(mine.voxel[p], theirs.voxel[p]);
+    }
+    assert_int_equal(spans, other_spans);
+    for (size_t i = 0; i < spans; i++) {
+        assert_int_equal(span[i].pixel, other[i].pixel);
+        assert_int_equal(span[i].object, other[i].object);
+        assert_int_equal(span[i].voxel, other[i].voxel);
+        assert_near(span[i].entry, other[i].entry, 0);
+        assert_near(span[i].exit, other[i].exit, 0);
+    }
+}
+
+static void compare(const conus_selector_options *base)
+{
+    size_t compared = 0;
+    for (uint64_t seed = 1; seed <= SCENES; seed++) {
+        conus_atlas *atlases[2];
+        char spec[16];
+        bool useful = make_pair(atlases, spec, seed);
+        uint64_t state = seed;
+        for (int pose = 0; useful && pose < 3; pose++) {
+            const conus_pose from = scene_generic_pose(&state, atlases[0]);
+            conus_selector_options options = *base;
+            options.level = spec;
+            conus_selection *rolled = look(atlases[0], &options, &from);
+            conus_selection *relabelled = look(atlases[1], base, &from);
+            assert_same_answer(rolled, relabelled);
+            compared += conus_selection_count(rolled) > 1;
+            conus_selection_destroy(rolled);
+            conus_selection_destroy(relabelled);
+        }
+        conus_atlas_destroy(atlases[0]);
+        conus_atlas_destroy(atlases[1]);
+    }
+    assert_true(compared > SCENES / 2);
+}
+
+static void what_is_met_first_is_as_if_relabelled(void **state)
+{
+    (void)state;
+    compare(&(conus_selector_options){0});
+    compare(&(conus_selector_options){.sampling = CONUS_SLICES, .score = "centre"});
+}
+
+static void all_layers_are_as_if_relabelled(void **state)
+{
+    (void)state;
+    compare(&(conus_selector_options){.layers = CONUS_ALL_LAYERS});
+    compare(&(conus_selector_options){.layers = CONUS_ALL_LAYERS, .range = {5, 30}, .score = "distance"});
+    compare(&(conus_selector_options){.layers = CONUS_ALL_LAYERS, .radius = 5});
+}
+
+/* The share of a parent is the sum of the shares of its disjoint parts. */
+static void shares_add_up(void **state)
+{
+    (void)state;
+    size_t checked = 0;
+    for (uint64_t seed = 100; seed < 120; seed++) {
+        conus_atlas *atlases[2];
+        char spec[16];
+        double sums[512] = {0};
+        if (make_pair(atlases, spec, seed) && atlases[0]->object_count < 512) {
+            struct level *level = NULL;
+            uint64_t random = seed;
+            const conus_pose pose = scene_generic_pose(&random, atlases[0]);
+            conus_selection *parts = look(atlases[0], &(conus_selector_options){0}, &pose);
+            conus_selection *whole = look(atlases[0], &(conus_selector_options){.level = spec}, &pose);
+            assert_ok(level_create(&level, atlases[0], spec));
+            for (size_t i = 0; i < conus_selection_count(parts); i++) {
+                const conus_result *part = conus_selection_result(parts, i);
+                sums[level_group(level)[part->object]] += part->share;
+            }
+            for (size_t i = 0; i < conus_selection_count(whole); i++) {
+                const conus_result *result = conus_selection_result(whole, i);
+                assert_near(result->share, sums[result->object], 1e-12);
+                checked++;
+            }
+            level_destroy(level);
+            conus_selection_destroy(parts);
+            conus_selection_destroy(whole);
+        }
+        conus_atlas_destroy(atlases[0]);
+        conus_atlas_destroy(atlases[1]);
+    }
+    assert_true(checked > 20);
+}
+
+static void spans_of_a_group_become_one(void **state)
+{
+    (void)state;
+    const uint32_t group[] = {0, 4, 2, 4, 4, 2};
+    const conus_span given[] = {{0, 1, 1, 2, 10}, {0, 3, 2, 3, 11},  {0, 2, 2.5, 9, 12}, {0, 4, 4, 5, 13},
+                                {0, 1, 5, 6, 14}, {0, 5, 8, 10, 15}, {3, 3, 0, 1, 16},   {3, 1, 2, 3, 17}};
+    const conus_span wanted[] = {
+        {0, 4, 1, 3, 10}, {0, 2, 2.5, 10, 12}, {0, 4, 4, 6, 13}, {3, 4, 0, 1, 16}, {3, 4, 2, 3, 17}};
+    struct layers layers = {0};
+    for (size_t i = 0; i < sizeof given / sizeof given[0]; i++) {
+        assert_ok(layers_add(&layers, &given[i]));
+    }
+    assert_ok(layers_regroup(&layers, group, 5));
+    assert_int_equal(layers.count, sizeof wanted / sizeof wanted[0]);
+    for (size_t i = 0; i < layers.count; i++) {
+        assert_int_equal(layers.spans[i].pixel, wanted[i].pixel);
+        assert_int_equal(layers.spans[i].object, wanted[i].object);
+        assert_int_equal(layers.spans[i].voxel, wanted[i].voxel);
+        assert_near(layers.spans[i].entry, wanted[i].entry, 0);
+        assert_near(layers.spans[i].exit, wanted[i].exit, 0);
+    }
+    layers_finish(&layers);
+}
+
+struct attempt {
+    const conus_atlas *atlas;
+    conus_pose pose;
+};
+
+static conus_status select_rolled(void *data)
+{
+    const struct attempt *attempt = data;
+    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .level = "1"};
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_report *report = NULL;
+    conus_status status = conus_selector_create(&selector, attempt->atlas, &options);
+    status = status ? status : conus_select(&selection, selector, &attempt->pose, 1);
+    status = status ? status : conus_report_create(&report, selector, NULL);
+    status = status ? status : conus_report_add(report, "1", selection);
+    conus_report_destroy(report);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    return status;
+}
+
+static void every_allocation_may_fail(void **state)
+{
+    (void)state;
+    uint64_t random = 48;
+    conus_atlas *atlas = scene_atlas(&random, 8, 1);
+    for (size_t i = 1; i < atlas->area_count; i++) {
+        atlas->objects[i].parent = 1;
+    }
+    assert_true(atlas->area_count > 1);
+    struct attempt attempt = {atlas, scene_generic_pose(&random, atlas)};
+    test_every_allocation(select_rolled, &attempt);
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_met_first_is_as_if_relabelled),
+        cmocka_unit_test(all_layers_are_as_if_relabelled),
+        cmocka_unit_test(shares_add_up),
+        cmocka_unit_test(spans_of_a_group_become_one),
+        cmocka_unit_test(every_allocation_may_fail),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
