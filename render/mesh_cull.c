@@ -27,7 +27,8 @@ struct tiles {
 struct mesh_cull {
     const struct clusters *clusters;
     double apex[3], right[3], up[3], forward[3];
-    double slope, cosine, sine; /* of half the angle */
+    double slope, cosine, sine; /* of half the angle; 0, 1 and 0 of a cylinder */
+    double width;               /* half the buffer's edge at the apex: 0, or a cylinder's radius */
     uint32_t resolution;
     uint32_t tile_edge, tile_count;        /* pixels; tiles along an edge */
     double reach[TILE_LIMIT * TILE_LIMIT]; /* how far any of a tile's rays can get */
@@ -114,12 +115,14 @@ static inline struct seen see(const struct mesh_cull *cull, double x, double y, 
 static inline bool is_in_pyramid(const struct mesh_cull *cull, const struct seen *ball)
 {
     double sideways = fmax(fabs(ball->x), fabs(ball->y));
-    return ball->depth > -ball->radius && sideways * cull->cosine - ball->depth * cull->sine < ball->radius;
+    return ball->depth > -ball->radius &&
+           (sideways - cull->width) * cull->cosine - ball->depth * cull->sine < ball->radius;
 }
 
-static inline double nearest_of(const struct seen *ball)
+static inline double nearest_of(const struct mesh_cull *cull, const struct seen *ball)
 {
-    double distance = sqrt(ball->x * ball->x + ball->y * ball->y + ball->depth * ball->depth);
+    double sideways = cull->width > 0 ? 0 : ball->x * ball->x + ball->y * ball->y; /* rays go there, or only ahead */
+    double distance = sqrt(sideways + ball->depth * ball->depth);
     return fmax(distance - ball->radius - ROUNDING * (distance + ball->radius), 0);
 }
 
@@ -127,8 +130,8 @@ static inline double nearest_of(const struct seen *ball)
 static bool find_pixels(uint32_t *first, uint32_t *last, const struct mesh_cull *cull, double offset,
                         const struct seen *ball)
 {
-    double near = ball->depth - ball->radius;
-    double far = ball->depth + ball->radius;
+    double near = cull->width + cull->slope * (ball->depth - ball->radius); /* half the buffer's edge there */
+    double far = cull->width + cull->slope * (ball->depth + ball->radius);
     double low = offset - ball->radius;
     double high = offset + ball->radius;
     double n = cull->resolution;
@@ -137,8 +140,8 @@ static bool find_pixels(uint32_t *first, uint32_t *last, const struct mesh_cull 
     if (near <= 0) {
         return true;
     }
-    low = ((low / (low < 0 ? near : far) / cull->slope + 1) * n - 1) / 2 - MARGIN;
-    high = ((high / (high > 0 ? near : far) / cull->slope + 1) * n - 1) / 2 + MARGIN;
+    low = ((low / (low < 0 ? near : far) + 1) * n - 1) / 2 - MARGIN;
+    high = ((high / (high > 0 ? near : far) + 1) * n - 1) / 2 + MARGIN;
     low = fmax(ceil(low), 0);
     high = fmin(floor(high), n - 1);
     if (!(low <= high)) {
@@ -189,7 +192,7 @@ static void gather_meshes(struct mesh_cull *cull)
         struct seen ball =
             see(cull, clusters->ball[0][i], clusters->ball[1][i], clusters->ball[2][i], clusters->ball[3][i]);
         if (is_in_pyramid(cull, &ball)) {
-            cull->heap[cull->count++] = (struct waiting){nearest_of(&ball), (uint32_t)i, MESH};
+            cull->heap[cull->count++] = (struct waiting){nearest_of(cull, &ball), (uint32_t)i, MESH};
         }
     }
     for (size_t i = cull->count / 2; i > 0; i--) {
@@ -205,6 +208,7 @@ void mesh_cull_begin(struct mesh_cull *cull, const struct mesh_view *view)
     memcpy(cull->up, m + 4, sizeof cull->up);
     vec3_scale(cull->forward, m + 8, -1);
     cull->slope = view->slope;
+    cull->width = view->radius;
     cull->cosine = 1 / sqrt(1 + view->slope * view->slope);
     cull->sine = view->slope * cull->cosine;
     cull->resolution = view->resolution;
@@ -218,9 +222,9 @@ void mesh_cull_hide(struct mesh_cull *cull, const double *distances)
     uint32_t n = cull->resolution;
     uint32_t tiles = cull->tile_count * cull->tile_count;
     for (uint32_t t = 0; t < tiles; t++) {
-        cull->reach[t] = 0;
+        cull->reach[t] = distances ? 0 : INFINITY;
     }
-    for (uint32_t j = 0; j < n; j++) {
+    for (uint32_t j = 0; j < n && distances; j++) {
         for (uint32_t i = 0; i < n; i++) {
             double *reach = &cull->reach[j / cull->tile_edge * cull->tile_count + i / cull->tile_edge];
             *reach = fmax(*reach, distances[(size_t)j * n + i]);
@@ -243,7 +247,7 @@ static void push_clusters(struct mesh_cull *cull, uint32_t mesh)
     const size_t *first = &cull->clusters->first_cluster[mesh];
     for (size_t i = first[0]; i < first[1]; i++) {
         struct seen ball = see_cluster(cull, (uint32_t)i);
-        double nearest = nearest_of(&ball);
+        double nearest = nearest_of(cull, &ball);
         if (is_in_pyramid(cull, &ball) && is_open(cull, &ball, nearest)) {
             push(cull, (struct waiting){nearest, (uint32_t)i, 0});
         }

@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * Which clusters of triangles an n x n buffer can show, nearest first, in batches: meshes outside the buffer's pyramid
- * (the square one around the cone), clusters that touch no pixel's centre, and whatever lies behind what earlier
+ * (the square one around the cone; a cylinder's prism), clusters that touch no pixel's centre, and whatever lies behind what earlier
  * batches have shown, are left out. Conservative: what is left out cannot be seen. */
 #ifndef CONUS_RENDER_MESH_CULL_H
 #define CONUS_RENDER_MESH_CULL_H
 
 #include "render/clusters.h"
 
-/** Where the buffer looks from (Eq. 1, Eq. 3). */
+/** Where the buffer looks from (Eq. 1, Eq. 3): either slope or radius is 0. */
 struct mesh_view {
-    const double *world_from_device; /**< [16] rigid; looks down its -z. */
-    double slope;                    /**< Tangent of half the opening angle. */
-    uint32_t resolution;             /**< n */
+    const double *world_from_device; /**< [16] rigid; looks down its -z.                          */
+    double slope;                    /**< Tangent of half the opening angle.                      */
+    double radius;                   /**< Of a cylinder's parallel rays: half the buffer's edge, mm. */
+    uint32_t resolution;             /**< n                                                       */
 };
 
 struct mesh_cull;
@@ -24,7 +25,7 @@ void mesh_cull_destroy(struct mesh_cull *cull);
 /** Begins a look; mesh_cull_hide() must be called before the first batch. */
 void mesh_cull_begin(struct mesh_cull *cull, const struct mesh_view *view);
 
-/** Tells how far each pixel's ray can get, in mm ([n n], INFINITY = for ever). */
+/** Tells how far each pixel's ray can get, in mm ([n n], INFINITY = for ever); NULL = for ever all of them. */
 void mesh_cull_hide(struct mesh_cull *cull, const double *distances);
 
 /** The next clusters, about @p triangles triangles of them or as many as there are: their number, 0 when all that can

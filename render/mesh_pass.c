@@ -5,22 +5,32 @@
 #include "base/memory.h"
 #include "render/context.h"
 #include "render/program.h"
+#include "render/shader_list.h"
 #include "render/shaders.h"
 #include "render/target.h"
 
 #include <string.h>
 
 enum { POSITION_UNIT, CORNER_UNIT };
-enum { PIXEL_BUFFER };
+enum { PIXEL_BUFFER, HIT_BUFFER };
 enum { FIRST_ROOM = 6, ROOM_STEP = 8 };
 enum { BATCH = 4096 }; /* triangles; Mesa 22.3's llvmpipe takes thrice the time for each in batches of 16384 */
+
+enum { FIRST_HITS = 1024 };
+
+/* Uniforms that a program has not are -1, which GL ignores. */
+struct mesh_program {
+    GLuint program;
+    GLint apex, device_from_world, parallel, resolution;
+    GLint direction_from_place, origin_from_place; /* of `first` only */
+    GLint pixels;                                  /* of `all` only   */
+};
 
 struct mesh_pass {
     const struct mesh *const *meshes; /* a copy of the caller's array, by object */
     struct clusters clusters;
     struct mesh_cull *cull;
-    GLuint program;
-    GLint apex, device_from_world, world_from_device, resolution;
+    struct mesh_program first, all; /* all: made when it is needed for the first time */
     GLuint vertices, position_buffer, corner_buffer, positions, corners;
     struct target target; /* without pixels: what is drawn goes to the buffer */
     GLuint pixel_buffer;
@@ -28,16 +38,20 @@ struct mesh_pass {
     uint32_t room;    /* triangles that a pixel can note in one batch */
     GLsizei *draw_counts;
     const void **draw_offsets;
+    struct shader_list hits; /* of pixel and triangle */
 };
 
 /* ---- Creation ------------------------------------------------------------------------------------------------- */
 
-static conus_status create_program(struct mesh_pass *pass, uint32_t room)
+static conus_status create_program(struct mesh_program *out, const struct program_shader *fragment, uint32_t room)
 {
-    const struct program_define defines[] = {
-        {"ROOM", room}, {"PIXEL_BUFFER", PIXEL_BUFFER}, {"POSITION_UNIT", POSITION_UNIT}, {"CORNER_UNIT", CORNER_UNIT}};
+    const struct program_define defines[] = {{"ROOM", room},
+                                             {"PIXEL_BUFFER", PIXEL_BUFFER},
+                                             {"HIT_BUFFER", HIT_BUFFER},
+                                             {"POSITION_UNIT", POSITION_UNIT},
+                                             {"CORNER_UNIT", CORNER_UNIT}};
     const struct program_source source = {.vertex = {"mesh_id.vert.glsl", shader_mesh_id_vert},
-                                          .fragment = {"mesh_id.frag.glsl", shader_mesh_id_frag},
+                                          .fragment = *fragment,
                                           .defines = defines,
                                           .define_count = sizeof defines / sizeof defines[0]};
     GLuint program = 0;
@@ -45,13 +59,44 @@ static conus_status create_program(struct mesh_pass *pass, uint32_t room)
     if (status) {
         return status;
     }
-    glDeleteProgram(pass->program);
-    pass->program = program;
-    pass->apex = program_uniform(program, "apex");
-    pass->device_from_world = program_uniform(program, "device_from_world");
-    pass->world_from_device = program_uniform(program, "world_from_device");
-    pass->resolution = program_uniform(program, "resolution");
+    out->program = program;
+    out->apex = program_uniform(program, "apex");
+    out->device_from_world = program_uniform(program, "device_from_world");
+    out->parallel = program_uniform(program, "parallel");
+    out->resolution = program_uniform(program, "resolution");
+    return CONUS_OK;
+}
+
+/* The program of the first triangle, with room for so many in every pixel. */
+static conus_status create_first(struct mesh_pass *pass, uint32_t room)
+{
+    const struct program_shader fragment = {"mesh_id.frag.glsl", shader_mesh_id_frag};
+    struct mesh_program first = {.pixels = -1};
+    conus_status status = create_program(&first, &fragment, room);
+    if (status) {
+        return status;
+    }
+    first.direction_from_place = program_uniform(first.program, "direction_from_place");
+    first.origin_from_place = program_uniform(first.program, "origin_from_place");
+    glDeleteProgram(pass->first.program);
+    pass->first = first;
     pass->room = room;
+    return CONUS_OK;
+}
+
+/* That of all of them, and its list. */
+static conus_status create_all(struct mesh_pass *pass)
+{
+    const struct program_shader fragment = {"mesh_hits.frag.glsl", shader_mesh_hits_frag};
+    struct mesh_program all = {.direction_from_place = -1, .origin_from_place = -1};
+    conus_status status = shader_list_init(&pass->hits, 2 * sizeof(uint32_t), FIRST_HITS);
+    status = status ? status : create_program(&all, &fragment, 0);
+    if (status) {
+        shader_list_finish(&pass->hits);
+        return status;
+    }
+    all.pixels = program_uniform(all.program, "pixels");
+    pass->all = all;
     return CONUS_OK;
 }
 
@@ -131,7 +176,7 @@ conus_status mesh_pass_create(struct mesh_pass **out, const struct mesh *const *
         return CONUS_ERROR_MEMORY;
     }
     conus_status status = reserve(pass, meshes, count);
-    status = status ? status : create_program(pass, FIRST_ROOM);
+    status = status ? status : create_first(pass, FIRST_ROOM);
     status = status ? status : upload_triangles(pass, memory_left);
     if (status) {
         mesh_pass_destroy(pass);
@@ -151,8 +196,10 @@ void mesh_pass_destroy(struct mesh_pass *pass)
     glDeleteTextures(2, textures);
     glDeleteBuffers(3, buffers);
     glDeleteVertexArrays(1, &pass->vertices);
-    glDeleteProgram(pass->program);
+    glDeleteProgram(pass->first.program);
+    glDeleteProgram(pass->all.program);
     target_finish(&pass->target);
+    shader_list_finish(&pass->hits);
     mesh_cull_destroy(pass->cull);
     clusters_finish(&pass->clusters);
     memory_free((void *)pass->meshes);
@@ -200,7 +247,7 @@ static conus_status resize(struct mesh_pass *pass, uint32_t resolution)
 static conus_status make_room(struct mesh_pass *pass, uint32_t count)
 {
     uint32_t room = (count + 2 + ROOM_STEP - 1) / ROOM_STEP * ROOM_STEP - 2;
-    conus_status status = create_program(pass, room);
+    conus_status status = create_first(pass, room);
     return status ? status : make_pixels(pass);
 }
 
@@ -227,12 +274,12 @@ static conus_status read_pixels(const struct mesh_pass *pass)
 }
 
 /* Eq. 9: nearest first; of equally near ones the lower object, then the lower triangle. */
-static void weigh(const struct mesh_pass *pass, const double apex[3], const struct mesh_pixels *pixels, size_t pixel,
-                  uint32_t drawn)
+static void weigh(const struct mesh_pass *pass, const struct mesh_pixels *pixels, size_t pixel, uint32_t drawn)
 {
     uint32_t object = clusters_find(&pass->clusters, drawn)->object;
     uint64_t triangle = pass->clusters.triangle[drawn];
-    double t = mesh_distance(pass->meshes[object - 1], (size_t)triangle, apex, pixels->directions[pixel]);
+    const struct mesh *mesh = pass->meshes[object - 1];
+    double t = mesh_distance(mesh, (size_t)triangle, pixels->origins[pixel], pixels->directions[pixel]);
     double known = pixels->distances[pixel];
     uint32_t holder = pixels->objects[pixel];
     bool wins_tie = object < holder || (object == holder && triangle < pixels->triangles[pixel]);
@@ -244,7 +291,7 @@ static void weigh(const struct mesh_pass *pass, const double apex[3], const stru
 }
 
 /* Weighs what the driver noted and returns the most that one pixel had to note. */
-static uint32_t settle(const struct mesh_pass *pass, const double apex[3], const struct mesh_pixels *pixels)
+static uint32_t settle(const struct mesh_pass *pass, const struct mesh_pixels *pixels)
 {
     uint32_t most = 0;
     for (size_t i = 0; i < pixel_count(pass); i++) {
@@ -252,7 +299,7 @@ static uint32_t settle(const struct mesh_pass *pass, const double apex[3], const
         uint32_t count = pixel[1];
         most = count > most ? count : most;
         for (uint32_t k = 0; k < count && k < pass->room; k++) {
-            weigh(pass, apex, pixels, i, pixel[2 + k]);
+            weigh(pass, pixels, i, pixel[2 + k]);
         }
     }
     return most;
@@ -260,24 +307,31 @@ static uint32_t settle(const struct mesh_pass *pass, const double apex[3], const
 
 /* ---- A look --------------------------------------------------------------------------------------------------- */
 
-static void set_view(const struct mesh_pass *pass, const struct mesh_view *view)
+static void use_program(const struct mesh_program *program, const struct mesh_view *view)
 {
     const double *m = view->world_from_device;
-    double narrow[9], wide[9];
+    bool parallel = view->radius > 0;
+    double width = parallel ? view->radius : view->slope; /* half the buffer's edge, at depth 1 */
+    double narrow[9], wide[9], sideways[6];
     for (int a = 0; a < 3; a++) {
-        narrow[a] = m[a] / view->slope;
-        narrow[3 + a] = m[4 + a] / view->slope;
+        narrow[a] = m[a] / width;
+        narrow[3 + a] = m[4 + a] / width;
         wide[a] = m[a] * view->slope;
         wide[3 + a] = m[4 + a] * view->slope;
         narrow[6 + a] = wide[6 + a] = -m[8 + a];
+        sideways[a] = m[a] * view->radius;
+        sideways[3 + a] = m[4 + a] * view->radius;
     }
-    glUseProgram(pass->program);
-    glUniform3dv(pass->apex, 1, m + 12);
-    glUniformMatrix3dv(pass->device_from_world, 1, GL_TRUE, narrow);
-    glUniformMatrix3dv(pass->world_from_device, 1, GL_FALSE, wide);
-    glUniform1i(pass->resolution, (GLint)view->resolution);
+    glUseProgram(program->program);
+    glUniform3dv(program->apex, 1, m + 12);
+    glUniformMatrix3dv(program->device_from_world, 1, GL_TRUE, narrow);
+    glUniform1i(program->parallel, parallel);
+    glUniformMatrix3dv(program->direction_from_place, 1, GL_FALSE, wide);
+    glUniformMatrix2x3dv(program->origin_from_place, 1, GL_FALSE, sideways);
+    glUniform1i(program->resolution, (GLint)view->resolution);
 }
 
+/* Draws with the program in use. */
 static void draw(const struct mesh_pass *pass, const uint32_t *batch, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
@@ -289,7 +343,6 @@ static void draw(const struct mesh_pass *pass, const uint32_t *batch, size_t cou
     glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
     glBindTextureUnit(POSITION_UNIT, pass->positions);
     glBindTextureUnit(CORNER_UNIT, pass->corners);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PIXEL_BUFFER, pass->pixel_buffer);
     glBindVertexArray(pass->vertices);
     glMultiDrawElements(GL_TRIANGLES, pass->draw_counts, GL_UNSIGNED_INT, pass->draw_offsets, (GLsizei)count);
 }
@@ -304,13 +357,14 @@ static conus_status look_at_batch(struct mesh_pass *pass, const struct mesh_view
     for (int attempt = 0; most > pass->room && !status; attempt++) {
         status = attempt > 1 ? make_room(pass, most) : CONUS_OK;
         if (!status) {
-            set_view(pass, view);
+            use_program(&pass->first, view);
             upload_pixels(pass, pixels->distances);
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PIXEL_BUFFER, pass->pixel_buffer);
             draw(pass, batch, count);
             status = read_pixels(pass);
         }
         if (!status) {
-            most = settle(pass, view->world_from_device + 12, pixels);
+            most = settle(pass, pixels);
         }
     }
     return status;
@@ -326,6 +380,70 @@ conus_status mesh_pass_look(struct mesh_pass *pass, const struct mesh_view *view
         mesh_cull_hide(pass->cull, pixels->distances);
         count = mesh_cull_batch(&batch, pass->cull, BATCH);
         status = count ? look_at_batch(pass, view, pixels, batch, count) : CONUS_OK;
+    }
+    return status;
+}
+
+/* ---- All layers ----------------------------------------------------------------------------------------------- */
+
+struct piercing {
+    struct mesh_pass *pass;
+    const struct mesh_view *view;
+    const uint32_t *batch; /* clusters */
+    size_t count;
+    mesh_pass_take take;
+    void *user;
+};
+
+static conus_status draw_hits(void *user, uint32_t first, uint32_t end)
+{
+    const struct piercing *piercing = user;
+    const struct mesh_program *all = &piercing->pass->all;
+    use_program(all, piercing->view);
+    glUniform2i(all->pixels, (GLint)first, (GLint)end);
+    draw(piercing->pass, piercing->batch, piercing->count);
+    return gl_check("mesh pass of all layers");
+}
+
+static conus_status take_hits(void *user, const void *records, uint32_t count)
+{
+    const struct piercing *piercing = user;
+    const struct clusters *clusters = &piercing->pass->clusters;
+    const uint32_t(*record)[2] = (const uint32_t(*)[2])records;
+    conus_status status = CONUS_OK;
+    for (uint32_t i = 0; i < count && !status; i++) {
+        uint32_t drawn = record[i][1];
+        const struct mesh_hit hit = {record[i][0], clusters_find(clusters, drawn)->object, clusters->triangle[drawn]};
+        status = piercing->take(piercing->user, &hit);
+    }
+    return status;
+}
+
+static uint32_t count_triangles(const struct piercing *piercing)
+{
+    uint32_t count = 0;
+    for (size_t i = 0; i < piercing->count; i++) {
+        count += piercing->pass->clusters.cluster[piercing->batch[i]].count;
+    }
+    return count;
+}
+
+conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *view, mesh_pass_take take, void *user)
+{
+    struct piercing piercing = {.pass = pass, .view = view, .count = 1, .take = take, .user = user};
+    conus_status status = pass->all.program ? CONUS_OK : create_all(pass);
+    status = status ? status : resize(pass, view->resolution);
+    mesh_cull_begin(pass->cull, view);
+    mesh_cull_hide(pass->cull, NULL);
+    while (piercing.count && !status) {
+        piercing.count = mesh_cull_batch(&piercing.batch, pass->cull, BATCH);
+        const struct shader_list_job job = {.binding = HIT_BUFFER,
+                                            .draw = draw_hits,
+                                            .take = take_hits,
+                                            .user = &piercing,
+                                            .pixels = view->resolution * view->resolution,
+                                            .per_pixel = count_triangles(&piercing)};
+        status = shader_list_collect(&pass->hits, &job);
     }
     return status;
 }

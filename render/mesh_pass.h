@@ -15,11 +15,21 @@ struct mesh_pass;
 
 /** What each pixel's ray has met so far; bottom row first, [n n] each. */
 struct mesh_pixels {
-    const double (*directions)[3]; /**< Unit vectors in the world, those of the view's pixels. */
+    const double (*origins)[3];    /**< In the world, those of the view's pixels.              */
+    const double (*directions)[3]; /**< Unit vectors in the world, likewise.                   */
     uint32_t *objects;             /**< In and out: 0 = none.                                  */
     double *distances;             /**< In and out: mm; INFINITY = none.                       */
     uint64_t *triangles;           /**< Out, where a mesh is met first.                        */
 };
+
+/** A triangle that covers a pixel's centre. */
+struct mesh_hit {
+    uint32_t pixel, object;
+    uint32_t triangle; /**< Of the object's mesh. */
+};
+
+/** Takes hits in any order. */
+typedef conus_status (*mesh_pass_take)(void *user, const struct mesh_hit *hit);
 
 /** Uploads meshes, which must outlive the pass; object number k is meshes[k - 1], NULL = it is none. Takes their size
  * on the device off @p memory_left. */
@@ -30,5 +40,9 @@ void mesh_pass_destroy(struct mesh_pass *pass);
 
 /** Adds to what the pixels have met what they meet of the meshes, if that is nearer. */
 conus_status mesh_pass_look(struct mesh_pass *pass, const struct mesh_view *view, const struct mesh_pixels *pixels);
+
+/** Hands to @p take every triangle that covers a pixel's centre, whatever hides it (Eq. 10); in the view of a cylinder
+ * those behind the device, too. Nothing is settled: where a ray meets a triangle says mesh_distance(). */
+conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *view, mesh_pass_take take, void *user);
 
 #endif

@@ -7,6 +7,7 @@ extern const char shader_colour_frag[];
 extern const char shader_common[];
 extern const char shader_id_frag[];
 extern const char shader_mesh_frag[];
+extern const char shader_mesh_hits_frag[];
 extern const char shader_mesh_id_frag[];
 extern const char shader_mesh_id_vert[];
 extern const char shader_mesh_vert[];

@@ -20,7 +20,8 @@ struct gl_engine {
     struct gl_context *context;
     struct id_pass *pass;        /* NULL where there are no volumes to select from */
     struct mesh_pass *mesh_pass; /* NULL where there are no meshes                 */
-    double (*directions)[3];     /* [resolution^2] of the mesh pass                */
+    double (*origins)[3];        /* [resolution^2] of the mesh pass; and           */
+    double (*directions)[3];
     uint32_t resolution;
     conus_sampling sampling;
     uint32_t slices;
@@ -38,6 +39,7 @@ static void destroy(struct engine *engine)
         gl_current_restore(&previous);
     }
     gl_context_destroy(gl->context);
+    memory_free(gl->origins);
     memory_free(gl->directions);
     memory_free(gl->volumes);
     memory_free(gl);
@@ -118,23 +120,47 @@ static conus_status look_at_volumes(struct gl_engine *gl, struct evidence *out, 
     return status;
 }
 
+static conus_status reserve_pixels(struct gl_engine *gl, uint32_t resolution)
+{
+    size_t pixels = (size_t)resolution * resolution;
+    if (gl->resolution == resolution) {
+        return CONUS_OK;
+    }
+    gl->resolution = 0;
+    memory_free(gl->origins);
+    memory_free(gl->directions);
+    gl->origins = memory_raw(pixels, sizeof *gl->origins);
+    gl->directions = memory_raw(pixels, sizeof *gl->directions);
+    if (!gl->origins || !gl->directions) {
+        return CONUS_ERROR_MEMORY;
+    }
+    gl->resolution = resolution;
+    return CONUS_OK;
+}
+
+/* The rays of the mesh pass, and its view. */
+static conus_status prepare_view(struct mesh_view *out, struct gl_engine *gl, const struct cone *cone)
+{
+    uint32_t n = cone->resolution;
+    conus_status status = reserve_pixels(gl, n);
+    for (uint32_t pixel = 0; pixel < n * n && !status; pixel++) {
+        cone_origin(gl->origins[pixel], cone, pixel % n, pixel / n);
+        cone_ray(gl->directions[pixel], cone, pixel % n, pixel / n);
+    }
+    *out = (struct mesh_view){cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, n};
+    return status;
+}
+
 /* Behind look_at_volumes(): what the volumes show limits how far the meshes are looked for. */
 static conus_status look_at_meshes(struct gl_engine *gl, struct evidence *out, const struct cone *cone)
 {
-    uint32_t n = cone->resolution;
-    const struct mesh_view view = {cone->pose.world_from_device, tan(cone->angle / 2), n};
-    if (gl->resolution != n) {
-        double(*directions)[3] = memory_resize(gl->directions, (size_t)n * n, sizeof *directions);
-        if (!directions) {
-            return CONUS_ERROR_MEMORY;
-        }
-        gl->directions = directions;
-        gl->resolution = n;
+    struct mesh_view view;
+    conus_status status = prepare_view(&view, gl, cone);
+    if (status) {
+        return status;
     }
-    for (uint32_t pixel = 0; pixel < n * n; pixel++) {
-        cone_ray(gl->directions[pixel], cone, pixel % n, pixel / n);
-    }
-    const struct mesh_pixels pixels = {(const double(*)[3])gl->directions, out->object, out->distance, out->voxel};
+    const struct mesh_pixels pixels = {(const double(*)[3])gl->origins, (const double(*)[3])gl->directions, out->object,
+                                       out->distance, out->voxel};
     return mesh_pass_look(gl->mesh_pass, &view, &pixels);
 }
 

@@ -122,9 +122,10 @@ struct look {
 static void find_truth(struct look *look, const struct scene *scene, const struct cone *cone)
 {
     for (uint32_t i = 0; i < N * N; i++) {
-        double direction[3];
+        double origin[3], direction[3];
+        cone_origin(origin, cone, i % N, i / N);
         cone_ray(direction, cone, i % N, i / N);
-        look->first[i] = mesh_scene_first(scene->atlas, cone->pose.world_from_device + 12, direction);
+        look->first[i] = mesh_scene_first(scene->atlas, origin, direction);
         look->distances[i] = INFINITY;
     }
 }
@@ -146,7 +147,7 @@ static size_t check_look(struct mesh_cull *cull, const struct clusters *clusters
                          const struct cone *cone)
 {
     static struct look look;
-    const struct mesh_view view = {cone->pose.world_from_device, tan(cone->angle / 2), N};
+    const struct mesh_view view = {cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, N};
     size_t given = 0;
     const uint32_t *batch;
     find_truth(&look, scene, cone);
@@ -183,6 +184,10 @@ static void nothing_visible_is_culled(void **state)
         struct cone cone = {.angle = radians_from_degrees(test_random(&random, 1, pose % 3 ? 20 : 170)),
                             .resolution = N};
         assert_ok(conus_pose_toward(&cone.pose, from, to, NULL));
+        if (pose % 4 == 1) {
+            cone.angle = 0;
+            cone.radius = test_random(&random, 0.1, 30);
+        }
         given += check_look(cull, &clusters, &scene, &cone);
     }
     assert_true(given > 0 && given < 60 * clusters.first_cluster[4] * 3 / 4); /* and much of the rest is */

@@ -17,10 +17,12 @@ layout(binding = POSITION_UNIT) uniform samplerBuffer positions;
 layout(binding = CORNER_UNIT) uniform usamplerBuffer corners;
 
 uniform dvec3 apex;
-uniform dmat3 world_from_device; // columns: right and up, times the tangent of half the angle; forward
+uniform dmat3 direction_from_place; // columns: right and up, times the tangent of half the angle; forward
+uniform dmat2x3 origin_from_place;  // columns: right and up, times a cylinder's radius
 uniform int resolution;
 
 const float SLACK = 1.000001;
+const double BEHIND = -1e-3; // mm: far more than rounding
 
 dvec3 corner(uint number)
 {
@@ -28,28 +30,33 @@ dvec3 corner(uint number)
 }
 
 // Distance to the triangle's plane, within the triangle's reach along the ray: mesh_distance() in atlas/mesh.h.
-float distance_to(uint number, dvec3 direction)
+double distance_to(uint number, dvec3 origin, dvec3 direction)
 {
     uvec3 at = texelFetch(corners, int(number)).xyz;
-    dvec3 a = corner(at.x);
-    dvec3 b = corner(at.y);
-    dvec3 c = corner(at.z);
+    dvec3 a = corner(at.x) - origin;
+    dvec3 b = corner(at.y) - origin;
+    dvec3 c = corner(at.z) - origin;
     dvec3 reach = dvec3(dot(a, direction), dot(b, direction), dot(c, direction));
     double low = min(reach.x, min(reach.y, reach.z));
     double high = max(reach.x, max(reach.y, reach.z));
     dvec3 normal = cross(b - a, c - a);
     double along = dot(normal, direction);
-    double t = along == 0.0 ? low : clamp(dot(normal, a) / along, low, high);
-    return float(max(t, 0.0));
+    return along == 0.0 ? low : clamp(dot(normal, a) / along, low, high);
 }
 
 void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy);
     dvec2 place = dvec2(2 * at + 1) / double(resolution) - 1.0;
-    float t = distance_to(triangle, normalize(world_from_device * dvec3(place, 1.0)));
+    dvec3 direction = normalize(direction_from_place * dvec3(place, 1.0));
+    double distance = distance_to(triangle, origin_from_place * place, direction);
+    if (distance < BEHIND) {
+        return;
+    }
     int pixel = at.y * resolution + at.x;
-    uint before = atomicMin(pixels[pixel].nearest, floatBitsToUint(t));
+    float t = float(max(distance, 0.0));
+    // what may lie behind the ray's start hides nothing
+    uint before = atomicMin(pixels[pixel].nearest, distance < 0.0 ? 0xffffffffu : floatBitsToUint(t));
     if (t <= uintBitsToFloat(before) * SLACK) {
         uint slot = atomicAdd(pixels[pixel].count, 1u);
         if (slot < uint(ROOM)) {

@@ -3,7 +3,8 @@
 layout(location = 0) in vec3 position; // world mm
 
 uniform dvec3 apex;
-uniform dmat3 device_from_world; // rows: to the right and up, over the tangent of half the angle; forward
+uniform dmat3 device_from_world; // rows: right and up, over the tangent of half the angle or the radius; forward
+uniform bool parallel;           // a cylinder's rays
 
 flat out uint triangle;
 
@@ -11,6 +12,6 @@ void main()
 {
     dvec3 place = device_from_world * (dvec3(position) - apex);
     // z = 0 passes every clipping plane as long as the corner is before the apex: there is no near or far plane.
-    gl_Position = vec4(vec2(place.xy), 0.0, float(place.z));
+    gl_Position = vec4(vec2(place.xy), 0.0, parallel ? 1.0 : float(place.z));
     triangle = uint(gl_VertexID); // the last corner's counts: see clusters.h
 }
