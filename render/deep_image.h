@@ -25,7 +25,8 @@ void deep_image_destroy(struct deep_image *image);
 conus_status deep_image_add_channel(struct deep_image *image, const char *name, enum image_type type,
                                     struct image_channel **out);
 
-/** OpenEXR: one part of deep scan lines, ZIPS, with the header's attributes, `idManifest` and `maxSamplesPerPixel`. @p out is the caller's to finish. (deep_exr.c) */
+/** OpenEXR: one part of deep scan lines, ZIPS, with the header's attributes, `idManifest` and `maxSamplesPerPixel`. @p
+ * out is the caller's to finish. (deep_exr.c) */
 conus_status deep_image_format(struct bytes *out, const struct deep_image *image);
 
 #endif

@@ -413,7 +413,8 @@ static conus_status take_hits(void *user, const void *records, uint32_t count)
     conus_status status = CONUS_OK;
     for (uint32_t i = 0; i < count && !status; i++) {
         uint32_t drawn = record[i][1];
-        const struct mesh_hit hit = {record[i][0], clusters_find(clusters, drawn)->object, clusters->triangle[drawn]};
+        const struct mesh_pass_hit hit = {record[i][0], clusters_find(clusters, drawn)->object,
+                                          clusters->triangle[drawn]};
         status = piercing->take(piercing->user, &hit);
     }
     return status;

@@ -23,13 +23,13 @@ struct mesh_pixels {
 };
 
 /** A triangle that covers a pixel's centre. */
-struct mesh_hit {
+struct mesh_pass_hit {
     uint32_t pixel, object;
     uint32_t triangle; /**< Of the object's mesh. */
 };
 
 /** Takes hits in any order. */
-typedef conus_status (*mesh_pass_take)(void *user, const struct mesh_hit *hit);
+typedef conus_status (*mesh_pass_take)(void *user, const struct mesh_pass_hit *hit);
 
 /** Uploads meshes, which must outlive the pass; object number k is meshes[k - 1], NULL = it is none. Takes their size
  * on the device off @p memory_left. */

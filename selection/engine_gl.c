@@ -6,7 +6,7 @@
 #include "render/context.h"
 #include "render/id_pass.h"
 #include "render/mesh_pass.h"
-#include "selection/layers.h"
+#include "selection/mesh_spans.h"
 #include "selection/traverse.h"
 
 #include <stdio.h>
@@ -23,6 +23,7 @@ struct gl_engine {
     double (*origins)[3];        /* [resolution^2] of the mesh pass; and           */
     double (*directions)[3];
     uint32_t resolution;
+    struct mesh_spans spans;
     conus_sampling sampling;
     uint32_t slices;
     size_t *volumes; /* [volume_count] of the atlas, in the order in which the pass has them */
@@ -39,6 +40,7 @@ static void destroy(struct engine *engine)
         gl_current_restore(&previous);
     }
     gl_context_destroy(gl->context);
+    mesh_spans_finish(&gl->spans);
     memory_free(gl->origins);
     memory_free(gl->directions);
     memory_free(gl->volumes);
@@ -211,18 +213,36 @@ static conus_status pierce_volumes(struct gl_engine *gl, struct layers *out, con
     return status;
 }
 
+static conus_status take_hit(void *user, const struct mesh_pass_hit *hit)
+{
+    struct gl_engine *gl = user;
+    const struct mesh *mesh = atlas_object_mesh(gl->atlas, hit->object);
+    int side = 0;
+    double t = mesh_crossing(&side, mesh, hit->triangle, gl->origins[hit->pixel], gl->directions[hit->pixel]);
+    const struct crossing crossing = {hit->pixel, hit->object, hit->triangle, side, t};
+    return t >= 0 ? mesh_spans_add(&gl->spans, &crossing) : CONUS_OK;
+}
+
+static conus_status pierce_meshes(struct gl_engine *gl, struct layers *out, const struct cone *cone)
+{
+    struct mesh_view view;
+    conus_status status = prepare_view(&view, gl, cone);
+    status = status ? status : mesh_pass_pierce(gl->mesh_pass, &view, take_hit, gl);
+    status = status ? status : mesh_spans_pair(out, &gl->spans, cone);
+    gl->spans.count = 0;
+    return status;
+}
+
 static conus_status pierce(struct engine *engine, struct layers *out, const struct cone *cone)
 {
     struct gl_engine *gl = (struct gl_engine *)engine;
     struct gl_current previous = {0};
-    if (gl->mesh_pass) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "all layers, or a range, of an atlas with surfaces");
-    }
     conus_status status = gl_context_use(gl->context, &previous);
     if (status) {
         return status;
     }
     status = gl->pass ? pierce_volumes(gl, out, cone) : CONUS_OK;
+    status = !status && gl->mesh_pass ? pierce_meshes(gl, out, cone) : status;
     gl_current_restore(&previous);
     return status;
 }
@@ -308,6 +328,7 @@ conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, con
     gl->atlas = atlas;
     gl->sampling = options->sampling;
     gl->slices = options->slices;
+    mesh_spans_init(&gl->spans, atlas);
     conus_status status = fill(gl, options);
     if (status) {
         destroy(&gl->base);

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "mesh_scene.h"
 
+#include "atlas/phantom_brain.h"
 #include "base/math3.h"
+#include "base/memory.h"
 #include "test.h"
 
 #include <stdlib.h>
@@ -212,4 +214,50 @@ double mesh_scene_edge_distance(const struct mesh *mesh, size_t triangle, const 
     }
     return fmin(distance_to_segment(p[0], p[1]),
                 fmin(distance_to_segment(p[1], p[2]), distance_to_segment(p[2], p[0])));
+}
+
+static void random_point(uint64_t *state, double out[3], double size)
+{
+    for (int a = 0; a < 3; a++) {
+        out[a] = test_random(state, -size, size);
+    }
+}
+
+struct cone mesh_scene_random_cone(uint64_t *state, double size)
+{
+    double origin[3], target[3];
+    double kind = test_random(state, 0, 1);
+    random_point(state, target, 0.7 * size);
+    random_point(state, origin, kind < 0.4 ? size : 4 * size);
+    double degrees = test_random(state, 0, 1) < 0.6 ? test_random(state, 1, 20) : test_random(state, 20, 170);
+    if (kind > 0.9) {
+        vec3_scale(origin, origin, 1e5 / vec3_length(origin));
+        degrees = degrees_from_radians(2 * atan(size * test_random(state, 0.1, 1.5) / 1e5));
+    }
+    return mesh_scene_cone(origin, target, degrees, 1 + (uint32_t)test_random(state, 0, kind < 0.8 ? 17 : 60));
+}
+
+conus_atlas *mesh_scene_brain(void)
+{
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (size_t i = 0; i < PHANTOM_BRAIN_AREAS; i++) {
+        struct mesh mesh;
+        assert_ok(phantom_brain_mesh(&mesh, i));
+        mesh_scene_add(atlas, &mesh);
+    }
+    conus_volume_info info;
+    assert_ok(phantom_brain_grid(&info));
+    info.role = CONUS_SCALAR;
+    info.threshold = 16384;
+    size_t count = info.dim[0] * info.dim[1] * info.dim[2];
+    float *values = memory_raw(count, sizeof *values);
+    assert_non_null(values);
+    for (size_t v = 0; v < count; v++) {
+        const size_t at[3] = {v % info.dim[0], v / info.dim[0] % info.dim[1], v / info.dim[0] / info.dim[1]};
+        double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
+        mat4_point(p, info.world_from_voxel, p);
+        values[v] = phantom_brain_pathway(p);
+    }
+    assert_ok(atlas_add_pathway(atlas, &info, values, "arc"));
+    return atlas;
 }

@@ -25,6 +25,12 @@ struct mesh mesh_scene_soup(uint64_t *state, size_t count, double size, double e
 /** Appends @p mesh (taken over) as an area. */
 void mesh_scene_add(conus_atlas *atlas, struct mesh *mesh);
 
+/** The paper's mixed scene: eleven areas of 234,444 triangles and a pathway, met first whichever is nearer. */
+conus_atlas *mesh_scene_brain(void);
+
+/** A cone from inside, near or 1e5 mm away, at a point of a scene of @p size mm round 0. */
+struct cone mesh_scene_random_cone(uint64_t *state, double size);
+
 /** The first triangle along a ray (Eq. 9); object 0 = none. */
 struct mesh_hit {
     uint32_t object;

@@ -1,64 +1,29 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All layers (Eq. 10) of the gl engine against those of the rays engine. */
+/* All layers (Eq. 10) of volumes in the gl engine against those in the rays engine. */
 #include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "gl_pair.h"
 #include "scene.h"
-#include "selection/layers.h"
 #include "test.h"
 
 #include <string.h>
 
-static int driver_messages;
-
-static void print_line(void *user, const char *line)
-{
-    *(int *)user += 1;
-    print_message("%s\n", line);
-}
-
-/* Both engines for one atlas; the running test is skipped where there is no GL. */
+/* The engines, and what has been compared. */
 struct pair {
-    const conus_atlas *atlas;
-    struct engine *gl, *rays;
+    struct gl_pair engines;
     size_t spans, blocked;
 };
 
-static struct pair pair_with(const conus_atlas *atlas, struct engine_options options)
-{
-    struct pair pair = {.atlas = atlas};
-    options.log = print_line;
-    options.log_user = &driver_messages;
-    conus_status status = engine_gl_create(&pair.gl, atlas, &options);
-    if (status == CONUS_ERROR_GL) {
-        print_message("skipped: %s\n", conus_message());
-        skip();
-    }
-    assert_ok(status);
-    assert_ok(engine_rays_create(&pair.rays, atlas, &options));
-    return pair;
-}
-
 static struct pair pair_of(const conus_atlas *atlas)
 {
-    return pair_with(atlas, (struct engine_options){0});
+    return (struct pair){.engines = gl_pair_create(atlas, CONUS_EXACT)};
 }
 
 static void pair_finish(struct pair *pair)
 {
-    engine_destroy(pair->gl);
-    engine_destroy(pair->rays);
+    gl_pair_destroy(&pair->engines);
 }
-
-static struct layers pierce(struct engine *engine, const struct cone *cone)
-{
-    struct layers layers = {0};
-    assert_ok(engine->functions->pierce(engine, &layers, cone));
-    assert_ok(layers_sort(&layers, (size_t)cone->resolution * cone->resolution));
-    return layers;
-}
-
-/* ---- Volumes ------------------------------------------------------------------------------------------------ */
 
 static void fail_at(const struct cone *cone, const conus_span *got, const conus_span *wanted)
 {
@@ -71,8 +36,8 @@ static void fail_at(const struct cone *cone, const conus_span *got, const conus_
 /* Fails where the pieces differ by a single bit. */
 static void assert_same_pieces(struct pair *pair, const struct cone *cone)
 {
-    struct layers got = pierce(pair->gl, cone);
-    struct layers wanted = pierce(pair->rays, cone);
+    struct layers got = gl_pair_pierce(pair->engines.gl, cone);
+    struct layers wanted = gl_pair_pierce(pair->engines.rays, cone);
     for (size_t i = 0; i < got.count && i < wanted.count; i++) {
         if (memcmp(&got.spans[i], &wanted.spans[i], sizeof *got.spans) != 0) {
             fail_at(cone, &got.spans[i], &wanted.spans[i]);
@@ -86,7 +51,7 @@ static void assert_same_pieces(struct pair *pair, const struct cone *cone)
 }
 
 /* Fails where the looks differ by a single bit. Returns how many pixels hit. */
-static size_t assert_same_look(struct pair *pair, const struct cone *cone)
+static size_t assert_same_look(struct gl_pair *pair, const struct cone *cone)
 {
     struct evidence got, wanted;
     size_t pixels = (size_t)cone->resolution * cone->resolution;
@@ -166,15 +131,14 @@ static void looks_through_cylinders_are_those_of_rays(void **state)
     uint64_t random = 73;
     size_t hits = 0;
     for (int scene = 0; scene < 40; scene++) {
-        const struct engine_options options = {.sampling = scene % 2 ? CONUS_SLICES : CONUS_EXACT};
         conus_atlas *atlas = scene_atlas(&random, 24, scene % 3);
-        struct pair pair = pair_with(atlas, options);
+        struct gl_pair pair = gl_pair_create(atlas, scene % 2 ? CONUS_SLICES : CONUS_EXACT);
         for (int pose = 0; pose < 8; pose++) {
             struct cone cone = scene_cone(&random, atlas);
             make_cylinder(&cone, test_random(&random, 0.01, 30));
             hits += assert_same_look(&pair, &cone);
         }
-        pair_finish(&pair);
+        gl_pair_destroy(&pair);
         conus_atlas_destroy(atlas);
     }
     assert_true(hits > 5000);
@@ -237,7 +201,7 @@ static void a_million_pieces_come_in_portions(void **state)
 static void the_driver_was_silent(void **state)
 {
     (void)state;
-    assert_int_equal(driver_messages, 0);
+    assert_int_equal(gl_pair_messages(), 0);
 }
 
 int main(void)

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "atlas/phantom_brain.h"
 #include "base/math3.h"
 #include "base/memory.h"
-#include "gl_edges.h"
+#include "gl_pair.h"
 #include "loaders/mesh_child.h"
 #include "mesh_scene.h"
 #include "scene.h"
@@ -13,54 +12,20 @@
 #include <stdio.h>
 #include <string.h>
 
-static int driver_messages;
-
-static void print_line(void *user, const char *line)
-{
-    *(int *)user += 1;
-    print_message("%s\n", line);
-}
-
-static conus_atlas *empty_atlas(void)
-{
-    conus_atlas *atlas = NULL;
-    assert_ok(atlas_create_empty(&atlas, "test"));
-    return atlas;
-}
-
-/* Both engines for one atlas; the running test is skipped where there is no GL. */
 struct pair {
-    const conus_atlas *atlas;
-    struct engine *gl, *rays;
+    struct gl_pair engines;
     size_t pixels, hits;
     size_t at_edges, other_object; /* apart: in triangle or object; in object */
 };
 
 static struct pair pair_of(const conus_atlas *atlas)
 {
-    const struct engine_options options = {.log = print_line, .log_user = &driver_messages};
-    struct pair pair = {.atlas = atlas};
-    conus_status status = engine_gl_create(&pair.gl, atlas, &options);
-    if (status == CONUS_ERROR_GL) {
-        print_message("skipped: %s\n", conus_message());
-        skip();
-    }
-    assert_ok(status);
-    assert_ok(engine_rays_create(&pair.rays, atlas, &options));
-    return pair;
+    return (struct pair){.engines = gl_pair_create(atlas, CONUS_EXACT)};
 }
 
 static void pair_finish(struct pair *pair)
 {
-    engine_destroy(pair->gl);
-    engine_destroy(pair->rays);
-}
-
-static struct cone cone_from(const double origin[3], const double target[3], double degrees, uint32_t resolution)
-{
-    struct cone cone = {.angle = radians_from_degrees(degrees), .resolution = resolution};
-    assert_ok(conus_pose_toward(&cone.pose, origin, target, NULL));
-    return cone;
+    gl_pair_destroy(&pair->engines);
 }
 
 /* ---- Which differences a driver is allowed ------------------------------------------------------------------ */
@@ -73,8 +38,8 @@ static bool is_mesh(const conus_atlas *atlas, uint32_t object)
 static bool may_differ(const struct pair *pair, const struct cone *cone, const struct evidence *evidence, size_t pixel)
 {
     uint32_t object = evidence->object[pixel];
-    return is_mesh(pair->atlas, object) &&
-           gl_edges_are_near(cone, atlas_object_mesh(pair->atlas, object), evidence->voxel[pixel], pixel);
+    return is_mesh(pair->engines.atlas, object) &&
+           gl_pair_edge_is_near(cone, atlas_object_mesh(pair->engines.atlas, object), evidence->voxel[pixel], pixel);
 }
 
 /* ---- Comparison --------------------------------------------------------------------------------------------- */
@@ -103,35 +68,13 @@ static void compare(struct pair *pair, const struct cone *cone)
     struct evidence got, wanted;
     assert_ok(evidence_init(&got, cone->resolution));
     assert_ok(evidence_init(&wanted, cone->resolution));
-    assert_ok(pair->gl->functions->look(pair->gl, &got, cone));
-    assert_ok(pair->rays->functions->look(pair->rays, &wanted, cone));
+    assert_ok(pair->engines.gl->functions->look(pair->engines.gl, &got, cone));
+    assert_ok(pair->engines.rays->functions->look(pair->engines.rays, &wanted, cone));
     for (size_t pixel = 0; pixel < (size_t)cone->resolution * cone->resolution; pixel++) {
         compare_pixel(pair, cone, &got, &wanted, pixel);
     }
     evidence_finish(&got);
     evidence_finish(&wanted);
-}
-
-static void random_point(uint64_t *state, double out[3], double size)
-{
-    for (int a = 0; a < 3; a++) {
-        out[a] = test_random(state, -size, size);
-    }
-}
-
-/* From inside, near or 1e5 mm away, at a point of the scene. */
-static struct cone random_cone(uint64_t *state, double size)
-{
-    double origin[3], target[3];
-    double kind = test_random(state, 0, 1);
-    random_point(state, target, 0.7 * size);
-    random_point(state, origin, kind < 0.4 ? size : 4 * size);
-    double degrees = test_random(state, 0, 1) < 0.6 ? test_random(state, 1, 20) : test_random(state, 20, 170);
-    if (kind > 0.9) {
-        vec3_scale(origin, origin, 1e5 / vec3_length(origin));
-        degrees = degrees_from_radians(2 * atan(size * test_random(state, 0.1, 1.5) / 1e5));
-    }
-    return cone_from(origin, target, degrees, 1 + (uint32_t)test_random(state, 0, kind < 0.8 ? 17 : 60));
 }
 
 static void assert_agreement(const struct pair *pair, double hit_part)
@@ -147,7 +90,7 @@ static void compare_100_poses(uint64_t *random, const conus_atlas *atlas, double
 {
     struct pair pair = pair_of(atlas);
     for (int pose = 0; pose < 100; pose++) {
-        struct cone cone = random_cone(random, size);
+        struct cone cone = mesh_scene_random_cone(random, size);
         if (pose % 5 == 4) { /* Eq. 3: parallel rays */
             cone.angle = 0;
             cone.radius = size * test_random(random, 0.02, 0.4);
@@ -163,11 +106,11 @@ static void compare_100_poses(uint64_t *random, const conus_atlas *atlas, double
 static void one_sphere(void **state)
 {
     (void)state;
-    conus_atlas *atlas = empty_atlas();
+    conus_atlas *atlas = mesh_scene_atlas();
     struct mesh sphere = mesh_scene_sphere((double[]){1, 2, 3}, 20, 24, 48);
     mesh_scene_add(atlas, &sphere);
     struct pair pair = pair_of(atlas);
-    struct cone cone = cone_from((double[]){-80, 10, 5}, (double[]){1, 2, 3}, 40, 64);
+    struct cone cone = mesh_scene_cone((double[]){-80, 10, 5}, (double[]){1, 2, 3}, 40, 64);
     compare(&pair, &cone);
     assert_agreement(&pair, 0.3);
     pair_finish(&pair);
@@ -181,7 +124,7 @@ static void random_triangles(void **state)
     uint64_t random = 31;
     struct pair sum = {0};
     for (int scene = 0; scene < 40; scene++) {
-        conus_atlas *atlas = empty_atlas();
+        conus_atlas *atlas = mesh_scene_atlas();
         double size = pow(10, test_random(&random, 0, 3));
         for (int k = 0; k < 1 + scene % 6; k++) {
             struct mesh soup = mesh_scene_soup(&random, 1 + (size_t)test_random(&random, 0, scene % 5 ? 60 : 2000),
@@ -190,7 +133,7 @@ static void random_triangles(void **state)
         }
         struct pair pair = pair_of(atlas);
         for (int pose = 0; pose < 10; pose++) {
-            struct cone cone = random_cone(&random, size);
+            struct cone cone = mesh_scene_random_cone(&random, size);
             compare(&pair, &cone);
         }
         pair_finish(&pair);
@@ -205,7 +148,7 @@ static void one_hundred_poses_of_nested_spheres(void **state)
 {
     (void)state;
     uint64_t random = 32;
-    conus_atlas *atlas = empty_atlas();
+    conus_atlas *atlas = mesh_scene_atlas();
     for (int i = 0; i < 5; i++) {
         struct mesh sphere = mesh_scene_sphere((double[]){3, -2, 1}, 50 - i * pow(10, -i), 30, 60);
         mesh_scene_add(atlas, &sphere);
@@ -214,37 +157,11 @@ static void one_hundred_poses_of_nested_spheres(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The paper's mixed scene: eleven areas of 234,444 triangles and a pathway, met first whichever is nearer. */
-static conus_atlas *brain_atlas(void)
-{
-    conus_atlas *atlas = empty_atlas();
-    for (size_t i = 0; i < PHANTOM_BRAIN_AREAS; i++) {
-        struct mesh mesh;
-        assert_ok(phantom_brain_mesh(&mesh, i));
-        mesh_scene_add(atlas, &mesh);
-    }
-    conus_volume_info info;
-    assert_ok(phantom_brain_grid(&info));
-    info.role = CONUS_SCALAR;
-    info.threshold = 16384;
-    size_t count = info.dim[0] * info.dim[1] * info.dim[2];
-    float *values = memory_raw(count, sizeof *values);
-    assert_non_null(values);
-    for (size_t v = 0; v < count; v++) {
-        const size_t at[3] = {v % info.dim[0], v / info.dim[0] % info.dim[1], v / info.dim[0] / info.dim[1]};
-        double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
-        mat4_point(p, info.world_from_voxel, p);
-        values[v] = phantom_brain_pathway(p);
-    }
-    assert_ok(atlas_add_pathway(atlas, &info, values, "arc"));
-    return atlas;
-}
-
 static void one_hundred_poses_of_the_brain(void **state)
 {
     (void)state;
     uint64_t random = 35;
-    conus_atlas *atlas = brain_atlas();
+    conus_atlas *atlas = mesh_scene_brain();
     compare_100_poses(&random, atlas, 60);
     conus_atlas_destroy(atlas);
 }
@@ -297,17 +214,19 @@ static void far_from_the_origin(void **state)
     (void)state;
     uint64_t random = 33;
     const double far[3] = {-8e4, 6e4, 3e4};
-    conus_atlas *atlas = empty_atlas();
+    conus_atlas *atlas = mesh_scene_atlas();
     for (int i = 0; i < 3; i++) {
         double centre[3];
-        random_point(&random, centre, 30);
+        for (int a = 0; a < 3; a++) {
+            centre[a] = test_random(&random, -30, 30);
+        }
         vec3_add_scaled(centre, centre, 1, far);
         struct mesh sphere = mesh_scene_sphere(centre, 20, 12, 20);
         mesh_scene_add(atlas, &sphere);
     }
     struct pair pair = pair_of(atlas);
     for (int pose = 0; pose < 40; pose++) {
-        struct cone cone = random_cone(&random, 40);
+        struct cone cone = mesh_scene_random_cone(&random, 40);
         for (int a = 0; a < 3; a++) {
             cone.pose.world_from_device[12 + a] += far[a];
         }
@@ -365,7 +284,7 @@ static void more_meshes_than_16_bits_hold(void **state)
 {
     (void)state;
     enum { SIDE = 265 };
-    conus_atlas *atlas = empty_atlas();
+    conus_atlas *atlas = mesh_scene_atlas();
     for (int i = 0; i < SIDE * SIDE; i++) {
         int column = i % SIDE;
         int row = i / SIDE;
@@ -373,12 +292,12 @@ static void more_meshes_than_16_bits_hold(void **state)
         mesh_scene_add(atlas, &mesh);
     }
     struct pair pair = pair_of(atlas);
-    struct cone cone = cone_from((double[]){-300, 240, 255}, (double[]){0, 240, 255}, 4, 128);
+    struct cone cone = mesh_scene_cone((double[]){-300, 240, 255}, (double[]){0, 240, 255}, 4, 128);
     compare(&pair, &cone);
     assert_agreement(&pair, 0.2);
     struct evidence evidence;
     assert_ok(evidence_init(&evidence, 128));
-    assert_ok(pair.gl->functions->look(pair.gl, &evidence, &cone));
+    assert_ok(pair.engines.gl->functions->look(pair.engines.gl, &evidence, &cone));
     size_t large = 0;
     for (size_t i = 0; i < (size_t)128 * 128; i++) {
         large += evidence.object[i] > UINT16_MAX;
@@ -394,17 +313,17 @@ static void the_lower_of_equals_wins(void **state)
 {
     (void)state;
     enum { PLATES = 40 };
-    conus_atlas *atlas = empty_atlas();
+    conus_atlas *atlas = mesh_scene_atlas();
     for (int i = 0; i < PLATES; i++) {
         struct mesh plate = one_triangle(i < 5 ? 1 : 0, 0, 0, 50); /* the first five behind the others */
         mesh_scene_add(atlas, &plate);
     }
     struct pair pair = pair_of(atlas);
-    struct cone cone = cone_from((double[]){-20, 0, 1}, (double[]){0, 1, 0}, 30, 16);
+    struct cone cone = mesh_scene_cone((double[]){-20, 0, 1}, (double[]){0, 1, 0}, 30, 16);
     compare(&pair, &cone);
     struct evidence evidence;
     assert_ok(evidence_init(&evidence, 16));
-    assert_ok(pair.gl->functions->look(pair.gl, &evidence, &cone));
+    assert_ok(pair.engines.gl->functions->look(pair.engines.gl, &evidence, &cone));
     for (int i = 0; i < 16 * 16; i++) {
         assert_int_equal(evidence.object[i], 6);
         assert_int_equal(evidence.voxel[i], 0);
@@ -418,7 +337,7 @@ static void the_lower_of_equals_wins(void **state)
 static void nothing_before_the_apex_is_clipped(void **state)
 {
     (void)state;
-    conus_atlas *atlas = empty_atlas();
+    conus_atlas *atlas = mesh_scene_atlas();
     struct mesh plates[] = {one_triangle(-0.01, 0, 0, 5), one_triangle(0.01, 0, 0, 5), one_triangle(1e4, 0, 0, 1e6)};
     for (int i = 0; i < 3; i++) {
         mesh_scene_add(atlas, &plates[i]);
@@ -432,11 +351,11 @@ static void nothing_before_the_apex_is_clipped(void **state)
     } looks[] = {{{0, 0, 0}, {1, 0, 0}, 2},     {{0, 0, 0}, {-1, 0, 0}, 1},  {{0.02, 0, 0}, {1, 0, 0}, 4},
                  {{-0.02, 0, 0}, {1, 0, 0}, 1}, {{10, 0, 0}, {11, 0, 0}, 3}, {{0, 60, 0}, {0, 61, 0}, 0}};
     for (size_t i = 0; i < sizeof looks / sizeof looks[0]; i++) {
-        struct cone cone = cone_from(looks[i].from, looks[i].to, i % 2 ? 20 : 120, 15);
+        struct cone cone = mesh_scene_cone(looks[i].from, looks[i].to, i % 2 ? 20 : 120, 15);
         struct evidence evidence;
         compare(&pair, &cone);
         assert_ok(evidence_init(&evidence, 15));
-        assert_ok(pair.gl->functions->look(pair.gl, &evidence, &cone));
+        assert_ok(pair.engines.gl->functions->look(pair.engines.gl, &evidence, &cone));
         assert_int_equal(evidence.object[7 * 15 + 7], looks[i].met);
         evidence_finish(&evidence);
     }
@@ -451,7 +370,7 @@ static conus_status create_look_destroy(void *atlas)
     const struct engine_options options = {0};
     struct engine *engine = NULL;
     struct evidence evidence;
-    struct cone cone = cone_from((double[]){-50, 0, 0}, (double[]){0, 0, 0}, 40, 4);
+    struct cone cone = mesh_scene_cone((double[]){-50, 0, 0}, (double[]){0, 0, 0}, 40, 4);
     conus_status status = evidence_init(&evidence, cone.resolution);
     if (!status) {
         status = engine_gl_create(&engine, atlas, &options);
@@ -465,7 +384,7 @@ static conus_status create_look_destroy(void *atlas)
 static void every_failing_allocation_is_reported(void **state)
 {
     (void)state;
-    conus_atlas *atlas = empty_atlas();
+    conus_atlas *atlas = mesh_scene_atlas();
     for (int i = 0; i < 12; i++) { /* equals, so that pixels need more room */
         struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 10, 8, 16);
         mesh_scene_add(atlas, &sphere);
@@ -480,7 +399,7 @@ static void every_failing_allocation_is_reported(void **state)
 static void the_driver_was_silent(void **state)
 {
     (void)state;
-    assert_int_equal(driver_messages, 0);
+    assert_int_equal(gl_pair_messages(), 0);
 }
 
 int main(void)

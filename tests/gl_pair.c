@@ -1,10 +1,54 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "gl_edges.h"
+#include "gl_pair.h"
 
 #include "base/math3.h"
+#include "test.h"
 
 /* Pixels by which a driver's vertex grid may move an edge. */
 #define EDGE_PIXELS (1 / 128.0)
+
+static int messages;
+
+static void count_message(void *user, const char *line)
+{
+    *(int *)user += 1;
+    print_message("%s\n", line);
+}
+
+int gl_pair_messages(void)
+{
+    return messages;
+}
+
+struct gl_pair gl_pair_create(const conus_atlas *atlas, conus_sampling sampling)
+{
+    const struct engine_options options = {.sampling = sampling, .log = count_message, .log_user = &messages};
+    struct gl_pair pair = {.atlas = atlas};
+    conus_status status = engine_gl_create(&pair.gl, atlas, &options);
+    if (status == CONUS_ERROR_GL) {
+        print_message("skipped: %s\n", conus_message());
+        skip();
+    }
+    assert_ok(status);
+    assert_ok(engine_rays_create(&pair.rays, atlas, &options));
+    return pair;
+}
+
+void gl_pair_destroy(struct gl_pair *pair)
+{
+    engine_destroy(pair->gl);
+    engine_destroy(pair->rays);
+}
+
+struct layers gl_pair_pierce(struct engine *engine, const struct cone *cone)
+{
+    struct layers layers = {0};
+    assert_ok(engine->functions->pierce(engine, &layers, cone));
+    assert_ok(layers_sort(&layers, (size_t)cone->resolution * cone->resolution));
+    return layers;
+}
+
+/* ---- Edges -------------------------------------------------------------------------------------------------- */
 
 /* Corner `k` of a triangle in the buffer's pixels, times its depth, and the depth: homogeneous coordinates; of a
  * cylinder 1 for the depth. */
@@ -57,7 +101,7 @@ static double edge_distance(double a[3], double b[3], double x, double y)
     return hypot(across, beyond);
 }
 
-bool gl_edges_are_near(const struct cone *cone, const struct mesh *mesh, uint64_t triangle, size_t pixel)
+bool gl_pair_edge_is_near(const struct cone *cone, const struct mesh *mesh, uint64_t triangle, size_t pixel)
 {
     double x = (double)(pixel % cone->resolution) + 0.5;
     double y = (double)(pixel / cone->resolution) + 0.5;

@@ -1,0 +1,323 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* All layers (Eq. 10) of meshes in the gl engine against those in the rays engine. */
+#include "base/math3.h"
+#include "gl_pair.h"
+#include "mesh_scene.h"
+#include "scene.h"
+#include "test.h"
+
+#include <string.h>
+
+/* The engines, and what has been compared: pixels and their objects. */
+struct pair {
+    struct gl_pair engines;
+    size_t pairs, pieces;
+    size_t at_edges; /* pixels and objects apart: mostly another triangle beside the edge */
+    size_t lengths;  /* of these, those whose length inside is another one                */
+    size_t missed;   /* and those that one engine only has met                            */
+};
+
+static struct pair pair_of(const conus_atlas *atlas)
+{
+    return (struct pair){.engines = gl_pair_create(atlas, CONUS_EXACT)};
+}
+
+static void pair_finish(struct pair *pair)
+{
+    gl_pair_destroy(&pair->engines);
+}
+
+static void add_up(struct pair *sum, const struct pair *pair)
+{
+    sum->pairs += pair->pairs;
+    sum->pieces += pair->pieces;
+    sum->at_edges += pair->at_edges;
+    sum->lengths += pair->lengths;
+    sum->missed += pair->missed;
+}
+
+static void assert_agreement(const struct pair *pair, size_t least)
+{
+    print_message("%zu pieces of %zu objects in pixels, %zu apart at edges, %zu in length, %zu met by one engine\n",
+                  pair->pieces, pair->pairs, pair->at_edges, pair->lengths, pair->missed);
+    assert_true(pair->pairs >= least);
+    assert_true(pair->at_edges <= 1 + pair->pairs / 50); /* triangles may be as small as pixels */
+    assert_true(pair->lengths <= 1 + pair->pairs / 500);
+    assert_true(pair->missed <= 1 + pair->pairs / 1000);
+}
+
+/* ---- Comparison --------------------------------------------------------------------------------------------- */
+
+/* One pixel's pieces. */
+struct stack {
+    const conus_span *spans;
+    size_t count;
+};
+
+static struct stack take_pixel(const struct layers *layers, size_t *at, size_t pixel)
+{
+    struct stack stack = {.spans = layers->spans + *at};
+    while (*at < layers->count && layers->spans[*at].pixel == pixel) {
+        ++*at;
+        stack.count++;
+    }
+    return stack;
+}
+
+/* The object's next piece from place *at on; NULL = none. */
+static const conus_span *next_of(const struct stack *stack, size_t *at, uint32_t object)
+{
+    while (*at < stack->count) {
+        const conus_span *span = &stack->spans[(*at)++];
+        if (span->object == object) {
+            return span;
+        }
+    }
+    return NULL;
+}
+
+/* Whether both have the same pieces of the object, bit for bit. */
+static bool are_same(const struct stack *got, const struct stack *wanted, uint32_t object)
+{
+    size_t i = 0, j = 0;
+    for (;;) {
+        const conus_span *a = next_of(got, &i, object);
+        const conus_span *b = next_of(wanted, &j, object);
+        if (!a || !b) {
+            return a == b;
+        }
+        if (memcmp(a, b, sizeof *a) != 0) {
+            return false;
+        }
+    }
+}
+
+static bool has(const struct stack *stack, uint32_t object)
+{
+    size_t at = 0;
+    return next_of(stack, &at, object) != NULL;
+}
+
+static double length_in(const struct stack *stack, uint32_t object)
+{
+    double length = 0;
+    size_t at = 0;
+    for (const conus_span *span; (span = next_of(stack, &at, object));) {
+        length += span->exit - span->entry;
+    }
+    return length;
+}
+
+/* Whether the lengths inside the object are farther apart than a tenth of a pixel there. */
+static bool is_other_length(const struct cone *cone, const struct stack *got, const struct stack *wanted,
+                            const conus_span *span)
+{
+    double half = cone->radius > 0 ? cone->radius : tan(cone->angle / 2) * span->exit;
+    return fabs(length_in(got, span->object) - length_in(wanted, span->object)) > 0.1 * 2 * half / cone->resolution;
+}
+
+/* Whether the driver may see another triangle of the object there, or none. */
+static bool may_differ(const struct pair *pair, const struct cone *cone, uint32_t object, size_t pixel)
+{
+    const struct mesh *mesh = atlas_object_mesh(pair->engines.atlas, object);
+    for (size_t triangle = 0; mesh && triangle < mesh->triangle_count; triangle++) {
+        if (gl_pair_edge_is_near(cone, mesh, triangle, pixel)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void print_stack(const char *what, const struct stack *stack, uint32_t object)
+{
+    for (size_t i = 0; i < stack->count; i++) {
+        const conus_span *span = &stack->spans[i];
+        if (span->object == object) {
+            print_message("%s %.17g to %.17g, triangle %llu\n", what, span->entry, span->exit,
+                          (unsigned long long)span->voxel);
+        }
+    }
+}
+
+static void compare_object(struct pair *pair, const struct cone *cone, const struct stack *got,
+                           const struct stack *wanted, const conus_span *span)
+{
+    pair->pairs++;
+    if (are_same(got, wanted, span->object)) {
+        return;
+    }
+    if (!may_differ(pair, cone, span->object, span->pixel)) {
+        print_stack("got", got, span->object);
+        print_stack("wanted", wanted, span->object);
+        fail_msg("pixel %u of %u x %u, %g degrees, %g mm, object %u", span->pixel, cone->resolution, cone->resolution,
+                 degrees_from_radians(cone->angle), cone->radius, span->object);
+    }
+    pair->at_edges++;
+    pair->lengths += is_other_length(cone, got, wanted, span);
+    pair->missed += has(got, span->object) != has(wanted, span->object);
+}
+
+/* Whether the object of the span at `index` comes earlier in the stack. */
+static bool is_known(const struct stack *stack, size_t index)
+{
+    const struct stack earlier = {stack->spans, index};
+    return has(&earlier, stack->spans[index].object);
+}
+
+static void compare(struct pair *pair, const struct cone *cone)
+{
+    struct layers got = gl_pair_pierce(pair->engines.gl, cone);
+    struct layers wanted = gl_pair_pierce(pair->engines.rays, cone);
+    size_t i = 0, j = 0;
+    for (size_t pixel = 0; pixel < (size_t)cone->resolution * cone->resolution; pixel++) {
+        struct stack a = take_pixel(&got, &i, pixel);
+        struct stack b = take_pixel(&wanted, &j, pixel);
+        for (size_t k = 0; k < b.count; k++) {
+            if (!is_known(&b, k)) {
+                compare_object(pair, cone, &a, &b, &b.spans[k]);
+            }
+        }
+        for (size_t k = 0; k < a.count; k++) {
+            if (!is_known(&a, k) && !has(&b, a.spans[k].object)) {
+                compare_object(pair, cone, &a, &b, &a.spans[k]);
+            }
+        }
+    }
+    assert_int_equal(i, got.count);
+    assert_int_equal(j, wanted.count);
+    pair->pieces += wanted.count;
+    layers_finish(&got);
+    layers_finish(&wanted);
+}
+
+static void compare_poses(struct pair *pair, uint64_t *random, double size, int poses)
+{
+    for (int pose = 0; pose < poses; pose++) {
+        struct cone cone = mesh_scene_random_cone(random, size);
+        if (pose % 4 == 3) {
+            cone.angle = 0;
+            cone.radius = size * test_random(random, 0.02, 0.4);
+        }
+        compare(pair, &cone);
+    }
+}
+
+/* ---- Scenes ------------------------------------------------------------------------------------------------- */
+
+static void nested_spheres(void **state)
+{
+    (void)state;
+    uint64_t random = 81;
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = 0; i < 5; i++) {
+        struct mesh sphere = mesh_scene_sphere((double[]){3, -2, 1}, 50 - i * pow(10, -i), 30, 60);
+        mesh_scene_add(atlas, &sphere);
+    }
+    struct pair pair = pair_of(atlas);
+    compare_poses(&pair, &random, 50, 100);
+    assert_agreement(&pair, 80000);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* Surfaces that are open, cut each other and themselves. */
+static void random_triangles(void **state)
+{
+    (void)state;
+    uint64_t random = 82;
+    struct pair sum = {0};
+    for (int scene = 0; scene < 30; scene++) {
+        conus_atlas *atlas = mesh_scene_atlas();
+        double size = pow(10, test_random(&random, 0, 3));
+        for (int k = 0; k < 1 + scene % 6; k++) {
+            size_t triangles = 1 + (size_t)test_random(&random, 0, scene % 5 ? 60 : 2000);
+            struct mesh soup = mesh_scene_soup(&random, triangles, size, size * test_random(&random, 0.05, 0.6));
+            mesh_scene_add(atlas, &soup);
+        }
+        struct pair pair = pair_of(atlas);
+        compare_poses(&pair, &random, size, 10);
+        add_up(&sum, &pair);
+        pair_finish(&pair);
+        conus_atlas_destroy(atlas);
+    }
+    assert_agreement(&sum, 60000);
+}
+
+static void tori_in_rows(void **state)
+{
+    (void)state;
+    uint64_t random = 83;
+    enum { EDGE = 7 };
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = 0; i < EDGE * EDGE * EDGE; i++) {
+        double place[3] = {i % EDGE, i / EDGE % EDGE, i / EDGE / EDGE}, wxyz[4];
+        conus_pose pose;
+        for (int a = 0; a < 3; a++) {
+            place[a] = 12.5 * (place[a] - EDGE / 2);
+        }
+        for (int k = 0; k < 4; k++) {
+            wxyz[k] = test_random(&random, -0.5, 0.5);
+        }
+        struct mesh torus = mesh_scene_torus(3.5, 1.5, 16, 16);
+        assert_ok(conus_pose_from_quaternion(&pose, place, wxyz));
+        mesh_transform(&torus, pose.world_from_device);
+        mesh_scene_add(atlas, &torus);
+    }
+    struct pair pair = pair_of(atlas);
+    compare_poses(&pair, &random, 44, 100);
+    assert_agreement(&pair, 50000);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+static void one_hundred_poses_of_the_brain(void **state)
+{
+    (void)state;
+    uint64_t random = 84;
+    conus_atlas *atlas = mesh_scene_brain();
+    struct pair pair = pair_of(atlas);
+    compare_poses(&pair, &random, 60, 100);
+    assert_agreement(&pair, 80000);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+static void meshes_among_voxels(void **state)
+{
+    (void)state;
+    uint64_t random = 85;
+    struct pair sum = {0};
+    for (int scene = 0; scene < 10; scene++) {
+        conus_atlas *atlas = scene_atlas(&random, 20, 0);
+        for (int k = 0; k < 3; k++) {
+            struct mesh soup = mesh_scene_soup(&random, 1 + (size_t)test_random(&random, 0, 30), 12, 6);
+            mesh_scene_add(atlas, &soup);
+        }
+        struct pair pair = pair_of(atlas);
+        for (int pose = 0; pose < 10; pose++) {
+            struct cone cone = {.pose = scene_pose(&random, atlas), .resolution = 16};
+            cone.angle = radians_from_degrees(test_random(&random, 1, 90));
+            compare(&pair, &cone);
+        }
+        add_up(&sum, &pair);
+        pair_finish(&pair);
+        conus_atlas_destroy(atlas);
+    }
+    assert_agreement(&sum, 10000);
+}
+
+static void the_driver_was_silent(void **state)
+{
+    (void)state;
+    assert_int_equal(gl_pair_messages(), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nested_spheres),      cmocka_unit_test(random_triangles),
+        cmocka_unit_test(tori_in_rows),        cmocka_unit_test(one_hundred_poses_of_the_brain),
+        cmocka_unit_test(meshes_among_voxels), cmocka_unit_test(the_driver_was_silent),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
