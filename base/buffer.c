@@ -72,9 +72,21 @@ void buffer_format(struct buffer *buffer, const char *format, ...)
 
 void buffer_number(struct buffer *buffer, double value)
 {
-    char text[TEXT_NUMBER_SIZE];
-    text_number(text, value);
-    buffer_text(buffer, text);
+    if (reserve(buffer, TEXT_NUMBER_SIZE)) {
+        buffer->size += text_number_length(buffer->data + buffer->size, value);
+    }
+}
+
+void buffer_whole(struct buffer *buffer, uint64_t value)
+{
+    if (reserve(buffer, TEXT_NUMBER_SIZE)) {
+        buffer->size += text_whole(buffer->data + buffer->size, value);
+    }
+}
+
+void buffer_clear(struct buffer *buffer)
+{
+    buffer->size = 0;
 }
 
 conus_status buffer_status(const struct buffer *buffer)

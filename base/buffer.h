@@ -9,6 +9,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 struct buffer {
     char *data; /**< `size` bytes and a final NUL; NULL when nothing was appended. */
@@ -25,6 +26,12 @@ void buffer_format(struct buffer *buffer, const char *format, ...) __attribute__
 
 /** Appends @p value as text_number() writes it. */
 void buffer_number(struct buffer *buffer, double value);
+
+/** Appends @p value in decimal. */
+void buffer_whole(struct buffer *buffer, uint64_t value);
+
+/** Empties it and keeps its memory. A failed buffer stays failed. */
+void buffer_clear(struct buffer *buffer);
 
 /** CONUS_OK, or CONUS_ERROR_MEMORY when an append failed. */
 conus_status buffer_status(const struct buffer *buffer);

@@ -4,8 +4,6 @@
 #include "base/memory.h"
 
 #include <locale.h>
-#include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -253,21 +251,4 @@ char *text_to_utf8(struct text text)
         *c = (unsigned char)*c < 0x20 || *c == 0x7f ? ' ' : *c;
     }
     return copy;
-}
-
-/* printf follows the locale; numbers in files do not. */
-static void point_for_comma(char *text)
-{
-    char *comma = strchr(text, ',');
-    if (comma) {
-        *comma = '.';
-    }
-}
-
-char *text_number(char out[TEXT_NUMBER_SIZE], double value)
-{
-    bool whole = fabs(value) < 0x1p53 && value == floor(value);
-    snprintf(out, TEXT_NUMBER_SIZE, "%.*g", whole ? 17 : 9, value == 0 ? 0.0 : value); /* no "-0" */
-    point_for_comma(out);
-    return out;
 }

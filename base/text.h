@@ -67,4 +67,10 @@ enum { TEXT_NUMBER_SIZE = 32 };
  * "-inf" else. Never the locale's decimal comma, never "-0". Returns @p out. */
 char *text_number(char out[TEXT_NUMBER_SIZE], double value);
 
+/** The same, and gives the text's length. */
+size_t text_number_length(char out[TEXT_NUMBER_SIZE], double value);
+
+/** @p value in decimal; gives the text's length. */
+size_t text_whole(char out[TEXT_NUMBER_SIZE], uint64_t value);
+
 #endif

@@ -7,6 +7,7 @@
 #include "test.h"
 
 #include <locale.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -91,6 +92,43 @@ static void numbers_are_written_short_and_without_locale(void **state)
     for (int i = 0; i < 1000; i++) {
         double value = exp(test_random(&seed, -40, 40));
         assert_near(strtod(text_number(out, value), NULL), value, 5e-9 * value);
+    }
+}
+
+static void check_as_printf(double value)
+{
+    char wanted[TEXT_NUMBER_SIZE];
+    char out[TEXT_NUMBER_SIZE];
+    bool whole = fabs(value) < 0x1p53 && value == floor(value);
+    int length = snprintf(wanted, sizeof wanted, "%.*g", whole ? 17 : 9, value == 0 ? 0.0 : value);
+    assert_int_equal(text_number_length(out, value), length);
+    assert_string_equal(out, wanted);
+}
+
+static void numbers_are_written_as_printf_does(void **state)
+{
+    (void)state;
+    uint64_t seed = 2;
+    for (int i = 0; i < 200000; i++) {
+        double value = exp(test_random(&seed, -12, 24));
+        check_as_printf(value);
+        check_as_printf(-value);
+        check_as_printf(floor(value) / 1024); /* many are ties */
+        check_as_printf(floor(value * 1e4) / 1e4);
+    }
+    for (double power = 1e-6; power < 1e18; power *= 10) {
+        for (int i = -40; i <= 40; i++) {
+            check_as_printf(power * (1 + i * 0x1p-52));
+            check_as_printf(power * (1 + i * 1.25e-10)); /* 9 digits are rounded up to the next power */
+        }
+    }
+    for (uint64_t n = 1; n < UINT64_MAX / 10; n *= 7) {
+        struct buffer buffer = {0};
+        char wanted[TEXT_NUMBER_SIZE];
+        snprintf(wanted, sizeof wanted, "%llu", (unsigned long long)n);
+        buffer_whole(&buffer, n);
+        assert_string_equal(buffer.data, wanted);
+        buffer_finish(&buffer);
     }
 }
 
@@ -212,6 +250,7 @@ int main(void)
         cmocka_unit_test(distances_ignore_case),
         cmocka_unit_test(numbers_are_read_whole_or_not),
         cmocka_unit_test(numbers_are_written_short_and_without_locale),
+        cmocka_unit_test(numbers_are_written_as_printf_does),
         cmocka_unit_test(utf8_is_told_from_latin1),
         cmocka_unit_test(any_bytes_become_clean_utf8),
         cmocka_unit_test(inverse_undoes_an_affine),
