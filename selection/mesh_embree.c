@@ -13,10 +13,12 @@
 static void note_error(void *user, enum RTCError code, const char *message)
 {
     struct mesh_rays *rays = user;
+    pthread_mutex_lock(&rays->noting);
     if (rays->error == RTC_ERROR_NONE) {
-        rays->error = code;
         snprintf(rays->message, sizeof rays->message, "%s", message ? message : "no reason given");
+        rays->error = code;
     }
+    pthread_mutex_unlock(&rays->noting);
 }
 
 conus_status mesh_embree_status(const struct mesh_rays *rays)
@@ -166,6 +168,7 @@ conus_status mesh_rays_create(struct mesh_rays **out, const struct mesh_object *
     if (!rays) {
         return CONUS_ERROR_MEMORY;
     }
+    pthread_mutex_init(&rays->noting, NULL);
     conus_status status = keep_surfaces(rays, objects, count);
     status = status ? status : open_device(rays);
     if (!status) {
@@ -190,6 +193,7 @@ void mesh_rays_destroy(struct mesh_rays *rays)
         }
         memory_free(rays->surfaces);
         memory_free(rays->mesh_from_world);
+        pthread_mutex_destroy(&rays->noting);
         memory_free(rays);
     }
 }

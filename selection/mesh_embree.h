@@ -6,6 +6,7 @@
 #include "selection/mesh_rays.h"
 
 #include <embree3/rtcore.h>
+#include <pthread.h>
 
 struct surface {
     const struct mesh *mesh;
@@ -20,8 +21,9 @@ struct mesh_rays {
     double low[3], high[3];        /**< Bounds of everything. */
     double slack;                  /**< mm */
     double cell;                   /**< mm: how far apart triangles are. */
-    enum RTCError error;           /**< Embree's first. */
-    char message[160];
+    pthread_mutex_t noting;        /**< An error: several threads may send rays at once. */
+    _Atomic(enum RTCError) error;  /**< Embree's first. */
+    char message[160];             /**< Written before it. */
 };
 
 /** CONUS_OK, or what Embree has complained about so far. */

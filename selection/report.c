@@ -27,14 +27,23 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     return CONUS_OK;
 }
 
+void report_clear(conus_report *report)
+{
+    for (size_t i = 0; i < report->query_count; i++) {
+        memory_free(report->queries[i].id);
+        memory_free(report->queries[i].error);
+    }
+    report->query_count = 0;
+    report->row_count = 0;
+    buffer_clear(&report->voxels);
+}
+
 void conus_report_destroy(conus_report *report)
 {
     if (!report) {
         return;
     }
-    for (size_t i = 0; i < report->query_count; i++) {
-        memory_free(report->queries[i].id);
-    }
+    report_clear(report);
     memory_free(report->level);
     memory_free(report->queries);
     memory_free(report->rows);
@@ -60,78 +69,53 @@ static conus_status reserve(void **array, size_t *capacity, size_t count, size_t
     return CONUS_OK;
 }
 
-static conus_status append_query(conus_report *report, const char *id, const conus_selection *selection)
+/* The id of the new query is copied first, so that nothing has changed where there is no memory. */
+static conus_status append_query(conus_report *report, const char *id, const struct report_query *query)
 {
     void *queries = report->queries;
     conus_status status = reserve(&queries, &report->query_capacity, report->query_count + 1, sizeof *report->queries);
     report->queries = queries;
-    struct report_query query = {.cone = selection->cone};
-    query.id = status ? NULL : text_to_utf8(text_from(id));
-    if (!query.id) {
+    char *copy = status ? NULL : text_to_utf8(text_from(id));
+    if (!copy) {
         return CONUS_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < selection->statistics.count; i++) {
-        query.cone_pixels += selection->statistics.results[i].pixels;
-    }
-    report->queries[report->query_count++] = query;
+    report->queries[report->query_count] = *query;
+    report->queries[report->query_count++].id = copy;
     return CONUS_OK;
 }
 
-static conus_status append_rows(conus_report *report, const conus_selection *selection)
+static conus_status append_rows(conus_report *report, const conus_result *results, size_t count)
 {
-    size_t count = selection->statistics.count;
     void *rows = report->rows;
     conus_status status = reserve(&rows, &report->row_capacity, report->row_count + count, sizeof *report->rows);
     report->rows = rows;
     for (size_t i = 0; !status && i < count; i++) {
-        report->rows[report->row_count++] =
-            (struct report_row){report->query_count - 1, selection->statistics.results[i]};
+        report->rows[report->row_count++] = (struct report_row){report->query_count - 1, results[i]};
     }
     return status;
 }
 
 conus_status conus_report_add(conus_report *report, const char *query_id, const conus_selection *selection)
 {
-    conus_status status = append_query(report, query_id, selection);
-    status = status ? status : append_rows(report, selection);
-    return status ? status : report_add_voxels(report, selection);
+    const struct statistics *statistics = &selection->statistics;
+    struct report_query query = {.cone = selection->cone};
+    for (size_t i = 0; i < statistics->count; i++) {
+        query.cone_pixels += statistics->results[i].pixels;
+    }
+    conus_status status = append_query(report, query_id, &query);
+    status = status ? status : append_rows(report, statistics->results, statistics->count);
+    return status || report->without_voxels ? status : report_add_voxels(report, selection);
 }
 
-static void write_cell(struct buffer *out, struct cell cell)
+conus_status conus_report_add_error(conus_report *report, const char *query_id, const char *reason)
 {
-    switch (cell.type) {
-    case CELL_NONE:
-        buffer_text(out, "n/a");
-        break;
-    case CELL_TEXT:
-        buffer_text(out, cell.text);
-        break;
-    case CELL_INTEGER:
-        buffer_format(out, "%llu", (unsigned long long)cell.integer);
-        break;
-    case CELL_NUMBER:
-        buffer_number(out, cell.number);
-        break;
+    struct report_query query = {.error = text_to_utf8(text_from(reason))};
+    conus_status status = query.error ? append_query(report, query_id, &query) : CONUS_ERROR_MEMORY;
+    if (status) {
+        memory_free(query.error);
+        return status;
     }
-}
-
-static void write_tsv(struct buffer *out, const conus_report *report)
-{
-    const char *tab = "";
-    for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
-        buffer_format(out, "%s%s", tab, column->name);
-        tab = "\t";
-    }
-    buffer_text(out, "\n");
-    for (size_t i = 0; i < report->row_count; i++) {
-        tab = "";
-        for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
-            buffer_text(out, tab);
-            tab = "\t";
-            write_cell(out, column->get(report, &report->rows[i]));
-        }
-        buffer_text(out, "\n");
-    }
+    return append_rows(report, &(conus_result){.kind = CONUS_UNASSIGNED}, 1);
 }
 
 /* Hands out report->text, which a writer has filled. */
@@ -154,13 +138,12 @@ conus_status conus_report_text(conus_report *report, const char **text, size_t *
         report_write_table(&report->text, report);
         break;
     case CONUS_TSV:
-        write_tsv(&report->text, report);
+    case CONUS_NDJSON:
+        report_write_heading(&report->text, report);
+        report_write_rows(&report->text, report);
         break;
     case CONUS_JSON:
         status = report_write_json(&report->text, report);
-        break;
-    case CONUS_NDJSON:
-        status = report_write_ndjson(&report->text, report);
         break;
     }
     return hand_out(report, status, text, size);

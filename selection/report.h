@@ -13,7 +13,8 @@ struct report_row {
 };
 
 struct report_query {
-    char *id; /**< UTF-8 without control characters. */
+    char *id;    /**< UTF-8 without control characters.                     */
+    char *error; /**< Why there is no answer, likewise; NULL if there is one. */
     struct cone cone;
     uint32_t cone_pixels; /**< Pixels of the aperture. */
 };
@@ -25,6 +26,7 @@ struct conus_report {
     char *level;       /**< NULL = none.                  */
     char engine[96];
     conus_report_options options;
+    bool without_voxels; /**< Nobody will ask for conus_report_voxels(). */
     struct report_query *queries;
     size_t query_count, query_capacity;
     struct report_row *rows;
@@ -53,6 +55,12 @@ struct report_column {
 /** The column behind @p column in @p report, the first one for NULL; NULL past the last. */
 const struct report_column *report_next_column(const conus_report *report, const struct report_column *column);
 
+/** What stands in a column; n/a in most of a query without an answer. */
+struct cell report_cell(const conus_report *report, const struct report_column *column, const struct report_row *row);
+
+/** Drops all queries and rows, and keeps the memory. */
+void report_clear(conus_report *report);
+
 /** "area", "pathway", "unassigned". */
 const char *report_kind(conus_kind kind);
 
@@ -65,7 +73,9 @@ conus_status report_add_voxels(conus_report *report, const conus_selection *sele
 /* Formats; each appends the whole text to @p out. */
 void report_write_table(struct buffer *out, const conus_report *report);
 conus_status report_write_json(struct buffer *out, const conus_report *report);
-conus_status report_write_ndjson(struct buffer *out, const conus_report *report);
+void report_write_heading(struct buffer *out,
+                          const conus_report *report);                  /**< The line of names, where there is one. */
+void report_write_rows(struct buffer *out, const conus_report *report); /**< TSV or NDJSON, without that line. */
 conus_status report_write_sidecar(struct buffer *out, const conus_report *report);
 
 #endif

@@ -51,7 +51,7 @@ static json_t *json_from_row(const conus_report *report, const struct report_row
     json_t *object = json_object();
     bool whole = true;
     for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
-        whole = put(object, column->name, json_from_cell(column->get(report, row))) && whole;
+        whole = put(object, column->name, json_from_cell(report_cell(report, column, row))) && whole;
     }
     return whole_or_null(object, whole);
 }
@@ -74,15 +74,6 @@ static conus_status dump(struct buffer *out, json_t *root, size_t flags)
     return CONUS_OK;
 }
 
-conus_status report_write_ndjson(struct buffer *out, const conus_report *report)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < report->row_count; i++) {
-        status = dump(out, json_from_row(report, &report->rows[i]), JSON_COMPACT);
-    }
-    return status;
-}
-
 static json_t *json_from_matrix(const double m[16])
 {
     json_t *rows = json_array();
@@ -96,6 +87,9 @@ static json_t *json_from_matrix(const double m[16])
 
 static json_t *json_from_query(const struct report_query *query)
 {
+    if (query->error) {
+        return json_pack("{s: o, s: o}", "query", json_from_text(query->id), "error", json_from_text(query->error));
+    }
     return json_pack("{s: o, s: f, s: i, s: o}", "query", json_from_text(query->id), "angle_deg",
                      degrees_from_radians(query->cone.angle), "cone_pixels", (int)query->cone_pixels,
                      "world_from_device_ras", json_from_matrix(query->cone.pose.world_from_device));

@@ -151,6 +151,11 @@ static void write_layers_heading(struct buffer *out, int width)
                   "value");
 }
 
+static void write_error(struct buffer *out, const struct report_query *query, bool more)
+{
+    buffer_format(out, "query %s: no answer: %s\n%s", query->id, query->error, more ? "\n" : "");
+}
+
 static const char *file_of(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -182,6 +187,11 @@ void report_write_table(struct buffer *out, const conus_report *report)
     int width = name_width(report);
     size_t row = 0;
     for (size_t i = 0; i < report->query_count; i++) {
+        if (report->queries[i].error) {
+            write_error(out, &report->queries[i], i + 1 < report->query_count);
+            row++;
+            continue;
+        }
         write_query(out, report, &report->queries[i]);
         (report->selector.layers ? write_layers_heading : write_heading)(out, width);
         for (; row < report->row_count && report->rows[row].query == i; row++) {

@@ -88,15 +88,31 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     return CONUS_OK;
 }
 
+conus_status selector_share(conus_selector **out, const conus_selector *selector)
+{
+    conus_selector *shared = memory_zeroed(1, sizeof *shared);
+    if (!shared) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *shared = *selector;
+    shared->is_shared = true;
+    shared->tally = (struct tally){0};
+    shared->census = (struct census){0};
+    *out = shared;
+    return CONUS_OK;
+}
+
 void conus_selector_destroy(conus_selector *selector)
 {
     if (selector) {
-        engine_destroy(selector->engine);
+        if (!selector->is_shared) {
+            engine_destroy(selector->engine);
+            level_destroy(selector->level);
+            memory_free(selector->level_spec);
+            memory_free(selector->whole);
+        }
         tally_finish(&selector->tally);
         census_finish(&selector->census);
-        level_destroy(selector->level);
-        memory_free(selector->level_spec);
-        memory_free(selector->whole);
         memory_free(selector);
     }
 }

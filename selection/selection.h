@@ -16,7 +16,8 @@ struct conus_selector {
     struct engine *engine;
     struct tally tally; /**< Prepared for the atlas's objects. */
     struct census census;
-    double *whole; /**< [object_count + 1] Volumes of what is reported, mm^3; with all layers. */
+    double *whole;  /**< [object_count + 1] Volumes of what is reported, mm^3; with all layers. */
+    bool is_shared; /**< Engine, level and volumes are another selector's. */
 };
 
 struct conus_selection {
@@ -39,5 +40,9 @@ static inline uint32_t selection_own_object(const conus_selection *selection, si
 {
     return selection->own ? selection->own[pixel] : selection->evidence.object[pixel];
 }
+
+/** A selector like @p selector, which must outlive it, with the same engine and scratch of its own: each may answer on
+ * another thread, where the engine is rays. */
+conus_status selector_share(conus_selector **out, const conus_selector *selector);
 
 #endif

@@ -57,6 +57,7 @@ typedef struct conus_pose_stream conus_pose_stream; /**< Poses being read.      
 typedef struct conus_selector conus_selector;       /**< An engine made ready for one atlas.                  */
 typedef struct conus_selection conus_selection;     /**< The answer to one query. Immutable.                  */
 typedef struct conus_report conus_report;           /**< Answers collected for writing.                       */
+typedef struct conus_batch conus_batch;             /**< Threads made ready to answer poses by the million.   */
 typedef struct conus_renderer conus_renderer;       /**< GL objects of one atlas, for pictures.               */
 typedef struct conus_image conus_image;             /**< Named float and uint32 channels of one picture.      */
 typedef struct conus_grid conus_grid;               /**< Numbers on an atlas's voxel grid, to be written.     */
@@ -389,6 +390,8 @@ CONUS_CHECKED conus_status conus_report_create(conus_report **out, const conus_s
 /** Adds one answer; @p query_id is copied, as UTF-8 without control characters. */
 CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *query_id,
                                             const conus_selection *selection);
+/** Adds a query without an answer: one row of kind "error" with @p reason for a name, all else missing. */
+CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const char *query_id, const char *reason);
 /** The whole text in the report's format. Borrowed until the next call on the report. */
 CONUS_CHECKED conus_status conus_report_text(conus_report *report, const char **text, size_t *size);
 /** The voxels met first, nearest first, as TSV: query pathway i j k x y z value distance_mm kind index. Borrowed
@@ -435,6 +438,45 @@ CONUS_API conus_grid_view conus_grid_look(const conus_grid *grid);
 /** Writes NIfTI-1, .nii or .nii.gz by ending: whole or not at all, the same bytes for the same grid. */
 CONUS_CHECKED conus_status conus_grid_write(const conus_grid *grid, const char *path);
 CONUS_API void conus_grid_destroy(conus_grid *grid);
+
+/* ---- Batches ---------------------------------------------------------------------------------------------- */
+
+typedef struct conus_batch_options {
+    uint32_t threads; /**< That answer poses, up to 1024; 0 = as many as processors that the process may use. With the
+                         gl engine there is one, the caller's.                                                    */
+    uint32_t block;   /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block.         */
+    double angle;     /**< Of poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0.     */
+    conus_report_options report; /**< Its format is CONUS_TSV or CONUS_NDJSON.                                   */
+} conus_batch_options;
+
+/** A block of poses, answered. */
+typedef struct conus_batch_block {
+    const char *text; /**< Their rows, without the heading.                                                      */
+    size_t size;
+    uint64_t poses;
+    uint64_t errors; /**< Poses among them that have no answer but a row of kind "error".                        */
+} conus_batch_block;
+
+/** Receives whole blocks in the order of the poses, on the thread that called conus_batch_run(). False ends the run. */
+typedef bool (*conus_batch_sink)(void *user, const conus_batch_block *block);
+
+/** Prepares to answer with @p selector, which must outlive the batch and is not to be used during a run. Strings of
+ * @p options must outlive the batch, too. */
+CONUS_CHECKED conus_status conus_batch_create(conus_batch **out, conus_selector *selector,
+                                              const conus_batch_options *options);
+CONUS_API void conus_batch_destroy(conus_batch *batch);
+/** The threads that will be used. */
+CONUS_API uint32_t conus_batch_threads(const conus_batch *batch);
+/** Answers the next @p limit poses of @p poses, fewer where it ends, in memory that does not grow with them. The text
+ * is the same, byte for byte, for any number of threads and any size of blocks. A pose that cannot be answered gives a
+ * row of kind "error". Otherwise a failure ends the run; what comes before it has been delivered then. May be called
+ * again. */
+CONUS_CHECKED conus_status conus_batch_run(conus_batch *batch, conus_pose_stream *poses, uint64_t limit,
+                                           conus_batch_sink sink, void *user);
+/** The line that belongs above the rows, with its end; "" where there is none. Borrowed. */
+CONUS_API const char *conus_batch_heading(const conus_batch *batch);
+/** The sidecar as of conus_report_sidecar(), without the queries. Borrowed until the next call on the batch. */
+CONUS_CHECKED conus_status conus_batch_sidecar(conus_batch *batch, const char **text, size_t *size);
 
 /* ---- Pictures --------------------------------------------------------------------------------------------- */
 

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/batch.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+
+#include <sched.h>
+
+enum { THREAD_LIMIT = 1024, BLOCK_LIMIT = 65536, DEFAULT_BLOCK = 256, DEFAULT_ANGLE_DEG = 10 };
+
+/* Those that the process may use: a job's share of a cluster's node, say. */
+static uint32_t count_processors(void)
+{
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    int count = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+    return count < 1 ? 1 : count > THREAD_LIMIT ? THREAD_LIMIT : (uint32_t)count;
+}
+
+static conus_status fill_in(conus_batch_options *options, const conus_selector *selector)
+{
+    if (options->report.format != CONUS_TSV && options->report.format != CONUS_NDJSON) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: %d, of a batch TSV and NDJSON are allowed",
+                    (int)options->report.format);
+    }
+    if (options->threads > THREAD_LIMIT || options->block > BLOCK_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: %u, allowed is 1 to %d",
+                    options->threads > THREAD_LIMIT ? "threads" : "block",
+                    options->threads > THREAD_LIMIT ? options->threads : options->block,
+                    options->threads > THREAD_LIMIT ? THREAD_LIMIT : BLOCK_LIMIT);
+    }
+    options->threads = options->threads ? options->threads : count_processors();
+    options->threads = selector->options.engine == CONUS_ENGINE_GL ? 1 : options->threads;
+    options->block = options->block ? options->block : DEFAULT_BLOCK;
+    if (options->angle == 0 && selector->options.radius == 0) {
+        options->angle = radians_from_degrees(DEFAULT_ANGLE_DEG);
+    }
+    return CONUS_OK;
+}
+
+static conus_status add_worker(conus_batch *batch, conus_selector *selector)
+{
+    struct batch_worker *worker = &batch->workers[batch->worker_count++];
+    worker->angle = batch->options.angle;
+    conus_status status = selector_share(&worker->selector, selector);
+    status = status ? status : conus_report_create(&worker->report, worker->selector, &batch->options.report);
+    if (!status) {
+        worker->report->without_voxels = true;
+    }
+    return status;
+}
+
+static conus_status build(conus_batch *batch, conus_selector *selector)
+{
+    uint32_t threads = batch->options.threads;
+    size_t blocks = threads == 1 ? 1 : 2 * (size_t)threads + 2;
+    batch->workers = memory_zeroed(threads, sizeof *batch->workers);
+    batch->blocks = memory_zeroed(blocks, sizeof *batch->blocks);
+    conus_status status = batch->workers && batch->blocks ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (uint32_t i = 0; i < threads && !status; i++) {
+        status = add_worker(batch, selector);
+    }
+    for (; batch->block_count < blocks && !status; batch->block_count++) {
+        status = batch_block_init(&batch->blocks[batch->block_count], batch->options.block);
+    }
+    if (!status) {
+        report_write_heading(&batch->heading, batch->workers[0].report);
+        status = buffer_status(&batch->heading);
+    }
+    return status;
+}
+
+conus_status conus_batch_create(conus_batch **out, conus_selector *selector, const conus_batch_options *options)
+{
+    conus_batch_options filled = *options;
+    conus_status status = fill_in(&filled, selector);
+    if (status) {
+        return status;
+    }
+    conus_batch *batch = memory_zeroed(1, sizeof *batch);
+    if (!batch) {
+        return CONUS_ERROR_MEMORY;
+    }
+    batch->options = filled;
+    status = build(batch, selector);
+    if (status) {
+        conus_batch_destroy(batch);
+        return status;
+    }
+    *out = batch;
+    return CONUS_OK;
+}
+
+void conus_batch_destroy(conus_batch *batch)
+{
+    if (!batch) {
+        return;
+    }
+    for (size_t i = 0; i < batch->worker_count; i++) {
+        conus_report_destroy(batch->workers[i].report);
+        conus_selector_destroy(batch->workers[i].selector);
+    }
+    for (size_t i = 0; i < batch->block_count; i++) {
+        batch_block_finish(&batch->blocks[i]);
+    }
+    memory_free(batch->workers);
+    memory_free(batch->blocks);
+    buffer_finish(&batch->heading);
+    memory_free(batch);
+}
+
+uint32_t conus_batch_threads(const conus_batch *batch)
+{
+    return batch ? batch->options.threads : 0;
+}
+
+const char *conus_batch_heading(const conus_batch *batch)
+{
+    return batch && batch->heading.data ? batch->heading.data : "";
+}
+
+conus_status conus_batch_sidecar(conus_batch *batch, const char **text, size_t *size)
+{
+    return conus_report_sidecar(batch->workers[0].report, text, size);
+}
+
+bool batch_run_deliver(const struct batch_run *run, const struct batch_block *block)
+{
+    const conus_batch_block answers = {block->text.data ? block->text.data : "", block->text.size, block->count,
+                                       block->errors};
+    return !block->status && block->count && run->sink(run->user, &answers) && block->count == block->capacity;
+}
+
+static conus_status run_alone(struct batch_run *run)
+{
+    static const atomic_bool never = false;
+    struct batch_block *block = &run->batch->blocks[0];
+    do {
+        batch_block_read(block, run->poses, run->left);
+        batch_block_answer(block, &run->batch->workers[0], &never);
+        run->left -= block->count;
+    } while (batch_run_deliver(run, block));
+    return block->status ? fail(block->status, "%s", block->message) : CONUS_OK;
+}
+
+conus_status conus_batch_run(conus_batch *batch, conus_pose_stream *poses, uint64_t limit, conus_batch_sink sink,
+                             void *user)
+{
+    struct batch_run run = {.batch = batch, .poses = poses, .left = limit, .sink = sink, .user = user};
+    return batch->worker_count == 1 ? run_alone(&run) : batch_run_threads(&run);
+}

@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/memory.h"
+#include "selection/batch.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { ROWS_AT_ONCE = 64, REASON_SIZE = 1200 };
+
+conus_status batch_block_init(struct batch_block *out, size_t capacity)
+{
+    *out = (struct batch_block){.poses = memory_raw(capacity, sizeof *out->poses), .capacity = capacity};
+    return out->poses ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+void batch_block_finish(struct batch_block *block)
+{
+    memory_free(block->poses);
+    buffer_finish(&block->strings);
+    buffer_finish(&block->text);
+}
+
+static void set_status(struct batch_block *block, conus_status status)
+{
+    block->status = status;
+    if (status) {
+        snprintf(block->message, sizeof block->message, "%s", conus_message());
+    }
+}
+
+static size_t keep_string(struct batch_block *block, const char *string)
+{
+    size_t at = block->strings.size;
+    buffer_append(&block->strings, string, strlen(string) + 1);
+    return at;
+}
+
+static void keep_row(struct batch_block *block, const conus_pose_row *row)
+{
+    struct batch_pose *pose = &block->poses[block->count++];
+    const char *error = row->error      ? row->error
+                        : row->is_point ? "a point, without the direction that a cone needs"
+                                        : NULL;
+    *pose = (struct batch_pose){.line = row->line, .is_no_pose = error != NULL};
+    pose->id = keep_string(block, row->id);
+    if (error) {
+        pose->error = keep_string(block, error);
+    } else {
+        pose->pose = row->pose;
+        pose->angle = row->angle;
+    }
+}
+
+static conus_status read_rows(struct batch_block *block, conus_pose_stream *poses, size_t wanted)
+{
+    conus_pose_row rows[ROWS_AT_ONCE];
+    while (block->count < wanted) {
+        size_t missing = wanted - block->count;
+        size_t count = 0;
+        conus_status status =
+            conus_pose_stream_read(poses, rows, missing < ROWS_AT_ONCE ? missing : ROWS_AT_ONCE, &count);
+        if (status || count == 0) {
+            return status;
+        }
+        for (size_t i = 0; i < count; i++) {
+            keep_row(block, &rows[i]);
+        }
+    }
+    return buffer_status(&block->strings);
+}
+
+void batch_block_read(struct batch_block *block, conus_pose_stream *poses, uint64_t limit)
+{
+    block->count = 0;
+    block->errors = 0;
+    block->is_done = false;
+    buffer_clear(&block->strings);
+    buffer_clear(&block->text);
+    set_status(block, read_rows(block, poses, limit < block->capacity ? (size_t)limit : block->capacity));
+}
+
+static conus_status add_error(struct batch_block *block, conus_report *report, const struct batch_pose *pose,
+                              const char *reason)
+{
+    char text[REASON_SIZE];
+    snprintf(text, sizeof text, "line %zu: %s", pose->line, reason);
+    block->errors++;
+    return conus_report_add_error(report, block->strings.data + pose->id, text);
+}
+
+static conus_status answer(struct batch_block *block, struct batch_worker *worker, const struct batch_pose *pose)
+{
+    conus_selection *selection = NULL;
+    if (pose->is_no_pose) {
+        return add_error(block, worker->report, pose, block->strings.data + pose->error);
+    }
+    conus_status status =
+        conus_select(&selection, worker->selector, &pose->pose, pose->angle != 0 ? pose->angle : worker->angle);
+    if (status == CONUS_ERROR_ARGUMENT) { /* the pose's own fault */
+        return add_error(block, worker->report, pose, conus_message());
+    }
+    status = status ? status : conus_report_add(worker->report, block->strings.data + pose->id, selection);
+    conus_selection_destroy(selection);
+    return status;
+}
+
+void batch_block_answer(struct batch_block *block, struct batch_worker *worker, const atomic_bool *stop)
+{
+    conus_status status = block->status;
+    for (size_t i = 0; i < block->count && !status && !atomic_load_explicit(stop, memory_order_relaxed); i++) {
+        status = answer(block, worker, &block->poses[i]);
+    }
+    if (!status) {
+        report_write_rows(&block->text, worker->report);
+        status = buffer_status(&block->text);
+    }
+    report_clear(worker->report);
+    if (!block->status) {
+        set_status(block, status);
+    }
+}

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Rows as text, for tables and for lines of JSON. */
+#include "selection/report.h"
+
+#include <stdio.h>
+#include <string.h>
+
+struct cell report_cell(const conus_report *report, const struct report_column *column, const struct report_row *row)
+{
+    const struct report_query *query = &report->queries[row->query];
+    if (!query->error) {
+        return column->get(report, row);
+    }
+    const char *text = !strcmp(column->name, "query")  ? query->id
+                       : !strcmp(column->name, "kind") ? "error"
+                       : !strcmp(column->name, "name") ? query->error
+                                                       : NULL;
+    return (struct cell){.type = text && text[0] ? CELL_TEXT : CELL_NONE, .text = text};
+}
+
+static void write_cell(struct buffer *out, struct cell cell)
+{
+    switch (cell.type) {
+    case CELL_NONE:
+        buffer_append(out, "n/a", 3);
+        break;
+    case CELL_TEXT:
+        buffer_text(out, cell.text);
+        break;
+    case CELL_INTEGER:
+        buffer_whole(out, cell.integer);
+        break;
+    case CELL_NUMBER:
+        buffer_number(out, cell.number);
+        break;
+    }
+}
+
+void report_write_heading(struct buffer *out, const conus_report *report)
+{
+    if (report->options.format != CONUS_TSV) {
+        return;
+    }
+    const char *tab = "";
+    for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
+        buffer_text(out, tab);
+        buffer_text(out, column->name);
+        tab = "\t";
+    }
+    buffer_text(out, "\n");
+}
+
+static void write_tsv_row(struct buffer *out, const conus_report *report, const struct report_row *row)
+{
+    size_t tab = 0;
+    for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
+        buffer_append(out, "\t", tab);
+        tab = 1;
+        write_cell(out, report_cell(report, column, row));
+    }
+    buffer_append(out, "\n", 1);
+}
+
+/* As a JSON string; the text is UTF-8. */
+static void write_string(struct buffer *out, const char *text)
+{
+    buffer_append(out, "\"", 1);
+    while (*text) {
+        size_t plain = 0;
+        while ((unsigned char)text[plain] >= 0x20 && text[plain] != '"' && text[plain] != '\\') {
+            plain++;
+        }
+        buffer_append(out, text, plain);
+        text += plain;
+        if (*text == '"' || *text == '\\') {
+            const char escaped[2] = {'\\', *text++};
+            buffer_append(out, escaped, 2);
+        } else if (*text) {
+            buffer_format(out, "\\u%04x", (unsigned)(unsigned char)*text++);
+        }
+    }
+    buffer_append(out, "\"", 1);
+}
+
+static void write_json_row(struct buffer *out, const conus_report *report, const struct report_row *row)
+{
+    const char *before = "{\"";
+    for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
+        struct cell cell = report_cell(report, column, row);
+        buffer_append(out, before, 2);
+        before = ",\"";
+        buffer_text(out, column->name);
+        buffer_append(out, "\":", 2);
+        if (cell.type == CELL_TEXT) {
+            write_string(out, cell.text);
+        } else if (cell.type == CELL_NONE) {
+            buffer_append(out, "null", 4);
+        } else {
+            write_cell(out, cell);
+        }
+    }
+    buffer_append(out, "}\n", 2);
+}
+
+void report_write_rows(struct buffer *out, const conus_report *report)
+{
+    for (size_t i = 0; i < report->row_count; i++) {
+        if (report->options.format == CONUS_NDJSON) {
+            write_json_row(out, report, &report->rows[i]);
+        } else {
+            write_tsv_row(out, report, &report->rows[i]);
+        }
+    }
+}
