@@ -7,6 +7,8 @@
 
 extern const struct command cmd_info;
 extern const struct command cmd_query;
+extern const struct command cmd_batch;
+extern const struct command cmd_merge;
 extern const struct command cmd_render;
 extern const struct command cmd_manifest;
 extern const struct command cmd_mesh;

@@ -9,7 +9,7 @@ void help_usage(FILE *out, const struct command *command)
 {
     fprintf(out, "conus %s", command->name);
     for (size_t i = 0; i < OPERAND_LIMIT && command->operands[i]; i++) {
-        fprintf(out, " %s", command->operands[i]);
+        fprintf(out, " %s%s", command->operands[i], command->repeats ? "..." : "");
     }
     fprintf(out, "%s%s [options]", command->form ? " " : "", command->form ? command->form : "");
 }

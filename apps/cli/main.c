@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct command *const commands[] = {&cmd_query,    &cmd_info,    &cmd_render, &cmd_mesh,
-                                                 &cmd_manifest, &cmd_phantom, &cmd_diff,   NULL};
+static const struct command *const commands[] = {&cmd_query, &cmd_batch,    &cmd_merge,   &cmd_info, &cmd_render,
+                                                 &cmd_mesh,  &cmd_manifest, &cmd_phantom, &cmd_diff, NULL};
 
 static const char *command_name(const void *list, size_t index)
 {
@@ -78,7 +78,7 @@ static int run(const struct command *command, int count, char **words)
     if (code < 0) {
         code = command->run(settings, &arguments);
     }
-    options_finish(settings, command);
+    options_finish(settings, &arguments);
     free(settings);
     return code;
 }

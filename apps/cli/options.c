@@ -160,9 +160,26 @@ static int take_short(struct cursor *cursor, const char *word)
     return take_option(cursor, found, word[2] ? word + 2 : NULL);
 }
 
+static int take_another(struct option_list *list, const char *word)
+{
+    const char **items = realloc(list->items, (list->count + 1) * sizeof *items);
+    if (!items) {
+        complain("not enough memory");
+        return EXIT_DATA;
+    }
+    list->items = items;
+    list->items[list->count++] = word;
+    return GO_ON;
+}
+
 static int take_operand(struct cursor *cursor, const char *word)
 {
     struct arguments *arguments = cursor->arguments;
+    const struct command *command = arguments->command;
+    if (command->repeats && arguments->operand_count && !command->operands[arguments->operand_count]) {
+        return *word ? take_another(&arguments->more, word)
+                     : complain_usage("%s is empty", command->operands[arguments->operand_count - 1]);
+    }
     if (arguments->operand_count == OPERAND_LIMIT || !arguments->command->operands[arguments->operand_count]) {
         return complain_usage("unexpected argument \"%s\"%s", word,
                               strchr(word, ',') || strspn(word, "+-.0123456789") == strlen(word)
@@ -229,8 +246,9 @@ int options_parse(struct arguments *out, void *settings, const struct command *c
     return check_complete(out);
 }
 
-void options_finish(void *settings, const struct command *command)
+void options_finish(void *settings, struct arguments *arguments)
 {
+    const struct command *command = arguments->command;
     struct found found;
     for (size_t i = 0; (found = option_at(command, settings, i)).option; i++) {
         struct option_list *list = found.field;
@@ -238,6 +256,8 @@ void options_finish(void *settings, const struct command *command)
             free(list->items);
         }
     }
+    free(arguments->more.items);
+    arguments->more = (struct option_list){0};
 }
 
 /* Writes a word in single quotes unless it is made of harmless characters. */

@@ -55,8 +55,9 @@ struct arguments {
     const struct command *command;
     const char *operands[OPERAND_LIMIT];
     size_t operand_count;
-    uint64_t given; /**< Bit n: the command's n-th option. */
-    int count;      /**< The whole command line, for the provenance. */
+    struct option_list more; /**< Operands behind those, of a command that repeats the last one. */
+    uint64_t given;          /**< Bit n: the command's n-th option. */
+    int count;               /**< The whole command line, for the provenance. */
     char **words;
 };
 
@@ -64,6 +65,7 @@ struct command {
     const char *name;
     const char *summary;                 /**< One line, no final period. */
     const char *operands[OPERAND_LIMIT]; /**< "ATLAS"; NULL where there are fewer. */
+    bool repeats;                        /**< The last operand may stand any number of times. */
     const char *form;                    /**< What must follow the operands; NULL if nothing. */
     const char *description;             /**< Paragraphs for --help. */
     const char *examples;                /**< Lines for --help. */
@@ -75,10 +77,10 @@ struct command {
 
 /** Fills @p settings (zeroed, command->settings_size bytes) and @p out from words[first..count). Returns -1, or the
  * exit code where that ends the program: a mistake (said on stderr) or --help and --version (answered on stdout).
- * settings are the caller's to options_finish() in every case. */
+ * settings and @p out are the caller's to options_finish() in every case. */
 int options_parse(struct arguments *out, void *settings, const struct command *command, int count, char **words,
                   int first);
-void options_finish(void *settings, const struct command *command);
+void options_finish(void *settings, struct arguments *arguments);
 
 /** Whether the option @p name of the command was on the command line. */
 bool option_given(const struct arguments *arguments, const char *name);

@@ -1,0 +1,329 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/batch_file.h"
+
+#include "cli/messages.h"
+#include "cli/options.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+enum { LINE_SIZE = 256, CHUNK = 1 << 16 };
+
+static uint32_t crc_of(const void *data, size_t size)
+{
+    return (uint32_t)crc32_z(0, data, size);
+}
+
+static int complain_errno(const char *path, const char *action)
+{
+    complain("%s: cannot %s: %s", path, action, strerror(errno));
+    return EXIT_DATA;
+}
+
+static bool write_fully(int descriptor, const char *data, size_t size)
+{
+    while (size) {
+        ssize_t n = write(descriptor, data, size);
+        if (n < 0 && errno != EINTR) {
+            return false;
+        }
+        data += n > 0 ? n : 0;
+        size -= n > 0 ? (size_t)n : 0;
+    }
+    return true;
+}
+
+bool batch_file_checksum(const char *path, uint32_t *crc, uint64_t *size)
+{
+    char chunk[CHUNK];
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    ssize_t n = descriptor < 0 ? -1 : 0;
+    *crc = 0;
+    *size = 0;
+    while (descriptor >= 0 && (n = read(descriptor, chunk, sizeof chunk)) > 0) {
+        *crc = (uint32_t)crc32_z(*crc, (const unsigned char *)chunk, (size_t)n);
+        *size += (uint64_t)n;
+    }
+    if (descriptor >= 0) {
+        close(descriptor);
+    }
+    return n == 0;
+}
+
+/* ---- The journal: lines of words, the last of which is the CRC-32 of the line before it ------------------------ */
+
+static bool write_line(const struct batch_file *file, const char *line)
+{
+    char whole[LINE_SIZE + 16];
+    int length = snprintf(whole, sizeof whole, "%s %08" PRIx32 "\n", line, crc_of(line, strlen(line)));
+    return write_fully(file->log, whole, (size_t)length);
+}
+
+/* Reads a line without its CRC; false at the end, and where the line is not what was written. */
+static bool read_line(char out[LINE_SIZE], FILE *in)
+{
+    char *newline = fgets(out, LINE_SIZE, in) ? strchr(out, '\n') : NULL;
+    char *space = newline ? strrchr(out, ' ') : NULL;
+    char wanted[16];
+    if (!space) {
+        return false;
+    }
+    *newline = '\0';
+    *space = '\0';
+    snprintf(wanted, sizeof wanted, "%08" PRIx32, crc_of(out, strlen(out)));
+    return strcmp(space + 1, wanted) == 0;
+}
+
+static void write_first_line(char out[LINE_SIZE], const char *fingerprint)
+{
+    snprintf(out, LINE_SIZE, "conus-batch 1 %s", fingerprint);
+}
+
+/* One block of the journal. */
+struct entry {
+    uint64_t poses, errors, size;
+    uint32_t crc;
+};
+
+/* Takes the next word of a line that is cut up on the way; "" if there is none. */
+static const char *take_word(char **line)
+{
+    char *word = strsep(line, " ");
+    return word ? word : "";
+}
+
+static bool parse_entry(struct entry *out, char *line)
+{
+    char *end = NULL;
+    bool numbers = count_parse(take_word(&line), INT64_MAX, &out->poses) &&
+                   count_parse(take_word(&line), INT64_MAX, &out->errors) &&
+                   count_parse(take_word(&line), INT64_MAX, &out->size);
+    const char *crc = take_word(&line);
+    out->crc = (uint32_t)strtoul(crc, &end, 16);
+    return numbers && end != crc && *end == '\0' && !line;
+}
+
+/* Whether the next bytes of the part are those of the entry. */
+static bool has_block(FILE *part, const struct entry *entry)
+{
+    char chunk[CHUNK];
+    uint32_t crc = 0;
+    uint64_t left = entry->size;
+    while (left) {
+        size_t n = fread(chunk, 1, left < CHUNK ? (size_t)left : CHUNK, part);
+        if (n == 0) {
+            return false;
+        }
+        crc = (uint32_t)crc32_z(crc, (const unsigned char *)chunk, n);
+        left -= n;
+    }
+    return crc == entry->crc;
+}
+
+static void count_entry(struct batch_file *file, const struct entry *entry)
+{
+    file->crc = (uint32_t)crc32_combine(file->crc, entry->crc, (z_off_t)entry->size);
+    file->size += entry->size;
+    file->poses += entry->poses;
+    file->errors += entry->errors;
+}
+
+/* Counts the blocks that both files have; gives the journal's length up to there. */
+static long count_blocks(struct batch_file *file, FILE *journal, FILE *part)
+{
+    char line[LINE_SIZE];
+    struct entry entry;
+    long length = ftell(journal);
+    while (read_line(line, journal) && parse_entry(&entry, line) && has_block(part, &entry)) {
+        count_entry(file, &entry);
+        length = ftell(journal);
+    }
+    return length;
+}
+
+static bool append_entry(struct batch_file *file, const struct entry *entry)
+{
+    char line[LINE_SIZE];
+    snprintf(line, sizeof line, "%" PRIu64 " %" PRIu64 " %" PRIu64 " %08" PRIx32, entry->poses, entry->errors,
+             entry->size, entry->crc);
+    return write_line(file, line);
+}
+
+/* ---- Opening --------------------------------------------------------------------------------------------------- */
+
+static void close_files(struct batch_file *file)
+{
+    if (file->rows >= 0) {
+        close(file->rows);
+    }
+    if (file->log >= 0) {
+        close(file->log);
+    }
+    file->rows = file->log = -1;
+}
+
+static int open_files(struct batch_file *file, int flags)
+{
+    file->log = open(file->journal, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (file->log < 0) {
+        return complain_errno(file->journal, "write");
+    }
+    if (flock(file->log, LOCK_EX | LOCK_NB)) {
+        complain("%s: another conus is writing this file", file->path);
+        return EXIT_DATA;
+    }
+    file->rows = open(file->part, O_RDWR | O_CREAT | O_CLOEXEC | flags, 0666);
+    return file->rows < 0 ? complain_errno(file->part, "write") : EXIT_DONE;
+}
+
+static int begin(struct batch_file *file, const char *fingerprint, const char *heading)
+{
+    char line[LINE_SIZE];
+    const struct entry entry = {0, 0, strlen(heading), crc_of(heading, strlen(heading))};
+    int code = open_files(file, O_TRUNC);
+    if (code) {
+        return code;
+    }
+    write_first_line(line, fingerprint);
+    if (ftruncate(file->log, 0) || !write_line(file, line) || !write_fully(file->rows, heading, strlen(heading)) ||
+        !append_entry(file, &entry)) {
+        return complain_errno(file->path, "write");
+    }
+    count_entry(file, &entry);
+    return EXIT_DONE;
+}
+
+/* Leaves both files as they were after the last block that both have. */
+static int cut_back(struct batch_file *file, long journal_length)
+{
+    if (ftruncate(file->log, journal_length) || ftruncate(file->rows, (off_t)file->size) ||
+        lseek(file->log, 0, SEEK_END) < 0 || lseek(file->rows, 0, SEEK_END) < 0) {
+        return complain_errno(file->path, "go on writing");
+    }
+    return EXIT_DONE;
+}
+
+static int go_on(struct batch_file *file, const char *fingerprint, const char *heading)
+{
+    char line[LINE_SIZE];
+    char wanted[LINE_SIZE];
+    int code = open_files(file, 0);
+    if (code) {
+        return code;
+    }
+    FILE *journal = fopen(file->journal, "re");
+    FILE *part = fopen(file->part, "re");
+    bool whole = journal && part && read_line(line, journal);
+    long length = whole ? count_blocks(file, journal, part) : 0;
+    if (journal) {
+        fclose(journal);
+    }
+    if (part) {
+        fclose(part);
+    }
+    write_first_line(wanted, fingerprint);
+    if (whole && strcmp(line, wanted) != 0) {
+        complain("%s: what is there was written with other settings, poses, atlas or version; --force begins anew",
+                 file->path);
+        return EXIT_USAGE;
+    }
+    if (file->size < strlen(heading) || length == 0) { /* it was killed before its first block */
+        close_files(file);
+        file->size = 0;
+        file->crc = 0;
+        return begin(file, fingerprint, heading);
+    }
+    return cut_back(file, length);
+}
+
+static bool exists(const char *path)
+{
+    struct stat info;
+    return lstat(path, &info) == 0;
+}
+
+static bool is_begun(const struct batch_file *file)
+{
+    return exists(file->journal) && exists(file->part);
+}
+
+static bool name_files(struct batch_file *file)
+{
+    if (asprintf(&file->part, "%s.part", file->path) < 0) {
+        file->part = NULL;
+    }
+    if (asprintf(&file->journal, "%s.journal", file->path) < 0) {
+        file->journal = NULL;
+    }
+    return file->part && file->journal;
+}
+
+int batch_file_open(struct batch_file *out, const char *path, const char *fingerprint, const char *heading,
+                    enum batch_start how)
+{
+    *out = (struct batch_file){.path = path, .rows = -1, .log = -1};
+    if (!name_files(out)) {
+        complain("not enough memory");
+        return EXIT_DATA;
+    }
+    bool begun = is_begun(out);
+    if (how == BATCH_RESUME && begun) { /* a file of that name was there before, and was to be replaced */
+        return go_on(out, fingerprint, heading);
+    }
+    if (how != BATCH_FORCE && exists(path)) {
+        return complain_usage("%s: there is a file already; --force replaces it", path);
+    }
+    if (how == BATCH_ANEW && begun) {
+        return complain_usage("%s: an unfinished batch is there; --resume goes on, --force begins anew", path);
+    }
+    return begin(out, fingerprint, heading);
+}
+
+bool batch_file_is_begun(const char *path)
+{
+    struct batch_file file = {.path = path};
+    bool begun = name_files(&file) && is_begun(&file);
+    free(file.part);
+    free(file.journal);
+    return begun;
+}
+
+int batch_file_append(struct batch_file *file, const conus_batch_block *block)
+{
+    const struct entry entry = {block->poses, block->errors, block->size, crc_of(block->text, block->size)};
+    if (!write_fully(file->rows, block->text, block->size) || !append_entry(file, &entry)) {
+        return complain_errno(file->path, "write");
+    }
+    count_entry(file, &entry);
+    return EXIT_DONE;
+}
+
+int batch_file_finish(struct batch_file *file)
+{
+    if (fsync(file->rows) || rename(file->part, file->path)) {
+        return complain_errno(file->path, "write");
+    }
+    unlink(file->journal);
+    file->is_finished = true;
+    return EXIT_DONE;
+}
+
+void batch_file_close(struct batch_file *file)
+{
+    if (file->rows >= 0 && !file->is_finished && !file->poses) { /* nothing to go on with */
+        unlink(file->part);
+        unlink(file->journal);
+    }
+    close_files(file);
+    free(file->part);
+    free(file->journal);
+    *file = (struct batch_file){.rows = -1, .log = -1};
+}

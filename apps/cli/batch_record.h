@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The sidecar of a batch: what a report's says, and under "Batch" which poses the file answers (docs/batch.md). */
+#ifndef CONUS_CLI_BATCH_RECORD_H
+#define CONUS_CLI_BATCH_RECORD_H
+
+#include "cli/batch_settings.h"
+
+struct batch_record {
+    char fingerprint[65]; /**< SHA-256 of all that the rows depend on but the shard. */
+    struct shard shard;
+    uint64_t first, poses, errors; /**< First pose (from 0), how many, and those without an answer. */
+    uint64_t bytes;                /**< Of the file, */
+    uint32_t crc;                  /**< and their CRC-32. */
+    const char *pose_file;         /**< As given; NULL = as the sidecar says already, */
+    const char *pose_hash;         /**< its SHA-256, "" of standard input, */
+    double angle;                  /**< and the angle of poses without one, degrees. */
+};
+
+/** SHA-256 of the file at @p path, in hexadecimal. Gives the exit code, having complained unless it is 0. */
+int batch_hash_file(char out[65], const char *path);
+
+/** Fingerprint of a batch: of its sidecar, heading, the atlas's objects, and @p poses_sha256. @p angle in degrees. */
+int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas, double angle,
+                      const char *poses_sha256);
+
+/** The path of the sidecar of @p output: "a.json" of "a.tsv", "a.ndjson" or "a.jsonl", else with ".json" behind it.
+ * NULL without memory; the caller frees it. */
+char *batch_sidecar_path(const char *output);
+
+/** Writes the sidecar: @p text, a JSON object, with the record in it, and with @p command as the command line. */
+int batch_record_write(const char *path, const char *text, const struct batch_record *record, const char *command);
+
+/** Reads it back. */
+int batch_record_read(struct batch_record *out, const char *path);
+
+#endif

@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/batch_file.h"
+#include "cli/batch_record.h"
+#include "cli/commands.h"
+#include "cli/messages.h"
+#include "cli/output.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct merge_settings {
+    struct common_settings common;
+    const char *output;
+    bool force;
+};
+
+static const struct option merge_options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct merge_settings, output),
+     .value = "FILE",
+     .help = "write the rows of all shards to FILE, and a .json beside it",
+     .required = true},
+    {.name = "force",
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct merge_settings, force),
+     .help = "replace FILE if it is there"},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"What is written", merge_options, 0},
+    {"", plain_options, offsetof(struct merge_settings, common)},
+    {0},
+};
+
+/* A shard's file and what its sidecar says. */
+struct part {
+    const char *path;
+    char *sidecar;
+    struct batch_record record;
+};
+
+struct merge {
+    const struct merge_settings *settings;
+    struct part *parts;
+    size_t count;
+    char *sidecar, *temporary, *command_line;
+    struct batch_record record; /* of the whole */
+};
+
+/* ---- Do they belong together? ------------------------------------------------------------------------------------ */
+
+static int read_part(struct part *part)
+{
+    uint32_t crc;
+    uint64_t size;
+    int code = batch_record_read(&part->record, part->sidecar);
+    if (code) {
+        return code;
+    }
+    if (!batch_file_checksum(part->path, &crc, &size)) {
+        complain("%s: cannot read: %s", part->path, strerror(errno));
+        return EXIT_DATA;
+    }
+    if (crc != part->record.crc || size != part->record.bytes) {
+        complain("%s: is not the file that %s describes: %" PRIu64 " bytes with CRC-32 %08" PRIx32 ", not %" PRIu64
+                 " with %08" PRIx32,
+                 part->path, part->sidecar, size, crc, part->record.bytes, part->record.crc);
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
+}
+
+static int by_index(const void *a, const void *b)
+{
+    const struct part *x = a;
+    const struct part *y = b;
+    return (x->record.shard.index > y->record.shard.index) - (x->record.shard.index < y->record.shard.index);
+}
+
+static int complain_missing(uint64_t index, const struct part *first)
+{
+    complain("shard %" PRIu64 " of %" PRIu64 " is missing (%s is one of them)", index, first->record.shard.count,
+             first->path);
+    return EXIT_DATA;
+}
+
+/* Every shard once, all of one batch. The parts are sorted. */
+static int check_set(const struct merge *merge)
+{
+    const struct part *first = &merge->parts[0];
+    for (size_t i = 0; i < merge->count; i++) {
+        const struct part *part = &merge->parts[i];
+        if (strcmp(part->record.fingerprint, first->record.fingerprint) != 0 ||
+            part->record.shard.count != first->record.shard.count) {
+            complain("%s and %s are not shards of one batch: settings, poses, atlas, version or the number of shards "
+                     "differ",
+                     first->path, part->path);
+            return EXIT_DATA;
+        }
+        if (i > 0 && part->record.shard.index == part[-1].record.shard.index) {
+            complain("%s and %s are both shard %" PRIu64 " of %" PRIu64, part[-1].path, part->path,
+                     part->record.shard.index, part->record.shard.count);
+            return EXIT_DATA;
+        }
+        if (part->record.shard.index != i) {
+            return complain_missing(i, first);
+        }
+    }
+    return merge->count == first->record.shard.count ? EXIT_DONE : complain_missing(merge->count, first);
+}
+
+/* Whether each has the poses that are its own. */
+static int check_poses(struct merge *merge)
+{
+    for (size_t i = 0; i < merge->count; i++) {
+        merge->record.poses += merge->parts[i].record.poses;
+        merge->record.errors += merge->parts[i].record.errors;
+    }
+    for (size_t i = 0; i < merge->count; i++) {
+        const struct batch_record *record = &merge->parts[i].record;
+        uint64_t first, count;
+        shard_range(&first, &count, record->shard, merge->record.poses);
+        if (record->first != first || record->poses != count) {
+            complain("%s: has poses %" PRIu64 " to %" PRIu64 " of %" PRIu64 ", not its own", merge->parts[i].path,
+                     record->first, record->first + record->poses, merge->record.poses);
+            return EXIT_DATA;
+        }
+    }
+    return EXIT_DONE;
+}
+
+/* ---- Writing ------------------------------------------------------------------------------------------------------
+ */
+
+static int complain_errno(const char *path, const char *action)
+{
+    complain("%s: cannot %s: %s", path, action, strerror(errno));
+    return EXIT_DATA;
+}
+
+/* The rest of `in`, without its first line if that is a heading. */
+static bool copy(FILE *out, FILE *in, bool drop_heading)
+{
+    char chunk[1 << 16];
+    int c = '\n';
+    while (drop_heading && (c = getc(in)) != '\n' && c != EOF) {
+    }
+    for (size_t n; (n = fread(chunk, 1, sizeof chunk, in)) > 0;) {
+        if (fwrite(chunk, 1, n, out) != n) {
+            return false;
+        }
+    }
+    return !ferror(in);
+}
+
+static bool has_heading(const char *path)
+{
+    FILE *file = fopen(path, "re");
+    int c = file ? getc(file) : '{';
+    if (file) {
+        fclose(file);
+    }
+    return c != '{' && c != EOF;
+}
+
+static int copy_all(struct merge *merge)
+{
+    FILE *out = fopen(merge->temporary, "we");
+    if (!out) {
+        return complain_errno(merge->settings->output, "write");
+    }
+    bool copied = true;
+    for (size_t i = 0; i < merge->count && copied; i++) {
+        const char *path = merge->parts[i].path;
+        FILE *in = fopen(path, "re");
+        copied = in && copy(out, in, i > 0 && has_heading(path));
+        if (in) {
+            fclose(in);
+        }
+    }
+    copied = copied && !fflush(out) && !fsync(fileno(out));
+    copied = !fclose(out) && copied;
+    return copied && batch_file_checksum(merge->temporary, &merge->record.crc, &merge->record.bytes)
+               ? EXIT_DONE
+               : complain_errno(merge->settings->output, "write");
+}
+
+static char *read_text(const char *path)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *in = fopen(path, "re");
+    FILE *out = in ? open_memstream(&text, &size) : NULL;
+    bool copied = out && copy(out, in, false);
+    if (in) {
+        fclose(in);
+    }
+    if (out && (fclose(out) || !copied)) {
+        free(text);
+        text = NULL;
+    }
+    return text;
+}
+
+static int write_whole(struct merge *merge)
+{
+    int code = copy_all(merge);
+    char *text = code ? NULL : read_text(merge->parts[0].sidecar);
+    if (!code && !text) {
+        code = complain_errno(merge->parts[0].sidecar, "read");
+    }
+    code = code ? code : batch_record_write(merge->sidecar, text, &merge->record, merge->command_line);
+    free(text);
+    if (!code && rename(merge->temporary, merge->settings->output)) {
+        code = complain_errno(merge->settings->output, "write");
+    }
+    if (code) {
+        unlink(merge->temporary);
+    }
+    return code;
+}
+
+/* ---- The command --------------------------------------------------------------------------------------------------
+ */
+
+static int check_paths(const struct merge *merge)
+{
+    const char *output = merge->settings->output;
+    if (output_is_stdout(output)) {
+        return complain_usage("--output: a file is needed, \"-\" is none");
+    }
+    for (size_t i = 0; i < merge->count; i++) {
+        const struct part *part = &merge->parts[i];
+        if (paths_equal(output, part->path) || paths_equal(merge->sidecar, part->sidecar)) {
+            return complain_usage("--output would overwrite the shard %s", part->path);
+        }
+    }
+    if (!merge->settings->force && (access(output, F_OK) == 0 || access(merge->sidecar, F_OK) == 0)) {
+        return complain_usage("%s: there is a file already; --force replaces it",
+                              access(output, F_OK) == 0 ? output : merge->sidecar);
+    }
+    return EXIT_DONE;
+}
+
+static int work(struct merge *merge)
+{
+    int code = check_paths(merge);
+    for (size_t i = 0; i < merge->count && !code; i++) {
+        code = read_part(&merge->parts[i]);
+    }
+    if (code) {
+        return code;
+    }
+    qsort(merge->parts, merge->count, sizeof *merge->parts, by_index);
+    code = check_set(merge);
+    code = code ? code : check_poses(merge);
+    memcpy(merge->record.fingerprint, merge->parts[0].record.fingerprint, sizeof merge->record.fingerprint);
+    merge->record.shard = (struct shard){0, 1};
+    return code ? code : write_whole(merge);
+}
+
+static bool init(struct merge *merge, const struct arguments *arguments)
+{
+    merge->count = arguments->operand_count + arguments->more.count;
+    merge->parts = calloc(merge->count, sizeof *merge->parts);
+    merge->command_line = arguments_text(arguments);
+    merge->sidecar = batch_sidecar_path(merge->settings->output);
+    if (asprintf(&merge->temporary, "%s.%ld.part", merge->settings->output, (long)getpid()) < 0) {
+        merge->temporary = NULL;
+    }
+    bool whole = merge->parts && merge->command_line && merge->sidecar && merge->temporary;
+    for (size_t i = 0; i < merge->count && whole; i++) {
+        merge->parts[i].path = i ? arguments->more.items[i - 1] : arguments->operands[0];
+        merge->parts[i].sidecar = batch_sidecar_path(merge->parts[i].path);
+        whole = merge->parts[i].sidecar;
+    }
+    return whole || (complain("not enough memory"), false);
+}
+
+static int run(const void *given, const struct arguments *arguments)
+{
+    struct merge merge = {.settings = given};
+    int code = init(&merge, arguments) ? work(&merge) : EXIT_DATA;
+    for (size_t i = 0; merge.parts && i < merge.count; i++) {
+        free(merge.parts[i].sidecar);
+    }
+    free(merge.parts);
+    free(merge.sidecar);
+    free(merge.temporary);
+    free(merge.command_line);
+    return code;
+}
+
+const struct command cmd_merge = {
+    .name = "merge",
+    .summary = "join the shards of a batch into the file that one run would have written",
+    .operands = {"SHARD"},
+    .repeats = true,
+    .form = "-o FILE",
+    .description =
+        "Reads the outputs of conus batch --shard I/N and the .json beside each, checks that they are whole, of\n"
+        "one batch, and that none is missing or there twice, and writes their rows in order, the heading\n"
+        "once.",
+    .examples = "  conus merge rows.0.tsv rows.1.tsv rows.2.tsv rows.3.tsv -o rows.tsv\n",
+    .groups = groups,
+    .settings_size = sizeof(struct merge_settings),
+    .run = run,
+};

@@ -1,0 +1,284 @@
+#!/usr/bin/env bats
+# conus batch and conus merge, as a user types them.
+load helpers
+
+# poses N: poses.tsv with N poses around a ball, every third of which looks past it.
+poses() {
+    awk -v n="$1" 'BEGIN {
+        print "x\ty\tz\ttx\tty\ttz"
+        for (i = 0; i < n; i++)
+            printf "%.3f\t%.3f\t%.3f\t%.3f\t%.3f\t0\n", 90 * cos(i), 90 * sin(i), i % 60 - 30, i % 3 * 15, i % 7
+    }' >poses.tsv
+}
+
+# batch ARGUMENT...: conus batch on the ball.
+batch() {
+    conus batch sphere.nii.gz --poses poses.tsv --angle 12 "$@"
+}
+
+# start ARGUMENT...: the same in the background; its process is $pid.
+start() {
+    env --default-signal=INT "$CONUS" batch sphere.nii.gz --poses poses.tsv --angle 12 --block 100 "$@" 2>said 3>&- &
+    pid=$!
+}
+
+# stop SIGNAL CODE: ends it with the signal, whereupon its exit code must be CODE.
+stop() {
+    local code=0
+    kill "-$1" "$pid"
+    wait "$pid" 2>/dev/null || code=$?
+    [ "$code" -eq "$2" ] || { echo "ended with $code"; return 1; }
+}
+
+setup_ball() {
+    sphere --size 32 --spacing 2,2,2
+    poses "$1"
+}
+
+hash_of() {
+    sha256sum <"$1"
+}
+
+# wait_for_lines N FILE: until FILE has N lines, or ten seconds have passed.
+wait_for_lines() {
+    for _ in $(seq 1000); do
+        [ -e "$2" ] && [ "$(wc -l <"$2")" -ge "$1" ] && return 0
+        sleep 0.01
+    done
+    echo "$2 never got $1 lines"
+    return 1
+}
+
+@test "the rows are those of conus query" {
+    setup_ball 300
+    answers batch sphere.nii.gz --poses poses.tsv --angle 12 -o rows.tsv
+    answers query sphere.nii.gz --pose poses.tsv --angle 12 -o query.tsv
+    cmp rows.tsv query.tsv
+    answers batch sphere.nii.gz --poses poses.tsv --angle 12 -o rows.ndjson
+    answers query sphere.nii.gz --pose poses.tsv --angle 12 -o query.ndjson
+    cmp rows.ndjson query.ndjson
+    batch | cmp - rows.tsv
+    conus batch sphere.nii.gz --poses - --angle 12 --format ndjson <poses.tsv | cmp - rows.ndjson
+    nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv rows.tsv rows.json rows.ndjson rows.ndjson.json query.tsv query.json query.ndjson
+}
+
+@test "one SHA-256 for any number of threads and any size of blocks" {
+    setup_ball 500
+    batch --threads 1 -o rows.tsv
+    for settings in "1 1" "2 7" "3 256" "2 65536" "16 3"; do
+        batch --threads "${settings% *}" --block "${settings#* }" -o other.tsv --force
+        cmp rows.tsv other.tsv
+    done
+}
+
+@test "a pose without an answer gets a row that says why, and the exit code is 1" {
+    setup_ball 2
+    printf 'query_id\tx\ty\tz\ttx\tty\ttz\tangle\n' >poses.tsv
+    printf 'a\t0\t0\t90\t0\t0\t0\t5\nb\t1\t1\t1\t1\t1\t1\t5\nc\tnan\t0\t0\t0\t0\t0\t5\nd\t0\t0\t90\t0\t0\t0\t180\n' >>poses.tsv
+    printf 'e\t0\t0\t90\t0\t0\nf\t0\t90\t0\t0\t0\t0\t5\n' >>poses.tsv
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv
+    [ -z "$stderr" ]
+    [ "$(cut -f 1,2 <<<"$output" | tr '\n\t' ' /')" = "query/kind a/area a/unassigned b/error c/error d/error e/error f/area f/unassigned " ]
+    [ "$(cell name 3)" = "line 3: toward: is the origin itself, another point is needed" ]
+    [[ "$(cell name 4)" == "line 4: "*nan* ]]
+    [[ "$(cell name 5)" == "line 5: angle: 180 degrees"* ]]
+    [ "$(cell pixels 5)/$(cell share 5)/$(cell index 5)" = n/a/n/a/n/a ]
+    [ "$(awk -F'\t' '{ print NF }' <<<"$output" | sort -u)" = 23 ]
+    run -1 conus batch sphere.nii.gz --poses poses.tsv --format ndjson
+    [[ "${lines[2]}" == '{"query":"b","kind":"error","index":null,"name":"line 3: '* ]]
+    run -1 conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv
+    grep -q '"errors": 4' rows.json
+}
+
+@test "shards joined are the file of one run" {
+    setup_ball 101
+    batch -o rows.tsv
+    for i in 0 1 2 3; do
+        batch --shard "$i/4" -o "rows.$i.tsv"
+        batch --shard "$i/4" -o "rows.$i.ndjson"
+    done
+    answers merge rows.3.tsv rows.1.tsv rows.0.tsv rows.2.tsv -o merged.tsv
+    cmp rows.tsv merged.tsv
+    diff <(grep -v CommandLine rows.json) <(grep -v CommandLine merged.json) >differences || true
+    ! grep -v '"Name"\|"Version"\|^[0-9,acd]*$\|[{}]\|^---' differences
+    batch -o rows.ndjson
+    answers merge rows.?.ndjson -o merged.ndjson
+    cmp rows.ndjson merged.ndjson
+    batch --shard 0/1 | cmp - rows.tsv
+}
+
+@test "more shards than poses: some are empty, and join all the same" {
+    setup_ball 2
+    batch -o rows.tsv
+    for i in 0 1 2; do
+        batch --shard "$i/3" -o "rows.$i.tsv"
+    done
+    [ "$(wc -l <rows.2.tsv)" -eq 1 ]
+    answers merge rows.2.tsv rows.1.tsv rows.0.tsv -o merged.tsv
+    cmp rows.tsv merged.tsv
+}
+
+@test "shards that do not belong together are not joined" {
+    setup_ball 20
+    for i in 0 1 2; do
+        batch --shard "$i/3" -o "rows.$i.tsv"
+    done
+    fails 3 'shard 1 of 3 is missing' merge rows.0.tsv rows.2.tsv -o merged.tsv
+    fails 3 'shard 2 of 3 is missing' merge rows.0.tsv rows.1.tsv -o merged.tsv
+    cp rows.1.tsv again.tsv
+    cp rows.1.json again.json
+    fails 3 'are both shard 1 of 3' merge rows.0.tsv rows.1.tsv rows.2.tsv again.tsv -o merged.tsv
+    batch --shard 1/3 -o other.tsv --resolution 8
+    fails 3 'are not shards of one batch' merge rows.0.tsv other.tsv rows.2.tsv -o merged.tsv
+    fails 2 'would overwrite the shard rows.0.tsv' merge rows.0.tsv rows.1.tsv rows.2.tsv -o rows.0.tsv
+    sed -i '$s/unassigned/Unassigned/' rows.2.tsv
+    fails 3 'rows.2.tsv: is not the file that rows.2.json describes' merge rows.0.tsv rows.1.tsv rows.2.tsv -o merged.tsv
+    rm again.json
+    fails 3 'again.json: ' merge rows.0.tsv again.tsv rows.2.tsv -o merged.tsv
+    fails 2 '--output FILE is missing' merge rows.0.tsv
+    [ ! -e merged.tsv ]
+}
+
+@test "--shard comes from a Slurm job array, and is said" {
+    setup_ball 50
+    export SLURM_ARRAY_TASK_ID=12 SLURM_ARRAY_TASK_COUNT=4 SLURM_ARRAY_TASK_MIN=10
+    run -0 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --angle 12 -o slurm.tsv
+    check_message 'note: shard 2/4, from SLURM_ARRAY_TASK_ID=12'
+    unset SLURM_ARRAY_TASK_ID
+    batch --shard 2/4 | cmp - slurm.tsv
+    export SLURM_ARRAY_TASK_ID=15
+    fails 2 'SLURM_ARRAY_TASK_ID=15 does not say which part' batch sphere.nii.gz --poses poses.tsv
+    answers batch sphere.nii.gz --poses poses.tsv --shard 0/1 -o all.tsv
+}
+
+@test "what is wrong with --shard, --threads, --block and the outputs is said" {
+    setup_ball 3
+    fails 2 '--shard: "4/4" is not I/N' batch sphere.nii.gz --poses poses.tsv --shard 4/4
+    fails 2 '--shard: "1" is not I/N' batch sphere.nii.gz --poses poses.tsv --shard 1
+    fails 2 '--shard: "-1/2" is not I/N' batch sphere.nii.gz --poses poses.tsv --shard=-1/2
+    fails 2 '--shard needs a file of poses' batch sphere.nii.gz --poses - --shard 0/2
+    fails 2 '--resume needs a file of poses' batch sphere.nii.gz --poses - --resume -o rows.tsv
+    fails 2 '--threads' batch sphere.nii.gz --poses poses.tsv --threads 0
+    fails 2 '--block' batch sphere.nii.gz --poses poses.tsv --block 100000
+    fails 2 '--poses FILE is missing' batch sphere.nii.gz
+    fails 2 '--resume has no effect without --output' batch sphere.nii.gz --poses poses.tsv --resume
+    fails 2 '--force and --resume exclude each other' batch sphere.nii.gz --poses poses.tsv -o a.tsv --force --resume
+    fails 2 'would overwrite the atlas' batch sphere.nii.gz --poses poses.tsv -o sphere.nii.gz --force
+    fails 2 'would overwrite the file of poses' batch sphere.nii.gz --poses poses.tsv -o poses.tsv --force
+    fails 3 'none.tsv' batch sphere.nii.gz --poses none.tsv
+    nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv
+}
+
+@test "nothing is overwritten without --force" {
+    setup_ball 5
+    batch -o rows.tsv
+    local before=$(hash_of rows.tsv)
+    fails 2 'rows.tsv: there is a file already; --force replaces it' batch sphere.nii.gz --poses poses.tsv -o rows.tsv
+    [ "$(hash_of rows.tsv)" = "$before" ]
+    answers batch sphere.nii.gz --poses poses.tsv -o rows.tsv --force
+    [ "$(hash_of rows.tsv)" != "$before" ]
+}
+
+@test "killed and resumed three times: the file of one run" {
+    setup_ball 30000
+    batch -o rows.tsv
+    for lines in 5 40 90; do
+        start -o killed.tsv --resume
+        wait_for_lines "$lines" killed.tsv.journal
+        stop KILL 137
+        [ ! -e killed.tsv ]
+        fails 2 'killed.tsv: an unfinished batch is there; --resume goes on, --force begins anew' \
+            batch sphere.nii.gz --poses poses.tsv --angle 12 -o killed.tsv
+        fails 2 'written with other settings' batch sphere.nii.gz --poses poses.tsv --angle 13 -o killed.tsv --resume
+    done
+    batch --threads 3 -o killed.tsv --resume
+    cmp rows.tsv killed.tsv
+    [ ! -e killed.tsv.part ] && [ ! -e killed.tsv.journal ]
+    diff <(grep -v CommandLine rows.json) <(grep -v CommandLine killed.json)
+    answers batch sphere.nii.gz --poses poses.tsv --angle 12 -o killed.tsv --resume
+    fails 2 'there is a file already' batch sphere.nii.gz --poses poses.tsv --angle 13 -o killed.tsv --resume
+}
+
+@test "what a crash left half written is cut off" {
+    setup_ball 20000
+    batch -o rows.tsv
+    start -o torn.tsv
+    wait_for_lines 20 torn.tsv.journal
+    stop KILL 137
+    cp torn.tsv.part part
+    cp torn.tsv.journal journal
+    printf '17 0 1000 0123' >>torn.tsv.journal # a line that was being written
+    batch -o torn.tsv --resume
+    cmp rows.tsv torn.tsv
+    rm torn.tsv torn.json
+    cp journal torn.tsv.journal
+    head -c 3000 part >torn.tsv.part # rows that never reached the disk
+    batch -o torn.tsv --resume
+    cmp rows.tsv torn.tsv
+    rm torn.tsv torn.json
+    cp journal torn.tsv.journal
+    cp part torn.tsv.part
+    printf X | dd of=torn.tsv.part bs=1 seek=9000 conv=notrunc status=none # or reached it wrong
+    batch -o torn.tsv --resume
+    cmp rows.tsv torn.tsv
+    rm torn.tsv torn.json
+    : >torn.tsv.journal
+    cp part torn.tsv.part
+    batch -o torn.tsv --resume
+    cmp rows.tsv torn.tsv
+}
+
+@test "a full disk: a message, and --resume goes on" {
+    setup_ball 5000
+    batch -o rows.tsv
+    (
+        trap '' XFSZ
+        ulimit -f 200
+        run -3 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --angle 12 -o full.tsv
+        check_message 'full.tsv: cannot write: File too large'
+    )
+    [ ! -e full.tsv ]
+    batch -o full.tsv --resume
+    cmp rows.tsv full.tsv
+    [ -e /dev/full ] || return 0
+    conus batch sphere.nii.gz --poses poses.tsv 2>said >/dev/full && return 1 || [ $? -eq 3 ]
+    grep -q 'standard output: cannot write: No space left on device' said
+}
+
+@test "a closed pipe ends it with a message" {
+    setup_ball 5000
+    set +o pipefail
+    { batch 2>said || echo $? >code; } | head -n 1 >first
+    [ "$(cat code)" -eq 3 ]
+    grep -q 'standard output: cannot write: Broken pipe' said
+}
+
+@test "SIGINT and SIGTERM finish the block and say how to go on" {
+    setup_ball 30000
+    batch -o rows.tsv
+    start -o stopped.tsv
+    wait_for_lines 10 stopped.tsv.journal
+    stop INT 130
+    grep -q 'conus: interrupted after [0-9]*00 poses; go on with: conus batch .* -o stopped.tsv --resume' said
+    start -o stopped.tsv --resume
+    wait_for_lines 150 stopped.tsv.journal
+    stop TERM 143
+    batch -o stopped.tsv --resume
+    cmp rows.tsv stopped.tsv
+}
+
+@test "two runs do not write one file" {
+    setup_ball 30000
+    start -o rows.tsv
+    wait_for_lines 5 rows.tsv.journal
+    fails 3 'rows.tsv: another conus is writing this file' batch sphere.nii.gz --poses poses.tsv --angle 12 -o rows.tsv --resume
+    wait "$pid"
+}
+
+@test "progress is JSON for programs, and nothing where nobody looks" {
+    setup_ball 2000
+    run -0 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --progress json -o rows.tsv
+    [[ "${stderr_lines[-1]}" == '{"done":2000,"total":2000,"errors":0,"rate":'*',"finished":true}' ]]
+    answers batch sphere.nii.gz --poses poses.tsv -o other.tsv
+    answers batch sphere.nii.gz --poses poses.tsv -o third.tsv --progress none
+}
