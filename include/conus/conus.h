@@ -56,6 +56,8 @@ typedef struct conus_pose_list conus_pose_list;     /**< Poses read from a file.
 typedef struct conus_pose_stream conus_pose_stream; /**< Poses being read.                                */
 typedef struct conus_selector conus_selector;       /**< An engine made ready for one atlas.                  */
 typedef struct conus_selection conus_selection;     /**< The answer to one query. Immutable.                  */
+typedef struct conus_sweep conus_sweep;             /**< What a growing cone admits, and when.                */
+typedef struct conus_jitter conus_jitter;           /**< An answer under errors of the pose.                  */
 typedef struct conus_report conus_report;           /**< Answers collected for writing.                       */
 typedef struct conus_batch conus_batch;             /**< Threads made ready to answer poses by the million.   */
 typedef struct conus_renderer conus_renderer;       /**< GL objects of one atlas, for pictures.               */
@@ -372,6 +374,60 @@ typedef struct conus_score_info {
 
 /** The table of rankings: entry @p index, NULL past the last. */
 CONUS_API const conus_score_info *conus_score(size_t index);
+
+/* ---- How sure is it? -------------------------------------------------------------------------------------- */
+
+/** When a growing cone admits an object (Eq. 13). */
+typedef struct conus_admission {
+    conus_kind kind;
+    uint32_t object;
+    double angle;    /**< Full opening of the narrowest round cone that holds some of it, radians; 0 if the axis meets
+                          it. Of voxels their centres count, of a mesh all its surface, and its inside where closed. */
+    double margin;   /**< Further opening until the next object, NaN if there is none.                           */
+    double point[3]; /**< World position of what is admitted first.                                              */
+    double distance; /**< mm from the apex to there.                                                             */
+} conus_admission;
+
+/** Finds when a cone at @p pose that grows to the full opening @p widest, in (0, pi), admits each object. Hidden
+ * objects count, and the selector's range and level. CONUS_ERROR_ARGUMENT for a selector with a square aperture or a
+ * radius. */
+CONUS_CHECKED conus_status conus_sweep_create(conus_sweep **out, const conus_selector *selector, const conus_pose *pose,
+                                              double widest);
+CONUS_API void conus_sweep_destroy(conus_sweep *sweep);
+/** Admissions by angle. */
+CONUS_API size_t conus_sweep_count(const conus_sweep *sweep);
+CONUS_API const conus_admission *conus_sweep_admission(const conus_sweep *sweep, size_t index);
+
+/** How far off a pose may be: independent normal errors (Eq. 14). */
+typedef struct conus_jitter_options {
+    double tilt;      /**< Standard deviation of the axis's tilt about the device's x, and about its y; radians, 0 to
+                           pi/2.                                                                                 */
+    double shift;     /**< And of the position along each of its axes, mm, 0 to 1e6.                             */
+    uint32_t samples; /**< Poses to look from, a power of two from 16 to 2^20; 0 = 1024.                         */
+} conus_jitter_options;
+
+/** What an object may expect. */
+typedef struct conus_chance {
+    conus_kind kind;
+    uint32_t object;  /**< 0 for CONUS_UNASSIGNED.                                                              */
+    uint32_t rank;    /**< From 1, by hit; 0 for CONUS_UNASSIGNED.                                              */
+    double hit;       /**< Probability that it is the one hit: of the objects that pixels meet first, the one that the
+                           selector ranks best; CONUS_UNASSIGNED where no pixel meets any. They sum to 1.       */
+    double hit_error; /**< Standard error of that number, from 16 independent sets of samples.                  */
+    double seen;      /**< Probability that some pixel meets it first.                                          */
+    double in_cone;   /**< Probability that it is in the cone at all; NaN without CONUS_ALL_LAYERS.             */
+    double share;     /**< Mean share (Eq. 4); they sum to 1.                                                   */
+    double share_deviation; /**< And its standard deviation from sample to sample.                               */
+} conus_chance;
+
+/** Looks from poses around @p pose as its errors make them, always the same ones: low-discrepancy samples without a
+ * random seed. */
+CONUS_CHECKED conus_status conus_jitter_create(conus_jitter **out, conus_selector *selector, const conus_pose *pose,
+                                               double angle, const conus_jitter_options *options);
+CONUS_API void conus_jitter_destroy(conus_jitter *jitter);
+/** Chances by rank, of what is unassigned last. */
+CONUS_API size_t conus_jitter_count(const conus_jitter *jitter);
+CONUS_API const conus_chance *conus_jitter_chance(const conus_jitter *jitter, size_t index);
 
 /* ---- Reports ---------------------------------------------------------------------------------------------- */
 
