@@ -2,8 +2,8 @@
 #include "loaders/fsl_atlas.h"
 
 #include "base/memory.h"
+#include "base/xml.h"
 #include "loaders/label_parse.h"
-#include "loaders/xml.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,10 +3,10 @@
 #include "base/buffer.h"
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/xml.h"
 #include "loaders/folder.h"
 #include "loaders/fsl_atlas.h"
 #include "loaders/label_parse.h"
-#include "loaders/xml.h"
 
 #include <limits.h>
 #include <stdlib.h>

@@ -5,10 +5,10 @@
 #include "base/file.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "base/xml.h"
 #include "loaders/byte_order.h"
 #include "loaders/gifti_data.h"
 #include "loaders/label_parse.h"
-#include "loaders/xml.h"
 
 #include <stdio.h>
 #include <string.h>

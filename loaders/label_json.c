@@ -3,22 +3,10 @@
  * colour maps, an object of parallel lists. */
 #include "loaders/label_parse.h"
 
-#include <jansson.h>
+#include "base/json_text.h"
+
 #include <stdio.h>
 #include <string.h>
-
-static conus_status load_json(json_t **out, struct text text)
-{
-    json_error_t error;
-    json_t *root = json_loadb(text.data, text.size, JSON_REJECT_DUPLICATES, &error);
-    if (!root) {
-        bool memory = json_error_code(&error) == json_error_out_of_memory;
-        return memory ? fail(CONUS_ERROR_MEMORY, "no memory for the JSON text")
-                      : fail(CONUS_ERROR_DATA, "line %d: %s", error.line, error.text);
-    }
-    *out = root;
-    return CONUS_OK;
-}
 
 static conus_status set_text(char **field, const json_t *value)
 {
@@ -96,7 +84,7 @@ static conus_status fill_structure(struct label *label, const json_t *structure,
 static conus_status parse_structures(struct label_table *out, struct text text, struct notes *notes)
 {
     json_t *root = NULL;
-    conus_status status = load_json(&root, text);
+    conus_status status = json_text_load(&root, text);
     for (size_t i = 0; !status && i < json_array_size(root); i++) {
         char where[32];
         struct label label = {0};
@@ -146,7 +134,7 @@ static conus_status fill_from_lists(struct label *label, const struct lists *lis
 static conus_status parse_lists(struct label_table *out, struct text text, struct notes *notes)
 {
     json_t *root = NULL;
-    conus_status status = load_json(&root, text);
+    conus_status status = json_text_load(&root, text);
     struct lists lists = {0};
     if (!status) {
         lists = (struct lists){

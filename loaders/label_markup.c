@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which XML it is, by the outermost element; and Workbench's label table (NIfTI extension 30). */
+#include "base/xml.h"
 #include "loaders/fsl_atlas.h"
 #include "loaders/label_parse.h"
-#include "loaders/xml.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_LABEL_PARSE_H
 
 #include "atlas/labels.h"
-#include "loaders/xml.h"
+#include "base/xml.h"
 
 /** A format of label tables. */
 struct label_format {

@@ -6,12 +6,12 @@
 #include "atlas/space.h"
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "base/xml.h"
 #include "loaders/folder.h"
 #include "loaders/fsl_atlas.h"
 #include "loaders/label_parse.h"
 #include "loaders/manifest.h"
 #include "loaders/mesh_file.h"
-#include "loaders/xml.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -330,7 +330,7 @@ conus_status manifest_parse(struct manifest *out, struct text text)
 {
     json_t *root = NULL;
     struct manifest manifest = {0};
-    conus_status status = schema_load(&root, text);
+    conus_status status = json_text_load(&root, text);
     struct schema_place place = {.allow_outside = json_is_true(json_object_get(root, "allow_outside"))};
     status = status ? status : schema_object(&manifest, root, manifest_keys, &place);
     status = status ? status : check(&manifest);

@@ -4,6 +4,7 @@
 #include "base/buffer.h"
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/xml.h"
 #include "loaders/folder.h"
 #include "loaders/fsl_atlas.h"
 #include "loaders/label_files.h"
@@ -11,7 +12,6 @@
 #include "loaders/load.h"
 #include "loaders/manifest.h"
 #include "loaders/manifest_scan.h"
-#include "loaders/xml.h"
 
 #include <jansson.h>
 #include <stdio.h>

@@ -5,12 +5,12 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "base/xml.h"
 #include "loaders/freesurfer.h"
 #include "loaders/gifti.h"
 #include "loaders/gzip.h"
 #include "loaders/label_parse.h"
 #include "loaders/mesh_foreign.h"
-#include "loaders/xml.h"
 
 #include <stdio.h>
 

@@ -5,8 +5,7 @@
 #ifndef CONUS_LOADERS_SCHEMA_H
 #define CONUS_LOADERS_SCHEMA_H
 
-#include "base/status.h"
-#include "base/text.h"
+#include "base/json_text.h"
 
 #include <jansson.h>
 
@@ -28,9 +27,6 @@ struct schema_field {
     size_t offset; /**< Of the field, in what the object is read into. */
     bool required;
 };
-
-/** Parses @p text; line and column in the message. *out is the caller's to json_decref(). */
-conus_status schema_load(json_t **out, struct text text);
 
 /** "KEY: found ..., WANTED is needed". */
 conus_status schema_fail(const struct schema_place *place, const json_t *value, const char *wanted);

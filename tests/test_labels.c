@@ -93,7 +93,7 @@ static void bad_cells_are_named_with_their_line(void **state)
     assert_refused("index\tname\tcolor\n1\ta\tred\n", "line 2: colour \"red\", #rrggbb");
     assert_refused("index\tname\n1\ta\tb\n", "line 2: 3 columns, the header has 2");
     assert_refused("index\tname\tindex\n1\ta\t2\n", "line 1: two columns are called index");
-    assert_refused("[{\"id\":1,\"acronym\":\"a\\u0000\"}]", "BrainGlobe structures: line 1: \\u0000");
+    assert_refused("[{\"id\":1,\"acronym\":\"a\\u0000\"}]", "BrainGlobe structures: line 1, column 28: \\u0000");
     assert_refused("id,name\n1,\"a\n", "line 2: a quotation mark is not closed");
     assert_refused("[{\"id\":1.5,\"acronym\":\"a\"}]", "structure 1: id must be a whole number");
     assert_refused("[{\"id\":7,\"acronym\":\"a\",\"structure_id_path\":[1,8]}]",

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file XML from untrusted files: expat with our memory functions, without entities of their own; nothing else
  * is ever opened. */
-#ifndef CONUS_LOADERS_XML_H
-#define CONUS_LOADERS_XML_H
+#ifndef CONUS_BASE_XML_H
+#define CONUS_BASE_XML_H
 
 #include "base/status.h"
 #include "base/text.h"

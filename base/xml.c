@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "loaders/xml.h"
+#include "base/xml.h"
 
 #include "base/buffer.h"
 #include "base/memory.h"
