@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/math3.h"
 #include "base/status.h"
+#include "selection/pose_row.h"
 
 /* Below this, two directions count as parallel, and a length as zero beside the numbers that made it. */
 static const double NEARLY_ZERO = 1e-9;
@@ -100,8 +101,12 @@ static void make_rigid(double out[16], const double m[16])
 
 conus_status conus_pose_from_matrix(conus_pose *out, const double world_from_device[16])
 {
+    return pose_from_matrix_within(out, world_from_device, 1e-3);
+}
+
+conus_status pose_from_matrix_within(conus_pose *out, const double world_from_device[16], double tolerance)
+{
     const double *m = world_from_device;
-    const double tolerance = 1e-3;
     for (int i = 0; i < 16; i++) {
         if (!isfinite(m[i])) {
             return fail(CONUS_ERROR_ARGUMENT, "pose matrix: %g in row %d, column %d, allowed are finite numbers", m[i],
@@ -116,9 +121,9 @@ conus_status conus_pose_from_matrix(conus_pose *out, const double world_from_dev
         for (int b = 0; b <= a; b++) {
             if (fabs(vec3_dot(m + 4 * a, m + 4 * b) - (a == b)) > tolerance) {
                 return fail(CONUS_ERROR_ARGUMENT,
-                            "pose matrix: columns %d and %d are not orthonormal within 0.001, a "
+                            "pose matrix: columns %d and %d are not orthonormal within %g, a "
                             "rigid matrix (rotation and position) is needed",
-                            b, a);
+                            b, a, tolerance);
             }
         }
     }

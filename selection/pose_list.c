@@ -70,7 +70,7 @@ static conus_status read_all(conus_pose_list *list, conus_pose_stream *stream)
             status = pose_list_add(list, &rows[i], text_from(rows[i].id), rows[i].error);
         }
     } while (!status && count);
-    return status ? status : pose_stream_take_notes(&list->notes, stream);
+    return status ? status : pose_stream_take_header(list, stream);
 }
 
 /* Ends the stream. `name` is for messages, NULL if there is none. */
@@ -118,4 +118,9 @@ const conus_pose_row *conus_pose_list_row(const conus_pose_list *list, size_t in
 const char *conus_pose_list_note(const conus_pose_list *list, size_t index)
 {
     return list && index < list->notes.count ? list->notes.lines[index] : NULL;
+}
+
+conus_status conus_pose_list_match(conus_pose_list *list, const conus_atlas *atlas)
+{
+    return pose_space_match(&list->notes, &list->space, atlas);
 }

@@ -5,13 +5,14 @@
 
 #include "base/notes.h"
 #include "base/text.h"
-#include "conus/conus.h"
+#include "selection/pose_space.h"
 
 struct conus_pose_list {
     conus_pose_row *rows; /**< Strings are owned. */
     size_t count;
     size_t capacity;
     struct notes notes;
+    struct pose_space space;
 };
 
 /** Adds a row with copies of its strings. An @p id that is empty becomes the row's number; one that is too long or not

@@ -71,6 +71,47 @@ conus_status pose_of_point(conus_pose *out, const double point[3])
     return CONUS_OK;
 }
 
+static bool read_parts(double parts[3], struct text text, char separator)
+{
+    struct text field;
+    bool more = true;
+    for (int i = 0; i < 3; i++) {
+        if (!text_field(&text, separator, &more, &field) || !text_to_double(field, &parts[i]) ||
+            !(parts[i] >= 0 && parts[i] < 1e4)) {
+            return false;
+        }
+    }
+    return !more;
+}
+
+/* Days from 1970-01-01 in the Gregorian calendar, whose year begins in March here (H. Hinnant, chrono-compatible
+ * low-level date algorithms). */
+static double days(double year, double month, double day)
+{
+    double y = month <= 2 ? year - 1 : year;
+    double era = floor(y / 400);
+    double year_of_era = y - era * 400;
+    double day_of_year = floor((153 * (month + (month > 2 ? -3 : 9)) + 2) / 5) + day - 1;
+    return era * 146097 + year_of_era * 365 + floor(year_of_era / 4) - floor(year_of_era / 100) + day_of_year - 719468;
+}
+
+double pose_clock(struct text date, struct text time)
+{
+    double d[3];
+    double t[3];
+    if (!read_parts(d, date, '-') || !read_parts(t, time, ':') || !(d[1] >= 1 && d[1] <= 12)) {
+        return NAN;
+    }
+    return days(d[0], d[1], d[2]) * 86400 + t[0] * 3600 + t[1] * 60 + t[2];
+}
+
+conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps)
+{
+    return options->space == CONUS_LPS && !lps
+               ? notes_add(notes, "the file says that its positions are RAS, and as such they are taken")
+               : CONUS_OK;
+}
+
 int pose_quote(struct text field)
 {
     return (int)(field.size < POSE_QUOTE_LIMIT ? field.size : POSE_QUOTE_LIMIT);

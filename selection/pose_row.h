@@ -3,8 +3,8 @@
 #ifndef CONUS_SELECTION_POSE_ROW_H
 #define CONUS_SELECTION_POSE_ROW_H
 
+#include "base/notes.h"
 #include "base/text.h"
-#include "conus/conus.h"
 
 enum {
     POSE_ID_LIMIT = 255,    /**< Longest id, in bytes.                  */
@@ -13,7 +13,8 @@ enum {
 };
 
 /** What a text of poses may be, for messages. */
-#define POSE_FORMATS "a header line and one line per pose, a 4 x 4 matrix, or lines of x y z"
+#define POSE_FORMATS                                                                                                   \
+    "a header line and one line per pose, a 4 x 4 matrix, lines of x y z, or another program's file (docs/formats.md)"
 
 /** A row that says nothing yet: no times, no errors, no angle. */
 conus_pose_row pose_row_at(size_t line);
@@ -30,6 +31,16 @@ void pose_flip_matrix(double m[16]);
 /** Turns @p pose, whose device looks along its @p axis, so that it looks along its -z (Eq. 2): by a half turn about y
  * for +z and quarter turns about y for +-x, so that +y stays up, and with +z up for +-y. */
 void pose_turn(conus_pose *pose, conus_axis axis);
+
+/** conus_pose_from_matrix() for a file that rounds more: deviations up to @p tolerance are made exact. */
+conus_status pose_from_matrix_within(conus_pose *out, const double world_from_device[16], double tolerance);
+
+/** Seconds since 1970-01-01 on the clock that wrote "2019-03-22" and "14:08:40.658"; NaN if that is not what they are.
+ */
+double pose_clock(struct text date, struct text time);
+
+/** A note where the caller asked for LPS and the file says itself that it is RAS, as @p lps tells. */
+conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps);
 
 /** "+x" and so on; "" for CONUS_AXIS_OF_FORMAT. */
 const char *pose_axis_name(conus_axis axis);

@@ -2,6 +2,7 @@
 #include "selection/pose_stream.h"
 
 #include "base/memory.h"
+#include "selection/pose_file.h"
 #include "selection/pose_lines.h"
 #include "selection/pose_list.h"
 #include "selection/pose_row.h"
@@ -19,10 +20,11 @@ static const uint64_t DEFAULT_MEMORY = UINT64_C(1) << 30;
 struct conus_pose_stream {
     conus_pose_options options;
     conus_pose_format format;
-    char *name;     /* for messages; NULL for a text */
-    int descriptor; /* -1 for a text */
-    bool owned;     /* it is ours to close */
-    uint64_t start; /* of the text in the file */
+    char *name;       /* for messages; NULL for a text */
+    const char *path; /* while it is opened; NULL for a text and stdin */
+    int descriptor;   /* -1 for a text */
+    bool owned;       /* it is ours to close */
+    uint64_t start;   /* of the text in the file */
     struct text text;
     struct pose_lines lines;
     struct pose_table table;
@@ -36,9 +38,19 @@ static conus_status fail_of(const conus_pose_stream *stream, conus_status status
     return status && stream->name ? fail_in(status, stream->name) : status;
 }
 
-static bool is_whole(const conus_pose_stream *stream)
+/* What a text that begins with this line of data is. */
+static conus_pose_format format_of(struct text line)
 {
-    return stream->format == CONUS_POSES_MATRIX;
+    struct text word;
+    struct text rest = line;
+    double number;
+    if (line.data[0] == '<' || line.data[0] == '{') {
+        return line.data[0] == '<' ? CONUS_POSES_LOCALITE : CONUS_POSES_MARKUPS;
+    }
+    return pose_is_point(line)                                        ? CONUS_POSES_POINTS
+           : text_word(&rest, &word) && text_to_double(word, &number) ? CONUS_POSES_MATRIX
+           : pose_electrodes_header(line)                             ? CONUS_POSES_ELECTRODES
+                                                                      : CONUS_POSES_TABLE;
 }
 
 /* What the first line with data looks like; CONUS_POSES_AUTO while it is not all there. */
@@ -46,19 +58,17 @@ static conus_pose_format guess(struct text text, bool all)
 {
     const char *end = text.data + text.size;
     struct text line;
-    double number;
     while (text_line(&text, &line)) {
         struct text trimmed = text_trim(line);
         if (!all && line.data + line.size == end) {
             return CONUS_POSES_AUTO;
         }
-        if (!trimmed.size || trimmed.data[0] == '#') {
-            continue;
+        if (pose_brainsight_line(line)) {
+            return CONUS_POSES_BRAINSIGHT;
         }
-        if (pose_is_point(line)) {
-            return CONUS_POSES_POINTS;
+        if (trimmed.size && trimmed.data[0] != '#') {
+            return format_of(trimmed);
         }
-        return text_word(&trimmed, &line) && text_to_double(line, &number) ? CONUS_POSES_MATRIX : CONUS_POSES_TABLE;
     }
     return all ? CONUS_POSES_TABLE : CONUS_POSES_AUTO;
 }
@@ -118,22 +128,53 @@ static conus_status read_header(conus_pose_stream *stream)
                          : pose_table_header(&stream->table, line.text, stream->options.axis);
 }
 
-static conus_status parse_matrix(conus_pose_stream *stream, struct text text)
+static conus_status parse_matrix(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     conus_pose_row row = pose_row_at(1);
     conus_status bad = CONUS_OK;
-    if (!pose_plain_matrix(&row, &bad, text, &stream->options)) {
+    if (!pose_plain_matrix(&row, &bad, text, options)) {
         return fail(CONUS_ERROR_DATA, "numbers, but neither the 16 of a matrix nor lines of x y z and a name");
     }
-    return pose_list_add(&stream->whole, &row, text_from(""), bad ? conus_message() : NULL);
+    return pose_list_add(list, &row, text_from(""), bad ? conus_message() : NULL);
+}
+
+/* Formats by number. Those without a parser are read line by line. */
+static const struct {
+    const char *name;
+    pose_parser parse;
+} formats[] = {
+    [CONUS_POSES_AUTO] = {"auto", NULL},
+    [CONUS_POSES_TABLE] = {"table", NULL},
+    [CONUS_POSES_MATRIX] = {"matrix", parse_matrix},
+    [CONUS_POSES_POINTS] = {"points", NULL},
+    [CONUS_POSES_BRAINSIGHT] = {"brainsight", pose_brainsight_parse},
+    [CONUS_POSES_LOCALITE] = {"localite", pose_localite_parse},
+    [CONUS_POSES_ELECTRODES] = {"electrodes", pose_electrodes_parse},
+    [CONUS_POSES_MARKUPS] = {"markups", pose_markups_parse},
+};
+
+enum { FORMATS = sizeof formats / sizeof formats[0] };
+
+const char *conus_pose_format_name(size_t index)
+{
+    return index < FORMATS ? formats[index].name : NULL;
+}
+
+static bool is_whole(const conus_pose_stream *stream)
+{
+    return formats[stream->format].parse != NULL;
 }
 
 static conus_status read_whole(conus_pose_stream *stream)
 {
     struct bytes bytes = {0};
+    conus_status status = stream->format == CONUS_POSES_ELECTRODES && stream->path
+                              ? pose_coordsystem_find(&stream->whole, stream->path)
+                              : CONUS_OK;
     uint64_t limit = stream->options.max_memory ? stream->options.max_memory : DEFAULT_MEMORY;
-    conus_status status = pose_lines_rest(&bytes, &stream->lines, limit);
-    status = status ? status : parse_matrix(stream, (struct text){(const char *)bytes.data, bytes.size});
+    status = status ? status : pose_lines_rest(&bytes, &stream->lines, limit);
+    const struct text text = {(const char *)bytes.data, bytes.size};
+    status = status ? status : formats[stream->format].parse(&stream->whole, text, &stream->options);
     bytes_finish(&bytes);
     return status;
 }
@@ -152,6 +193,9 @@ static conus_status begin(conus_pose_stream *stream)
     status = status ? status : find_format(stream);
     if (status) {
         return status;
+    }
+    if (stream->options.along_shafts && stream->format != CONUS_POSES_ELECTRODES) {
+        return fail(CONUS_ERROR_DATA, "shafts are of electrodes (BIDS), not of %s", formats[stream->format].name);
     }
     return is_whole(stream)                      ? read_whole(stream)
            : stream->format == CONUS_POSES_TABLE ? read_header(stream)
@@ -195,6 +239,7 @@ static conus_status open_path(conus_pose_stream *stream, const char *path)
     if (!stream->name) {
         return CONUS_ERROR_MEMORY;
     }
+    stream->path = is_stdin(path) ? NULL : path;
     stream->descriptor = is_stdin(path) ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
     stream->owned = !is_stdin(path) && stream->descriptor >= 0;
     return fail_of(stream, stream->descriptor < 0 ? fail_errno("open") : begin_file(stream));
@@ -203,7 +248,7 @@ static conus_status open_path(conus_pose_stream *stream, const char *path)
 static conus_status check_options(const conus_pose_options *options)
 {
     bool fine = (unsigned)options->space <= CONUS_LPS && (unsigned)options->axis <= CONUS_AXIS_MINUS_Z &&
-                (unsigned)options->format <= CONUS_POSES_POINTS;
+                (unsigned)options->format < FORMATS;
     return fine ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "options of poses: space, axis or format is none of its names");
 }
 
@@ -395,12 +440,23 @@ conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream)
     return stream->format;
 }
 
+const char *conus_pose_stream_space(const conus_pose_stream *stream)
+{
+    return stream ? stream->whole.space.name : "";
+}
+
+conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas)
+{
+    return fail_of(stream, pose_space_match(&stream->whole.notes, &stream->whole.space, atlas));
+}
+
 const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index)
 {
     return stream && index < stream->whole.notes.count ? stream->whole.notes.lines[index] : NULL;
 }
 
-conus_status pose_stream_take_notes(struct notes *notes, conus_pose_stream *stream)
+conus_status pose_stream_take_header(conus_pose_list *list, conus_pose_stream *stream)
 {
-    return notes_move(notes, &stream->whole.notes);
+    list->space = stream->whole.space;
+    return notes_move(&list->notes, &stream->whole.notes);
 }

@@ -10,8 +10,8 @@
 /** As conus_pose_stream_open(), from a text that outlives the stream. Errors name no file. */
 conus_status pose_stream_parse(conus_pose_stream **out, struct text text, const conus_pose_options *options);
 
-/** Appends the stream's notes to @p notes; it has none afterwards. */
-conus_status pose_stream_take_notes(struct notes *notes, conus_pose_stream *stream);
+/** Lets @p list name the stream's space, and have its notes; the stream has none afterwards. */
+conus_status pose_stream_take_header(conus_pose_list *list, conus_pose_stream *stream);
 
 /** What messages call the file @p path: itself, or "stdin". */
 const char *pose_path_name(const char *path);

@@ -2,7 +2,7 @@
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/output.h"
-#include "cli/settings.h"
+#include "cli/pose_settings.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -11,6 +11,7 @@
 struct query_settings {
     struct atlas_settings atlas;
     struct aim_settings aim;
+    struct pose_file_settings file;
     struct engine_settings engine;
     struct common_settings common;
     const char *context;
@@ -82,6 +83,7 @@ static const struct option output_options[] = {
 
 static const struct option_group groups[] = {
     {"Where the cone is", aim_options, offsetof(struct query_settings, aim)},
+    {"", pose_file_options, offsetof(struct query_settings, file)},
     {"", shape_options, offsetof(struct query_settings, engine)},
     {"How it looks", engine_options, offsetof(struct query_settings, engine)},
     {"", slices_options, offsetof(struct query_settings, engine)},
@@ -170,14 +172,15 @@ static bool check(const struct query_settings *settings, const struct arguments 
     }
     return option_needs(arguments, "context", "context-blocks") &&
            option_needs(arguments, "context-blocks", "context") && settings_check_aim(arguments, true) &&
+           settings_check_pose_file(arguments, "pose", NULL) &&
            settings_check_shape(&settings->aim, &settings->engine, arguments) && check_outputs(settings, arguments);
 }
 
 static int load_poses(struct query *query)
 {
     const struct aim_settings *aim = &query->settings->aim;
-    conus_status status =
-        conus_pose_list_load(&query->poses, aim->pose, &(conus_pose_options){.space = (conus_space)aim->space});
+    const conus_pose_options options = settings_pose_options(&query->settings->file, aim->space);
+    conus_status status = conus_pose_list_load(&query->poses, aim->pose, &options);
     if (status) {
         return complain_status(status);
     }
@@ -392,6 +395,12 @@ static int work(struct query *query)
     }
     if (!check_inputs(query) || !check_voxels(query)) {
         return EXIT_USAGE;
+    }
+    code = query->poses ? settings_match_poses(query->poses, settings->aim.pose, query->atlas, &settings->file,
+                                               &settings->common)
+                        : EXIT_DONE;
+    if (code) {
+        return code;
     }
     conus_status status = start(query);
     code = status ? complain_status(status) : answer_all(query);

@@ -2,13 +2,14 @@
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/output.h"
-#include "cli/settings.h"
+#include "cli/pose_settings.h"
 
 #include <string.h>
 
 struct render_settings {
     struct atlas_settings atlas;
     struct aim_settings aim;
+    struct pose_file_settings file;
     struct engine_settings engine;
     struct common_settings common;
     const char *output;
@@ -96,6 +97,7 @@ static const struct option picture_options[] = {
 static const struct option_group groups[] = {
     {"Picture", picture_options, 0},
     {"Cone to draw", aim_options, offsetof(struct render_settings, aim)},
+    {"", pose_file_options, offsetof(struct render_settings, file)},
     {"How it looks", engine_options, offsetof(struct render_settings, engine)},
     {"Atlas", atlas_options, offsetof(struct render_settings, atlas)},
     {"", quiet_options, offsetof(struct render_settings, common)},
@@ -164,20 +166,26 @@ static bool check_output(const struct render_settings *settings)
 static bool check(const struct render_settings *settings, const struct arguments *arguments)
 {
     return check_output(settings) && check_cone(settings, arguments) && check_camera(arguments) &&
-           option_needs(arguments, "transfer", "context");
+           settings_check_pose_file(arguments, "pose", "camera") && option_needs(arguments, "transfer", "context");
 }
 
 /* Reads the file's one pose. */
-static int load_pose(conus_pose_row *out, const char *path, size_t space)
+static int load_pose(conus_pose_row *out, const struct picture *picture, const char *path)
 {
+    const struct render_settings *settings = picture->settings;
     conus_pose_list *list = NULL;
-    conus_status status = conus_pose_list_load(&list, path, &(conus_pose_options){.space = (conus_space)space});
+    const conus_pose_options options = settings_pose_options(&settings->file, settings->aim.space);
+    conus_status status = conus_pose_list_load(&list, path, &options);
     if (status) {
         return complain_status(status);
     }
     size_t count = conus_pose_list_count(list);
     const conus_pose_row *row = conus_pose_list_row(list, 0);
-    int code = EXIT_DONE;
+    int code = settings_match_poses(list, path, picture->atlas, &settings->file, &settings->common);
+    if (code) {
+        conus_pose_list_destroy(list);
+        return code;
+    }
     if (count != 1) {
         code = complain_usage("%s has %zu poses, a picture takes one", path, count);
     } else if (row->error || row->is_point) {
@@ -196,7 +204,7 @@ static int find_camera(struct picture *picture)
     conus_pose_row row = {0};
     int code = EXIT_DONE;
     if (settings->camera) {
-        code = load_pose(&row, settings->camera, settings->aim.space);
+        code = load_pose(&row, picture, settings->camera);
         picture->camera = row.pose;
     } else if (option_given(picture->arguments, "camera-origin")) {
         code = settings_look(&picture->camera, settings->camera_origin, settings->camera_toward,
@@ -217,7 +225,7 @@ static int find_cone(struct picture *picture, conus_pose *pose, double *angle)
         return settings_pose(pose, aim, picture->arguments);
     }
     conus_pose_row row = {0};
-    int code = load_pose(&row, aim->pose, aim->space);
+    int code = load_pose(&row, picture, aim->pose);
     if (code) {
         return code;
     }

@@ -86,7 +86,8 @@ const struct option aim_options[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(aim_settings, pose),
      .value = "FILE",
-     .help = "poses from a file instead: a table with a header, or a 4x4 matrix (docs/formats.md)"},
+     .help = "poses from a file instead, - for stdin: a table with a header, a 4x4 matrix, or what Brainsight, "
+             "Localite, 3D Slicer or BIDS write (docs/formats.md)"},
     {.name = "angle",
      .type = OPTION_NUMBER,
      .offset = FIELD(aim_settings, angle),

@@ -214,23 +214,32 @@ typedef enum conus_axis {
 
 /** What a file of poses is written in; docs/formats.md describes each. */
 typedef enum conus_pose_format {
-    CONUS_POSES_AUTO = 0, /**< The content decides.                                                               */
-    CONUS_POSES_TABLE,    /**< A table (TSV or CSV) whose header names the columns.                               */
-    CONUS_POSES_MATRIX,   /**< Sixteen numbers, a row-major world_from_device.                                    */
-    CONUS_POSES_POINTS    /**< Lines of x y z and perhaps a name: points.                                         */
+    CONUS_POSES_AUTO = 0,   /**< The content decides.                                                               */
+    CONUS_POSES_TABLE,      /**< A table (TSV or CSV) whose header names the columns.                               */
+    CONUS_POSES_MATRIX,     /**< Sixteen numbers, a row-major world_from_device.                                    */
+    CONUS_POSES_POINTS,     /**< Lines of x y z and perhaps a name: points.                                         */
+    CONUS_POSES_BRAINSIGHT, /**< Brainsight's export: targets, samples, electrodes.                                */
+    CONUS_POSES_LOCALITE,   /**< Localite's InstrumentMarker*.xml and TriggerMarkers*.xml.                           */
+    CONUS_POSES_ELECTRODES, /**< BIDS *_electrodes.tsv, with the *_coordsystem.json beside it: points.             */
+    CONUS_POSES_MARKUPS /**< 3D Slicer's .mrk.json: lines, and points.                                             */
 } conus_pose_format;
+
+/** "auto", "table", ...: the name of format @p index, NULL past the last. */
+CONUS_API const char *conus_pose_format_name(size_t index);
 
 typedef struct conus_pose_options {
     conus_space space; /**< Of the numbers in the file, where it does not say so itself.                   */
     conus_axis axis;   /**< Where the file gives rotations.                                                */
     conus_pose_format format;
+    bool along_shafts;   /**< CONUS_POSES_ELECTRODES: not points, but poses at the contacts that look along
+                              their shafts, each to the contact with the next higher number.                 */
     uint64_t max_memory; /**< Largest file of a format that is read whole, in bytes; 0 = 1 GiB.              */
 } conus_pose_options;
 
 /** One row of a pose file. */
 typedef struct conus_pose_row {
     const char *id; /**< Column query_id, or the row's number from 1. Ids may repeat.                             */
-    size_t line;    /**< Line in the file, from 1.                                                                */
+    size_t line;    /**< Line in the file, from 1; of CONUS_POSES_MARKUPS the markup.    */
     conus_pose pose;
     bool is_point;     /**< Only a position (the pose's, which is not turned), not where it looks.                */
     bool trigger;      /**< Column trigger; false if absent.                                                      */
@@ -258,6 +267,11 @@ CONUS_CHECKED conus_status conus_pose_stream_skip(conus_pose_stream *stream, uin
 CONUS_CHECKED conus_status conus_pose_stream_count(conus_pose_stream *stream, uint64_t *count);
 /** What the poses are written in; never CONUS_POSES_AUTO. */
 CONUS_API conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream);
+/** The space as the file names it, "NIfTI:Scanner", "MNI152NLin2009cAsym"; "" if it names none. Borrowed. */
+CONUS_API const char *conus_pose_stream_space(const conus_pose_stream *stream);
+/** CONUS_ERROR_DATA where the file and the atlas say that they belong to different brains, somebody's scan and a
+ * template, say; a note where one of them does not say. A file that names no space fits any atlas. */
+CONUS_CHECKED conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas);
 /** What a careful user should know about these poses, a line each; NULL past the last. */
 CONUS_API const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index);
 CONUS_API void conus_pose_stream_destroy(conus_pose_stream *stream);
@@ -267,6 +281,8 @@ CONUS_CHECKED conus_status conus_pose_list_load(conus_pose_list **out, const cha
                                                 const conus_pose_options *options);
 CONUS_API size_t conus_pose_list_count(const conus_pose_list *list);
 CONUS_API const conus_pose_row *conus_pose_list_row(const conus_pose_list *list, size_t index);
+/** As conus_pose_stream_match(). */
+CONUS_CHECKED conus_status conus_pose_list_match(conus_pose_list *list, const conus_atlas *atlas);
 /** As conus_pose_stream_note(). */
 CONUS_API const char *conus_pose_list_note(const conus_pose_list *list, size_t index);
 CONUS_API void conus_pose_list_destroy(conus_pose_list *list);

@@ -1,25 +1,50 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A pose that is read without error is rigid. */
+/* A pose that is read without error is rigid, whatever the format, the axis and the space; and passing over rows counts
+ * them as reading does. */
 #include "base/math3.h"
 #include "selection/pose_list.h"
+#include "selection/pose_stream.h"
 
 #include <stdlib.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static void check(bool fine)
+{
+    if (!fine) {
+        abort();
+    }
+}
+
+static size_t read_rows(struct text text, const conus_pose_options *options)
 {
     conus_pose_list *list = NULL;
-    if (pose_list_parse(&list, (struct text){(const char *)data, size},
-                        &(conus_pose_options){.space = size % 2 ? CONUS_LPS : CONUS_RAS})) {
+    if (pose_list_parse(&list, text, options)) {
         return 0;
     }
-    for (size_t i = 0; i < conus_pose_list_count(list); i++) {
+    size_t count = conus_pose_list_count(list);
+    for (size_t i = 0; i < count; i++) {
         const conus_pose_row *row = conus_pose_list_row(list, i);
-        if (!row->error && !(fabs(mat4_determinant3(row->pose.world_from_device) - 1) < 1e-6)) {
-            abort();
-        }
+        check(row->error || fabs(mat4_determinant3(row->pose.world_from_device) - 1) < 1e-6);
+        check(row->error || vec3_is_finite(row->pose.world_from_device + 12));
     }
     conus_pose_list_destroy(list);
+    return count;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    const struct text text = {(const char *)data, size};
+    const conus_pose_options axes = {.space = CONUS_LPS, .axis = (conus_axis)(size % 7)};
+    const conus_pose_options shafts = {.format = CONUS_POSES_ELECTRODES, .along_shafts = true};
+    size_t count = read_rows(text, NULL);
+    (void)read_rows(text, &axes);
+    (void)read_rows(text, &shafts);
+    conus_pose_stream *stream = NULL;
+    uint64_t passed = 0;
+    if (count && pose_stream_parse(&stream, text, NULL) == CONUS_OK) {
+        check(conus_pose_stream_count(stream, &passed) == CONUS_OK && passed == count);
+    }
+    conus_pose_stream_destroy(stream);
     return 0;
 }

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/pose_settings.h"
+
+#include "cli/messages.h"
+
+/* In the order of conus_axis. */
+static const char *const axes[] = {"format", "+x", "-x", "+y", "-y", "+z", "-z", NULL};
+
+const struct option pose_file_options[] = {
+    {.name = "poses-format",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct pose_file_settings, format),
+     .value = "FORMAT",
+     .help = "of the file of poses; auto tells by its content:",
+     .choice_at = conus_pose_format_name},
+    {.name = "axis",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct pose_file_settings, axis),
+     .value = "AXIS",
+     .help = "of the device in that file, along which it looks; each format has its own, -z the tables and matrices:",
+     .choices = axes},
+    {.name = "along-shafts",
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct pose_file_settings, along_shafts),
+     .help = "contacts of electrodes (BIDS) look along their shafts, each to the next"},
+    {.name = "any-space",
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct pose_file_settings, any_space),
+     .help = "take the positions even if the file names another space than the atlas"},
+    {0},
+};
+
+bool settings_check_pose_file(const struct arguments *arguments, const char *file, const char *other)
+{
+    bool given = option_given(arguments, file) || (other && option_given(arguments, other));
+    for (const struct option *option = pose_file_options; !given && option->name; option++) {
+        if (!option_needs(arguments, option->name, file)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+conus_pose_options settings_pose_options(const struct pose_file_settings *settings, size_t space)
+{
+    return (conus_pose_options){.space = (conus_space)space,
+                                .axis = (conus_axis)settings->axis,
+                                .format = (conus_pose_format)settings->format,
+                                .along_shafts = settings->along_shafts};
+}
+
+int settings_match_poses(conus_pose_list *poses, const char *path, const conus_atlas *atlas,
+                         const struct pose_file_settings *settings, const struct common_settings *common)
+{
+    if (!settings->any_space) {
+        conus_status status = conus_pose_list_match(poses, atlas);
+        if (status) {
+            complain("%s: %s; --any-space takes them nevertheless", path, conus_message());
+            return EXIT_DATA;
+        }
+    }
+    const char *note;
+    for (size_t i = 0; !common->quiet && (note = conus_pose_list_note(poses, i)); i++) {
+        complain("note: %s: %s", path, note);
+    }
+    return EXIT_DONE;
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Options of commands that read a file of poses. */
+#ifndef CONUS_CLI_POSE_SETTINGS_H
+#define CONUS_CLI_POSE_SETTINGS_H
+
+#include "cli/settings.h"
+
+struct pose_file_settings {
+    size_t axis;   /* conus_axis */
+    size_t format; /* conus_pose_format */
+    bool along_shafts;
+    bool any_space;
+};
+
+extern const struct option pose_file_options[]; /**< pose_file_settings */
+
+/** Whether none of these options stands without one of the two options (@p other may be NULL) that name a file of
+ * poses; complains if not. */
+bool settings_check_pose_file(const struct arguments *arguments, const char *file, const char *other);
+
+/** What the library is told about the file; @p space is a conus_space. */
+conus_pose_options settings_pose_options(const struct pose_file_settings *settings, size_t space);
+
+/** Whether the poses' space can be the atlas's, and says the notes about them. Gives the exit code, having complained
+ * unless it is 0. */
+int settings_match_poses(conus_pose_list *poses, const char *path, const conus_atlas *atlas,
+                         const struct pose_file_settings *settings, const struct common_settings *common);
+
+#endif

@@ -1,0 +1,172 @@
+#!/usr/bin/env bats
+# Files of poses: what other programs write, and ten files that no program should write.
+load helpers
+SAMPLES=$BATS_TEST_DIRNAME/../fuzz/corpus/poses
+HEADER='query_id\tx\ty\tz\tdx\tdy\tdz\n'
+FIRST='first\t0\t0\t100\t0\t0\t-1\n'
+LAST='last\t100\t0\t0\t-1\t0\t0\n'
+
+# answered FILE CODE [OPTION...]: what the good poses answer, whatever stands between them.
+answered() {
+    local file=$1 code=$2
+    shift 2
+    [ -e sphere.nii.gz ] || sphere --size 16
+    printf %b "$HEADER$FIRST$LAST" >clean.tsv
+    answers query sphere.nii.gz --pose clean.tsv --format tsv
+    local wanted=$output
+    run -"$code" --separate-stderr "$CONUS" query sphere.nii.gz --pose "$file" --format tsv "$@"
+    [ "$output" = "$wanted" ] || { echo "got: $output"; echo "wanted: $wanted"; return 1; }
+}
+
+@test "hostile: NaN and infinity" {
+    printf %b "$HEADER$FIRST"'nan\tnan\t0\t100\t0\t0\t-1\ninf\t0\t0\t100\t0\tinf\t-1\n'"$LAST" >poses.tsv
+    answered poses.tsv 1
+    [ "${#stderr_lines[@]}" -eq 2 ]
+    [[ "${stderr_lines[0]}" == *'poses.tsv:3: column x: "nan" is not a finite number' ]]
+    [[ "${stderr_lines[1]}" == *'poses.tsv:4: column dy: "inf" is not a finite number' ]]
+}
+
+@test "hostile: a line of a million characters" {
+    { printf %b "$HEADER$FIRST"; head -c 1000000 /dev/zero | tr '\0' 1; printf %b '\n'"$LAST"; } >poses.tsv
+    answered poses.tsv 1
+    check_message 'poses.tsv:3: a line of more than 65535 bytes'
+}
+
+@test "hostile: columns that are missing" {
+    sphere --size 16
+    printf 'query_id\tx\ty\tdx\tdy\tdz\na\t0\t0\t0\t0\t-1\n' >poses.tsv
+    fails 3 'poses.tsv: header: x y z are needed' query sphere.nii.gz --pose poses.tsv
+    printf 'x\ty\tz\n0\t0\t100\n' >poses.tsv
+    fails 3 'poses.tsv: header: 0 ways of giving the direction' query sphere.nii.gz --pose poses.tsv
+}
+
+@test "hostile: wrong counts of fields" {
+    printf %b "$HEADER$FIRST"'short\t0\t0\nlong\t0\t0\t100\t0\t0\t-1\t7\n'"$LAST" >poses.tsv
+    answered poses.tsv 1
+    [[ "${stderr_lines[0]}" == *'poses.tsv:3: 3 fields, the header has 7' ]]
+    [[ "${stderr_lines[1]}" == *'poses.tsv:4: 8 fields, the header has 7' ]]
+}
+
+@test "hostile: binary" {
+    sphere --size 16
+    fails 3 'sphere.nii.gz: a zero byte: not a text of poses' query sphere.nii.gz --pose sphere.nii.gz
+    head -c 100000 /dev/zero | tr '\0' '\377' >poses.bin
+    fails 3 'poses.bin: header: a line of more than 65535 bytes' query sphere.nii.gz --pose poses.bin
+    { printf %b "$HEADER$FIRST"; head -c 70000 /dev/zero | tr '\0' '#'; printf %b '\n\0\1\2\n\xff\xfe\n'"$LAST"; } >poses.tsv
+    run -3 --separate-stderr "$CONUS" query sphere.nii.gz --pose poses.tsv # within what is looked at first
+    { printf %b "$HEADER$FIRST"; for _ in {1..9}; do head -c 60000 /dev/zero | tr '\0' '#'; echo; done
+      printf %b '\0\1\2\n\xff\xfe\n'"$LAST"; } >poses.tsv
+    answered poses.tsv 1
+    [[ "${stderr_lines[0]}" == *'poses.tsv:12: a zero byte: not text' ]]
+    [[ "${stderr_lines[1]}" == *'poses.tsv:13: not UTF-8 text' ]]
+}
+
+@test "hostile: CR LF, and CR alone" {
+    printf %b "$HEADER$FIRST$LAST" | sed 's/$/\r/' >poses.tsv
+    answered poses.tsv 0
+    printf %b "$HEADER$FIRST$LAST" | tr '\n' '\r' >poses.tsv
+    answered poses.tsv 0
+}
+
+@test "hostile: a byte order mark, and UTF-16" {
+    printf %b '\xef\xbb\xbf'"$HEADER$FIRST$LAST" >poses.tsv
+    answered poses.tsv 0
+    printf '\xff\xfex\0,\0y\0,\0z\0\n\0' >poses.csv
+    fails 3 'poses.csv: a zero byte: not a text of poses' query sphere.nii.gz --pose poses.csv
+}
+
+@test "hostile: names that repeat" {
+    printf %b "$HEADER$FIRST${FIRST/100/-100}$LAST" | sed 's/-1$/1/;2s/1$/-1/' >poses.tsv
+    sphere --size 16
+    answers query sphere.nii.gz --pose poses.tsv --format tsv
+    [ "$(cut -f1 <<<"$output" | uniq -c | awk '{ print $1, $2 }' | paste -sd,)" = '1 query,4 first,2 last' ]
+}
+
+@test "hostile: matrices that are not rigid, and left-handed ones" {
+    sphere --size 16
+    header=$(printf 'm%s\t' 00 01 02 03 10 11 12 13 20 21 22 23 30 31 32 33)
+    {
+        printf '%squery_id\n' "$header"
+        printf '1\t0\t0\t0\t0\t1\t0\t0\t0\t0\t1\t100\t0\t0\t0\t1\tfirst\n'
+        printf '2\t0\t0\t0\t0\t2\t0\t0\t0\t0\t2\t100\t0\t0\t0\t1\tscaled\n'
+        printf '1\t0.2\t0\t0\t0\t1\t0\t0\t0\t0\t1\t100\t0\t0\t0\t1\tskewed\n'
+        printf '1\t0\t0\t0\t0\t1\t0\t0\t0\t0\t1\t100\t0\t0\t1\t1\tprojective\n'
+        printf -- '-1\t0\t0\t0\t0\t1\t0\t0\t0\t0\t1\t100\t0\t0\t0\t1\tleft\n'
+        printf '0\t0\t1\t100\t0\t1\t0\t0\t-1\t0\t0\t0\t0\t0\t0\t1\tlast\n'
+    } >poses.tsv
+    run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose poses.tsv --format tsv
+    [ "$(cell query 1)/$(cell name 1)/$(cell query 3)/$(cell name 3)" = first/Sphere/last/Sphere ]
+    [ "${#lines[@]}" -eq 5 ]
+    [ "${#stderr_lines[@]}" -eq 4 ]
+    [[ "${stderr_lines[0]}" == *'poses.tsv:3: pose matrix: columns 0 and 0 are not orthonormal'* ]]
+    [[ "${stderr_lines[1]}" == *'poses.tsv:4: pose matrix: columns 0 and 1 are not orthonormal'* ]]
+    [[ "${stderr_lines[2]}" == *'poses.tsv:5: pose matrix: last row 0 0 1 1'* ]]
+    [[ "${stderr_lines[3]}" == *'poses.tsv:6: pose matrix: left-handed'* ]]
+}
+
+@test "poses come from standard input, too" {
+    printf %b "$HEADER$FIRST$LAST" >poses.tsv
+    answered - 0 <poses.tsv
+    answered - 0 < <(cat poses.tsv)
+    answered <(cat poses.tsv) 0
+}
+
+# same_answers A OPTION... -- B OPTION...: both files have the same answers, but for the names of the poses.
+same_answers() {
+    local first=()
+    while [ "$1" != -- ]; do first+=("$1"); shift; done
+    shift
+    run --separate-stderr "$CONUS" query sphere.nii.gz --quiet --format tsv --any-space --pose "${first[@]}"
+    local wanted
+    wanted=$(cut -f2- <<<"$output")
+    [ "$(wc -l <<<"$wanted")" -gt 2 ]
+    run --separate-stderr "$CONUS" query sphere.nii.gz --quiet --format tsv --any-space --pose "$@"
+    [ "$(cut -f2- <<<"$output")" = "$wanted" ] || { echo "got: $output"; echo "wanted: $wanted"; return 1; }
+}
+
+@test "a device is the same in every format that can say it" {
+    sphere --size 16
+    printf 'x,y,z,tx,ty,tz\n80,0,0,0,0,0\n' >table.csv
+    printf '# Coordinate system: NIfTI:Scanner\n# Target Name\tLoc. X\tLoc. Y\tLoc. Z' >brainsight.txt
+    printf '\tm%s' 0n0 0n1 0n2 1n0 1n1 1n2 2n0 2n1 2n2 >>brainsight.txt
+    printf '\nside\t80\t0\t0\t0\t1\t0\t0\t0\t1\t1\t0\t0\n' >>brainsight.txt
+    {
+        printf '<InstrumentMarkerList coordinateSpace="LPS"><InstrumentMarker><Marker description="side" set="true">'
+        printf '<Matrix4D data00="1" data01="0" data02="0" data03="-80" data10="0" data11="0" data12="-1" data13="0"'
+        printf ' data20="0" data21="1" data22="0" data23="0" data30="0" data31="0" data32="0" data33="1"/>'
+        printf '</Marker></InstrumentMarker></InstrumentMarkerList>\n'
+    } >markers.xml
+    printf '{"markups":[{"type":"Line","coordinateSystem":"LPS","name":"side","controlPoints":[%s,%s]}]}' \
+        '{"position":[-80,0,0]}' '{"position":[0,0,0]}' >line.mrk.json
+    printf '0 0 1 80\n1 0 0 0\n0 1 0 0\n0 0 0 1\n' >matrix.txt
+    printf '1 0 0 80\n0 0 -1 0\n0 1 0 0\n0 0 0 1\n' >turned.txt
+    printf 'name\tx\ty\tz\tsize\nR1\t80\t0\t0\t1\nR2\t70\t0\t0\t1\n' >electrodes.tsv
+    same_answers table.csv -- brainsight.txt
+    same_answers table.csv -- markers.xml
+    same_answers table.csv -- line.mrk.json
+    same_answers table.csv -- matrix.txt
+    same_answers table.csv -- turned.txt --axis -x
+    same_answers table.csv -- turned.txt --axis=-x --poses-format matrix
+    printf 'x,y,z,tx,ty,tz\n80,0,0,0,0,0\n70,0,0,0,0,0\n' >table.csv
+    same_answers table.csv -- electrodes.tsv --along-shafts
+}
+
+@test "a file that names another space than the atlas is refused, or taken by --any-space" {
+    need_aal
+    fails 3 'brainsight.txt: positions are in "NIfTI:Scanner", the atlas in another space' \
+        query "$aal" --pose "$SAMPLES/brainsight.txt"
+    run -1 --separate-stderr "$CONUS" query "$aal" --pose "$SAMPLES/brainsight.txt" --any-space --format tsv
+    [[ "$stderr" == *'note: '*'landmarks and other sections were passed over'* ]]
+    [ "$(cell query 1)" = 'target/M1 left' ]
+}
+
+@test "options about the file need one" {
+    sphere --size 16
+    fails 2 '--axis has no effect without --pose' query sphere.nii.gz --origin 0,0,9 --toward 0,0,0 --axis +x
+    fails 2 '--any-space has no effect without --pose' query sphere.nii.gz --origin 0,0,9 --toward 0,0,0 --any-space
+    fails 2 '--axis: ' query sphere.nii.gz --pose a --axis w
+    printf %b "$HEADER$FIRST" >poses.tsv
+    fails 3 'so that no axis (+x) is to be chosen' query sphere.nii.gz --pose poses.tsv --axis +x
+    fails 3 'shafts are of electrodes (BIDS), not of table' query sphere.nii.gz --pose poses.tsv --along-shafts
+    fails 3 'poses.tsv: ' query sphere.nii.gz --pose poses.tsv --poses-format localite
+}
