@@ -10,7 +10,8 @@ struct mask {
     const conus_atlas *atlas;
     const struct volume *volume;
     conus_grid_content content;
-    bool *wanted; /* [object_count + 1] which objects count */
+    const uint32_t *group; /* [object_count + 1] as what each object is reported; NULL = itself */
+    bool *wanted;          /* [object_count + 1] which objects count */
     conus_grid *grid;
 };
 
@@ -69,11 +70,16 @@ static conus_status choose_objects(struct mask *mask, uint32_t object)
                         object ? mask->atlas->objects[object - 1].name : "the atlas");
 }
 
+static uint32_t label_of(const struct mask *mask, uint32_t number)
+{
+    return mask->atlas->objects[(mask->group ? mask->group[number] : number) - 1].label;
+}
+
 static conus_number number_of_labels(const struct mask *mask)
 {
     uint32_t most = 0;
-    for (size_t i = 0; i < mask->atlas->object_count; i++) {
-        most = mask->wanted[i + 1] && mask->atlas->objects[i].label > most ? mask->atlas->objects[i].label : most;
+    for (uint32_t number = 1; number <= mask->atlas->object_count; number++) {
+        most = mask->wanted[number] && label_of(mask, number) > most ? label_of(mask, number) : most;
     }
     return most <= UINT8_MAX ? CONUS_UINT8 : most <= UINT16_MAX ? CONUS_UINT16 : CONUS_UINT32;
 }
@@ -105,7 +111,7 @@ static void fill_row(void *user, const struct volume *volume, const size_t at[3]
             ((float *)mask->grid->data)[voxel] = volume->values[voxel];
         } else if (mask->wanted[number]) {
             bool labels = mask->content == CONUS_MAP_OF_LABELS;
-            put_label(mask->grid, voxel, labels ? mask->atlas->objects[number - 1].label : 1);
+            put_label(mask->grid, voxel, labels ? label_of(mask, number) : 1);
         }
     }
 }
@@ -133,7 +139,7 @@ conus_status conus_selection_grid(conus_grid **out, const conus_selection *selec
 {
     const conus_grid_options defaults = {0};
     options = options ? options : &defaults;
-    struct mask mask = {.atlas = selection->atlas, .content = options->content};
+    struct mask mask = {.atlas = selection->atlas, .content = options->content, .group = selection->group};
     conus_status status = find_volume(&mask.volume, selection->atlas, options);
     status = status ? status : choose_objects(&mask, options->object);
     status = status ? status : start_grid(&mask, &selection->region);

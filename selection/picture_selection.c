@@ -305,6 +305,9 @@ static conus_status add_picture(conus_image *image, const conus_selection *selec
 conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection)
 {
     conus_image *image = NULL;
+    if (selection->region.shape == REGION_BALL) {
+        return fail(CONUS_ERROR_ARGUMENT, "image of a ball: it has no pixels, a cone is needed");
+    }
     conus_status status = image_create(&image, selection->evidence.resolution, selection->evidence.resolution);
     status = status ? status : add_channels(image, selection);
     status = status ? status : picture_add_selection(image, selection);

@@ -27,6 +27,9 @@ static conus_status fill_options(conus_view *out, const conus_view *view)
     if (options.slices > SLICE_LIMIT) {
         return fail(CONUS_ERROR_ARGUMENT, "%u slices; allowed is 1 to %d", options.slices, SLICE_LIMIT);
     }
+    if (options.selection && options.selection->region.shape == REGION_BALL) {
+        return fail(CONUS_ERROR_ARGUMENT, "selection: a ball, a cone or a cylinder is needed");
+    }
     *out = options;
     return CONUS_OK;
 }

@@ -98,13 +98,15 @@ static conus_status append_rows(conus_report *report, const conus_result *result
 conus_status conus_report_add(conus_report *report, const char *query_id, const conus_selection *selection)
 {
     const struct statistics *statistics = &selection->statistics;
-    struct report_query query = {.cone = selection->cone};
+    bool is_ball = selection->region.shape == REGION_BALL;
+    struct report_query query = {.cone = selection->cone, .ball = is_ball ? selection->region.radius : 0};
     for (size_t i = 0; i < statistics->count; i++) {
         query.cone_pixels += statistics->results[i].pixels;
     }
     conus_status status = append_query(report, query_id, &query);
     status = status ? status : append_rows(report, statistics->results, statistics->count);
-    return status || report->without_voxels ? status : report_add_voxels(report, selection);
+    bool no_voxels = report->without_voxels || report->options.no_voxels;
+    return status || no_voxels ? status : report_add_voxels(report, selection);
 }
 
 conus_status conus_report_add_error(conus_report *report, const char *query_id, const char *reason)
@@ -161,4 +163,10 @@ conus_status conus_report_sidecar(conus_report *report, const char **text, size_
 {
     buffer_finish(&report->text);
     return hand_out(report, report_write_sidecar(&report->text, report), text, size);
+}
+
+conus_status conus_report_grid_sidecar(conus_report *report, const conus_grid *grid, const char **text, size_t *size)
+{
+    buffer_finish(&report->text);
+    return hand_out(report, report_write_grid_sidecar(&report->text, report, grid), text, size);
 }

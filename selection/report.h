@@ -16,7 +16,8 @@ struct report_query {
     char *id;    /**< UTF-8 without control characters.                     */
     char *error; /**< Why there is no answer, likewise; NULL if there is one. */
     struct cone cone;
-    uint32_t cone_pixels; /**< Pixels of the aperture. */
+    uint32_t cone_pixels; /**< Pixels of the aperture.                              */
+    double ball;          /**< Radius of a ball around the cone's origin; 0 of a cone. */
 };
 
 struct conus_report {
@@ -67,7 +68,8 @@ const char *report_kind(conus_kind kind);
 /** Turns a world point into the report's space. */
 void report_point(const conus_report *report, double point[3]);
 
-/** Adds the voxels that @p selection, the report's last query, met first, as rows of report->voxels. */
+/** Adds the voxels that @p selection, the report's last query, met first, or with all layers those with their centre in
+ * it, as rows of report->voxels. */
 conus_status report_add_voxels(conus_report *report, const conus_selection *selection);
 
 /* Formats; each appends the whole text to @p out. */
@@ -77,5 +79,6 @@ void report_write_heading(struct buffer *out,
                           const conus_report *report);                  /**< The line of names, where there is one. */
 void report_write_rows(struct buffer *out, const conus_report *report); /**< TSV or NDJSON, without that line. */
 conus_status report_write_sidecar(struct buffer *out, const conus_report *report);
+conus_status report_write_grid_sidecar(struct buffer *out, const conus_report *report, const conus_grid *grid);
 
 #endif

@@ -73,10 +73,15 @@ static struct cell get_score(const conus_report *report, const struct report_row
     return number(row->result.score);
 }
 
+/* A ball has no pixels and no rays. */
+static bool of_ball(const conus_report *report, const struct report_row *row)
+{
+    return report->queries[row->query].ball > 0;
+}
+
 static struct cell get_pixels(const conus_report *report, const struct report_row *row)
 {
-    (void)report;
-    return integer(row->result.pixels);
+    return of_ball(report, row) ? none() : integer(row->result.pixels);
 }
 
 static struct cell get_share(const conus_report *report, const struct report_row *row)
@@ -136,14 +141,19 @@ static struct cell get_contact_z(const conus_report *report, const struct report
 
 /* ---- All layers; n/a in every row of what is only visible ---------------------------------------------------- */
 
+static bool has_census(const conus_report *report, const struct report_row *row)
+{
+    return report->selector.layers || of_ball(report, row);
+}
+
 static struct cell of_layers(const conus_report *report, const struct report_row *row, struct cell cell)
 {
-    return report->selector.layers && row->result.object ? cell : none();
+    return has_census(report, row) && row->result.object ? cell : none();
 }
 
 static struct cell get_pierced(const conus_report *report, const struct report_row *row)
 {
-    return of_layers(report, row, integer(row->result.pierced));
+    return of_ball(report, row) ? none() : of_layers(report, row, integer(row->result.pierced));
 }
 
 static struct cell get_entry(const conus_report *report, const struct report_row *row)
@@ -163,7 +173,7 @@ static struct cell get_path(const conus_report *report, const struct report_row 
 
 static struct cell get_volume(const conus_report *report, const struct report_row *row)
 {
-    return report->selector.layers ? number(row->result.volume) : none();
+    return has_census(report, row) ? number(row->result.volume) : none();
 }
 
 static struct cell get_fraction(const conus_report *report, const struct report_row *row)
@@ -186,7 +196,7 @@ static struct cell get_max_value(const conus_report *report, const struct report
 static struct cell get_voxels(const conus_report *report, const struct report_row *row)
 {
     bool in_grid = row->result.object || isfinite(row->result.volume);
-    return report->selector.layers && in_grid ? integer(row->result.voxels) : none();
+    return has_census(report, row) && in_grid ? integer(row->result.voxels) : none();
 }
 
 static struct cell get_cone_fraction(const conus_report *report, const struct report_row *row)

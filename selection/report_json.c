@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "atlas/grid.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "selection/report.h"
 
 #include <jansson.h>
+#include <stdio.h>
+#include <string.h>
 
 static const size_t NUMBERS = JSON_REAL_PRECISION(9);
 
@@ -90,6 +93,11 @@ static json_t *json_from_query(const struct report_query *query)
     if (query->error) {
         return json_pack("{s: o, s: o}", "query", json_from_text(query->id), "error", json_from_text(query->error));
     }
+    if (query->ball > 0) {
+        const double *m = query->cone.pose.world_from_device;
+        return json_pack("{s: o, s: [f, f, f], s: f}", "query", json_from_text(query->id), "point_ras", m[12], m[13],
+                         m[14], "radius_mm", query->ball);
+    }
     return json_pack("{s: o, s: f, s: i, s: o}", "query", json_from_text(query->id), "angle_deg",
                      degrees_from_radians(query->cone.angle), "cone_pixels", (int)query->cone_pixels,
                      "world_from_device_ras", json_from_matrix(query->cone.pose.world_from_device));
@@ -171,14 +179,20 @@ static json_t *json_from_program(const conus_report *report)
     return whole_or_null(program, !command || put(program, "CommandLine", json_from_text(command)));
 }
 
-/* What both the report and the sidecar say about where the rows come from. Queries are always in RAS. */
+/* What rests on what; queries are always in RAS. */
+static bool add_sources(json_t *root, const conus_report *report)
+{
+    return put(root, "GeneratedBy", json_pack("[o]", json_from_program(report))) &&
+           put(root, "Atlas", json_from_atlas(report->atlas)) && put(root, "Settings", json_from_settings(report)) &&
+           put(root, "Queries", json_from_queries(report));
+}
+
+/* What both the report and the sidecar say about where the rows come from. */
 static bool add_provenance(json_t *root, const conus_report *report)
 {
     bool lps = report->options.space == CONUS_LPS;
-    return put(root, "GeneratedBy", json_pack("[o]", json_from_program(report))) &&
-           put(root, "Space", json_pack("{s: s, s: s}", "orientation", lps ? "LPS" : "RAS", "units", "mm")) &&
-           put(root, "Atlas", json_from_atlas(report->atlas)) && put(root, "Settings", json_from_settings(report)) &&
-           put(root, "Queries", json_from_queries(report));
+    return put(root, "Space", json_pack("{s: s, s: s}", "orientation", lps ? "LPS" : "RAS", "units", "mm")) &&
+           add_sources(root, report);
 }
 
 conus_status report_write_json(struct buffer *out, const conus_report *report)
@@ -204,5 +218,52 @@ conus_status report_write_sidecar(struct buffer *out, const conus_report *report
         whole = put(root, column->name, entry) && whole;
     }
     whole = add_provenance(root, report) && whole;
+    return dump(out, whole_or_null(root, whole), JSON_INDENT(1));
+}
+
+/* Names of the labels in a map of them. */
+static json_t *json_from_labels(const conus_atlas *atlas)
+{
+    json_t *labels = json_object();
+    bool whole = true;
+    for (size_t i = 0; i < atlas->area_count; i++) {
+        char label[16];
+        snprintf(label, sizeof label, "%u", atlas->objects[i].label);
+        whole =
+            (atlas_object_mesh(atlas, (uint32_t)i + 1) || put(labels, label, json_from_text(atlas->objects[i].name))) &&
+            whole;
+    }
+    return whole_or_null(labels, whole);
+}
+
+static json_t *json_from_paths(const conus_atlas *atlas)
+{
+    json_t *paths = json_array();
+    bool whole = true;
+    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
+        whole = json_array_append_new(paths, json_from_text(conus_atlas_volume(atlas, i)->path)) == 0 && whole;
+    }
+    return whole_or_null(paths, whole);
+}
+
+static json_int_t voxels_in(const conus_grid *grid)
+{
+    static const uint8_t zero[8] = {0};
+    json_int_t count = 0;
+    for (size_t i = 0; i < grid->view.count; i++) {
+        count += memcmp((const uint8_t *)grid->data + i * grid->size, zero, grid->size) != 0;
+    }
+    return count;
+}
+
+conus_status report_write_grid_sidecar(struct buffer *out, const conus_report *report, const conus_grid *grid)
+{
+    json_t *root = json_object();
+    bool mask = !grid->labels && grid->view.number != CONUS_FLOAT32;
+    bool whole = put(root, "Description", json_string(grid->view.description)) &&
+                 (!mask || put(root, "Type", json_string("ROI"))) && put(root, "Manual", json_false()) &&
+                 put(root, "Sources", json_from_paths(report->atlas)) &&
+                 put(root, "Voxels", json_integer(voxels_in(grid))) &&
+                 (!grid->labels || put(root, "Labels", json_from_labels(report->atlas))) && add_sources(root, report);
     return dump(out, whole_or_null(root, whole), JSON_INDENT(1));
 }

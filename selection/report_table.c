@@ -73,12 +73,17 @@ static void write_query(struct buffer *out, const conus_report *report, const st
     if (report->query_count > 1) {
         buffer_format(out, "query %s: ", query->id);
     }
+    if (query->ball > 0) {
+        buffer_format(out, "ball of radius %.4g mm around (%.2f, %.2f, %.2f), %s mm\n", query->ball, origin[0],
+                      origin[1], origin[2], report->options.space == CONUS_LPS ? "LPS" : "RAS");
+        return;
+    }
     write_shape(out, &query->cone);
     buffer_format(out, " from (%.2f, %.2f, %.2f) along (%.4f, %.4f, %.4f), %s mm\n", origin[0], origin[1], origin[2],
                   axis[0], axis[1], axis[2], report->options.space == CONUS_LPS ? "LPS" : "RAS");
 }
 
-static void write_label(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+static void write_rank(struct buffer *out, const conus_report *report, const conus_result *result, int width)
 {
     const conus_object *object = conus_atlas_object(report->atlas, result->object);
     char rank[16] = "";
@@ -89,7 +94,13 @@ static void write_label(struct buffer *out, const conus_report *report, const co
     }
     buffer_format(out, "%4s  ", rank);
     write_name(out, name_of(report, result), width);
-    buffer_format(out, "  %10s  %6.2f %%  %6u", label, 100 * result->share, result->pixels);
+    buffer_format(out, "  %10s", label);
+}
+
+static void write_label(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+{
+    write_rank(out, report, result, width);
+    buffer_format(out, "  %6.2f %%  %6u", 100 * result->share, result->pixels);
 }
 
 /* A number in a column of this width behind two spaces, "-" if it is none; then the unit, or nothing. */
@@ -156,6 +167,60 @@ static void write_error(struct buffer *out, const struct report_query *query, bo
     buffer_format(out, "query %s: no answer: %s\n%s", query->id, query->error, more ? "\n" : "");
 }
 
+static void write_ball_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, result->object);
+    double contact[3];
+    memcpy(contact, result->contact, sizeof contact);
+    report_point(report, contact);
+    write_rank(out, report, result, width);
+    write_number(out, 6, 2, 100 * result->share, " %");
+    buffer_format(out, "  %8llu", (unsigned long long)result->voxels);
+    write_number(out, 9, 1, result->volume, "");
+    if (object) {
+        write_number(out, 6, 2, 100 * result->fraction, " %");
+        write_number(out, 9, 4, result->mean_value, "");
+        write_number(out, 8, 2, result->distance, "");
+        write_number(out, 8, 2, contact[0], "");
+        write_number(out, 7, 2, contact[1], "");
+        write_number(out, 7, 2, contact[2], "");
+    }
+    buffer_text(out, "\n");
+}
+
+static void write_ball_heading(struct buffer *out, int width)
+{
+    static const char form[] = "%4s  %-*s  %10s  %8s  %8s  %9s  %8s  %9s  %8s  %26s\n";
+    buffer_format(out, form, "rank", width, "name", "label", "share", "voxels", "volume", "of whole", "mean",
+                  "distance", "nearest point x, y, z");
+    buffer_format(out, form, "", width, "", "", "of ball", "", "mm^3", "area", "value", "mm", "mm");
+}
+
+/* The table of one kind of query. */
+struct look {
+    void (*heading)(struct buffer *out, int width);
+    void (*result)(struct buffer *out, const conus_report *report, const conus_result *result, int width);
+};
+
+static const struct look *look_of(const conus_report *report, const struct report_query *query)
+{
+    static const struct look visible = {write_heading, write_result};
+    static const struct look layers = {write_layers_heading, write_layers_result};
+    static const struct look ball = {write_ball_heading, write_ball_result};
+    return query->ball > 0 ? &ball : report->selector.layers ? &layers : &visible;
+}
+
+static void write_summary(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    if (query->ball > 0) {
+        buffer_text(out, "ranked by share, then distance\n");
+        return;
+    }
+    buffer_format(out, "%u pixels in the cone (%u x %u buffer); ranked by %s; engine %s, %s\n", query->cone_pixels,
+                  query->cone.resolution, query->cone.resolution, report->score, report->engine,
+                  report->selector.sampling == CONUS_SLICES ? "slices" : "exact");
+}
+
 static const char *file_of(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -192,17 +257,14 @@ void report_write_table(struct buffer *out, const conus_report *report)
             row++;
             continue;
         }
+        const struct look *look = look_of(report, &report->queries[i]);
         write_query(out, report, &report->queries[i]);
-        (report->selector.layers ? write_layers_heading : write_heading)(out, width);
+        look->heading(out, width);
         for (; row < report->row_count && report->rows[row].query == i; row++) {
-            const conus_result *result = &report->rows[row].result;
-            (report->selector.layers ? write_layers_result : write_result)(out, report, result, width);
+            look->result(out, report, &report->rows[row].result, width);
         }
-        buffer_format(out, "%u pixels in the cone (%u x %u buffer); ranked by %s; engine %s, %s\n%s",
-                      report->queries[i].cone_pixels, report->queries[i].cone.resolution,
-                      report->queries[i].cone.resolution, report->score, report->engine,
-                      report->selector.sampling == CONUS_SLICES ? "slices" : "exact",
-                      i + 1 < report->query_count ? "\n" : "");
+        write_summary(out, report, &report->queries[i]);
+        buffer_text(out, i + 1 < report->query_count ? "\n" : "");
     }
     write_sources(out, report);
 }

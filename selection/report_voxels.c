@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-/* A voxel that some pixels met first. */
+/* A voxel that is listed. */
 struct met {
     uint32_t object;
     uint64_t voxel;
@@ -32,6 +32,12 @@ static int by_distance(const void *a, const void *b)
     return x->distance != y->distance ? (x->distance > y->distance ? 1 : -1) : by_voxel(a, b);
 }
 
+static bool is_listed(const conus_report *report, uint32_t number)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, number);
+    return object && (object->kind == CONUS_PATHWAY || report->options.all_voxels);
+}
+
 static size_t collect(struct met *met, const conus_report *report, const conus_selection *selection)
 {
     const struct evidence *evidence = &selection->evidence;
@@ -39,9 +45,7 @@ static size_t collect(struct met *met, const conus_report *report, const conus_s
     size_t count = 0;
     for (size_t i = 0; i < pixels; i++) {
         uint32_t number = selection_own_object(selection, i);
-        const conus_object *object = conus_atlas_object(report->atlas, number);
-        if (object && selection->in_cone[i] && atlas_object_volume(report->atlas, number) &&
-            (object->kind == CONUS_PATHWAY || report->options.all_voxels)) {
+        if (selection->in_cone[i] && is_listed(report, number) && atlas_object_volume(report->atlas, number)) {
             met[count++] = (struct met){number, evidence->voxel[i], evidence->distance[i]};
         }
     }
@@ -82,7 +86,7 @@ static void write_voxel(conus_report *report, const struct met *met)
     buffer_format(&report->voxels, "\t%s\t%u\n", report_kind(object->kind), object->label);
 }
 
-conus_status report_add_voxels(conus_report *report, const conus_selection *selection)
+static conus_status add_first_met(conus_report *report, const conus_selection *selection)
 {
     size_t pixels = (size_t)selection->evidence.resolution * selection->evidence.resolution;
     struct met *met = memory_raw(pixels, sizeof *met);
@@ -94,5 +98,68 @@ conus_status report_add_voxels(conus_report *report, const conus_selection *sele
         write_voxel(report, &met[i]);
     }
     memory_free(met);
-    return buffer_status(&report->voxels);
+    return CONUS_OK;
+}
+
+/* ---- All in the cone or ball -------------------------------------------------------------------------------- */
+
+struct listing {
+    const conus_report *report;
+    const double *from; /* distances are from here */
+    struct met *met;    /* NULL: only count them   */
+    size_t count;
+};
+
+static void list_row(void *user, const struct volume *volume, const size_t at[3], size_t count)
+{
+    struct listing *listing = user;
+    size_t first = at[0] + volume->info.dim[0] * (at[1] + volume->info.dim[1] * at[2]);
+    for (size_t i = 0; i < count; i++) {
+        uint32_t object = volume_object(volume, first + i);
+        if (!is_listed(listing->report, object)) {
+            continue;
+        }
+        if (listing->met) {
+            double p[3] = {(double)(at[0] + i), (double)at[1], (double)at[2]};
+            mat4_point(p, volume->info.world_from_voxel, p);
+            vec3_sub(p, p, listing->from);
+            listing->met[listing->count] = (struct met){object, first + i, vec3_length(p)};
+        }
+        listing->count++;
+    }
+}
+
+static void list_voxels(struct listing *listing, const conus_selection *selection)
+{
+    const conus_atlas *atlas = selection->atlas;
+    listing->count = 0;
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        if (atlas->volumes[i].info.role != CONUS_CONTEXT) {
+            census_walk(&selection->region, &atlas->volumes[i], list_row, listing);
+        }
+    }
+}
+
+static conus_status add_all(conus_report *report, const conus_selection *selection)
+{
+    struct listing listing = {.report = report, .from = selection->region.origin};
+    list_voxels(&listing, selection);
+    listing.met = memory_raw(listing.count, sizeof *listing.met);
+    if (!listing.met) {
+        return CONUS_ERROR_MEMORY;
+    }
+    list_voxels(&listing, selection);
+    qsort(listing.met, listing.count, sizeof *listing.met, by_distance);
+    for (size_t i = 0; i < listing.count; i++) {
+        write_voxel(report, &listing.met[i]);
+    }
+    memory_free(listing.met);
+    return CONUS_OK;
+}
+
+conus_status report_add_voxels(conus_report *report, const conus_selection *selection)
+{
+    bool all = selection->has_layers || selection->region.shape == REGION_BALL;
+    conus_status status = all ? add_all(report, selection) : add_first_met(report, selection);
+    return status ? status : buffer_status(&report->voxels);
 }

@@ -113,6 +113,7 @@ void conus_selector_destroy(conus_selector *selector)
         }
         tally_finish(&selector->tally);
         census_finish(&selector->census);
+        near_finish(&selector->near);
         memory_free(selector);
     }
 }
@@ -137,10 +138,12 @@ static conus_status mark_cone(conus_selection *selection)
     return CONUS_OK;
 }
 
-static void set_kinds(struct statistics *statistics, const conus_atlas *atlas)
+void selection_set_kinds(conus_selection *selection)
 {
+    struct statistics *statistics = &selection->statistics;
+
     for (size_t i = 0; i < statistics->count; i++) {
-        const conus_object *object = conus_atlas_object(atlas, statistics->results[i].object);
+        const conus_object *object = conus_atlas_object(selection->atlas, statistics->results[i].object);
         statistics->results[i].kind = object ? object->kind : CONUS_UNASSIGNED;
     }
 }
@@ -206,8 +209,7 @@ static conus_status count_voxels(const conus_selection *selection, conus_selecto
     return status;
 }
 
-/* From here on the evidence has the objects as which its own are reported. */
-static conus_status regroup(conus_selection *selection, const struct level *level)
+conus_status selection_regroup(conus_selection *selection, const struct level *level)
 {
     size_t object_count = selection->atlas->object_count;
     size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
@@ -237,14 +239,14 @@ static conus_status answer(conus_selection *selection, conus_selector *selector)
                                             .cone = &selection->cone,
                                             .evidence = &selection->evidence,
                                             .layers = selection->has_layers ? &selection->layers : NULL,
-                                            .census = &selector->census,
+                                            .census = selection->has_layers ? &selector->census : NULL,
                                             .whole = selector->whole,
                                             .group = level_group(selector->level)};
         status = statistics_gather(&selection->statistics, &gathering, &selector->tally);
     }
-    status = status ? status : regroup(selection, selector->level);
+    status = status ? status : selection_regroup(selection, selector->level);
     if (!status) {
-        set_kinds(&selection->statistics, selector->atlas);
+        selection_set_kinds(selection);
         score_rank(&selection->statistics, selector->score, &selection->cone);
     }
     return status;

@@ -16,6 +16,7 @@ struct conus_selector {
     struct engine *engine;
     struct tally tally; /**< Prepared for the atlas's objects. */
     struct census census;
+    struct near near;
     double *whole;  /**< [object_count + 1] Volumes of what is reported, mm^3; with all layers. */
     bool is_shared; /**< Engine, level and volumes are another selector's. */
 };
@@ -25,7 +26,8 @@ struct conus_selection {
     conus_sampling sampling;
     char engine[96];
     struct cone cone;
-    struct region region;     /**< Where voxels are counted: the cone, or a ball. */
+    struct region region;     /**< Where voxels are counted: the cone, or a ball. Of a ball, the cone is nothing but
+                                   its centre and has no pixels. */
     struct evidence evidence; /**< Objects as they are reported. */
     uint32_t *own;            /**< [n*n] What they were before; NULL where every object is reported as itself, */
     uint32_t *group;          /**< [object_count + 1] and as what each one is; NULL likewise. */
@@ -44,5 +46,11 @@ static inline uint32_t selection_own_object(const conus_selection *selection, si
 /** A selector like @p selector, which must outlive it, with the same engine and scratch of its own: each may answer on
  * another thread, where the engine is rays. */
 conus_status selector_share(conus_selector **out, const conus_selector *selector);
+
+/** From here on the evidence has the objects as which its own are reported. */
+conus_status selection_regroup(conus_selection *selection, const struct level *level);
+
+/** Sets the kind of every result. */
+void selection_set_kinds(conus_selection *selection);
 
 #endif

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { NO_PIXEL = UINT32_MAX };
 
@@ -31,6 +32,7 @@ struct tallied {
     double value, maximum;
     double moment[3];      /* sum of position times weight, that being the number of voxels or their values, */
     double weight_in_grid; /* and the sum of the weights                 */
+    double point[3];       /* the nearest one, of what is near           */
 };
 
 /* Of the whole cone. */
@@ -75,7 +77,8 @@ static struct tallied *touch(struct tally *tally, uint32_t object)
 {
     struct tallied *tallied = &tally->objects[object];
     if (!tallied->touched) {
-        *tallied = (struct tallied){.touched = true, .last_pixel = NO_PIXEL, .entry = INFINITY, .nearest = INFINITY};
+        *tallied = (struct tallied){
+            .touched = true, .last_pixel = NO_PIXEL, .entry = INFINITY, .nearest = INFINITY, .maximum = -INFINITY};
         tally->touched[tally->touched_count++] = object;
     }
     return tallied;
@@ -209,7 +212,7 @@ static void add_count(struct tallied *to, const struct gathering *gathering, uin
     census_centroid(centroid, gathering->census, gathering->atlas, number);
     vec3_add_scaled(to->moment, to->moment, weight, centroid);
     to->weight_in_grid += weight;
-    to->maximum = to->in_grid ? fmax(to->maximum, count->maximum) : count->maximum;
+    to->maximum = fmax(to->maximum, count->maximum);
     to->value += count->value;
     to->voxels += count->voxels;
     to->mm3 += (double)count->voxels * space_voxel_mm3(&volume->info);
@@ -231,12 +234,27 @@ static void add_census(struct tally *tally, const struct gathering *gathering)
     }
 }
 
+static void add_near(struct tally *tally, const struct gathering *gathering)
+{
+    const struct near *near = gathering->near;
+    for (size_t i = 0; i < near->touched_count; i++) {
+        const struct near_object *found = &near->objects[near->touched[i]];
+        struct tallied *to = touch(tally, group_of(gathering, near->touched[i]));
+        to->in_grid = to->in_grid || !atlas_object_mesh(gathering->atlas, near->touched[i]);
+        if (found->distance < to->nearest) {
+            to->nearest = found->distance;
+            memcpy(to->point, found->point, sizeof to->point);
+        }
+    }
+}
+
 /* ---- Results ------------------------------------------------------------------------------------------------ */
 
 /* mm^3 in the cone: of voxels by count, of meshes from the rays, for each of which `total` is the whole cone. */
 static double volume_of(const struct tallied *object, const struct gathering *gathering, double total)
 {
-    return object->mm3 + object->volume / total * cone_cross_section(gathering->cone);
+    double of_meshes = object->volume > 0 ? object->volume / total * cone_cross_section(gathering->cone) : 0;
+    return object->mm3 + of_meshes;
 }
 
 /* Of all areas in the cone. */
@@ -312,7 +330,11 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
         result.distance = object->nearest;
         evidence_position(result.contact, gathering->evidence, cone, object->i, object->j);
     }
-    if (gathering->layers) {
+    if (number && gathering->near) {
+        result.distance = object->nearest;
+        memcpy(result.contact, object->point, sizeof result.contact);
+    }
+    if (gathering->census) {
         describe_layers(&result, object, gathering, totals);
     }
     return result;
@@ -331,6 +353,11 @@ conus_status statistics_gather(struct statistics *out, const struct gathering *g
     struct totals totals = {.weight = add_pixels(tally, gathering)};
     if (gathering->layers) {
         add_spans(tally, gathering);
+    }
+    if (gathering->near) {
+        add_near(tally, gathering);
+    }
+    if (gathering->census) {
         add_census(tally, gathering);
         totals.areas = volume_of_areas(tally, gathering, totals.weight);
     }

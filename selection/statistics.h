@@ -5,6 +5,7 @@
 
 #include "selection/census.h"
 #include "selection/layers.h"
+#include "selection/near.h"
 
 struct statistics {
     conus_result *results; /**< In order of object number, then what hit nothing (object 0); kind,
@@ -33,15 +34,17 @@ struct gathering {
     const struct cone *cone;
     const struct evidence *evidence;
     const struct layers *layers; /**< Sorted; NULL = visible only.                                     */
-    const struct census *census; /**< Of the cone's voxels; with layers.                               */
+    const struct census *census; /**< Of the voxels in the cone or ball; with layers or near.           */
+    const struct near *near;     /**< What is near to a ball's centre; with its census.                        */
     const double *whole;         /**< [object_count + 1] Whole volumes of the objects, with layers, mm^3.  */
     const uint32_t *group;       /**< [object_count + 1] As what each object is reported; NULL = itself. */
 };
 
 /** Gathers pixels, share (Eq. 4), nearest distance, smallest offset and contact (Eq. 11) of each object that an
  * in-cone pixel met first, and with layers pierced pixels, entry, exit and path length, and what lies in the cone,
- * by the census or, of meshes, by rays (Eq. 10): objects with a voxel there have a result even if no ray meets them. @p
- * tally is prepared for the atlas's objects. */
+ * by the census or, of meshes, by rays (Eq. 10): objects with a voxel there have a result even if no ray meets them. Of
+ * a ball, which has no pixels, distance and contact are those of what is near. @p tally is prepared for the atlas's
+ * objects. */
 conus_status statistics_gather(struct statistics *out, const struct gathering *gathering, struct tally *tally);
 
 /** World position of the contact of pixel column @p i, row @p j: the ray's origin + distance x ray. */

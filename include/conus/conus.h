@@ -146,6 +146,10 @@ CONUS_API size_t conus_atlas_object_count(const conus_atlas *atlas);
 /** Object @p number, 1 to count; NULL outside. */
 CONUS_API const conus_object *conus_atlas_object(const conus_atlas *atlas, size_t number);
 
+/** The number of the pathway called @p name, or else of the one area with that name, abbreviation or label.
+ * CONUS_ERROR_ARGUMENT, with the closest one in the message, if there is none, and if there are several. */
+CONUS_CHECKED conus_status conus_atlas_find(uint32_t *out, const conus_atlas *atlas, const char *name);
+
 typedef enum conus_role { CONUS_PARCELLATION = 1, CONUS_SCALAR, CONUS_CONTEXT } conus_role;
 
 typedef struct conus_volume_info {
@@ -324,6 +328,13 @@ CONUS_API const char *conus_selector_engine(const conus_selector *selector);
 /** Aims a cone with full opening @p angle, in (0, pi), from @p pose; or a cylinder, with @p angle 0. */
 CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *selector, const conus_pose *pose,
                                         double angle);
+/** What is at a point and within @p radius mm of it, instead of in a cone: an object with a voxel's cell or a part of
+ * its surface there has a result. Volume, fraction and the like are those of voxels with their centre in the ball;
+ * share is their part of all such voxels of the object's grid, NaN for a mesh, and the score; distance is that of the
+ * nearest point of a cell or surface, 0 within the object, and contact that point. There are no pixels, and no picture
+ * of it. */
+CONUS_CHECKED conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double center[3],
+                                             double radius);
 CONUS_API void conus_selection_destroy(conus_selection *selection);
 
 /** One object met by the cone. */
@@ -453,6 +464,7 @@ typedef struct conus_report_options {
     conus_format format;
     conus_space space;   /**< Of the positions written.                                                          */
     bool all_voxels;     /**< conus_report_voxels(): areas' voxels too, not only pathways'.                      */
+    bool no_voxels;      /**< Do not keep any for it: quicker, and less memory.                                  */
     const char *command; /**< The command line, for the provenance; NULL = none.                                 */
 } conus_report_options;
 
@@ -466,11 +478,14 @@ CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *qu
 CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const char *query_id, const char *reason);
 /** The whole text in the report's format. Borrowed until the next call on the report. */
 CONUS_CHECKED conus_status conus_report_text(conus_report *report, const char **text, size_t *size);
-/** The voxels met first, nearest first, as TSV: query pathway i j k x y z value distance_mm kind index. Borrowed
- * likewise. */
+/** The voxels met first (with all layers, and of a ball, all with their centre in it), nearest first, as TSV: query
+ * pathway i j k x y z value distance_mm kind index. Borrowed likewise. */
 CONUS_CHECKED conus_status conus_report_voxels(conus_report *report, const char **text, size_t *size);
 /** The JSON sidecar: columns, units, space, atlas files with SHA-256, settings, version. Borrowed likewise. */
 CONUS_CHECKED conus_status conus_report_sidecar(conus_report *report, const char **text, size_t *size);
+/** The JSON sidecar of a mask of one of the answers (docs/formats.md). Borrowed likewise. */
+CONUS_CHECKED conus_status conus_report_grid_sidecar(conus_report *report, const conus_grid *grid, const char **text,
+                                                     size_t *size);
 CONUS_API void conus_report_destroy(conus_report *report);
 
 /* ---- Masks ------------------------------------------------------------------------------------------------ */
@@ -478,7 +493,7 @@ CONUS_API void conus_report_destroy(conus_report *report);
 typedef enum conus_grid_content {
     CONUS_MASK_OF_AREAS = 0, /**< 1 in every area's voxels in the region.                                      */
     CONUS_MASK_OF_REGION,    /**< 1 in all voxels in the region, background too.                                */
-    CONUS_MAP_OF_LABELS,     /**< The atlas's own labels of the areas' voxels in the region.                    */
+    CONUS_MAP_OF_LABELS,     /**< The labels of the areas as which these voxels are reported.                   */
     CONUS_MAP_OF_VALUES      /**< A pathway's values in the region, on the pathway's grid.                      */
 } conus_grid_content;
 

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus_select_ball(): what is at a point, and how near is the rest. */
+#include "base/math3.h"
+#include "base/memory.h"
+#include "selection/selection.h"
+
+#include <string.h>
+
+static conus_status check_ball(const double center[3], double radius)
+{
+    if (!vec3_is_finite(center)) {
+        return fail(CONUS_ERROR_ARGUMENT, "point: (%g, %g, %g), finite numbers are needed", center[0], center[1],
+                    center[2]);
+    }
+    if (!(radius > 0 && isfinite(radius))) {
+        return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, allowed is more than 0", radius);
+    }
+    return CONUS_OK;
+}
+
+static void add_count(void *user, const struct volume *volume, const size_t at[3], size_t count)
+{
+    (void)volume;
+    (void)at;
+    *(uint64_t *)user += count;
+}
+
+/* The volume on whose grid the result was counted; NULL for a mesh. */
+static const struct volume *volume_of(const conus_atlas *atlas, const conus_result *result)
+{
+    return result->object && result->kind == CONUS_PATHWAY ? atlas_object_volume(atlas, result->object)
+                                                           : atlas_parcellation(atlas);
+}
+
+/* The share of a ball is that of its voxels, of the grid on which they lie. */
+static void set_shares(conus_selection *selection)
+{
+    const conus_atlas *atlas = selection->atlas;
+    const struct volume *counted = NULL;
+    uint64_t voxels = 0;
+    for (size_t i = 0; i < selection->statistics.count; i++) {
+        conus_result *result = &selection->statistics.results[i];
+        const struct volume *volume = volume_of(atlas, result);
+        if (volume && volume != counted) {
+            voxels = 0;
+            census_walk(&selection->region, volume, add_count, &voxels);
+            counted = volume;
+        }
+        bool in_grid = volume && isfinite(result->volume);
+        result->share = in_grid && voxels ? (double)result->voxels / (double)voxels : NAN;
+    }
+}
+
+static conus_status answer(conus_selection *selection, conus_selector *selector)
+{
+    const struct score *share = NULL;
+    conus_status status = tally_prepare(&selector->tally, selector->atlas->object_count);
+    status = status ? status : census_prepare(&selector->census, selector->atlas);
+    status = status ? status : near_prepare(&selector->near, selector->atlas);
+    if (status) {
+        return status;
+    }
+    census_take(&selector->census, selector->atlas, &selection->region);
+    near_take(&selector->near, selector->atlas, &selection->region);
+    const struct gathering gathering = {.atlas = selector->atlas,
+                                        .cone = &selection->cone,
+                                        .evidence = &selection->evidence,
+                                        .census = &selector->census,
+                                        .near = &selector->near,
+                                        .whole = selector->whole,
+                                        .group = level_group(selector->level)};
+    status = statistics_gather(&selection->statistics, &gathering, &selector->tally);
+    status = status ? status : selection_regroup(selection, selector->level);
+    status = status ? status : score_find(&share, NULL);
+    if (!status) {
+        selection_set_kinds(selection);
+        set_shares(selection);
+        score_rank(&selection->statistics, share, &selection->cone);
+    }
+    return status;
+}
+
+conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double center[3], double radius)
+{
+    conus_status status = check_ball(center, radius);
+    if (status) {
+        return status;
+    }
+    conus_selection *selection = memory_zeroed(1, sizeof *selection);
+    if (!selection) {
+        return CONUS_ERROR_MEMORY;
+    }
+    selection->atlas = selector->atlas;
+    memcpy(selection->engine, selector->engine->name, sizeof selection->engine);
+    mat4_identity(selection->cone.pose.world_from_device);
+    memcpy(selection->cone.pose.world_from_device + 12, center, 3 * sizeof *center);
+    region_ball(&selection->region, center, radius);
+    status = answer(selection, selector);
+    if (status) {
+        conus_selection_destroy(selection);
+        return status;
+    }
+    *out = selection;
+    return CONUS_OK;
+}
