@@ -45,7 +45,7 @@ static conus_status add_worker(conus_batch *batch, conus_selector *selector)
     conus_status status = selector_share(&worker->selector, selector);
     status = status ? status : conus_report_create(&worker->report, worker->selector, &batch->options.report);
     if (!status) {
-        worker->report->without_voxels = true;
+        worker->report->options.no_voxels = true;
     }
     return status;
 }

@@ -105,8 +105,7 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
     }
     conus_status status = append_query(report, query_id, &query);
     status = status ? status : append_rows(report, statistics->results, statistics->count);
-    bool no_voxels = report->without_voxels || report->options.no_voxels;
-    return status || no_voxels ? status : report_add_voxels(report, selection);
+    return status || report->options.no_voxels ? status : report_add_voxels(report, selection);
 }
 
 conus_status conus_report_add_error(conus_report *report, const char *query_id, const char *reason)

@@ -27,7 +27,6 @@ struct conus_report {
     char *level;       /**< NULL = none.                  */
     char engine[96];
     conus_report_options options;
-    bool without_voxels; /**< Nobody will ask for conus_report_voxels(). */
     struct report_query *queries;
     size_t query_count, query_capacity;
     struct report_row *rows;

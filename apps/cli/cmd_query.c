@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "cli/commands.h"
+#include "cli/mask.h"
 #include "cli/messages.h"
 #include "cli/output.h"
 #include "cli/pose_settings.h"
@@ -22,10 +23,21 @@ struct query_settings {
     size_t voxels_of;
     const char *image;
     const char *deep;
+    struct mask_settings mask;
+    double point[3];
 };
 
 static const char *const formats[] = {"table", "tsv", "json", "ndjson", NULL};
 static const char *const voxel_kinds[] = {"pathways", "all", NULL};
+
+static const struct option point_options[] = {
+    {.name = "point",
+     .type = OPTION_VECTOR,
+     .offset = offsetof(struct query_settings, point),
+     .value = "X,Y,Z",
+     .help = "instead of a cone: what is at this point and within --radius MM of it"},
+    {0},
+};
 
 static const struct option context_options[] = {
     {.name = "context",
@@ -85,16 +97,18 @@ static const struct option_group groups[] = {
     {"Where the cone is", aim_options, offsetof(struct query_settings, aim)},
     {"", pose_file_options, offsetof(struct query_settings, file)},
     {"", shape_options, offsetof(struct query_settings, engine)},
+    {"", point_options, 0},
     {"How it looks", engine_options, offsetof(struct query_settings, engine)},
     {"", slices_options, offsetof(struct query_settings, engine)},
     {"What it may find", atlas_options, offsetof(struct query_settings, atlas)},
     {"", context_options, 0},
     {"What is written", output_options, 0},
+    {"", mask_options, offsetof(struct query_settings, mask)},
     {"", quiet_options, offsetof(struct query_settings, common)},
     {0},
 };
 
-enum { OUTPUT_COUNT = 5 };
+enum { OUTPUT_COUNT = 7 };
 
 /** A query under way. */
 struct query {
@@ -111,6 +125,7 @@ struct query {
     conus_selector *selector;
     conus_report *report;
     conus_image *image;
+    struct mask mask;
     conus_selection *selection; /* kept for --deep */
     bool failed;                /* some poses had no answer */
 };
@@ -118,6 +133,7 @@ struct query {
 static void query_finish(struct query *query)
 {
     conus_image_destroy(query->image);
+    mask_finish(&query->mask);
     conus_selection_destroy(query->selection);
     conus_report_destroy(query->report);
     conus_selector_destroy(query->selector);
@@ -161,11 +177,28 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
         complain("--deep needs --layers all");
         return false;
     }
-    return true;
+    return mask_check(&settings->mask, arguments);
+}
+
+/* A ball has a point and a radius, and nothing that is only of cones. */
+static bool check_point(const struct arguments *arguments)
+{
+    static const char *const of_cones[] = {"origin", "toward",   "direction", "up",         "pose",     "angle",
+                                           "layers", "range",    "engine",    "resolution", "aperture", "score",
+                                           "slices", "sampling", "context",   "image",      "deep"};
+    for (size_t i = 0; i < sizeof of_cones / sizeof of_cones[0]; i++) {
+        if (!options_exclude(arguments, "point", of_cones[i])) {
+            return false;
+        }
+    }
+    return option_needs(arguments, "point", "radius");
 }
 
 static bool check(const struct query_settings *settings, const struct arguments *arguments)
 {
+    if (option_given(arguments, "point")) {
+        return check_point(arguments) && check_outputs(settings, arguments);
+    }
     if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
         complain("--slices has no effect without --sampling slices");
         return false;
@@ -185,9 +218,12 @@ static int load_poses(struct query *query)
         return complain_status(status);
     }
     size_t count = conus_pose_list_count(query->poses);
-    if ((query->settings->image || query->settings->deep) && count != 1) {
-        return complain_usage("--%s shows one pose, %s has %zu", query->settings->image ? "image" : "deep", aim->pose,
-                              count);
+    const char *of_one = query->settings->image       ? "image"
+                         : query->settings->deep      ? "deep"
+                         : query->settings->mask.path ? "mask"
+                                                      : NULL;
+    if (of_one && count != 1) {
+        return complain_usage("--%s shows one pose, %s has %zu", of_one, aim->pose, count);
     }
     for (size_t i = 0; i < count && aim->angle != 0; i++) {
         if (conus_pose_list_row(query->poses, i)->angle == 0) {
@@ -198,54 +234,72 @@ static int load_poses(struct query *query)
                            : EXIT_DONE;
 }
 
-/* Answers one pose into the report. The image is of the last one. */
-static conus_status answer(struct query *query, const char *id, const conus_pose *pose, double angle)
+/* Adds the answer to the report and to what else is written. The image is of the last one. */
+static int take(struct query *query, const char *id, conus_selection *selection)
 {
-    conus_selection *selection = NULL;
-    conus_status status = conus_select(&selection, query->selector, pose, angle);
-    if (!status) {
-        status = conus_report_add(query->report, id, selection);
-    }
+    conus_status status = conus_report_add(query->report, id, selection);
     if (!status && query->settings->image) {
         status = conus_image_of_selection(&query->image, selection);
     }
-    if (!status && query->settings->deep) {
+    int code = status ? complain_status(status) : mask_take(&query->mask, query->atlas, selection);
+    if (!code && query->settings->deep) {
         query->selection = selection;
-        return CONUS_OK;
+    } else {
+        conus_selection_destroy(selection);
     }
-    conus_selection_destroy(selection);
-    return status;
+    return code;
 }
 
 static int answer_row(struct query *query, const conus_pose_row *row)
 {
     const struct aim_settings *aim = &query->settings->aim;
-    if (row->error || row->is_point) {
+    const struct engine_settings *engine = &query->settings->engine;
+    conus_selection *selection = NULL;
+    conus_status status = CONUS_OK;
+    bool ball = row->is_point && engine->radius > 0;
+    if (row->error || (row->is_point && !ball)) {
         complain("%s:%zu: %s", aim->pose, row->line, row->error ? row->error : POINT_LOOKS_NOWHERE);
         query->failed = true;
         return EXIT_DONE;
     }
-    conus_status status = answer(query, row->id, &row->pose,
-                                 row->angle != 0 ? row->angle : settings_angle(aim, &query->settings->engine));
+    if (ball) {
+        status = conus_select_ball(&selection, query->selector, row->pose.world_from_device + 12, engine->radius);
+    } else {
+        double angle = row->angle != 0 ? row->angle : settings_angle(aim, engine);
+        status = conus_select(&selection, query->selector, &row->pose, angle);
+    }
     if (status == CONUS_ERROR_ARGUMENT) {
         complain("%s:%zu: %s", aim->pose, row->line, conus_message());
         query->failed = true;
         return EXIT_DONE;
     }
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? complain_status(status) : take(query, row->id, selection);
+}
+
+static int answer_one(struct query *query)
+{
+    const struct query_settings *settings = query->settings;
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    conus_status status;
+    if (option_given(query->arguments, "point")) {
+        double point[3];
+        settings_point(point, settings->point, settings->aim.space);
+        status = conus_select_ball(&selection, query->selector, point, settings->engine.radius);
+        return status ? complain_status(status) : take(query, "1", selection);
+    }
+    int code = settings_pose(&pose, &settings->aim, query->arguments);
+    if (code) {
+        return code;
+    }
+    status = conus_select(&selection, query->selector, &pose, settings_angle(&settings->aim, &settings->engine));
+    return status ? complain_status(status) : take(query, "1", selection);
 }
 
 static int answer_all(struct query *query)
 {
-    const struct aim_settings *aim = &query->settings->aim;
     if (!query->poses) {
-        conus_pose pose;
-        int code = settings_pose(&pose, aim, query->arguments);
-        if (code) {
-            return code;
-        }
-        conus_status status = answer(query, "1", &pose, settings_angle(aim, &query->settings->engine));
-        return status ? complain_status(status) : EXIT_DONE;
+        return answer_one(query);
     }
     int code = EXIT_DONE;
     for (size_t i = 0; !code && i < conus_pose_list_count(query->poses); i++) {
@@ -257,7 +311,11 @@ static int answer_all(struct query *query)
 static conus_status start(struct query *query)
 {
     const struct query_settings *settings = query->settings;
-    const conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
+    conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
+    if (option_given(query->arguments, "point")) {
+        engine.radius = 0; /* of the ball */
+        engine.layers = CONUS_ALL_LAYERS;
+    }
     conus_status status = conus_selector_create(&query->selector, query->atlas, &engine);
     if (status) {
         return status;
@@ -268,6 +326,7 @@ static conus_status start(struct query *query)
     const conus_report_options report = {.format = query->format,
                                          .space = (conus_space)settings->aim.space,
                                          .all_voxels = settings->voxels_of == 1,
+                                         .no_voxels = !settings->voxels,
                                          .command = query->command_line};
     return conus_report_create(&query->report, query->selector, &report);
 }
@@ -320,10 +379,16 @@ static int write_deep(struct query *query)
     return status ? complain_status(status) : EXIT_DONE;
 }
 
+static int write_mask(struct query *query)
+{
+    return mask_write(&query->mask, query->report);
+}
+
 /* The answer comes last: where it is, all that belongs to it is there, too. */
 static int write_all(struct query *query)
 {
-    static int (*const steps[])(struct query *) = {write_sidecar, write_voxels, write_image, write_deep, write_answer};
+    static int (*const steps[])(struct query *) = {write_sidecar, write_voxels, write_image,
+                                                   write_deep,    write_mask,   write_answer};
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
         int code = steps[i](query);
         if (code) {
@@ -434,11 +499,16 @@ static int run_named(struct query *query)
         complain("not enough memory");
         return EXIT_DATA;
     }
+    if (!mask_init(&query->mask, &settings->mask, query->arguments)) {
+        return EXIT_DATA;
+    }
     const struct output outputs[OUTPUT_COUNT] = {{"--output", answer},
                                                  {"the .json beside --output", query->sidecar},
                                                  {"--voxels", settings->voxels},
                                                  {"--image", settings->image},
-                                                 {"--deep", settings->deep}};
+                                                 {"--deep", settings->deep},
+                                                 {"--mask", settings->mask.path},
+                                                 {"the .json beside --mask", query->mask.sidecar}};
     memcpy(query->outputs, outputs, sizeof outputs);
     return check_paths(query) ? work(query) : EXIT_USAGE;
 }

@@ -216,7 +216,7 @@ bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
     return true;
 }
 
-static void to_ras(double out[3], const double in[3], size_t space)
+void settings_point(double out[3], const double in[3], size_t space)
 {
     bool lps = space == CONUS_LPS; /* 0 - x makes no "-0" of 0 */
     out[0] = lps ? 0 - in[0] : in[0];
@@ -229,10 +229,10 @@ int settings_look(conus_pose *out, const double origin[3], const double toward[3
     double from[3];
     double to[3];
     double above[3];
-    to_ras(from, origin, space);
-    to_ras(to, toward, space);
+    settings_point(from, origin, space);
+    settings_point(to, toward, space);
     if (up) {
-        to_ras(above, up, space);
+        settings_point(above, up, space);
     }
     conus_status status = conus_pose_toward(out, from, to, up ? above : NULL);
     return status ? complain_status(status) : EXIT_DONE;
@@ -247,9 +247,9 @@ int settings_pose(conus_pose *out, const struct aim_settings *settings, const st
     double from[3];
     double along[3];
     double above[3];
-    to_ras(from, settings->origin, settings->space);
-    to_ras(along, settings->direction, settings->space);
-    to_ras(above, settings->up, settings->space);
+    settings_point(from, settings->origin, settings->space);
+    settings_point(along, settings->direction, settings->space);
+    settings_point(above, settings->up, settings->space);
     conus_status status = conus_pose_along(out, from, along, given_up ? above : NULL);
     return status ? complain_status(status) : EXIT_DONE;
 }

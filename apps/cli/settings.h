@@ -67,6 +67,9 @@ void settings_say_notes(const conus_atlas *atlas, const struct common_settings *
 /** Whether the options that aim a cone go together; complains if not. @p aim_needed: there must be a cone. */
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
 
+/** A point or direction given in @p space, in the library's. */
+void settings_point(double out[3], const double in[3], size_t space);
+
 /** The pose at @p origin looking toward a point, all in @p space; @p up may be NULL. Gives the exit code likewise. */
 int settings_look(conus_pose *out, const double origin[3], const double toward[3], const double up[3], size_t space);
 

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/mask.h"
+#include "cli/messages.h"
+#include "cli/output.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const contents[] = {[CONUS_MASK_OF_AREAS] = "areas",
+                                       [CONUS_MASK_OF_REGION] = "all",
+                                       [CONUS_MAP_OF_LABELS] = "labels",
+                                       [CONUS_MAP_OF_VALUES] = "values",
+                                       NULL};
+
+const struct option mask_options[] = {
+    {.name = "mask",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct mask_settings, path),
+     .value = "FILE.nii.gz",
+     .help = "write the voxels in the cone as a volume on the atlas's grid, with a .json beside it"},
+    {.name = "mask-of",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct mask_settings, content),
+     .value = "WHAT",
+     .help = "1 in areas' voxels, or in all; areas' labels, or a pathway's values; without it a name that ends in "
+             "_dseg or _probseg means labels or values, else areas:",
+     .choices = contents},
+    {.name = "mask-object",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct mask_settings, object),
+     .value = "NAME",
+     .help = "only this area with those below it in the tree, or this pathway: a name, abbreviation or label"},
+    {0},
+};
+
+/* Length of the path without .nii or .nii.gz; 0 if it has neither. */
+static size_t stem(const char *path)
+{
+    size_t length = strlen(path);
+    return path_ends(path, ".nii.gz") ? length - strlen(".nii.gz")
+           : path_ends(path, ".nii")  ? length - strlen(".nii")
+                                      : 0;
+}
+
+bool mask_check(const struct mask_settings *settings, const struct arguments *arguments)
+{
+    if (!option_needs(arguments, "mask-of", "mask") || !option_needs(arguments, "mask-object", "mask")) {
+        return false;
+    }
+    if (settings->path && stem(settings->path) == 0) {
+        complain("--mask: \"%s\" ends neither in .nii.gz nor in .nii", settings->path);
+        return false;
+    }
+    return true;
+}
+
+static bool stem_ends(const char *path, const char *ending)
+{
+    size_t length = stem(path);
+    size_t wanted = strlen(ending);
+    return length >= wanted && memcmp(path + length - wanted, ending, wanted) == 0;
+}
+
+static conus_grid_content content_of(const struct mask_settings *settings, const struct arguments *arguments)
+{
+    return option_given(arguments, "mask-of")      ? (conus_grid_content)settings->content
+           : stem_ends(settings->path, "_dseg")    ? CONUS_MAP_OF_LABELS
+           : stem_ends(settings->path, "_probseg") ? CONUS_MAP_OF_VALUES
+                                                   : CONUS_MASK_OF_AREAS;
+}
+
+bool mask_init(struct mask *out, const struct mask_settings *settings, const struct arguments *arguments)
+{
+    *out = (struct mask){.settings = settings};
+    if (!settings->path) {
+        return true;
+    }
+    out->content = content_of(settings, arguments);
+    if (asprintf(&out->sidecar, "%.*s.json", (int)stem(settings->path), settings->path) < 0) {
+        out->sidecar = NULL;
+        complain("not enough memory");
+    }
+    return out->sidecar;
+}
+
+void mask_finish(struct mask *mask)
+{
+    conus_grid_destroy(mask->grid);
+    free(mask->sidecar);
+}
+
+int mask_take(struct mask *mask, const conus_atlas *atlas, const conus_selection *selection)
+{
+    conus_grid_options options = {.content = mask->content};
+    conus_status status = CONUS_OK;
+    if (!mask->settings || !mask->settings->path || mask->grid) {
+        return EXIT_DONE;
+    }
+    if (mask->settings->object) {
+        status = conus_atlas_find(&options.object, atlas, mask->settings->object);
+    }
+    status = status ? status : conus_selection_grid(&mask->grid, selection, &options);
+    if (status == CONUS_ERROR_ARGUMENT) {
+        return complain_usage("--mask: %s", conus_message());
+    }
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
+int mask_write(const struct mask *mask, conus_report *report)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    if (!mask->grid) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_report_grid_sidecar(report, mask->grid, &text, &size);
+    int code = status ? complain_status(status) : output_write(mask->sidecar, text, size);
+    if (code) {
+        return code;
+    }
+    status = conus_grid_write(mask->grid, mask->settings->path);
+    return status ? complain_status(status) : EXIT_DONE;
+}
