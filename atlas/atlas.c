@@ -229,6 +229,57 @@ conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info
     return status;
 }
 
+conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double threshold)
+{
+    const conus_object *object = conus_atlas_object(atlas, number);
+    if (!object || object->kind != CONUS_PATHWAY) {
+        return fail(CONUS_ERROR_ARGUMENT, "object %zu is no pathway", number);
+    }
+    if (!isfinite(threshold)) {
+        return fail(CONUS_ERROR_ARGUMENT, "threshold: %g, a number is needed", threshold);
+    }
+    struct volume *volume = &atlas->volumes[atlas->places[number - 1].index];
+    struct volume marked = {.info = volume->info, .values = volume->values, .voxel_count = volume->voxel_count};
+    uint64_t voxels = 0;
+    marked.info.threshold = threshold;
+    conus_status status = mark_voxels(&marked, (uint32_t)number, &voxels);
+    if (!status) {
+        memory_free(volume->objects16);
+        memory_free(volume->objects32);
+        volume->objects16 = marked.objects16;
+        volume->objects32 = marked.objects32;
+        volume->info.threshold = threshold;
+        atlas->objects[number - 1].voxels = voxels;
+        atlas->objects[number - 1].volume_mm3 = (double)voxels * space_voxel_mm3(&volume->info);
+    }
+    return status;
+}
+
+static const struct volume *grey_volume(const conus_atlas *atlas, size_t index)
+{
+    bool is_grey = index < atlas->volume_count && atlas->volumes[index].values;
+    return is_grey ? &atlas->volumes[index] : NULL;
+}
+
+conus_status conus_atlas_histogram(uint64_t *counts, size_t bins, const conus_atlas *atlas, size_t index)
+{
+    const struct volume *volume = grey_volume(atlas, index);
+    if (!volume || bins == 0) {
+        return fail(CONUS_ERROR_ARGUMENT, "volume %zu in %zu bins: a volume of values and 1 bin are needed", index,
+                    bins);
+    }
+    double low = volume->info.minimum;
+    double scale = volume->info.maximum > low ? (double)bins / (volume->info.maximum - low) : 0;
+    memset(counts, 0, bins * sizeof *counts);
+    for (size_t i = 0; i < volume->voxel_count; i++) {
+        double bin = ((double)volume->values[i] - low) * scale;
+        if (bin >= 0) { /* NaN has no place */
+            counts[bin < (double)bins ? (size_t)bin : bins - 1]++;
+        }
+    }
+    return CONUS_OK;
+}
+
 conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info, float *values)
 {
     struct volume volume = {0};

@@ -19,7 +19,7 @@ struct view_block {
     float context_from_camera[16], areas_from_camera[16], world_from_camera[16];
     float context_bricks[4], areas_bricks[4];
     float lens[4], planes[4], light[4];
-    float apex[4], axis[4], cone_colour[4], line[4];
+    float apex[4], axis[4], cone_shape[4], cone_colour[4], line[4];
     int32_t counts[4];
     float markers[COLOUR_MARKER_LIMIT][4], marker_colours[COLOUR_MARKER_LIMIT][4];
 };
@@ -167,8 +167,40 @@ static conus_status join_pathways(struct volume *out, const conus_atlas *atlas, 
     return CONUS_OK;
 }
 
+/* A copy of `volume` without the hidden objects. */
+static conus_status without_hidden(struct volume *out, const struct volume *volume, const bool *hidden)
+{
+    struct volume copy = {0};
+    conus_status status = volume_init(&copy, &volume->info);
+    copy.objects32 = status ? NULL : memory_raw(volume->voxel_count, sizeof *copy.objects32);
+    if (!copy.objects32) {
+        volume_finish(&copy);
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        uint32_t object = volume_object(volume, v);
+        copy.objects32[v] = hidden[object] ? 0 : object;
+    }
+    *out = copy;
+    return CONUS_OK;
+}
+
+static conus_status upload_shown(struct colour_pass *pass, const struct volume *volume, const bool *hidden,
+                                 uint64_t *memory_left)
+{
+    if (!hidden) {
+        return upload_areas(pass, volume, memory_left);
+    }
+    struct volume shown = {0};
+    conus_status status = without_hidden(&shown, volume, hidden);
+    status = status ? status : upload_areas(pass, &shown, memory_left);
+    volume_finish(&shown);
+    return status;
+}
+
 /* Opaque areas would hide pathways, so where there are pathways they are drawn instead. */
-static conus_status upload_objects(struct colour_pass *pass, const conus_atlas *atlas, uint64_t *memory_left)
+static conus_status upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const bool *hidden,
+                                   uint64_t *memory_left)
 {
     const struct volume *pathway = NULL;
     for (size_t i = 0; i < atlas->volume_count && !pathway; i++) {
@@ -176,11 +208,11 @@ static conus_status upload_objects(struct colour_pass *pass, const conus_atlas *
     }
     if (!pathway) {
         const struct volume *parcellation = atlas_parcellation(atlas);
-        return parcellation ? upload_areas(pass, parcellation, memory_left) : CONUS_OK;
+        return parcellation ? upload_shown(pass, parcellation, hidden, memory_left) : CONUS_OK;
     }
     struct volume joint = {0};
     conus_status status = join_pathways(&joint, atlas, pathway);
-    status = status ? status : upload_areas(pass, &joint, memory_left);
+    status = status ? status : upload_shown(pass, &joint, hidden, memory_left);
     volume_finish(&joint);
     return status;
 }
@@ -305,7 +337,7 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
         status = upload_palette(&pass, atlas);
     }
     if (!status) {
-        status = upload_objects(&pass, atlas, &max_memory);
+        status = upload_objects(&pass, atlas, NULL, &max_memory);
     }
     if (!status && context) {
         status = upload_context(&pass, context, transfer, &max_memory);
@@ -324,14 +356,58 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
     return CONUS_OK;
 }
 
-void colour_pass_finish(struct colour_pass *pass)
+/* 0 stands for no texture. */
+static void delete_textures(const struct colour_pass *pass)
 {
     const GLuint textures[] = {pass->transfer,    pass->objects,       pass->areas.field,
                                pass->areas.empty, pass->context.field, pass->context.empty};
+    glDeleteTextures(sizeof textures / sizeof *textures, textures);
+}
+
+conus_status colour_pass_hide(struct colour_pass *pass, const conus_atlas *atlas, const bool *hidden,
+                              uint64_t max_memory)
+{
+    struct colour_pass fresh = {0};
+    conus_status status = upload_objects(&fresh, atlas, hidden, &max_memory);
+    if (!status) {
+        struct colour_pass old = {.areas = pass->areas, .objects = pass->objects};
+        pass->areas = fresh.areas;
+        pass->objects = fresh.objects;
+        fresh.areas = old.areas;
+        fresh.objects = old.objects;
+        if (pass->meshes) {
+            mesh_layer_hide(pass->meshes, hidden);
+        }
+    }
+    delete_textures(&fresh);
+    memory_free(fresh.content);
+    return status;
+}
+
+conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atlas *atlas,
+                                      const struct transfer *transfer, uint64_t max_memory)
+{
+    struct colour_pass fresh = {0};
+    const struct volume *context = atlas_context(atlas);
+    conus_status status = context ? upload_context(&fresh, context, transfer, &max_memory) : CONUS_OK;
+    if (!status && context) {
+        struct colour_pass old = {.context = pass->context, .transfer = pass->transfer};
+        pass->context = fresh.context;
+        pass->transfer = fresh.transfer;
+        fresh.context = old.context;
+        fresh.transfer = old.transfer;
+    }
+    delete_textures(&fresh);
+    memory_free(fresh.content);
+    return status;
+}
+
+void colour_pass_finish(struct colour_pass *pass)
+{
     const GLuint buffers[] = {pass->view, pass->palette};
     if (pass->program) { /* otherwise there may be no GL at all */
         mesh_layer_destroy(pass->meshes);
-        glDeleteTextures(sizeof textures / sizeof *textures, textures);
+        delete_textures(pass);
         glDeleteBuffers(sizeof buffers / sizeof *buffers, buffers);
         glDeleteVertexArrays(1, &pass->vertices);
         glDeleteProgram(pass->program);
@@ -409,6 +485,7 @@ static void set_cone(struct view_block *block, const struct colour_view *view, c
     mat4_direction(axis, camera_from_world, forward);
     set4(block->apex, apex, view->cone_slope);
     set4(block->axis, axis, view->cone_length);
+    set4(block->cone_shape, (double[]){view->cone_radius, view->cone_start, 0}, 1);
     set4(block->cone_colour, (double[]){1.0, 0.42, 0.02}, 0.09);
 }
 
@@ -440,12 +517,12 @@ static void set_view(struct view_block *block, const struct colour_pass *pass, c
     }
     set4(block->lens, (double[]){camera->slope[0], camera->slope[1], view->width}, view->height);
     set4(block->planes, (double[]){slices.start, slices.count ? slices.spacing : 1, slices.count}, !view->no_skipping);
-    set4(block->light, light, 0);
+    set4(block->light, light, 1 - view->fade);
     set4(block->line, (double[]){0.5 * view->line_width, 0.5 * view->line_width, view->shift[0]}, view->shift[1]);
     if (pass->has_areas) {
         set_volume(block->areas_from_camera, block->areas_bricks, &pass->areas, camera);
     }
-    if (pass->has_context) {
+    if (pass->has_context && view->fade < 1) {
         set_volume(block->context_from_camera, block->context_bricks, &pass->context, camera);
     }
     if (view->world_from_cone) {
@@ -479,7 +556,7 @@ void colour_pass_prepare(const struct colour_pass *pass, const struct colour_vie
     for (size_t number = 0; number <= pass->object_count; number++) {
         size_t from = view->group ? view->group[number] : number;
         memcpy(pass->shown + 4 * number, pass->colours + 4 * from, 3 * sizeof *pass->shown);
-        pass->shown[4 * number + 3] = !view->emphasised || view->emphasised[from] ? 1 : 0;
+        pass->shown[4 * number + 3] = view->emphasis ? (float)view->emphasis[number] : (float)EMPHASIS_FULL;
     }
     glNamedBufferSubData(pass->view, 0, sizeof block, &block);
     glNamedBufferSubData(pass->palette, 0, (GLsizeiptr)((pass->object_count + 1) * 4 * sizeof *pass->shown),

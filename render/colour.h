@@ -8,6 +8,7 @@
 
 #include "atlas/atlas.h"
 #include "render/camera.h"
+#include "render/emphasis.h"
 #include "render/mesh_layer.h"
 #include "render/program.h"
 #include "render/slices.h"
@@ -54,17 +55,27 @@ struct colour_view {
     bool no_skipping;
     double shift[2];                /**< Of the rays from the pixels' centres, in pixels, right and up.         */
     const double *world_from_cone;  /**< NULL = no cone; else its apex and frame, looking down -z.      */
-    double cone_slope, cone_length; /**< Tangent of half its angle; mm along the axis.                  */
+    double cone_slope, cone_radius; /**< Tangent of half its angle; mm about the apex, 0 unless a cylinder. */
+    double cone_start, cone_length; /**< Depths along its axis between which it is drawn, mm.           */
+    double fade;                    /**< How much the context is thinned, 0 to 1 (gone).                */
     double line_width;              /**< mm, of axis, rim and outline.                                  */
     const struct colour_marker *markers;
-    size_t marker_count;    /**< Markers from COLOUR_MARKER_LIMIT on are not drawn.             */
-    const bool *emphasised; /**< [object_count + 1] by number: full colour, others pale; NULL = all. */
-    const uint32_t *group;  /**< [object_count + 1] whose colour each object has; NULL = its own. */
+    size_t marker_count;     /**< Markers from COLOUR_MARKER_LIMIT on are not drawn.             */
+    const uint8_t *emphasis; /**< [object_count + 1] of enum emphasis, by number; NULL = all full. */
+    const uint32_t *group;   /**< [object_count + 1] whose colour each object has; NULL = its own. */
 };
 
 conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas, const struct transfer *transfer,
                               uint64_t max_memory);
 void colour_pass_finish(struct colour_pass *pass);
+
+/** Leaves objects out from now on: @p hidden [object_count + 1] by number; NULL shows all. The content stays. */
+conus_status colour_pass_hide(struct colour_pass *pass, const conus_atlas *atlas, const bool *hidden,
+                              uint64_t max_memory);
+
+/** Changes the transfer function of the context, if there is one. */
+conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atlas *atlas,
+                                      const struct transfer *transfer, uint64_t max_memory);
 
 /** The planes of Eq. 7 over the joint depth range of the volumes: @p count of them, 0 = slices_default() of the finest
  * volume. */

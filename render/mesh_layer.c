@@ -14,11 +14,21 @@ struct vertex {
     uint32_t object;
 };
 
+/* An object's triangles in the index buffer. */
+struct part {
+    GLsizei count; /* indices, 0 where it is no mesh */
+    const void *offset;
+};
+
 struct mesh_layer {
     GLuint program;
     GLint eye, camera_from_world, shift;
     GLuint vertices, vertex_buffer, index_buffer;
-    GLsizei index_count;
+    size_t object_count;
+    struct part *parts;   /* [object_count] */
+    GLsizei *counts;      /* [object_count] The parts that are drawn, one after the other: Mesa 22.3 draws nothing */
+    const void **offsets; /* behind an empty one.                                                                   */
+    GLsizei drawn_count;
     struct target target;
 };
 
@@ -100,7 +110,6 @@ static void upload(struct mesh_layer *layer, const struct vertex *vertices, cons
         glVertexArrayAttribFormat(layer->vertices, k, 3, GL_FLOAT, GL_FALSE, offsets[k]);
     }
     glVertexArrayAttribIFormat(layer->vertices, 2, 1, GL_UNSIGNED_INT, offsetof(struct vertex, object));
-    layer->index_count = (GLsizei)sizes->indices;
 }
 
 static conus_status upload_meshes(struct mesh_layer *layer, const conus_atlas *atlas, uint64_t *memory_left)
@@ -115,6 +124,8 @@ static conus_status upload_meshes(struct mesh_layer *layer, const conus_atlas *a
             const struct mesh *mesh = atlas_object_mesh(atlas, number);
             if (mesh) {
                 fill(vertices + next.vertices, indices + next.indices, (uint32_t)next.vertices, mesh, number);
+                layer->parts[number - 1].count = (GLsizei)(3 * mesh->triangle_count);
+                layer->parts[number - 1].offset = (const char *)NULL + next.indices * sizeof *indices;
                 next.vertices += mesh->vertex_count;
                 next.indices += 3 * mesh->triangle_count;
             }
@@ -142,6 +153,15 @@ static conus_status make_program(struct mesh_layer *layer)
     return status;
 }
 
+static conus_status make_parts(struct mesh_layer *layer, size_t object_count)
+{
+    layer->object_count = object_count;
+    layer->counts = memory_zeroed(object_count, sizeof *layer->counts);
+    layer->parts = memory_zeroed(object_count, sizeof *layer->parts);
+    layer->offsets = memory_zeroed(object_count, sizeof(void *));
+    return layer->counts && layer->parts && layer->offsets ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas, uint64_t *memory_left)
 {
     struct mesh_layer *layer = memory_zeroed(1, sizeof *layer);
@@ -149,13 +169,26 @@ conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas
         return CONUS_ERROR_MEMORY;
     }
     conus_status status = make_program(layer);
+    status = status ? status : make_parts(layer, atlas->object_count);
     status = status ? status : upload_meshes(layer, atlas, memory_left);
     if (status) {
         mesh_layer_destroy(layer);
         return status;
     }
+    mesh_layer_hide(layer, NULL);
     *out = layer;
     return CONUS_OK;
+}
+
+void mesh_layer_hide(struct mesh_layer *layer, const bool *hidden)
+{
+    layer->drawn_count = 0;
+    for (size_t i = 0; i < layer->object_count; i++) {
+        if (layer->parts[i].count && !(hidden && hidden[i + 1])) {
+            layer->counts[layer->drawn_count] = layer->parts[i].count;
+            layer->offsets[layer->drawn_count++] = layer->parts[i].offset;
+        }
+    }
 }
 
 void mesh_layer_destroy(struct mesh_layer *layer)
@@ -166,6 +199,9 @@ void mesh_layer_destroy(struct mesh_layer *layer)
         glDeleteBuffers(2, buffers);
         glDeleteVertexArrays(1, &layer->vertices);
         glDeleteProgram(layer->program);
+        memory_free(layer->counts);
+        memory_free(layer->parts);
+        memory_free(layer->offsets);
         memory_free(layer);
     }
 }
@@ -211,7 +247,7 @@ conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_v
     glDepthFunc(GL_GREATER);
     set_view(layer, view);
     glBindVertexArray(layer->vertices);
-    glDrawElements(GL_TRIANGLES, layer->index_count, GL_UNSIGNED_INT, NULL);
+    glMultiDrawElements(GL_TRIANGLES, layer->counts, GL_UNSIGNED_INT, layer->offsets, layer->drawn_count);
     glDepthFunc(GL_LESS);
     glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
     return gl_check("meshes");

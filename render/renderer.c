@@ -7,18 +7,30 @@
 
 #define DEFAULT_MEMORY (UINT64_C(8) << 30)
 
+/* Turns values that are fractions of the context's window into grey values. */
+static conus_status make_absolute(struct transfer *transfer, const struct volume *context)
+{
+    double low;
+    double high;
+    if (!transfer->relative || !context) {
+        return CONUS_OK;
+    }
+    conus_status status = transfer_window(&low, &high, context);
+    for (size_t i = 0; !status && i < transfer->count; i++) {
+        transfer->points[i].value = low + transfer->points[i].value * (high - low);
+    }
+    transfer->relative = status ? transfer->relative : false;
+    return status;
+}
+
 /* With the renderer's context current. */
 static conus_status fill(conus_renderer *renderer, const conus_renderer_options *options)
 {
-    struct transfer transfer = {0};
     const char *own = renderer->atlas->transfer ? renderer->atlas->transfer : "brain";
-    conus_status status = transfer_load(&transfer, options->transfer ? options->transfer : own);
-    if (!status) {
-        uint64_t memory = options->max_memory ? options->max_memory : DEFAULT_MEMORY;
-        status = colour_pass_init(&renderer->colour, renderer->atlas, &transfer, memory);
-    }
-    transfer_finish(&transfer);
-    return status;
+    conus_status status = transfer_load(&renderer->transfer, options->transfer ? options->transfer : own);
+    status = status ? status : make_absolute(&renderer->transfer, atlas_context(renderer->atlas));
+    return status ? status
+                  : colour_pass_init(&renderer->colour, renderer->atlas, &renderer->transfer, renderer->max_memory);
 }
 
 conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atlas,
@@ -31,6 +43,7 @@ conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atla
         return CONUS_ERROR_MEMORY;
     }
     renderer->atlas = atlas;
+    renderer->max_memory = options->max_memory ? options->max_memory : DEFAULT_MEMORY;
     renderer->log = options->log;
     renderer->log_user = options->log_user;
     conus_status status = gl_context_create(&renderer->context, options->log, options->log_user);
@@ -61,7 +74,45 @@ void conus_renderer_destroy(conus_renderer *renderer)
         gl_current_restore(&previous);
     }
     gl_context_destroy(renderer->context);
+    transfer_finish(&renderer->transfer);
     memory_free(renderer);
+}
+
+conus_status conus_renderer_hide(conus_renderer *renderer, const bool *hidden)
+{
+    struct gl_current previous;
+    conus_status status = gl_context_use(renderer->context, &previous);
+    if (!status) {
+        status = colour_pass_hide(&renderer->colour, renderer->atlas, hidden, renderer->max_memory);
+        gl_current_restore(&previous);
+    }
+    return status;
+}
+
+const conus_transfer_point *conus_renderer_transfer(const conus_renderer *renderer, size_t *count)
+{
+    bool used = renderer && atlas_context(renderer->atlas);
+    *count = used ? renderer->transfer.count : 0;
+    return used ? renderer->transfer.points : NULL;
+}
+
+conus_status conus_renderer_set_transfer(conus_renderer *renderer, const conus_transfer_point *points, size_t count)
+{
+    struct transfer transfer = {0};
+    struct gl_current previous;
+    conus_status status = transfer_copy(&transfer, points, count);
+    status = status ? status : gl_context_use(renderer->context, &previous);
+    if (!status) {
+        status = colour_pass_set_transfer(&renderer->colour, renderer->atlas, &transfer, renderer->max_memory);
+        gl_current_restore(&previous);
+    }
+    if (!status) {
+        struct transfer old = renderer->transfer;
+        renderer->transfer = transfer;
+        transfer = old;
+    }
+    transfer_finish(&transfer);
+    return status;
 }
 
 const char *conus_renderer_device(const conus_renderer *renderer)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "render/transfer.h"
 
+#include "atlas/atlas.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/text.h"
@@ -56,13 +57,13 @@ void transfer_finish(struct transfer *transfer)
     *transfer = (struct transfer){0};
 }
 
-static conus_status append(struct transfer *transfer, const struct transfer_point *point)
+static conus_status append(struct transfer *transfer, const conus_transfer_point *point)
 {
     if (transfer->count == TRANSFER_POINT_LIMIT) {
         return fail(CONUS_ERROR_DATA, "more than %d points", TRANSFER_POINT_LIMIT);
     }
     if (transfer->count % 64 == 0) {
-        struct transfer_point *points = memory_resize(transfer->points, transfer->count + 64, sizeof *points);
+        conus_transfer_point *points = memory_resize(transfer->points, transfer->count + 64, sizeof *points);
         if (!points) {
             return CONUS_ERROR_MEMORY;
         }
@@ -72,23 +73,27 @@ static conus_status append(struct transfer *transfer, const struct transfer_poin
     return CONUS_OK;
 }
 
-static conus_status check_point(const struct transfer *transfer, const struct transfer_point *point, size_t line)
+static conus_status check_point(const struct transfer *transfer, const conus_transfer_point *point, const char *what,
+                                size_t number)
 {
     for (int i = 0; i < 4; i++) {
         if (!(point->rgba[i] >= 0 && point->rgba[i] <= 1)) {
-            return fail(CONUS_ERROR_DATA, "line %zu: %c = %g; allowed is 0 to 1", line, "rgba"[i], point -> rgba[i]);
+            return fail(CONUS_ERROR_DATA, "%s %zu: %c = %g; allowed is 0 to 1", what, number, "rgba"[i],
+                        point -> rgba[i]);
         }
     }
     if (!(fabs(point->value) <= (double)FLT_MAX)) {
-        return fail(CONUS_ERROR_DATA, "line %zu: value = %g; allowed is what fits into a float", line, point->value);
+        return fail(CONUS_ERROR_DATA, "%s %zu: value = %g; allowed is what fits into a float", what, number,
+                    point->value);
     }
     size_t count = transfer->count;
     if (count && point->value < transfer->points[count - 1].value) {
-        return fail(CONUS_ERROR_DATA, "line %zu: value %g after %g; values may not fall", line, point->value,
+        return fail(CONUS_ERROR_DATA, "%s %zu: value %g after %g; values may not fall", what, number, point->value,
                     transfer->points[count - 1].value);
     }
     if (count > 1 && !(point->value > transfer->points[count - 2].value)) {
-        return fail(CONUS_ERROR_DATA, "line %zu: value %g for the third time; two make a step", line, point->value);
+        return fail(CONUS_ERROR_DATA, "%s %zu: value %g for the third time; two make a step", what, number,
+                    point->value);
     }
     return CONUS_OK;
 }
@@ -108,8 +113,8 @@ static conus_status parse_point(struct transfer *transfer, struct text line, siz
     if (count < 5) {
         return fail(CONUS_ERROR_DATA, "line %zu: %zu numbers; a point has five: value r g b a", number, count);
     }
-    struct transfer_point point = {fields[0], {fields[1], fields[2], fields[3], fields[4]}};
-    conus_status status = check_point(transfer, &point, number);
+    conus_transfer_point point = {fields[0], {fields[1], fields[2], fields[3], fields[4]}};
+    conus_status status = check_point(transfer, &point, "line", number);
     return status ? status : append(transfer, &point);
 }
 
@@ -160,6 +165,22 @@ static conus_status load_preset(struct transfer *out, const struct transfer_pres
     return CONUS_OK;
 }
 
+conus_status transfer_copy(struct transfer *out, const conus_transfer_point *points, size_t count)
+{
+    struct transfer transfer = {0};
+    conus_status status = count ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "transfer function without points");
+    for (size_t i = 0; i < count && !status; i++) {
+        status = check_point(&transfer, &points[i], "point", i + 1);
+        status = status ? CONUS_ERROR_ARGUMENT : append(&transfer, &points[i]);
+    }
+    if (status) {
+        transfer_finish(&transfer);
+        return status;
+    }
+    *out = transfer;
+    return CONUS_OK;
+}
+
 conus_status transfer_load(struct transfer *out, const char *name)
 {
     for (size_t i = 0; transfer_preset(i); i++) {
@@ -186,8 +207,8 @@ void transfer_at(double rgba[4], const struct transfer *transfer, double value)
     while (above < transfer->count && transfer->points[above].value <= value) {
         above++;
     }
-    const struct transfer_point *high = &transfer->points[above < transfer->count ? above : transfer->count - 1];
-    const struct transfer_point *low = &transfer->points[above ? above - 1 : 0];
+    const conus_transfer_point *high = &transfer->points[above < transfer->count ? above : transfer->count - 1];
+    const conus_transfer_point *low = &transfer->points[above ? above - 1 : 0];
     double part = high->value > low->value ? (value - low->value) / (high->value - low->value) : 0;
     for (int i = 0; i < 4; i++) {
         rgba[i] = low->rgba[i] + part * (high->rgba[i] - low->rgba[i]);
@@ -253,4 +274,12 @@ void transfer_table(float *rgbe, size_t count, const struct transfer *transfer)
         }
         rgbe[4 * i + 3] = (float)-log2(fmax(1 - rgba[3], 0x1p-24));
     }
+}
+
+conus_status conus_atlas_window(double window[2], const conus_atlas *atlas, size_t index)
+{
+    if (index >= atlas->volume_count || !atlas->volumes[index].values) {
+        return fail(CONUS_ERROR_ARGUMENT, "volume %zu: a volume of values is needed", index);
+    }
+    return transfer_window(&window[0], &window[1], &atlas->volumes[index]);
 }

@@ -9,20 +9,16 @@
 
 enum { TRANSFER_POINT_LIMIT = 4096 };
 
-struct transfer_point {
-    double value;   /**< Scaled grey value, or a fraction of the volume's window where the function is relative.   */
-    double rgba[4]; /**< sRGB in 0..1, and the opacity of 1 mm in 0..1.                                            */
-};
-
 struct transfer {
-    struct transfer_point *points; /**< [count], at least 1; values never fall. Two equal values are a step. */
+    conus_transfer_point *points; /**< [count], at least 1; values never fall. Two equal values are a step. Values are
+                                       fractions of the volume's window where the function is relative. */
     size_t count;
     bool relative; /**< Values are fractions of the volume's window: 0 its low, 1 its high end. */
 };
 
 struct transfer_preset {
     const char *name, *description;
-    struct transfer_point points[8];
+    conus_transfer_point points[8];
     size_t count;
 };
 
@@ -34,6 +30,10 @@ conus_status transfer_parse(struct transfer *out, const uint8_t *data, size_t si
 
 /** The preset called @p name, else the file of that path. @p out is the caller's to finish. */
 conus_status transfer_load(struct transfer *out, const char *name);
+
+/** Copies points of grey values; CONUS_ERROR_ARGUMENT unless they are 1 to TRANSFER_POINT_LIMIT, with values that never
+ * fall, and colours and opacities in 0..1. */
+conus_status transfer_copy(struct transfer *out, const conus_transfer_point *points, size_t count);
 
 void transfer_finish(struct transfer *transfer);
 

@@ -14,13 +14,23 @@ struct picture {
     double centre[3], radius; /**< A ball around what shows, world mm. */
     struct colour_view view;
     struct colour_marker markers[COLOUR_MARKER_LIMIT];
-    bool *emphasised; /**< [objects + 1] met by the cone; NULL without one. */
-    float *rgba;      /**< [height * width * 4], bottom row first. */
+    uint8_t *emphasis; /**< [objects + 1] of enum emphasis, by the cone; NULL without one. */
+    float *rgba;       /**< [height * width * 4], bottom row first. */
 };
 
 /** Lays the legend of the areas hit, a scale bar and the directions (R L A P S I) over @p image.
  * CONUS_ERROR_UNSUPPORTED where there is no font, and the image has no text. */
 conus_status picture_annotate(conus_image *image, const struct picture *picture);
+
+/** Whether a legend of what is met first lists @p result. */
+static inline bool picture_lists(const conus_result *result)
+{
+    return !result->object || result->pixels > 0;
+}
+
+/** How each object, by number, stands out in a picture of @p selection: [object count + 1] of enum emphasis, to be
+ * freed. NULL without memory. */
+uint8_t *picture_emphasis(const conus_selection *selection);
 
 /** Adds paths and SHA-256 of the atlas's files to the image's header; those of the context only if @p context. */
 conus_status picture_add_volumes(conus_image *image, const conus_atlas *atlas, bool context);

@@ -39,8 +39,9 @@ static void fill_row(struct legend_row *row, struct cells *cells, const conus_at
 static void describe_cone(char out[TEXT_SIZE], const struct cone *cone)
 {
     const double *apex = cone->pose.world_from_device + 12;
-    snprintf(out, TEXT_SIZE, "%.4g\u00b0 from %.4g, %.4g, %.4g, RAS mm", degrees_from_radians(cone->angle), apex[0],
-             apex[1], apex[2]);
+    bool rod = cone->radius > 0;
+    snprintf(out, TEXT_SIZE, "%s%.4g%s from %.4g, %.4g, %.4g, RAS mm", rod ? "radius " : "",
+             rod ? cone->radius : degrees_from_radians(cone->angle), rod ? " mm" : "\u00b0", apex[0], apex[1], apex[2]);
 }
 
 /* Opacity that was drawn under a legend of about that size in a corner, top left first. */
@@ -78,15 +79,20 @@ static enum legend_corner free_corner(const conus_image *image, const struct pic
 static conus_status draw_legend(conus_image *image, struct font *font, const struct picture *picture)
 {
     const conus_selection *selection = picture->options.selection;
-    size_t count = conus_selection_count(selection);
-    struct legend_row *rows = memory_zeroed(count, sizeof *rows);
-    struct cells *cells = memory_zeroed(count, sizeof *cells);
+    size_t results = conus_selection_count(selection);
+    size_t count = 0;
+    struct legend_row *rows = memory_zeroed(results, sizeof *rows);
+    struct cells *cells = memory_zeroed(results, sizeof *cells);
     conus_status status = rows && cells ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
         char subtitle[TEXT_SIZE];
         describe_cone(subtitle, &selection->cone);
-        for (size_t i = 0; i < count; i++) {
-            fill_row(&rows[i], &cells[i], picture->atlas, conus_selection_result(selection, i));
+        for (size_t i = 0; i < results; i++) {
+            const conus_result *result = conus_selection_result(selection, i);
+            if (picture_lists(result)) {
+                fill_row(&rows[count], &cells[count], picture->atlas, result);
+                count++;
+            }
         }
         const struct legend legend = {.title = "What the cone meets first",
                                       .subtitle = subtitle,

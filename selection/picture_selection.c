@@ -205,16 +205,22 @@ static void describe(struct legend_row *row, struct details *details, const conu
 
 static conus_status draw_legend(conus_image *panel, const conus_selection *selection, struct font *font)
 {
-    size_t count = conus_selection_count(selection);
-    struct legend_row *rows = memory_zeroed(count, sizeof *rows);
-    struct details *details = memory_zeroed(count, sizeof *details);
+    size_t results = conus_selection_count(selection);
+    size_t count = 0;
+    struct legend_row *rows = memory_zeroed(results, sizeof *rows);
+    struct details *details = memory_zeroed(results, sizeof *details);
     conus_status status = rows && details ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < count; i++) {
-        describe(&rows[i], &details[i], selection, i);
+    for (size_t i = 0; !status && i < results; i++) {
+        if (picture_lists(conus_selection_result(selection, i))) {
+            describe(&rows[count], &details[count], selection, i);
+            count++;
+        }
     }
     if (!status) {
         char title[96];
-        snprintf(title, sizeof title, "What the device saw, %.4g\xc2\xb0", degrees_from_radians(selection->cone.angle));
+        bool rod = selection->cone.radius > 0;
+        snprintf(title, sizeof title, "What the device saw, %.4g%s",
+                 rod ? selection->cone.radius : degrees_from_radians(selection->cone.angle), rod ? " mm" : "\xc2\xb0");
         const struct legend legend = {.title = title,
                                       .heading = {"pixels", "share", "distance"},
                                       .rows = rows,

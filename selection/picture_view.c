@@ -24,6 +24,9 @@ static conus_status fill_options(conus_view *out, const conus_view *view)
         return fail(CONUS_ERROR_ARGUMENT, "field of view of %g degrees; allowed is more than 0 and less than 180",
                     degrees_from_radians(options.field_of_view));
     }
+    if (!(options.fade >= 0 && options.fade <= 1)) {
+        return fail(CONUS_ERROR_ARGUMENT, "fade of %g; allowed is 0 to 1", options.fade);
+    }
     if (options.slices > SLICE_LIMIT) {
         return fail(CONUS_ERROR_ARGUMENT, "%u slices; allowed is 1 to %d", options.slices, SLICE_LIMIT);
     }
@@ -67,10 +70,13 @@ static double cone_length(const struct picture *picture, const conus_selection *
     const double *apex = selection->cone.pose.world_from_device + 12;
     double axis[3], offset[3];
     double length = 0;
+    if (cone_has_range(&selection->cone)) {
+        return selection->cone.range[1];
+    }
     cone_axis(axis, &selection->cone);
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
-        if (result->object) {
+        if (result->object && result->pixels) {
             vec3_sub(offset, result->contact, apex);
             length = fmax(length, vec3_dot(offset, axis));
         }
@@ -92,25 +98,53 @@ static void add_marker(struct picture *picture, const double centre[3], double r
     }
 }
 
+static uint32_t group_of(const conus_selection *selection, uint32_t object)
+{
+    return selection->group ? selection->group[object] : object;
+}
+
+uint8_t *picture_emphasis(const conus_selection *selection)
+{
+    size_t count = selection->atlas->object_count + 1;
+    size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
+    uint8_t *emphasis = memory_zeroed(count, sizeof *emphasis);
+    for (size_t i = 0; emphasis && i < selection->layers.count; i++) {
+        const conus_span *span = &selection->layers.spans[i];
+        if (selection->in_cone[span->pixel]) {
+            emphasis[group_of(selection, span->object)] = EMPHASIS_HATCHED;
+        }
+    }
+    for (size_t p = 0; emphasis && p < pixels; p++) {
+        if (selection->in_cone[p]) {
+            emphasis[group_of(selection, selection->evidence.object[p])] = EMPHASIS_FULL;
+        }
+    }
+    for (uint32_t object = 1; emphasis && object < count; object++) {
+        emphasis[object] = emphasis[group_of(selection, object)];
+    }
+    return emphasis;
+}
+
 static conus_status add_cone(struct picture *picture)
 {
     static const uint8_t device[3] = {60, 60, 66};
     const conus_selection *selection = picture->options.selection;
     struct colour_view *view = &picture->view;
-    picture->emphasised = memory_zeroed(picture->atlas->object_count + 1, sizeof *picture->emphasised);
-    if (!picture->emphasised) {
+    picture->emphasis = picture_emphasis(selection);
+    if (!picture->emphasis) {
         return CONUS_ERROR_MEMORY;
     }
-    view->emphasised = picture->emphasised;
+    view->emphasis = picture->emphasis;
     view->group = selection->group;
     view->world_from_cone = selection->cone.pose.world_from_device;
     view->cone_slope = tan(selection->cone.angle / 2);
+    view->cone_radius = selection->cone.radius;
+    view->cone_start = selection->cone.range[0];
     view->cone_length = cone_length(picture, selection);
     add_marker(picture, view->world_from_cone + 12, 0.022 * picture->radius, device);
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
-        if (result->object) {
-            picture->emphasised[result->object] = true;
+        if (result->object && result->pixels) {
             add_marker(picture, result->contact, 0.017 * picture->radius,
                        picture->atlas->objects[result->object - 1].rgb);
         }
@@ -256,10 +290,11 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
     view->height = picture->options.height;
     view->slices = picture->options.slices;
     view->no_skipping = picture->options.no_skipping;
+    view->fade = picture->options.fade;
     view->line_width = 0.012 * picture->radius;
     view->markers = picture->markers;
     picture->rgba = memory_raw((size_t)view->width * view->height, 4 * sizeof *picture->rgba);
-    return picture->rgba ? renderer_draw(picture->rgba, renderer, view, true) : CONUS_ERROR_MEMORY;
+    return picture->rgba ? renderer_draw(picture->rgba, renderer, view, !picture->options.draft) : CONUS_ERROR_MEMORY;
 }
 
 conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view)
@@ -276,7 +311,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     status = status ? status : place_camera(&picture, &renderer->colour);
     status = status ? status : draw(&picture, renderer);
     status = status ? status : make_image(out, &picture, renderer);
-    memory_free(picture.emphasised);
+    memory_free(picture.emphasis);
     memory_free(picture.rgba);
     return status;
 }

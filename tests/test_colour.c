@@ -302,9 +302,9 @@ static void areas_not_met_are_pale(void **state)
     memcpy(atlas->objects[0].rgb, (uint8_t[]){255, 0, 0}, 3);
     conus_renderer *renderer = picture_renderer(atlas, NULL);
     struct camera camera = picture_camera((double[]){0, 1, 0}, 120, radians_from_degrees(25));
-    const bool none[2] = {false, false};
+    const uint8_t none[2] = {false, false};
     float *full = picture_draw(renderer, &camera, NULL, false);
-    float *pale = picture_draw(renderer, &camera, &(struct colour_view){.emphasised = none}, false);
+    float *pale = picture_draw(renderer, &camera, &(struct colour_view){.emphasis = none}, false);
     const float *strong = pixel(full, WIDTH / 2, HEIGHT / 2);
     const float *weak = pixel(pale, WIDTH / 2, HEIGHT / 2);
     assert_true(strong[0] > 4 * strong[1]);

@@ -100,9 +100,9 @@ static void meshes_not_met_are_pale(void **state)
     add_ball(atlas, 0, 0, 0, 20, red);
     conus_renderer *renderer = picture_renderer(atlas, NULL);
     struct camera camera = picture_camera((double[]){0, 1, 0}, 120, FIELD_OF_VIEW);
-    const bool none[2] = {false, false};
+    const uint8_t none[2] = {false, false};
     float *full = picture_draw(renderer, &camera, NULL, false);
-    float *pale = picture_draw(renderer, &camera, &(struct colour_view){.emphasised = none}, false);
+    float *pale = picture_draw(renderer, &camera, &(struct colour_view){.emphasis = none}, false);
     assert_true(middle(full)[0] > 4 * middle(full)[1]);
     assert_true(middle(pale)[0] < 2 * middle(pale)[1]);
     memory_free(full);

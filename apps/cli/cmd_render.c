@@ -98,6 +98,7 @@ static const struct option_group groups[] = {
     {"Picture", picture_options, 0},
     {"Cone to draw", aim_options, offsetof(struct render_settings, aim)},
     {"", pose_file_options, offsetof(struct render_settings, file)},
+    {"", shape_options, offsetof(struct render_settings, engine)},
     {"How it looks", engine_options, offsetof(struct render_settings, engine)},
     {"Atlas", atlas_options, offsetof(struct render_settings, atlas)},
     {"", quiet_options, offsetof(struct render_settings, common)},
@@ -129,8 +130,8 @@ static void picture_finish(struct picture *picture)
 /* Options about the cone mean nothing without one. */
 static bool check_cone(const struct render_settings *settings, const struct arguments *arguments)
 {
-    static const char *const of_cone[] = {"angle",    "space", "resolution", "aperture", "engine",
-                                          "sampling", "score", "level",      NULL};
+    static const char *const of_cone[] = {"angle", "space",    "resolution", "aperture", "engine", "layers",
+                                          "range", "sampling", "score",      "level",    "radius", NULL};
     if (!settings_check_aim(arguments, false) || !settings_check_shape(&settings->aim, &settings->engine, arguments)) {
         return false;
     }

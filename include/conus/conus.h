@@ -108,6 +108,10 @@ typedef struct conus_pathway_options {
 CONUS_CHECKED conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path,
                                                    const conus_pathway_options *options);
 
+/** Changes from which value on pathway @p number is one (Eq. 6). What was made for the atlas before (selectors,
+ * renderers) must be made anew. */
+CONUS_CHECKED conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double threshold);
+
 typedef struct conus_context_options {
     double block_threshold; /**< Voxels with values at or above it stop what looks at the atlas: a skull, say. What is
                                  behind them is not met, and such pixels met nothing. 0 = none do.               */
@@ -177,6 +181,12 @@ CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, 
 /** Paths of the other files that an atlas is made of: a manifest, surfaces, labels of their vertices. */
 CONUS_API size_t conus_atlas_file_count(const conus_atlas *atlas);
 CONUS_API const char *conus_atlas_file(const conus_atlas *atlas, size_t index);
+
+/** How many voxels of scalar or context volume @p index have values in each of @p bins equal parts of its range from
+ * minimum to maximum. */
+CONUS_CHECKED conus_status conus_atlas_histogram(uint64_t *counts, size_t bins, const conus_atlas *atlas, size_t index);
+/** The grey values of scalar or context volume @p index that span its contrast, without a few extremes. */
+CONUS_CHECKED conus_status conus_atlas_window(double window[2], const conus_atlas *atlas, size_t index);
 
 /** Where the names come from, in words: "ITK-SNAP labels in aal.label", "none found". */
 CONUS_API const char *conus_atlas_label_source(const conus_atlas *atlas);
@@ -578,11 +588,25 @@ typedef struct conus_renderer_options {
     void *log_user;
 } conus_renderer_options;
 
+/** A point of a transfer function, which is piecewise linear between them (Eq. 8). */
+typedef struct conus_transfer_point {
+    double value;   /**< Grey value of the context.                                */
+    double rgba[4]; /**< sRGB, and the opacity of 1 mm; 0 to 1.                    */
+} conus_transfer_point;
+
 CONUS_CHECKED conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atlas,
                                                  const conus_renderer_options *options);
 CONUS_API void conus_renderer_destroy(conus_renderer *renderer);
 /** "llvmpipe (LLVM 15.0.6, 256 bits)"; what GL calls its renderer. */
 CONUS_API const char *conus_renderer_device(const conus_renderer *renderer);
+
+/** The transfer function of the context; @p count 0 where there is none. Borrowed until it is changed. */
+CONUS_API const conus_transfer_point *conus_renderer_transfer(const conus_renderer *renderer, size_t *count);
+/** Changes it: 1 to 4096 points, values never falling. */
+CONUS_CHECKED conus_status conus_renderer_set_transfer(conus_renderer *renderer, const conus_transfer_point *points,
+                                                       size_t count);
+/** Leaves objects out of all pictures from now on: @p hidden [object count + 1] by number; NULL shows all. */
+CONUS_CHECKED conus_status conus_renderer_hide(conus_renderer *renderer, const bool *hidden);
 
 typedef struct conus_view {
     uint32_t width, height;   /**< Pixels, 1 to 16384; 0 = 1400 x 1050.                                           */
@@ -592,11 +616,33 @@ typedef struct conus_view {
     const conus_selection *selection; /**< NULL = none; else draws its cone, axis and contacts.                   */
     bool no_skipping; /**< Blend every sample: the same picture, slower (for comparison).                 */
     bool no_legend;   /**< Leave out the text.                                                            */
+    bool draft;       /**< Leave edges rough: quicker.                                                    */
+    double fade;      /**< How much the context is thinned: 0 = as its transfer function says, 1 = gone.  */
 } conus_view;
 
 /** Draws the atlas over a light background: its areas, or its pathways where it has any (areas would hide them).
  * Channels R, G, B, A: float, linear light, premultiplied; A is 1. */
 CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view);
+
+/** A flat cut through an atlas: the context in grey, areas filled and outlined, surfaces as their contours, pathways
+ * over them. Labels are looked up, never interpolated. */
+typedef struct conus_cut_view {
+    double centre[3];       /**< World position of the picture's middle.                                         */
+    double right[3], up[3]; /**< Unit vectors, perpendicular; both 0 = +x and +y: axial, neurological.           */
+    double mm_per_pixel;    /**< 0 = 1.                                                                          */
+    uint32_t width, height; /**< Pixels, 1 to 16384.                                                             */
+    const bool *hidden;     /**< [object count + 1] Objects not to draw; NULL = none.                            */
+    double fill;            /**< Opacity of areas, 0 to 1; 0 leaves their outlines.                              */
+    bool no_outlines;
+    double window[2]; /**< Grey values of black and white; both 0 = conus_atlas_window().                  */
+    const conus_selection *selection; /**< NULL = none; else its cone is drawn, areas that it meets are full, those
+                                           that it only pierces hatched, and others pale.                        */
+} conus_cut_view;
+
+/** Draws on the CPU. @p rgba gets [height width 4] bytes of sRGB, @p objects (NULL = not wanted) [height width] numbers
+ * of what each pixel's centre is in, 0 = nothing; top row first. */
+CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const conus_atlas *atlas,
+                                     const conus_cut_view *view);
 
 /** What the device saw: channels id (uint32: the atlas's own label), object (uint32), X, Y, Z, t (float, world mm),
  * top row first as in every image, with atlas and pose as attributes. Where it saw nothing, id and object are 0, X, Y,

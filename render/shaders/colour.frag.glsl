@@ -11,9 +11,10 @@ layout(std140, binding = 0) uniform View
     vec4 areas_bricks;      // likewise
     vec4 lens;              // xy: tangents of half the field of view; zw: pixels
     vec4 planes;            // x: depth where the range begins; y: spacing; z: count; w: 1 to skip empty bricks
-    vec4 light;             // xyz: towards the light, in world axes
-    vec4 apex;              // xyz: the cone's; w: tangent of half its angle, 0 = no cone
+    vec4 light;             // xyz: towards the light, in world axes; w: how much of the context's extinction is left
+    vec4 apex;              // xyz: the cone's; w: tangent of half its angle
     vec4 axis;              // xyz: along it, unit length; w: its length, mm
+    vec4 cone_shape;        // x: its radius at the apex, mm; y: depth at which it begins; w: 0 = no cone
     vec4 cone_colour;       // of walls and axis; w: a wall's opacity
     vec4 line;              // x: radius of the axis, y: half the width of the rim and the footprint's outline, mm;
                             // zw: shift of the rays from the pixels' centres, pixels
@@ -32,7 +33,7 @@ layout(binding = 6) uniform sampler2D mesh_surface; // normal in world axes, dep
 layout(binding = 7) uniform usampler2D mesh_object;
 layout(std430, binding = 0) readonly buffer Palette
 {
-    vec4 palette[]; // per object: linear R, G, B; 1 where it is emphasised
+    vec4 palette[]; // per object: linear R, G, B; its emphasis: 0 pale, 1 full, 2 hatched
 };
 
 #if SLICES
@@ -42,6 +43,7 @@ layout(location = 0) out vec4 colour; // linear light times opacity, opacity
 
 const float OPAQUE = 0.995;
 const float GHOST = 0.3; // how much the cone, its axis and the markers show through areas before them
+const float HATCH = 8.0; // pixels from stripe to stripe
 const float NEAR = 0.1; // mm before the eye
 const float NEVER = 1e9;
 const float SURFACE = (float(FIELD_SURFACE) - 0.5) / 255.0;
@@ -136,7 +138,7 @@ vec4 context_sample(vec3 place, float mm)
     vec3 gradient = decode_gradient(field.xyz);
     float strength = length(gradient);
     float shade = 1.0 - strength + strength * (0.35 + 0.8 * diffuse(-gradient / max(strength, 1e-6)));
-    float opacity = 1.0 - exp2(-entry.a * mm);
+    float opacity = 1.0 - exp2(-entry.a * light.w * mm);
     return vec4(entry.rgb * shade * opacity, opacity);
 }
 
@@ -174,10 +176,10 @@ float distance_to_cone(vec3 p)
 {
     vec3 q = p - apex.xyz;
     float h = dot(q, axis.xyz);
-    if (apex.w == 0.0 || h <= 0.0) {
+    if (cone_shape.w == 0.0 || h <= cone_shape.y) {
         return NEVER;
     }
-    return (length(q - h * axis.xyz) - h * apex.w) * inversesqrt(1.0 + apex.w * apex.w);
+    return (length(q - h * axis.xyz) - cone_shape.x - h * apex.w) * inversesqrt(1.0 + apex.w * apex.w);
 }
 
 vec3 lit(vec3 albedo, vec3 normal, vec3 view)
@@ -190,7 +192,8 @@ vec3 lit(vec3 albedo, vec3 normal, vec3 view)
 vec3 object_colour(uint object, vec3 normal, vec3 direction, vec3 view, float t)
 {
     vec4 entry = palette[object];
-    vec3 albedo = mix(0.16 * entry.rgb + 0.30, entry.rgb, entry.a);
+    bool stripe = mod(gl_FragCoord.x + gl_FragCoord.y, HATCH) < 0.5 * HATCH;
+    vec3 albedo = mix(0.16 * entry.rgb + 0.30, entry.rgb, entry.a > 1.5 ? float(stripe) : entry.a);
     float wall = distance_to_cone(t * direction);
     albedo = abs(wall) < line.y ? cone_colour.rgb : albedo;
     return lit(albedo, normal, view);
@@ -284,8 +287,8 @@ Surface wall_at(float t, vec3 direction)
     vec3 q = t * direction - apex.xyz;
     float h = dot(q, axis.xyz);
     Surface wall = Surface(NEVER, vec4(0.0));
-    if (t > NEAR && h > 0.0 && h < axis.w) {
-        vec3 normal = normalize(q - (1.0 + apex.w * apex.w) * h * axis.xyz);
+    if (t > NEAR && h > cone_shape.y && h < axis.w) {
+        vec3 normal = normalize(q - ((1.0 + apex.w * apex.w) * h + cone_shape.x * apex.w) * axis.xyz);
         float facing = abs(dot(normal, normalize(direction)));
         float opacity = min(cone_colour.a / max(facing, 0.08), 0.8);
         opacity = axis.w - h < 2.0 * line.y ? max(opacity, 0.5) : opacity;
@@ -297,15 +300,15 @@ Surface wall_at(float t, vec3 direction)
 void find_walls(out Surface near, out Surface far, vec3 direction)
 {
     near = far = Surface(NEVER, vec4(0.0));
-    if (apex.w == 0.0) {
+    if (cone_shape.w == 0.0) {
         return;
     }
     float k = 1.0 + apex.w * apex.w;
     float dh = dot(direction, axis.xyz);
     float h = -dot(apex.xyz, axis.xyz);
     float a = dot(direction, direction) - k * dh * dh;
-    float b = -dot(direction, apex.xyz) - k * dh * h;
-    float c = dot(apex.xyz, apex.xyz) - k * h * h;
+    float b = -dot(direction, apex.xyz) - (k * h + cone_shape.x * apex.w) * dh;
+    float c = dot(apex.xyz, apex.xyz) - (k * h + 2.0 * cone_shape.x * apex.w) * h - cone_shape.x * cone_shape.x;
     float root = b * b - a * c;
     if (root <= 0.0 || abs(a) < 1e-9) {
         return;
@@ -329,7 +332,7 @@ void meet_axis(inout Surface solid, vec3 direction, vec3 view)
     float a = dot(d, d);
     float b = dot(d, q);
     float root = b * b - a * (dot(q, q) - line.x * line.x);
-    if (apex.w == 0.0 || root <= 0.0 || a < 1e-9) {
+    if (cone_shape.w == 0.0 || root <= 0.0 || a < 1e-9) {
         return;
     }
     float t = (-b - sqrt(root)) / a;

@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Flat cuts: which object each pixel's centre is in, on which side is what, and how things are laid over each other. */
+#include "atlas/phantom.h"
+#include "base/math3.h"
+#include "picture_scene.h"
+#include "test.h"
+
+#include <string.h>
+
+enum { SIDE = 61 };
+
+struct picture {
+    uint8_t rgba[SIDE * SIDE * 4];
+    uint32_t objects[SIDE * SIDE];
+};
+
+static conus_atlas *open_phantom(const char *kind)
+{
+    struct phantom_drawing drawing;
+    conus_atlas *atlas = NULL;
+    assert_ok(phantom_draw(&drawing, kind, NULL));
+    assert_ok(phantom_drawing_atlas(&atlas, &drawing));
+    phantom_drawing_finish(&drawing);
+    return atlas;
+}
+
+static const conus_cut_view whole = {.width = SIDE, .height = SIDE};
+
+/* 1 mm per pixel, the middle pixel's centre at the origin: pixel (x, y) is at (x - 30, 30 - y). */
+static void pixels_are_where_their_centres_are(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = open_phantom("u-shape");
+    const conus_cut_view view = {.width = SIDE, .height = SIDE, .right = {1, 0, 0}, .up = {0, 0, 1}, .fill = 1};
+    const struct volume *volume = atlas_parcellation(atlas);
+    unsigned met = 0;
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+    for (int y = 0; y < SIDE; y++) {
+        for (int x = 0; x < SIDE; x++) {
+            size_t voxel;
+            bool inside = volume_find_voxel(&voxel, volume, (double[]){x - 30, 0, 30 - y});
+            uint32_t wanted = inside ? volume_object(volume, voxel) : 0;
+            assert_int_equal(picture.objects[y * SIDE + x], wanted);
+            met += wanted > 0;
+        }
+    }
+    assert_true(met > 500);
+    conus_atlas_destroy(atlas);
+}
+
+/* Neurological: the world's +x is right in the default, axial, cut; +y is up. */
+static void the_default_is_axial_and_neurological(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = open_phantom("slabs"); /* across y: 1 at y > 0, 300 at y < 0 */
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &whole));
+    const conus_object *above = conus_atlas_object(atlas, picture.objects[(30 - 9) * SIDE + 30]);
+    const conus_object *below = conus_atlas_object(atlas, picture.objects[(30 + 9) * SIDE + 30]);
+    assert_int_equal(above->label, 1);
+    assert_int_equal(below->label, 300);
+    conus_atlas_destroy(atlas);
+}
+
+static void hidden_objects_are_left_out(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = open_phantom("slabs");
+    const bool hidden[3] = {false, true, false};
+    conus_cut_view view = whole;
+    view.hidden = hidden;
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+    assert_int_equal(picture.objects[(30 - 9) * SIDE + 30], 0);
+    assert_int_equal(picture.objects[(30 + 9) * SIDE + 30], 2);
+    conus_atlas_destroy(atlas);
+}
+
+static const uint8_t *pixel_at(const struct picture *picture, int x, int y)
+{
+    return picture->rgba + 4 * (y * SIDE + x);
+}
+
+/* Fill 1 is the area's colour; fill 0 leaves what is below it inside, and its colour at its outline. */
+static void fill_and_outline(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    static const uint8_t black[3] = {0, 0, 0};
+    conus_atlas *atlas = open_phantom("sphere");
+    const uint8_t *rgb = conus_atlas_object(atlas, 1)->rgb;
+    conus_cut_view view = whole;
+    view.fill = 1;
+    assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
+    assert_memory_equal(pixel_at(&picture, 30, 30), rgb, 3);
+    assert_int_equal(pixel_at(&picture, 30, 30)[3], 255);
+    assert_memory_equal(pixel_at(&picture, 2, 2), black, 3);
+    view.fill = 0;
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+    assert_memory_equal(pixel_at(&picture, 30, 30), black, 3);
+    int edge = 30;
+    while (picture.objects[30 * SIDE + edge + 1]) {
+        edge++;
+    }
+    assert_memory_equal(pixel_at(&picture, edge, 30), rgb, 3);
+    view.no_outlines = true;
+    assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
+    assert_memory_equal(pixel_at(&picture, edge, 30), black, 3);
+    conus_atlas_destroy(atlas);
+}
+
+static double grey_of(const double world[3])
+{
+    return 10 * world[0]; /* trilinear interpolation keeps what is linear */
+}
+
+static void the_context_is_linear_between_black_and_white(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    const conus_volume_info grid = picture_grid((size_t[]){40, 40, 40}, (double[]){2, 2, 2}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_nothing, NULL, grey_of);
+    conus_cut_view view = whole;
+    view.window[0] = -200;
+    view.window[1] = 200;
+    assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
+    for (int x = 0; x < SIDE; x++) {
+        double wanted = fmin(fmax((10.0 * (x - 30) + 200) / 400 * 255, 0), 255);
+        assert_near(pixel_at(&picture, x, 17)[0], wanted, 1);
+        assert_int_equal(pixel_at(&picture, x, 17)[0], pixel_at(&picture, x, 17)[2]);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+static conus_selection *select_in(conus_atlas *atlas, const conus_selector_options *options, double degrees)
+{
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    assert_ok(conus_pose_along(&pose, (double[]){0, 60, 0}, (double[]){0, -1, 0}, NULL));
+    assert_ok(conus_selector_create(&selector, atlas, options));
+    assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(degrees)));
+    conus_selector_destroy(selector);
+    return selection;
+}
+
+/* The wall is drawn where the cone's radius is: 60 tan(15 deg) = 16.08 mm beside the axis at the origin's depth. */
+static void a_cone_is_drawn_to_scale(void **state)
+{
+    (void)state;
+    static struct picture with, without;
+    conus_atlas *atlas = open_phantom("torus");
+    conus_selection *selection = select_in(atlas, NULL, 30);
+    conus_cut_view view = whole;
+    assert_ok(conus_cut(without.rgba, NULL, atlas, &view));
+    view.selection = selection;
+    assert_ok(conus_cut(with.rgba, NULL, atlas, &view));
+    assert_true(pixel_at(&with, 30 + 16, 30)[0] > 200);
+    assert_true(pixel_at(&with, 30 - 16, 30)[0] > 200);
+    assert_memory_equal(pixel_at(&with, 30 + 20, 2), pixel_at(&without, 30 + 20, 2), 4); /* beside it nothing */
+    conus_selection_destroy(selection);
+    conus_atlas_destroy(atlas);
+}
+
+/* What is met first is full, what is only pierced striped, what is not in the cone pale. */
+static void hidden_areas_in_the_cone_are_hatched(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = open_phantom("slabs");
+    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .radius = 3};
+    conus_selection *selection = select_in(atlas, &options, 0);
+    conus_cut_view view = whole;
+    view.fill = 0.5;
+    view.no_outlines = true;
+    view.selection = selection;
+    assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
+    bool front_varies = false;
+    bool back_varies = false;
+    for (int x = 40; x < 50; x++) { /* beside the cylinder */
+        front_varies = front_varies || memcmp(pixel_at(&picture, x, 30 - 9), pixel_at(&picture, 40, 30 - 9), 3) != 0;
+        back_varies = back_varies || memcmp(pixel_at(&picture, x, 30 + 9), pixel_at(&picture, 40, 30 + 9), 3) != 0;
+    }
+    assert_false(front_varies);
+    assert_true(back_varies);
+    conus_selection_destroy(selection);
+    conus_atlas_destroy(atlas);
+}
+
+static void what_cannot_be_drawn_is_refused(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = open_phantom("slabs");
+    const conus_cut_view bad[] = {
+        {.width = 0, .height = 1},
+        {.width = 20000, .height = 1},
+        {.width = 1, .height = 1, .right = {1, 0, 0}},
+        {.width = 1, .height = 1, .right = {1, 0, 0}, .up = {1, 0, 0}},
+        {.width = 1, .height = 1, .centre = {NAN, 0, 0}},
+        {.width = 1, .height = 1, .mm_per_pixel = -1},
+        {.width = 1, .height = 1, .fill = 2},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_fails(conus_cut(picture.rgba, NULL, atlas, &bad[i]), CONUS_ERROR_ARGUMENT);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status cut_once(void *data)
+{
+    static struct picture picture;
+    conus_cut_view view = whole;
+    view.selection = ((void **)data)[1];
+    return conus_cut(picture.rgba, NULL, ((void **)data)[0], &view);
+}
+
+static void every_failing_allocation_is_survived(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = open_phantom("slabs");
+    conus_selection *selection = select_in(atlas, NULL, 10);
+    void *data[] = {atlas, selection};
+    test_every_allocation(cut_once, data);
+    conus_selection_destroy(selection);
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pixels_are_where_their_centres_are),
+        cmocka_unit_test(the_default_is_axial_and_neurological),
+        cmocka_unit_test(hidden_objects_are_left_out),
+        cmocka_unit_test(fill_and_outline),
+        cmocka_unit_test(the_context_is_linear_between_black_and_white),
+        cmocka_unit_test(a_cone_is_drawn_to_scale),
+        cmocka_unit_test(hidden_areas_in_the_cone_are_hatched),
+        cmocka_unit_test(what_cannot_be_drawn_is_refused),
+        cmocka_unit_test(every_failing_allocation_is_survived),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

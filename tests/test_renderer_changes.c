@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What can be changed about a renderer's pictures while it lives: hidden objects, transfer function, fading; and the
+ * cone's other shape, the cylinder. */
+#include "base/math3.h"
+#include "mesh_scene.h"
+#include "picture_scene.h"
+#include "render/image.h"
+#include "test.h"
+#include "test_gl.h"
+
+#include <string.h>
+
+enum { WIDTH = 160, HEIGHT = 120, PIXELS = WIDTH * HEIGHT };
+
+static double two_boxes(const double p[3])
+{
+    bool inside = fabs(p[1]) < 8 && fabs(p[2]) < 8;
+    return inside && p[0] > 4 && p[0] < 20 ? 2 : inside && p[0] < -4 && p[0] > -20 ? 1 : 0;
+}
+
+static conus_atlas *boxes(picture_function context)
+{
+    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, picture_identity);
+    return picture_atlas(&grid, two_boxes, NULL, context);
+}
+
+/* From the front, +x on the left of the picture. */
+static conus_image *render(conus_renderer *renderer, conus_view view)
+{
+    conus_image *image = NULL;
+    conus_pose camera;
+    assert_ok(conus_pose_along(&camera, (double[]){0, 150, 0}, (double[]){0, -1, 0}, NULL));
+    view.camera = &camera;
+    view.width = WIDTH;
+    view.height = HEIGHT;
+    view.field_of_view = 0.35;
+    view.no_legend = true;
+    assert_ok(conus_render(&image, renderer, &view));
+    return image;
+}
+
+static double difference(const conus_image *a, const conus_image *b)
+{
+    conus_image_difference difference;
+    assert_ok(conus_image_compare(&difference, a, b, 0));
+    return difference.max_difference;
+}
+
+/* Whether the half of the picture with the given columns differs. */
+static bool differs(const conus_image *a, const conus_image *b, uint32_t from, uint32_t to)
+{
+    const float *x = conus_image_floats(a, "R");
+    const float *y = conus_image_floats(b, "R");
+    for (uint32_t p = 0; p < PIXELS; p++) {
+        if (p % WIDTH >= from && p % WIDTH < to && fabsf(x[p] - y[p]) > 0.02F) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void hidden_areas_are_gone_until_shown(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = boxes(NULL);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    const bool hidden[3] = {false, false, true};
+    const bool all[3] = {false, true, true};
+    conus_image *before = render(renderer, (conus_view){0});
+    assert_ok(conus_renderer_hide(renderer, hidden));
+    conus_image *without = render(renderer, (conus_view){0});
+    assert_true(differs(before, without, 0, WIDTH / 2));
+    assert_false(differs(before, without, WIDTH / 2, WIDTH));
+    assert_ok(conus_renderer_hide(renderer, all));
+    conus_image *empty = render(renderer, (conus_view){0});
+    assert_true(differs(without, empty, WIDTH / 2, WIDTH));
+    assert_ok(conus_renderer_hide(renderer, NULL));
+    conus_image *again = render(renderer, (conus_view){0});
+    assert_near(difference(before, again), 0, 0);
+    conus_image_destroy(before);
+    conus_image_destroy(without);
+    conus_image_destroy(empty);
+    conus_image_destroy(again);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+static void hidden_meshes_are_gone_until_shown(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh left = mesh_scene_sphere((double[]){-12, 0, 0}, 8, 24, 48);
+    struct mesh right = mesh_scene_sphere((double[]){12, 0, 0}, 8, 24, 48);
+    mesh_scene_add(atlas, &left);
+    mesh_scene_add(atlas, &right);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    const bool hidden[3] = {false, true, false};
+    conus_image *before = render(renderer, (conus_view){0});
+    assert_ok(conus_renderer_hide(renderer, hidden));
+    conus_image *without = render(renderer, (conus_view){0});
+    assert_true(differs(before, without, WIDTH / 2, WIDTH));
+    assert_false(differs(before, without, 0, WIDTH / 2));
+    assert_ok(conus_renderer_hide(renderer, NULL));
+    conus_image *again = render(renderer, (conus_view){0});
+    assert_near(difference(before, again), 0, 0);
+    conus_image_destroy(before);
+    conus_image_destroy(without);
+    conus_image_destroy(again);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+/* Faded away, a context leaves the picture of an atlas whose context shows nothing. */
+static void a_faded_context_thins_out(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = boxes(picture_ball_of_20);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    const conus_transfer_point clear = {0.5, {1, 1, 1, 0}};
+    conus_image *full = render(renderer, (conus_view){0});
+    conus_image *half = render(renderer, (conus_view){.fade = 0.5});
+    conus_image *gone = render(renderer, (conus_view){.fade = 1});
+    assert_ok(conus_renderer_set_transfer(renderer, &clear, 1));
+    conus_image *transparent = render(renderer, (conus_view){0});
+    assert_true(difference(full, half) > 0.02);
+    assert_true(difference(half, gone) > 0.02);
+    assert_true(difference(gone, transparent) < 0.05);
+    conus_image_destroy(full);
+    conus_image_destroy(half);
+    conus_image_destroy(gone);
+    conus_image_destroy(transparent);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+static void the_same_transfer_function_is_the_same_picture(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = boxes(picture_ball_of_20);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    size_t count;
+    const conus_transfer_point *points = conus_renderer_transfer(renderer, &count);
+    assert_true(count > 1);
+    conus_transfer_point copy[16];
+    assert_true(count <= 16);
+    memcpy(copy, points, count * sizeof *copy);
+    conus_image *before = render(renderer, (conus_view){0});
+    assert_ok(conus_renderer_set_transfer(renderer, copy, count));
+    conus_image *after = render(renderer, (conus_view){0});
+    assert_near(difference(before, after), 0, 0);
+    copy[0].rgba[3] = 2;
+    assert_fails(conus_renderer_set_transfer(renderer, copy, count), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_renderer_set_transfer(renderer, copy, 0), CONUS_ERROR_ARGUMENT);
+    copy[0].rgba[3] = 0;
+    copy[0].value = copy[count - 1].value + 1;
+    assert_fails(conus_renderer_set_transfer(renderer, copy, count), CONUS_ERROR_ARGUMENT);
+    conus_image_destroy(before);
+    conus_image_destroy(after);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+/* A cylinder across the picture is as wide at its end as at its beginning, and only drawn in its range. */
+static void a_cylinder_is_drawn_to_scale(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = boxes(NULL);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    const conus_selector_options options = {.radius = 4, .range = {10, 30}};
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    assert_ok(conus_pose_along(&pose, (double[]){20, 0, 15}, (double[]){-1, 0, 0}, NULL)); /* above the boxes */
+    assert_ok(conus_selector_create(&selector, atlas, &options));
+    assert_ok(conus_select(&selection, selector, &pose, 0));
+    conus_image *plain = render(renderer, (conus_view){.draft = true});
+    conus_image *with = render(renderer, (conus_view){.draft = true, .selection = selection});
+    const float *before = conus_image_floats(plain, "B");
+    const float *after = conus_image_floats(with, "B");
+    const double mm = 2 * 150 * tan(0.35 / 2) / HEIGHT; /* per pixel, at the cylinder's distance */
+    for (double x = 8; x > -8; x -= 1) {
+        int column = (int)(WIDTH / 2 - x / mm);
+        int high = 0;
+        for (int row = 0; row < HEIGHT / 2 - 22; row++) { /* down to just above the boxes */
+            high += fabsf(before[row * WIDTH + column] - after[row * WIDTH + column]) > 0.02F;
+        }
+        assert_near(high * mm, 8, 1.6);
+    }
+    int column = (int)(WIDTH / 2 - 14 / mm); /* nearer than the range: only the axis */
+    int row = (int)(HEIGHT / 2 - 17.5 / mm);
+    assert_near((double)after[row * WIDTH + column], (double)before[row * WIDTH + column], 0.005);
+    conus_image_destroy(plain);
+    conus_image_destroy(with);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status change(void *data)
+{
+    conus_renderer *renderer = data;
+    const bool hidden[3] = {false, false, true};
+    const conus_transfer_point points[2] = {{0, {1, 1, 1, 0}}, {1, {1, 1, 1, 0.2}}};
+    conus_status status = conus_renderer_hide(renderer, hidden);
+    return status ? status : conus_renderer_set_transfer(renderer, points, 2);
+}
+
+static void every_failing_allocation_is_survived(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = boxes(picture_ball_of_20);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    test_every_allocation(change, renderer);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(hidden_areas_are_gone_until_shown),
+        cmocka_unit_test(hidden_meshes_are_gone_until_shown),
+        cmocka_unit_test(a_faded_context_thins_out),
+        cmocka_unit_test(the_same_transfer_function_is_the_same_picture),
+        cmocka_unit_test(a_cylinder_is_drawn_to_scale),
+        cmocka_unit_test(every_failing_allocation_is_survived),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
