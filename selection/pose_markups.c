@@ -87,17 +87,9 @@ static conus_status point_pose(conus_pose_row *row, const struct markup *markup,
     return status ? status : pose_of_point(&row->pose, position);
 }
 
-static conus_status check_no_axis(const struct markup *markup)
-{
-    return markup->options->axis == CONUS_AXIS_OF_FORMAT
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "markups[%zu]: points look nowhere, so that no axis (%s) is to be chosen",
-                      markup->number - 1, pose_axis_name(markup->options->axis));
-}
-
 static conus_status read_points(const struct markup *markup, const json_t *points)
 {
-    conus_status status = check_no_axis(markup);
+    conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < json_array_size(points); i++) {
         const json_t *point = json_array_get(points, i);
         conus_pose_row row = pose_row_at(markup->number);
@@ -158,6 +150,18 @@ static conus_status read_markup(struct markup *markup)
                     type.data));
 }
 
+/* An axis is for lines. */
+static conus_status check_axis(const json_t *markups, conus_axis axis)
+{
+    bool used = axis == CONUS_AXIS_OF_FORMAT;
+    for (size_t i = 0; !used && i < json_array_size(markups); i++) {
+        used = text_equal(text_of(json_object_get(json_array_get(markups, i), "type")), "Line");
+    }
+    return used ? CONUS_OK
+                : fail(CONUS_ERROR_DATA, "no markup is a line, so that no axis (%s) is to be chosen",
+                       pose_axis_name(axis));
+}
+
 conus_status pose_markups_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     json_t *root = NULL;
@@ -166,6 +170,7 @@ conus_status pose_markups_parse(conus_pose_list *list, struct text text, const c
     if (!status && !json_is_array(markups)) {
         status = fail(CONUS_ERROR_DATA, "no list \"markups\": not a file of 3D Slicer's markups");
     }
+    status = status ? status : check_axis(markups, options->axis);
     for (size_t i = 0; !status && i < json_array_size(markups); i++) {
         struct markup markup = {.list = list, .options = options, .number = i + 1, .json = json_array_get(markups, i)};
         status = read_markup(&markup);

@@ -447,7 +447,7 @@ const char *conus_pose_stream_space(const conus_pose_stream *stream)
 
 conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas)
 {
-    return fail_of(stream, pose_space_match(&stream->whole.notes, &stream->whole.space, atlas));
+    return pose_space_match(&stream->whole.notes, &stream->whole.space, atlas);
 }
 
 const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index)

@@ -333,6 +333,8 @@ static void lines_may_be_looked_along_either_way(void **state)
     assert_near(-m[10], -1, 1e-12);
     conus_pose_list_destroy(list);
     refuse(LINE, &(conus_pose_options){.axis = CONUS_AXIS_PLUS_X}, "axis +z or -z, not +x");
+    refuse("{\"markups\":[{\"type\":\"Fiducial\"}]}", &(conus_pose_options){.axis = CONUS_AXIS_MINUS_Z},
+           "no axis (-z)");
     refuse("{\"markups\":7}", NULL, "no list \"markups\"");
     refuse("{\"markups\":[{\"type\":\"Line\",\"coordinateSystem\":\"IJK\"}]}", NULL, "coordinateSystem \"IJK\"");
     refuse("{\"markups\":[{\"type\":\"Line\",\"coordinateUnits\":\"m\"}]}", NULL, "coordinateUnits \"m\"");

@@ -99,7 +99,7 @@ static bool hash_settings(struct sha256_ctx *context, const char *sidecar)
     return text;
 }
 
-int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas, double angle,
+int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas, const struct batch_settings *settings,
                       const char *poses_sha256)
 {
     const char *text = NULL;
@@ -115,7 +115,9 @@ int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas
         complain("not enough memory");
         return EXIT_DATA;
     }
-    snprintf(line, sizeof line, "%.17g", angle);
+    snprintf(line, sizeof line, "%.17g", settings->aim.angle);
+    hash_text(&context, line);
+    settings_pose_text(line, &settings->file);
     hash_text(&context, line);
     hash_text(&context, conus_batch_heading(batch));
     hash_text(&context, poses_sha256);

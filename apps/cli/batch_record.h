@@ -20,8 +20,9 @@ struct batch_record {
 /** SHA-256 of the file at @p path, in hexadecimal. Gives the exit code, having complained unless it is 0. */
 int batch_hash_file(char out[65], const char *path);
 
-/** Fingerprint of a batch: of its sidecar, heading, the atlas's objects, and @p poses_sha256. @p angle in degrees. */
-int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas, double angle,
+/** Fingerprint of a batch: of its sidecar, heading, the atlas's objects, how poses are read, and
+ * @p poses_sha256. */
+int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas, const struct batch_settings *settings,
                       const char *poses_sha256);
 
 /** The path of the sidecar of @p output: "a.json" of "a.tsv", "a.ndjson" or "a.jsonl", else with ".json" behind it.

@@ -106,6 +106,7 @@ static const struct option run_options[] = {
 
 const struct option_group batch_groups[] = {
     {"Where the cones are", pose_options, 0},
+    {"", pose_file_options, FIELD(file)},
     {"How it looks", engine_options, FIELD(engine)},
     {"", shape_options, FIELD(engine)},
     {"", slices_options, FIELD(engine)},

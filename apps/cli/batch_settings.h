@@ -3,11 +3,12 @@
 #ifndef CONUS_CLI_BATCH_SETTINGS_H
 #define CONUS_CLI_BATCH_SETTINGS_H
 
-#include "cli/settings.h"
+#include "cli/pose_settings.h"
 
 struct batch_settings {
     struct atlas_settings atlas;
     struct aim_settings aim; /* angle and space only */
+    struct pose_file_settings file;
     struct engine_settings engine;
     struct common_settings common;
     const char *context;

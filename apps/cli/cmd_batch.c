@@ -110,7 +110,7 @@ static int choose_poses(struct work *work)
 static int open_poses(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
-    const conus_pose_options options = {.space = (conus_space)settings->aim.space};
+    const conus_pose_options options = settings_pose_options(&settings->file, settings->aim.space);
     int code = batch_shard(&work->shard, settings);
     if (code) {
         return code;
@@ -171,8 +171,7 @@ static int open_output(struct work *work)
         return output_write(NULL, heading, strlen(heading));
     }
     int code = output_is_stdout(settings->poses) ? EXIT_DONE : batch_hash_file(work->pose_hash, settings->poses);
-    code = code ? code
-                : batch_fingerprint(work->fingerprint, work->batch, work->atlas, settings->aim.angle, work->pose_hash);
+    code = code ? code : batch_fingerprint(work->fingerprint, work->batch, work->atlas, settings, work->pose_hash);
     if (code) {
         return code;
     }
@@ -295,7 +294,7 @@ static int load(struct work *work)
             return complain_usage("--output would overwrite %s %s", input, outputs[i]);
         }
     }
-    return EXIT_DONE;
+    return settings_match_stream(work->poses, settings->poses, work->atlas, &settings->file, &settings->common);
 }
 
 static int build(struct work *work)

@@ -49,19 +49,45 @@ conus_pose_options settings_pose_options(const struct pose_file_settings *settin
                                 .along_shafts = settings->along_shafts};
 }
 
+void settings_pose_text(char out[64], const struct pose_file_settings *settings)
+{
+    snprintf(out, 64, "%s %s%s%s", conus_pose_format_name(settings->format), axes[settings->axis],
+             settings->along_shafts ? " along-shafts" : "", settings->any_space ? " any-space" : "");
+}
+
+static int complain_match(const char *path)
+{
+    complain("%s: %s; --any-space takes them nevertheless", path, conus_message());
+    return EXIT_DATA;
+}
+
+static void say_note(const char *path, const char *note)
+{
+    complain("note: %s: %s", path, note);
+}
+
 int settings_match_poses(conus_pose_list *poses, const char *path, const conus_atlas *atlas,
                          const struct pose_file_settings *settings, const struct common_settings *common)
 {
-    if (!settings->any_space) {
-        conus_status status = conus_pose_list_match(poses, atlas);
-        if (status) {
-            complain("%s: %s; --any-space takes them nevertheless", path, conus_message());
-            return EXIT_DATA;
-        }
-    }
     const char *note;
+    if (!settings->any_space && conus_pose_list_match(poses, atlas)) {
+        return complain_match(path);
+    }
     for (size_t i = 0; !common->quiet && (note = conus_pose_list_note(poses, i)); i++) {
-        complain("note: %s: %s", path, note);
+        say_note(path, note);
+    }
+    return EXIT_DONE;
+}
+
+int settings_match_stream(conus_pose_stream *poses, const char *path, const conus_atlas *atlas,
+                          const struct pose_file_settings *settings, const struct common_settings *common)
+{
+    const char *note;
+    if (!settings->any_space && conus_pose_stream_match(poses, atlas)) {
+        return complain_match(path);
+    }
+    for (size_t i = 0; !common->quiet && (note = conus_pose_stream_note(poses, i)); i++) {
+        say_note(path, note);
     }
     return EXIT_DONE;
 }

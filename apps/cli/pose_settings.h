@@ -21,8 +21,14 @@ bool settings_check_pose_file(const struct arguments *arguments, const char *fil
 /** What the library is told about the file; @p space is a conus_space. */
 conus_pose_options settings_pose_options(const struct pose_file_settings *settings, size_t space);
 
+/** Writes what of @p settings the answers depend on: two runs with the same text read the same poses from one file. */
+void settings_pose_text(char out[64], const struct pose_file_settings *settings);
+
 /** Whether the poses' space can be the atlas's, and says the notes about them. Gives the exit code, having complained
  * unless it is 0. */
+int settings_match_stream(conus_pose_stream *poses, const char *path, const conus_atlas *atlas,
+                          const struct pose_file_settings *settings, const struct common_settings *common);
+/** The same for a list. */
 int settings_match_poses(conus_pose_list *poses, const char *path, const conus_atlas *atlas,
                          const struct pose_file_settings *settings, const struct common_settings *common);
 

@@ -160,6 +160,27 @@ same_answers() {
     [ "$(cell query 1)" = 'target/M1 left' ]
 }
 
+@test "batch answers every format as query does" {
+    sphere --size 16
+    for file in brainsight.txt localite-instrument.xml localite-trigger.xml lines.mrk.json; do
+        run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose "$SAMPLES/$file" --format tsv --quiet --axis +z
+        local wanted=$output
+        [ "$(wc -l <<<"$wanted")" -gt 2 ]
+        run -1 --separate-stderr "$CONUS" batch sphere.nii.gz --poses "$SAMPLES/$file" --format tsv --quiet --axis +z
+        [ "$(grep -vP '\terror\t' <<<"$output")" = "$wanted" ]
+    done
+    need_aal
+    fails 3 '--any-space takes them' batch "$aal" --poses "$SAMPLES/brainsight.txt"
+}
+
+@test "a batch read another way is another batch" {
+    sphere --size 16
+    printf '1 0 0 80\n0 0 -1 0\n0 1 0 0\n0 0 0 1\n' >matrix.txt
+    answers batch sphere.nii.gz --poses matrix.txt --axis -x -o rows.tsv
+    answers batch sphere.nii.gz --poses matrix.txt --axis -x -o rows.tsv --resume
+    fails 2 'rows.tsv' batch sphere.nii.gz --poses matrix.txt -o rows.tsv --resume
+}
+
 @test "options about the file need one" {
     sphere --size 16
     fails 2 '--axis has no effect without --pose' query sphere.nii.gz --origin 0,0,9 --toward 0,0,0 --axis +x
