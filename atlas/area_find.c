@@ -31,7 +31,7 @@ static struct matches match(const conus_atlas *atlas, struct text text,
 {
     struct matches found = {0};
     for (size_t i = 0; i < atlas->area_count; i++) {
-        if (matches(&atlas->objects[i], text)) {
+        if (!atlas_is_paired(atlas, (uint32_t)i + 1) && matches(&atlas->objects[i], text)) {
             found.first = found.count ? found.first : (uint32_t)i + 1;
             if (found.count < SHOWN) {
                 found.labels[found.count] = atlas->objects[i].label;
@@ -85,6 +85,9 @@ static conus_status fail_unknown(const conus_atlas *atlas, struct text text)
 {
     struct likeness best = {0};
     for (size_t i = 0; i < atlas->area_count; i++) {
+        if (atlas_is_paired(atlas, (uint32_t)i + 1)) {
+            continue;
+        }
         consider(&best, atlas->objects[i].name, text);
         consider(&best, atlas->objects[i].abbreviation, text);
     }
@@ -107,14 +110,31 @@ static bool is_pathway(const conus_atlas *atlas, struct text text)
     return false;
 }
 
+/* The area as which a paired one called `text` is reported; NULL if there is none. */
+static const conus_object *find_pair(const conus_atlas *atlas, struct text text)
+{
+    for (uint32_t number = 1; number <= atlas->area_count; number++) {
+        const conus_object *area = &atlas->objects[number - 1];
+        if (atlas_is_paired(atlas, number) && is_called(area, text)) {
+            return &atlas->objects[area->parent - 1];
+        }
+    }
+    return NULL;
+}
+
 conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text)
 {
     struct matches found = match(atlas, text, is_called);
     if (!found.count) {
         found = match(atlas, text, is_called_ignoring_case);
     }
+    const conus_object *pair = found.count ? NULL : find_pair(atlas, text);
     if (found.count > 1) {
         return fail_ambiguous(text, &found);
+    }
+    if (pair) {
+        return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is merged with the other side into \"%s\", label %u",
+                    shown_size(text), text.data, pair->name, pair->label);
     }
     if (!found.count && is_pathway(atlas, text)) {
         return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is a pathway, which is no part of the area tree", shown_size(text),

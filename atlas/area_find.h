@@ -8,7 +8,8 @@
 
 /** The number of the one area whose name, abbreviation or label is @p text (not empty); if there is none, whose name or
  * abbreviation differs from it in upper and lower case only. CONUS_ERROR_ARGUMENT if there is none, with the closest
- * one in the message, or if there are several, with their labels, and if it is a pathway's name. */
+ * one in the message, or if there are several, with their labels, and if it is a pathway's name. Areas that are
+ * reported as their pair do not count. */
 conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text);
 
 #endif

@@ -192,6 +192,83 @@ static conus_status mark_voxels(struct volume *volume, uint32_t number, uint64_t
     return CONUS_OK;
 }
 
+/* ---- Other areas ------------------------------------------------------------------------------------------------ */
+
+/* Wider masks for the pathways whose numbers no longer fit, by volume. */
+static conus_status widen_masks(uint32_t **wide, const conus_atlas *atlas, const conus_atlas *areas)
+{
+    size_t shift = areas->area_count - atlas->area_count;
+    conus_status status = CONUS_OK;
+    for (size_t i = atlas->area_count; !status && i < atlas->object_count; i++) {
+        size_t index = atlas->places[i].index;
+        const struct volume *volume = &atlas->volumes[index];
+        if (volume->objects16 && i + 1 + shift > UINT16_MAX) {
+            wide[index] = memory_zeroed(volume->voxel_count, sizeof **wide);
+            status = wide[index] ? CONUS_OK : CONUS_ERROR_MEMORY;
+        }
+    }
+    return status;
+}
+
+/* Lets the mask of a pathway say `number`; `wide` takes its place if there is one. */
+static void renumber_mask(struct volume *volume, uint32_t *wide, uint32_t number)
+{
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        bool marked = volume_object(volume, v) != 0;
+        if (marked && wide) {
+            wide[v] = number;
+        } else if (marked && volume->objects16) {
+            volume->objects16[v] = (uint16_t)number;
+        } else if (marked) {
+            volume->objects32[v] = number;
+        }
+    }
+    if (wide) {
+        memory_free(volume->objects16);
+        volume->objects16 = NULL;
+        volume->objects32 = wide;
+    }
+}
+
+static void exchange_objects(conus_atlas *a, conus_atlas *b)
+{
+    conus_atlas held = *a;
+    a->objects = b->objects;
+    a->places = b->places;
+    a->object_count = b->object_count;
+    a->area_count = b->area_count;
+    b->objects = held.objects;
+    b->places = held.places;
+    b->object_count = held.object_count;
+    b->area_count = held.area_count;
+}
+
+conus_status atlas_exchange_areas(conus_atlas *atlas, conus_atlas *areas)
+{
+    uint32_t **wide = memory_zeroed(atlas->volume_count, sizeof *wide);
+    conus_status status = wide ? CONUS_OK : CONUS_ERROR_MEMORY;
+    areas->area_count = areas->object_count;
+    for (size_t i = atlas->area_count; !status && i < atlas->object_count; i++) {
+        status = atlas_append_object(areas, &atlas->objects[i], atlas->places[i]);
+    }
+    status = status ? status : widen_masks(wide, atlas, areas);
+    for (size_t i = areas->area_count; !status && i < areas->object_count; i++) {
+        size_t index = areas->places[i].index;
+        renumber_mask(&atlas->volumes[index], wide[index], (uint32_t)i + 1);
+        wide[index] = NULL;
+    }
+    if (!status) {
+        exchange_objects(atlas, areas);
+    }
+    for (size_t i = 0; wide && i < atlas->volume_count; i++) {
+        memory_free(wide[i]);
+    }
+    memory_free(wide);
+    return status;
+}
+
+/* ---- Pathways and context --------------------------------------------------------------------------------------- */
+
 static conus_object pathway_object(const conus_atlas *atlas, const char *name, uint64_t voxels, double voxel_mm3)
 {
     uint32_t ordinal = (uint32_t)(atlas->object_count - atlas->area_count) + 1;

@@ -29,7 +29,10 @@ struct conus_atlas {
     conus_object *objects;       /**< [object_count]; object number k is objects[k - 1]. Strings are owned.     */
     struct object_place *places; /**< [object_count]                                                            */
     size_t object_count;
-    size_t area_count; /**< The first so many objects are areas.                                      */
+    size_t area_count;   /**< The first so many objects are areas.                                   */
+    uint32_t first_pair; /**< Areas from this number on stand for pairs of left and right ones, which have them as
+                            parents (atlas/hemispheres.h); 0 = none do. */
+    conus_hemispheres hemispheres; /**< What has been done to them.                                   */
     char *label_source;
     struct atlas_file *files; /**< The manifest, then surfaces.                                             */
     size_t file_count;
@@ -59,6 +62,16 @@ conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct
 
 /** Appends an area without a shape, which groups others in the area tree. Otherwise like atlas_add_mesh(). */
 conus_status atlas_add_group(conus_atlas *atlas, const conus_object *area);
+
+/** Puts the areas of @p areas, an atlas that has nothing else, in the place of those of @p atlas; pathways stay, with
+ * other numbers. Voxels of the parcellation are left as they are. On success @p areas holds what was there before. */
+conus_status atlas_exchange_areas(conus_atlas *atlas, conus_atlas *areas);
+
+/** Whether area @p number is reported as its parent, because it is one of a pair. */
+static inline bool atlas_is_paired(const conus_atlas *atlas, uint32_t number)
+{
+    return atlas->first_pair && number < atlas->first_pair && atlas->objects[number - 1].parent >= atlas->first_pair;
+}
 
 /** Adds a scalar volume as a pathway of the voxels with values >= info->threshold. @p values (one per voxel) is
  * taken over on success. */

@@ -39,14 +39,14 @@ static void measure_depths(struct climb *climb)
     for (uint32_t number = 1; number <= atlas->area_count; number++) {
         uint32_t steps = 0;
         uint32_t at = number;
-        while (at && !climb->depth[at]) {
-            at = parent_of(atlas, at);
-            steps++;
+        for (; at && !climb->depth[at]; at = parent_of(atlas, at)) {
+            steps += !atlas_is_paired(atlas, at);
         }
         uint32_t depth = (at ? climb->depth[at] : 0) + steps;
         climb->deepest = depth > climb->deepest ? depth : climb->deepest;
         for (at = number; at && !climb->depth[at]; at = parent_of(atlas, at)) {
-            climb->depth[at] = depth--;
+            climb->depth[at] = depth;
+            depth -= !atlas_is_paired(atlas, at);
         }
     }
 }
@@ -67,7 +67,7 @@ static conus_status roll_to_depth(struct climb *climb, uint64_t depth)
     }
     for (uint32_t number = 1; number <= climb->atlas->area_count; number++) {
         uint32_t at = number;
-        while (climb->depth[at] > depth) {
+        while (climb->depth[at] > depth || atlas_is_paired(climb->atlas, at)) {
             at = parent_of(climb->atlas, at);
         }
         climb->group[number] = at;
@@ -82,7 +82,7 @@ static void roll_to_listed(struct climb *climb)
         while (at && !climb->listed[at]) {
             at = parent_of(climb->atlas, at);
         }
-        climb->group[number] = at ? at : number;
+        climb->group[number] = at ? at : climb->group[number];
     }
 }
 
@@ -208,8 +208,8 @@ static conus_status fill(struct level *level, const conus_atlas *atlas, const ch
 {
     size_t count = atlas->object_count + 1;
     struct climb climb = {.atlas = atlas, .group = level->group};
-    for (size_t i = 0; i < count; i++) {
-        level->group[i] = (uint32_t)i;
+    for (uint32_t number = 1; number < count; number++) {
+        level->group[number] = atlas_is_paired(atlas, number) ? parent_of(atlas, number) : number;
     }
     climb.depth = memory_zeroed(count, sizeof *climb.depth);
     climb.listed = memory_zeroed(count, sizeof *climb.listed);

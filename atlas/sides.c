@@ -5,10 +5,10 @@
 
 static const struct {
     const char *left, *right;
-    bool leading; /* only at a name's beginning; a small letter elsewhere is as often lateral or rostral */
+    bool outer; /* only at a name's ends; a small letter within it is as often something else */
 } pairs[] = {
-    {"L", "R", false},         {"left", "right", false}, {"Left", "Right", false}, {"LEFT", "RIGHT", false},
-    {"lh", "rh", false},       {"LH", "RH", false},      {"l", "r", true},
+    {"L", "R", false},   {"left", "right", false}, {"Left", "Right", false}, {"LEFT", "RIGHT", false},
+    {"lh", "rh", false}, {"LH", "RH", false},      {"l", "r", true},
 };
 
 static bool is_word_character(char c)
@@ -36,7 +36,8 @@ bool side_word_find(struct side_word *out, struct text name, size_t from)
         *out = (struct side_word){.start = (size_t)(word.data - name.data), .size = word.size};
         for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
             bool left = text_equal(word, pairs[i].left);
-            if ((left || text_equal(word, pairs[i].right)) && (!pairs[i].leading || !out->start)) {
+            if ((left || text_equal(word, pairs[i].right)) &&
+                (!pairs[i].outer || !out->start || out->start + out->size == name.size)) {
                 out->side = left ? 'L' : 'R';
                 out->opposite = left ? pairs[i].right : pairs[i].left;
                 return true;

@@ -42,6 +42,13 @@ conus_status notes_add(struct notes *notes, const char *format, ...)
     return CONUS_OK;
 }
 
+void notes_cut(struct notes *notes, size_t count)
+{
+    while (notes->count > count) {
+        memory_free(notes->lines[--notes->count]);
+    }
+}
+
 conus_status notes_move(struct notes *notes, struct notes *from)
 {
     if (reserve(notes, from->count + 1)) {

@@ -15,6 +15,9 @@ void notes_finish(struct notes *notes);
 /** Adds one line. CONUS_ERROR_MEMORY when it cannot be kept: a lost warning is a failure. */
 conus_status notes_add(struct notes *notes, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/** Forgets all lines but the first @p count. */
+void notes_cut(struct notes *notes, size_t count);
+
 /** Appends the lines of @p from, which is left empty. */
 conus_status notes_move(struct notes *notes, struct notes *from);
 

@@ -149,9 +149,11 @@ static json_t *json_from_atlas(const conus_atlas *atlas)
     for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
         whole = json_array_append_new(notes, json_from_text(conus_atlas_note(atlas, i))) == 0 && whole;
     }
+    static const char *const hemispheres[] = {"as-is", "split", "merged"};
     json_t *labels = json_from_text(conus_atlas_label_source(atlas));
-    return whole_or_null(json_pack("{s: o, s: o, s: o, s: o}", "labels", labels, "volumes", volumes, "files",
-                                   json_from_files(atlas), "notes", notes),
+    return whole_or_null(json_pack("{s: o, s: s, s: o, s: o, s: o}", "labels", labels, "hemispheres",
+                                   hemispheres[atlas->hemispheres], "volumes", volumes, "files", json_from_files(atlas),
+                                   "notes", notes),
                          whole);
 }
 

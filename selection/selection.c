@@ -52,8 +52,10 @@ static conus_status measure_objects(conus_selector *selector)
         return CONUS_ERROR_MEMORY;
     }
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        const conus_object *object = &atlas->objects[number - 1];
+        bool open = object->triangles && object->volume_mm3 == 0; /* has no volume, nor has what it is a part of */
         if (!lies_in_mesh(selector, number)) {
-            selector->whole[level_group(selector->level)[number]] += atlas->objects[number - 1].volume_mm3;
+            selector->whole[level_group(selector->level)[number]] += open ? NAN : object->volume_mm3;
         }
     }
     return CONUS_OK;

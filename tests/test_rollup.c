@@ -211,6 +211,56 @@ static void shares_add_up(void **state)
     assert_true(checked > 20);
 }
 
+/* The result of the object called like `object`; what met nothing has no name. */
+static const conus_result *find_result(const conus_selection *selection, const conus_atlas *atlas,
+                                       const conus_object *object)
+{
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        const conus_object *other = conus_atlas_object(atlas, result->object);
+        if (object && other ? strcmp(object->name, other->name) == 0 : !object && !other) {
+            return result;
+        }
+    }
+    fail_msg("no result %s", object ? object->name : "unassigned");
+    return NULL;
+}
+
+/* Splitting and merging again gives the answers that there were; only numbers and so the order of ties differ. */
+static void merging_undoes_splitting(void **state)
+{
+    (void)state;
+    size_t compared = 0;
+    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS};
+    for (uint64_t seed = 1; seed <= SCENES; seed++) {
+        uint64_t one = seed;
+        uint64_t two = seed;
+        conus_atlas *plain = scene_atlas(&one, DIM, 1);
+        conus_atlas *undone = scene_atlas(&two, DIM, 1);
+        if (!conus_atlas_set_hemispheres(undone, CONUS_HEMISPHERES_SPLIT) &&
+            !conus_atlas_set_hemispheres(undone, CONUS_HEMISPHERES_MERGED)) {
+            const conus_pose pose = scene_generic_pose(&one, plain);
+            conus_selection *wanted = look(plain, &options, &pose);
+            conus_selection *got = look(undone, &options, &pose);
+            assert_int_equal(conus_selection_count(got), conus_selection_count(wanted));
+            for (size_t i = 0; i < conus_selection_count(got); i++) {
+                conus_result result = *conus_selection_result(got, i);
+                const conus_object *area = conus_atlas_object(undone, result.object);
+                const conus_result *same = find_result(wanted, plain, area);
+                result.object = same->object;
+                result.rank = same->rank;
+                assert_same_result(&result, same);
+                compared++;
+            }
+            conus_selection_destroy(wanted);
+            conus_selection_destroy(got);
+        }
+        conus_atlas_destroy(plain);
+        conus_atlas_destroy(undone);
+    }
+    assert_true(compared > SCENES);
+}
+
 static void spans_of_a_group_become_one(void **state)
 {
     (void)state;
@@ -276,6 +326,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_met_first_is_as_if_relabelled),
         cmocka_unit_test(all_layers_are_as_if_relabelled),
+        cmocka_unit_test(merging_undoes_splitting),
         cmocka_unit_test(shares_add_up),
         cmocka_unit_test(spans_of_a_group_become_one),
         cmocka_unit_test(every_allocation_may_fail),

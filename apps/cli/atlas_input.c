@@ -98,7 +98,9 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
     const conus_load_options options = {.labels = settings->labels, .max_memory = settings->max_memory};
     conus_atlas *atlas = NULL;
     conus_status status = conus_atlas_load(&atlas, path, &options);
+    status = status ? status : conus_atlas_set_hemispheres(atlas, (conus_hemispheres)settings->hemispheres);
     if (status) {
+        conus_atlas_destroy(atlas);
         return complain_status(status);
     }
     for (size_t i = 0; i < settings->pathways.count; i++) {

@@ -136,6 +136,10 @@ static bool check_cone(const struct render_settings *settings, const struct argu
         return false;
     }
     bool cone = option_given(arguments, "origin") || option_given(arguments, "pose");
+    if (!cone && settings->atlas.hemispheres == CONUS_HEMISPHERES_MERGED) {
+        complain("--hemispheres merged has no effect without a cone: --origin or --pose");
+        return false;
+    }
     bool camera = option_given(arguments, "camera") || option_given(arguments, "camera-origin");
     for (size_t i = 0; !cone && of_cone[i]; i++) {
         bool used = camera && strcmp(of_cone[i], "space") == 0;

@@ -11,6 +11,7 @@ static const char *const spaces[] = {"ras", "lps", NULL};
 static const char *const apertures[] = {"circle", "square", NULL};
 static const char *const engines[] = {"auto", "rays", "gl", NULL};
 static const char *const samplings[] = {"exact", "slices", NULL};
+static const char *const hemispheres[] = {"as-is", "split", "merged", NULL};
 static const char *const layers[] = {"visible", "all", NULL};
 
 static const char *score_at(size_t index)
@@ -53,6 +54,12 @@ const struct option atlas_options[] = {
      .value = "FILE[,KEY=VALUE]...",
      .help = "add a probability volume as a pathway; keys: threshold=T (values from T on belong to it; default a "
              "quarter of the file's scale), name=S, volume=K (of a 4-D file, from 0); may be repeated"},
+    {.name = "hemispheres",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(atlas_settings, hemispheres),
+     .value = "HOW",
+     .help = "areas of both sides cut in two at x = 0, or left and right areas of one name reported as one:",
+     .choices = hemispheres},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = FIELD(atlas_settings, max_memory),

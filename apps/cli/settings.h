@@ -14,6 +14,7 @@ struct common_settings {
 struct atlas_settings {
     const char *labels;
     struct option_list pathways;
+    size_t hemispheres; /* conus_hemispheres */
     uint64_t max_memory;
 };
 

@@ -122,6 +122,18 @@ typedef struct conus_context_options {
 CONUS_CHECKED conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path,
                                                    const conus_context_options *options);
 
+typedef enum conus_hemispheres {
+    CONUS_HEMISPHERES_AS_IS = 0, /**< As the label table has them.                                             */
+    CONUS_HEMISPHERES_SPLIT,     /**< Areas that lie on both sides become two, cut at world x = 0.             */
+    CONUS_HEMISPHERES_MERGED     /**< Left and right areas of one name are reported as one.                    */
+} conus_hemispheres;
+
+/** Changes how the atlas has left and right areas, once, before a selector or renderer is made; a note says what was
+ * done. Splitting takes the plane x = 0 for the midline and changes the numbers of objects. Merging adds areas that the
+ * pairs are reported as. docs/model.md, Eq. 10, has the rules. CONUS_ERROR_DATA where nothing can be split or merged,
+ * CONUS_ERROR_UNSUPPORTED for splitting meshes. The atlas is unchanged on failure. */
+CONUS_CHECKED conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus_hemispheres hemispheres);
+
 typedef enum conus_kind {
     CONUS_AREA = 1,
     CONUS_PATHWAY,

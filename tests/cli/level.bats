@@ -83,3 +83,34 @@ nested() {
     fails 2 'did you mean "Frontal pole, layer 1"? Names with commas are put in double quotes' \
         "${view[@]}" --level 'Frontal pole, layer 1'
 }
+
+@test "hemispheres merged: AAL's pairs are one" {
+    need_aal
+    view=(query "$aal" --origin 0,20,120 --toward 0,-10,10 --format tsv -q)
+    answers "${view[@]}"
+    pixels=$(cell pixels 1)
+    left=$(awk -F'\t' '$4 == "Supp_Motor_Area_L" { print $8 }' <<<"$output")
+    right=$(awk -F'\t' '$4 == "Supp_Motor_Area_R" { print $8 }' <<<"$output")
+    [ "$left" -gt 0 ] && [ "$right" -gt 0 ] && [ "$pixels" -gt 0 ]
+    answers "${view[@]}" --hemispheres merged
+    [ "$(cell name 1)/$(cell index 1)/$(cell pixels 1)" = "Supp_Motor_Area/3019/$((left + right))" ]
+    run -0 --separate-stderr conus "${view[@]/-q/-v}" --hemispheres merged
+    [[ "$stderr" == *"54 pairs are reported as one area each; without a counterpart: 8 (Vermis_1_2, "* ]]
+    fails 3 'hemispheres: merged: no two of its 41 areas are left and right of one' \
+        info "$TEMPLATES/brodmann.nii.gz" --hemispheres merged
+    fails 2 '--hemispheres merged has no effect without a cone' render "$aal" -o view.png --hemispheres merged
+}
+
+@test "hemispheres split: Brodmann's areas have two halves" {
+    need_aal
+    answers info "$TEMPLATES/brodmann.nii.gz" --hemispheres split --format tsv
+    [ "${#lines[@]}" -eq 83 ]
+    [ "$(cell name 4)/$(cell index 4)/$(cell hemisphere 4)" = "4 left/104/L" ]
+    [ "$(cell name 45)/$(cell index 45)/$(cell hemisphere 45)" = "4 right/204/R" ]
+    answers info "$TEMPLATES/brodmann.nii.gz" --hemispheres split
+    has 'hemispheres: 41 areas are cut in two at x = 0, which is taken as the midline: 668543 voxels lie left of it'
+    nested
+    fails 3 'hemispheres: label 4000000001 leaves no room' info nested.nii.gz --hemispheres split
+    allen=${CONUS_SHARED_DATA:-$BATS_TEST_DIRNAME/../../../shared/data}/meshes/brainglobe-allen-ccf2017-subset
+    [ ! -d "$allen" ] || fails 3 '55 areas are surfaces, only areas of voxels can be cut' info "$allen" --hemispheres split
+}
