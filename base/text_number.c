@@ -103,3 +103,13 @@ char *text_number(char out[TEXT_NUMBER_SIZE], double value)
     text_number_length(out, value);
     return out;
 }
+
+char *text_time(char out[TEXT_NUMBER_SIZE], double value)
+{
+    if (value == floor(value)) {
+        return text_number(out, value);
+    }
+    snprintf(out, TEXT_NUMBER_SIZE, "%.*g", TEXT_TIME_DIGITS, value);
+    point_for_comma(out);
+    return out;
+}

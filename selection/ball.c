@@ -53,7 +53,8 @@ static void set_shares(conus_selection *selection)
 
 static conus_status answer(conus_selection *selection, conus_selector *selector)
 {
-    const struct score *share = NULL;
+    const struct score_view view = {.cone = &selection->cone};
+    struct ranking share;
     conus_status status = tally_prepare(&selector->tally, selector->atlas->object_count);
     status = status ? status : census_prepare(&selector->census, selector->atlas);
     status = status ? status : near_prepare(&selector->near, selector->atlas);
@@ -71,11 +72,11 @@ static conus_status answer(conus_selection *selection, conus_selector *selector)
                                         .group = level_group(selector->level)};
     status = statistics_gather(&selection->statistics, &gathering, &selector->tally);
     status = status ? status : selection_regroup(selection, selector->level);
-    status = status ? status : score_find(&share, NULL);
+    status = status ? status : ranking_parse(&share, NULL);
     if (!status) {
         selection_set_kinds(selection);
         set_shares(selection);
-        score_rank(&selection->statistics, share, &selection->cone);
+        score_rank(&selection->statistics, &share, &view);
     }
     return status;
 }

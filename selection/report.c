@@ -15,8 +15,9 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     }
     report->atlas = selector->atlas;
     report->selector = selector->options;
-    report->score = selector->score->info.name;
+    memcpy(report->score, selector->ranking.formula.text, sizeof report->score);
     report->options = options ? *options : (conus_report_options){0};
+    report->options.no_voxels = report->options.no_voxels || report->options.tracker;
     memcpy(report->engine, selector->engine->name, sizeof report->engine);
     report->level = selector->level_spec ? memory_text(selector->level_spec, strlen(selector->level_spec)) : NULL;
     if (selector->level_spec && !report->level) {
@@ -84,13 +85,24 @@ static conus_status append_query(conus_report *report, const char *id, const str
     return CONUS_OK;
 }
 
+/* Whether a result belongs into the report. CONUS_UNASSIGNED comes after all others of its query. */
+static bool is_wanted(const conus_report *report, const struct report_row *row)
+{
+    const conus_step *step = &report->queries[row->query].step;
+    bool is_nothing = !row->result.object && !step->selected && !step->confirmed;
+    return !report->options.selected_only || is_nothing || report_is_selected(report, row) ||
+           report_is_confirmed(report, row);
+}
+
 static conus_status append_rows(conus_report *report, const conus_result *results, size_t count)
 {
     void *rows = report->rows;
     conus_status status = reserve(&rows, &report->row_capacity, report->row_count + count, sizeof *report->rows);
     report->rows = rows;
     for (size_t i = 0; !status && i < count; i++) {
-        report->rows[report->row_count++] = (struct report_row){report->query_count - 1, results[i]};
+        const struct report_row row = {report->query_count - 1, results[i]};
+        report->rows[report->row_count] = row;
+        report->row_count += is_wanted(report, &row);
     }
     return status;
 }
@@ -99,7 +111,8 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
 {
     const struct statistics *statistics = &selection->statistics;
     bool is_ball = selection->region.shape == REGION_BALL;
-    struct report_query query = {.cone = selection->cone, .ball = is_ball ? selection->region.radius : 0};
+    struct report_query query = {
+        .cone = selection->cone, .step = selection->step, .ball = is_ball ? selection->region.radius : 0};
     for (size_t i = 0; i < statistics->count; i++) {
         query.cone_pixels += statistics->results[i].pixels;
     }
@@ -136,11 +149,13 @@ conus_status conus_report_text(conus_report *report, const char **text, size_t *
     buffer_finish(&report->text);
     switch (report->options.format) {
     case CONUS_TABLE:
-        report_write_table(&report->text, report);
+        (report->options.tracker ? report_write_track : report_write_table)(&report->text, report);
         break;
     case CONUS_TSV:
     case CONUS_NDJSON:
-        report_write_heading(&report->text, report);
+        if (!report->is_begun) {
+            report_write_heading(&report->text, report);
+        }
         report_write_rows(&report->text, report);
         break;
     case CONUS_JSON:
@@ -148,6 +163,19 @@ conus_status conus_report_text(conus_report *report, const char **text, size_t *
         break;
     }
     return hand_out(report, status, text, size);
+}
+
+conus_status conus_report_take(conus_report *report, const char **text, size_t *size)
+{
+    if (report->options.format == CONUS_JSON) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: JSON is one whole, NDJSON can be taken in parts");
+    }
+    conus_status status = conus_report_text(report, text, size);
+    if (!status) {
+        report->is_begun = true;
+        report_clear(report);
+    }
+    return status;
 }
 
 conus_status conus_report_voxels(conus_report *report, const char **text, size_t *size)

@@ -18,13 +18,14 @@ struct report_query {
     struct cone cone;
     uint32_t cone_pixels; /**< Pixels of the aperture.                              */
     double ball;          /**< Radius of a ball around the cone's origin; 0 of a cone. */
+    conus_step step;      /**< In a report on a track. */
 };
 
 struct conus_report {
     const conus_atlas *atlas;
     conus_selector_options selector;
-    const char *score; /**< Name of the ranking; static. */
-    char *level;       /**< NULL = none.                  */
+    char score[FORMULA_LENGTH_LIMIT + 1]; /**< Name or formula of the ranking. */
+    char *level;                          /**< NULL = none. */
     char engine[96];
     conus_report_options options;
     struct report_query *queries;
@@ -33,9 +34,10 @@ struct conus_report {
     size_t row_count, row_capacity;
     struct buffer voxels; /**< TSV rows of conus_report_voxels(), without its header. */
     struct buffer text;   /**< What was last handed out. */
+    bool is_begun;        /**< conus_report_take() has given the heading. */
 };
 
-enum cell_type { CELL_NONE, CELL_TEXT, CELL_INTEGER, CELL_NUMBER };
+enum cell_type { CELL_NONE, CELL_TEXT, CELL_INTEGER, CELL_NUMBER, CELL_TIME };
 
 struct cell {
     enum cell_type type;
@@ -64,6 +66,19 @@ void report_clear(conus_report *report);
 /** "area", "pathway", "unassigned". */
 const char *report_kind(conus_kind kind);
 
+/** The name of an object for people, cut or padded with spaces to @p width columns. */
+void report_write_name(struct buffer *out, const char *name, int width);
+
+static inline bool report_is_selected(const conus_report *report, const struct report_row *row)
+{
+    return row->result.object && row->result.object == report->queries[row->query].step.selected;
+}
+
+static inline bool report_is_confirmed(const conus_report *report, const struct report_row *row)
+{
+    return row->result.object && row->result.object == report->queries[row->query].step.confirmed;
+}
+
 /** Turns a world point into the report's space. */
 void report_point(const conus_report *report, double point[3]);
 
@@ -73,6 +88,7 @@ conus_status report_add_voxels(conus_report *report, const conus_selection *sele
 
 /* Formats; each appends the whole text to @p out. */
 void report_write_table(struct buffer *out, const conus_report *report);
+void report_write_track(struct buffer *out, const conus_report *report); /**< The table of a track. */
 conus_status report_write_json(struct buffer *out, const conus_report *report);
 void report_write_heading(struct buffer *out,
                           const conus_report *report);                  /**< The line of names, where there is one. */

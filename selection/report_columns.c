@@ -274,11 +274,38 @@ static const struct report_column report_columns[] = {
     {NULL, NULL, NULL, NULL, false},
 };
 
+/* ---- Columns that only a report on a track has -------------------------------------------------------------- */
+
+static struct cell get_time(const conus_report *report, const struct report_row *row)
+{
+    return (struct cell){.type = CELL_TIME, .number = report->queries[row->query].step.time_s};
+}
+
+static struct cell get_selected(const conus_report *report, const struct report_row *row)
+{
+    return integer(report_is_selected(report, row));
+}
+
+static struct cell get_confirmed(const conus_report *report, const struct report_row *row)
+{
+    return integer(report_is_confirmed(report, row));
+}
+
+static const struct report_column track_columns[] = {
+    {"time_s", "s", "time of the step", get_time, false},
+    {"selected", NULL, "1 if it is what is selected at this step, else 0", get_selected, false},
+    {"confirmed", NULL, "1 if the trigger, pressed at this step, confirms it, else 0", get_confirmed, false},
+    {NULL, NULL, NULL, NULL, false},
+};
+
 const struct report_column *report_next_column(const conus_report *report, const struct report_column *column)
 {
     column = column ? column + 1 : report_columns;
     while (column->name && column->layers_only && !report->selector.layers) {
         column++;
+    }
+    if (column == &report_columns[sizeof report_columns / sizeof report_columns[0] - 1] && report->options.tracker) {
+        column = track_columns;
     }
     return column->name ? column : NULL;
 }

@@ -9,7 +9,11 @@
 #include <stdio.h>
 #include <string.h>
 
-static const size_t NUMBERS = JSON_REAL_PRECISION(9);
+/* Of numbers, by jansson's leave: a whole text has one. */
+static size_t digits(const conus_report *report)
+{
+    return report->options.tracker ? JSON_REAL_PRECISION(TEXT_TIME_DIGITS) : JSON_REAL_PRECISION(9);
+}
 
 /* Of any bytes: paths and command lines need not be UTF-8. */
 static json_t *json_from_text(const char *text)
@@ -42,6 +46,7 @@ static json_t *json_from_cell(struct cell cell)
     case CELL_INTEGER:
         return json_integer((json_int_t)cell.integer);
     case CELL_NUMBER:
+    case CELL_TIME:
         return json_real(cell.number);
     case CELL_NONE:
         break;
@@ -68,7 +73,7 @@ static int append(const char *text, size_t size, void *out)
 /* Appends the text of `root`, which is taken over. */
 static conus_status dump(struct buffer *out, json_t *root, size_t flags)
 {
-    int failed = root ? json_dump_callback(root, append, out, flags | NUMBERS) : -1;
+    int failed = root ? json_dump_callback(root, append, out, flags) : -1;
     json_decref(root);
     if (failed) {
         return fail(CONUS_ERROR_MEMORY, "no memory for the JSON report");
@@ -157,6 +162,20 @@ static json_t *json_from_atlas(const conus_atlas *atlas)
                          whole);
 }
 
+/* The constants of a track (Eq. 12), if it is one. */
+static bool add_track(json_t *settings, const conus_tracker *tracker)
+{
+    if (!tracker) {
+        return true;
+    }
+    const conus_tracker_options *options = tracker_options(tracker);
+    return put(settings, "track",
+               json_pack("{s: f, s: f, s: f, s: f, s: f, s: f, s: f, s: f}", "window_s", options->window, "stickiness",
+                         options->stickiness, "snappiness", options->snappiness, "rate_hz", options->rate,
+                         "growth_per_s", options->growth, "decay_per_s", options->decay, "exponent", options->exponent,
+                         "delay_s", options->delay));
+}
+
 static json_t *json_from_settings(const conus_report *report)
 {
     const conus_selector_options *options = &report->selector;
@@ -171,7 +190,7 @@ static json_t *json_from_settings(const conus_report *report)
             (options->range[1] == 0 ||
              put(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1])));
     whole = (!report->level || put(settings, "level", json_from_text(report->level))) && whole;
-    return whole_or_null(settings, whole);
+    return whole_or_null(settings, whole && add_track(settings, report->options.tracker));
 }
 
 static json_t *json_from_program(const conus_report *report)
@@ -207,7 +226,7 @@ conus_status report_write_json(struct buffer *out, const conus_report *report)
     }
     whole = add_provenance(root, report) && whole;
     whole = put(root, "Rows", rows) && whole;
-    return dump(out, whole_or_null(root, whole), JSON_INDENT(1));
+    return dump(out, whole_or_null(root, whole), JSON_INDENT(1) | digits(report));
 }
 
 conus_status report_write_sidecar(struct buffer *out, const conus_report *report)
@@ -220,7 +239,7 @@ conus_status report_write_sidecar(struct buffer *out, const conus_report *report
         whole = put(root, column->name, entry) && whole;
     }
     whole = add_provenance(root, report) && whole;
-    return dump(out, whole_or_null(root, whole), JSON_INDENT(1));
+    return dump(out, whole_or_null(root, whole), JSON_INDENT(1) | digits(report));
 }
 
 /* Names of the labels in a map of them. */

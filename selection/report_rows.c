@@ -33,6 +33,9 @@ static void write_cell(struct buffer *out, struct cell cell)
     case CELL_NUMBER:
         buffer_number(out, cell.number);
         break;
+    case CELL_TIME:
+        buffer_text(out, text_time((char[TEXT_NUMBER_SIZE]){0}, cell.number));
+        break;
     }
 }
 

@@ -35,8 +35,7 @@ static int name_width(const conus_report *report)
     return width < NAME_LIMIT ? width : NAME_LIMIT;
 }
 
-/* The name padded or cut (with "...") to `width` columns. */
-static void write_name(struct buffer *out, const char *name, int width)
+void report_write_name(struct buffer *out, const char *name, int width)
 {
     int columns = width_of(name);
     int keep = columns > width ? width - 3 : columns;
@@ -93,7 +92,7 @@ static void write_rank(struct buffer *out, const conus_report *report, const con
         snprintf(label, sizeof label, "%u", object->label);
     }
     buffer_format(out, "%4s  ", rank);
-    write_name(out, name_of(report, result), width);
+    report_write_name(out, name_of(report, result), width);
     buffer_format(out, "  %10s", label);
 }
 

@@ -71,8 +71,7 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     selector->atlas = atlas;
     selector->options = options ? *options : (conus_selector_options){0};
     selector->options.resolution = selector->options.resolution ? selector->options.resolution : DEFAULT_RESOLUTION;
-    conus_status status = score_find(&selector->score, selector->options.score);
-    selector->options.score = NULL;
+    conus_status status = selector_prepare_ranking(selector);
     status = status ? status : check_options(&selector->options);
     status = status ? status : set_level(selector, selector->options.level);
     status = status ? status : measure_objects(selector);
@@ -100,6 +99,12 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
     shared->is_shared = true;
     shared->tally = (struct tally){0};
     shared->census = (struct census){0};
+    shared->near = (struct near){0};
+    shared->on_border = NULL;
+    if (selector_prepare_border(shared)) {
+        memory_free(shared);
+        return CONUS_ERROR_MEMORY;
+    }
     *out = shared;
     return CONUS_OK;
 }
@@ -113,6 +118,7 @@ void conus_selector_destroy(conus_selector *selector)
             memory_free(selector->level_spec);
             memory_free(selector->whole);
         }
+        memory_free(selector->on_border);
         tally_finish(&selector->tally);
         census_finish(&selector->census);
         near_finish(&selector->near);
@@ -249,12 +255,11 @@ static conus_status answer(conus_selection *selection, conus_selector *selector)
     status = status ? status : selection_regroup(selection, selector->level);
     if (!status) {
         selection_set_kinds(selection);
-        score_rank(&selection->statistics, selector->score, &selection->cone);
     }
     return status;
 }
 
-conus_status conus_select(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle)
+conus_status selection_look(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle)
 {
     const conus_selector_options *options = &selector->options;
     struct cone cone = {.angle = angle,
@@ -286,6 +291,21 @@ conus_status conus_select(conus_selection **out, conus_selector *selector, const
     return CONUS_OK;
 }
 
+conus_status conus_select(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle)
+{
+    conus_selection *selection = NULL;
+    if (selector->ranking.info.needs_history) {
+        return fail(CONUS_ERROR_ARGUMENT, "score: %s needs a history, which only a track has",
+                    selector->ranking.formula.text);
+    }
+    conus_status status = selection_look(&selection, selector, pose, angle);
+    if (!status) {
+        selection_rank(selection, selector, NULL);
+        *out = selection;
+    }
+    return status;
+}
+
 void conus_selection_destroy(conus_selection *selection)
 {
     if (selection) {
@@ -307,6 +327,11 @@ size_t conus_selection_count(const conus_selection *selection)
 const conus_result *conus_selection_result(const conus_selection *selection, size_t index)
 {
     return selection && index < selection->statistics.count ? &selection->statistics.results[index] : NULL;
+}
+
+const conus_step *conus_selection_step(const conus_selection *selection)
+{
+    return selection && selection->is_step ? &selection->step : NULL;
 }
 
 conus_evidence conus_selection_evidence(const conus_selection *selection)

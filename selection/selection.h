@@ -9,8 +9,10 @@
 
 struct conus_selector {
     const conus_atlas *atlas;
-    conus_selector_options options; /**< Defaults filled in; strings are not kept (score is looked up). */
-    const struct score *score;
+    conus_selector_options options; /**< Defaults filled in; strings are not kept (score is parsed). */
+    struct ranking ranking;
+    bool *on_border;  /**< [object_count + 1] All false between rankings; NULL unless ranking.needs_border. */
+    double box[2][3]; /**< Around the areas and pathways, world; only where ranking.needs_box. */
     struct level *level;
     char *level_spec; /**< NULL = none. */
     struct engine *engine;
@@ -35,6 +37,8 @@ struct conus_selection {
     struct layers layers; /**< Sorted, if has_layers; objects as they are reported. */
     bool *in_cone;        /**< [n*n] */
     struct statistics statistics;
+    bool is_step;
+    conus_step step;
 };
 
 /** The object that @p pixel met first, whatever it is reported as. */
@@ -52,5 +56,19 @@ conus_status selection_regroup(conus_selection *selection, const struct level *l
 
 /** Sets the kind of every result. */
 void selection_set_kinds(conus_selection *selection);
+
+/** Parses options.score, which is not kept, and makes ready what it needs. */
+conus_status selector_prepare_ranking(conus_selector *selector);
+/** Its part that each selector has for itself: on_border. */
+conus_status selector_prepare_border(conus_selector *selector);
+
+/** The tracker's options with defaults filled in. */
+const conus_tracker_options *tracker_options(const conus_tracker *tracker);
+
+/** conus_select() without the ranking. */
+conus_status selection_look(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle);
+
+/** Ranks the results; @p history may be NULL unless the ranking needs it. */
+void selection_rank(conus_selection *selection, conus_selector *selector, const struct history *history);
 
 #endif

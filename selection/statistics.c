@@ -306,7 +306,7 @@ static void describe_layers(conus_result *result, const struct tallied *object, 
     describe_voxels(result, object, pathway);
 }
 
-static conus_result empty_result(uint32_t number)
+conus_result statistics_empty_result(uint32_t number)
 {
     conus_result result = {.object = number, .score = NAN, .center_px = NAN, .offset = NAN, .distance = NAN};
     result.contact[0] = result.contact[1] = result.contact[2] = NAN;
@@ -321,7 +321,7 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
                              const struct totals *totals)
 {
     const struct cone *cone = gathering->cone;
-    conus_result result = empty_result(number);
+    conus_result result = statistics_empty_result(number);
     result.pixels = object->pixels;
     result.share = object->weight / totals->weight;
     if (number && object->pixels) {

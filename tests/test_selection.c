@@ -68,7 +68,7 @@ static int set_up(void **state)
     label_table_finish(&table);
     fixture.selector =
         (conus_selector){.atlas = fixture.atlas, .engine = &fixture.engine, .options = {.resolution = 4}};
-    assert_ok(score_find(&fixture.selector.score, NULL));
+    assert_ok(ranking_parse(&fixture.selector.ranking, NULL));
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (double[]){0, 0, 50}, (double[]){0, 0, -1}, NULL));
     assert_ok(conus_select(&fixture.selection, &fixture.selector, &pose, radians_from_degrees(60)));
@@ -123,21 +123,22 @@ static void results_follow_from_the_pixels(void **state)
 static void scores_order_by_their_measure(void **state)
 {
     struct fixture *fixture = *state;
-    const struct score *score;
+    struct ranking ranking;
     struct statistics statistics = {0};
+    const struct score_view view = {.cone = &fixture->selection->cone, .cone_pixels = 12};
     const struct gathering gathering = {
         .atlas = fixture->atlas, .cone = &fixture->selection->cone, .evidence = &fixture->selection->evidence};
     assert_ok(statistics_gather(&statistics, &gathering, &fixture->selector.tally));
-    assert_ok(score_find(&score, "distance"));
-    score_rank(&statistics, score, &fixture->selection->cone);
+    assert_ok(ranking_parse(&ranking, "distance"));
+    score_rank(&statistics, &ranking, &view);
     assert_int_equal(statistics.results[0].object, 1);
     assert_near(statistics.results[0].score, -90, 0);
-    assert_ok(score_find(&score, "centre"));
-    score_rank(&statistics, score, &fixture->selection->cone);
+    assert_ok(ranking_parse(&ranking, "centre"));
+    score_rank(&statistics, &ranking, &view);
     assert_int_equal(statistics.results[0].object, 1);
     assert_near(statistics.results[0].score,
                 1 - atan(sqrt(0.125) * tan(radians_from_degrees(30))) / radians_from_degrees(30), 1e-12);
-    assert_fails(score_find(&score, "best"), CONUS_ERROR_ARGUMENT);
+    assert_fails(ranking_parse(&ranking, "best"), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "share, centre, distance"));
     statistics_finish(&statistics);
 }

@@ -84,7 +84,8 @@ static bool check(const struct batch_settings *settings, const struct arguments 
             return false;
         }
     }
-    return settings_check_shape(&settings->aim, &settings->engine, arguments) &&
+    return settings_check_score(&settings->engine, false) &&
+           settings_check_shape(&settings->aim, &settings->engine, arguments) &&
            option_needs(arguments, "context", "context-blocks") &&
            option_needs(arguments, "context-blocks", "context") && options_exclude(arguments, "force", "resume");
 }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/answer_format.h"
 #include "cli/commands.h"
 #include "cli/mask.h"
 #include "cli/messages.h"
@@ -27,7 +28,6 @@ struct query_settings {
     double point[3];
 };
 
-static const char *const formats[] = {"table", "tsv", "json", "ndjson", NULL};
 static const char *const voxel_kinds[] = {"pathways", "all", NULL};
 
 static const struct option point_options[] = {
@@ -62,7 +62,7 @@ static const struct option output_options[] = {
      .offset = offsetof(struct query_settings, format),
      .value = "FORMAT",
      .help = "of the answer; without it the ending of -o decides, else it is a table:",
-     .choices = formats},
+     .choices = answer_formats},
     {.name = "output",
      .letter = 'o',
      .type = OPTION_TEXT,
@@ -96,6 +96,7 @@ static const struct option output_options[] = {
 static const struct option_group groups[] = {
     {"Where the cone is", aim_options, offsetof(struct query_settings, aim)},
     {"", pose_file_options, offsetof(struct query_settings, file)},
+    {"", angle_options, offsetof(struct query_settings, aim)},
     {"", shape_options, offsetof(struct query_settings, engine)},
     {"", point_options, 0},
     {"How it looks", engine_options, offsetof(struct query_settings, engine)},
@@ -143,23 +144,6 @@ static void query_finish(struct query *query)
     free(query->sidecar);
 }
 
-static conus_format format_of(const struct query_settings *settings, const struct arguments *arguments)
-{
-    static const struct {
-        const char *ending;
-        conus_format format;
-    } endings[] = {{".tsv", CONUS_TSV}, {".json", CONUS_JSON}, {".ndjson", CONUS_NDJSON}, {".jsonl", CONUS_NDJSON}};
-    if (option_given(arguments, "format") || output_is_stdout(settings->output)) {
-        return (conus_format)settings->format;
-    }
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends(settings->output, endings[i].ending)) {
-            return endings[i].format;
-        }
-    }
-    return CONUS_TABLE;
-}
-
 static bool check_outputs(const struct query_settings *settings, const struct arguments *arguments)
 {
     if (!option_needs(arguments, "voxels-of", "voxels")) {
@@ -203,7 +187,7 @@ static bool check(const struct query_settings *settings, const struct arguments 
         complain("--slices has no effect without --sampling slices");
         return false;
     }
-    return option_needs(arguments, "context", "context-blocks") &&
+    return settings_check_score(&settings->engine, false) && option_needs(arguments, "context", "context-blocks") &&
            option_needs(arguments, "context-blocks", "context") && settings_check_aim(arguments, true) &&
            settings_check_pose_file(arguments, "pose", NULL) &&
            settings_check_shape(&settings->aim, &settings->engine, arguments) && check_outputs(settings, arguments);
@@ -476,26 +460,12 @@ static int work(struct query *query)
     return write_all(query);
 }
 
-/* "answer.tsv" has its sidecar in "answer.json". */
-static bool name_sidecar(struct query *query)
-{
-    const char *output = query->settings->output;
-    if (output_is_stdout(output) || query->format != CONUS_TSV || !path_ends(output, ".tsv")) {
-        return true;
-    }
-    int stem = (int)(strlen(output) - strlen(".tsv"));
-    if (asprintf(&query->sidecar, "%.*s.json", stem, output) < 0) {
-        query->sidecar = NULL;
-    }
-    return query->sidecar;
-}
-
 static int run_named(struct query *query)
 {
     const struct query_settings *settings = query->settings;
     const char *answer = output_is_stdout(settings->output) ? NULL : settings->output;
     query->command_line = arguments_text(query->arguments);
-    if (!query->command_line || !name_sidecar(query)) {
+    if (!query->command_line || !answer_sidecar(&query->sidecar, query->format, settings->output)) {
         complain("not enough memory");
         return EXIT_DATA;
     }
@@ -519,7 +489,9 @@ static int run(const void *given, const struct arguments *arguments)
     if (!check(settings, arguments)) {
         return EXIT_USAGE;
     }
-    struct query query = {.settings = settings, .arguments = arguments, .format = format_of(settings, arguments)};
+    struct query query = {.settings = settings,
+                          .arguments = arguments,
+                          .format = answer_format(arguments, settings->format, settings->output)};
     int code = run_named(&query);
     query_finish(&query);
     return code;

@@ -98,6 +98,7 @@ static const struct option_group groups[] = {
     {"Picture", picture_options, 0},
     {"Cone to draw", aim_options, offsetof(struct render_settings, aim)},
     {"", pose_file_options, offsetof(struct render_settings, file)},
+    {"", angle_options, offsetof(struct render_settings, aim)},
     {"", shape_options, offsetof(struct render_settings, engine)},
     {"How it looks", engine_options, offsetof(struct render_settings, engine)},
     {"Atlas", atlas_options, offsetof(struct render_settings, atlas)},
@@ -132,7 +133,8 @@ static bool check_cone(const struct render_settings *settings, const struct argu
 {
     static const char *const of_cone[] = {"angle", "space",    "resolution", "aperture", "engine", "layers",
                                           "range", "sampling", "score",      "level",    "radius", NULL};
-    if (!settings_check_aim(arguments, false) || !settings_check_shape(&settings->aim, &settings->engine, arguments)) {
+    if (!settings_check_aim(arguments, false) || !settings_check_score(&settings->engine, false) ||
+        !settings_check_shape(&settings->aim, &settings->engine, arguments)) {
         return false;
     }
     bool cone = option_given(arguments, "origin") || option_given(arguments, "pose");

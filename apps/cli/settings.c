@@ -14,12 +14,6 @@ static const char *const samplings[] = {"exact", "slices", NULL};
 static const char *const hemispheres[] = {"as-is", "split", "merged", NULL};
 static const char *const layers[] = {"visible", "all", NULL};
 
-static const char *score_at(size_t index)
-{
-    const conus_score_info *score = conus_score(index);
-    return score ? score->name : NULL;
-}
-
 const struct option plain_options[] = {
     {.name = "help", .letter = 'h', .type = OPTION_FLAG, .offset = FIELD(common_settings, help), .help = "this text"},
     {.name = "version", .type = OPTION_FLAG, .offset = FIELD(common_settings, version), .help = "the version"},
@@ -95,6 +89,10 @@ const struct option aim_options[] = {
      .value = "FILE",
      .help = "poses from a file instead, - for stdin: a table with a header, a 4x4 matrix, or what Brainsight, "
              "Localite, 3D Slicer or BIDS write (docs/formats.md)"},
+    {0},
+};
+
+const struct option angle_options[] = {
     {.name = "angle",
      .type = OPTION_NUMBER,
      .offset = FIELD(aim_settings, angle),
@@ -144,11 +142,10 @@ const struct option engine_options[] = {
          "report areas rolled up the area tree: to depth N (roots have 1), or to the nearest of these areas, by name, "
          "abbreviation or label; a name with a comma in double quotes, @FILE for a file with one area per line"},
     {.name = "score",
-     .type = OPTION_CHOICE,
+     .type = OPTION_TEXT,
      .offset = FIELD(engine_settings, score),
-     .value = "NAME",
-     .help = "what ranks the objects, see below:",
-     .choice_at = score_at},
+     .value = "FORMULA",
+     .help = "what ranks the objects: a name below (default share), or a formula like 0.5*share+0.5*centre"},
     {0},
 };
 
@@ -289,6 +286,24 @@ bool settings_check_shape(const struct aim_settings *settings, const struct engi
     return true;
 }
 
+bool settings_check_score(const struct engine_settings *settings, bool has_history)
+{
+    conus_score_info score;
+    if (conus_score_parse(&score, settings->score)) {
+        complain("--%s", conus_message());
+        return false;
+    }
+    if (score.needs_history && !has_history) {
+        complain("--score: %s needs a history, which single poses have not; conus track has one", score.name);
+        return false;
+    }
+    if (score.needs_layers && settings->layers != CONUS_ALL_LAYERS) {
+        complain("--score: %s needs --layers all", score.name);
+        return false;
+    }
+    return true;
+}
+
 conus_selector_options settings_engine(const struct engine_settings *settings, const struct common_settings *common)
 {
     return (conus_selector_options){
@@ -301,7 +316,7 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
         .range = {settings->range[0], settings->range[1]},
         .radius = settings->radius,
         .level = settings->level,
-        .score = conus_score(settings->score)->name,
+        .score = settings->score,
         .log = common->verbose ? log_line : NULL,
     };
 }
@@ -309,8 +324,9 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
 void help_scores(FILE *out)
 {
     const conus_score_info *score;
-    fputs("Scores\n", out);
+    fputs("Scores, the higher the better; a formula joins them with numbers, + - * / and parentheses\n", out);
     for (size_t i = 0; (score = conus_score(i)); i++) {
-        fprintf(out, "  %-26s  %s\n", score->name, score->description);
+        fprintf(out, "  %-26s  %s%s%s\n", score->name, score->description, score->needs_history ? " (conus track)" : "",
+                score->needs_layers ? " (--layers all)" : "");
     }
 }

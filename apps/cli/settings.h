@@ -27,8 +27,9 @@ struct aim_settings {
 
 struct engine_settings {
     uint32_t resolution, slices;
-    size_t aperture, engine, sampling, score; /* conus_aperture, conus_engine, conus_sampling, index of a score */
-    size_t layers;                            /* conus_layers */
+    size_t aperture, engine, sampling; /* conus_aperture, conus_engine, conus_sampling */
+    const char *score;                 /* a name or formula; NULL = the default */
+    size_t layers;                     /* conus_layers */
     const char *level;
     double range[2], radius; /* mm */
 };
@@ -36,7 +37,8 @@ struct engine_settings {
 extern const struct option quiet_options[];  /**< common_settings: --help, --version, --quiet, --verbose */
 extern const struct option plain_options[];  /**< common_settings: --help, --version */
 extern const struct option atlas_options[];  /**< atlas_settings */
-extern const struct option aim_options[];    /**< aim_settings */
+extern const struct option aim_options[];    /**< aim_settings: where from and where to */
+extern const struct option angle_options[];  /**< aim_settings: --angle, --space */
 extern const struct option engine_options[]; /**< engine_settings, without --slices */
 extern const struct option shape_options[];  /**< engine_settings: --layers, --range, --radius */
 extern const struct option slices_options[]; /**< engine_settings: --slices of the ID pass */
@@ -86,6 +88,9 @@ double settings_angle(const struct aim_settings *settings, const struct engine_s
 /** Whether angle and radius go together; complains if not. */
 bool settings_check_shape(const struct aim_settings *settings, const struct engine_settings *engine,
                           const struct arguments *arguments);
+
+/** Whether there is such a score, and what it needs; complains if not. */
+bool settings_check_score(const struct engine_settings *settings, bool has_history);
 
 /** What the library is told about the engine; @p common chooses whether it logs. */
 conus_selector_options settings_engine(const struct engine_settings *settings, const struct common_settings *common);

@@ -56,6 +56,7 @@ typedef struct conus_pose_list conus_pose_list;     /**< Poses read from a file.
 typedef struct conus_pose_stream conus_pose_stream; /**< Poses being read.                                */
 typedef struct conus_selector conus_selector;       /**< An engine made ready for one atlas.                  */
 typedef struct conus_selection conus_selection;     /**< The answer to one query. Immutable.                  */
+typedef struct conus_tracker conus_tracker;         /**< A selector that remembers.                           */
 typedef struct conus_sweep conus_sweep;             /**< What a growing cone admits, and when.                */
 typedef struct conus_jitter conus_jitter;           /**< An answer under errors of the pose.                  */
 typedef struct conus_report conus_report;           /**< Answers collected for writing.                       */
@@ -335,7 +336,7 @@ typedef struct conus_selector_options {
     double radius;           /**< mm: instead of a cone a cylinder about the axis, whose angle is 0. 0 = a cone. */
     const char *level;       /**< Areas are rolled up the area tree: to a depth ("2", roots are at 1), or to the nearest
                                   of listed areas ("Thalamus,Isocortex"; docs/commands.md has more). NULL = none are. */
-    const char *score;       /**< Ranking, a name from conus_score(); NULL = "share".                            */
+    const char *score;       /**< Ranking, a name from conus_score() or a formula of them; NULL = "share".       */
     conus_log log;           /**< NULL = silent.                                                                 */
     void *log_user;
 } conus_selector_options;
@@ -419,10 +420,55 @@ CONUS_API const conus_span *conus_selection_spans(const conus_selection *selecti
 
 typedef struct conus_score_info {
     const char *name, *description;
+    bool needs_history; /**< Only a conus_tracker has it. */
+    bool needs_layers;  /**< Only with CONUS_ALL_LAYERS.  */
 } conus_score_info;
 
-/** The table of rankings: entry @p index, NULL past the last. */
+/** The table of rankings (Eq. 12): entry @p index, NULL past the last. */
 CONUS_API const conus_score_info *conus_score(size_t index);
+/** What the ranking @p score needs: a name, or a formula of names, numbers, + - * /, a minus in front and parentheses,
+ * as "0.5*share + 0.5*centre". out->name is @p score, "share" for NULL. CONUS_ERROR_ARGUMENT says what is wrong with a
+ * formula. Where a name has no value, or a divisor is 0, the formula has none: such objects rank last. */
+CONUS_CHECKED conus_status conus_score_parse(conus_score_info *out, const char *score);
+
+/* ---- Tracks ----------------------------------------------------------------------------------------------- */
+
+/** Constants of the scores that need a history (Eq. 12). */
+typedef struct conus_tracker_options {
+    double window;     /**< T of time and stability, s; after longer without a step all starts afresh. 0 = 2.     */
+    double stickiness; /**< IntenSelect's c_s, in (0, 1), what is kept of a score in one frame. 0 = 0.5.          */
+    double snappiness; /**< And c_g, up to 1, what is added of the new one. 0 = 0.5.                              */
+    double rate;       /**< Hz: a frame of c_s and c_g is 1/rate. 0 = 60.                                         */
+    double growth;     /**< Of IntenSelect+, 1/s. 0 = 7.5.                                                        */
+    double decay;      /**< And where an object contributes less than it did, 1/s. 0 = 5.                         */
+    double exponent;   /**< k of both, in (0, 1]. 0 = 4/5.                                                        */
+    double delay;      /**< s before the trigger of what it confirms, up to the window. 0 = 0.15; below 0 = none. */
+} conus_tracker_options;
+
+/** Follows a device: what its selector finds, ranked with what came before. The selector must outlive it. */
+CONUS_CHECKED conus_status conus_tracker_create(conus_tracker **out, conus_selector *selector,
+                                                const conus_tracker_options *options);
+CONUS_API void conus_tracker_destroy(conus_tracker *tracker);
+
+/** The device at @p time_s, seconds of any clock: conus_select() with a history. Objects that left the cone stay in
+ * the ranking, with 0 pixels, for as long as they have a score or could be confirmed. @p trigger: it is held down; the
+ * step at which it goes down confirms what was selected `delay` ago, before the press moved the hand. A step before the
+ * last one is CONUS_ERROR_ARGUMENT; after any failure the tracker is as it was, so that a lost frame is one that was
+ * never there. Of two steps at one time the later one counts. */
+CONUS_CHECKED conus_status conus_tracker_step(conus_selection **out, conus_tracker *tracker, double time_s,
+                                              const conus_pose *pose, double angle, bool trigger);
+/** The object that was selected @p ago seconds before the last step, 0 to the window; 0 if none was. */
+CONUS_API uint32_t conus_tracker_selected(const conus_tracker *tracker, double ago);
+
+/** Where a selection stands in its track. */
+typedef struct conus_step {
+    double time_s;
+    uint32_t selected;  /**< The first by rank of what is in the cone or has a score from before; 0 = none. */
+    uint32_t confirmed; /**< Object that the trigger confirms at this step; 0 = none, no press. */
+} conus_step;
+
+/** NULL if the selection is not from a tracker. */
+CONUS_API const conus_step *conus_selection_step(const conus_selection *selection);
 
 /* ---- How sure is it? -------------------------------------------------------------------------------------- */
 
@@ -488,6 +534,10 @@ typedef struct conus_report_options {
     bool all_voxels;     /**< conus_report_voxels(): areas' voxels too, not only pathways'.                      */
     bool no_voxels;      /**< Do not keep any for it: quicker, and less memory.                                  */
     const char *command; /**< The command line, for the provenance; NULL = none.                                 */
+    const conus_tracker *tracker; /**< Of a report on its steps, with the columns time_s, selected and confirmed; it
+                                       must outlive the report. NULL = none.                             */
+    bool selected_only;           /**< Of a step only what is selected or confirmed; or, if nothing is, what is
+                                       unassigned.                                                       */
 } conus_report_options;
 
 /** Starts a report on answers of @p selector. Strings of @p options must outlive the report. */
@@ -500,6 +550,9 @@ CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *qu
 CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const char *query_id, const char *reason);
 /** The whole text in the report's format. Borrowed until the next call on the report. */
 CONUS_CHECKED conus_status conus_report_text(conus_report *report, const char **text, size_t *size);
+/** The same for a report that goes on: the text of the answers since the last call, which are then forgotten. The
+ * heading of a table or TSV comes once, with the first call. Not for CONUS_JSON, which is one whole. */
+CONUS_CHECKED conus_status conus_report_take(conus_report *report, const char **text, size_t *size);
 /** The voxels met first (with all layers, and of a ball, all with their centre in it), nearest first, as TSV: query
  * pathway i j k x y z value distance_mm kind index. Borrowed likewise. */
 CONUS_CHECKED conus_status conus_report_voxels(conus_report *report, const char **text, size_t *size);

@@ -5,7 +5,7 @@ load helpers
 @test "--version names the program and its version" {
     answers --version
     [ "$output" = "conus 0.1.0" ]
-    for command in query info render phantom diff; do
+    for command in query track info render phantom diff; do
         answers $command --version
         [ "$output" = "conus 0.1.0" ]
     done
@@ -13,7 +13,7 @@ load helpers
 
 @test "--help lists the commands, and each explains itself" {
     answers --help
-    for command in query info render phantom diff; do
+    for command in query track info render phantom diff; do
         has "  $command "
         answers $command --help
         has "usage: conus $command "
@@ -36,7 +36,7 @@ load helpers
 }
 
 @test "every option in the help is accepted by the parser" {
-    for command in query info render phantom diff; do
+    for command in query track info render phantom diff; do
         answers $command --help
         grep -oE '^ +(-[a-z], )?--[a-z-]+' <<<"$output" | grep -oE -- '--[a-z-]+' >options
         [ "$(wc -l <options)" -ge 3 ]
@@ -95,7 +95,7 @@ load helpers
     fails 2 '--aperture: "circel" is none of its choices; did you mean circle?' query a.nii --aperture circel
     fails 2 '--format: "xml" is none of its choices: table, tsv, json, ndjson' query a.nii --format xml
     fails 2 '--space: "mni" is none of its choices: ras, lps' query a.nii --space mni
-    fails 2 '--score: "volume" is none of its choices: share' query a.nii --score volume
+    fails 2 '--score: "volume" is unknown, allowed are share, centre, distance' query a.nii --score volume
 }
 
 @test "options without effect are refused" {

@@ -1,0 +1,387 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/answer_format.h"
+#include "cli/commands.h"
+#include "cli/messages.h"
+#include "cli/output.h"
+#include "cli/settings.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct track_settings {
+    struct atlas_settings atlas;
+    struct aim_settings aim; /* pose, angle and space of it */
+    struct engine_settings engine;
+    struct common_settings common;
+    conus_tracker_options constants;
+    size_t format; /* conus_format */
+    const char *output;
+    bool selected;
+};
+
+#define FIELD(member) offsetof(struct track_settings, member)
+
+static const struct option pose_options[] = {
+    {.name = "poses",
+     .type = OPTION_TEXT,
+     .offset = FIELD(aim.pose),
+     .value = "FILE",
+     .help = "the device's poses, a table with a column time_s and perhaps trigger (docs/formats.md); - is stdin",
+     .required = true},
+    {0},
+};
+
+static const struct option history_options[] = {
+    {.name = "delay",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(constants.delay),
+     .value = "SECONDS",
+     .help = "a press confirms what was selected so long before, 0 to 10 and up to the window (default 0.15)",
+     .low = 0,
+     .high = 10},
+    {.name = "window",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(constants.window),
+     .value = "SECONDS",
+     .help = "of time and stability; after longer without a pose the history starts afresh (default 2)",
+     .low = 0,
+     .high = 1e6,
+     .open = true},
+    {.name = "stickiness",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(constants.stickiness),
+     .value = "C",
+     .help = "IntenSelect's c_s: what is kept of a score in a frame, between 0 and 1 (default 0.5)",
+     .low = 0,
+     .high = 1,
+     .open = true},
+    {.name = "snappiness",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(constants.snappiness),
+     .value = "C",
+     .help = "IntenSelect's c_g: what is added of the new one, 0.001 to 1 (default 0.5)",
+     .low = 0.001,
+     .high = 1},
+    {.name = "rate",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(constants.rate),
+     .value = "HZ",
+     .help = "frames in a second for these two, whatever the poses' rate is (default 60)",
+     .low = 0,
+     .high = 1e6,
+     .open = true},
+    {.name = "growth",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(constants.growth),
+     .value = "RATE",
+     .help = "of IntenSelect+, per second (default 7.5)",
+     .low = 0,
+     .high = 1e6,
+     .open = true},
+    {.name = "decay",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(constants.decay),
+     .value = "RATE",
+     .help = "likewise (default 5)",
+     .low = 0,
+     .high = 1e6,
+     .open = true},
+    {.name = "exponent",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(constants.exponent),
+     .value = "K",
+     .help = "k of both, 0.01 to 1; with 1 the distance does not matter (default 0.8)",
+     .low = 0.01,
+     .high = 1},
+    {0},
+};
+
+static const struct option output_options[] = {
+    {.name = "selected",
+     .type = OPTION_FLAG,
+     .offset = FIELD(selected),
+     .help = "of each step only what is selected, and what a press confirms"},
+    {.name = "format",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(format),
+     .value = "FORMAT",
+     .help = "of the answer; without it the ending of -o decides, else it is a table:",
+     .choices = answer_formats},
+    {.name = "output",
+     .letter = 'o',
+     .type = OPTION_TEXT,
+     .offset = FIELD(output),
+     .value = "FILE",
+     .help = "write the answer to FILE; a .json beside a .tsv describes its columns, settings and sources"},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"Where the device is", pose_options, 0},
+    {"", angle_options, FIELD(aim)},
+    {"", shape_options, FIELD(engine)},
+    {"How it looks", engine_options, FIELD(engine)},
+    {"", slices_options, FIELD(engine)},
+    {"What it remembers", history_options, 0},
+    {"What it may find", atlas_options, FIELD(atlas)},
+    {"What is written", output_options, 0},
+    {"", quiet_options, FIELD(common)},
+    {0},
+};
+
+/** A track under way. */
+struct track {
+    const struct track_settings *settings;
+    const struct arguments *arguments;
+    conus_format format;
+    char *command_line, *sidecar;
+    conus_atlas *atlas;
+    conus_pose_stream *poses;
+    conus_selector *selector;
+    conus_tracker *tracker;
+    conus_report *report;
+    FILE *held; /* what goes to a file, which appears whole or not at all; NULL for stdout */
+    char *held_text;
+    size_t held_size;
+    bool failed; /* some rows had no answer */
+};
+
+static void track_finish(struct track *track)
+{
+    if (track->held) {
+        fclose(track->held);
+    }
+    free(track->held_text);
+    conus_report_destroy(track->report);
+    conus_tracker_destroy(track->tracker);
+    conus_selector_destroy(track->selector);
+    conus_pose_stream_destroy(track->poses);
+    conus_atlas_destroy(track->atlas);
+    free(track->command_line);
+    free(track->sidecar);
+}
+
+static bool check(const struct track_settings *settings, const struct arguments *arguments)
+{
+    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
+        complain("--slices has no effect without --sampling slices");
+        return false;
+    }
+    return settings_check_score(&settings->engine, true) &&
+           settings_check_shape(&settings->aim, &settings->engine, arguments);
+}
+
+/* Writes what was answered since the last time. A whole JSON text waits for the end. */
+static int write_steps(struct track *track)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    if (track->format == CONUS_JSON) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_report_take(track->report, &text, &size);
+    if (status) {
+        return complain_status(status);
+    }
+    if (!track->held) {
+        return output_write(NULL, text, size);
+    }
+    if (fwrite(text, 1, size, track->held) != size) {
+        complain("not enough memory");
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
+}
+
+static int skip_row(struct track *track, const conus_pose_row *row, const char *why)
+{
+    const char *path = track->settings->aim.pose;
+    complain("%s:%zu: %s", strcmp(path, "-") ? path : "standard input", row->line, why);
+    track->failed = true;
+    return EXIT_DONE;
+}
+
+static int answer_row(struct track *track, const conus_pose_row *row)
+{
+    const struct track_settings *settings = track->settings;
+    double angle = row->angle != 0 ? row->angle : settings_angle(&settings->aim, &settings->engine);
+    conus_selection *selection = NULL;
+    if (row->error || row->is_point) {
+        return skip_row(track, row, row->error ? row->error : POINT_LOOKS_NOWHERE);
+    }
+    if (isnan(row->time_s)) {
+        return skip_row(track, row, "no time_s, which a step needs");
+    }
+    conus_status status = conus_tracker_step(&selection, track->tracker, row->time_s, &row->pose, angle, row->trigger);
+    if (status == CONUS_ERROR_ARGUMENT) {
+        return skip_row(track, row, conus_message());
+    }
+    status = status ? status : conus_report_add(track->report, row->id, selection);
+    conus_selection_destroy(selection);
+    return status ? complain_status(status) : write_steps(track);
+}
+
+/* One row at a time, so that what comes through a pipe is answered as it comes. */
+static int answer_all(struct track *track)
+{
+    size_t count = 0;
+    int code = EXIT_DONE;
+    do {
+        conus_pose_row row;
+        conus_status status = conus_pose_stream_read(track->poses, &row, 1, &count);
+        code = status ? complain_status(status) : count ? answer_row(track, &row) : EXIT_DONE;
+    } while (!code && count);
+    return code;
+}
+
+static conus_status start(struct track *track)
+{
+    const struct track_settings *settings = track->settings;
+    const conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
+    conus_tracker_options constants = settings->constants;
+    if (option_given(track->arguments, "delay") && constants.delay == 0) {
+        constants.delay = -1; /* none; 0 is the default */
+    }
+    conus_status status = conus_selector_create(&track->selector, track->atlas, &engine);
+    status = status ? status : conus_tracker_create(&track->tracker, track->selector, &constants);
+    if (status) {
+        return status;
+    }
+    if (settings->common.verbose) {
+        complain("engine: %s", conus_selector_engine(track->selector));
+    }
+    const conus_report_options report = {.format = track->format,
+                                         .space = (conus_space)settings->aim.space,
+                                         .command = track->command_line,
+                                         .tracker = track->tracker,
+                                         .selected_only = settings->selected};
+    return conus_report_create(&track->report, track->selector, &report);
+}
+
+static int write_sidecar(struct track *track)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    if (!track->sidecar) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_report_sidecar(track->report, &text, &size);
+    return status ? complain_status(status) : output_write(track->sidecar, text, size);
+}
+
+/* What is left to write when the last row is answered; the answer's own file last. */
+static int write_rest(struct track *track)
+{
+    int code = write_sidecar(track);
+    if (!code && track->format == CONUS_JSON) {
+        const char *text = NULL;
+        size_t size = 0;
+        conus_status status = conus_report_text(track->report, &text, &size);
+        return status ? complain_status(status) : output_write(track->settings->output, text, size);
+    }
+    if (code || !track->held) {
+        return code;
+    }
+    if (fflush(track->held)) {
+        complain("not enough memory");
+        return EXIT_DATA;
+    }
+    return output_write(track->settings->output, track->held_text, track->held_size);
+}
+
+static int open_poses(struct track *track)
+{
+    const conus_pose_options options = {.space = (conus_space)track->settings->aim.space};
+    conus_status status = conus_pose_stream_open(&track->poses, track->settings->aim.pose, &options);
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
+static bool check_files(const struct track *track)
+{
+    const struct track_settings *settings = track->settings;
+    const char *outputs[] = {settings->output, track->sidecar};
+    const struct input inputs[] = {{"the atlas", track->arguments->operands[0]},
+                                   {"the label table", settings->atlas.labels},
+                                   {"the file of poses", settings->aim.pose},
+                                   {0}};
+    for (size_t i = 0; i < 2; i++) {
+        const char *input = output_is_stdout(outputs[i]) ? NULL : settings_input(track->atlas, inputs, outputs[i]);
+        if (input) {
+            complain("%s would overwrite %s %s", i ? "the .json beside --output" : "--output", input, outputs[i]);
+            return false;
+        }
+    }
+    return true;
+}
+
+static int work(struct track *track)
+{
+    const struct track_settings *settings = track->settings;
+    int code = open_poses(track);
+    if (!code) {
+        code = settings_load_atlas(&track->atlas, track->arguments->operands[0], &settings->atlas);
+    }
+    if (code || !check_files(track)) {
+        return code ? code : EXIT_USAGE;
+    }
+    settings_say_notes(track->atlas, &settings->common);
+    conus_status status = start(track);
+    code = status ? complain_status(status) : answer_all(track);
+    code = code ? code : write_rest(track);
+    return code ? code : track->failed ? EXIT_DIFFERENT : EXIT_DONE;
+}
+
+static bool prepare(struct track *track)
+{
+    const char *output = track->settings->output;
+    track->command_line = arguments_text(track->arguments);
+    if (!track->command_line || !answer_sidecar(&track->sidecar, track->format, output)) {
+        return false;
+    }
+    if (!output_is_stdout(output) && track->format != CONUS_JSON) {
+        track->held = open_memstream(&track->held_text, &track->held_size);
+        return track->held;
+    }
+    return true;
+}
+
+static int run(const void *given, const struct arguments *arguments)
+{
+    const struct track_settings *settings = given;
+    if (!check(settings, arguments)) {
+        return EXIT_USAGE;
+    }
+    struct track track = {.settings = settings,
+                          .arguments = arguments,
+                          .format = answer_format(arguments, settings->format, settings->output)};
+    int code = EXIT_DATA;
+    if (prepare(&track)) {
+        code = work(&track);
+    } else {
+        complain("not enough memory");
+    }
+    track_finish(&track);
+    return code;
+}
+
+const struct command cmd_track = {
+    .name = "track",
+    .summary = "follow a moving device: at each moment what it means, by what came before",
+    .operands = {"ATLAS"},
+    .form = "--poses FILE",
+    .description =
+        "Looks into the atlas from one pose after the other, as conus query does, and ranks what it meets with\n"
+        "what it met before, so that a trembling hand selects one area and not several. Rows are in order of\n"
+        "time_s, at any rate; a row before its predecessor is left out with a message. Where a column trigger\n"
+        "goes from 0 to 1, the area that was selected a moment before, when the press had not yet moved the\n"
+        "hand, is confirmed. Steps are written as they come.",
+    .examples = "  conus track aal.nii.gz --poses hand.tsv --score intenselect --selected\n"
+                "  tracker | conus track aal.nii.gz --poses - --score 0.7*intenselect_plus+0.3*time --format ndjson\n"
+                "  conus track aal.nii.gz --poses hand.tsv --angle 5 -o steps.tsv\n",
+    .groups = groups,
+    .settings_size = sizeof(struct track_settings),
+    .more_help = help_scores,
+    .run = run,
+};

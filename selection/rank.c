@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the scores of Eq. 12 look at beside the results: the box around the atlas, what touches the aperture's rim. */
+#include "base/math3.h"
+#include "base/memory.h"
+#include "selection/selection.h"
+
+static void extend(double box[2][3], const double point[3])
+{
+    for (int a = 0; a < 3; a++) {
+        box[0][a] = fmin(box[0][a], point[a]);
+        box[1][a] = fmax(box[1][a], point[a]);
+    }
+}
+
+static void extend_by_volume(double box[2][3], const conus_volume_info *info)
+{
+    for (int corner = 0; corner < 8; corner++) {
+        double point[3];
+        for (int a = 0; a < 3; a++) {
+            point[a] = corner >> a & 1 ? (double)info->dim[a] - 0.5 : -0.5;
+        }
+        mat4_point(point, info->world_from_voxel, point);
+        extend(box, point);
+    }
+}
+
+static void extend_by_mesh(double box[2][3], const struct mesh *mesh)
+{
+    for (size_t i = 0; i < mesh->vertex_count; i++) {
+        const float *p = mesh->positions + 3 * i;
+        extend(box, (double[]){p[0], p[1], p[2]});
+    }
+}
+
+static void find_box(double box[2][3], const conus_atlas *atlas)
+{
+    for (int a = 0; a < 3; a++) {
+        box[0][a] = INFINITY;
+        box[1][a] = -INFINITY;
+    }
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        if (atlas->volumes[i].info.role != CONUS_CONTEXT) {
+            extend_by_volume(box, &atlas->volumes[i].info);
+        }
+    }
+    for (size_t i = 0; i < atlas->mesh_count; i++) {
+        extend_by_mesh(box, &atlas->meshes[i]);
+    }
+}
+
+conus_status selector_prepare_border(conus_selector *selector)
+{
+    if (!selector->ranking.needs_border) {
+        return CONUS_OK;
+    }
+    selector->on_border = memory_zeroed(selector->atlas->object_count + 1, sizeof *selector->on_border);
+    return selector->on_border ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+conus_status selector_prepare_ranking(conus_selector *selector)
+{
+    conus_status status = ranking_parse(&selector->ranking, selector->options.score);
+    selector->options.score = NULL;
+    if (status) {
+        return status;
+    }
+    if (selector->ranking.info.needs_layers && selector->options.layers != CONUS_ALL_LAYERS) {
+        return fail(CONUS_ERROR_ARGUMENT, "score: %s needs all layers", selector->ranking.formula.text);
+    }
+    if (selector->ranking.needs_box) {
+        find_box(selector->box, selector->atlas);
+    }
+    return selector_prepare_border(selector);
+}
+
+/* From the apex to the nearest point of the box, and to its farthest corner. */
+static void measure_box(struct score_view *view, const double box[2][3], const double apex[3])
+{
+    double near[3];
+    double far[3];
+    for (int a = 0; a < 3; a++) {
+        near[a] = fmax(0, fmax(box[0][a] - apex[a], apex[a] - box[1][a]));
+        far[a] = fmax(fabs(box[0][a] - apex[a]), fabs(box[1][a] - apex[a]));
+    }
+    view->near = vec3_length(near);
+    view->far = vec3_length(far);
+}
+
+static bool is_in_cone(const conus_selection *selection, int64_t i, int64_t j)
+{
+    int64_t n = selection->cone.resolution;
+    return i >= 0 && j >= 0 && i < n && j < n && selection->in_cone[j * n + i];
+}
+
+/* Of the pixels in the cone, those with a neighbour that is not. */
+static void mark_border(bool *on_border, const conus_selection *selection)
+{
+    int64_t n = selection->cone.resolution;
+    for (int64_t pixel = 0; pixel < n * n; pixel++) {
+        int64_t i = pixel % n;
+        int64_t j = pixel / n;
+        if (selection->in_cone[pixel] && !(is_in_cone(selection, i - 1, j) && is_in_cone(selection, i + 1, j) &&
+                                           is_in_cone(selection, i, j - 1) && is_in_cone(selection, i, j + 1))) {
+            on_border[selection->evidence.object[pixel]] = true;
+        }
+    }
+}
+
+static void clear_border(bool *on_border, const struct statistics *statistics)
+{
+    for (size_t i = 0; i < statistics->count; i++) {
+        on_border[statistics->results[i].object] = false;
+    }
+}
+
+static uint32_t count_pixels(const struct statistics *statistics)
+{
+    uint32_t pixels = 0;
+    for (size_t i = 0; i < statistics->count; i++) {
+        pixels += statistics->results[i].pixels;
+    }
+    return pixels;
+}
+
+void selection_rank(conus_selection *selection, conus_selector *selector, const struct history *history)
+{
+    struct score_view view = {.cone = &selection->cone,
+                              .cone_pixels = count_pixels(&selection->statistics),
+                              .on_border = selector->on_border,
+                              .history = history};
+    if (selector->ranking.needs_box) {
+        measure_box(&view, (const double(*)[3])selector->box, selection->cone.pose.world_from_device + 12);
+    }
+    if (selector->on_border) {
+        mark_border(selector->on_border, selection);
+    }
+    score_rank(&selection->statistics, &selector->ranking, &view);
+    if (selector->on_border) {
+        clear_border(selector->on_border, &selection->statistics);
+    }
+}

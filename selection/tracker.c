@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/memory.h"
+#include "selection/selection.h"
+
+#include <math.h>
+#include <string.h>
+
+#define DEFAULT_WINDOW 2.0
+#define DEFAULT_STICKINESS 0.5
+#define DEFAULT_SNAPPINESS 0.5
+#define DEFAULT_RATE 60.0
+#define DEFAULT_GROWTH 7.5
+#define DEFAULT_DECAY 5.0
+#define DEFAULT_EXPONENT (4.0 / 5.0)
+#define DEFAULT_DELAY 0.15
+#define LIMIT 1e6
+
+/* Times that differ by less are the same: what a device's clock and decimal digits make of them. */
+#define MOMENT 1e-9
+
+/* From when on an object was selected. */
+struct choice {
+    double time;
+    uint32_t object;
+};
+
+struct conus_tracker {
+    conus_selector *selector;
+    conus_tracker_options options; /* defaults filled in */
+    struct history history;
+    struct choice *choices; /* within the window, and the last one before it; by time */
+    size_t choice_count, choice_capacity;
+    struct history_sample *samples;
+    size_t sample_capacity;
+    bool held; /* the trigger, at the last step */
+};
+
+static conus_status check_range(const char *name, double value, double high, bool open)
+{
+    bool fits = value > 0 && (open ? value < high : value <= high);
+    return fits ? CONUS_OK
+                : fail(CONUS_ERROR_ARGUMENT, "%s: %g, allowed is more than 0 and %s %g", name, value,
+                       open ? "less than" : "at most", high);
+}
+
+static double value_or(double value, double standard)
+{
+    return value != 0 ? value : standard;
+}
+
+static conus_tracker_options with_defaults(const conus_tracker_options *options)
+{
+    conus_tracker_options all = options ? *options : (conus_tracker_options){0};
+    all.window = value_or(all.window, DEFAULT_WINDOW);
+    all.stickiness = value_or(all.stickiness, DEFAULT_STICKINESS);
+    all.snappiness = value_or(all.snappiness, DEFAULT_SNAPPINESS);
+    all.rate = value_or(all.rate, DEFAULT_RATE);
+    all.growth = value_or(all.growth, DEFAULT_GROWTH);
+    all.decay = value_or(all.decay, DEFAULT_DECAY);
+    all.exponent = value_or(all.exponent, DEFAULT_EXPONENT);
+    all.delay = all.delay < 0 ? 0 : value_or(all.delay, fmin(DEFAULT_DELAY, all.window));
+    return all;
+}
+
+static conus_status check_options(const conus_tracker_options *options)
+{
+    const struct {
+        const char *name;
+        double value, high;
+        bool open;
+    } ranges[] = {{"window", options->window, LIMIT, false},     {"stickiness", options->stickiness, 1, true},
+                  {"snappiness", options->snappiness, 1, false}, {"rate", options->rate, LIMIT, false},
+                  {"growth", options->growth, LIMIT, false},     {"decay", options->decay, LIMIT, false},
+                  {"exponent", options->exponent, 1, false}};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < sizeof ranges / sizeof ranges[0]; i++) {
+        status = check_range(ranges[i].name, ranges[i].value, ranges[i].high, ranges[i].open);
+    }
+    if (!status && !(options->delay >= 0 && options->delay <= options->window)) {
+        status = fail(CONUS_ERROR_ARGUMENT, "delay: %g s, allowed is at most the window, %g s", options->delay,
+                      options->window);
+    }
+    return status;
+}
+
+conus_status conus_tracker_create(conus_tracker **out, conus_selector *selector, const conus_tracker_options *options)
+{
+    const conus_tracker_options all = with_defaults(options);
+    conus_status status = check_options(&all);
+    conus_tracker *tracker = status ? NULL : memory_zeroed(1, sizeof *tracker);
+    if (!tracker) {
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    const struct history_constants constants = {.window = all.window,
+                                                .intent_rate = -all.rate * log(all.stickiness),
+                                                .intent_gain = all.snappiness / (1 - all.stickiness),
+                                                .growth = all.growth,
+                                                .decay = all.decay};
+    tracker->selector = selector;
+    tracker->options = all;
+    status = history_init(&tracker->history, selector->atlas->object_count, &constants);
+    if (status) {
+        memory_free(tracker);
+        return status;
+    }
+    *out = tracker;
+    return CONUS_OK;
+}
+
+void conus_tracker_destroy(conus_tracker *tracker)
+{
+    if (tracker) {
+        history_finish(&tracker->history);
+        memory_free(tracker->choices);
+        memory_free(tracker->samples);
+        memory_free(tracker);
+    }
+}
+
+const conus_tracker_options *tracker_options(const conus_tracker *tracker)
+{
+    return &tracker->options;
+}
+
+static conus_status check_time(const conus_tracker *tracker, double time)
+{
+    if (!isfinite(time)) {
+        return fail(CONUS_ERROR_ARGUMENT, "time_s: %g, allowed are finite numbers", time);
+    }
+    if (tracker->history.steps && time < tracker->history.time) {
+        return fail(CONUS_ERROR_ARGUMENT, "time_s: %.10g is before the last step, %.10g", time, tracker->history.time);
+    }
+    return CONUS_OK;
+}
+
+static bool reserve(void **array, size_t *capacity, size_t count, size_t size)
+{
+    if (count > *capacity) {
+        void *larger = memory_resize(*array, 2 * count, size);
+        if (!larger) {
+            return false;
+        }
+        *array = larger;
+        *capacity = 2 * count;
+    }
+    return true;
+}
+
+/* One sample for each object in the cone. */
+static size_t take_samples(conus_tracker *tracker, const conus_selection *selection)
+{
+    size_t count = selection->statistics.count - 1; /* the last is CONUS_UNASSIGNED */
+    for (size_t i = 0; i < count; i++) {
+        const conus_result *result = &selection->statistics.results[i];
+        double contribution = score_contribution(result, &selection->cone, tracker->options.exponent);
+        tracker->samples[i] = (struct history_sample){result->object, contribution};
+    }
+    return count;
+}
+
+/* All that a step may need, so that it cannot fail half way. */
+static conus_status make_room(conus_tracker *tracker, conus_selection *selection, size_t *sample_count)
+{
+    struct statistics *statistics = &selection->statistics;
+    void *samples = tracker->samples;
+    void *choices = tracker->choices;
+    bool done = reserve(&samples, &tracker->sample_capacity, statistics->count, sizeof *tracker->samples);
+    tracker->samples = samples;
+    done = done && reserve(&choices, &tracker->choice_capacity, tracker->choice_count + 1, sizeof *tracker->choices);
+    tracker->choices = choices;
+    if (!done) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *sample_count = take_samples(tracker, selection);
+    conus_status status = history_reserve(&tracker->history, tracker->samples, *sample_count);
+    conus_result *results = NULL;
+    if (!status) {
+        results = memory_resize(statistics->results, statistics->count + tracker->history.count, sizeof *results);
+    }
+    if (!results) {
+        return CONUS_ERROR_MEMORY;
+    }
+    statistics->results = results;
+    return CONUS_OK;
+}
+
+/* An object that is not in the cone. */
+static conus_result absent_result(const conus_tracker *tracker, uint32_t object)
+{
+    conus_result result = statistics_empty_result(object);
+    result.kind = conus_atlas_object(tracker->selector->atlas, object)->kind;
+    return result;
+}
+
+/* What is in the cone counts, and what left it while its score lasts. */
+static bool counts(const conus_tracker *tracker, const struct memory *memory)
+{
+    return memory->last.inside || (tracker->selector->ranking.info.needs_history && history_has_score(memory));
+}
+
+static bool stays_in_ranking(const conus_tracker *tracker, const struct memory *memory)
+{
+    bool was_selected = memory->last_choice >= tracker->history.time - tracker->options.window;
+    return !memory->last.inside && (counts(tracker, memory) || was_selected);
+}
+
+/* Puts them in front of the last result, CONUS_UNASSIGNED. */
+static void add_absent(conus_selection *selection, const conus_tracker *tracker)
+{
+    struct statistics *statistics = &selection->statistics;
+    for (size_t i = 0; i < tracker->history.count; i++) {
+        const struct memory *memory = &tracker->history.memories[i];
+        if (stays_in_ranking(tracker, memory)) {
+            statistics->results[statistics->count] = statistics->results[statistics->count - 1];
+            statistics->results[statistics->count++ - 1] = absent_result(tracker, memory->object);
+        }
+    }
+}
+
+static void forget_choices(conus_tracker *tracker)
+{
+    double since = tracker->history.time - tracker->options.window - MOMENT;
+    size_t gone = 0;
+    while (gone + 1 < tracker->choice_count && tracker->choices[gone + 1].time <= since) {
+        gone++;
+    }
+    tracker->choice_count -= gone;
+    if (gone) {
+        memmove(tracker->choices, tracker->choices + gone, tracker->choice_count * sizeof *tracker->choices);
+    }
+}
+
+static void choose(conus_tracker *tracker, uint32_t object)
+{
+    if (tracker->history.steps == 1) { /* started afresh */
+        tracker->choice_count = 0;
+    }
+    uint32_t last = tracker->choice_count ? tracker->choices[tracker->choice_count - 1].object : 0;
+    if (!tracker->choice_count || last != object) {
+        tracker->choices[tracker->choice_count++] = (struct choice){tracker->history.time, object};
+    }
+    history_choose(&tracker->history, last); /* it was the choice up to now */
+    history_choose(&tracker->history, object);
+    forget_choices(tracker);
+}
+
+uint32_t conus_tracker_selected(const conus_tracker *tracker, double ago)
+{
+    if (!tracker || !tracker->choice_count) {
+        return 0;
+    }
+    double time = tracker->history.time - ago + MOMENT;
+    uint32_t object = tracker->choices[0].object;
+    for (size_t i = 0; i < tracker->choice_count && tracker->choices[i].time <= time; i++) {
+        object = tracker->choices[i].object;
+    }
+    return object;
+}
+
+/* The first that counts and has a score. */
+static uint32_t first_of(const conus_tracker *tracker, const conus_selection *selection)
+{
+    for (size_t i = 0; i + 1 < selection->statistics.count; i++) { /* the last is CONUS_UNASSIGNED */
+        const conus_result *result = &selection->statistics.results[i];
+        if (!isnan(result->score) && counts(tracker, history_find(&tracker->history, result->object))) {
+            return result->object;
+        }
+    }
+    return 0;
+}
+
+conus_status conus_tracker_step(conus_selection **out, conus_tracker *tracker, double time_s, const conus_pose *pose,
+                                double angle, bool trigger)
+{
+    conus_selection *selection = NULL;
+    size_t count = 0;
+    conus_status status = check_time(tracker, time_s);
+    status = status ? status : selection_look(&selection, tracker->selector, pose, angle);
+    status = status ? status : make_room(tracker, selection, &count);
+    if (status) {
+        conus_selection_destroy(selection);
+        return status;
+    }
+    history_step(&tracker->history, time_s, tracker->samples, count);
+    add_absent(selection, tracker);
+    selection_rank(selection, tracker->selector, &tracker->history);
+    choose(tracker, first_of(tracker, selection));
+    bool pressed = trigger && !tracker->held;
+    tracker->held = trigger;
+    selection->is_step = true;
+    selection->step = (conus_step){.time_s = time_s,
+                                   .selected = conus_tracker_selected(tracker, 0),
+                                   .confirmed = pressed ? conus_tracker_selected(tracker, tracker->options.delay) : 0};
+    *out = selection;
+    return CONUS_OK;
+}
