@@ -18,6 +18,7 @@ struct batch_pose {
     size_t id;    /**< Where in the block's strings its id begins, */
     size_t error; /**< and why it is no pose, if it is none.        */
     bool is_no_pose;
+    bool is_point;
 };
 
 struct batch_block {

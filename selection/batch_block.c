@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/memory.h"
 #include "selection/batch.h"
+#include "selection/selection.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -38,13 +39,10 @@ static size_t keep_string(struct batch_block *block, const char *string)
 static void keep_row(struct batch_block *block, const conus_pose_row *row)
 {
     struct batch_pose *pose = &block->poses[block->count++];
-    const char *error = row->error      ? row->error
-                        : row->is_point ? "a point, without the direction that a cone needs"
-                                        : NULL;
-    *pose = (struct batch_pose){.line = row->line, .is_no_pose = error != NULL};
+    *pose = (struct batch_pose){.line = row->line, .is_no_pose = row->error != NULL, .is_point = row->is_point};
     pose->id = keep_string(block, row->id);
-    if (error) {
-        pose->error = keep_string(block, error);
+    if (row->error) {
+        pose->error = keep_string(block, row->error);
     } else {
         pose->pose = row->pose;
         pose->angle = row->angle;
@@ -88,14 +86,24 @@ static conus_status add_error(struct batch_block *block, conus_report *report, c
     return conus_report_add_error(report, block->strings.data + pose->id, text);
 }
 
+/* A point is asked what is within the cylinders' radius of it. */
+static conus_status look(conus_selection **out, struct batch_worker *worker, const struct batch_pose *pose)
+{
+    double radius = worker->selector->options.radius;
+    if (!pose->is_point) {
+        return conus_select(out, worker->selector, &pose->pose, pose->angle != 0 ? pose->angle : worker->angle);
+    }
+    return radius > 0 ? conus_select_ball(out, worker->selector, pose->pose.world_from_device + 12, radius)
+                      : fail(CONUS_ERROR_ARGUMENT, "a point, without the direction that a cone needs");
+}
+
 static conus_status answer(struct batch_block *block, struct batch_worker *worker, const struct batch_pose *pose)
 {
     conus_selection *selection = NULL;
     if (pose->is_no_pose) {
         return add_error(block, worker->report, pose, block->strings.data + pose->error);
     }
-    conus_status status =
-        conus_select(&selection, worker->selector, &pose->pose, pose->angle != 0 ? pose->angle : worker->angle);
+    conus_status status = look(&selection, worker, pose);
     if (status == CONUS_ERROR_ARGUMENT) { /* the pose's own fault */
         return add_error(block, worker->report, pose, conus_message());
     }

@@ -23,7 +23,8 @@ static void note_error(void *user, enum RTCError code, const char *message)
 
 conus_status mesh_embree_status(const struct mesh_rays *rays)
 {
-    switch (rays->error) {
+    const enum RTCError error = rays->error; /* clang takes no atomic enumeration here */
+    switch (error) {
     case RTC_ERROR_NONE:
         return CONUS_OK;
     case RTC_ERROR_OUT_OF_MEMORY:

@@ -173,6 +173,19 @@ same_answers() {
     fails 3 '--any-space takes them' batch "$aal" --poses "$SAMPLES/brainsight.txt"
 }
 
+@test "points are balls, for query and batch" {
+    sphere --size 16
+    printf '0 -8 0 below\n0 0 0\n0 x 0 bad\n0 0 90 far\n' >points.txt
+    run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose points.txt --radius 5 --layers all --format tsv
+    check_message 'points.txt:3: y: "x" is not a finite number'
+    [ "$(cell query 1)/$(cell name 1)/$(cell distance_mm 1)" = below/Sphere/3 ]
+    local wanted=$output
+    run -1 --separate-stderr "$CONUS" batch sphere.nii.gz --poses points.txt --radius 5 --layers all
+    [ "$(grep -vP '\terror\t' <<<"$output")" = "$wanted" ]
+    run -1 --separate-stderr "$CONUS" batch sphere.nii.gz --poses points.txt
+    [ "$(grep -cP '\terror\t.*a point, without the direction' <<<"$output")" -eq 3 ]
+}
+
 @test "a batch read another way is another batch" {
     sphere --size 16
     printf '1 0 0 80\n0 0 -1 0\n0 1 0 0\n0 0 0 1\n' >matrix.txt
