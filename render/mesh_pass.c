@@ -16,7 +16,7 @@ enum { PIXEL_BUFFER, HIT_BUFFER };
 enum { FIRST_ROOM = 6, ROOM_STEP = 8 };
 enum { BATCH = 4096 }; /* triangles; Mesa 22.3's llvmpipe takes thrice the time for each in batches of 16384 */
 
-enum { FIRST_HITS = 1024 };
+enum { FIRST_HITS = 1024, PIERCE_BATCH = 65536 };
 
 /* Uniforms that a program has not are -1, which GL ignores. */
 struct mesh_program {
@@ -432,17 +432,20 @@ static uint32_t count_triangles(const struct piercing *piercing)
 conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *view, mesh_pass_take take, void *user)
 {
     struct piercing piercing = {.pass = pass, .view = view, .count = 1, .take = take, .user = user};
+    uint32_t pixels = view->resolution * view->resolution;
+    size_t countable = UINT32_MAX / pixels - CLUSTER_TRIANGLES; /* at once for all pixels, see shader_list.h */
+    size_t triangles = countable < PIERCE_BATCH ? countable : PIERCE_BATCH;
     conus_status status = pass->all.program ? CONUS_OK : create_all(pass);
     status = status ? status : resize(pass, view->resolution);
     mesh_cull_begin(pass->cull, view);
     mesh_cull_hide(pass->cull, NULL);
     while (piercing.count && !status) {
-        piercing.count = mesh_cull_batch(&piercing.batch, pass->cull, BATCH);
+        piercing.count = mesh_cull_batch(&piercing.batch, pass->cull, triangles);
         const struct shader_list_job job = {.binding = HIT_BUFFER,
                                             .draw = draw_hits,
                                             .take = take_hits,
                                             .user = &piercing,
-                                            .pixels = view->resolution * view->resolution,
+                                            .pixels = pixels,
                                             .per_pixel = count_triangles(&piercing)};
         status = shader_list_collect(&pass->hits, &job);
     }

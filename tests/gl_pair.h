@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Both engines for one atlas, and where a driver may differ from exact geometry. */
+/** @file Both engines for one atlas. */
 #ifndef CONUS_TESTS_GL_PAIR_H
 #define CONUS_TESTS_GL_PAIR_H
 
@@ -19,9 +19,5 @@ int gl_pair_messages(void);
 
 /** All layers that an engine sees, sorted. End them with layers_finish(). */
 struct layers gl_pair_pierce(struct engine *engine, const struct cone *cone);
-
-/** Whether the centre of @p pixel lies within 1/128 pixel of the projected edge of a triangle: drivers move corners to
- * a grid. */
-bool gl_pair_edge_is_near(const struct cone *cone, const struct mesh *mesh, uint64_t triangle, size_t pixel);
 
 #endif

@@ -198,6 +198,113 @@ static void a_million_pieces_come_in_portions(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A million voxels in millimetres, cones and needles of any size. */
+static void pieces_of_a_real_atlas_are_those_of_rays(void **state)
+{
+    (void)state;
+    uint64_t random = 75;
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, test_mricron("aal.nii.gz"), NULL));
+    struct pair pair = pair_of(atlas);
+    for (int pose = 0; pose < 100; pose++) {
+        struct cone cone = {.pose = scene_pose(&random, atlas), .resolution = pose % 10 ? 16 : 64};
+        cone.angle = radians_from_degrees(test_random(&random, 1, 40));
+        if (pose % 4 == 3) {
+            make_cylinder(&cone, test_random(&random, 0.5, 30));
+        }
+        assert_same_pieces(&pair, &cone);
+    }
+    assert_true(pair.spans > 50000);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_selection *select_with(const conus_atlas *atlas, const conus_selector_options *options,
+                                    const struct cone *cone)
+{
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, options));
+    assert_ok(conus_select(&selection, selector, &cone->pose, cone->angle));
+    conus_selector_destroy(selector);
+    return selection;
+}
+
+static void assert_same_results(const conus_selection *got, const conus_selection *wanted)
+{
+    size_t count = 0, wanted_count = 0;
+    const conus_span *spans = conus_selection_spans(got, &count);
+    const conus_span *wanted_spans = conus_selection_spans(wanted, &wanted_count);
+    assert_int_equal(count, wanted_count);
+    assert_memory_equal(spans, wanted_spans, count * sizeof *spans);
+    assert_int_equal(conus_selection_count(got), conus_selection_count(wanted));
+    for (size_t i = 0; i < conus_selection_count(got); i++) {
+        const conus_result *a = conus_selection_result(got, i);
+        const conus_result *b = conus_selection_result(wanted, i);
+        assert_int_equal(a->object, b->object);
+        assert_int_equal(a->pixels, b->pixels);
+        assert_int_equal(a->pierced, b->pierced);
+        assert_int_equal(a->voxels, b->voxels);
+        assert_memory_equal(&a->path, &b->path, sizeof a->path);
+        assert_memory_equal(&a->contact, &b->contact, sizeof a->contact);
+    }
+}
+
+/* With a range the visible part, too, comes from the pieces. */
+static void answers_with_a_range_are_those_of_rays(void **state)
+{
+    (void)state;
+    uint64_t random = 76;
+    for (int scene = 0; scene < 30; scene++) {
+        conus_atlas *atlas = scene_atlas(&random, 24, scene % 3);
+        pair_finish(&(struct pair){.engines = gl_pair_create(atlas, CONUS_EXACT)}); /* or skips */
+        struct cone cone = scene_cone(&random, atlas);
+        conus_selector_options options = {.layers = scene % 3 ? CONUS_ALL_LAYERS : CONUS_VISIBLE,
+                                          .range = {test_random(&random, 0, 20), test_random(&random, 20, 200)},
+                                          .resolution = cone.resolution};
+        if (scene % 2) {
+            make_cylinder(&cone, test_random(&random, 0.5, 30));
+            options.radius = cone.radius;
+        }
+        conus_selection *wanted = select_with(atlas, &options, &cone);
+        options.engine = CONUS_ENGINE_GL;
+        conus_selection *got = select_with(atlas, &options, &cone);
+        assert_same_results(got, wanted);
+        conus_selection_destroy(got);
+        conus_selection_destroy(wanted);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+static conus_status create_pierce_destroy(void *atlas)
+{
+    const struct engine_options options = {0};
+    struct engine *engine = NULL;
+    struct layers layers = {0};
+    struct cone cone = {.angle = radians_from_degrees(60), .resolution = 60};
+    conus_status status = conus_pose_toward(&cone.pose, (double[]){-20, 3, 4}, (double[]){2, 3, 4}, NULL);
+    status = status ? status : engine_gl_create(&engine, atlas, &options);
+    status = status ? status : engine->functions->pierce(engine, &layers, &cone);
+    engine_destroy(engine);
+    layers_finish(&layers);
+    return status;
+}
+
+static void every_failing_allocation_is_reported(void **state)
+{
+    (void)state;
+    uint32_t labels[6 * 6 * 6];
+    for (uint32_t i = 0; i < 6 * 6 * 6; i++) {
+        labels[i] = 1 + i; /* more pieces than there is room for at first */
+    }
+    conus_atlas *atlas = grid_atlas(6, labels);
+    struct pair pair = pair_of(atlas);
+    pair_finish(&pair);
+    test_every_allocation(create_pierce_destroy, atlas);
+    conus_atlas_destroy(atlas);
+}
+
+/* Runs last: through all of it the driver had nothing to say. */
 static void the_driver_was_silent(void **state)
 {
     (void)state;
@@ -212,6 +319,9 @@ int main(void)
         cmocka_unit_test(looks_through_cylinders_are_those_of_rays),
         cmocka_unit_test(what_blocks_has_pieces_too),
         cmocka_unit_test(a_million_pieces_come_in_portions),
+        cmocka_unit_test(pieces_of_a_real_atlas_are_those_of_rays),
+        cmocka_unit_test(answers_with_a_range_are_those_of_rays),
+        cmocka_unit_test(every_failing_allocation_is_reported),
         cmocka_unit_test(the_driver_was_silent),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/math3.h"
 #include "base/memory.h"
+#include "gl_edge.h"
 #include "gl_pair.h"
 #include "loaders/mesh_child.h"
 #include "mesh_scene.h"
@@ -39,7 +40,7 @@ static bool may_differ(const struct pair *pair, const struct cone *cone, const s
 {
     uint32_t object = evidence->object[pixel];
     return is_mesh(pair->engines.atlas, object) &&
-           gl_pair_edge_is_near(cone, atlas_object_mesh(pair->engines.atlas, object), evidence->voxel[pixel], pixel);
+           gl_edge_is_near(cone, atlas_object_mesh(pair->engines.atlas, object), evidence->voxel[pixel], pixel);
 }
 
 /* ---- Comparison --------------------------------------------------------------------------------------------- */

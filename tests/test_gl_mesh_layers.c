@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All layers (Eq. 10) of meshes in the gl engine against those in the rays engine. */
 #include "base/math3.h"
+#include "gl_edge.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* The engines, and what has been compared: pixels and their objects. */
@@ -121,7 +123,7 @@ static bool may_differ(const struct pair *pair, const struct cone *cone, uint32_
 {
     const struct mesh *mesh = atlas_object_mesh(pair->engines.atlas, object);
     for (size_t triangle = 0; mesh && triangle < mesh->triangle_count; triangle++) {
-        if (gl_pair_edge_is_near(cone, mesh, triangle, pixel)) {
+        if (gl_edge_is_near(cone, mesh, triangle, pixel)) {
             return true;
         }
     }
@@ -306,6 +308,101 @@ static void meshes_among_voxels(void **state)
     assert_agreement(&sum, 10000);
 }
 
+/* Julich-Brain's left areas, many of which share borders. */
+static void one_hundred_poses_of_julich_brain(void **state)
+{
+    (void)state;
+    uint64_t random = 86;
+    const char *path = test_scratch("julich.atlas.json");
+    const char *shared = test_shared("meshes/julich31-areas/lh");
+    conus_atlas *atlas = NULL;
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fprintf(file, "{\"conus_atlas\": 1, \"allow_outside\": true, \"space\": \"ras\", ");
+    fprintf(file, "\"areas\": [{\"files\": \"%s/*.gii\"}]}\n", shared);
+    assert_int_equal(fclose(file), 0);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    struct pair pair = pair_of(atlas);
+    compare_poses(&pair, &random, 60, 100);
+    assert_agreement(&pair, 20000);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* A needle among triangles that lie behind it, through it and before it, up to its tip's plane. */
+static void what_lies_behind_a_cylinder_is_not_in_it(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = -2; i <= 2; i++) {
+        struct mesh sphere = mesh_scene_sphere((double[]){20 * i, 0, 0}, 8, 20, 40);
+        mesh_scene_add(atlas, &sphere);
+    }
+    struct pair pair = pair_of(atlas);
+    struct cone cone = mesh_scene_cone((double[]){0, 0.123, 0.045}, (double[]){1, 0.123, 0.045}, 10, 16);
+    cone.angle = 0;
+    cone.radius = 1.5;
+    compare(&pair, &cone);
+    struct layers layers = gl_pair_pierce(pair.engines.gl, &cone);
+    assert_int_equal(layers.count, 3 * 16 * 16);
+    for (size_t i = 0; i < layers.count; i++) {
+        const conus_span *span = &layers.spans[i];
+        assert_int_equal(span->object, 3 + i % 3);
+        assert_near(span->entry, span->object == 3 ? 0 : 20 * (span->object - 3.0) - 7.75, 0.3);
+        assert_near(span->exit, 20 * (span->object - 3.0) + 7.75, 0.3);
+    }
+    layers_finish(&layers);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* Far more triangles over a pixel than the list begins with. */
+static void a_thousand_layers(void **state)
+{
+    (void)state;
+    enum { LAYERS = 1000, N = 24 };
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = 0; i < LAYERS; i++) {
+        struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 10 + 0.01 * i, 6, 8);
+        mesh_scene_add(atlas, &sphere);
+    }
+    struct pair pair = pair_of(atlas);
+    struct cone cone = mesh_scene_cone((double[]){-50, 1.234, 2.345}, (double[]){0, 0.321, 0.123}, 6, N);
+    compare(&pair, &cone);
+    assert_int_equal(pair.pieces, (size_t)LAYERS * N * N);
+    assert_agreement(&pair, (size_t)LAYERS * N * N);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status create_pierce_destroy(void *atlas)
+{
+    const struct engine_options options = {0};
+    struct engine *engine = NULL;
+    struct layers layers = {0};
+    struct cone cone = mesh_scene_cone((double[]){-50, 0, 0}, (double[]){0, 0, 0}, 30, 24);
+    conus_status status = engine_gl_create(&engine, atlas, &options);
+    status = status ? status : engine->functions->pierce(engine, &layers, &cone);
+    engine_destroy(engine);
+    layers_finish(&layers);
+    return status;
+}
+
+static void every_failing_allocation_is_reported(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = 0; i < 3; i++) {
+        struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 10 + i, 8, 16);
+        mesh_scene_add(atlas, &sphere);
+    }
+    struct pair pair = pair_of(atlas);
+    pair_finish(&pair);
+    test_every_allocation(create_pierce_destroy, atlas);
+    conus_atlas_destroy(atlas);
+}
+
+/* Runs last: through all of it the driver had nothing to say. */
 static void the_driver_was_silent(void **state)
 {
     (void)state;
@@ -315,9 +412,16 @@ static void the_driver_was_silent(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nested_spheres),      cmocka_unit_test(random_triangles),
-        cmocka_unit_test(tori_in_rows),        cmocka_unit_test(one_hundred_poses_of_the_brain),
-        cmocka_unit_test(meshes_among_voxels), cmocka_unit_test(the_driver_was_silent),
+        cmocka_unit_test(nested_spheres),
+        cmocka_unit_test(random_triangles),
+        cmocka_unit_test(tori_in_rows),
+        cmocka_unit_test(one_hundred_poses_of_the_brain),
+        cmocka_unit_test(meshes_among_voxels),
+        cmocka_unit_test(one_hundred_poses_of_julich_brain),
+        cmocka_unit_test(what_lies_behind_a_cylinder_is_not_in_it),
+        cmocka_unit_test(a_thousand_layers),
+        cmocka_unit_test(every_failing_allocation_is_reported),
+        cmocka_unit_test(the_driver_was_silent),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
