@@ -125,7 +125,9 @@ conus_status atlas_start(conus_atlas **out, const conus_volume_info *info, const
 
 static conus_status append_mesh(conus_atlas *atlas, struct mesh *mesh)
 {
-    struct mesh *meshes = memory_resize(atlas->meshes, atlas->mesh_count + 1, sizeof *meshes);
+    size_t count = atlas->mesh_count;
+    bool full = (count & (count - 1)) == 0; /* room is for the next power of two */
+    struct mesh *meshes = full ? memory_resize(atlas->meshes, count ? 2 * count : 1, sizeof *meshes) : atlas->meshes;
     if (!meshes) {
         return CONUS_ERROR_MEMORY;
     }
