@@ -22,11 +22,17 @@ static void to_world(double out[3], const struct region *region, const double p[
     vec3_add_scaled(out, out, p[2], region->axis);
 }
 
+/* What the axis passes through is this near to it, for all that was rounded on the way. */
+static const double ON_AXIS = 1e-12;
+
 /* Tangent of the angle to the axis; infinite beside and behind the apex. */
 static double slope_of(const double p[3])
 {
     double across = sqrt(p[0] * p[0] + p[1] * p[1]);
-    return across == 0 && p[2] >= 0 ? 0 : p[2] > 0 ? across / p[2] : INFINITY;
+    if (p[2] >= 0 && across <= ON_AXIS * p[2]) {
+        return 0;
+    }
+    return p[2] > 0 ? across / p[2] : INFINITY;
 }
 
 static bool is_sooner(const struct admission *admission, double slope, double depth)
@@ -61,6 +67,7 @@ static void admit_row(void *user, const struct volume *volume, const size_t at[3
         if (is_sooner(admission, slope, p[2])) {
             admission->slope = slope;
             admission->depth = p[2];
+            admission->is_surface = false;
             memcpy(admission->point, world, sizeof world);
         }
     }
@@ -116,6 +123,7 @@ static void admit_point(struct admission *admission, const struct region *region
     if (is_sooner(admission, slope, p[2])) {
         admission->slope = slope;
         admission->depth = p[2];
+        admission->is_surface = true;
         to_world(admission->point, region, p);
     }
 }

@@ -12,6 +12,7 @@ struct admission {
     double slope;    /**< Tangent of the half-angle; infinite where none has been found.               */
     double depth;    /**< Along the axis, mm, of what is admitted first; of several such, the nearest. */
     double point[3]; /**< And where it is, world.                                                      */
+    bool is_surface; /**< It is a mesh's; else a voxel's centre.                                       */
 };
 
 /** Lowers @p admissions[as[k]] for each object k of @p volume to what its voxels in @p region give. @p as may be NULL:

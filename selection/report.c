@@ -94,17 +94,40 @@ static bool is_wanted(const conus_report *report, const struct report_row *row)
            report_is_confirmed(report, row);
 }
 
-static conus_status append_rows(conus_report *report, const conus_result *results, size_t count)
+static conus_status append_rows(struct report_row **out, conus_report *report, size_t count)
 {
     void *rows = report->rows;
     conus_status status = reserve(&rows, &report->row_capacity, report->row_count + count, sizeof *report->rows);
     report->rows = rows;
-    for (size_t i = 0; !status && i < count; i++) {
-        const struct report_row row = {report->query_count - 1, results[i]};
-        report->rows[report->row_count] = row;
-        report->row_count += is_wanted(report, &row);
+    if (status) {
+        return status;
     }
-    return status;
+    *out = report->rows + report->row_count;
+    for (size_t i = 0; i < count; i++) {
+        (*out)[i] = (struct report_row){.query = report->query_count - 1};
+    }
+    report->row_count += count;
+    return CONUS_OK;
+}
+
+conus_status report_append(struct report_row **rows, conus_report *report, const char *id,
+                           const struct report_query *query, size_t count)
+{
+    struct report_query placed = *query;
+    placed.first_row = report->row_count;
+    conus_status status = append_query(report, id, &placed);
+    return status ? status : append_rows(rows, report, count);
+}
+
+/* Puts the results that are wanted into the last rows, and gives back those that are left. */
+static void fill_rows(conus_report *report, struct report_row *rows, const struct statistics *statistics)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < statistics->count; i++) {
+        rows[kept].result = statistics->results[i];
+        kept += is_wanted(report, &rows[kept]);
+    }
+    report->row_count -= statistics->count - kept;
 }
 
 conus_status conus_report_add(conus_report *report, const char *query_id, const conus_selection *selection)
@@ -113,23 +136,34 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
     bool is_ball = selection->region.shape == REGION_BALL;
     struct report_query query = {
         .cone = selection->cone, .step = selection->step, .ball = is_ball ? selection->region.radius : 0};
+    if (report->options.rows > CONUS_SHARES) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: an answer, but its rows are of something else");
+    }
     for (size_t i = 0; i < statistics->count; i++) {
         query.cone_pixels += statistics->results[i].pixels;
     }
-    conus_status status = append_query(report, query_id, &query);
-    status = status ? status : append_rows(report, statistics->results, statistics->count);
+    struct report_row *rows;
+    conus_status status = report_append(&rows, report, query_id, &query, statistics->count);
+    if (!status) {
+        fill_rows(report, rows, statistics);
+    }
     return status || report->options.no_voxels ? status : report_add_voxels(report, selection);
 }
 
 conus_status conus_report_add_error(conus_report *report, const char *query_id, const char *reason)
 {
     struct report_query query = {.error = text_to_utf8(text_from(reason))};
+    struct report_row *row;
     conus_status status = query.error ? append_query(report, query_id, &query) : CONUS_ERROR_MEMORY;
     if (status) {
         memory_free(query.error);
         return status;
     }
-    return append_rows(report, &(conus_result){.kind = CONUS_UNASSIGNED}, 1);
+    status = append_rows(&row, report, 1);
+    if (!status) {
+        row->result.kind = CONUS_UNASSIGNED;
+    }
+    return status;
 }
 
 /* Hands out report->text, which a writer has filled. */

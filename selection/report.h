@@ -4,21 +4,28 @@
 #define CONUS_SELECTION_REPORT_H
 
 #include "base/buffer.h"
-#include "selection/selection.h"
+#include "selection/jitter.h"
+#include "selection/sweep.h"
 
-/** One result of one query. */
+/** One result of one query: which of them, options.rows says; kind and object begin all of them. */
 struct report_row {
     size_t query; /**< Index into conus_report.queries. */
-    conus_result result;
+    union {
+        conus_result result;
+        conus_admission admission;
+        conus_chance chance;
+    };
 };
 
 struct report_query {
     char *id;    /**< UTF-8 without control characters.                     */
     char *error; /**< Why there is no answer, likewise; NULL if there is one. */
     struct cone cone;
-    uint32_t cone_pixels; /**< Pixels of the aperture.                              */
-    double ball;          /**< Radius of a ball around the cone's origin; 0 of a cone. */
-    conus_step step;      /**< In a report on a track. */
+    uint32_t cone_pixels;        /**< Pixels of the aperture.                              */
+    double ball;                 /**< Radius of a ball around the cone's origin; 0 of a cone. */
+    conus_step step;             /**< In a report on a track. */
+    conus_jitter_options jitter; /**< Of chances. */
+    size_t first_row;
 };
 
 struct conus_report {
@@ -57,6 +64,17 @@ struct report_column {
 /** The column behind @p column in @p report, the first one for NULL; NULL past the last. */
 const struct report_column *report_next_column(const conus_report *report, const struct report_column *column);
 
+/** The column called @p name of a report of answers. */
+const struct report_column *report_find_column(const char *name);
+
+/** report_next_column() of reports of answers, and of others. */
+const struct report_column *report_next_answer_column(const conus_report *report, const struct report_column *column);
+const struct report_column *report_next_sweep_column(const conus_report *report, const struct report_column *column);
+
+/** Adds a copy of @p query, with the id @p id, and @p count rows, which the caller fills from *rows on. */
+conus_status report_append(struct report_row **rows, conus_report *report, const char *id,
+                           const struct report_query *query, size_t count);
+
 /** What stands in a column; n/a in most of a query without an answer. */
 struct cell report_cell(const conus_report *report, const struct report_column *column, const struct report_row *row);
 
@@ -86,9 +104,19 @@ void report_point(const conus_report *report, double point[3]);
  * it, as rows of report->voxels. */
 conus_status report_add_voxels(conus_report *report, const conus_selection *selection);
 
+/** Columns for the longest name in the report, up to a limit. */
+int report_name_width(const conus_report *report);
+/** The line for people that says where the cone of a query is. */
+void report_write_query(struct buffer *out, const conus_report *report, const struct report_query *query);
+/** The line of a query without an answer. */
+void report_write_error(struct buffer *out, const struct report_query *query, bool more);
+/** And those that say what the answers rest on. */
+void report_write_sources(struct buffer *out, const conus_report *report);
+
 /* Formats; each appends the whole text to @p out. */
 void report_write_table(struct buffer *out, const conus_report *report);
 void report_write_track(struct buffer *out, const conus_report *report); /**< The table of a track. */
+void report_write_sweep(struct buffer *out, const conus_report *report); /**< The table of what is not answers. */
 conus_status report_write_json(struct buffer *out, const conus_report *report);
 void report_write_heading(struct buffer *out,
                           const conus_report *report);                  /**< The line of names, where there is one. */

@@ -298,7 +298,22 @@ static const struct report_column track_columns[] = {
     {NULL, NULL, NULL, NULL, false},
 };
 
+const struct report_column *report_find_column(const char *name)
+{
+    const struct report_column *column = report_columns;
+    while (column->name && strcmp(column->name, name) != 0) {
+        column++;
+    }
+    return column->name ? column : NULL;
+}
+
 const struct report_column *report_next_column(const conus_report *report, const struct report_column *column)
+{
+    return report->options.rows == CONUS_ANSWERS ? report_next_answer_column(report, column)
+                                                 : report_next_sweep_column(report, column);
+}
+
+const struct report_column *report_next_answer_column(const conus_report *report, const struct report_column *column)
 {
     column = column ? column + 1 : report_columns;
     while (column->name && column->layers_only && !report->selector.layers) {

@@ -25,7 +25,7 @@ static const char *name_of(const conus_report *report, const conus_result *resul
     return object ? object->name : "(nothing met)";
 }
 
-static int name_width(const conus_report *report)
+int report_name_width(const conus_report *report)
 {
     int width = 12;
     for (size_t i = 0; i < report->row_count; i++) {
@@ -62,14 +62,23 @@ static void write_shape(struct buffer *out, const struct cone *cone)
     }
 }
 
-static void write_query(struct buffer *out, const conus_report *report, const struct report_query *query)
+/* Whether there is more than one pose. */
+static bool has_several(const conus_report *report)
+{
+    size_t count = report->query_count;
+    bool same =
+        report->options.rows == CONUS_SHARES && strcmp(report->queries[0].id, report->queries[count - 1].id) == 0;
+    return count > 1 && !same;
+}
+
+void report_write_query(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
     const double *m = query->cone.pose.world_from_device;
     double origin[3] = {m[12], m[13], m[14]};
     double axis[3] = {-m[8], -m[9], -m[10]};
     report_point(report, origin);
     report_point(report, axis);
-    if (report->query_count > 1) {
+    if (has_several(report)) {
         buffer_format(out, "query %s: ", query->id);
     }
     if (query->ball > 0) {
@@ -77,7 +86,11 @@ static void write_query(struct buffer *out, const conus_report *report, const st
                       origin[1], origin[2], report->options.space == CONUS_LPS ? "LPS" : "RAS");
         return;
     }
-    write_shape(out, &query->cone);
+    if (report->options.rows == CONUS_SHARES) {
+        buffer_text(out, query->cone.aperture == CONUS_SQUARE ? "square pyramids" : "cones");
+    } else {
+        write_shape(out, &query->cone);
+    }
     buffer_format(out, " from (%.2f, %.2f, %.2f) along (%.4f, %.4f, %.4f), %s mm\n", origin[0], origin[1], origin[2],
                   axis[0], axis[1], axis[2], report->options.space == CONUS_LPS ? "LPS" : "RAS");
 }
@@ -161,7 +174,7 @@ static void write_layers_heading(struct buffer *out, int width)
                   "value");
 }
 
-static void write_error(struct buffer *out, const struct report_query *query, bool more)
+void report_write_error(struct buffer *out, const struct report_query *query, bool more)
 {
     buffer_format(out, "query %s: no answer: %s\n%s", query->id, query->error, more ? "\n" : "");
 }
@@ -227,7 +240,7 @@ static const char *file_of(const char *path)
 }
 
 /* What the answers rest on: which transform placed the atlas, and from which value on a pathway is one. */
-static void write_sources(struct buffer *out, const conus_report *report)
+void report_write_sources(struct buffer *out, const conus_report *report)
 {
     const conus_atlas *atlas = report->atlas;
     const struct volume *parcellation = atlas_parcellation(atlas);
@@ -248,16 +261,20 @@ static void write_sources(struct buffer *out, const conus_report *report)
 
 void report_write_table(struct buffer *out, const conus_report *report)
 {
-    int width = name_width(report);
+    if (report->options.rows != CONUS_ANSWERS) {
+        report_write_sweep(out, report);
+        return;
+    }
+    int width = report_name_width(report);
     size_t row = 0;
     for (size_t i = 0; i < report->query_count; i++) {
         if (report->queries[i].error) {
-            write_error(out, &report->queries[i], i + 1 < report->query_count);
+            report_write_error(out, &report->queries[i], i + 1 < report->query_count);
             row++;
             continue;
         }
         const struct look *look = look_of(report, &report->queries[i]);
-        write_query(out, report, &report->queries[i]);
+        report_write_query(out, report, &report->queries[i]);
         look->heading(out, width);
         for (; row < report->row_count && report->rows[row].query == i; row++) {
             look->result(out, report, &report->rows[row].result, width);
@@ -265,5 +282,5 @@ void report_write_table(struct buffer *out, const conus_report *report)
         write_summary(out, report, &report->queries[i]);
         buffer_text(out, i + 1 < report->query_count ? "\n" : "");
     }
-    write_sources(out, report);
+    report_write_sources(out, report);
 }

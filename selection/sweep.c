@@ -68,6 +68,7 @@ static conus_admission describe(const struct admission *admission, const conus_a
     conus_admission row = {.kind = conus_atlas_object(atlas, number)->kind,
                            .object = number,
                            .angle = 2 * atan(admission->slope),
+                           .is_surface = admission->is_surface,
                            .margin = NAN};
     double v[3];
     vec3_sub(v, admission->point, cone->pose.world_from_device + 12);

@@ -10,6 +10,7 @@ extern const struct command cmd_query;
 extern const struct command cmd_batch;
 extern const struct command cmd_merge;
 extern const struct command cmd_render;
+extern const struct command cmd_sweep;
 extern const struct command cmd_track;
 extern const struct command cmd_manifest;
 extern const struct command cmd_mesh;

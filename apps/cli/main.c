@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct command *const commands[] = {&cmd_query,   &cmd_batch,  &cmd_merge, &cmd_track,
-                                                 &cmd_info,    &cmd_render, &cmd_mesh,  &cmd_manifest,
-                                                 &cmd_phantom, &cmd_diff,   NULL};
+static const struct command *const commands[] = {&cmd_query,    &cmd_batch,   &cmd_merge,  &cmd_track,
+                                                 &cmd_sweep,    &cmd_info,    &cmd_render, &cmd_mesh,
+                                                 &cmd_manifest, &cmd_phantom, &cmd_diff,   NULL};
 
 static const char *command_name(const void *list, size_t index)
 {

@@ -481,6 +481,7 @@ typedef struct conus_admission {
     double margin;   /**< Further opening until the next object, NaN if there is none.                           */
     double point[3]; /**< World position of what is admitted first.                                              */
     double distance; /**< mm from the apex to there.                                                             */
+    bool is_surface; /**< It is a mesh's; else a voxel's centre.                                                 */
 } conus_admission;
 
 /** Finds when a cone at @p pose that grows to the full opening @p widest, in (0, pi), admits each object. Hidden
@@ -528,7 +529,17 @@ CONUS_API const conus_chance *conus_jitter_chance(const conus_jitter *jitter, si
 
 typedef enum conus_format { CONUS_TABLE = 0, CONUS_TSV, CONUS_JSON, CONUS_NDJSON } conus_format;
 
+/** What a report has rows of; each with its own columns. */
+typedef enum conus_rows {
+    CONUS_ANSWERS = 0, /**< Of conus_report_add().                                                               */
+    CONUS_SHARES,      /**< The same with the angle, and for people a table of shares by angle; answers in a row that
+                            have one id belong together.                                                         */
+    CONUS_ADMISSIONS,  /**< Of conus_report_add_sweep().                                                         */
+    CONUS_CHANCES      /**< Of conus_report_add_jitter().                                                        */
+} conus_rows;
+
 typedef struct conus_report_options {
+    conus_rows rows;
     conus_format format;
     conus_space space;   /**< Of the positions written.                                                          */
     bool all_voxels;     /**< conus_report_voxels(): areas' voxels too, not only pathways'.                      */
@@ -546,6 +557,11 @@ CONUS_CHECKED conus_status conus_report_create(conus_report **out, const conus_s
 /** Adds one answer; @p query_id is copied, as UTF-8 without control characters. */
 CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *query_id,
                                             const conus_selection *selection);
+/** Adds what a growing cone admits. */
+CONUS_CHECKED conus_status conus_report_add_sweep(conus_report *report, const char *query_id, const conus_sweep *sweep);
+/** Adds an answer under errors of the pose. */
+CONUS_CHECKED conus_status conus_report_add_jitter(conus_report *report, const char *query_id,
+                                                   const conus_jitter *jitter);
 /** Adds a query without an answer: one row of kind "error" with @p reason for a name, all else missing. */
 CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const char *query_id, const char *reason);
 /** The whole text in the report's format. Borrowed until the next call on the report. */

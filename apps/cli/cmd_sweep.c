@@ -1,0 +1,474 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/answer_format.h"
+#include "cli/commands.h"
+#include "cli/messages.h"
+#include "cli/output.h"
+#include "cli/settings.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct sweep_settings {
+    struct atlas_settings atlas;
+    struct aim_settings aim;
+    struct engine_settings engine;
+    struct common_settings common;
+    const char *context;
+    double context_blocks;
+    const char *angles;
+    const char *jitter;
+    uint32_t samples;
+    size_t format; /* conus_format */
+    const char *output;
+};
+
+#define FIELD(member) offsetof(struct sweep_settings, member)
+
+static const struct option sweep_options[] = {
+    {.name = "angles",
+     .type = OPTION_TEXT,
+     .offset = FIELD(angles),
+     .value = "A,B,...|LOW:HIGH:STEP",
+     .help = "the shares at each of these full opening angles, degrees"},
+    {.name = "jitter",
+     .type = OPTION_TEXT,
+     .offset = FIELD(jitter),
+     .value = "DEGREES,MM",
+     .help =
+         "or the probabilities under normal errors of the pose: standard deviations of the axis's tilt about two axes, "
+         "and of the position along three; columns error_deg and error_mm of --pose FILE replace them"},
+    {.name = "samples",
+     .type = OPTION_COUNT,
+     .offset = FIELD(samples),
+     .value = "N",
+     .help = "with --jitter: poses to look from, a power of two from 16 to 1048576 (default 1024)",
+     .low = 16,
+     .high = 1048576},
+    {0},
+};
+
+static const struct option context_options[] = {
+    {.name = "context",
+     .type = OPTION_TEXT,
+     .offset = FIELD(context),
+     .value = "FILE",
+     .help = "a volume that blocks the view, a skull, say"},
+    {.name = "context-blocks",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(context_blocks),
+     .value = "T",
+     .help = "its values from T on block",
+     .low = 0,
+     .high = FLT_MAX,
+     .open = true},
+    {0},
+};
+
+static const struct option output_options[] = {
+    {.name = "format",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(format),
+     .value = "FORMAT",
+     .help = "of the answer; without it the ending of -o decides, else it is a table:",
+     .choices = answer_formats},
+    {.name = "output",
+     .letter = 'o',
+     .type = OPTION_TEXT,
+     .offset = FIELD(output),
+     .value = "FILE",
+     .help = "write the answer to FILE; a .json beside a .tsv describes its columns, settings and sources"},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"What is asked, if not which angle admits what", sweep_options, 0},
+    {"Where the cone is", aim_options, FIELD(aim)},
+    {"", angle_options, FIELD(aim)},
+    {"", shape_options, FIELD(engine)},
+    {"How it looks", engine_options, FIELD(engine)},
+    {"", slices_options, FIELD(engine)},
+    {"What it may find", atlas_options, FIELD(atlas)},
+    {"", context_options, 0},
+    {"What is written", output_options, 0},
+    {"", quiet_options, FIELD(common)},
+    {0},
+};
+
+enum { ANGLE_LIMIT = 1000 };
+
+/** A sweep under way. */
+struct sweep {
+    const struct sweep_settings *settings;
+    const struct arguments *arguments;
+    conus_format format;
+    conus_rows rows;
+    double *angles; /* of --angles, radians */
+    size_t angle_count;
+    conus_jitter_options jitter;
+    char *command_line, *sidecar;
+    conus_atlas *atlas;
+    conus_pose_list *poses;
+    conus_selector *selector;
+    conus_report *report;
+    bool failed; /* some poses had no answer */
+};
+
+static void sweep_finish(struct sweep *sweep)
+{
+    conus_report_destroy(sweep->report);
+    conus_selector_destroy(sweep->selector);
+    conus_pose_list_destroy(sweep->poses);
+    conus_atlas_destroy(sweep->atlas);
+    free(sweep->angles);
+    free(sweep->command_line);
+    free(sweep->sidecar);
+}
+
+/* ---- Numbers in words ---- */
+
+/* The numbers in `text`, separated by `separator`; -1 where there is something else or more than `limit`. */
+static int read_numbers(double *out, int limit, const char *text, char separator)
+{
+    int count = 0;
+    for (;;) {
+        char word[64];
+        size_t length = strcspn(text, (const char[]){separator, '\0'});
+        if (length >= sizeof word || count == limit) {
+            return -1;
+        }
+        memcpy(word, text, length);
+        word[length] = '\0';
+        if (!number_parse(word, &out[count++])) {
+            return -1;
+        }
+        if (!text[length]) {
+            return count;
+        }
+        text += length + 1;
+    }
+}
+
+static bool refuse_angles(const struct sweep *sweep, const char *why)
+{
+    complain("--angles: \"%s\" %s", sweep->settings->angles, why);
+    return false;
+}
+
+/* LOW, LOW + STEP and so on up to HIGH, which is taken even if rounding puts it a little beyond. */
+static bool expand_angles(struct sweep *sweep, const double range[3])
+{
+    double steps = floor((range[1] - range[0]) / range[2] * (1 + 1e-12));
+    if (!(range[1] >= range[0]) || !(range[2] > 0)) {
+        return refuse_angles(sweep, "is not LOW:HIGH:STEP with HIGH from LOW on and STEP above 0");
+    }
+    if (!(steps < ANGLE_LIMIT)) {
+        return refuse_angles(sweep, "has more than 1000 angles");
+    }
+    for (int i = 0; i <= (int)steps; i++) {
+        sweep->angles[sweep->angle_count++] = range[0] + i * range[2];
+    }
+    return true;
+}
+
+static bool read_angles(struct sweep *sweep)
+{
+    double range[3];
+    const char *text = sweep->settings->angles;
+    sweep->angles = malloc(ANGLE_LIMIT * sizeof *sweep->angles);
+    if (!sweep->angles) {
+        complain("not enough memory");
+        return false;
+    }
+    if (strchr(text, ':')) {
+        if (read_numbers(range, 3, text, ':') != 3) {
+            return refuse_angles(sweep, "is not three numbers LOW:HIGH:STEP");
+        }
+        if (!expand_angles(sweep, range)) {
+            return false;
+        }
+    } else {
+        int count = read_numbers(sweep->angles, ANGLE_LIMIT, text, ',');
+        if (count < 0) {
+            return refuse_angles(sweep, "is neither up to 1000 numbers A,B,... nor LOW:HIGH:STEP");
+        }
+        sweep->angle_count = (size_t)count;
+    }
+    for (size_t i = 0; i < sweep->angle_count; i++) {
+        if (!(sweep->angles[i] > 0 && sweep->angles[i] < 180)) {
+            complain("--angles: %.10g is out of range, allowed is more than 0 and less than 180", sweep->angles[i]);
+            return false;
+        }
+        sweep->angles[i] = radians(sweep->angles[i]);
+    }
+    return true;
+}
+
+static bool read_jitter(struct sweep *sweep)
+{
+    double errors[2];
+    if (read_numbers(errors, 2, sweep->settings->jitter, ',') != 2) {
+        complain("--jitter: \"%s\" is not two numbers DEGREES,MM without spaces", sweep->settings->jitter);
+        return false;
+    }
+    if (!(errors[0] >= 0 && errors[0] <= 90)) {
+        complain("--jitter: a tilt of %.10g degrees is out of range, allowed is 0 to 90", errors[0]);
+        return false;
+    }
+    if (!(errors[1] >= 0 && errors[1] <= 1e6)) {
+        complain("--jitter: a shift of %.10g mm is out of range, allowed is 0 to 1000000", errors[1]);
+        return false;
+    }
+    sweep->jitter =
+        (conus_jitter_options){.tilt = radians(errors[0]), .shift = errors[1], .samples = sweep->settings->samples};
+    return true;
+}
+
+/* ---- Checks ---- */
+
+/* Options that would have no effect, or no meaning. */
+static bool check_kind(const struct sweep *sweep)
+{
+    const struct sweep_settings *settings = sweep->settings;
+    uint32_t samples = settings->samples;
+    if (samples & (samples - 1)) {
+        complain("--samples: %u is no power of two", samples);
+        return false;
+    }
+    if (sweep->rows != CONUS_CHANCES && settings->engine.radius > 0) {
+        complain("--radius makes a cylinder, which has no angle to sweep; it goes with --jitter");
+        return false;
+    }
+    if (sweep->rows == CONUS_ADMISSIONS && settings->engine.aperture == CONUS_SQUARE) {
+        complain("--aperture square goes with --angles or --jitter: which angle admits what is asked of round cones");
+        return false;
+    }
+    return true;
+}
+
+static bool check(struct sweep *sweep)
+{
+    const struct sweep_settings *settings = sweep->settings;
+    const struct arguments *arguments = sweep->arguments;
+    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
+        complain("--slices has no effect without --sampling slices");
+        return false;
+    }
+    return settings_check_score(&settings->engine, false) && options_exclude(arguments, "angles", "jitter") &&
+           options_exclude(arguments, "angles", "angle") && option_needs(arguments, "samples", "jitter") &&
+           option_needs(arguments, "context", "context-blocks") &&
+           option_needs(arguments, "context-blocks", "context") && settings_check_aim(arguments, true) &&
+           settings_check_shape(&settings->aim, &settings->engine, arguments) && check_kind(sweep) &&
+           (!settings->angles || read_angles(sweep)) && (!settings->jitter || read_jitter(sweep));
+}
+
+static bool check_files(const struct sweep *sweep)
+{
+    const struct sweep_settings *settings = sweep->settings;
+    const char *const outputs[] = {settings->output, sweep->sidecar};
+    const struct input inputs[] = {{"the atlas", sweep->arguments->operands[0]},
+                                   {"the label table", settings->atlas.labels},
+                                   {"the file of poses", settings->aim.pose},
+                                   {0}};
+    for (size_t i = 0; i < 2; i++) {
+        const char *input = output_is_stdout(outputs[i]) ? NULL : settings_input(sweep->atlas, inputs, outputs[i]);
+        if (input) {
+            complain("%s would overwrite %s %s", i ? "the .json beside --output" : "--output", input, outputs[i]);
+            return false;
+        }
+    }
+    return true;
+}
+
+/* ---- Answers ---- */
+
+static conus_status add_shares(struct sweep *sweep, const char *id, const conus_pose *pose)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < sweep->angle_count; i++) {
+        conus_selection *selection = NULL;
+        status = conus_select(&selection, sweep->selector, pose, sweep->angles[i]);
+        status = status ? status : conus_report_add(sweep->report, id, selection);
+        conus_selection_destroy(selection);
+    }
+    return status;
+}
+
+static conus_status add_admissions(struct sweep *sweep, const char *id, const conus_pose *pose, double angle)
+{
+    conus_sweep *admissions = NULL;
+    conus_status status = conus_sweep_create(&admissions, sweep->selector, pose, angle);
+    status = status ? status : conus_report_add_sweep(sweep->report, id, admissions);
+    conus_sweep_destroy(admissions);
+    return status;
+}
+
+/* The row's own errors, where it has them, win. */
+static conus_status add_chances(struct sweep *sweep, const conus_pose_row *row, double angle)
+{
+    conus_jitter *jitter = NULL;
+    conus_jitter_options options = sweep->jitter;
+    options.tilt = isfinite(row->error_deg) ? radians(row->error_deg) : options.tilt;
+    options.shift = isfinite(row->error_mm) ? row->error_mm : options.shift;
+    conus_status status = conus_jitter_create(&jitter, sweep->selector, &row->pose, angle, &options);
+    status = status ? status : conus_report_add_jitter(sweep->report, row->id, jitter);
+    conus_jitter_destroy(jitter);
+    return status;
+}
+
+static conus_status answer(struct sweep *sweep, const conus_pose_row *row)
+{
+    double angle = row->angle != 0 ? row->angle : settings_angle(&sweep->settings->aim, &sweep->settings->engine);
+    switch (sweep->rows) {
+    case CONUS_SHARES:
+        return add_shares(sweep, row->id, &row->pose);
+    case CONUS_CHANCES:
+        return add_chances(sweep, row, angle);
+    case CONUS_ANSWERS:
+    case CONUS_ADMISSIONS:
+        break;
+    }
+    return add_admissions(sweep, row->id, &row->pose, angle);
+}
+
+static int answer_row(struct sweep *sweep, const conus_pose_row *row)
+{
+    const char *path = sweep->settings->aim.pose;
+    const char *why = row->error ? row->error : row->is_point ? POINT_LOOKS_NOWHERE : NULL;
+    conus_status status = why ? CONUS_ERROR_ARGUMENT : answer(sweep, row);
+    if (status == CONUS_ERROR_ARGUMENT) {
+        complain("%s:%zu: %s", path, row->line, why ? why : conus_message());
+        sweep->failed = true;
+        return EXIT_DONE;
+    }
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
+static int answer_all(struct sweep *sweep)
+{
+    int code = EXIT_DONE;
+    if (!sweep->poses) {
+        conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN};
+        code = settings_pose(&row.pose, &sweep->settings->aim, sweep->arguments);
+        conus_status status = code ? CONUS_OK : answer(sweep, &row);
+        return status ? complain_status(status) : code;
+    }
+    for (size_t i = 0; !code && i < conus_pose_list_count(sweep->poses); i++) {
+        code = answer_row(sweep, conus_pose_list_row(sweep->poses, i));
+    }
+    return code;
+}
+
+static conus_status start(struct sweep *sweep)
+{
+    const struct sweep_settings *settings = sweep->settings;
+    const conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
+    conus_status status = conus_selector_create(&sweep->selector, sweep->atlas, &engine);
+    if (status) {
+        return status;
+    }
+    if (settings->common.verbose) {
+        complain("engine: %s", conus_selector_engine(sweep->selector));
+    }
+    const conus_report_options report = {.rows = sweep->rows,
+                                         .format = sweep->format,
+                                         .space = (conus_space)settings->aim.space,
+                                         .command = sweep->command_line};
+    return conus_report_create(&sweep->report, sweep->selector, &report);
+}
+
+static int write_sidecar(struct sweep *sweep)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    if (!sweep->sidecar) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_report_sidecar(sweep->report, &text, &size);
+    return status ? complain_status(status) : output_write(sweep->sidecar, text, size);
+}
+
+/* The answer comes last. */
+static int write_all(struct sweep *sweep)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    int code = write_sidecar(sweep);
+    if (code) {
+        return code;
+    }
+    conus_status status = conus_report_text(sweep->report, &text, &size);
+    code = status ? complain_status(status) : output_write(sweep->settings->output, text, size);
+    return code ? code : sweep->failed ? EXIT_DIFFERENT : EXIT_DONE;
+}
+
+static int load(struct sweep *sweep)
+{
+    const struct sweep_settings *settings = sweep->settings;
+    if (settings->aim.pose) {
+        const conus_pose_options options = {.space = (conus_space)settings->aim.space};
+        conus_status status = conus_pose_list_load(&sweep->poses, settings->aim.pose, &options);
+        if (status) {
+            return complain_status(status);
+        }
+    }
+    int code = settings_load_atlas(&sweep->atlas, sweep->arguments->operands[0], &settings->atlas);
+    return code ? code
+                : settings_load_context(sweep->atlas, settings->context, settings->context_blocks, &settings->atlas);
+}
+
+static int work(struct sweep *sweep)
+{
+    int code = load(sweep);
+    if (code || !check_files(sweep)) {
+        return code ? code : EXIT_USAGE;
+    }
+    conus_status status = start(sweep);
+    code = status ? complain_status(status) : answer_all(sweep);
+    if (code) {
+        return code;
+    }
+    settings_say_notes(sweep->atlas, &sweep->settings->common);
+    return write_all(sweep);
+}
+
+static int run(const void *given, const struct arguments *arguments)
+{
+    const struct sweep_settings *settings = given;
+    struct sweep sweep = {.settings = settings,
+                          .arguments = arguments,
+                          .format = answer_format(arguments, settings->format, settings->output),
+                          .rows = settings->angles   ? CONUS_SHARES
+                                  : settings->jitter ? CONUS_CHANCES
+                                                     : CONUS_ADMISSIONS};
+    int code = EXIT_USAGE;
+    if (check(&sweep)) {
+        sweep.command_line = arguments_text(arguments);
+        bool ready = sweep.command_line && answer_sidecar(&sweep.sidecar, sweep.format, settings->output);
+        if (!ready) {
+            complain("not enough memory");
+        }
+        code = ready ? work(&sweep) : EXIT_DATA;
+    }
+    sweep_finish(&sweep);
+    return code;
+}
+
+const struct command cmd_sweep = {
+    .name = "sweep",
+    .summary = "how sure an answer is: by angle, and under errors of the pose",
+    .operands = {"ATLAS"},
+    .form = "(--origin X,Y,Z (--toward X,Y,Z | --direction X,Y,Z) | --pose FILE)",
+    .description =
+        "Opens a cone from 0 to --angle and says at which angle it admits each area, hidden ones, too, and how\n"
+        "much further it must open for the next. Or, with --angles, gives the shares at each angle; or, with\n"
+        "--jitter, the probability of each area to be the one hit when the pose is not exactly known.",
+    .examples = "  conus sweep aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 40\n"
+                "  conus sweep aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angles 2:20:2\n"
+                "  conus sweep aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 5 --jitter 2,1.5\n",
+    .groups = groups,
+    .settings_size = sizeof(struct sweep_settings),
+    .more_help = help_scores,
+    .run = run,
+};

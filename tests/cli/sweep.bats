@@ -1,0 +1,153 @@
+#!/usr/bin/env bats
+# conus sweep: which angle admits what, shares by angle, chances under errors of the pose.
+
+load helpers
+
+aim='--origin 0,-60,0.2 --toward 0,0,0.2'
+
+@test "areas are admitted by angle, nearest first" {
+    conus phantom nested -o .
+    answers sweep nested.nii.gz --origin 0,-100,40 --direction 0,1,0 --angle 90 --format tsv
+    [ "${#lines[@]}" -eq 4 ]
+    has $'query\tkind\tindex\tname\tabbreviation\trank\tangle_deg\thalf_angle_deg\tmargin_deg\tdistance_mm\tx\ty\tz\tmeasured'
+    [ "$(cell index 1)" = 1 ]
+    [ "$(cell index 2)" = 300 ]
+    [ "$(cell index 3)" = 4000000001 ]
+    [ "$(cell measured 1)" = "voxel centre" ]
+    [ "$(cell margin_deg 3)" = n/a ]
+    awk -F'\t' 'NR > 1 && ($7 - 2 * $8) ^ 2 > 1e-12 { exit 1 }' <<<"$output"
+    # the tangents of balls of 24 and 8 mm at 107.7 mm, half a voxel more or less
+    awk -F'\t' 'NR == 2 && ($8 < 8.0 || $8 > 9.5) { exit 1 }' <<<"$output"
+    awk -F'\t' 'NR == 4 && ($8 < 17.0 || $8 > 18.4) { exit 1 }' <<<"$output"
+}
+
+@test "only what the widest cone admits is listed, with the margin to what comes next" {
+    conus phantom nested -o .
+    answers sweep nested.nii.gz --origin 0,-100,40 --direction 0,1,0 --angle 20 --format tsv
+    [ "${#lines[@]}" -eq 2 ]
+    [ "$(cell margin_deg 1)" != n/a ]
+    answers sweep nested.nii.gz --origin 0,-100,40 --direction 0,1,0 --angle 1
+    [ "${#lines[@]}" -eq 4 ]
+    answers sweep nested.nii.gz --origin 0,-100,0 --direction 0,-1,0 --angle 179 --format tsv
+    [ "${#lines[@]}" -eq 1 ]
+}
+
+@test "a range leaves out what lies beyond, and levels and spaces hold" {
+    conus phantom nested -o .
+    answers sweep nested.nii.gz $aim --range 70,80 --angle 179 --format tsv
+    [ "$(cut -f 3 <<<"$output" | tr '\n' ' ')" = "index 1 300 " ]
+    awk -F'\t' 'NR > 1 && ($10 < 70 || $10 > 80.1) { exit 1 }' <<<"$output"
+    answers sweep nested.nii.gz --origin 5,-60,0.2 --toward 5,0,0.2 --angle 30 --format tsv
+    local x
+    x=$(cell x 1)
+    answers sweep nested.nii.gz --origin -5,60,0.2 --toward -5,0,0.2 --space lps --angle 30 --format tsv
+    [ "$(cell x 1)" = "-$x" ]
+}
+
+@test "--angles gives the shares at each" {
+    conus phantom nested -o .
+    answers sweep nested.nii.gz $aim --angles 10:60:25 --format tsv
+    [ "$(cut -f 24 <<<"$output" | sort -u | tr '\n' ' ')" = "10 35 60 angle_deg " ]
+    awk -F'\t' 'NR > 1 { sum[$24] += $9 } END { for (a in sum) if (sum[a] < 0.999999 || sum[a] > 1.000001) exit 1 }' \
+        <<<"$output"
+    answers query nested.nii.gz $aim --angle 35 --format tsv
+    local share
+    share=$(cell share 1)
+    answers sweep nested.nii.gz $aim --angles 35 --format tsv
+    [ "$(cell share 1)" = "$share" ]
+    answers sweep nested.nii.gz $aim --angles 60,10,35
+    has 'cones from (0.00, -60.00, 0.20)'
+    has '    60      10      35'
+    answers sweep nested.nii.gz $aim --angles 0.1:1:0.1 --format tsv
+    [ "$(cut -f 24 <<<"$output" | sort -u | wc -l)" -eq 11 ]
+}
+
+@test "--jitter gives probabilities that sum to 1, the same every time" {
+    conus phantom slabs -o .
+    local at='--origin 18,-80,0 --direction 0,1,0 --angle 2 --resolution 1'
+    answers sweep slabs.nii.gz $at --jitter 0,4 --format tsv
+    awk -F'\t' 'NR > 1 { hit += $7; share += $11 } END { exit hit != 1 || share != 1 }' <<<"$output"
+    # the slab ends at x = 20 mm, z = -20 and 20: P(x < 20) P(|z| < 20) of normal errors of 4 mm
+    awk -F'\t' '$3 == 300 && ($7 < 0.685 || $7 > 0.698) { exit 1 }' <<<"$output"
+    [ "$(cell samples 1)" = 1024 ]
+    [ "$(cell error_mm 1)" = 4 ]
+    [ "$(cell p_in_cone 1)" = n/a ]
+    local first=$output
+    answers sweep slabs.nii.gz $at --jitter 0,4 --format tsv
+    [ "$output" = "$first" ]
+    answers sweep slabs.nii.gz $at --jitter 1,0 --layers all --samples 16
+    has 'in cone'
+    has '16 poses with errors of 1 degrees about each axis and 0 mm along each'
+}
+
+@test "rows of a pose file have errors of their own" {
+    conus phantom slabs -o .
+    printf 'query_id,x,y,z,dx,dy,dz,angle,error_deg,error_mm\n' >poses.csv
+    printf 'sure,0,-80,0,0,1,0,3,0,0\nunsure,0,-80,0,0,1,0,3,20,\nas told,0,-80,0,0,1,0,3,,\nlost,0,-80,0,0,0,0,3,,\n' >>poses.csv
+    run -1 --separate-stderr "$CONUS" sweep slabs.nii.gz --pose poses.csv --jitter 5,2 --format tsv
+    check_message 'poses.csv:5: '
+    [ "$(awk -F'\t' '$1 == "sure" && $6 == 1 { print $7, $14, $15 }' <<<"$output")" = "1 0 0" ]
+    [ "$(awk -F'\t' '$1 == "unsure" && $6 == 1 { print $14, $15 }' <<<"$output")" = "20 2" ]
+    [ "$(awk -F'\t' '$1 == "as told" && $6 == 1 { print $14, $15 }' <<<"$output")" = "5 2" ]
+}
+
+@test "surfaces are admitted by their nearest point" {
+    conus phantom brain -o .
+    answers sweep brain.atlas.json --origin 0,-150,0 --toward 0,0,0 --angle 179 --format tsv --quiet
+    [ "$(awk -F'\t' '$14 == "surface"' <<<"$output" | wc -l)" -eq 11 ]
+    [ "$(awk -F'\t' '$2 == "pathway" { print $14 }' <<<"$output")" = "voxel centre" ]
+    [ "$(cell angle_deg 1)" = 0 ]
+}
+
+@test "every format has the same rows, and a TSV its sidecar" {
+    conus phantom nested -o .
+    answers sweep nested.nii.gz $aim --angle 30 --jitter 2,1 -o a.tsv
+    [ -z "$output" ]
+    grep -q '"p_hit_error"' a.json
+    grep -q '"Version"' a.json
+    answers sweep nested.nii.gz $aim --angle 30 --jitter 2,1 --format ndjson
+    [ "${#lines[@]}" -eq $(($(wc -l <a.tsv) - 1)) ]
+    has '"p_hit":'
+    answers sweep nested.nii.gz $aim --angle 30 --format json
+    has '"margin_deg":'
+    answers sweep nested.nii.gz $aim --angles 5,6 --format json
+    has '"angle_deg": 6'
+    nothing_left a.json a.tsv nested.json nested.nii.gz nested.tsv
+}
+
+@test "bad input is one line" {
+    conus phantom nested -o .
+    local angles
+    for angles in 20:10:1 10:20:0 10:20:-1 10:20 10:20:1:1 a,b 10, ,10 1,nan 1:2:nan '' 1e999 0x10; do
+        fails 2 --angles sweep nested.nii.gz $aim --angles "$angles"
+    done
+    fails 2 'is out of range, allowed is more than 0 and less than 180' sweep nested.nii.gz $aim --angles 10,180
+    fails 2 'is out of range, allowed is more than 0 and less than 180' sweep nested.nii.gz $aim --angles -5
+    fails 2 'has more than 1000 angles' sweep nested.nii.gz $aim --angles 1:179:0.01
+    local jitter
+    for jitter in 1 1,2,3 -1,2 1,-2 nan,1 1,inf 91,0 0,1e7 x ''; do
+        fails 2 --jitter sweep nested.nii.gz $aim --jitter "$jitter"
+    done
+    fails 2 '--samples: 100 is no power of two' sweep nested.nii.gz $aim --jitter 1,1 --samples 100
+    fails 2 '--samples: 8 is out of range' sweep nested.nii.gz $aim --jitter 1,1 --samples 8
+    fails 2 '--samples has no effect without --jitter' sweep nested.nii.gz $aim --samples 64
+    fails 2 '--angles' sweep nested.nii.gz $aim --angles 10 --jitter 1,1
+    fails 2 '--angles' sweep nested.nii.gz $aim --angles 10 --angle 10
+    fails 2 'which has no angle to sweep' sweep nested.nii.gz $aim --radius 4
+    fails 2 'which has no angle to sweep' sweep nested.nii.gz $aim --radius 4 --angles 3
+    fails 2 '--aperture square goes with' sweep nested.nii.gz $aim --aperture square
+    fails 2 '--angle: 180 is out of range' sweep nested.nii.gz $aim --angle 180
+    fails 2 'would overwrite the atlas' sweep nested.nii.gz $aim -o nested.nii.gz
+    fails 2 'no cone given' sweep nested.nii.gz
+    nothing_left nested.json nested.nii.gz nested.tsv
+    answers sweep nested.nii.gz $aim --radius 4 --jitter 1,1 --samples 16
+    answers sweep nested.nii.gz $aim --aperture square --jitter 1,1 --samples 16 --resolution 1 --angle 179
+}
+
+@test "both engines give the same chances" {
+    conus phantom nested -o .
+    gl sweep nested.nii.gz $aim --jitter 5,3 --samples 32 --angle 40 --engine gl --format tsv
+    local by_gl=$output
+    answers sweep nested.nii.gz $aim --jitter 5,3 --samples 32 --angle 40 --engine rays --format tsv
+    [ "$output" = "$by_gl" ]
+}
