@@ -4,6 +4,7 @@
 #include "base/buffer.h"
 
 #include <string.h>
+#include <strings.h>
 
 enum { SHOWN = 4, CONTAINED_FROM = 3, QUOTED_SIZE = 80 };
 
@@ -108,6 +109,51 @@ static bool is_pathway(const conus_atlas *atlas, struct text text)
         }
     }
     return false;
+}
+
+/* Whether `name` is `text` and then `side`. */
+static bool is_half_name(const char *name, struct text text, const char *side, bool ignoring_case)
+{
+    size_t size = text.size;
+    int (*compare)(const char *, const char *, size_t) = ignoring_case ? strncasecmp : strncmp;
+    return strlen(name) > size && compare(name, text.data, size) == 0 && strcmp(name + size, side) == 0;
+}
+
+static bool is_half_of(const conus_atlas *atlas, const conus_object *half, struct text text, bool ignoring_case)
+{
+    bool left = half->hemisphere == 'L';
+    uint32_t step = atlas->half_step * (left ? 1 : 2);
+    uint64_t label;
+    if (half->label < step) {
+        return false;
+    }
+    return is_half_name(half->name, text, left ? " left" : " right", ignoring_case) ||
+           is_half_name(half->abbreviation, text, left ? "_L" : "_R", ignoring_case) ||
+           (!ignoring_case && text_to_uint(text, UINT32_MAX, &label) && half->label - step == label);
+}
+
+static size_t match_halves(uint32_t out[2], const conus_atlas *atlas, struct text text, bool ignoring_case)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < atlas->area_count; i++) {
+        if (is_half_of(atlas, &atlas->objects[i], text, ignoring_case)) {
+            if (count < 2) {
+                out[count] = (uint32_t)i + 1;
+            }
+            count++;
+        }
+    }
+    return count;
+}
+
+bool area_find_halves(uint32_t out[2], const conus_atlas *atlas, struct text text)
+{
+    if (!atlas->half_step || !text.size) {
+        return false;
+    }
+    size_t count = match_halves(out, atlas, text, false);
+    count = count ? count : match_halves(out, atlas, text, true);
+    return count == 2;
 }
 
 /* The area as which a paired one called `text` is reported; NULL if there is none. */

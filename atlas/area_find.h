@@ -12,4 +12,7 @@
  * reported as their pair do not count. */
 conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text);
 
+/** The halves of the one area that was called @p text before it was cut in two; false if there is none. */
+bool area_find_halves(uint32_t out[2], const conus_atlas *atlas, struct text text);
+
 #endif

@@ -460,6 +460,17 @@ const conus_object *conus_atlas_object(const conus_atlas *atlas, size_t number)
     return atlas && number >= 1 && number <= atlas->object_count ? &atlas->objects[number - 1] : NULL;
 }
 
+uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number)
+{
+    const conus_object *object = conus_atlas_object(atlas, number);
+    uint32_t depth = 0;
+    while (object && object->kind == CONUS_AREA) {
+        depth += !atlas_is_paired(atlas, (uint32_t)(object - atlas->objects) + 1);
+        object = conus_atlas_object(atlas, object->parent);
+    }
+    return depth;
+}
+
 size_t conus_atlas_volume_count(const conus_atlas *atlas)
 {
     return atlas ? atlas->volume_count : 0;

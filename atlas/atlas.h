@@ -33,6 +33,8 @@ struct conus_atlas {
     uint32_t first_pair; /**< Areas from this number on stand for pairs of left and right ones, which have them as
                             parents (atlas/hemispheres.h); 0 = none do. */
     conus_hemispheres hemispheres; /**< What has been done to them.                                   */
+    uint32_t half_step; /**< The labels of left halves are their areas' and this, those of right ones twice it;
+                           0 = no area is cut in halves.                                       */
     char *label_source;
     struct atlas_file *files; /**< The manifest, then surfaces.                                             */
     size_t file_count;

@@ -335,6 +335,7 @@ conus_status hemispheres_split(conus_atlas *atlas)
     if (!status) {
         exchange_voxels(&atlas->volumes[0], &splitting);
         atlas->hemispheres = CONUS_HEMISPHERES_SPLIT;
+        atlas->half_step = splitting.label_step;
     }
     splitting_finish(&splitting);
     return status;

@@ -258,6 +258,7 @@ conus_status hemispheres_merge(conus_atlas *atlas)
     }
     if (!status) {
         atlas->first_pair = first_pair;
+        atlas->half_step = 0;
         atlas->hemispheres = CONUS_HEMISPHERES_MERGED;
     }
     merging_finish(&merging);

@@ -13,6 +13,8 @@ enum { FILE_LIMIT = 64 << 20 };
 
 struct level {
     uint32_t *group;
+    uint32_t *areas; /* of a list, by number */
+    size_t area_count;
     bool is_identity;
 };
 
@@ -93,6 +95,11 @@ static conus_status list_area(struct climb *climb, struct text name)
     uint32_t number = 0;
     if (!name.size) {
         return fail(CONUS_ERROR_ARGUMENT, "an area is missing: names, abbreviations or labels, separated by commas");
+    }
+    uint32_t halves[2];
+    if (area_find_halves(halves, climb->atlas, name)) {
+        climb->listed[halves[0]] = climb->listed[halves[1]] = true;
+        return CONUS_OK;
     }
     conus_status status = area_find(&number, climb->atlas, name);
     if (!status) {
@@ -204,6 +211,17 @@ static conus_status roll(struct climb *climb, const char *spec)
     return status ? fail_in(status, "level") : CONUS_OK;
 }
 
+static conus_status keep_areas(struct level *level, const struct climb *climb)
+{
+    level->areas = memory_zeroed(climb->atlas->area_count, sizeof *level->areas);
+    for (uint32_t number = 1; level->areas && number <= climb->atlas->area_count; number++) {
+        if (climb->listed[number]) {
+            level->areas[level->area_count++] = number;
+        }
+    }
+    return level->areas ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 static conus_status fill(struct level *level, const conus_atlas *atlas, const char *spec)
 {
     size_t count = atlas->object_count + 1;
@@ -216,6 +234,7 @@ static conus_status fill(struct level *level, const conus_atlas *atlas, const ch
     conus_status status = climb.depth && climb.listed ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status && spec) {
         status = roll(&climb, spec);
+        status = status ? status : keep_areas(level, &climb);
     }
     memory_free(climb.depth);
     memory_free(climb.listed);
@@ -246,6 +265,7 @@ void level_destroy(struct level *level)
 {
     if (level) {
         memory_free(level->group);
+        memory_free(level->areas);
         memory_free(level);
     }
 }
@@ -253,6 +273,12 @@ void level_destroy(struct level *level)
 const uint32_t *level_group(const struct level *level)
 {
     return level ? level->group : NULL;
+}
+
+const uint32_t *level_areas(const struct level *level, size_t *count)
+{
+    *count = level ? level->area_count : 0;
+    return level ? level->areas : NULL;
 }
 
 bool level_is_identity(const struct level *level)

@@ -7,7 +7,8 @@
 #include "base/text.h"
 
 /** A word of a name that tells the side: L, R, left, right, lh, rh with one case throughout (left and right also with a
- * capital), or l, r at the name's beginning or end. A word is what stands between other characters than letters and digits. */
+ * capital), or l, r at the name's beginning or end. A word is what stands between other characters than letters and
+ * digits. */
 struct side_word {
     size_t start, size;
     char side;            /**< 'L' or 'R' */

@@ -6,6 +6,18 @@
 
 #include <string.h>
 
+/* What the level was, so that the report does not need the selector. */
+static conus_status keep_level(conus_report *report, const conus_selector *selector)
+{
+    if (!selector->level_spec) {
+        return CONUS_OK;
+    }
+    const uint32_t *areas = level_areas(selector->level, &report->level_area_count);
+    report->level = memory_text(selector->level_spec, strlen(selector->level_spec));
+    report->level_areas = memory_copy(areas, report->level_area_count, sizeof *areas);
+    return report->level && report->level_areas ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 conus_status conus_report_create(conus_report **out, const conus_selector *selector,
                                  const conus_report_options *options)
 {
@@ -19,9 +31,8 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     report->options = options ? *options : (conus_report_options){0};
     report->options.no_voxels = report->options.no_voxels || report->options.tracker;
     memcpy(report->engine, selector->engine->name, sizeof report->engine);
-    report->level = selector->level_spec ? memory_text(selector->level_spec, strlen(selector->level_spec)) : NULL;
-    if (selector->level_spec && !report->level) {
-        memory_free(report);
+    if (keep_level(report, selector)) {
+        conus_report_destroy(report);
         return CONUS_ERROR_MEMORY;
     }
     *out = report;
@@ -46,6 +57,7 @@ void conus_report_destroy(conus_report *report)
     }
     report_clear(report);
     memory_free(report->level);
+    memory_free(report->level_areas);
     memory_free(report->queries);
     memory_free(report->rows);
     buffer_finish(&report->voxels);

@@ -33,6 +33,8 @@ struct conus_report {
     conus_selector_options selector;
     char score[FORMULA_LENGTH_LIMIT + 1]; /**< Name or formula of the ranking. */
     char *level;                          /**< NULL = none. */
+    uint32_t *level_areas;                /**< Of a list, by number. */
+    size_t level_area_count;
     char engine[96];
     conus_report_options options;
     struct report_query *queries;

@@ -176,6 +176,18 @@ static bool add_track(json_t *settings, const conus_tracker *tracker)
                          "delay_s", options->delay));
 }
 
+/* Labels of a list: it may have come from a file that changes. */
+static json_t *json_from_level_areas(const conus_report *report)
+{
+    json_t *labels = json_array();
+    bool whole = true;
+    for (size_t i = 0; i < report->level_area_count; i++) {
+        json_t *label = json_integer(report->atlas->objects[report->level_areas[i] - 1].label);
+        whole = json_array_append_new(labels, label) == 0 && whole;
+    }
+    return whole_or_null(labels, whole);
+}
+
 static json_t *json_from_settings(const conus_report *report)
 {
     const conus_selector_options *options = &report->selector;
@@ -190,6 +202,7 @@ static json_t *json_from_settings(const conus_report *report)
             (options->range[1] == 0 ||
              put(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1])));
     whole = (!report->level || put(settings, "level", json_from_text(report->level))) && whole;
+    whole = (!report->level_area_count || put(settings, "level_areas", json_from_level_areas(report))) && whole;
     return whole_or_null(settings, whole && add_track(settings, report->options.tracker));
 }
 

@@ -324,6 +324,28 @@ static void areas_of_both_sides_are_cut(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Whoever asks for the area of before gets both halves of it. */
+static void a_level_keeps_the_sides_apart(void **state)
+{
+    (void)state;
+    static const struct area_row rows[] = {
+        {4, "Four", 7, "BA4", 0}, {6, "Six", 7, "BA6", 0}, {5, "Five_L", 7, NULL, 0}, {7, "Cortex", 0, "CTX", 0}, {0}};
+    static const char *const specs[] = {"1", "Cortex", "cortex", "CTX", "\"7\"", "Cortex left,CTX_R", "17,27"};
+    conus_atlas *atlas = NULL;
+    struct level *level = NULL;
+    char text[512];
+    assert_ok(area_rows_atlas(&atlas, dim, row_labels, rows));
+    assert_ok(conus_atlas_set_hemispheres(atlas, CONUS_HEMISPHERES_SPLIT));
+    for (size_t i = 0; i < sizeof specs / sizeof specs[0]; i++) {
+        snprintf(text, sizeof text, "%s", reported(atlas, specs[i]));
+        assert_non_null(strstr(text, "Cortex left|Cortex left|Cortex left|Cortex left|Cortex right|Cortex right"));
+        assert_string_equal(text, reported(atlas, "Cortex"));
+    }
+    assert_fails(level_create(&level, atlas, "Cortx"), CONUS_ERROR_ARGUMENT);
+    assert_fails(level_create(&level, atlas, "Cor"), CONUS_ERROR_ARGUMENT);
+    conus_atlas_destroy(atlas);
+}
+
 /* With an odd number of voxels there is one in the middle, at x = 0. */
 static void the_middle_is_right(void **state)
 {
@@ -505,7 +527,8 @@ static void real_atlases_are_merged(void **state)
 static void freesurfer_has_pairs(void **state)
 {
     (void)state;
-    static const char *const pairs[] = {"ctx-insula", "wm-insula", "af", "IPL_PFm", "Cbm_CrusI", "Thalamus-Proper"};
+    static const char *const pairs[] = {"ctx-insula", "wm-insula", "af",
+                                        "IPL_PFm",    "Cbm_CrusI", "Cerebral-White-Matter"};
     char table[512];
     snprintf(table, sizeof table, "%s", test_shared("labels/freesurfer/FreeSurferColorLUT.txt"));
     const conus_load_options options = {.labels = table};
@@ -551,6 +574,7 @@ int main(void)
         cmocka_unit_test(merging_composes_with_a_level),
         cmocka_unit_test(names_that_are_taken_are_spelled_out),
         cmocka_unit_test(areas_of_both_sides_are_cut),
+        cmocka_unit_test(a_level_keeps_the_sides_apart),
         cmocka_unit_test(the_middle_is_right),
         cmocka_unit_test(merging_undoes_splitting),
         cmocka_unit_test(what_cannot_be_done_is_said),

@@ -286,6 +286,7 @@ static int load(struct work *work)
     }
     const struct input inputs[] = {{"the atlas", work->arguments->operands[0]},
                                    {"the label table", settings->atlas.labels},
+                                   {"the list of areas", settings_level_file(&settings->engine)},
                                    {"the file of poses", settings->poses},
                                    {0}};
     const char *outputs[] = {work->output, work->sidecar};

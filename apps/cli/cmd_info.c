@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "cli/commands.h"
 #include "cli/info_json.h"
+#include "cli/info_tree.h"
 #include "cli/messages.h"
 #include "cli/output.h"
 #include "cli/settings.h"
@@ -9,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum info_format { INFO_TABLE, INFO_TSV, INFO_JSON };
+enum info_format { INFO_TABLE, INFO_TSV, INFO_JSON, INFO_TREE };
 
 struct info_settings {
     struct atlas_settings atlas;
@@ -18,7 +19,7 @@ struct info_settings {
     struct common_settings common;
 };
 
-static const char *const formats[] = {"table", "tsv", "json", NULL};
+static const char *const formats[] = {"table", "tsv", "json", "tree", NULL};
 
 static const struct option own_options[] = {
     {.name = "context",
@@ -30,7 +31,8 @@ static const struct option own_options[] = {
      .type = OPTION_CHOICE,
      .offset = offsetof(struct info_settings, format),
      .value = "FORMAT",
-     .help = "everything for people, only the areas as tab-separated values, or everything for programs:",
+     .help = "everything for people, only the areas as tab-separated values, everything for programs, or the area "
+             "tree, which --level of query reports by:",
      .choices = formats},
     {0},
 };
@@ -355,6 +357,15 @@ static bool is_empty(const conus_object *object)
     return is_area(object) && object->voxels == 0 && object->triangles == 0;
 }
 
+/* One line, where there is a tree. */
+static void put_tree_size(FILE *out, const conus_atlas *atlas)
+{
+    size_t depth = info_tree_depth(atlas);
+    if (depth > 1) {
+        fprintf(out, "area tree of %zu depths; --format tree shows it\n", depth);
+    }
+}
+
 static int put_table(FILE *out, const conus_atlas *atlas)
 {
     char *tsv = NULL;
@@ -376,6 +387,7 @@ static int put_table(FILE *out, const conus_atlas *atlas)
     fprintf(out, "\n%zu area%s (%zu without a name, %zu without a shape), %zu pathway%s\n", areas,
             areas == 1 ? "" : "s", count_objects(atlas, is_nameless), count_objects(atlas, is_empty), pathways,
             pathways == 1 ? "" : "s");
+    put_tree_size(out, atlas);
     put_aligned(out, tsv);
     free(tsv);
     return EXIT_DONE;
@@ -399,6 +411,9 @@ static int put_atlas(FILE *out, const conus_atlas *atlas, enum info_format forma
     }
     if (format == INFO_TABLE) {
         return put_table(out, atlas);
+    }
+    if (format == INFO_TREE) {
+        return info_tree(out, atlas) ? EXIT_DONE : EXIT_DATA;
     }
     put_tsv(out, atlas);
     return EXIT_DONE;

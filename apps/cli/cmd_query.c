@@ -403,6 +403,7 @@ static bool check_inputs(const struct query *query)
     const struct query_settings *settings = query->settings;
     const struct input inputs[] = {{"the atlas", query->arguments->operands[0]},
                                    {"the label table", settings->atlas.labels},
+                                   {"the list of areas", settings_level_file(&settings->engine)},
                                    {"the file of poses", settings->aim.pose},
                                    {0}};
     for (size_t i = 0; i < OUTPUT_COUNT; i++) {

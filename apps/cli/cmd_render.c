@@ -252,10 +252,13 @@ static int load(struct picture *picture)
     if (code) {
         return code;
     }
-    const struct input inputs[] = {
-        {"the atlas", picture->arguments->operands[0]}, {"the label table", settings->atlas.labels},
-        {"the file of poses", settings->aim.pose},      {"the camera's pose", settings->camera},
-        {"the transfer function", settings->transfer},  {0}};
+    const struct input inputs[] = {{"the atlas", picture->arguments->operands[0]},
+                                   {"the label table", settings->atlas.labels},
+                                   {"the file of poses", settings->aim.pose},
+                                   {"the camera's pose", settings->camera},
+                                   {"the transfer function", settings->transfer},
+                                   {"the list of areas", settings_level_file(&settings->engine)},
+                                   {0}};
     const char *input = settings_input(picture->atlas, inputs, settings->output);
     return input ? complain_usage("--output would overwrite %s %s", input, settings->output) : EXIT_DONE;
 }

@@ -4,6 +4,7 @@
 #include "cli/messages.h"
 
 #include <math.h>
+#include <string.h>
 
 #define FIELD(type, member) offsetof(struct type, member)
 
@@ -256,6 +257,12 @@ int settings_pose(conus_pose *out, const struct aim_settings *settings, const st
     settings_point(above, settings->up, settings->space);
     conus_status status = conus_pose_along(out, from, along, given_up ? above : NULL);
     return status ? complain_status(status) : EXIT_DONE;
+}
+
+const char *settings_level_file(const struct engine_settings *settings)
+{
+    const char *level = settings->level;
+    return level && level[0] == '@' && !strchr(level, ',') ? level + 1 : NULL;
 }
 
 double radians(double degrees)

@@ -79,6 +79,9 @@ int settings_look(conus_pose *out, const double origin[3], const double toward[3
 /** The pose of --origin with --toward or --direction. Gives the exit code, having complained unless it is 0. */
 int settings_pose(conus_pose *out, const struct aim_settings *settings, const struct arguments *arguments);
 
+/** The file of areas that --level consists of; NULL if it is none. */
+const char *settings_level_file(const struct engine_settings *settings);
+
 /** A number of degrees in radians. */
 double radians(double degrees);
 

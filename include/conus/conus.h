@@ -162,6 +162,8 @@ typedef struct conus_object {
 CONUS_API size_t conus_atlas_object_count(const conus_atlas *atlas);
 /** Object @p number, 1 to count; NULL outside. */
 CONUS_API const conus_object *conus_atlas_object(const conus_atlas *atlas, size_t number);
+/** Depth of an area in the tree, as levels count it: roots have 1, merged areas that of their pair. 0 of a pathway. */
+CONUS_API uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number);
 
 /** The number of the pathway called @p name, or else of the one area with that name, abbreviation or label.
  * CONUS_ERROR_ARGUMENT, with the closest one in the message, if there is none, and if there are several. */

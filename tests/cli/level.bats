@@ -49,6 +49,29 @@ nested() {
     nothing_left nested.json nested.nii.gz nested.tsv tree.tsv list.txt
 }
 
+@test "the list of areas is not overwritten" {
+    nested
+    echo Shell >list.txt
+    fails 2 '--output would overwrite the list of areas list.txt' "${view[@]}" --level @list.txt -o list.txt
+    [ "$(cat list.txt)" = Shell ]
+}
+
+@test "info shows the tree" {
+    nested
+    answers info nested.nii.gz --labels tree.tsv
+    has 'area tree of 3 depths; --format tree shows it'
+    answers info nested.nii.gz --labels tree.tsv --format tree
+    [ "${#lines[@]}" -eq 6 ]
+    grep -qE '^ +1 +40 +4 +57856  Ball \(B\)$' <<<"$output"
+    grep -qE '^ +2 +20 +2 +[0-9]+    Shell \(S\)$' <<<"$output"
+    grep -qE '^ +3 +1 +0 +[0-9]+      Outer, the \(O\)$' <<<"$output"
+    need_aal
+    answers info "$aal" --format tree --hemispheres merged
+    [ "${#lines[@]}" -eq 171 ]
+    grep -qE '^ +1 +3001 +2 +55232  Precentral$' <<<"$output"
+    grep -qE '^ +1 +1 +0 +28174    Precentral_L$' <<<"$output"
+}
+
 @test "an atlas without a tree says so" {
     need_aal
     fails 2 'level: the atlas has no area tree: none of its 116 areas is part of another' \
@@ -59,6 +82,9 @@ nested() {
     nested
     answers "${view[@]}" --level 2 -o answer.tsv
     grep -q '"level": "2"' answer.json
+    printf 'Shell\nC\n' >list.txt
+    answers query nested.nii.gz --labels tree.tsv --origin 0,-100,0 --toward 0,0,0 -q --level @list.txt --format json
+    tr -d ' \n' <<<"$output" | grep -q '"level":"@list.txt","level_areas":\[20,4000000001\]'
     answers query nested.nii.gz --labels tree.tsv --origin 0,-100,0 --toward 0,0,0 --level Shell -q
     has 'areas at level Shell'
 }
