@@ -39,4 +39,14 @@ static inline uint32_t volume_object(const struct volume *volume, size_t voxel)
     return volume->objects16 ? volume->objects16[voxel] : volume->objects32[voxel];
 }
 
+/** Tells the processor that volume_object() will be asked about @p voxel, wherever that is. */
+static inline void volume_fetch(const struct volume *volume, size_t voxel)
+{
+    if (volume->objects16) {
+        __builtin_prefetch(volume->objects16 + voxel);
+    } else {
+        __builtin_prefetch(volume->objects32 + voxel);
+    }
+}
+
 #endif

@@ -29,6 +29,10 @@ static conus_status fill_in(conus_batch_options *options, const conus_selector *
                     options->threads > THREAD_LIMIT ? options->threads : options->block,
                     options->threads > THREAD_LIMIT ? THREAD_LIMIT : BLOCK_LIMIT);
     }
+    if (selector->ranking.info.needs_history) { /* each pose is answered on its own */
+        return fail(CONUS_ERROR_ARGUMENT, "score: %s needs a history, which a batch has not",
+                    selector->ranking.formula.text);
+    }
     options->threads = options->threads ? options->threads : count_processors();
     options->threads = selector->options.engine == CONUS_ENGINE_GL ? 1 : options->threads;
     options->block = options->block ? options->block : DEFAULT_BLOCK;
@@ -45,6 +49,7 @@ static conus_status add_worker(conus_batch *batch, conus_selector *selector)
     conus_status status = selector_share(&worker->selector, selector);
     status = status ? status : conus_report_create(&worker->report, worker->selector, &batch->options.report);
     if (!status) {
+        worker->selector->inside_only = true;
         worker->report->options.no_voxels = true;
     }
     return status;

@@ -40,10 +40,15 @@ conus_status cone_check(const struct cone *cone)
     return CONUS_OK;
 }
 
+double cone_slope(const struct cone *cone)
+{
+    return cone->slope > 0 ? cone->slope : tan(cone->angle / 2);
+}
+
 void cone_rays(double *const out[3], const struct cone *cone, const double *u, const double *v, size_t count)
 {
     double m[16]; /* on its own, or the compiler fears that the results overwrite it and does not vectorise */
-    double slope = tan(cone->angle / 2);
+    double slope = cone_slope(cone);
     double *x = out[0];
     double *y = out[1];
     double *z = out[2];
@@ -80,7 +85,7 @@ void cone_origin(double out[3], const struct cone *cone, uint32_t i, uint32_t j)
 
 double cone_per_depth(const struct cone *cone, uint32_t i, uint32_t j)
 {
-    double slope = tan(cone->angle / 2) * cone_radius(cone, i, j);
+    double slope = cone_slope(cone) * cone_radius(cone, i, j);
     return sqrt(1 + slope * slope);
 }
 
@@ -108,6 +113,7 @@ bool cone_has_pixel(const struct cone *cone, uint32_t i, uint32_t j)
 
 double cone_weight(const struct cone *cone, uint32_t i, uint32_t j)
 {
-    double slope = tan(cone->angle / 2) * cone_radius(cone, i, j);
-    return pow(1 + slope * slope, -1.5);
+    double slope = cone_slope(cone) * cone_radius(cone, i, j);
+    double square = 1 + slope * slope;
+    return 1 / (square * sqrt(square));
 }

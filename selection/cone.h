@@ -11,8 +11,10 @@ struct cone {
     double angle;        /**< Full opening angle, radians, in (0, pi); 0 of a cylinder. */
     uint32_t resolution; /**< n */
     conus_aperture aperture;
-    double radius;   /**< Of a cylinder, mm; 0 of a cone.                                        */
-    double range[2]; /**< Nearest and farthest depth along the axis, mm; both 0 = everything.   */
+    double radius;      /**< Of a cylinder, mm; 0 of a cone.                                        */
+    double range[2];    /**< Nearest and farthest depth along the axis, mm; both 0 = everything.   */
+    double slope;       /**< tan(angle / 2), where it is known already, else 0.                    */
+    const bool *wanted; /**< [n*n] Pixels that are to be looked at; NULL = all.                   */
 };
 
 /** CONUS_ERROR_ARGUMENT with what is allowed, unless angle, resolution, radius and range are in their ranges. */
@@ -23,6 +25,9 @@ static inline double cone_coordinate(uint32_t i, uint32_t resolution)
 {
     return (2.0 * i + 1) / resolution - 1;
 }
+
+/** tan(angle / 2). */
+double cone_slope(const struct cone *cone);
 
 /** Unit direction in world space of the ray of pixel column @p i, row @p j (Eq. 3). */
 void cone_ray(double out[3], const struct cone *cone, uint32_t i, uint32_t j);

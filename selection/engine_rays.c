@@ -24,7 +24,7 @@ struct rays_engine {
     conus_sampling sampling;
     const struct traverse_kernel *kernel;
     struct mesh_rays *meshes; /* NULL if the atlas has none */
-    struct mesh_spans spans;
+    struct mesh_spans spans;  /* empty: what a query begins with */
     size_t target_count;
     struct target targets[];
 };
@@ -43,7 +43,6 @@ static void destroy(struct engine *engine)
         leap_map_finish(&rays->targets[i].map);
     }
     mesh_rays_destroy(rays->meshes);
-    mesh_spans_finish(&rays->spans);
     memory_free(rays);
 }
 
@@ -67,6 +66,11 @@ static uint32_t block_edge(const struct cone *cone)
     return cone->radius > 0 ? 1 : BLOCK;
 }
 
+static bool is_wanted(const struct cone *cone, uint32_t i, uint32_t j)
+{
+    return !cone->wanted || cone->wanted[(size_t)j * cone->resolution + i];
+}
+
 /* Fills the block of pixels whose lowest column and row are given. */
 static void block_init(struct block *block, const struct cone *cone, uint32_t column, uint32_t row)
 {
@@ -84,7 +88,8 @@ static void block_init(struct block *block, const struct cone *cone, uint32_t co
         uint32_t i = tile % (BLOCK / TILE) * TILE + k % TILE;
         uint32_t j = tile / (BLOCK / TILE) * TILE + k / TILE % TILE;
         bool is_mine = i < block_edge(cone) && j < block_edge(cone);
-        if (is_mine && column + i < cone->resolution && row + j < cone->resolution) {
+        if (is_mine && column + i < cone->resolution && row + j < cone->resolution &&
+            is_wanted(cone, column + i, row + j)) {
             block->pixel[count] = (size_t)(row + j) * cone->resolution + column + i;
             u[count] = coordinate[0][i];
             v[count++] = coordinate[1][j];
@@ -150,6 +155,9 @@ static void look_through(const struct rays_engine *engine, struct evidence *out,
             walk_slices(target, bundle, cone);
         } else {
             traverse_bundle_walk(engine->kernel, &target->map, target->volume, bundle);
+        }
+        for (size_t ray = 0; ray < bundle->count; ray++) { /* or each would be waited for in turn */
+            volume_fetch(target->volume, bundle->voxel[ray]);
         }
         for (size_t ray = 0; ray < bundle->count; ray++) {
             keep_nearer(out, block->pixel[ray], target->volume, bundle->t[ray], bundle->voxel[ray]);
@@ -226,10 +234,11 @@ static conus_status pierce_volumes(const struct rays_engine *engine, struct laye
     return status;
 }
 
-static conus_status pierce_meshes(struct rays_engine *engine, struct layers *out, const struct cone *cone)
+static conus_status pierce_meshes(const struct rays_engine *engine, struct layers *out, const struct cone *cone)
 {
     struct block block;
     struct mesh_bundle *bundle = &block.meshes;
+    struct mesh_spans spans = engine->spans; /* of its own, since several threads may be here */
     conus_status status = CONUS_OK;
     uint32_t edge = block_edge(cone);
     for (uint32_t row = 0; row < cone->resolution && !status; row += edge) {
@@ -237,20 +246,22 @@ static conus_status pierce_meshes(struct rays_engine *engine, struct layers *out
             block_init(&block, cone, column, row);
             aim_at_meshes(&block);
             unsigned width = mesh_rays_width(engine->meshes, bundle->origin, cone->angle / cone->resolution);
-            status = mesh_rays_pierce(engine->meshes, bundle, width, &engine->spans, block.pixel);
+            status = mesh_rays_pierce(engine->meshes, bundle, width, &spans, block.pixel);
         }
     }
-    status = status ? status : mesh_spans_pair(out, &engine->spans, cone);
-    engine->spans.count = 0;
+    status = status ? status : mesh_spans_pair(out, &spans, cone);
+    mesh_spans_finish(&spans);
     return status;
 }
 
 static conus_status pierce(struct engine *engine, struct layers *out, const struct cone *cone)
 {
-    struct rays_engine *rays = (struct rays_engine *)engine;
+    const struct rays_engine *rays = (const struct rays_engine *)engine;
     conus_status status = CONUS_OK;
     for (uint32_t pixel = 0; pixel < cone->resolution * cone->resolution && !status; pixel++) {
-        status = pierce_volumes(rays, out, cone, pixel);
+        if (is_wanted(cone, pixel % cone->resolution, pixel / cone->resolution)) {
+            status = pierce_volumes(rays, out, cone, pixel);
+        }
     }
     return !status && rays->meshes ? pierce_meshes(rays, out, cone) : status;
 }

@@ -95,12 +95,16 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
     if (!shared) {
         return CONUS_ERROR_MEMORY;
     }
-    *shared = *selector;
-    shared->is_shared = true;
-    shared->tally = (struct tally){0};
-    shared->census = (struct census){0};
-    shared->near = (struct near){0};
-    shared->on_border = NULL;
+    *shared = (conus_selector){.atlas = selector->atlas, /* and all scratch is its own */
+                               .options = selector->options,
+                               .ranking = selector->ranking,
+                               .level = selector->level,
+                               .level_spec = selector->level_spec,
+                               .engine = selector->engine,
+                               .whole = selector->whole,
+                               .inside_only = selector->inside_only,
+                               .is_shared = true};
+    memcpy(shared->box, selector->box, sizeof shared->box);
     if (selector_prepare_border(shared)) {
         memory_free(shared);
         return CONUS_ERROR_MEMORY;
@@ -119,6 +123,7 @@ void conus_selector_destroy(conus_selector *selector)
             memory_free(selector->whole);
         }
         memory_free(selector->on_border);
+        aperture_finish(&selector->aperture);
         tally_finish(&selector->tally);
         census_finish(&selector->census);
         near_finish(&selector->near);
@@ -131,19 +136,11 @@ const char *conus_selector_engine(const conus_selector *selector)
     return selector ? selector->engine->name : "";
 }
 
-static conus_status mark_cone(conus_selection *selection)
+static conus_status mark_cone(conus_selection *selection, const struct aperture *aperture)
 {
-    uint32_t n = selection->cone.resolution;
-    selection->in_cone = memory_raw((size_t)n * n, sizeof *selection->in_cone);
-    if (!selection->in_cone) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (uint32_t j = 0; j < n; j++) {
-        for (uint32_t i = 0; i < n; i++) {
-            selection->in_cone[(size_t)j * n + i] = cone_has_pixel(&selection->cone, i, j);
-        }
-    }
-    return CONUS_OK;
+    size_t pixels = (size_t)aperture->resolution * aperture->resolution;
+    selection->in_cone = memory_copy(aperture->in_cone, pixels, sizeof *selection->in_cone);
+    return selection->in_cone ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 void selection_set_kinds(conus_selection *selection)
@@ -238,13 +235,17 @@ conus_status selection_regroup(conus_selection *selection, const struct level *l
 static conus_status answer(conus_selection *selection, conus_selector *selector)
 {
     conus_status status = evidence_init(&selection->evidence, selection->cone.resolution);
-    status = status ? status : mark_cone(selection);
+    status = status ? status : aperture_prepare(&selector->aperture, &selection->cone);
+    status = status ? status : mark_cone(selection, &selector->aperture);
+    selection->cone.wanted = selector->inside_only ? selection->in_cone : NULL;
     status = status ? status : look(selection, selector->engine);
+    selection->cone.wanted = NULL;
     status = status ? status : tally_prepare(&selector->tally, selector->atlas->object_count);
     status = status ? status : count_voxels(selection, selector);
     if (!status) {
         const struct gathering gathering = {.atlas = selector->atlas,
                                             .cone = &selection->cone,
+                                            .aperture = &selector->aperture,
                                             .evidence = &selection->evidence,
                                             .layers = selection->has_layers ? &selection->layers : NULL,
                                             .census = selection->has_layers ? &selector->census : NULL,
@@ -272,6 +273,7 @@ conus_status selection_look(conus_selection **out, conus_selector *selector, con
     if (status) {
         return status;
     }
+    cone.slope = tan(angle / 2);
     conus_selection *selection = memory_zeroed(1, sizeof *selection);
     if (!selection) {
         return CONUS_ERROR_MEMORY;

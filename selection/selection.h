@@ -16,11 +16,13 @@ struct conus_selector {
     struct level *level;
     char *level_spec; /**< NULL = none. */
     struct engine *engine;
+    struct aperture aperture;
     struct tally tally; /**< Prepared for the atlas's objects. */
     struct census census;
     struct near near;
-    double *whole;  /**< [object_count + 1] Volumes of what is reported, mm^3; with all layers. */
-    bool is_shared; /**< Engine, level and volumes are another selector's. */
+    double *whole;    /**< [object_count + 1] Volumes of what is reported, mm^3; with all layers. */
+    bool inside_only; /**< Of its selections only the pixels in the cone will be looked at. */
+    bool is_shared;   /**< Engine, level and volumes are another selector's. */
 };
 
 struct conus_selection {

@@ -119,38 +119,36 @@ static bool is_better_contact(const struct tallied *object, double radius, doubl
            (radius == object->radius && distance < object->contact_distance);
 }
 
-static void add_pixel(struct tallied *object, const struct cone *cone, uint32_t i, uint32_t j, double distance)
+static void add_pixel(struct tallied *object, const struct aperture *aperture, size_t pixel, double distance)
 {
-    double radius = cone_radius(cone, i, j);
+    double radius = aperture->radius[pixel];
     if (is_better_contact(object, radius, distance)) {
-        object->i = i;
-        object->j = j;
+        object->i = (uint32_t)(pixel % aperture->resolution);
+        object->j = (uint32_t)(pixel / aperture->resolution);
         object->radius = radius;
         object->contact_distance = distance;
     }
-    object->nearest = fmin(object->nearest, distance);
-    object->weight += cone_weight(cone, i, j);
+    object->nearest = distance < object->nearest ? distance : object->nearest;
+    object->weight += aperture->weight[pixel];
     object->pixels++;
 }
 
-/* Returns the weight of the whole cone. */
-static double add_pixels(struct tally *tally, const struct gathering *gathering)
+static void add_pixels(struct tally *tally, const struct gathering *gathering)
 {
     const struct evidence *evidence = gathering->evidence;
-    const struct cone *cone = gathering->cone;
-    uint32_t n = evidence->resolution;
-    double total = 0;
-    for (uint32_t j = 0; j < n; j++) {
-        for (uint32_t i = 0; i < n; i++) {
-            if (cone_has_pixel(cone, i, j)) {
-                size_t pixel = (size_t)j * n + i;
-                uint32_t object = group_of(gathering, evidence->object[pixel]);
-                add_pixel(touch(tally, object), cone, i, j, evidence->distance[pixel]);
-                total += cone_weight(cone, i, j);
+    const struct aperture *aperture = gathering->aperture;
+    size_t pixels = (size_t)evidence->resolution * evidence->resolution;
+    uint32_t met = 0;
+    struct tallied *object = touch(tally, 0);
+    for (size_t pixel = 0; pixel < pixels; pixel++) {
+        if (aperture->in_cone[pixel]) {
+            if (evidence->object[pixel] != met) {
+                met = evidence->object[pixel];
+                object = touch(tally, group_of(gathering, met));
             }
+            add_pixel(object, aperture, pixel, evidence->distance[pixel]);
         }
     }
-    return total;
 }
 
 /* ---- All layers --------------------------------------------------------------------------------------------- */
@@ -189,16 +187,14 @@ static void add_span(struct tallied *object, const conus_span *span, const struc
 static void add_spans(struct tally *tally, const struct gathering *gathering)
 {
     const struct layers *layers = gathering->layers;
-    const struct cone *cone = gathering->cone;
+    const struct aperture *aperture = gathering->aperture;
     for (size_t s = 0; s < layers->count; s++) {
         const conus_span *span = &layers->spans[s];
-        uint32_t i = span->pixel % cone->resolution;
-        uint32_t j = span->pixel / cone->resolution;
-        if (cone_has_pixel(cone, i, j)) {
+        if (aperture->in_cone[span->pixel]) {
             bool mesh = atlas_object_mesh(gathering->atlas, span->object);
             struct tallied *object = touch(tally, group_of(gathering, span->object));
             object->in_grid = object->in_grid || !mesh;
-            add_span(object, span, cone, mesh ? cone_weight(cone, i, j) : 0);
+            add_span(object, span, gathering->cone, mesh ? aperture->weight[span->pixel] : 0);
         }
     }
 }
@@ -326,7 +322,7 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
     result.share = object->weight / totals->weight;
     if (number && object->pixels) {
         result.center_px = object->radius * cone->resolution / 2;
-        result.offset = atan(object->radius * tan(cone->angle / 2));
+        result.offset = atan(object->radius * cone_slope(cone));
         result.distance = object->nearest;
         evidence_position(result.contact, gathering->evidence, cone, object->i, object->j);
     }
@@ -349,8 +345,8 @@ static int by_number(const void *a, const void *b)
 
 conus_status statistics_gather(struct statistics *out, const struct gathering *gathering, struct tally *tally)
 {
-    touch(tally, 0);
-    struct totals totals = {.weight = add_pixels(tally, gathering)};
+    struct totals totals = {.weight = gathering->aperture ? gathering->aperture->total_weight : 0};
+    add_pixels(tally, gathering);
     if (gathering->layers) {
         add_spans(tally, gathering);
     }

@@ -3,6 +3,7 @@
 #ifndef CONUS_SELECTION_STATISTICS_H
 #define CONUS_SELECTION_STATISTICS_H
 
+#include "selection/aperture.h"
 #include "selection/census.h"
 #include "selection/layers.h"
 #include "selection/near.h"
@@ -32,6 +33,7 @@ void tally_finish(struct tally *tally);
 struct gathering {
     const conus_atlas *atlas;
     const struct cone *cone;
+    const struct aperture *aperture; /**< Prepared for the cone; NULL where there are no pixels. */
     const struct evidence *evidence;
     const struct layers *layers; /**< Sorted; NULL = visible only.                                     */
     const struct census *census; /**< Of the voxels in the cone or ball; with layers or near.           */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/math3.h"
-#include "selection/cone.h"
+#include "selection/aperture.h"
 #include "test.h"
 
 static struct cone looking_down(double degrees, uint32_t resolution)
@@ -65,6 +65,36 @@ static void weights_sum_to_the_solid_angle(void **state)
     assert_near(sum, 4 * asin(sin(cone.angle / 2) * sin(cone.angle / 2)), 1e-5);
 }
 
+static void check_aperture(struct aperture *aperture, const struct cone *cone)
+{
+    double total = 0;
+    assert_ok(aperture_prepare(aperture, cone));
+    for (uint32_t pixel = 0; pixel < cone->resolution * cone->resolution; pixel++) {
+        uint32_t i = pixel % cone->resolution;
+        uint32_t j = pixel / cone->resolution;
+        assert_int_equal(aperture->in_cone[pixel], cone_has_pixel(cone, i, j));
+        assert_true(aperture->radius[pixel] == cone_radius(cone, i, j));
+        assert_true(aperture->weight[pixel] == cone_weight(cone, i, j));
+        total += cone_has_pixel(cone, i, j) ? cone_weight(cone, i, j) : 0;
+    }
+    assert_true(aperture->total_weight == total);
+}
+
+static void apertures_follow_their_cones(void **state)
+{
+    (void)state;
+    struct aperture aperture = {0};
+    static const double angles[] = {20, 20, 35, 0, 20, 170};
+    for (size_t i = 0; i < 4 * sizeof angles / sizeof angles[0]; i++) {
+        struct cone cone = looking_down(angles[i / 4], i % 3 ? 16 : 7);
+        cone.aperture = i % 4 == 3 ? CONUS_SQUARE : CONUS_CIRCLE;
+        check_aperture(&aperture, &cone);
+        cone.slope = tan(cone.angle / 2);
+        check_aperture(&aperture, &cone);
+    }
+    aperture_finish(&aperture);
+}
+
 static void impossible_cones_are_refused(void **state)
 {
     (void)state;
@@ -84,9 +114,8 @@ static void impossible_cones_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(circle_has_208_of_256_pixels),
-        cmocka_unit_test(rays_leave_the_axis_by_their_radius),
-        cmocka_unit_test(weights_sum_to_the_solid_angle),
+        cmocka_unit_test(circle_has_208_of_256_pixels),   cmocka_unit_test(rays_leave_the_axis_by_their_radius),
+        cmocka_unit_test(weights_sum_to_the_solid_angle), cmocka_unit_test(apertures_follow_their_cones),
         cmocka_unit_test(impossible_cones_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -80,6 +80,7 @@ static int tear_down(void **state)
 {
     struct fixture *fixture = *state;
     conus_selection_destroy(fixture->selection);
+    aperture_finish(&fixture->selector.aperture);
     tally_finish(&fixture->selector.tally);
     conus_atlas_destroy(fixture->atlas);
     return 0;
@@ -126,8 +127,10 @@ static void scores_order_by_their_measure(void **state)
     struct ranking ranking;
     struct statistics statistics = {0};
     const struct score_view view = {.cone = &fixture->selection->cone, .cone_pixels = 12};
-    const struct gathering gathering = {
-        .atlas = fixture->atlas, .cone = &fixture->selection->cone, .evidence = &fixture->selection->evidence};
+    const struct gathering gathering = {.atlas = fixture->atlas,
+                                        .cone = &fixture->selection->cone,
+                                        .aperture = &fixture->selector.aperture,
+                                        .evidence = &fixture->selection->evidence};
     assert_ok(statistics_gather(&statistics, &gathering, &fixture->selector.tally));
     assert_ok(ranking_parse(&ranking, "distance"));
     score_rank(&statistics, &ranking, &view);
