@@ -135,9 +135,43 @@ size_t text_distance(struct text a, struct text b)
     return row[b.size];
 }
 
+/* Numbers without an exponent whose digits fit into a double: then both they and the power of ten that divides them are
+ * exact, and the one division rounds as it should (W. D. Clinger, How to read floating point numbers accurately, 1990).
+ * False for all others, numbers or not. */
+static bool read_short_decimal(struct text text, double *out)
+{
+    static const double powers[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                    1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+    enum { DIGITS = 15 };
+    uint64_t digits = 0;
+    size_t count = 0;
+    size_t places = 0;
+    bool point = false;
+    for (size_t i = text.data[0] == '-' || text.data[0] == '+'; i < text.size; i++) {
+        char c = text.data[i];
+        if (c == '.' && !point) {
+            point = true;
+        } else if (c >= '0' && c <= '9' && count < DIGITS) {
+            digits = 10 * digits + (uint64_t)(c - '0');
+            count++;
+            places += point;
+        } else {
+            return false;
+        }
+    }
+    double value = (double)digits / powers[places];
+    *out = text.data[0] == '-' ? -value : value;
+    return count > 0;
+}
+
 bool text_to_double(struct text text, double *out)
 {
     char copy[NUMBER_LIMIT + 1];
+    double value;
+    if (text.size && read_short_decimal(text, &value)) {
+        *out = value;
+        return true;
+    }
     if (!text.size || text.size > NUMBER_LIMIT || is_space(text.data[0]) || memchr(text.data, 'x', text.size) ||
         memchr(text.data, 'X', text.size)) {
         return false;
@@ -146,7 +180,7 @@ bool text_to_double(struct text text, double *out)
     copy[text.size] = '\0';
     locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0); /* glibc hands out a static one */
     char *end = copy;
-    double value = strtod_l(copy, &end, c_locale);
+    value = strtod_l(copy, &end, c_locale);
     freelocale(c_locale);
     if (end != copy + text.size) {
         return false;

@@ -40,10 +40,13 @@ void pose_turn(conus_pose *pose, conus_axis axis)
 {
     /* Columns: where the turned device's x, y, z point in the one given; -z is the axis that looks. */
     static const double turns[][9] = {
-        [CONUS_AXIS_OF_FORMAT] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, [CONUS_AXIS_PLUS_X] = {0, 0, 1, 0, 1, 0, -1, 0, 0},
-        [CONUS_AXIS_MINUS_X] = {0, 0, -1, 0, 1, 0, 1, 0, 0},  [CONUS_AXIS_PLUS_Y] = {1, 0, 0, 0, 0, 1, 0, -1, 0},
-        [CONUS_AXIS_MINUS_Y] = {-1, 0, 0, 0, 0, 1, 0, 1, 0},  [CONUS_AXIS_PLUS_Z] = {-1, 0, 0, 0, 1, 0, 0, 0, -1},
-        [CONUS_AXIS_MINUS_Z] = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+        [CONUS_AXIS_PLUS_X] = {0, 0, 1, 0, 1, 0, -1, 0, 0},  [CONUS_AXIS_MINUS_X] = {0, 0, -1, 0, 1, 0, 1, 0, 0},
+        [CONUS_AXIS_PLUS_Y] = {1, 0, 0, 0, 0, 1, 0, -1, 0},  [CONUS_AXIS_MINUS_Y] = {-1, 0, 0, 0, 0, 1, 0, 1, 0},
+        [CONUS_AXIS_PLUS_Z] = {-1, 0, 0, 0, 1, 0, 0, 0, -1},
+    };
+    if (axis == CONUS_AXIS_OF_FORMAT || axis == CONUS_AXIS_MINUS_Z) {
+        return;
+    }
     const double *turn = turns[axis];
     double *m = pose->world_from_device;
     double columns[3][3];

@@ -54,6 +54,30 @@ static void distances_ignore_case(void **state)
     assert_false(text_contains(text_from("in"), text_from("inf")));
 }
 
+/* Whatever digits a number has, it is the double that the C library reads. */
+static void numbers_are_read_to_the_bit(void **state)
+{
+    (void)state;
+    uint64_t seed = 11;
+    for (int k = 0; k < 200000; k++) {
+        char text[64];
+        double number;
+        double value = test_random(&seed, -1, 1) * pow(10, floor(test_random(&seed, -3, 13)));
+        snprintf(text, sizeof text, k % 3 ? "%.*f" : "%.*g", (int)test_random(&seed, 0, 18), value);
+        assert_true(text_to_double(text_from(text), &number));
+        double wanted = strtod(text, NULL);
+        assert_memory_equal(&number, &wanted, sizeof number);
+    }
+    static const char *const forms[] = {
+        "-0", "+5", ".5", "5.", "-.25", "007", "000000000000000000001", "0.1", "123456789012345"};
+    for (size_t i = 0; i < sizeof forms / sizeof forms[0]; i++) {
+        double number;
+        double wanted = strtod(forms[i], NULL);
+        assert_true(text_to_double(text_from(forms[i]), &number));
+        assert_memory_equal(&number, &wanted, sizeof number);
+    }
+}
+
 static void numbers_are_read_whole_or_not(void **state)
 {
     (void)state;
@@ -62,7 +86,7 @@ static void numbers_are_read_whole_or_not(void **state)
     int64_t integer;
     assert_true(text_to_double(text_from("-2.5e3"), &number));
     assert_near(number, -2500, 0);
-    const char *const none[] = {"", " 1", "1 ", "1,5", "x", "1.5mm", "--1", "0x10", "0X1p3"};
+    const char *const none[] = {"", ".", "-", "-.", " 1", "1 ", "1,5", "x", "1.5mm", "--1", "0x10", "0X1p3"};
     for (size_t i = 0; i < sizeof none / sizeof none[0]; i++) {
         assert_false(text_to_double(text_from(none[i]), &number));
     }
@@ -248,6 +272,7 @@ int main(void)
         cmocka_unit_test(lines_end_in_any_way),
         cmocka_unit_test(empty_fields_are_fields),
         cmocka_unit_test(distances_ignore_case),
+        cmocka_unit_test(numbers_are_read_to_the_bit),
         cmocka_unit_test(numbers_are_read_whole_or_not),
         cmocka_unit_test(numbers_are_written_short_and_without_locale),
         cmocka_unit_test(numbers_are_written_as_printf_does),

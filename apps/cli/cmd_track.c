@@ -3,7 +3,7 @@
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/output.h"
-#include "cli/settings.h"
+#include "cli/pose_settings.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,6 +13,7 @@
 struct track_settings {
     struct atlas_settings atlas;
     struct aim_settings aim; /* pose, angle and space of it */
+    struct pose_file_settings file;
     struct engine_settings engine;
     struct common_settings common;
     conus_tracker_options constants;
@@ -28,7 +29,8 @@ static const struct option pose_options[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(aim.pose),
      .value = "FILE",
-     .help = "the device's poses, a table with a column time_s and perhaps trigger (docs/formats.md); - is stdin",
+     .help = "the device's poses with their times, a table with a column time_s and perhaps trigger, say "
+             "(docs/formats.md); - is stdin",
      .required = true},
     {0},
 };
@@ -120,6 +122,7 @@ static const struct option output_options[] = {
 
 static const struct option_group groups[] = {
     {"Where the device is", pose_options, 0},
+    {"", pose_file_options, FIELD(file)},
     {"", angle_options, FIELD(aim)},
     {"", shape_options, FIELD(engine)},
     {"How it looks", engine_options, FIELD(engine)},
@@ -293,7 +296,7 @@ static int write_rest(struct track *track)
 
 static int open_poses(struct track *track)
 {
-    const conus_pose_options options = {.space = (conus_space)track->settings->aim.space};
+    const conus_pose_options options = settings_pose_options(&track->settings->file, track->settings->aim.space);
     conus_status status = conus_pose_stream_open(&track->poses, track->settings->aim.pose, &options);
     return status ? complain_status(status) : EXIT_DONE;
 }
@@ -325,6 +328,10 @@ static int work(struct track *track)
     }
     if (code || !check_files(track)) {
         return code ? code : EXIT_USAGE;
+    }
+    code = settings_match_stream(track->poses, settings->aim.pose, track->atlas, &settings->file, &settings->common);
+    if (code) {
+        return code;
     }
     settings_say_notes(track->atlas, &settings->common);
     conus_status status = start(track);

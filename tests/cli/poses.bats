@@ -173,6 +173,13 @@ same_answers() {
     fails 3 '--any-space takes them' batch "$aal" --poses "$SAMPLES/brainsight.txt"
 }
 
+@test "track follows the triggers that Localite noted" {
+    sphere --size 16
+    run -1 --separate-stderr "$CONUS" track sphere.nii.gz --poses "$SAMPLES/localite-trigger.xml" --format tsv
+    check_message 'localite-trigger.xml:7: the matrix is the identity, as of a coil that was not tracked'
+    [ "$(cut -f1 <<<"$output" | uniq | paste -sd,)" = 'query,TMS trigger 0,TMS trigger 2' ]
+}
+
 @test "points are balls, for query and batch" {
     sphere --size 16
     printf '0 -8 0 below\n0 0 0\n0 x 0 bad\n0 0 90 far\n' >points.txt
