@@ -87,7 +87,7 @@ double mesh_nearest(double out[3], const struct mesh *mesh, const double point[3
     double best = INFINITY;
     for (size_t triangle = 0; triangle < mesh->triangle_count; triangle++) {
         double corner[3][3];
-        double foot[3];
+        double foot[3] = {0};
         corners(corner, mesh, triangle, point);
         if (box_distance(corner) > fmin(limit, best)) {
             continue;

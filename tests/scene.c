@@ -120,6 +120,15 @@ conus_atlas *scene_atlas(uint64_t *state, size_t dim_limit, int pathways)
     return atlas;
 }
 
+void scene_voxel(double out[3], const struct volume *volume, size_t voxel)
+{
+    const size_t *dim = volume->info.dim;
+    size_t i = voxel % dim[0];
+    size_t j = voxel / dim[0] % dim[1];
+    size_t k = voxel / dim[0] / dim[1];
+    mat4_point(out, volume->info.world_from_voxel, (double[]){(double)i, (double)j, (double)k});
+}
+
 /* A point of the first volume's grid, in index space; often exactly on faces of cells, or their centres. */
 static void grid_point(uint64_t *state, const conus_volume_info *info, double out[3])
 {

@@ -16,6 +16,9 @@ conus_atlas *scene_atlas(uint64_t *state, size_t dim_limit, int pathways);
  * axes, and from a point on cell faces, edges or corners. */
 conus_pose scene_pose(uint64_t *state, const conus_atlas *atlas);
 
+/** World position of the centre of the voxel with linear index @p voxel. */
+void scene_voxel(double out[3], const struct volume *volume, size_t voxel);
+
 /** A cone from such a pose, of 1 to 170 degrees and 1 to 64 pixels along an edge. */
 struct cone scene_cone(uint64_t *state, const conus_atlas *atlas);
 

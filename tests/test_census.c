@@ -19,9 +19,8 @@ struct expected {
 
 static bool voxel_is_in(const struct expected *expected, size_t voxel)
 {
-    const size_t *dim = expected->volume->info.dim;
-    double p[3] = {(double)(voxel % dim[0]), (double)(voxel / dim[0] % dim[1]), (double)(voxel / dim[0] / dim[1])};
-    mat4_point(p, expected->volume->info.world_from_voxel, p);
+    double p[3];
+    scene_voxel(p, expected->volume, voxel);
     return region_has(expected->region, p);
 }
 
@@ -122,13 +121,11 @@ static void sum_up(struct sums *sums, const conus_atlas *atlas, const struct reg
 {
     for (size_t v = 0; v < atlas->volume_count; v++) {
         const struct volume *volume = &atlas->volumes[v];
-        const size_t *dim = volume->info.dim;
         for (size_t voxel = 0; voxel < volume->voxel_count; voxel++) {
             uint32_t object = volume_object(volume, voxel);
             double value = volume->values ? (double)volume->values[voxel] : 0;
-            double p[3] = {(double)(voxel % dim[0]), (double)(voxel / dim[0] % dim[1]),
-                           (double)(voxel / dim[0] / dim[1])};
-            mat4_point(p, volume->info.world_from_voxel, p);
+            double p[3];
+            scene_voxel(p, volume, voxel);
             if (region_has(region, p) && (object || v == 0)) {
                 add_voxel(&sums[object], p, value, volume->values ? value : 1);
             }
@@ -219,11 +216,100 @@ static void test_results_are_sums_over_voxels(void **unused)
     }
 }
 
+/* ---- Many labels, little memory ----------------------------------------------------------------------------- */
+
+enum { MANY = 72783, MANY_EDGE = 42 };
+
+/* As many areas as an atlas of cells may have, a voxel each. */
+static conus_atlas *many_areas(void)
+{
+    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "many.nii", .dim = {MANY_EDGE, MANY_EDGE, MANY_EDGE}};
+    uint32_t *labels = memory_zeroed((size_t)MANY_EDGE * MANY_EDGE * MANY_EDGE, sizeof *labels);
+    struct label_table table = {0};
+    struct notes notes = {0};
+    conus_atlas *atlas = NULL;
+    assert_non_null(labels);
+    for (uint32_t v = 0; v < MANY; v++) {
+        labels[v] = 4000000000U + v * 7919U % MANY;
+    }
+    mat4_identity(info.world_from_voxel);
+    assert_ok(atlas_create(&atlas, &info, labels, &table, "none", &notes));
+    notes_finish(&notes);
+    memory_free(labels);
+    return atlas;
+}
+
+static void test_many_areas(void **unused)
+{
+    (void)unused;
+    conus_atlas *atlas = many_areas();
+    conus_selector *selector = NULL;
+    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .resolution = 1};
+    uint64_t state = 4;
+    assert_int_equal(conus_atlas_object_count(atlas), MANY);
+    assert_ok(conus_selector_create(&selector, atlas, &options));
+    for (int i = 0; i < 20; i++) {
+        conus_selection *selection = NULL;
+        conus_pose pose = scene_pose(&state, atlas);
+        assert_ok(conus_select(&selection, selector, &pose, random_angle(&state)));
+        check_selection(selection, atlas);
+        conus_selection_destroy(selection);
+    }
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status select_all_layers(void *data)
+{
+    const conus_atlas *atlas = data;
+    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .resolution = 2};
+    const conus_report_options listing = {.all_voxels = true};
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_report *report = NULL;
+    conus_pose pose;
+    conus_status status = conus_pose_toward(&pose, (double[]){-30, 5, 1}, (double[]){0, 1, 2}, NULL);
+    status = status ? status : conus_selector_create(&selector, atlas, &options);
+    status = status ? status : conus_select(&selection, selector, &pose, 0.5);
+    status = status ? status : conus_report_create(&report, selector, &listing);
+    status = status ? status : conus_report_add(report, "1", selection);
+    conus_report_destroy(report);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    return status;
+}
+
+static void test_memory(void **unused)
+{
+    (void)unused;
+    uint64_t state = 5;
+    conus_atlas *atlas = scene_atlas(&state, 12, 1);
+    test_every_allocation(select_all_layers, atlas);
+    conus_atlas_destroy(atlas);
+}
+
+static void test_bad_regions(void **unused)
+{
+    (void)unused;
+    static const conus_selector_options bad[] = {{.range = {20, 10}},  {.range = {-1, 10}}, {.range = {5, 5}},
+                                                 {.range = {NAN, 10}}, {.range = {0, NAN}}, {.range = {0, INFINITY}},
+                                                 {.radius = -1},       {.radius = NAN},     {.radius = INFINITY}};
+    uint64_t state = 6;
+    conus_atlas *atlas = scene_atlas(&state, 5, 0);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        conus_selector *selector = NULL;
+        assert_fails(conus_selector_create(&selector, atlas, &bad[i]), CONUS_ERROR_ARGUMENT);
+        assert_null(selector);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_walk_is_predicate),
-        cmocka_unit_test(test_results_are_sums_over_voxels),
+        cmocka_unit_test(test_walk_is_predicate), cmocka_unit_test(test_results_are_sums_over_voxels),
+        cmocka_unit_test(test_many_areas),        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_bad_regions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

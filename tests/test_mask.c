@@ -4,6 +4,7 @@
 #include "base/file.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "scene.h"
 #include "selection/selection.h"
 #include "test.h"
 
@@ -74,10 +75,8 @@ static double at(const conus_grid_view *view, size_t voxel)
 
 static bool in_region(const struct fixture *fixture, size_t voxel)
 {
-    const conus_volume_info *info = &fixture->atlas->volumes[0].info;
-    double p[3] = {(double)(voxel % info->dim[0]), (double)(voxel / info->dim[0] % info->dim[1]),
-                   (double)(voxel / info->dim[0] / info->dim[1])};
-    mat4_point(p, info->world_from_voxel, p);
+    double p[3];
+    scene_voxel(p, &fixture->atlas->volumes[0], voxel);
     return region_has(&fixture->selection->region, p);
 }
 

@@ -4,6 +4,7 @@
 #include "atlas/phantom.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "scene.h"
 #include "selection/selection.h"
 #include "test.h"
 
@@ -26,14 +27,6 @@ static conus_atlas *one_tube(uint32_t label)
     return atlas;
 }
 
-static void center_of(double out[3], const struct volume *volume, size_t voxel)
-{
-    const size_t *dim = volume->info.dim;
-    const double at[3] = {(double)(voxel % dim[0]), (double)(voxel / dim[0] % dim[1]),
-                          (double)(voxel / dim[0] / dim[1])};
-    mat4_point(out, volume->info.world_from_voxel, at);
-}
-
 /* From 200 mm away, to within 12 mm of a voxel of the tube: cones that hold it, graze it or pass it by. */
 static conus_pose aim(const struct volume *volume, uint64_t *random)
 {
@@ -44,7 +37,7 @@ static conus_pose aim(const struct volume *volume, uint64_t *random)
     do {
         voxel = (size_t)test_random(random, 0, (double)volume->voxel_count);
     } while (!volume_object(volume, voxel));
-    center_of(target, volume, voxel);
+    scene_voxel(target, volume, voxel);
     double z = test_random(random, -1, 1);
     double turn = test_random(random, 0, 2 * MATH3_PI);
     const double out[3] = {sqrt(1 - z * z) * cos(turn), sqrt(1 - z * z) * sin(turn), z};
@@ -63,7 +56,7 @@ static bool is_in_cone(const struct volume *volume, const conus_pose *pose, doub
     for (size_t voxel = 0; voxel < volume->voxel_count; voxel++) {
         double v[3];
         if (volume_object(volume, voxel)) {
-            center_of(v, volume, voxel);
+            scene_voxel(v, volume, voxel);
             vec3_sub(v, v, m + 12);
             if (acos(-vec3_dot(v, m + 8) / vec3_length(v)) <= angle / 2) {
                 return true;
