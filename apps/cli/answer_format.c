@@ -1,24 +1,41 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "cli/answer_format.h"
 
+#include "cli/messages.h"
 #include "cli/output.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-const char *const answer_formats[] = {"table", "tsv", "json", "ndjson", NULL};
+static const char *const formats[] = {"table", "tsv", "json", "ndjson", NULL};
 
-conus_format answer_format(const struct arguments *arguments, size_t format, const char *output)
+const struct option answer_options[] = {
+    {.name = "format",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct answer_settings, format),
+     .value = "FORMAT",
+     .help = "of the answer; without it the ending of -o decides, else it is a table:",
+     .choices = formats},
+    {.name = "output",
+     .letter = 'o',
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct answer_settings, output),
+     .value = "FILE",
+     .help = "write the answer to FILE; a .json beside a .tsv describes its columns, settings and sources"},
+    {0},
+};
+
+conus_format answer_format(const struct arguments *arguments, const struct answer_settings *settings)
 {
     static const struct {
         const char *ending;
         conus_format format;
     } endings[] = {{".tsv", CONUS_TSV}, {".json", CONUS_JSON}, {".ndjson", CONUS_NDJSON}, {".jsonl", CONUS_NDJSON}};
-    if (option_given(arguments, "format") || output_is_stdout(output)) {
-        return (conus_format)format;
+    if (option_given(arguments, "format") || output_is_stdout(settings->output)) {
+        return (conus_format)settings->format;
     }
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends(output, endings[i].ending)) {
+        if (path_ends(settings->output, endings[i].ending)) {
             return endings[i].format;
         }
     }
@@ -36,4 +53,39 @@ bool answer_sidecar(char **out, conus_format format, const char *output)
     }
     *out = path;
     return true;
+}
+
+bool answer_check_files(const conus_atlas *atlas, const char *path, const struct atlas_settings *settings,
+                        const char *poses, const char *output, const char *sidecar)
+{
+    const char *const outputs[] = {output, sidecar};
+    const struct input inputs[] = {
+        {"the atlas", path}, {"the label table", settings->labels}, {"the file of poses", poses}, {0}};
+    for (size_t i = 0; i < 2; i++) {
+        const char *input = output_is_stdout(outputs[i]) ? NULL : settings_input(atlas, inputs, outputs[i]);
+        if (input) {
+            complain("%s would overwrite %s %s", i ? "the .json beside --output" : "--output", input, outputs[i]);
+            return false;
+        }
+    }
+    return true;
+}
+
+int answer_write_sidecar(conus_report *report, const char *path)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    if (!path) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_report_sidecar(report, &text, &size);
+    return status ? complain_status(status) : output_write(path, text, size);
+}
+
+int answer_write(conus_report *report, const char *path)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    conus_status status = conus_report_text(report, &text, &size);
+    return status ? complain_status(status) : output_write(path, text, size);
 }

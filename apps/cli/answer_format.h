@@ -1,20 +1,32 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What an answer is written in, and what is written beside it. */
+/** @file What an answer is written in, what is written beside it, and where to. */
 #ifndef CONUS_CLI_ANSWER_FORMAT_H
 #define CONUS_CLI_ANSWER_FORMAT_H
 
-#include "cli/options.h"
+#include "cli/settings.h"
 
-#include <conus/conus.h>
+struct answer_settings {
+    size_t format; /* conus_format */
+    const char *output;
+};
 
-/** Names of conus_format, for an option's choices. */
-extern const char *const answer_formats[];
+extern const struct option answer_options[]; /**< answer_settings: --format, --output */
 
-/** The format of --format if that was given, else what the ending of @p output says, else a table. */
-conus_format answer_format(const struct arguments *arguments, size_t format, const char *output);
+/** The format of --format if that was given, else what the ending of --output says, else a table. */
+conus_format answer_format(const struct arguments *arguments, const struct answer_settings *settings);
 
 /** "answer.tsv" has its sidecar in "answer.json": sets *out, the caller's to free(), or NULL where there is none to
  * write. False without memory. */
 bool answer_sidecar(char **out, conus_format format, const char *output);
+
+/** Whether neither the answer in @p output nor its @p sidecar would overwrite what is read; complains if so. */
+bool answer_check_files(const conus_atlas *atlas, const char *path, const struct atlas_settings *settings,
+                        const char *poses, const char *output, const char *sidecar);
+
+/** Writes the report's sidecar to @p path, unless that is NULL. Gives the exit code, having complained unless it is 0.
+ */
+int answer_write_sidecar(conus_report *report, const char *path);
+/** Writes the report's text, likewise; it comes last. */
+int answer_write(conus_report *report, const char *path);
 
 #endif

@@ -4,7 +4,6 @@
 #include "cli/messages.h"
 #include "cli/progress.h"
 
-#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -39,23 +38,6 @@ static const struct option pose_options[] = {
      .offset = FIELD(shard),
      .value = "I/N",
      .help = "answer part I (from 0) of N equal parts of the file; in a Slurm job array its task's, unless given"},
-    {0},
-};
-
-static const struct option context_options[] = {
-    {.name = "context",
-     .type = OPTION_TEXT,
-     .offset = FIELD(context),
-     .value = "FILE",
-     .help = "a volume that blocks the view, a skull, say"},
-    {.name = "context-blocks",
-     .type = OPTION_NUMBER,
-     .offset = FIELD(context_blocks),
-     .value = "T",
-     .help = "its values from T on block",
-     .low = 0,
-     .high = FLT_MAX,
-     .open = true},
     {0},
 };
 
@@ -111,7 +93,7 @@ const struct option_group batch_groups[] = {
     {"", shape_options, FIELD(engine)},
     {"", slices_options, FIELD(engine)},
     {"What it may find", atlas_options, FIELD(atlas)},
-    {"", context_options, 0},
+    {"", context_options, FIELD(context)},
     {"What is written", output_options, 0},
     {"How it runs", run_options, 0},
     {"", quiet_options, FIELD(common)},

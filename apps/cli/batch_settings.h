@@ -11,8 +11,7 @@ struct batch_settings {
     struct pose_file_settings file;
     struct engine_settings engine;
     struct common_settings common;
-    const char *context;
-    double context_blocks;
+    struct context_settings context;
     const char *poses;
     const char *output;
     size_t format;

@@ -85,9 +85,8 @@ static bool check(const struct batch_settings *settings, const struct arguments 
         }
     }
     return settings_check_score(&settings->engine, false) &&
-           settings_check_shape(&settings->aim, &settings->engine, arguments) &&
-           option_needs(arguments, "context", "context-blocks") &&
-           option_needs(arguments, "context-blocks", "context") && options_exclude(arguments, "force", "resume");
+           settings_check_shape(&settings->aim, &settings->engine, arguments) && settings_check_context(arguments) &&
+           options_exclude(arguments, "force", "resume");
 }
 
 /* ---- The poses -------------------------------------------------------------------------------------------------- */
@@ -279,8 +278,9 @@ static int load(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
     int code = settings_load_atlas(&work->atlas, work->arguments->operands[0], &settings->atlas);
-    code =
-        code ? code : settings_load_context(work->atlas, settings->context, settings->context_blocks, &settings->atlas);
+    code = code
+               ? code
+               : settings_load_context(work->atlas, settings->context.path, settings->context.blocks, &settings->atlas);
     if (code) {
         return code;
     }

@@ -6,7 +6,6 @@
 #include "cli/output.h"
 #include "cli/pose_settings.h"
 
-#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,10 +15,8 @@ struct query_settings {
     struct pose_file_settings file;
     struct engine_settings engine;
     struct common_settings common;
-    const char *context;
-    double context_blocks;
-    size_t format; /* conus_format */
-    const char *output;
+    struct context_settings context;
+    struct answer_settings answer;
     const char *voxels;
     size_t voxels_of;
     const char *image;
@@ -39,36 +36,7 @@ static const struct option point_options[] = {
     {0},
 };
 
-static const struct option context_options[] = {
-    {.name = "context",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct query_settings, context),
-     .value = "FILE",
-     .help = "a volume that blocks the view, a skull, say"},
-    {.name = "context-blocks",
-     .type = OPTION_NUMBER,
-     .offset = offsetof(struct query_settings, context_blocks),
-     .value = "T",
-     .help = "its values from T on block",
-     .low = 0,
-     .high = FLT_MAX,
-     .open = true},
-    {0},
-};
-
 static const struct option output_options[] = {
-    {.name = "format",
-     .type = OPTION_CHOICE,
-     .offset = offsetof(struct query_settings, format),
-     .value = "FORMAT",
-     .help = "of the answer; without it the ending of -o decides, else it is a table:",
-     .choices = answer_formats},
-    {.name = "output",
-     .letter = 'o',
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct query_settings, output),
-     .value = "FILE",
-     .help = "write the answer to FILE; a .json beside a .tsv describes its columns, settings and sources"},
     {.name = "voxels",
      .type = OPTION_TEXT,
      .offset = offsetof(struct query_settings, voxels),
@@ -102,8 +70,9 @@ static const struct option_group groups[] = {
     {"How it looks", engine_options, offsetof(struct query_settings, engine)},
     {"", slices_options, offsetof(struct query_settings, engine)},
     {"What it may find", atlas_options, offsetof(struct query_settings, atlas)},
-    {"", context_options, 0},
-    {"What is written", output_options, 0},
+    {"", context_options, offsetof(struct query_settings, context)},
+    {"What is written", answer_options, offsetof(struct query_settings, answer)},
+    {"", output_options, 0},
     {"", mask_options, offsetof(struct query_settings, mask)},
     {"", quiet_options, offsetof(struct query_settings, common)},
     {0},
@@ -187,9 +156,8 @@ static bool check(const struct query_settings *settings, const struct arguments 
         complain("--slices has no effect without --sampling slices");
         return false;
     }
-    return settings_check_score(&settings->engine, false) && option_needs(arguments, "context", "context-blocks") &&
-           option_needs(arguments, "context-blocks", "context") && settings_check_aim(arguments, true) &&
-           settings_check_pose_file(arguments, "pose", NULL) &&
+    return settings_check_score(&settings->engine, false) && settings_check_context(arguments) &&
+           settings_check_aim(arguments, true) && settings_check_pose_file(arguments, "pose", NULL) &&
            settings_check_shape(&settings->aim, &settings->engine, arguments) && check_outputs(settings, arguments);
 }
 
@@ -317,13 +285,7 @@ static conus_status start(struct query *query)
 
 static int write_sidecar(struct query *query)
 {
-    const char *text = NULL;
-    size_t size = 0;
-    if (!query->sidecar) {
-        return EXIT_DONE;
-    }
-    conus_status status = conus_report_sidecar(query->report, &text, &size);
-    return status ? complain_status(status) : output_write(query->sidecar, text, size);
+    return answer_write_sidecar(query->report, query->sidecar);
 }
 
 static int write_voxels(struct query *query)
@@ -348,10 +310,7 @@ static int write_image(struct query *query)
 
 static int write_answer(struct query *query)
 {
-    const char *text = NULL;
-    size_t size = 0;
-    conus_status status = conus_report_text(query->report, &text, &size);
-    return status ? complain_status(status) : output_write(query->settings->output, text, size);
+    return answer_write(query->report, query->settings->answer.output);
 }
 
 static int write_deep(struct query *query)
@@ -438,7 +397,7 @@ static int work(struct query *query)
         code = settings_load_atlas(&query->atlas, query->arguments->operands[0], &settings->atlas);
     }
     if (!code) {
-        code = settings_load_context(query->atlas, settings->context, settings->context_blocks, &settings->atlas);
+        code = settings_load_context(query->atlas, settings->context.path, settings->context.blocks, &settings->atlas);
     }
     if (code) {
         return code;
@@ -464,9 +423,9 @@ static int work(struct query *query)
 static int run_named(struct query *query)
 {
     const struct query_settings *settings = query->settings;
-    const char *answer = output_is_stdout(settings->output) ? NULL : settings->output;
+    const char *answer = output_is_stdout(settings->answer.output) ? NULL : settings->answer.output;
     query->command_line = arguments_text(query->arguments);
-    if (!query->command_line || !answer_sidecar(&query->sidecar, query->format, settings->output)) {
+    if (!query->command_line || !answer_sidecar(&query->sidecar, query->format, settings->answer.output)) {
         complain("not enough memory");
         return EXIT_DATA;
     }
@@ -490,9 +449,8 @@ static int run(const void *given, const struct arguments *arguments)
     if (!check(settings, arguments)) {
         return EXIT_USAGE;
     }
-    struct query query = {.settings = settings,
-                          .arguments = arguments,
-                          .format = answer_format(arguments, settings->format, settings->output)};
+    struct query query = {
+        .settings = settings, .arguments = arguments, .format = answer_format(arguments, &settings->answer)};
     int code = run_named(&query);
     query_finish(&query);
     return code;

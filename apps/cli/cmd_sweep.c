@@ -3,9 +3,8 @@
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/output.h"
-#include "cli/settings.h"
+#include "cli/pose_settings.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,15 +12,14 @@
 struct sweep_settings {
     struct atlas_settings atlas;
     struct aim_settings aim;
+    struct pose_file_settings file;
     struct engine_settings engine;
     struct common_settings common;
-    const char *context;
-    double context_blocks;
+    struct context_settings context;
     const char *angles;
     const char *jitter;
     uint32_t samples;
-    size_t format; /* conus_format */
-    const char *output;
+    struct answer_settings answer;
 };
 
 #define FIELD(member) offsetof(struct sweep_settings, member)
@@ -49,49 +47,17 @@ static const struct option sweep_options[] = {
     {0},
 };
 
-static const struct option context_options[] = {
-    {.name = "context",
-     .type = OPTION_TEXT,
-     .offset = FIELD(context),
-     .value = "FILE",
-     .help = "a volume that blocks the view, a skull, say"},
-    {.name = "context-blocks",
-     .type = OPTION_NUMBER,
-     .offset = FIELD(context_blocks),
-     .value = "T",
-     .help = "its values from T on block",
-     .low = 0,
-     .high = FLT_MAX,
-     .open = true},
-    {0},
-};
-
-static const struct option output_options[] = {
-    {.name = "format",
-     .type = OPTION_CHOICE,
-     .offset = FIELD(format),
-     .value = "FORMAT",
-     .help = "of the answer; without it the ending of -o decides, else it is a table:",
-     .choices = answer_formats},
-    {.name = "output",
-     .letter = 'o',
-     .type = OPTION_TEXT,
-     .offset = FIELD(output),
-     .value = "FILE",
-     .help = "write the answer to FILE; a .json beside a .tsv describes its columns, settings and sources"},
-    {0},
-};
-
 static const struct option_group groups[] = {
     {"What is asked, if not which angle admits what", sweep_options, 0},
     {"Where the cone is", aim_options, FIELD(aim)},
+    {"", pose_file_options, FIELD(file)},
     {"", angle_options, FIELD(aim)},
     {"", shape_options, FIELD(engine)},
     {"How it looks", engine_options, FIELD(engine)},
     {"", slices_options, FIELD(engine)},
     {"What it may find", atlas_options, FIELD(atlas)},
-    {"", context_options, 0},
-    {"What is written", output_options, 0},
+    {"", context_options, FIELD(context)},
+    {"What is written", answer_options, FIELD(answer)},
     {"", quiet_options, FIELD(common)},
     {0},
 };
@@ -257,28 +223,9 @@ static bool check(struct sweep *sweep)
     }
     return settings_check_score(&settings->engine, false) && options_exclude(arguments, "angles", "jitter") &&
            options_exclude(arguments, "angles", "angle") && option_needs(arguments, "samples", "jitter") &&
-           option_needs(arguments, "context", "context-blocks") &&
-           option_needs(arguments, "context-blocks", "context") && settings_check_aim(arguments, true) &&
-           settings_check_shape(&settings->aim, &settings->engine, arguments) && check_kind(sweep) &&
-           (!settings->angles || read_angles(sweep)) && (!settings->jitter || read_jitter(sweep));
-}
-
-static bool check_files(const struct sweep *sweep)
-{
-    const struct sweep_settings *settings = sweep->settings;
-    const char *const outputs[] = {settings->output, sweep->sidecar};
-    const struct input inputs[] = {{"the atlas", sweep->arguments->operands[0]},
-                                   {"the label table", settings->atlas.labels},
-                                   {"the file of poses", settings->aim.pose},
-                                   {0}};
-    for (size_t i = 0; i < 2; i++) {
-        const char *input = output_is_stdout(outputs[i]) ? NULL : settings_input(sweep->atlas, inputs, outputs[i]);
-        if (input) {
-            complain("%s would overwrite %s %s", i ? "the .json beside --output" : "--output", input, outputs[i]);
-            return false;
-        }
-    }
-    return true;
+           settings_check_context(arguments) && settings_check_pose_file(arguments, "pose", NULL) &&
+           settings_check_aim(arguments, true) && settings_check_shape(&settings->aim, &settings->engine, arguments) &&
+           check_kind(sweep) && (!settings->angles || read_angles(sweep)) && (!settings->jitter || read_jitter(sweep));
 }
 
 /* ---- Answers ---- */
@@ -378,50 +325,32 @@ static conus_status start(struct sweep *sweep)
     return conus_report_create(&sweep->report, sweep->selector, &report);
 }
 
-static int write_sidecar(struct sweep *sweep)
-{
-    const char *text = NULL;
-    size_t size = 0;
-    if (!sweep->sidecar) {
-        return EXIT_DONE;
-    }
-    conus_status status = conus_report_sidecar(sweep->report, &text, &size);
-    return status ? complain_status(status) : output_write(sweep->sidecar, text, size);
-}
-
-/* The answer comes last. */
-static int write_all(struct sweep *sweep)
-{
-    const char *text = NULL;
-    size_t size = 0;
-    int code = write_sidecar(sweep);
-    if (code) {
-        return code;
-    }
-    conus_status status = conus_report_text(sweep->report, &text, &size);
-    code = status ? complain_status(status) : output_write(sweep->settings->output, text, size);
-    return code ? code : sweep->failed ? EXIT_DIFFERENT : EXIT_DONE;
-}
-
 static int load(struct sweep *sweep)
 {
     const struct sweep_settings *settings = sweep->settings;
     if (settings->aim.pose) {
-        const conus_pose_options options = {.space = (conus_space)settings->aim.space};
+        const conus_pose_options options = settings_pose_options(&settings->file, settings->aim.space);
         conus_status status = conus_pose_list_load(&sweep->poses, settings->aim.pose, &options);
         if (status) {
             return complain_status(status);
         }
     }
     int code = settings_load_atlas(&sweep->atlas, sweep->arguments->operands[0], &settings->atlas);
-    return code ? code
-                : settings_load_context(sweep->atlas, settings->context, settings->context_blocks, &settings->atlas);
+    code =
+        code ? code
+             : settings_load_context(sweep->atlas, settings->context.path, settings->context.blocks, &settings->atlas);
+    if (code || !sweep->poses) {
+        return code;
+    }
+    return settings_match_poses(sweep->poses, settings->aim.pose, sweep->atlas, &settings->file, &settings->common);
 }
 
 static int work(struct sweep *sweep)
 {
+    const struct sweep_settings *settings = sweep->settings;
     int code = load(sweep);
-    if (code || !check_files(sweep)) {
+    if (code || !answer_check_files(sweep->atlas, sweep->arguments->operands[0], &settings->atlas, settings->aim.pose,
+                                    settings->answer.output, sweep->sidecar)) {
         return code ? code : EXIT_USAGE;
     }
     conus_status status = start(sweep);
@@ -429,8 +358,10 @@ static int work(struct sweep *sweep)
     if (code) {
         return code;
     }
-    settings_say_notes(sweep->atlas, &sweep->settings->common);
-    return write_all(sweep);
+    settings_say_notes(sweep->atlas, &settings->common);
+    code = answer_write_sidecar(sweep->report, sweep->sidecar);
+    code = code ? code : answer_write(sweep->report, settings->answer.output);
+    return code ? code : sweep->failed ? EXIT_DIFFERENT : EXIT_DONE;
 }
 
 static int run(const void *given, const struct arguments *arguments)
@@ -438,14 +369,14 @@ static int run(const void *given, const struct arguments *arguments)
     const struct sweep_settings *settings = given;
     struct sweep sweep = {.settings = settings,
                           .arguments = arguments,
-                          .format = answer_format(arguments, settings->format, settings->output),
+                          .format = answer_format(arguments, &settings->answer),
                           .rows = settings->angles   ? CONUS_SHARES
                                   : settings->jitter ? CONUS_CHANCES
                                                      : CONUS_ADMISSIONS};
     int code = EXIT_USAGE;
     if (check(&sweep)) {
         sweep.command_line = arguments_text(arguments);
-        bool ready = sweep.command_line && answer_sidecar(&sweep.sidecar, sweep.format, settings->output);
+        bool ready = sweep.command_line && answer_sidecar(&sweep.sidecar, sweep.format, settings->answer.output);
         if (!ready) {
             complain("not enough memory");
         }

@@ -17,8 +17,7 @@ struct track_settings {
     struct engine_settings engine;
     struct common_settings common;
     conus_tracker_options constants;
-    size_t format; /* conus_format */
-    const char *output;
+    struct answer_settings answer;
     bool selected;
 };
 
@@ -105,18 +104,6 @@ static const struct option output_options[] = {
      .type = OPTION_FLAG,
      .offset = FIELD(selected),
      .help = "of each step only what is selected, and what a press confirms"},
-    {.name = "format",
-     .type = OPTION_CHOICE,
-     .offset = FIELD(format),
-     .value = "FORMAT",
-     .help = "of the answer; without it the ending of -o decides, else it is a table:",
-     .choices = answer_formats},
-    {.name = "output",
-     .letter = 'o',
-     .type = OPTION_TEXT,
-     .offset = FIELD(output),
-     .value = "FILE",
-     .help = "write the answer to FILE; a .json beside a .tsv describes its columns, settings and sources"},
     {0},
 };
 
@@ -129,7 +116,8 @@ static const struct option_group groups[] = {
     {"", slices_options, FIELD(engine)},
     {"What it remembers", history_options, 0},
     {"What it may find", atlas_options, FIELD(atlas)},
-    {"What is written", output_options, 0},
+    {"What is written", answer_options, FIELD(answer)},
+    {"", output_options, 0},
     {"", quiet_options, FIELD(common)},
     {0},
 };
@@ -263,26 +251,12 @@ static conus_status start(struct track *track)
     return conus_report_create(&track->report, track->selector, &report);
 }
 
-static int write_sidecar(struct track *track)
-{
-    const char *text = NULL;
-    size_t size = 0;
-    if (!track->sidecar) {
-        return EXIT_DONE;
-    }
-    conus_status status = conus_report_sidecar(track->report, &text, &size);
-    return status ? complain_status(status) : output_write(track->sidecar, text, size);
-}
-
 /* What is left to write when the last row is answered; the answer's own file last. */
 static int write_rest(struct track *track)
 {
-    int code = write_sidecar(track);
+    int code = answer_write_sidecar(track->report, track->sidecar);
     if (!code && track->format == CONUS_JSON) {
-        const char *text = NULL;
-        size_t size = 0;
-        conus_status status = conus_report_text(track->report, &text, &size);
-        return status ? complain_status(status) : output_write(track->settings->output, text, size);
+        return answer_write(track->report, track->settings->answer.output);
     }
     if (code || !track->held) {
         return code;
@@ -291,7 +265,7 @@ static int write_rest(struct track *track)
         complain("not enough memory");
         return EXIT_DATA;
     }
-    return output_write(track->settings->output, track->held_text, track->held_size);
+    return output_write(track->settings->answer.output, track->held_text, track->held_size);
 }
 
 static int open_poses(struct track *track)
@@ -301,24 +275,6 @@ static int open_poses(struct track *track)
     return status ? complain_status(status) : EXIT_DONE;
 }
 
-static bool check_files(const struct track *track)
-{
-    const struct track_settings *settings = track->settings;
-    const char *outputs[] = {settings->output, track->sidecar};
-    const struct input inputs[] = {{"the atlas", track->arguments->operands[0]},
-                                   {"the label table", settings->atlas.labels},
-                                   {"the file of poses", settings->aim.pose},
-                                   {0}};
-    for (size_t i = 0; i < 2; i++) {
-        const char *input = output_is_stdout(outputs[i]) ? NULL : settings_input(track->atlas, inputs, outputs[i]);
-        if (input) {
-            complain("%s would overwrite %s %s", i ? "the .json beside --output" : "--output", input, outputs[i]);
-            return false;
-        }
-    }
-    return true;
-}
-
 static int work(struct track *track)
 {
     const struct track_settings *settings = track->settings;
@@ -326,7 +282,8 @@ static int work(struct track *track)
     if (!code) {
         code = settings_load_atlas(&track->atlas, track->arguments->operands[0], &settings->atlas);
     }
-    if (code || !check_files(track)) {
+    if (code || !answer_check_files(track->atlas, track->arguments->operands[0], &settings->atlas, settings->aim.pose,
+                                    settings->answer.output, track->sidecar)) {
         return code ? code : EXIT_USAGE;
     }
     code = settings_match_stream(track->poses, settings->aim.pose, track->atlas, &settings->file, &settings->common);
@@ -342,7 +299,7 @@ static int work(struct track *track)
 
 static bool prepare(struct track *track)
 {
-    const char *output = track->settings->output;
+    const char *output = track->settings->answer.output;
     track->command_line = arguments_text(track->arguments);
     if (!track->command_line || !answer_sidecar(&track->sidecar, track->format, output)) {
         return false;
@@ -360,9 +317,8 @@ static int run(const void *given, const struct arguments *arguments)
     if (!check(settings, arguments)) {
         return EXIT_USAGE;
     }
-    struct track track = {.settings = settings,
-                          .arguments = arguments,
-                          .format = answer_format(arguments, settings->format, settings->output)};
+    struct track track = {
+        .settings = settings, .arguments = arguments, .format = answer_format(arguments, &settings->answer)};
     int code = EXIT_DATA;
     if (prepare(&track)) {
         code = work(&track);

@@ -3,6 +3,7 @@
 
 #include "cli/messages.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -60,6 +61,23 @@ const struct option atlas_options[] = {
      .offset = FIELD(atlas_settings, max_memory),
      .value = "SIZE",
      .help = "largest file or volume to accept, like 512M or 2G (default 8G)"},
+    {0},
+};
+
+const struct option context_options[] = {
+    {.name = "context",
+     .type = OPTION_TEXT,
+     .offset = FIELD(context_settings, path),
+     .value = "FILE",
+     .help = "a volume that blocks the view, a skull, say"},
+    {.name = "context-blocks",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(context_settings, blocks),
+     .value = "T",
+     .help = "its values from T on block",
+     .low = 0,
+     .high = FLT_MAX,
+     .open = true},
     {0},
 };
 
@@ -227,6 +245,11 @@ void settings_point(double out[3], const double in[3], size_t space)
     out[0] = lps ? 0 - in[0] : in[0];
     out[1] = lps ? 0 - in[1] : in[1];
     out[2] = in[2];
+}
+
+bool settings_check_context(const struct arguments *arguments)
+{
+    return option_needs(arguments, "context", "context-blocks") && option_needs(arguments, "context-blocks", "context");
 }
 
 int settings_look(conus_pose *out, const double origin[3], const double toward[3], const double up[3], size_t space)

@@ -34,14 +34,21 @@ struct engine_settings {
     double range[2], radius; /* mm */
 };
 
-extern const struct option quiet_options[];  /**< common_settings: --help, --version, --quiet, --verbose */
-extern const struct option plain_options[];  /**< common_settings: --help, --version */
-extern const struct option atlas_options[];  /**< atlas_settings */
-extern const struct option aim_options[];    /**< aim_settings: where from and where to */
-extern const struct option angle_options[];  /**< aim_settings: --angle, --space */
-extern const struct option engine_options[]; /**< engine_settings, without --slices */
-extern const struct option shape_options[];  /**< engine_settings: --layers, --range, --radius */
-extern const struct option slices_options[]; /**< engine_settings: --slices of the ID pass */
+/** A volume that blocks the view. */
+struct context_settings {
+    const char *path; /* NULL = none */
+    double blocks;
+};
+
+extern const struct option context_options[]; /**< context_settings: --context, --context-blocks */
+extern const struct option quiet_options[];   /**< common_settings: --help, --version, --quiet, --verbose */
+extern const struct option plain_options[];   /**< common_settings: --help, --version */
+extern const struct option atlas_options[];   /**< atlas_settings */
+extern const struct option aim_options[];     /**< aim_settings: where from and where to */
+extern const struct option angle_options[];   /**< aim_settings: --angle, --space */
+extern const struct option engine_options[];  /**< engine_settings, without --slices */
+extern const struct option shape_options[];   /**< engine_settings: --layers, --range, --radius */
+extern const struct option slices_options[];  /**< engine_settings: --slices of the ID pass */
 
 enum { DEFAULT_ANGLE = 10 };
 
@@ -53,6 +60,9 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
 
 /** Sets the context, unless @p path is NULL; @p blocks 0 = it does not block. Gives the exit code likewise. */
 int settings_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings);
+
+/** Whether neither of the context's options stands without the other; complains if not. */
+bool settings_check_context(const struct arguments *arguments);
 
 /** A file that the command line names. */
 struct input {
