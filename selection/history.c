@@ -147,7 +147,7 @@ static void start_afresh(struct history *history)
 
 static bool is_worth_keeping(const struct history *history, const struct memory *memory)
 {
-    return memory->last.inside || history_has_score(memory) ||
+    return memory->last.inside || history_has_score(memory, HISTORY_ALL) ||
            memory->last_choice >= history->time - history->constants.window;
 }
 
@@ -182,10 +182,11 @@ void history_choose(struct history *history, uint32_t object)
     }
 }
 
-bool history_has_score(const struct memory *memory)
+bool history_has_score(const struct memory *memory, unsigned parts)
 {
-    return memory->inside_before || memory->change_count || memory->intent >= HISTORY_LEAST ||
-           memory->plus >= HISTORY_LEAST;
+    bool in_window = memory->inside_before || memory->change_count;
+    return ((parts & HISTORY_WINDOW) && in_window) || ((parts & HISTORY_INTENT) && memory->intent >= HISTORY_LEAST) ||
+           ((parts & HISTORY_PLUS) && memory->plus >= HISTORY_LEAST);
 }
 
 double history_time(const struct history *history, const struct memory *memory)

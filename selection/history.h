@@ -70,8 +70,11 @@ void history_choose(struct history *history, uint32_t object);
 /** What is remembered of @p object; NULL = nothing. */
 const struct memory *history_find(const struct history *history, uint32_t object);
 
-/** Whether an object that is not in the cone has a score all the same. */
-bool history_has_score(const struct memory *memory);
+/** What a score lives on. */
+enum { HISTORY_WINDOW = 1, HISTORY_INTENT = 2, HISTORY_PLUS = 4, HISTORY_ALL = 7 };
+
+/** Whether an object that is not in the cone has a score all the same, of those that live on @p parts. */
+bool history_has_score(const struct memory *memory, unsigned parts);
 
 /** SenseShapes' time: the part of the window that the object was in the cone, 0 to 1. */
 double history_time(const struct history *history, const struct memory *memory);

@@ -218,7 +218,7 @@ static bool add_sources(json_t *root, const conus_report *report)
 {
     return put(root, "GeneratedBy", json_pack("[o]", json_from_program(report))) &&
            put(root, "Atlas", json_from_atlas(report->atlas)) && put(root, "Settings", json_from_settings(report)) &&
-           put(root, "Queries", json_from_queries(report));
+           (report->is_begun || put(root, "Queries", json_from_queries(report))); /* else they are forgotten */
 }
 
 /* What both the report and the sidecar say about where the rows come from. */

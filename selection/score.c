@@ -121,11 +121,13 @@ static const struct score scores[] = {
     {{.name = "time",
       .description = "SenseShapes: part of the last seconds that it was in the cone, 0 to 1",
       .needs_history = true},
-     .value = by_time},
+     .value = by_time,
+     .history = HISTORY_WINDOW},
     {{.name = "stability",
       .description = "SenseShapes: 1 if it neither entered nor left lately, 0 if it did 20 times a second",
       .needs_history = true},
-     .value = by_stability},
+     .value = by_stability,
+     .history = HISTORY_WINDOW},
     {{.name = "nearness", .description = "SenseShapes' distance: 1 where the atlas begins, 0 where it ends"},
      .value = by_nearness,
      .needs_box = true},
@@ -137,11 +139,13 @@ static const struct score scores[] = {
     {{.name = "intenselect",
       .description = "IntenSelect: closeness to the axis, filtered in time",
       .needs_history = true},
-     .value = by_intenselect},
+     .value = by_intenselect,
+     .history = HISTORY_INTENT},
     {{.name = "intenselect_plus",
       .description = "IntenSelect+: the same, growing faster than it decays",
       .needs_history = true},
-     .value = by_intenselect_plus},
+     .value = by_intenselect_plus,
+     .history = HISTORY_PLUS},
     {{.name = "mrtk", .description = "MRTK's mixture: minus (a quarter of the metres plus the degrees off the axis)"},
      .value = by_mrtk},
     {{.name = "smallest", .description = "fewest pixels first of what does not touch the rim, then most pixels"},
@@ -173,6 +177,7 @@ conus_status ranking_parse(struct ranking *out, const char *text)
         if (formula_uses(&ranking.formula, i)) {
             ranking.info.needs_history = ranking.info.needs_history || scores[i].info.needs_history;
             ranking.info.needs_layers = ranking.info.needs_layers || scores[i].info.needs_layers;
+            ranking.history |= scores[i].history;
             ranking.needs_border = ranking.needs_border || scores[i].needs_border;
             ranking.needs_box = ranking.needs_box || scores[i].needs_box;
         }

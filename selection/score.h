@@ -20,6 +20,7 @@ struct score_view {
 struct score {
     conus_score_info info;
     double (*value)(const conus_result *result, const struct score_view *view);
+    unsigned history; /**< Parts of it that the score lives on; 0 unless info.needs_history. */
     bool needs_border, needs_box;
 };
 
@@ -27,6 +28,7 @@ struct score {
 struct ranking {
     struct formula formula;
     conus_score_info info; /**< What it needs; without name and description. */
+    unsigned history;      /**< Likewise. */
     bool needs_border, needs_box;
 };
 

@@ -195,13 +195,15 @@ static conus_result absent_result(const conus_tracker *tracker, uint32_t object)
 /* What is in the cone counts, and what left it while its score lasts. */
 static bool counts(const conus_tracker *tracker, const struct memory *memory)
 {
-    return memory->last.inside || (tracker->selector->ranking.info.needs_history && history_has_score(memory));
+    return memory->last.inside || history_has_score(memory, tracker->selector->ranking.history);
 }
 
 static bool stays_in_ranking(const conus_tracker *tracker, const struct memory *memory)
 {
-    bool was_selected = memory->last_choice >= tracker->history.time - tracker->options.window;
-    return !memory->last.inside && (counts(tracker, memory) || was_selected);
+    const struct choice *last = tracker->choice_count ? &tracker->choices[tracker->choice_count - 1] : NULL;
+    bool can_be_confirmed = (last && last->object == memory->object) || /* up to now */
+                            memory->last_choice >= tracker->history.time - tracker->options.delay - MOMENT;
+    return !memory->last.inside && (counts(tracker, memory) || can_be_confirmed);
 }
 
 /* Puts them in front of the last result, CONUS_UNASSIGNED. */

@@ -147,9 +147,9 @@ static void what_could_be_confirmed_has_a_row(void **state)
     assert_int_equal(conus_selection_step(track.selection)->confirmed, BALL);
     assert_non_null(find(&track, BALL));
     assert_near(find(&track, BALL)->score, 0, 0);
-    step(&track, 2.4, AT_ARM, true);
+    step(&track, 0.65, AT_ARM, true);
     assert_non_null(find(&track, BALL)); /* it was selected up to 0.5 */
-    step(&track, 2.6, AT_ARM, true);
+    step(&track, 0.66, AT_ARM, true);
     assert_null(find(&track, BALL));
     close_track(&track);
 }
@@ -331,7 +331,7 @@ static void every_rate_gives_the_same_scores(void **state)
     static const struct {
         const char *score;
         uint32_t resolution;
-    } runs[] = {{"intenselect", 128}, {"intenselect_plus", 128}, {"time", 16}, {"stability", 16}};
+    } runs[] = {{"intenselect", 128}, {"intenselect_plus", 64}, {"time", 16}, {"stability", 16}};
     for (size_t i = 0; i < sizeof runs / sizeof runs[0]; i++) {
         double wanted[CHECKS][2];
         double got[CHECKS][2];

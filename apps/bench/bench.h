@@ -14,8 +14,9 @@ struct bench_options {
     const char *context; /**< Path of the context volume, for pictures.   */
     double angle;        /**< Full opening, degrees.                      */
     size_t poses;
-    size_t slices;  /**< Planes of the colour pass.               */
-    size_t repeats; /**< Rounds in which every variant runs once. */
+    size_t slices;      /**< Planes of the colour pass.               */
+    size_t repeats;     /**< Rounds in which every variant runs once. */
+    const char *record; /**< Where the poses of a hand go; NULL = nowhere. */
 };
 
 /** Everything measured, as it goes into the JSON. */
@@ -59,6 +60,7 @@ struct bench_scenario {
 };
 
 conus_status bench_colour(struct bench *bench);
+conus_status bench_hand(struct bench *bench);
 conus_status bench_volume(struct bench *bench);
 conus_status bench_mesh(struct bench *bench);
 conus_status bench_torus(struct bench *bench);

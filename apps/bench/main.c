@@ -16,6 +16,7 @@ enum { EXIT_USAGE = 2, EXIT_DATA = 3, DEFAULT_POSES = 64, DEFAULT_SLICES = 362, 
 
 static const struct bench_scenario scenarios[] = {
     {"colour", "a picture: blended slices against ray casting without and with skipping", bench_colour},
+    {"hand", "a trembling hand: how often --poses trials select the area that was meant", bench_hand},
     {"volume", "256 rays through a labelled volume: plain traversal against the rays engine", bench_volume},
     {"mesh", "256 rays at an atlas's surfaces (--atlas MANIFEST), one at a time or in packets", bench_mesh},
     {"torus", "256 rays into 1,000 to 200,000 tori, one at a time or in packets", bench_torus},
@@ -37,6 +38,7 @@ static void print_help(void)
          "  --angle A      full opening angle in degrees (default 5)\n"
          "  --poses N      cones per round (default 64)\n"
          "  --repeats N    rounds in which every variant runs once (default 9)\n"
+         "  --record FILE  write the poses of the hand, for conus track\n"
          "  --json FILE    write everything measured");
 }
 
@@ -84,6 +86,9 @@ static conus_status parse_option(struct arguments *out, int option)
         return parse_count("poses", optarg, &out->options.poses);
     case 'r':
         return parse_count("repeats", optarg, &out->options.repeats);
+    case 'o':
+        out->options.record = optarg;
+        return CONUS_OK;
     case 'j':
         out->json = optarg;
         return CONUS_OK;
@@ -97,15 +102,12 @@ static conus_status parse_option(struct arguments *out, int option)
 
 static conus_status parse(struct arguments *out, int argc, char **argv)
 {
-    static const struct option table[] = {{"atlas", required_argument, NULL, 'a'},
-                                          {"context", required_argument, NULL, 'c'},
-                                          {"slices", required_argument, NULL, 's'},
-                                          {"angle", required_argument, NULL, 'g'},
-                                          {"poses", required_argument, NULL, 'p'},
-                                          {"repeats", required_argument, NULL, 'r'},
-                                          {"json", required_argument, NULL, 'j'},
-                                          {"help", no_argument, NULL, 'h'},
-                                          {NULL, 0, NULL, 0}};
+    static const struct option table[] = {
+        {"atlas", required_argument, NULL, 'a'},  {"context", required_argument, NULL, 'c'},
+        {"slices", required_argument, NULL, 's'}, {"angle", required_argument, NULL, 'g'},
+        {"poses", required_argument, NULL, 'p'},  {"repeats", required_argument, NULL, 'r'},
+        {"record", required_argument, NULL, 'o'}, {"json", required_argument, NULL, 'j'},
+        {"help", no_argument, NULL, 'h'},         {NULL, 0, NULL, 0}};
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, "h", table, NULL)) != -1;) {
         conus_status status = parse_option(out, option);

@@ -569,7 +569,7 @@ CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const ch
 /** The whole text in the report's format. Borrowed until the next call on the report. */
 CONUS_CHECKED conus_status conus_report_text(conus_report *report, const char **text, size_t *size);
 /** The same for a report that goes on: the text of the answers since the last call, which are then forgotten. The
- * heading of a table or TSV comes once, with the first call. Not for CONUS_JSON, which is one whole. */
+ * heading of TSV, or of a track's table, comes once, with the first call. Not for CONUS_JSON, which is one whole. */
 CONUS_CHECKED conus_status conus_report_take(conus_report *report, const char **text, size_t *size);
 /** The voxels met first (with all layers, and of a ball, all with their centre in it), nearest first, as TSV: query
  * pathway i j k x y z value distance_mm kind index. Borrowed likewise. */
