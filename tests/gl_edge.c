@@ -59,8 +59,10 @@ static double edge_distance(double a[3], double b[3], double x, double y)
 
 bool gl_edge_is_near(const struct cone *cone, const struct mesh *mesh, uint64_t triangle, size_t pixel)
 {
-    double x = (double)(pixel % cone->resolution) + 0.5;
-    double y = (double)(pixel / cone->resolution) + 0.5;
+    size_t column = pixel % cone->resolution;
+    size_t row = pixel / cone->resolution;
+    double x = (double)column + 0.5;
+    double y = (double)row + 0.5;
     for (int k = 0; k < 3; k++) {
         double a[3], b[3];
         project(a, cone, mesh, triangle, k);

@@ -43,3 +43,9 @@ struct layers gl_pair_pierce(struct engine *engine, const struct cone *cone)
     assert_ok(layers_sort(&layers, (size_t)cone->resolution * cone->resolution));
     return layers;
 }
+
+bool gl_pair_same_piece(const conus_span *a, const conus_span *b)
+{
+    return a->pixel == b->pixel && a->object == b->object && a->entry == b->entry && a->exit == b->exit &&
+           a->voxel == b->voxel;
+}

@@ -20,4 +20,7 @@ int gl_pair_messages(void);
 /** All layers that an engine sees, sorted. End them with layers_finish(). */
 struct layers gl_pair_pierce(struct engine *engine, const struct cone *cone);
 
+/** Whether two pieces are equal in every number. */
+bool gl_pair_same_piece(const conus_span *a, const conus_span *b);
+
 #endif

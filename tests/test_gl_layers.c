@@ -39,7 +39,7 @@ static void assert_same_pieces(struct pair *pair, const struct cone *cone)
     struct layers got = gl_pair_pierce(pair->engines.gl, cone);
     struct layers wanted = gl_pair_pierce(pair->engines.rays, cone);
     for (size_t i = 0; i < got.count && i < wanted.count; i++) {
-        if (memcmp(&got.spans[i], &wanted.spans[i], sizeof *got.spans) != 0) {
+        if (!gl_pair_same_piece(&got.spans[i], &wanted.spans[i])) {
             fail_at(cone, &got.spans[i], &wanted.spans[i]);
         }
         pair->blocked += wanted.spans[i].object == VOLUME_BLOCKER;
