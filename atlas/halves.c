@@ -73,32 +73,29 @@ static conus_status find_sides(struct splitting *splitting)
     return status;
 }
 
-/* World x of the centre of voxel (0, j, k), and of a step along i. */
-static double row_start(const conus_volume_info *info, size_t j, size_t k)
-{
-    const double *m = info->world_from_voxel;
-    return m[4] * (double)j + m[8] * (double)k + m[12];
-}
+/* Called with each voxel of an area, and its side. */
+typedef void (*voxel_act)(struct splitting *splitting, size_t voxel, int side);
 
-static int side_at(const conus_volume_info *info, double start, size_t i)
-{
-    return start + info->world_from_voxel[0] * (double)i < 0 ? LEFT : RIGHT;
-}
-
-/* Calls for all voxels of areas, in the order in which they are stored. */
-static void each_voxel(struct splitting *splitting, void (*act)(struct splitting *, size_t voxel, int side))
+/* The voxels along i from `first` on, whose centre is at world x `start`. */
+static void each_in_row(struct splitting *splitting, size_t first, double start, voxel_act act)
 {
     const struct volume *volume = atlas_parcellation(splitting->atlas);
-    const conus_volume_info *info = &volume->info;
-    size_t voxel = 0;
+    double step = volume->info.world_from_voxel[0];
+    for (size_t i = 0; i < volume->info.dim[0]; i++) {
+        if (volume_object(volume, first + i)) {
+            act(splitting, first + i, start + step * (double)i < 0 ? LEFT : RIGHT);
+        }
+    }
+}
+
+static void each_voxel(struct splitting *splitting, voxel_act act)
+{
+    const conus_volume_info *info = &atlas_parcellation(splitting->atlas)->info;
+    const double *m = info->world_from_voxel;
     for (size_t k = 0; k < info->dim[2]; k++) {
         for (size_t j = 0; j < info->dim[1]; j++) {
-            double start = row_start(info, j, k);
-            for (size_t i = 0; i < info->dim[0]; i++, voxel++) {
-                if (volume_object(volume, voxel)) {
-                    act(splitting, voxel, side_at(info, start, i));
-                }
-            }
+            size_t first = info->dim[0] * (j + info->dim[1] * k);
+            each_in_row(splitting, first, m[4] * (double)j + m[8] * (double)k + m[12], act);
         }
     }
 }

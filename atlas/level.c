@@ -21,10 +21,12 @@ struct level {
 /** What a level is made with. */
 struct climb {
     const conus_atlas *atlas;
-    uint32_t *group;  /* [object_count + 1], to be filled */
+    uint32_t *group;  /* [object_count + 1] as what each is reported */
     uint32_t *depth;  /* [object_count + 1] of areas, from 1; 0 of pathways */
     uint32_t deepest; /* the largest of them */
-    bool *listed;     /* [object_count + 1] */
+    uint32_t *order;  /* [object_count + 1] areas, parents before their children */
+    bool *targets;    /* [object_count + 1] at which a climb ends */
+    bool is_list;
 };
 
 static uint32_t parent_of(const conus_atlas *atlas, uint32_t number)
@@ -38,15 +40,20 @@ static uint32_t parent_of(const conus_atlas *atlas, uint32_t number)
 static void measure_depths(struct climb *climb)
 {
     const conus_atlas *atlas = climb->atlas;
+    uint32_t ordered = 0;
     for (uint32_t number = 1; number <= atlas->area_count; number++) {
         uint32_t steps = 0;
+        uint32_t first = ordered;
         uint32_t at = number;
         for (; at && !climb->depth[at]; at = parent_of(atlas, at)) {
             steps += !atlas_is_paired(atlas, at);
+            ordered++;
         }
         uint32_t depth = (at ? climb->depth[at] : 0) + steps;
         climb->deepest = depth > climb->deepest ? depth : climb->deepest;
-        for (at = number; at && !climb->depth[at]; at = parent_of(atlas, at)) {
+        at = number;
+        for (uint32_t place = ordered; place > first; at = parent_of(atlas, at)) {
+            climb->order[--place] = at;
             climb->depth[at] = depth;
             depth -= !atlas_is_paired(atlas, at);
         }
@@ -61,30 +68,27 @@ static conus_status need_tree(const struct climb *climb)
                       climb->atlas->area_count);
 }
 
-static conus_status roll_to_depth(struct climb *climb, uint64_t depth)
+static conus_status target_depth(struct climb *climb, uint64_t depth)
 {
     if (depth < 1 || depth > climb->deepest) {
         return fail(CONUS_ERROR_ARGUMENT, "depth %llu, the area tree has depths 1 to %u", (unsigned long long)depth,
                     climb->deepest);
     }
     for (uint32_t number = 1; number <= climb->atlas->area_count; number++) {
-        uint32_t at = number;
-        while (climb->depth[at] > depth || atlas_is_paired(climb->atlas, at)) {
-            at = parent_of(climb->atlas, at);
-        }
-        climb->group[number] = at;
+        climb->targets[number] = climb->depth[number] <= depth && !atlas_is_paired(climb->atlas, number);
     }
     return CONUS_OK;
 }
 
-static void roll_to_listed(struct climb *climb)
+/* Reports every area that is a target or below one as the nearest. The depths are done with and hold the targets. */
+static void climb_to_targets(struct climb *climb)
 {
-    for (uint32_t number = 1; number <= climb->atlas->area_count; number++) {
-        uint32_t at = number;
-        while (at && !climb->listed[at]) {
-            at = parent_of(climb->atlas, at);
-        }
-        climb->group[number] = at ? at : climb->group[number];
+    uint32_t *target = climb->depth;
+    for (size_t i = 0; i < climb->atlas->area_count; i++) {
+        uint32_t number = climb->order[i];
+        uint32_t parent = parent_of(climb->atlas, number);
+        target[number] = climb->targets[number] ? number : parent ? target[parent] : 0;
+        climb->group[number] = target[number] ? target[number] : climb->group[number];
     }
 }
 
@@ -98,12 +102,12 @@ static conus_status list_area(struct climb *climb, struct text name)
     }
     uint32_t halves[2];
     if (area_find_halves(halves, climb->atlas, name)) {
-        climb->listed[halves[0]] = climb->listed[halves[1]] = true;
+        climb->targets[halves[0]] = climb->targets[halves[1]] = true;
         return CONUS_OK;
     }
     conus_status status = area_find(&number, climb->atlas, name);
     if (!status) {
-        climb->listed[number] = true;
+        climb->targets[number] = true;
     }
     return status;
 }
@@ -184,15 +188,13 @@ static conus_status list_item(struct climb *climb, struct text *rest, bool *more
                                   : list_area(climb, item);
 }
 
-static conus_status roll_to_list(struct climb *climb, struct text spec)
+static conus_status target_list(struct climb *climb, struct text spec)
 {
     bool more = true;
     conus_status status = CONUS_OK;
+    climb->is_list = true;
     while (!status && more) {
         status = list_item(climb, &spec, &more);
-    }
-    if (!status) {
-        roll_to_listed(climb);
     }
     return status;
 }
@@ -206,16 +208,20 @@ static conus_status roll(struct climb *climb, const char *spec)
     measure_depths(climb);
     conus_status status = need_tree(climb);
     if (!status) {
-        status = text_to_uint(text, UINT64_MAX, &depth) ? roll_to_depth(climb, depth) : roll_to_list(climb, text);
+        status = text_to_uint(text, UINT64_MAX, &depth) ? target_depth(climb, depth) : target_list(climb, text);
     }
-    return status ? fail_in(status, "level") : CONUS_OK;
+    if (status) {
+        return fail_in(status, "level");
+    }
+    climb_to_targets(climb);
+    return CONUS_OK;
 }
 
 static conus_status keep_areas(struct level *level, const struct climb *climb)
 {
     level->areas = memory_zeroed(climb->atlas->area_count, sizeof *level->areas);
     for (uint32_t number = 1; level->areas && number <= climb->atlas->area_count; number++) {
-        if (climb->listed[number]) {
+        if (climb->targets[number]) {
             level->areas[level->area_count++] = number;
         }
     }
@@ -230,14 +236,16 @@ static conus_status fill(struct level *level, const conus_atlas *atlas, const ch
         level->group[number] = atlas_is_paired(atlas, number) ? parent_of(atlas, number) : number;
     }
     climb.depth = memory_zeroed(count, sizeof *climb.depth);
-    climb.listed = memory_zeroed(count, sizeof *climb.listed);
-    conus_status status = climb.depth && climb.listed ? CONUS_OK : CONUS_ERROR_MEMORY;
+    climb.order = memory_zeroed(count, sizeof *climb.order);
+    climb.targets = memory_zeroed(count, sizeof *climb.targets);
+    conus_status status = climb.depth && climb.order && climb.targets ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status && spec) {
         status = roll(&climb, spec);
-        status = status ? status : keep_areas(level, &climb);
+        status = status || !climb.is_list ? status : keep_areas(level, &climb);
     }
     memory_free(climb.depth);
-    memory_free(climb.listed);
+    memory_free(climb.order);
+    memory_free(climb.targets);
     level->is_identity = true;
     for (size_t i = 0; i < count; i++) {
         level->is_identity = level->is_identity && level->group[i] == i;

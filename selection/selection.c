@@ -37,11 +37,11 @@ static bool lies_in_mesh(const conus_selector *selector, uint32_t number)
 {
     const conus_atlas *atlas = selector->atlas;
     const uint32_t *group = level_group(selector->level);
-    uint32_t at = atlas->objects[number - 1].parent;
+    uint32_t at = atlas_object_mesh(atlas, number) ? atlas->objects[number - 1].parent : 0;
     while (at && !(group[at] == group[number] && atlas_object_mesh(atlas, at))) {
         at = atlas->objects[at - 1].parent;
     }
-    return at && atlas_object_mesh(atlas, number);
+    return at;
 }
 
 static conus_status measure_objects(conus_selector *selector)

@@ -212,6 +212,15 @@ static void a_deep_tree_is_quick(void **state)
     assert_ok(level_create(&level, deep, "100000"));
     assert_true(level_is_identity(level));
     level_destroy(level);
+    assert_ok(level_create(&level, deep, "2"));
+    assert_int_equal(level_group(level)[1], DEEP - 1);
+    assert_int_equal(level_group(level)[DEEP - 1], DEEP - 1);
+    assert_int_equal(level_group(level)[DEEP], DEEP);
+    level_destroy(level);
+    assert_ok(level_create(&level, deep, "\"50000\""));
+    assert_int_equal(level_group(level)[1], 50000);
+    assert_int_equal(level_group(level)[50001], 50001);
+    level_destroy(level);
     conus_atlas_destroy(deep);
 }
 

@@ -215,14 +215,55 @@ static void a_phantom_looks_as_it_did(void **state)
     finish(&fixture);
 }
 
+static double two_halves(const double p[3])
+{
+    return vec3_length(p) < 20 ? (p[1] < 0 ? 1 : 2) : 0;
+}
+
+/* A picture of the atlas and what a cone from the left meets in it. */
+static conus_image *draw_level(conus_atlas *atlas, const char *level)
+{
+    const conus_selector_options options = {.level = level};
+    struct fixture fixture = {.atlas = atlas};
+    conus_image *image = NULL;
+    conus_pose pose;
+    assert_ok(conus_selector_create(&fixture.selector, atlas, &options));
+    assert_ok(conus_pose_toward(&pose, (double[]){-60, 0, 0}, (double[]){0, 0, 0}, NULL));
+    assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, radians_from_degrees(20)));
+    assert_ok(conus_renderer_create(&fixture.renderer, atlas, NULL));
+    const conus_view view = {.width = 200, .height = 150, .selection = fixture.selection};
+    assert_ok(conus_render(&image, fixture.renderer, &view));
+    finish(&fixture);
+    return image;
+}
+
+/* Areas that are reported as one have its colour and stand out together, as if their voxels had its label (Eq. 10). */
+static void rolled_up_areas_look_like_one(void **state)
+{
+    (void)state;
+    gl_context_destroy(test_gl_context(NULL, NULL));
+    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
+    conus_atlas *halves = picture_atlas(&grid, two_halves, NULL, NULL);
+    halves->objects[1].parent = 1;
+    conus_image *rolled = draw_level(halves, "1");
+    conus_image *one = draw_level(picture_atlas(&grid, ball, NULL, NULL), NULL);
+    conus_image *two = draw_level(picture_atlas(&grid, two_halves, NULL, NULL), NULL);
+    conus_image_difference difference;
+    assert_ok(conus_image_compare(&difference, rolled, one, 0));
+    assert_int_equal(difference.differing, 0);
+    assert_ok(conus_image_compare(&difference, rolled, two, 0));
+    assert_true(difference.differing > 1000);
+    conus_image_destroy(rolled);
+    conus_image_destroy(one);
+    conus_image_destroy(two);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pictures_have_their_size_and_are_opaque),
-        cmocka_unit_test(options_show_in_the_picture),
-        cmocka_unit_test(odd_scenes_are_pictures),
-        cmocka_unit_test(options_out_of_range_are_refused),
-        cmocka_unit_test(allocations_may_fail),
+        cmocka_unit_test(rolled_up_areas_look_like_one),    cmocka_unit_test(pictures_have_their_size_and_are_opaque),
+        cmocka_unit_test(options_show_in_the_picture),      cmocka_unit_test(odd_scenes_are_pictures),
+        cmocka_unit_test(options_out_of_range_are_refused), cmocka_unit_test(allocations_may_fail),
         cmocka_unit_test(a_phantom_looks_as_it_did),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
