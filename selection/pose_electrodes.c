@@ -57,11 +57,25 @@ static void read_header(struct reading *reading, struct text line)
     }
 }
 
+/* A column that says where a device looks: then the table is one of poses, with a column that it does not know. */
+static bool has_direction(struct text line)
+{
+    static const char *const directions[] = {"tx", "dx", "qw", "m00"};
+    struct text field;
+    bool found = false;
+    for (bool more = true; text_field(&line, '\t', &more, &field);) {
+        for (size_t i = 0; i < sizeof directions / sizeof directions[0]; i++) {
+            found = found || text_equal_ignoring_case(text_trim(field), directions[i]);
+        }
+    }
+    return found;
+}
+
 bool pose_electrodes_header(struct text line)
 {
     struct reading reading;
     read_header(&reading, line);
-    bool all = true;
+    bool all = !has_direction(line);
     for (int i = NAME; i <= Z; i++) {
         all = all && reading.at[i] != NO_COLUMN;
     }

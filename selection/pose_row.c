@@ -5,6 +5,7 @@
 #include "base/status.h"
 
 #include <stdio.h>
+#include <string.h>
 
 conus_pose_row pose_row_at(size_t line)
 {
@@ -110,9 +111,9 @@ double pose_clock(struct text date, struct text time)
 
 conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps)
 {
-    return options->space == CONUS_LPS && !lps
-               ? notes_add(notes, "the file says that its positions are RAS, and as such they are taken")
-               : CONUS_OK;
+    static const char text[] = "the file says that its positions are RAS, and as such they are taken";
+    bool said = notes->count && strcmp(notes->lines[notes->count - 1], text) == 0;
+    return options->space == CONUS_LPS && !lps && !said ? notes_add(notes, "%s", text) : CONUS_OK;
 }
 
 int pose_quote(struct text field)

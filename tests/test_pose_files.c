@@ -235,6 +235,7 @@ static void contacts_look_along_their_shafts(void **state)
     assert_row_fails(list, 3, "RH1", "x: not known");
     assert_row_fails(list, 4, "RH2", "the only contact of its shaft \"RH\"");
     conus_pose_list_destroy(list);
+    refuse("name\tx\ty\tz\tdx\tdy\tdz\nA\t0\t0\t0\t0\t0\t1\n", NULL, "column \"name\" is not known");
     refuse("1 2 3\n", &(conus_pose_options){.along_shafts = true}, "shafts are of electrodes (BIDS), not of points");
     refuse("name\tx\ty\tz\n", &(conus_pose_options){.axis = CONUS_AXIS_PLUS_Z}, "no axis (+z)");
 }
@@ -293,6 +294,21 @@ static void coordinate_systems_are_read_strictly(void **state)
         &space, text_from("{\"iEEGCoordinateSystem\":\"ScanRAS\",\"iEEGCoordinateUnits\":\"m\"}")));
     assert_near(space.scale, 1000, 0);
     assert_int_equal(space.brain, POSE_BRAIN_SUBJECT);
+}
+
+#define RAS_LINE                                                                                                       \
+    "{\"type\":\"Line\",\"coordinateSystem\":\"RAS\",\"controlPoints\":[{\"position\":[0,0,1]},{\"position\":[0,0,5]}" \
+    "]}"
+
+/* What the file says of its space holds; that the caller said otherwise is noted once. */
+static void a_named_space_wins(void **state)
+{
+    (void)state;
+    conus_pose_list *list =
+        parse("{\"markups\":[" RAS_LINE "," RAS_LINE "]}", &(conus_pose_options){.space = CONUS_LPS});
+    assert_true(has_note(list, "positions are RAS"));
+    assert_null(conus_pose_list_note(list, 1));
+    conus_pose_list_destroy(list);
 }
 
 static void markups_are_lines_and_points(void **state)
@@ -464,6 +480,7 @@ int main(void)
         cmocka_unit_test(contacts_look_along_their_shafts),
         cmocka_unit_test(coordinate_systems_are_found),
         cmocka_unit_test(coordinate_systems_are_read_strictly),
+        cmocka_unit_test(a_named_space_wins),
         cmocka_unit_test(markups_are_lines_and_points),
         cmocka_unit_test(lines_may_be_looked_along_either_way),
         cmocka_unit_test(spaces_must_fit),
