@@ -270,6 +270,9 @@ conus_status conus_selection_write_deep(const conus_selection *selection, const 
 {
     struct deep_image *image = NULL;
     struct bytes bytes = {0};
+    if (selection->region.shape == REGION_BALL) {
+        return fail(CONUS_ERROR_ARGUMENT, "deep image: of a ball, which has no pixels");
+    }
     if (!selection->has_layers) {
         return fail(CONUS_ERROR_ARGUMENT, "deep image: of what is visible only, a selection of all layers is needed");
     }

@@ -126,21 +126,30 @@ static conus_status add_names(conus_image *image, const conus_selection *selecti
 
 conus_status picture_add_selection(conus_image *image, const conus_selection *selection)
 {
+    const struct cone *cone = &selection->cone;
     char angle[TEXT_NUMBER_SIZE];
-    text_number(angle, degrees_from_radians(selection->cone.angle));
+    char radius[TEXT_NUMBER_SIZE];
+    char near[TEXT_NUMBER_SIZE];
+    char far[TEXT_NUMBER_SIZE];
+    char range[2 * TEXT_NUMBER_SIZE];
+    text_number(angle, degrees_from_radians(cone->angle));
+    text_number(radius, cone->radius);
+    snprintf(range, sizeof range, "%s %s", text_number(near, cone->range[0]), text_number(far, cone->range[1]));
     const char *const pairs[][2] = {
         {"conus:version", CONUS_VERSION},
         {"conus:space", "RAS mm"},
         {"conus:angleDegrees", angle},
-        {"conus:aperture", selection->cone.aperture == CONUS_SQUARE ? "square" : "circle"},
+        {"conus:radiusMm", cone->radius > 0 ? radius : NULL},
+        {"conus:rangeMm", cone_has_range(cone) ? range : NULL},
+        {"conus:aperture", cone->aperture == CONUS_SQUARE ? "square" : "circle"},
         {"conus:sampling", selection->sampling == CONUS_SLICES ? "slices" : "exact"},
         {"conus:engine", selection->engine},
     };
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < sizeof pairs / sizeof pairs[0]; i++) {
-        status = image_add_text(image, pairs[i][0], pairs[i][1]);
+        status = pairs[i][1] ? image_add_text(image, pairs[i][0], pairs[i][1]) : CONUS_OK;
     }
-    status = status ? status : image_add_matrix(image, "conus:worldFromDevice", selection->cone.pose.world_from_device);
+    status = status ? status : image_add_matrix(image, "conus:worldFromDevice", cone->pose.world_from_device);
     status = status ? status : picture_add_volumes(image, selection->atlas, false);
     return status ? status : add_names(image, selection);
 }

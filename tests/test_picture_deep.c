@@ -182,10 +182,37 @@ static void header_says_where_it_comes_from(void **state)
     struct exr_deep *deep = write_and_read(fixture.selection);
     assert_string_equal(exr_deep_text(deep, "conus:version"), CONUS_VERSION);
     assert_string_equal(exr_deep_text(deep, "conus:angleDegrees"), "35");
+    assert_null(exr_deep_text(deep, "conus:radiusMm"));
+    assert_null(exr_deep_text(deep, "conus:rangeMm"));
     assert_string_equal(exr_deep_text(deep, "conus:atlas"), "scene");
     assert_int_equal(exr_deep_number(deep, "chunkCount"), 8);
     assert_string_equal(exr_deep_text(deep, "conus:engine"), conus_selector_engine(fixture.selector));
     assert_memory_equal(exr_deep_text(deep, "conus:objects"), "object\tid\tkind\tname\n", 20);
+    exr_deep_close(deep);
+    finish(&fixture);
+}
+
+/* Rays of a cylinder are parallel to the axis: a depth is a distance; and what the range cuts begins and ends there. */
+static void a_cylinder_with_a_range(void **state)
+{
+    (void)state;
+    uint64_t seed = 8;
+    conus_atlas *atlas = scene_atlas(&seed, 20, 1);
+    const conus_selector_options options = {
+        .layers = CONUS_ALL_LAYERS, .resolution = 9, .radius = 12.5, .range = {40, 55.25}};
+    conus_pose pose;
+    assert_ok(conus_pose_along(&pose, (double[]){-50, 0, 0}, (double[]){1, 0, 0}, NULL));
+    struct fixture fixture = look(atlas, &options, &pose, 0);
+    struct exr_deep *deep = write_and_read(fixture.selection);
+    assert_true(check_samples(deep, &fixture) < 81);
+    for (uint32_t pixel = 0; pixel < 81; pixel++) {
+        for (uint32_t s = 0; s < exr_deep_count(deep, pixel % 9, pixel / 9); s++) {
+            assert_true(exr_deep_float(deep, "Z", pixel % 9, pixel / 9, s) >= 40);
+            assert_true(exr_deep_float(deep, "ZBack", pixel % 9, pixel / 9, s) <= 55.25F);
+        }
+    }
+    assert_string_equal(exr_deep_text(deep, "conus:radiusMm"), "12.5");
+    assert_string_equal(exr_deep_text(deep, "conus:rangeMm"), "40 55.25");
     exr_deep_close(deep);
     finish(&fixture);
 }
@@ -264,6 +291,9 @@ static void what_is_visible_only_is_refused(void **state)
     assert_int_equal(access(path, F_OK), -1);
     assert_fails(conus_selection_write_deep(fixture.selection, test_scratch("none/deep.exr")), CONUS_ERROR_IO);
     conus_selection_destroy(visible);
+    assert_ok(conus_select_ball(&visible, fixture.selector, (double[]){0, 0, 0}, 5));
+    assert_fails(conus_selection_write_deep(visible, path), CONUS_ERROR_ARGUMENT);
+    conus_selection_destroy(visible);
     conus_selector_destroy(selector);
     finish(&fixture);
 }
@@ -284,9 +314,13 @@ static void every_failing_allocation_is_survived(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_piece_of_every_ray_is_a_sample), cmocka_unit_test(one_pixel_or_nothing_at_all),
-        cmocka_unit_test(header_says_where_it_comes_from),      cmocka_unit_test(any_name_is_kept),
-        cmocka_unit_test(as_many_areas_as_there_are),           cmocka_unit_test(what_is_visible_only_is_refused),
+        cmocka_unit_test(every_piece_of_every_ray_is_a_sample),
+        cmocka_unit_test(one_pixel_or_nothing_at_all),
+        cmocka_unit_test(header_says_where_it_comes_from),
+        cmocka_unit_test(a_cylinder_with_a_range),
+        cmocka_unit_test(any_name_is_kept),
+        cmocka_unit_test(as_many_areas_as_there_are),
+        cmocka_unit_test(what_is_visible_only_is_refused),
         cmocka_unit_test(every_failing_allocation_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

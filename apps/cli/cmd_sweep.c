@@ -193,6 +193,20 @@ static bool read_jitter(struct sweep *sweep)
 
 /* ---- Checks ---- */
 
+/* Which angle admits what depends on no ray: round cones hold what is in them, hidden or not. */
+static bool check_admission(const struct arguments *arguments)
+{
+    static const char *const of_rays[] = {"layers",   "resolution", "aperture", "engine",
+                                          "sampling", "slices",     "score",    "context"};
+    for (size_t i = 0; i < sizeof of_rays / sizeof of_rays[0]; i++) {
+        if (option_given(arguments, of_rays[i])) {
+            complain("--%s has no effect without --angles or --jitter", of_rays[i]);
+            return false;
+        }
+    }
+    return true;
+}
+
 /* Options that would have no effect, or no meaning. */
 static bool check_kind(const struct sweep *sweep)
 {
@@ -206,11 +220,7 @@ static bool check_kind(const struct sweep *sweep)
         complain("--radius makes a cylinder, which has no angle to sweep; it goes with --jitter");
         return false;
     }
-    if (sweep->rows == CONUS_ADMISSIONS && settings->engine.aperture == CONUS_SQUARE) {
-        complain("--aperture square goes with --angles or --jitter: which angle admits what is asked of round cones");
-        return false;
-    }
-    return true;
+    return sweep->rows != CONUS_ADMISSIONS || check_admission(sweep->arguments);
 }
 
 static bool check(struct sweep *sweep)

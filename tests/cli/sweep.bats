@@ -42,6 +42,15 @@ aim='--origin 0,-60,0.2 --toward 0,0,0.2'
     x=$(cell x 1)
     answers sweep nested.nii.gz --origin -5,60,0.2 --toward -5,0,0.2 --space lps --angle 30 --format tsv
     [ "$(cell x 1)" = "-$x" ]
+    printf 'index\tname\tparent_id\n1\tOuter\t20\n300\tInner\t20\n20\tShell\tn/a\n4000000001\tCore\tn/a\n' >tree.tsv
+    answers sweep nested.nii.gz --labels tree.tsv --origin 0,-100,40 --direction 0,1,0 --angle 90 --format tsv
+    local angle
+    angle=$(cell angle_deg 1)
+    answers sweep nested.nii.gz --labels tree.tsv --origin 0,-100,40 --direction 0,1,0 --angle 90 --level 1 --format tsv
+    [ "$(cut -f 4 <<<"$output" | tr '\n' ' ')" = "name Shell Core " ]
+    [ "$(cell angle_deg 1)" = "$angle" ]
+    answers sweep nested.nii.gz --labels tree.tsv $aim --angle 20 --jitter 9,5 --level 1 --layers all --format tsv
+    [ "$(cut -f 4 <<<"$output" | tr '\n' ' ')" = "name Shell Core unassigned " ]
 }
 
 @test "--angles gives the shares at each" {
@@ -135,7 +144,9 @@ aim='--origin 0,-60,0.2 --toward 0,0,0.2'
     fails 2 '--angles' sweep nested.nii.gz $aim --angles 10 --angle 10
     fails 2 'which has no angle to sweep' sweep nested.nii.gz $aim --radius 4
     fails 2 'which has no angle to sweep' sweep nested.nii.gz $aim --radius 4 --angles 3
-    fails 2 '--aperture square goes with' sweep nested.nii.gz $aim --aperture square
+    fails 2 '--aperture has no effect without --angles or --jitter' sweep nested.nii.gz $aim --aperture square
+    fails 2 '--engine has no effect without --angles or --jitter' sweep nested.nii.gz $aim --engine rays
+    fails 2 '--layers has no effect without --angles or --jitter' sweep nested.nii.gz $aim --layers all
     fails 2 '--angle: 180 is out of range' sweep nested.nii.gz $aim --angle 180
     fails 2 'would overwrite the atlas' sweep nested.nii.gz $aim -o nested.nii.gz
     fails 2 'no cone given' sweep nested.nii.gz
