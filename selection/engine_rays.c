@@ -258,7 +258,8 @@ static conus_status pierce(struct engine *engine, struct layers *out, const stru
 {
     const struct rays_engine *rays = (const struct rays_engine *)engine;
     conus_status status = CONUS_OK;
-    for (uint32_t pixel = 0; pixel < cone->resolution * cone->resolution && !status; pixel++) {
+    uint32_t pixels = rays->target_count ? cone->resolution * cone->resolution : 0;
+    for (uint32_t pixel = 0; pixel < pixels && !status; pixel++) {
         if (is_wanted(cone, pixel % cone->resolution, pixel / cone->resolution)) {
             status = pierce_volumes(rays, out, cone, pixel);
         }

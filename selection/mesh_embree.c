@@ -155,7 +155,12 @@ static conus_status keep_surfaces(struct mesh_rays *rays, const struct mesh_obje
     }
     for (size_t i = 0; i < count; i++) {
         const double *place = objects[i].world_from_mesh;
-        rays->surfaces[i] = (struct surface){objects[i].mesh, place ? rays->mesh_from_world[i] : NULL};
+        const struct mesh *mesh = objects[i].mesh;
+        rays->surfaces[i] = (struct surface){.mesh = mesh, .mesh_from_world = place ? rays->mesh_from_world[i] : NULL};
+        if (mesh) {
+            rays->surfaces[i].triangles = mesh->triangles;
+            rays->surfaces[i].positions = mesh->positions;
+        }
         if (place && !mat4_invert_affine(rays->mesh_from_world[i], place)) {
             return fail(CONUS_ERROR_ARGUMENT, "object %zu: its matrix cannot be inverted", i + 1);
         }

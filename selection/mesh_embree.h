@@ -10,6 +10,8 @@
 
 struct surface {
     const struct mesh *mesh;
+    const uint32_t *triangles;     /**< Of the mesh, */
+    const float *positions;        /**< so that both are at hand. */
     const double *mesh_from_world; /**< NULL = the identity */
 };
 

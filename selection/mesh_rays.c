@@ -44,7 +44,6 @@ struct walk {
     double start; /* mm from the apex to where Embree's rays begin; negative a little behind it */
 
     struct mesh_spans *out; /* of collect() */
-    const size_t *pixel;
     conus_status status;
 };
 
@@ -68,19 +67,18 @@ static struct found found_by(const struct RTCFilterFunctionNArguments *arguments
                           .triangle = hits[PRIMITIVE * width + lane].whole};
 }
 
-static double distance_to(int *side, const struct walk *walk, const struct found *found)
+static double distance_to(int *side, const struct walk *walk, size_t ray, uint32_t object, uint32_t triangle)
 {
     const struct mesh_bundle *bundle = walk->bundle;
-    const struct surface *surface = &walk->rays->surfaces[found->object - 1];
-    size_t ray = found->ray;
+    const struct surface *surface = &walk->rays->surfaces[object - 1];
     double direction[3] = {bundle->direction[0][ray], bundle->direction[1][ray], bundle->direction[2][ray]};
     if (!surface->mesh_from_world) {
-        return mesh_crossing(side, surface->mesh, found->triangle, bundle->origin, direction);
+        return mesh_crossing(side, surface->mesh, triangle, bundle->origin, direction);
     }
     double origin[3];
     mat4_point(origin, surface->mesh_from_world, bundle->origin);
     mat4_direction(direction, surface->mesh_from_world, direction);
-    return mesh_crossing(side, surface->mesh, found->triangle, origin, direction);
+    return mesh_crossing(side, surface->mesh, triangle, origin, direction);
 }
 
 /* Eq. 9: nearest first; of equally near ones the lower object, then the lower triangle. */
@@ -110,7 +108,7 @@ static void weigh(const struct RTCFilterFunctionNArguments *arguments)
         if (arguments->valid[lane]) {
             struct found found = found_by(arguments, lane);
             int side;
-            double t = distance_to(&side, walk, &found);
+            double t = distance_to(&side, walk, found.ray, found.object, found.triangle);
             if (is_first(bundle, &found, t)) {
                 bundle->t[found.ray] = t;
                 bundle->object[found.ray] = found.object;
@@ -123,21 +121,61 @@ static void weigh(const struct RTCFilterFunctionNArguments *arguments)
     }
 }
 
-/* Embree calls this for all that it finds, since nothing of it is accepted. */
+/* Embree calls this for all that it finds, since nothing of it is accepted. settle() does the rest. */
 static void collect(const struct RTCFilterFunctionNArguments *arguments)
 {
     struct walk *walk = (struct walk *)arguments->context;
     for (unsigned lane = 0; lane < arguments->N; lane++) {
         if (arguments->valid[lane]) {
             struct found found = found_by(arguments, lane);
-            struct crossing crossing = {(uint32_t)walk->pixel[found.ray], found.object, found.triangle, 0, 0};
-            crossing.t = distance_to(&crossing.side, walk, &found);
-            if (crossing.t >= 0 && !walk->status) {
-                walk->status = mesh_spans_add(walk->out, &crossing);
-            }
+            const struct crossing crossing = {
+                .pixel = (uint32_t)found.ray, .object = found.object, .triangle = found.triangle};
+            walk->status = walk->status ? walk->status : mesh_spans_add(walk->out, &crossing);
             arguments->valid[lane] = 0;
         }
     }
+}
+
+static void fetch_triangle(const struct walk *walk, const struct crossing *crossing)
+{
+    const struct surface *surface = &walk->rays->surfaces[crossing->object - 1];
+    __builtin_prefetch(surface->mesh);
+    __builtin_prefetch(surface->triangles + 3 * (size_t)crossing->triangle);
+}
+
+static void fetch_corners(const struct walk *walk, const struct crossing *crossing)
+{
+    const struct surface *surface = &walk->rays->surfaces[crossing->object - 1];
+    const uint32_t *corners = surface->triangles + 3 * (size_t)crossing->triangle;
+    for (int k = 0; k < 3; k++) {
+        __builtin_prefetch(surface->positions + 3 * (size_t)corners[k]);
+    }
+}
+
+/* Gives the crossings from `first` on their distances and pixels, and drops those behind the apex. Memory is asked for
+ * what the next ones need, or the processor would wait for it most of the time. */
+static void settle(const struct walk *walk, size_t first, const size_t *pixel)
+{
+    enum { AHEAD = 8 };
+    struct crossing *crossings = walk->out->crossings;
+    size_t count = walk->out->count;
+    size_t kept = first;
+    for (size_t i = first; i < count + 2 * AHEAD; i++) {
+        if (i < count) {
+            fetch_triangle(walk, &crossings[i]);
+        }
+        if (i >= first + AHEAD && i < count + AHEAD) {
+            fetch_corners(walk, &crossings[i - AHEAD]);
+        }
+        if (i >= first + 2 * AHEAD) {
+            struct crossing crossing = crossings[i - 2 * AHEAD];
+            crossing.t = distance_to(&crossing.side, walk, crossing.pixel, crossing.object, crossing.triangle);
+            crossing.pixel = (uint32_t)pixel[crossing.pixel];
+            crossings[kept] = crossing;
+            kept += crossing.t >= 0;
+        }
+    }
+    walk->out->count = kept;
 }
 
 /* ---- The rays --------------------------------------------------------------------------------------------- */
@@ -161,6 +199,21 @@ static inline __attribute__((always_inline)) void set_ray(const struct walk *wal
     packet[(HIT + INSTANCE) * width].whole = RTC_INVALID_GEOMETRY_ID;
 }
 
+/* Embree's search for any hit, which does not care what is nearest: for all of them there is no need to. */
+static void pierce(struct walk *walk, union number *packet, const int *valid, unsigned width)
+{
+    RTCScene scene = walk->rays->scene;
+    if (width == 16) {
+        rtcOccluded16(valid, scene, &walk->context, (struct RTCRay16 *)packet);
+    } else if (width == 8) {
+        rtcOccluded8(valid, scene, &walk->context, (struct RTCRay8 *)packet);
+    } else if (width == 4) {
+        rtcOccluded4(valid, scene, &walk->context, (struct RTCRay4 *)packet);
+    } else {
+        rtcOccluded1(scene, &walk->context, (struct RTCRay *)packet);
+    }
+}
+
 static inline __attribute__((always_inline)) void shoot(struct walk *walk, size_t first, const unsigned width)
 {
     _Alignas(64) union number packet[ROWS * WIDTH_LIMIT];
@@ -171,7 +224,9 @@ static inline __attribute__((always_inline)) void shoot(struct walk *walk, size_
         valid[lane] = used ? -1 : 0;
         set_ray(walk, packet + lane, width, used ? first + lane : first);
     }
-    if (width == 16) {
+    if (walk->out) {
+        pierce(walk, packet, valid, width);
+    } else if (width == 16) {
         rtcIntersect16(valid, scene, &walk->context, (struct RTCRayHit16 *)packet);
     } else if (width == 8) {
         rtcIntersect8(valid, scene, &walk->context, (struct RTCRayHit8 *)packet);
@@ -225,13 +280,15 @@ conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, 
 conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width,
                               struct mesh_spans *out, const size_t *pixel)
 {
-    struct walk walk = {.rays = rays, .bundle = bundle, .out = out, .pixel = pixel};
+    struct walk walk = {.rays = rays, .bundle = bundle, .out = out};
+    size_t first = out->count;
     for (size_t ray = 0; ray < bundle->count; ray++) {
         bundle->t[ray] = INFINITY;
     }
     rtcInitIntersectContext(&walk.context);
     walk.context.filter = collect;
     shoot_all(&walk, width);
+    settle(&walk, first, pixel);
     return walk.status ? walk.status : mesh_embree_status(rays);
 }
 

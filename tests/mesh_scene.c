@@ -7,6 +7,7 @@
 #include "test.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 conus_atlas *mesh_scene_atlas(void)
 {
@@ -29,6 +30,17 @@ void mesh_scene_look(struct evidence *out, const conus_atlas *atlas, const struc
     assert_ok(evidence_init(out, cone->resolution));
     assert_ok(engine->functions->look(engine, out, cone));
     engine_destroy(engine);
+}
+
+conus_selection *mesh_scene_select(const conus_atlas *atlas, const conus_selector_options *options,
+                                   const struct cone *cone)
+{
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, options));
+    assert_ok(conus_select(&selection, selector, &cone->pose, options->radius > 0 ? 0 : cone->angle));
+    conus_selector_destroy(selector);
+    return selection;
 }
 
 static struct mesh blank(size_t vertices, size_t triangles)
@@ -119,6 +131,41 @@ struct mesh mesh_scene_soup(uint64_t *state, size_t count, double size, double e
             mesh.triangles[3 * i + k] = 3 * i + k;
         }
     }
+    return mesh;
+}
+
+struct mesh mesh_scene_box(const double low[3], const double high[3])
+{
+    static const uint32_t triangles[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                                              {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    struct mesh mesh = blank(8, 12);
+    for (uint32_t i = 0; i < 8; i++) {
+        put_vertex(&mesh, i, i & 1 ? high[0] : low[0], i & 2 ? high[1] : low[1], i & 4 ? high[2] : low[2]);
+    }
+    memcpy(mesh.triangles, triangles, sizeof triangles);
+    return mesh;
+}
+
+void mesh_scene_turn(struct mesh *mesh)
+{
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        uint32_t kept = mesh->triangles[3 * i];
+        mesh->triangles[3 * i] = mesh->triangles[3 * i + 1];
+        mesh->triangles[3 * i + 1] = kept;
+    }
+}
+
+struct mesh mesh_scene_join(struct mesh *a, struct mesh *b)
+{
+    struct mesh mesh = blank(a->vertex_count + b->vertex_count, a->triangle_count + b->triangle_count);
+    memcpy(mesh.positions, a->positions, 3 * a->vertex_count * sizeof *mesh.positions);
+    memcpy(mesh.positions + 3 * a->vertex_count, b->positions, 3 * b->vertex_count * sizeof *mesh.positions);
+    memcpy(mesh.triangles, a->triangles, 3 * a->triangle_count * sizeof *mesh.triangles);
+    for (size_t i = 0; i < 3 * b->triangle_count; i++) {
+        mesh.triangles[3 * a->triangle_count + i] = (uint32_t)a->vertex_count + b->triangles[i];
+    }
+    mesh_finish(a);
+    mesh_finish(b);
     return mesh;
 }
 

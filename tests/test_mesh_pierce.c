@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All layers of surfaces (Eq. 10): against every triangle tried in double, and against what is visible. */
+#include "atlas/phantom_brain.h"
 #include "base/math3.h"
 #include "mesh_scene.h"
 #include "selection/selection.h"
@@ -12,22 +13,11 @@
 
 enum { CROSSINGS = 1000 };
 
-static conus_selection *select_with(const conus_atlas *atlas, const conus_selector_options *options,
-                                    const struct cone *cone)
-{
-    conus_selector *selector = NULL;
-    conus_selection *selection = NULL;
-    assert_ok(conus_selector_create(&selector, atlas, options));
-    assert_ok(conus_select(&selection, selector, &cone->pose, options->radius > 0 ? 0 : cone->angle));
-    conus_selector_destroy(selector);
-    return selection;
-}
-
 static conus_selection *select_all(const conus_atlas *atlas, const struct cone *cone)
 {
     const conus_selector_options options = {
         .layers = CONUS_ALL_LAYERS, .resolution = cone->resolution, .radius = cone->radius};
-    return select_with(atlas, &options, cone);
+    return mesh_scene_select(atlas, &options, cone);
 }
 
 static void random_point(uint64_t *random, double out[3], double size)
@@ -206,6 +196,88 @@ static void a_cylinder_s_pieces_are_too(void **state)
     assert_true(tally.at_edges < tally.rays / 1000);
 }
 
+/* ---- Real shapes ------------------------------------------------------------------------------------------ */
+
+/* Of a surface with holes there are no pieces to compare with, but whether a ray crosses it, and where first. */
+static void compare_open(const conus_selection *selection, uint32_t pixel, uint32_t object, struct compared *tally)
+{
+    const struct cone *cone = &selection->cone;
+    struct crossing crossings[CROSSINGS];
+    double origin[3], direction[3];
+    const conus_span *first = NULL;
+    cone_origin(origin, cone, pixel % cone->resolution, pixel / cone->resolution);
+    cone_ray(direction, cone, pixel % cone->resolution, pixel / cone->resolution);
+    size_t wanted =
+        mesh_scene_all(crossings, CROSSINGS, atlas_object_mesh(selection->atlas, object), origin, direction);
+    for (size_t s = selection->layers.count; s-- > 0;) {
+        const conus_span *span = &selection->layers.spans[s];
+        first = span->pixel == pixel && span->object == object ? span : first;
+    }
+    tally->rays++;
+    tally->pieces += wanted > 0;
+    tally->at_edges +=
+        (wanted > 0) != (first != NULL) || (first && fabs(first->entry - crossings[0].t) > 1e-9 * crossings[0].t);
+}
+
+static void compare_poses(uint64_t *random, const conus_atlas *atlas, int poses, struct compared *tally)
+{
+    for (int k = 0; k < poses; k++) {
+        double origin[3], target[3];
+        random_point(random, origin, k % 2 ? 60 : 250);
+        random_point(random, target, 40);
+        struct cone cone = mesh_scene_cone(origin, target, k % 2 ? 60 : 15, 8);
+        conus_selection *selection = select_all(atlas, &cone);
+        for (uint32_t i = 0; i < 64 * atlas->object_count; i++) {
+            uint32_t object = 1 + i / 64;
+            if (atlas_object_mesh(atlas, object)->shape.closed) {
+                compare_object(selection, i % 64, object, 100, tally);
+            } else {
+                compare_open(selection, i % 64, object, tally);
+            }
+        }
+        compare_visible(selection);
+        conus_selection_destroy(selection);
+    }
+}
+
+static void the_brain_phantom_s_areas(void **state)
+{
+    (void)state;
+    uint64_t random = 74;
+    struct compared tally = {0};
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (size_t i = 0; i < PHANTOM_BRAIN_AREAS; i++) {
+        struct mesh mesh;
+        assert_ok(phantom_brain_mesh(&mesh, i));
+        mesh_scene_add(atlas, &mesh);
+    }
+    compare_poses(&random, atlas, 6, &tally);
+    print_message("brain: %zu rays x areas, %zu pieces, %zu from an apex inside, %zu at edges\n", tally.rays,
+                  tally.pieces, tally.inside, tally.at_edges);
+    assert_true(tally.pieces > 300 && tally.at_edges <= 1);
+    conus_atlas_destroy(atlas);
+}
+
+static void julich_brain_s_areas(void **state)
+{
+    (void)state;
+    uint64_t random = 75;
+    struct compared tally = {0};
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, test_shared("meshes/julich31-areas/lh"), NULL));
+    size_t closed = 0;
+    for (uint32_t object = 1; object <= atlas->object_count; object++) {
+        closed += atlas_object_mesh(atlas, object)->shape.closed;
+    }
+    compare_poses(&random, atlas, 6, &tally);
+    print_message(
+        "Julich-Brain: %zu of %zu areas closed; %zu rays x areas, %zu pieces, %zu from an apex inside, %zu at "
+        "edges\n",
+        closed, atlas->object_count, tally.rays, tally.pieces, tally.inside, tally.at_edges);
+    assert_true(tally.pieces > 300 && tally.at_edges <= tally.pieces / 500);
+    conus_atlas_destroy(atlas);
+}
+
 /* ---- Failing ---------------------------------------------------------------------------------------------- */
 
 static conus_status create_and_pierce(void *data)
@@ -236,6 +308,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pieces_are_those_of_all_triangles_in_double),
         cmocka_unit_test(a_cylinder_s_pieces_are_too),
+        cmocka_unit_test(the_brain_phantom_s_areas),
+        cmocka_unit_test(julich_brain_s_areas),
         cmocka_unit_test(every_failing_allocation_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

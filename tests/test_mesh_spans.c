@@ -13,22 +13,13 @@ enum { RINGS = 8, SECTORS = 12 };
 /* Triangles of the sphere that have no corner in common, and two that have an edge in common with the first. */
 enum { SOUTH = 0, MIDDLE = 60, NORTH = 150, BESIDE_MIDDLE = 61 };
 
-static void face_inwards(struct mesh *mesh)
-{
-    for (size_t i = 0; i < mesh->triangle_count; i++) {
-        uint32_t kept = mesh->triangles[3 * i];
-        mesh->triangles[3 * i] = mesh->triangles[3 * i + 1];
-        mesh->triangles[3 * i + 1] = kept;
-    }
-}
-
 static conus_atlas *make_atlas(void)
 {
     conus_atlas *atlas = mesh_scene_atlas();
     for (int object = CLOSED; object <= HALF; object++) {
         struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 10, RINGS, SECTORS);
         if (object == INWARD) {
-            face_inwards(&sphere);
+            mesh_scene_turn(&sphere);
         } else if (object == HALF) {
             size_t dropped = sphere.triangle_count / 2;
             memmove(sphere.triangles, sphere.triangles + 3 * dropped, 3 * dropped * sizeof *sphere.triangles);

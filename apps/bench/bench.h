@@ -66,5 +66,6 @@ conus_status bench_mesh(struct bench *bench);
 conus_status bench_torus(struct bench *bench);
 conus_status bench_torus_gl(struct bench *bench); /**< Its part that needs OpenGL. */
 conus_status bench_gl_layers(struct bench *bench);
+conus_status bench_layers(struct bench *bench);
 
 #endif

@@ -21,6 +21,8 @@ static const struct bench_scenario scenarios[] = {
     {"mesh", "256 rays at an atlas's surfaces (--atlas MANIFEST), one at a time or in packets", bench_mesh},
     {"torus", "256 rays into 1,000 to 200,000 tori, one at a time or in packets", bench_torus},
     {"gl_layers", "256 rays into 20,000 tori by OpenGL: what is visible and all layers", bench_gl_layers},
+    {"layers", "256 rays into 20,000 tori: what is visible and all layers, the engine alone and whole queries",
+     bench_layers},
 };
 
 enum { SCENARIO_COUNT = sizeof scenarios / sizeof scenarios[0] };
