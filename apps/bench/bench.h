@@ -59,6 +59,7 @@ struct bench_scenario {
     conus_status (*run)(struct bench *bench);
 };
 
+conus_status bench_census(struct bench *bench);
 conus_status bench_colour(struct bench *bench);
 conus_status bench_hand(struct bench *bench);
 conus_status bench_volume(struct bench *bench);

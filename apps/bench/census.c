@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Which voxels of a labelled volume are in a cone (Eq. 10): every one asked, against the walk over rows. */
+#include "selection/census.h"
+#include "apps/bench/bench.h"
+#include "base/math3.h"
+#include "base/memory.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { WAYS = 2, SEED = 5 };
+
+struct scene {
+    conus_atlas *atlas;
+    struct region *regions;
+    size_t count;
+};
+
+struct way {
+    const struct scene *scene;
+    void (*take)(struct census *census, const conus_atlas *atlas, const struct region *region);
+    struct census census;
+    uint64_t sum; /* of voxels times object numbers, over all regions */
+};
+
+/* From 200 to 300 mm around the grid's middle, towards its inner half. */
+static void make_region(struct region *out, const conus_volume_info *info, double degrees, uint64_t *random)
+{
+    struct cone cone = {.angle = radians_from_degrees(degrees), .resolution = 1};
+    double middle[3], from[3], target[3];
+    for (int a = 0; a < 3; a++) {
+        middle[a] = 0.5 * (double)(info->dim[a] - 1);
+        target[a] = middle[a] + bench_random(random, -0.25, 0.25) * (double)info->dim[a];
+    }
+    mat4_point(middle, info->world_from_voxel, middle);
+    mat4_point(target, info->world_from_voxel, target);
+    double z = bench_random(random, -1, 1);
+    double turn = bench_random(random, 0, 2 * MATH3_PI);
+    const double outward[3] = {sqrt(1 - z * z) * cos(turn), sqrt(1 - z * z) * sin(turn), z};
+    vec3_add_scaled(from, middle, bench_random(random, 200, 300), outward);
+    conus_status status = conus_pose_toward(&cone.pose, from, target, NULL);
+    assert(!status);
+    (void)status;
+    region_from_cone(out, &cone);
+}
+
+static void make_regions(struct scene *scene, double degrees)
+{
+    uint64_t random = SEED;
+    for (size_t i = 0; i < scene->count; i++) {
+        make_region(&scene->regions[i], &scene->atlas->volumes[0].info, degrees, &random);
+    }
+}
+
+/* The plain way: the predicate for every voxel. */
+static void ask_all(struct census *census, const conus_atlas *atlas, const struct region *region)
+{
+    const struct volume *volume = &atlas->volumes[0];
+    const size_t *dim = volume->info.dim;
+    size_t voxel = 0;
+    memset(census->counts, 0, (atlas->object_count + 1) * sizeof *census->counts);
+    for (size_t k = 0; k < dim[2]; k++) {
+        for (size_t j = 0; j < dim[1]; j++) {
+            for (size_t i = 0; i < dim[0]; i++, voxel++) {
+                double p[3] = {(double)i, (double)j, (double)k};
+                mat4_point(p, volume->info.world_from_voxel, p);
+                census->counts[volume_object(volume, voxel)].voxels += region_has(region, p);
+            }
+        }
+    }
+}
+
+static void run(void *data)
+{
+    struct way *way = data;
+    way->sum = 0;
+    for (size_t i = 0; i < way->scene->count; i++) {
+        way->take(&way->census, way->scene->atlas, &way->scene->regions[i]);
+        for (size_t object = 0; object <= way->scene->atlas->object_count; object++) {
+            way->sum += (object + 1) * way->census.counts[object].voxels;
+        }
+    }
+}
+
+static conus_status measure(struct bench *bench, struct scene *scene, struct way ways[WAYS], double degrees)
+{
+    static const char *const names[WAYS] = {"every voxel asked", "rows"};
+    struct bench_variant variants[WAYS];
+    char key[64];
+    make_regions(scene, degrees);
+    for (size_t w = 0; w < WAYS; w++) {
+        run(&ways[w]);
+        variants[w] = (struct bench_variant){.name = names[w], .run = run, .data = &ways[w]};
+        variants[w].equal = ways[w].sum == ways[0].sum;
+    }
+    snprintf(key, sizeof key, "asked_over_rows_%gdeg", degrees);
+    conus_status status = bench_measure(bench, "census", variants, WAYS, scene->count, degrees);
+    return status ? status : bench_ratio(bench, key, &variants[0], &variants[1]);
+}
+
+conus_status bench_census(struct bench *bench)
+{
+    static const double angles[] = {5, 20, 60};
+    struct scene scene = {.count = bench->options.poses};
+    struct way ways[WAYS] = {{.scene = &scene, .take = ask_all}, {.scene = &scene, .take = census_take}};
+    bench->one_thread = true;
+    snprintf(bench->driver, sizeof bench->driver, "none");
+    conus_status status = conus_atlas_load(&scene.atlas, bench->options.atlas, NULL);
+    if (!status && !atlas_parcellation(scene.atlas)) {
+        status = fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", bench->options.atlas);
+    }
+    for (size_t w = 0; w < WAYS && !status; w++) {
+        status = census_prepare(&ways[w].census, scene.atlas);
+    }
+    scene.regions = status ? NULL : memory_zeroed(scene.count, sizeof *scene.regions);
+    status = status || scene.regions ? status : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < sizeof angles / sizeof angles[0] && !status; i++) {
+        status = measure(bench, &scene, ways, angles[i]);
+    }
+    for (size_t w = 0; w < WAYS; w++) {
+        census_finish(&ways[w].census);
+    }
+    memory_free(scene.regions);
+    conus_atlas_destroy(scene.atlas);
+    return status;
+}
