@@ -168,19 +168,36 @@ static const conus_object *find_pair(const conus_atlas *atlas, struct text text)
     return NULL;
 }
 
+/* Sets the message where `text` is not an area any more, for what was done to its hemispheres; else gives CONUS_OK. */
+static conus_status refuse_changed(const conus_atlas *atlas, struct text text)
+{
+    uint32_t halves[2];
+    const conus_object *pair = find_pair(atlas, text);
+    if (pair) {
+        return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is merged with the other side into \"%s\", label %u",
+                    shown_size(text), text.data, pair->name, pair->label);
+    }
+    if (area_find_halves(halves, atlas, text)) {
+        const conus_object *left = &atlas->objects[halves[0] - 1];
+        const conus_object *right = &atlas->objects[halves[1] - 1];
+        return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is cut in two: \"%s\", label %u, and \"%s\", label %u",
+                    shown_size(text), text.data, left->name, left->label, right->name, right->label);
+    }
+    return CONUS_OK;
+}
+
 conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text)
 {
     struct matches found = match(atlas, text, is_called);
     if (!found.count) {
         found = match(atlas, text, is_called_ignoring_case);
     }
-    const conus_object *pair = found.count ? NULL : find_pair(atlas, text);
     if (found.count > 1) {
         return fail_ambiguous(text, &found);
     }
-    if (pair) {
-        return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is merged with the other side into \"%s\", label %u",
-                    shown_size(text), text.data, pair->name, pair->label);
+    conus_status status = found.count ? CONUS_OK : refuse_changed(atlas, text);
+    if (status) {
+        return status;
     }
     if (!found.count && is_pathway(atlas, text)) {
         return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is a pathway, which is no part of the area tree", shown_size(text),

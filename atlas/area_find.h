@@ -9,7 +9,7 @@
 /** The number of the one area whose name, abbreviation or label is @p text (not empty); if there is none, whose name or
  * abbreviation differs from it in upper and lower case only. CONUS_ERROR_ARGUMENT if there is none, with the closest
  * one in the message, or if there are several, with their labels, and if it is a pathway's name. Areas that are
- * reported as their pair do not count. */
+ * reported as their pair do not count; the message then names that, or the halves of an area that was cut in two. */
 conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text);
 
 /** The halves of the one area that was called @p text before it was cut in two; false if there is none. */

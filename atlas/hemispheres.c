@@ -169,6 +169,16 @@ static conus_status add_area(struct merging *merging, uint32_t number)
     return atlas_append_object(merging->areas, &area, atlas->places[number - 1]);
 }
 
+/* Of abbreviations, too, that end in the side and nothing between: AntL and AntR. Their names have told the sides. */
+static void write_abbreviation(struct buffer *out, const char *left, const char *right)
+{
+    size_t length = strlen(left);
+    hemispheres_common_name(out, left, right);
+    bool attached = !out->size && length > 1 && strlen(right) == length && left[length - 1] == 'L' &&
+                    right[length - 1] == 'R' && strncmp(left, right, length - 1) == 0;
+    buffer_append(out, left, attached ? length - 1 : 0);
+}
+
 static conus_status add_pair(struct merging *merging, const struct pair *pair)
 {
     const conus_object *left = &merging->atlas->objects[pair->left - 1];
@@ -177,8 +187,7 @@ static conus_status add_pair(struct merging *merging, const struct pair *pair)
     struct buffer abbreviation = {0};
     conus_object area = {.kind = CONUS_AREA, .hemisphere = 'B', .named = left->named};
     write_name(&name, merging, pair);
-    hemispheres_common_name(&abbreviation, left->abbreviation, right->abbreviation);
-    buffer_text(&abbreviation, "");
+    write_abbreviation(&abbreviation, left->abbreviation, right->abbreviation);
     conus_status status = buffer_status(&name);
     status = status ? status : buffer_status(&abbreviation);
     if (!status) {

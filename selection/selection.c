@@ -32,16 +32,32 @@ static conus_status set_level(conus_selector *selector, const char *spec)
     return spec && !selector->level_spec ? CONUS_ERROR_MEMORY : level_create(&selector->level, selector->atlas, spec);
 }
 
-/* Whether an area that is reported as the same is a mesh that contains this one. */
+/* Whether the middle of `inner`, by its bounds, lies within those of `outer`. */
+static bool holds(const struct mesh *outer, const struct mesh *inner)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        double middle = (inner->shape.low[axis] + inner->shape.high[axis]) / 2;
+        if (middle < outer->shape.low[axis] || middle > outer->shape.high[axis]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Whether it is a mesh within that of an area above it that is reported as the same. */
 static bool lies_in_mesh(const conus_selector *selector, uint32_t number)
 {
     const conus_atlas *atlas = selector->atlas;
     const uint32_t *group = level_group(selector->level);
-    uint32_t at = atlas_object_mesh(atlas, number) ? atlas->objects[number - 1].parent : 0;
-    while (at && !(group[at] == group[number] && atlas_object_mesh(atlas, at))) {
-        at = atlas->objects[at - 1].parent;
+    const struct mesh *inner = atlas_object_mesh(atlas, number);
+    uint32_t at = inner ? atlas->objects[number - 1].parent : 0;
+    for (; at; at = atlas->objects[at - 1].parent) {
+        const struct mesh *outer = atlas_object_mesh(atlas, at);
+        if (group[at] == group[number] && outer && holds(outer, inner)) {
+            return true;
+        }
     }
-    return at;
+    return false;
 }
 
 static conus_status measure_objects(conus_selector *selector)

@@ -190,7 +190,7 @@ static void pairs_are_reported_as_one(void **state)
 {
     (void)state;
     static const struct area_row rows[] = {
-        {1, "A_L", 0, "al_L", 0}, {2, "A_R", 0, "al_R", 0}, {3, "B_L", 0, NULL, 0}, {4, "Middle", 0, NULL, 0}, {0}};
+        {1, "A_L", 0, "alL", 0}, {2, "A_R", 0, "alR", 0}, {3, "B_L", 0, NULL, 0}, {4, "Middle", 0, NULL, 0}, {0}};
     conus_atlas *atlas = NULL;
     struct level *level = NULL;
     assert_ok(area_rows_atlas(&atlas, dim, labels, rows));
@@ -341,7 +341,13 @@ static void a_level_keeps_the_sides_apart(void **state)
         assert_non_null(strstr(text, "Cortex left|Cortex left|Cortex left|Cortex left|Cortex right|Cortex right"));
         assert_string_equal(text, reported(atlas, "Cortex"));
     }
+    uint32_t number;
     assert_fails(level_create(&level, atlas, "Cortx"), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_atlas_find(&number, atlas, "cortex"), CONUS_ERROR_ARGUMENT);
+    assert_string_equal(conus_message(),
+                        "\"cortex\" is cut in two: \"Cortex left\", label 17, and \"Cortex right\", label 27");
+    assert_ok(conus_atlas_find(&number, atlas, "Cortex left"));
+    assert_int_equal(conus_atlas_object(atlas, number)->label, 17);
     assert_fails(level_create(&level, atlas, "Cor"), CONUS_ERROR_ARGUMENT);
     conus_atlas_destroy(atlas);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rolled up areas (Eq. 10) are exactly what they would be had their voxels been relabelled beforehand. */
 #include "base/memory.h"
+#include "mesh_scene.h"
 #include "scene.h"
 #include "selection/selection.h"
 #include "test.h"
@@ -285,6 +286,88 @@ static void spans_of_a_group_become_one(void **state)
     layers_finish(&layers);
 }
 
+/* Areas that are spheres: 1 holds 2 and 3, which do not touch; 4 lies beside. */
+static conus_atlas *sphere_atlas(void)
+{
+    static const struct {
+        double centre[3], radius;
+        uint32_t parent;
+    } spheres[] = {{{0, 0, 0}, 20, 0}, {{-8, 0, 0}, 5, 1}, {{8, 0, 0}, 6, 1}, {{0, 40, 0}, 10, 0}};
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (size_t i = 0; i < 4; i++) {
+        struct mesh mesh = mesh_scene_sphere(spheres[i].centre, spheres[i].radius, 40, 80);
+        mesh_scene_add(atlas, &mesh);
+        atlas->objects[i].parent = spheres[i].parent;
+    }
+    return atlas;
+}
+
+static const conus_result *result_of(const conus_selection *selection, uint32_t object)
+{
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        if (conus_selection_result(selection, i)->object == object) {
+            return conus_selection_result(selection, i);
+        }
+    }
+    fail_msg("no result for object %u", object);
+    return NULL;
+}
+
+/* A mesh lies in that of the area above it, so the union is that of the parent: nothing counts twice. */
+static void nested_meshes_count_once(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = sphere_atlas();
+    conus_pose pose;
+    assert_ok(conus_pose_toward(&pose, (double[]){0, 3, 200}, (double[]){0, 3, 0}, NULL));
+    const conus_selector_options plain = {.layers = CONUS_ALL_LAYERS, .radius = 30};
+    conus_selector_options rolled = plain;
+    rolled.level = "1";
+    conus_selection *parts = look(atlas, &plain, &pose);
+    conus_selection *whole = look(atlas, &rolled, &pose);
+    const conus_result *own = result_of(parts, 1);
+    const conus_result *group = result_of(whole, 1);
+    assert_int_equal(conus_selection_count(parts), 5);
+    assert_int_equal(conus_selection_count(whole), 3);
+    assert_int_equal(group->pierced, own->pierced);
+    assert_near(group->path, own->path, 1e-9);
+    assert_near(group->volume, own->volume, 1e-6);
+    assert_near(group->fraction, own->fraction, 1e-9);
+    assert_near(group->fraction, 1, 0.05); /* the cylinder holds all of it */
+    conus_selection_destroy(parts);
+    conus_selection_destroy(whole);
+    conus_atlas_destroy(atlas);
+}
+
+/* Without a mesh of its own the area above has the sum of its parts, which do not touch. */
+static void meshes_apart_add_up(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = sphere_atlas();
+    conus_pose pose;
+    atlas->objects[1].parent = atlas->objects[2].parent = 4; /* far from it */
+    assert_ok(conus_pose_toward(&pose, (double[]){0, 3, 200}, (double[]){0, 3, 0}, NULL));
+    const conus_selector_options plain = {.layers = CONUS_ALL_LAYERS, .radius = 12};
+    conus_selector_options rolled = plain;
+    rolled.level = "1";
+    conus_selection *parts = look(atlas, &plain, &pose);
+    conus_selection *whole = look(atlas, &rolled, &pose);
+    const conus_result *left = result_of(parts, 2);
+    const conus_result *right = result_of(parts, 3);
+    const conus_result *group = result_of(whole, 4);
+    assert_near(group->volume, left->volume + right->volume, 1e-6);
+    assert_int_equal(group->pierced, left->pierced + right->pierced);
+    double volume = 0; /* of the group: none of the three lies in another */
+    for (size_t i = 1; i < 4; i++) {
+        volume += atlas->objects[i].volume_mm3;
+    }
+    assert_near(group->fraction, group->volume / volume, 1e-12);
+    assert_near(group->path * group->pierced, left->path * left->pierced + right->path * right->pierced, 1e-6);
+    conus_selection_destroy(parts);
+    conus_selection_destroy(whole);
+    conus_atlas_destroy(atlas);
+}
+
 struct attempt {
     const conus_atlas *atlas;
     conus_pose pose;
@@ -329,6 +412,8 @@ int main(void)
         cmocka_unit_test(merging_undoes_splitting),
         cmocka_unit_test(shares_add_up),
         cmocka_unit_test(spans_of_a_group_become_one),
+        cmocka_unit_test(nested_meshes_count_once),
+        cmocka_unit_test(meshes_apart_add_up),
         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
