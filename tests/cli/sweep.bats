@@ -43,13 +43,13 @@ aim='--origin 0,-60,0.2 --toward 0,0,0.2'
     answers sweep nested.nii.gz --origin -5,60,0.2 --toward -5,0,0.2 --space lps --angle 30 --format tsv
     [ "$(cell x 1)" = "-$x" ]
     printf 'index\tname\tparent_id\n1\tOuter\t20\n300\tInner\t20\n20\tShell\tn/a\n4000000001\tCore\tn/a\n' >tree.tsv
-    answers sweep nested.nii.gz --labels tree.tsv --origin 0,-100,40 --direction 0,1,0 --angle 90 --format tsv
+    answers sweep nested.nii.gz -q --labels tree.tsv --origin 0,-100,40 --direction 0,1,0 --angle 90 --format tsv
     local angle
     angle=$(cell angle_deg 1)
-    answers sweep nested.nii.gz --labels tree.tsv --origin 0,-100,40 --direction 0,1,0 --angle 90 --level 1 --format tsv
+    answers sweep nested.nii.gz -q --labels tree.tsv --origin 0,-100,40 --direction 0,1,0 --angle 90 --level 1 --format tsv
     [ "$(cut -f 4 <<<"$output" | tr '\n' ' ')" = "name Shell Core " ]
     [ "$(cell angle_deg 1)" = "$angle" ]
-    answers sweep nested.nii.gz --labels tree.tsv $aim --angle 20 --jitter 9,5 --level 1 --layers all --format tsv
+    answers sweep nested.nii.gz -q --labels tree.tsv $aim --angle 20 --jitter 9,5 --level 1 --layers all --format tsv
     [ "$(cut -f 4 <<<"$output" | tr '\n' ' ')" = "name Shell Core unassigned " ]
 }
 
