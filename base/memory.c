@@ -42,6 +42,20 @@ void *memory_copy(const void *block, size_t count, size_t size)
     return copy;
 }
 
+bool memory_reserve(void **array, size_t *capacity, size_t count, size_t size)
+{
+    if (count <= *capacity) {
+        return true;
+    }
+    size_t wanted = count > 2 * *capacity ? count : 2 * *capacity;
+    void *larger = memory_resize(*array, wanted, size);
+    if (larger) {
+        *array = larger;
+        *capacity = wanted;
+    }
+    return larger;
+}
+
 char *memory_text(const char *text, size_t length)
 {
     char *copy = memory_raw(length + 1, 1);

@@ -75,7 +75,7 @@ size_t text_whole(char out[TEXT_NUMBER_SIZE], uint64_t value);
 
 enum { TEXT_TIME_DIGITS = 15 };
 
-/** As text_number() with up to TEXT_TIME_DIGITS digits: microseconds of any calendar's seconds. */
+/** As text_number() with up to TEXT_TIME_DIGITS digits: a hundred-thousandth of a calendar's seconds. */
 char *text_time(char out[TEXT_NUMBER_SIZE], double value);
 
 #endif

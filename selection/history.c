@@ -4,7 +4,6 @@
 #include "base/memory.h"
 #include "selection/filter.h"
 
-#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -47,16 +46,11 @@ const struct memory *history_find(const struct history *history, uint32_t object
 
 static conus_status add_memory(struct history *history, uint32_t object)
 {
-    if (history->count == history->capacity) {
-        size_t capacity = history->capacity ? 2 * history->capacity : 16;
-        struct memory *memories = memory_resize(history->memories, capacity, sizeof *memories);
-        if (!memories) {
-            return CONUS_ERROR_MEMORY;
-        }
-        history->memories = memories;
-        history->capacity = capacity;
+    void *memories = history->memories;
+    if (!memory_reserve(&memories, &history->capacity, history->count + 1, sizeof *history->memories)) {
+        return CONUS_ERROR_MEMORY;
     }
-    assert(history->memories);
+    history->memories = memories;
     history->memories[history->count++] = (struct memory){.object = object, .last_choice = -INFINITY};
     history->slots[object] = (uint32_t)history->count;
     return CONUS_OK;
@@ -64,17 +58,10 @@ static conus_status add_memory(struct history *history, uint32_t object)
 
 static conus_status reserve_change(struct memory *memory)
 {
-    if (memory->change_count < memory->change_capacity) {
-        return CONUS_OK;
-    }
-    size_t capacity = memory->change_capacity ? 2 * memory->change_capacity : 4;
-    struct change *changes = memory_resize(memory->changes, capacity, sizeof *changes);
-    if (!changes) {
-        return CONUS_ERROR_MEMORY;
-    }
+    void *changes = memory->changes;
+    bool fits = memory_reserve(&changes, &memory->change_capacity, memory->change_count + 1, sizeof *memory->changes);
     memory->changes = changes;
-    memory->change_capacity = capacity;
-    return CONUS_OK;
+    return fits ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 conus_status history_reserve(struct history *history, const struct history_sample *samples, size_t count)

@@ -65,30 +65,13 @@ void conus_report_destroy(conus_report *report)
     memory_free(report);
 }
 
-/* Room for `count` elements in an array that doubles, so that adding n queries costs O(n). The array stays as it was
- * where there is no memory. */
-static conus_status reserve(void **array, size_t *capacity, size_t count, size_t size)
-{
-    if (count <= *capacity) {
-        return CONUS_OK;
-    }
-    size_t wanted = count > 2 * *capacity ? count : 2 * *capacity;
-    void *larger = memory_resize(*array, wanted, size);
-    if (!larger) {
-        return CONUS_ERROR_MEMORY;
-    }
-    *array = larger;
-    *capacity = wanted;
-    return CONUS_OK;
-}
-
 /* The id of the new query is copied first, so that nothing has changed where there is no memory. */
 static conus_status append_query(conus_report *report, const char *id, const struct report_query *query)
 {
     void *queries = report->queries;
-    conus_status status = reserve(&queries, &report->query_capacity, report->query_count + 1, sizeof *report->queries);
+    bool fits = memory_reserve(&queries, &report->query_capacity, report->query_count + 1, sizeof *report->queries);
     report->queries = queries;
-    char *copy = status ? NULL : text_to_utf8(text_from(id));
+    char *copy = fits ? text_to_utf8(text_from(id)) : NULL;
     if (!copy) {
         return CONUS_ERROR_MEMORY;
     }
@@ -109,10 +92,10 @@ static bool is_wanted(const conus_report *report, const struct report_row *row)
 static conus_status append_rows(struct report_row **out, conus_report *report, size_t count)
 {
     void *rows = report->rows;
-    conus_status status = reserve(&rows, &report->row_capacity, report->row_count + count, sizeof *report->rows);
+    bool fits = memory_reserve(&rows, &report->row_capacity, report->row_count + count, sizeof *report->rows);
     report->rows = rows;
-    if (status) {
-        return status;
+    if (!fits) {
+        return CONUS_ERROR_MEMORY;
     }
     *out = report->rows + report->row_count;
     for (size_t i = 0; i < count; i++) {

@@ -177,6 +177,7 @@ conus_status ranking_parse(struct ranking *out, const char *text)
         if (formula_uses(&ranking.formula, i)) {
             ranking.info.needs_history = ranking.info.needs_history || scores[i].info.needs_history;
             ranking.info.needs_layers = ranking.info.needs_layers || scores[i].info.needs_layers;
+            ranking.uses |= UINT32_C(1) << i;
             ranking.history |= scores[i].history;
             ranking.needs_border = ranking.needs_border || scores[i].needs_border;
             ranking.needs_box = ranking.needs_box || scores[i].needs_box;
@@ -235,7 +236,7 @@ static double value_of(const struct ranking *ranking, const conus_result *result
 {
     double values[SCORE_COUNT];
     for (size_t i = 0; i < SCORE_COUNT; i++) {
-        values[i] = formula_uses(&ranking->formula, i) ? scores[i].value(result, view) : NAN;
+        values[i] = ranking->uses >> i & 1 ? scores[i].value(result, view) : NAN;
     }
     return formula_value(&ranking->formula, values);
 }

@@ -28,7 +28,8 @@ struct score {
 struct ranking {
     struct formula formula;
     conus_score_info info; /**< What it needs; without name and description. */
-    unsigned history;      /**< Likewise. */
+    uint32_t uses;         /**< Bit n: the table's n-th score.         */
+    unsigned history;      /**< Parts of it that those scores live on. */
     bool needs_border, needs_box;
 };
 

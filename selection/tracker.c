@@ -133,19 +133,6 @@ static conus_status check_time(const conus_tracker *tracker, double time)
     return CONUS_OK;
 }
 
-static bool reserve(void **array, size_t *capacity, size_t count, size_t size)
-{
-    if (count > *capacity) {
-        void *larger = memory_resize(*array, 2 * count, size);
-        if (!larger) {
-            return false;
-        }
-        *array = larger;
-        *capacity = 2 * count;
-    }
-    return true;
-}
-
 /* One sample for each object in the cone. */
 static size_t take_samples(conus_tracker *tracker, const conus_selection *selection)
 {
@@ -164,9 +151,10 @@ static conus_status make_room(conus_tracker *tracker, conus_selection *selection
     struct statistics *statistics = &selection->statistics;
     void *samples = tracker->samples;
     void *choices = tracker->choices;
-    bool done = reserve(&samples, &tracker->sample_capacity, statistics->count, sizeof *tracker->samples);
+    bool done = memory_reserve(&samples, &tracker->sample_capacity, statistics->count, sizeof *tracker->samples);
     tracker->samples = samples;
-    done = done && reserve(&choices, &tracker->choice_capacity, tracker->choice_count + 1, sizeof *tracker->choices);
+    done = done &&
+           memory_reserve(&choices, &tracker->choice_capacity, tracker->choice_count + 1, sizeof *tracker->choices);
     tracker->choices = choices;
     if (!done) {
         return CONUS_ERROR_MEMORY;

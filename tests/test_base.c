@@ -129,6 +129,35 @@ static void check_as_printf(double value)
     assert_string_equal(out, wanted);
 }
 
+static void times_keep_15_digits(void **state)
+{
+    (void)state;
+    char out[TEXT_NUMBER_SIZE];
+    assert_string_equal(text_time(out, 1763619041.000125), "1763619041.00012"); /* the nearest double is below it */
+    assert_string_equal(text_time(out, 0.1), "0.1");
+    assert_string_equal(text_time(out, -0.0), "0");
+    assert_string_equal(text_time(out, 1763619041), "1763619041");
+    assert_string_equal(text_time(out, -2.5e-7), "-2.5e-07");
+}
+
+static void arrays_double(void **state)
+{
+    (void)state;
+    void *array = NULL;
+    size_t capacity = 0;
+    size_t moves = 0;
+    for (size_t count = 1; count <= 1000; count++) {
+        size_t before = capacity;
+        assert_true(memory_reserve(&array, &capacity, count, sizeof(int)));
+        assert_true(capacity >= count);
+        moves += capacity != before;
+    }
+    assert_true(moves <= 11);
+    assert_false(memory_reserve(&array, &capacity, SIZE_MAX / 2, sizeof(int)));
+    assert_true(array && capacity < 2000);
+    memory_free(array);
+}
+
 static void numbers_are_written_as_printf_does(void **state)
 {
     (void)state;
@@ -276,6 +305,8 @@ int main(void)
         cmocka_unit_test(numbers_are_read_whole_or_not),
         cmocka_unit_test(numbers_are_written_short_and_without_locale),
         cmocka_unit_test(numbers_are_written_as_printf_does),
+        cmocka_unit_test(times_keep_15_digits),
+        cmocka_unit_test(arrays_double),
         cmocka_unit_test(utf8_is_told_from_latin1),
         cmocka_unit_test(any_bytes_become_clean_utf8),
         cmocka_unit_test(inverse_undoes_an_affine),

@@ -15,6 +15,7 @@ struct track_settings {
     struct aim_settings aim; /* pose, angle and space of it */
     struct pose_file_settings file;
     struct engine_settings engine;
+    struct context_settings context;
     struct common_settings common;
     conus_tracker_options constants;
     struct answer_settings answer;
@@ -116,6 +117,7 @@ static const struct option_group groups[] = {
     {"", slices_options, FIELD(engine)},
     {"What it remembers", history_options, 0},
     {"What it may find", atlas_options, FIELD(atlas)},
+    {"", context_options, FIELD(context)},
     {"What is written", answer_options, FIELD(answer)},
     {"", output_options, 0},
     {"", quiet_options, FIELD(common)},
@@ -160,7 +162,7 @@ static bool check(const struct track_settings *settings, const struct arguments 
         complain("--slices has no effect without --sampling slices");
         return false;
     }
-    return settings_check_score(&settings->engine, true) &&
+    return settings_check_score(&settings->engine, true) && settings_check_context(arguments) &&
            settings_check_shape(&settings->aim, &settings->engine, arguments);
 }
 
@@ -281,6 +283,9 @@ static int work(struct track *track)
     int code = open_poses(track);
     if (!code) {
         code = settings_load_atlas(&track->atlas, track->arguments->operands[0], &settings->atlas);
+    }
+    if (!code) {
+        code = settings_load_context(track->atlas, settings->context.path, settings->context.blocks, &settings->atlas);
     }
     if (code || !answer_check_files(track->atlas, track->arguments->operands[0], &settings->atlas, settings->aim.pose,
                                     settings->answer.output, track->sidecar)) {

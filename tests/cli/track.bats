@@ -137,6 +137,8 @@ skips() {
 @test "scores that need a history or all layers say so" {
     fails 2 '--score: intenselect needs a history, which single poses have not; conus track has one' \
         query a.nii --origin 0,0,90 --toward 0,0,0 --score intenselect
+    fails 2 '--score: time needs a history' batch a.nii --poses h.tsv -o b.tsv --score time
+    fails 2 '--score: time needs a history' sweep a.nii --origin 0,0,90 --toward 0,0,0 --score time
     fails 2 '--score: 2*time needs a history' render a.nii -o a.png --origin 0,0,90 --toward 0,0,0 --score '2*time'
     fails 2 '--score: unoccluded needs --layers all' track a.nii --poses hand.tsv --score unoccluded
     fails 2 '--score: "intensect" is unknown; did you mean intenselect?' track a.nii --poses h.tsv --score intensect
