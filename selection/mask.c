@@ -33,13 +33,18 @@ static conus_status find_volume(const struct volume **out, const conus_atlas *at
     }
     if (object && object->kind == CONUS_PATHWAY) {
         *out = atlas_object_volume(atlas, options->object);
-        return CONUS_OK;
+        return options->content == CONUS_MAP_OF_LABELS
+                   ? fail(CONUS_ERROR_ARGUMENT, "map of labels: %s is a pathway, an area is needed", object->name)
+                   : CONUS_OK;
     }
     if (options->content == CONUS_MAP_OF_VALUES) {
         return object ? fail(CONUS_ERROR_ARGUMENT, "map of values: %s is an area, a pathway is needed", object->name)
                       : find_pathway(out, atlas, "map of values");
     }
     *out = atlas_parcellation(atlas);
+    if (!*out && options->content == CONUS_MAP_OF_LABELS) {
+        return fail(CONUS_ERROR_ARGUMENT, "map of labels: the atlas has no labelled voxels");
+    }
     return *out ? CONUS_OK : find_pathway(out, atlas, "mask of an atlas without labelled voxels");
 }
 
@@ -123,7 +128,9 @@ static conus_status start_grid(struct mask *mask, const struct region *region)
     static const char *const shapes[] = {"cone", "cylinder", "ball"};
     static const char *const square_shapes[] = {"square pyramid", "square rod", "ball"};
     char words[80];
-    snprintf(words, sizeof words, "conus " CONUS_VERSION ": %s in a %s", contents[mask->content],
+    bool of_pathway = mask->volume->values && mask->content == CONUS_MASK_OF_AREAS;
+    snprintf(words, sizeof words, "conus " CONUS_VERSION ": %s in a %s",
+             of_pathway ? "mask of a pathway" : contents[mask->content],
              (region->square ? square_shapes : shapes)[region->shape]);
     conus_number number = mask->content == CONUS_MAP_OF_VALUES   ? CONUS_FLOAT32
                           : mask->content == CONUS_MAP_OF_LABELS ? number_of_labels(mask)
