@@ -21,6 +21,9 @@ static conus_status keep_level(conus_report *report, const conus_selector *selec
 conus_status conus_report_create(conus_report **out, const conus_selector *selector,
                                  const conus_report_options *options)
 {
+    if (options && options->rows == CONUS_SUMMARIES && options->format == CONUS_TABLE) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: summaries are not written as a table for people");
+    }
     conus_report *report = memory_zeroed(1, sizeof *report);
     if (!report) {
         return CONUS_ERROR_MEMORY;
@@ -131,7 +134,7 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
     bool is_ball = selection->region.shape == REGION_BALL;
     struct report_query query = {
         .cone = selection->cone, .step = selection->step, .ball = is_ball ? selection->region.radius : 0};
-    if (report->options.rows > CONUS_SHARES) {
+    if (report->options.rows == CONUS_ADMISSIONS || report->options.rows == CONUS_CHANCES) {
         return fail(CONUS_ERROR_ARGUMENT, "report: an answer, but its rows are of something else");
     }
     for (size_t i = 0; i < statistics->count; i++) {
@@ -147,7 +150,7 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
 
 conus_status conus_report_add_error(conus_report *report, const char *query_id, const char *reason)
 {
-    struct report_query query = {.error = text_to_utf8(text_from(reason))};
+    struct report_query query = {.error = text_to_utf8(text_from(reason)), .first_row = report->row_count};
     struct report_row *row;
     conus_status status = query.error ? append_query(report, query_id, &query) : CONUS_ERROR_MEMORY;
     if (status) {

@@ -77,6 +77,11 @@ const struct report_column *report_next_sweep_column(const conus_report *report,
 conus_status report_append(struct report_row **rows, conus_report *report, const char *id,
                            const struct report_query *query, size_t count);
 
+const struct report_column *report_next_summary_column(const struct report_column *column);
+
+/** Whether the text has this row: of summaries only the first of each query is written. */
+bool report_is_shown(const conus_report *report, size_t row);
+
 /** What stands in a column; n/a in most of a query without an answer. */
 struct cell report_cell(const conus_report *report, const struct report_column *column, const struct report_row *row);
 

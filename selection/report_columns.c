@@ -309,8 +309,14 @@ const struct report_column *report_find_column(const char *name)
 
 const struct report_column *report_next_column(const conus_report *report, const struct report_column *column)
 {
-    return report->options.rows == CONUS_ANSWERS ? report_next_answer_column(report, column)
-                                                 : report_next_sweep_column(report, column);
+    switch (report->options.rows) {
+    case CONUS_ANSWERS:
+        return report_next_answer_column(report, column);
+    case CONUS_SUMMARIES:
+        return report_next_summary_column(column);
+    default:
+        return report_next_sweep_column(report, column);
+    }
 }
 
 const struct report_column *report_next_answer_column(const conus_report *report, const struct report_column *column)

@@ -235,7 +235,9 @@ conus_status report_write_json(struct buffer *out, const conus_report *report)
     json_t *rows = json_array();
     bool whole = true;
     for (size_t i = 0; i < report->row_count; i++) {
-        whole = json_array_append_new(rows, json_from_row(report, &report->rows[i])) == 0 && whole;
+        whole = (!report_is_shown(report, i) ||
+                 json_array_append_new(rows, json_from_row(report, &report->rows[i])) == 0) &&
+                whole;
     }
     whole = add_provenance(root, report) && whole;
     whole = put(root, "Rows", rows) && whole;

@@ -11,9 +11,10 @@ struct cell report_cell(const conus_report *report, const struct report_column *
     if (!query->error) {
         return column->get(report, row);
     }
+    const char *reason = report->options.rows == CONUS_SUMMARIES ? "error" : "name";
     const char *text = !strcmp(column->name, "query")  ? query->id
                        : !strcmp(column->name, "kind") ? "error"
-                       : !strcmp(column->name, "name") ? query->error
+                       : !strcmp(column->name, reason) ? query->error
                                                        : NULL;
     return (struct cell){.type = text && text[0] ? CELL_TEXT : CELL_NONE, .text = text};
 }
@@ -105,9 +106,18 @@ static void write_json_row(struct buffer *out, const conus_report *report, const
     buffer_append(out, "}\n", 2);
 }
 
+bool report_is_shown(const conus_report *report, size_t row)
+{
+    return report->options.rows != CONUS_SUMMARIES || row == 0 ||
+           report->rows[row].query != report->rows[row - 1].query;
+}
+
 void report_write_rows(struct buffer *out, const conus_report *report)
 {
     for (size_t i = 0; i < report->row_count; i++) {
+        if (!report_is_shown(report, i)) {
+            continue;
+        }
         if (report->options.format == CONUS_NDJSON) {
             write_json_row(out, report, &report->rows[i]);
         } else {

@@ -192,6 +192,7 @@ static void what_is_no_batch_is_refused(void **state)
     static const conus_batch_options wrong[] = {
         {.report = {.format = CONUS_TABLE}},
         {.report = {.format = CONUS_JSON}},
+        {.report = {.rows = CONUS_SUMMARIES}},
         {.threads = 1025, .report = {.format = CONUS_TSV}},
         {.block = 65537, .report = {.format = CONUS_TSV}},
     };
@@ -219,6 +220,36 @@ static void the_heading_is_the_report_s(void **state)
     assert_true(conus_batch_threads(batch) >= 1);
     assert_memory_equal(conus_batch_heading(batch), "query\tkind\tindex\t", 17);
     conus_batch_destroy(batch);
+}
+
+/* One row per pose, whatever the threads; of the full rows the first. */
+static void summaries_are_the_best_of_each(void **state)
+{
+    struct fixture *fixture = *state;
+    struct buffer first = {0};
+    for (uint32_t threads = 1; threads <= 3; threads++) {
+        const conus_batch_options options = {
+            .threads = threads, .block = 9, .report = {.rows = CONUS_SUMMARIES, .format = CONUS_TSV}};
+        struct received received = {0};
+        conus_batch *batch = NULL;
+        conus_pose_stream *poses = poses_of(fixture);
+        size_t lines = 0;
+        assert_ok(conus_batch_create(&batch, fixture->selector, &options));
+        assert_non_null(strstr(conus_batch_heading(batch), "\trunner_up\trunner_up_index\trunner_up_share\tmargin\t"));
+        assert_ok(conus_batch_run(batch, poses, UINT64_MAX, receive, &received));
+        for (const char *at = received.text.data; (at = strchr(at, '\n')); at++) {
+            lines++;
+        }
+        assert_int_equal(lines, POSES);
+        if (!first.size) {
+            buffer_append(&first, received.text.data, received.text.size);
+        }
+        check_text(&received, first.data, first.size);
+        buffer_finish(&received.text);
+        conus_pose_stream_destroy(poses);
+        conus_batch_destroy(batch);
+    }
+    buffer_finish(&first);
 }
 
 static conus_status run_once(void *data)
@@ -277,6 +308,7 @@ int main(void)
         cmocka_unit_test(a_sink_ends_the_run_behind_a_whole_block),
         cmocka_unit_test(what_is_no_batch_is_refused),
         cmocka_unit_test(the_heading_is_the_report_s),
+        cmocka_unit_test(summaries_are_the_best_of_each),
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(a_failure_ends_the_run),
     };

@@ -537,7 +537,9 @@ typedef enum conus_rows {
     CONUS_SHARES,      /**< The same with the angle, and for people a table of shares by angle; answers in a row that
                             have one id belong together.                                                         */
     CONUS_ADMISSIONS,  /**< Of conus_report_add_sweep().                                                         */
-    CONUS_CHANCES      /**< Of conus_report_add_jitter().                                                        */
+    CONUS_CHANCES,     /**< Of conus_report_add_jitter().                                                        */
+    CONUS_SUMMARIES    /**< Of conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
+                            CONUS_TABLE.                                                                         */
 } conus_rows;
 
 typedef struct conus_report_options {
