@@ -15,6 +15,8 @@ struct batch_settings {
     const char *poses;
     const char *output;
     size_t format;
+    bool summary;
+    const char *jobs;
     const char *shard;
     uint32_t threads, block;
     bool force, resume;

@@ -283,6 +283,7 @@ static conus_status answer(struct sweep *sweep, const conus_pose_row *row)
     case CONUS_CHANCES:
         return add_chances(sweep, row, angle);
     case CONUS_ANSWERS:
+    case CONUS_SUMMARIES:
     case CONUS_ADMISSIONS:
         break;
     }

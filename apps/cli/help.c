@@ -7,7 +7,7 @@ enum { HELP_COLUMN = 30, HELP_WIDTH = 100 };
 
 void help_usage(FILE *out, const struct command *command)
 {
-    fprintf(out, "conus %s", command->name);
+    fprintf(out, "%s %s", command->program ? command->program : "conus", command->name);
     for (size_t i = 0; i < OPERAND_LIMIT && command->operands[i]; i++) {
         fprintf(out, " %s%s", command->operands[i], command->repeats ? "..." : "");
     }

@@ -220,7 +220,7 @@ static int check_complete(const struct arguments *arguments)
 {
     const struct command *command = arguments->command;
     struct found found;
-    if (arguments->operand_count < OPERAND_LIMIT && command->operands[arguments->operand_count]) {
+    if (arguments->operand_count < OPERAND_LIMIT && command->operands[arguments->operand_count] && !command->optional) {
         return complain_usage("%s is missing; conus %s --help shows how", command->operands[arguments->operand_count],
                               command->name);
     }
@@ -283,7 +283,7 @@ char *arguments_text(const struct arguments *arguments)
     if (!out) {
         return NULL;
     }
-    fputs("conus", out);
+    fputs(arguments->command->program ? arguments->command->program : "conus", out);
     for (int i = 1; i < arguments->count; i++) {
         fputc(' ', out);
         put_word(out, arguments->words[i]);

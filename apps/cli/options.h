@@ -62,9 +62,11 @@ struct arguments {
 };
 
 struct command {
+    const char *program; /**< That has it; NULL = conus. */
     const char *name;
     const char *summary;                 /**< One line, no final period. */
     const char *operands[OPERAND_LIMIT]; /**< "ATLAS"; NULL where there are fewer. */
+    bool optional;                       /**< The operands may be missing. */
     bool repeats;                        /**< The last operand may stand any number of times. */
     const char *form;                    /**< What must follow the operands; NULL if nothing. */
     const char *description;             /**< Paragraphs for --help. */

@@ -180,9 +180,9 @@ wait_for_lines() {
 }
 
 @test "killed and resumed three times: the file of one run" {
-    setup_ball 30000
+    setup_ball 20000
     batch -o rows.tsv
-    for lines in 5 40 90; do
+    for lines in 5 30 60; do
         start -o killed.tsv --resume
         wait_for_lines "$lines" killed.tsv.journal
         stop KILL 137
@@ -254,21 +254,21 @@ wait_for_lines() {
 }
 
 @test "SIGINT and SIGTERM finish the block and say how to go on" {
-    setup_ball 30000
+    setup_ball 20000
     batch -o rows.tsv
     start -o stopped.tsv
     wait_for_lines 10 stopped.tsv.journal
     stop INT 130
     grep -q 'conus: interrupted after [0-9]*00 poses; go on with: conus batch .* -o stopped.tsv --resume' said
     start -o stopped.tsv --resume
-    wait_for_lines 150 stopped.tsv.journal
+    wait_for_lines 100 stopped.tsv.journal
     stop TERM 143
     batch -o stopped.tsv --resume
     cmp rows.tsv stopped.tsv
 }
 
 @test "two runs do not write one file" {
-    setup_ball 30000
+    setup_ball 20000
     start -o rows.tsv
     wait_for_lines 5 rows.tsv.journal
     fails 3 'rows.tsv: another conus is writing this file' batch sphere.nii.gz --poses poses.tsv --angle 12 -o rows.tsv --resume
@@ -281,4 +281,93 @@ wait_for_lines() {
     [[ "${stderr_lines[-1]}" == '{"done":2000,"total":2000,"errors":0,"rate":'*',"finished":true}' ]]
     answers batch sphere.nii.gz --poses poses.tsv -o other.tsv
     answers batch sphere.nii.gz --poses poses.tsv -o third.tsv --progress none
+}
+
+@test "--summary: the best, the runner-up and the margin, one row per pose" {
+    conus phantom nested -o . --size 48
+    printf 'x\ty\tz\ttx\tty\ttz\n0\t0\t200\t0\t0\t0\n0\t0\t200\t0\t0\t400\n0\t0\t0\t0\t0\t0\n' >poses.tsv
+    run -1 --separate-stderr conus batch nested.nii.gz --poses poses.tsv --angle 40 --summary
+    [ "${#lines[@]}" -eq 4 ]
+    local summary=$output
+    conus query nested.nii.gz --origin 0,0,200 --toward 0,0,0 --angle 40 --format tsv >full
+    [ "$(cell name 1)" = "$(awk -F'\t' 'NR == 2 { print $4 }' full)" ]
+    [ "$(cell share 1)" = "$(awk -F'\t' 'NR == 2 { print $9 }' full)" ]
+    [ "$(cell unassigned_share 1)" = "$(awk -F'\t' 'END { print $9 }' full)" ]
+    [ "$(cell kind 2)/$(cell name 2)/$(cell runner_up 2)/$(cell unassigned_share 2)" = unassigned/unassigned/n/a/1 ]
+    [ "$(cell kind 3)/$(cell name 3)/$(cell error 3)" = "error/n/a/line 4: toward: is the origin itself, another point is needed" ]
+    conus batch nested.nii.gz --poses poses.tsv --angle 40 --summary --threads 2 --block 1 >other || true
+    diff other - <<<"$summary"
+    sphere --size 32
+    printf 'x\ty\tz\ttx\tty\ttz\n0\t0\t100\t0\t0\t0\n' >poses.tsv
+    answers batch sphere.nii.gz --poses poses.tsv --summary -o summary.tsv
+    grep -q '"runner_up"' summary.json
+}
+
+@test "--jobs answers a table of batches, and goes on where one cannot be" {
+    setup_ball 40
+    mkdir sub
+    cp sphere.nii.gz sub/other.nii.gz
+    cp sphere.tsv sub/other.tsv
+    printf 'output\tatlas\tposes\n' >jobs.tsv
+    printf 'a.tsv\tsphere.nii.gz\tposes.tsv\n# not this one\nb.tsv\tnone.nii.gz\tposes.tsv\n\n' >>jobs.tsv
+    printf 'c.tsv\tsub/other.nii.gz\tposes.tsv\r\n' >>jobs.tsv
+    batch -o rows.tsv
+    run -3 --separate-stderr conus batch --jobs jobs.tsv --angle 12
+    check_message none.nii.gz
+    cmp rows.tsv a.tsv
+    cmp rows.tsv c.tsv
+    [ ! -e b.tsv ]
+    sed -i 's/none.nii.gz/sphere.nii.gz/' jobs.tsv
+    answers batch --jobs jobs.tsv --angle 12 --resume
+    cmp rows.tsv b.tsv
+    rm a.tsv a.json b.tsv b.json c.tsv c.json
+    answers batch --jobs jobs.tsv --angle 12 --shard 1/3
+    [ -e b.tsv ] && [ ! -e a.tsv ] && [ ! -e c.tsv ]
+    fails 2 'exclude each other' batch sphere.nii.gz --jobs jobs.tsv
+    fails 2 '--jobs and --poses exclude each other' batch --jobs jobs.tsv --poses poses.tsv
+    fails 2 'ATLAS is missing' batch --poses poses.tsv
+    printf 'atlas\tposes\na\tb\n' >bad.tsv
+    fails 3 'bad.tsv:1: the header is not atlas, poses and output' batch --jobs bad.tsv
+    printf 'atlas\tposes\toutput\na\tb\n' >bad.tsv
+    fails 3 'bad.tsv:2: not three fields' batch --jobs bad.tsv
+    printf 'atlas\tposes\toutput\na\tb\tc\na\tb\tc\n' >bad.tsv
+    fails 3 "bad.tsv:3: output c is another row's, too" batch --jobs bad.tsv
+}
+
+# example NAME: the code of docs/batch.md whose fence has that name.
+example() {
+    awk -v fence="\`\`\`sh $1" '$0 == fence { inside = 1; next } /^```/ { inside = 0 } inside' \
+        "$BATS_TEST_DIRNAME/../../docs/batch.md"
+}
+
+# setup_example: what the examples of docs/batch.md call by name.
+setup_example() {
+    setup_ball 100
+    mv sphere.nii.gz aal.nii.gz
+    mv sphere.tsv aal.tsv
+    conus batch aal.nii.gz --poses poses.tsv -o whole.tsv
+    mkdir bin
+    ln -s "$CONUS" bin/conus
+    PATH=$PWD/bin:$PATH
+}
+
+@test "the example with GNU parallel" {
+    command -v parallel >/dev/null || skip "no GNU parallel"
+    setup_example
+    example parallel >run.sh
+    [ "$(wc -l <run.sh)" -eq 2 ]
+    PARALLEL_HOME=$PWD bash -eu run.sh
+    cmp whole.tsv rows.tsv
+}
+
+@test "the example of a Slurm array, task by task" {
+    setup_example
+    example sbatch >array.sh
+    grep -q '^#SBATCH --array=0-7' array.sh
+    for task in 0 1 2 3 4 5 6 7; do
+        SLURM_ARRAY_TASK_ID=$task SLURM_ARRAY_TASK_COUNT=8 SLURM_ARRAY_TASK_MIN=0 SLURM_ARRAY_TASK_STEP=1 \
+            bash -eu array.sh
+    done
+    conus merge rows.[0-7].tsv -o rows.tsv
+    cmp whole.tsv rows.tsv
 }

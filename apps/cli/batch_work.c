@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/batch_work.h"
+
+#include "cli/messages.h"
+#include "cli/output.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+void work_finish(struct work *work)
+{
+    conus_batch_destroy(work->batch);
+    conus_selector_destroy(work->selector);
+    conus_atlas_destroy(work->atlas);
+    conus_pose_stream_destroy(work->poses);
+    free(work->sidecar);
+    free(work->command_line);
+}
+
+static bool has_ending_of_ndjson(const char *path)
+{
+    return path && (path_ends(path, ".ndjson") || path_ends(path, ".jsonl"));
+}
+
+static bool check(const struct batch_settings *settings, const struct arguments *arguments)
+{
+    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
+        complain("--slices has no effect without --sampling slices");
+        return false;
+    }
+    if ((settings->force || settings->resume) && !settings->output) {
+        complain("--%s has no effect without --output", settings->force ? "force" : "resume");
+        return false;
+    }
+    return settings_check_score(&settings->engine, false) &&
+           settings_check_shape(&settings->aim, &settings->engine, arguments) && settings_check_context(arguments) &&
+           options_exclude(arguments, "force", "resume");
+}
+
+/* ---- The poses -------------------------------------------------------------------------------------------------- */
+
+/* Which of them are this shard's. */
+static int choose_poses(struct work *work)
+{
+    uint64_t total;
+    work->count = UINT64_MAX;
+    if (work->shard.count == 1) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_pose_stream_count(work->poses, &total);
+    if (status) {
+        return complain_status(status);
+    }
+    shard_range(&work->first, &work->count, work->shard, total);
+    return EXIT_DONE;
+}
+
+static int open_poses(struct work *work)
+{
+    const struct batch_settings *settings = work->settings;
+    const conus_pose_options options = settings_pose_options(&settings->file, settings->aim.space);
+    int code = batch_shard(&work->shard, settings);
+    if (code) {
+        return code;
+    }
+    if (output_is_stdout(settings->poses) && (work->shard.count > 1 || settings->resume)) {
+        return complain_usage("%s needs a file of poses, not standard input",
+                              settings->resume ? "--resume" : "--shard");
+    }
+    conus_status status = conus_pose_stream_open(&work->poses, settings->poses, &options);
+    return status ? complain_status(status) : choose_poses(work);
+}
+
+int work_pass_over(struct work *work, uint64_t poses)
+{
+    conus_status status = poses ? conus_pose_stream_skip(work->poses, poses) : CONUS_OK;
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
+/* ---- The atlas and the engine ----------------------------------------------------------------------------------- */
+
+static int load(struct work *work)
+{
+    const struct batch_settings *settings = work->settings;
+    int code = settings_load_atlas(&work->atlas, work->arguments->operands[0], &settings->atlas);
+    code = code
+               ? code
+               : settings_load_context(work->atlas, settings->context.path, settings->context.blocks, &settings->atlas);
+    if (code) {
+        return code;
+    }
+    const struct input inputs[] = {{"the atlas", work->arguments->operands[0]},
+                                   {"the label table", settings->atlas.labels},
+                                   {"the list of areas", settings_level_file(&settings->engine)},
+                                   {"the file of poses", settings->poses},
+                                   {0}};
+    const char *outputs[] = {work->output, work->sidecar};
+    for (size_t i = 0; work->output && i < 2; i++) {
+        const char *input = settings_input(work->atlas, inputs, outputs[i]);
+        if (input) {
+            return complain_usage("--output would overwrite %s %s", input, outputs[i]);
+        }
+    }
+    return settings_match_stream(work->poses, settings->poses, work->atlas, &settings->file, &settings->common);
+}
+
+static int build(struct work *work)
+{
+    const struct batch_settings *settings = work->settings;
+    const conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
+    const conus_batch_options options = {
+        .threads = settings->threads,
+        .block = settings->block,
+        .angle = settings_angle(&settings->aim, &settings->engine),
+        .report = {.rows = settings->summary ? CONUS_SUMMARIES : CONUS_ANSWERS,
+                   .format = work->format,
+                   .space = (conus_space)settings->aim.space},
+    };
+    conus_status status = conus_selector_create(&work->selector, work->atlas, &engine);
+    status = status ? status : conus_batch_create(&work->batch, work->selector, &options);
+    if (!status && settings->common.verbose) {
+        complain("engine: %s; %" PRIu32 " threads", conus_selector_engine(work->selector),
+                 conus_batch_threads(work->batch));
+    }
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
+int work_init(struct work *out, const struct batch_settings *settings, const struct arguments *arguments)
+{
+    *out = (struct work){.settings = settings, .arguments = arguments};
+    if (!check(settings, arguments)) {
+        return EXIT_USAGE;
+    }
+    out->output = output_is_stdout(settings->output) ? NULL : settings->output;
+    out->format = option_given(arguments, "format")   ? (settings->format ? CONUS_NDJSON : CONUS_TSV)
+                  : has_ending_of_ndjson(out->output) ? CONUS_NDJSON
+                                                      : CONUS_TSV;
+    out->command_line = arguments_text(arguments);
+    out->sidecar = out->output ? batch_sidecar_path(out->output) : NULL;
+    if (!out->command_line || (out->output && !out->sidecar)) {
+        complain("not enough memory");
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
+}
+
+int work_prepare(struct work *work)
+{
+    int code = open_poses(work);
+    code = code ? code : load(work);
+    code = code ? code : build(work);
+    if (!code) {
+        settings_say_notes(work->atlas, &work->settings->common);
+    }
+    return code;
+}
+
+/* ---- What the output says about itself --------------------------------------------------------------------------- */
+
+int work_identify(struct work *work)
+{
+    const struct batch_settings *settings = work->settings;
+    int code = output_is_stdout(settings->poses) ? EXIT_DONE : batch_hash_file(work->pose_hash, settings->poses);
+    return code ? code : batch_fingerprint(work->fingerprint, work->batch, work->atlas, settings, work->pose_hash);
+}
+
+int work_check_output(const struct work *work)
+{
+    const char *there = access(work->output, F_OK) == 0 ? work->output : work->sidecar;
+    if (!work->settings->force && access(there, F_OK) == 0) {
+        return complain_usage("%s: there is a file already; --force replaces it", there);
+    }
+    return EXIT_DONE;
+}
+
+int work_write_sidecar(struct work *work, struct batch_record *record)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    double angle = settings_angle(&work->settings->aim, &work->settings->engine);
+    record->shard = work->shard;
+    record->first = work->first;
+    record->pose_file = work->settings->poses;
+    record->pose_hash = work->pose_hash;
+    record->angle = angle * (180 / M_PI);
+    memcpy(record->fingerprint, work->fingerprint, sizeof record->fingerprint);
+    conus_status status = conus_batch_sidecar(work->batch, &text, &size);
+    return status ? complain_status(status) : batch_record_write(work->sidecar, text, record, work->command_line);
+}

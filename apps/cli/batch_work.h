@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A batch under way, as far as conus batch and conus-mpi batch do the same. */
+#ifndef CONUS_CLI_BATCH_WORK_H
+#define CONUS_CLI_BATCH_WORK_H
+
+#include "cli/batch_record.h"
+
+struct work {
+    const struct batch_settings *settings;
+    const struct arguments *arguments;
+    const char *output; /**< NULL = stdout */
+    char *sidecar;      /**< Path; NULL without output. */
+    char *command_line;
+    conus_format format;
+    struct shard shard;
+    uint64_t first, count; /**< Poses to answer; count UINT64_MAX = all from there on. */
+    conus_pose_stream *poses;
+    conus_atlas *atlas;
+    conus_selector *selector;
+    conus_batch *batch;
+    char fingerprint[65], pose_hash[65];
+};
+
+/* All give the exit code, having complained unless it is 0. */
+
+/** Checks the options and names the files. @p out is the caller's to work_finish() in any case. */
+int work_init(struct work *out, const struct batch_settings *settings, const struct arguments *arguments);
+void work_finish(struct work *work);
+
+/** Opens the poses, loads the atlas, makes the batch. */
+int work_prepare(struct work *work);
+
+/** Goes on to the pose that is @p poses farther. */
+int work_pass_over(struct work *work, uint64_t poses);
+
+/** Finds the fingerprint. */
+int work_identify(struct work *work);
+
+/** Complains where something stands in the way of a new output. */
+int work_check_output(const struct work *work);
+
+/** Writes the sidecar; of @p record, what the work knows itself is filled in. */
+int work_write_sidecar(struct work *work, struct batch_record *record);
+
+#endif
