@@ -60,6 +60,7 @@ struct bench_scenario {
 };
 
 conus_status bench_census(struct bench *bench);
+conus_status bench_batch(struct bench *bench);
 conus_status bench_colour(struct bench *bench);
 conus_status bench_hand(struct bench *bench);
 conus_status bench_volume(struct bench *bench);

@@ -16,6 +16,7 @@ enum { EXIT_USAGE = 2, EXIT_DATA = 3, DEFAULT_POSES = 64, DEFAULT_SLICES = 362, 
 
 static const struct bench_scenario scenarios[] = {
     {"census", "the voxels in cones of 5, 20 and 60 degrees: every one asked against the walk over rows", bench_census},
+    {"batch", "poses as text in, rows as text out, on one thread and two, against plain traversal", bench_batch},
     {"colour", "a picture: blended slices against ray casting without and with skipping", bench_colour},
     {"hand", "a trembling hand: how often --poses trials select the area that was meant", bench_hand},
     {"volume", "256 rays through a labelled volume: plain traversal against the rays engine", bench_volume},
