@@ -98,16 +98,18 @@ static json_t *volume_mm3(const conus_object *object)
     return object->triangles && object->volume_mm3 == 0 ? json_null() : json_real(object->volume_mm3);
 }
 
-static json_t *object(const conus_atlas *atlas, const conus_object *object)
+/* `number` is the object's. */
+static json_t *object(const conus_atlas *atlas, size_t number)
 {
+    const conus_object *object = conus_atlas_object(atlas, number);
     char color[8];
     snprintf(color, sizeof color, "#%02x%02x%02x", object->rgb[0], object->rgb[1], object->rgb[2]);
-    return json_pack("{s:s,s:I,s:s,s:b,s:o,s:o,s:o,s:s,s:I,s:o,s:o,s:o}", "kind",
+    return json_pack("{s:s,s:I,s:s,s:b,s:o,s:o,s:o,s:I,s:s,s:I,s:o,s:o,s:o}", "kind",
                      object->kind == CONUS_AREA ? "area" : "pathway", "index", (json_int_t)object->label, "name",
                      object->name, "named", object->named, "abbreviation", text_or_null(object->abbreviation),
-                     "hemisphere", hemisphere(object->hemisphere), "parent", parent(atlas, object), "color", color,
-                     "voxels", (json_int_t)object->voxels, "triangles", triangles(object), "closed", closed(object),
-                     "volume_mm3", volume_mm3(object));
+                     "hemisphere", hemisphere(object->hemisphere), "parent", parent(atlas, object), "depth",
+                     (json_int_t)conus_atlas_depth(atlas, number), "color", color, "voxels", (json_int_t)object->voxels,
+                     "triangles", triangles(object), "closed", closed(object), "volume_mm3", volume_mm3(object));
 }
 
 char *info_json(const conus_atlas *atlas)
@@ -123,7 +125,7 @@ char *info_json(const conus_atlas *atlas)
         whole = json_array_append_new(notes, text_of_bytes(conus_atlas_note(atlas, i))) == 0 && whole;
     }
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
-        whole = json_array_append_new(objects, object(atlas, conus_atlas_object(atlas, i))) == 0 && whole;
+        whole = json_array_append_new(objects, object(atlas, i)) == 0 && whole;
     }
     json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o}", "conus", conus_version(), "labels",
                              text_of_bytes(conus_atlas_label_source(atlas)), "volumes", volumes, "notes", notes,

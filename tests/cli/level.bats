@@ -60,6 +60,8 @@ nested() {
     nested
     answers info nested.nii.gz --labels tree.tsv
     has 'area tree of 3 depths; --format tree shows it'
+    answers info nested.nii.gz --labels tree.tsv --format json
+    tr -d ' \n' <<<"$output" | grep -q '"index":1,"name":"Outer,the","named":true,"abbreviation":"O","hemisphere":null,"parent":20,"depth":3'
     answers info nested.nii.gz --labels tree.tsv --format tree
     [ "${#lines[@]}" -eq 6 ]
     grep -qE '^ +1 +40 +4 +57856  Ball \(B\)$' <<<"$output"
@@ -120,6 +122,10 @@ nested() {
     [ "$left" -gt 0 ] && [ "$right" -gt 0 ] && [ "$pixels" -gt 0 ]
     answers "${view[@]}" --hemispheres merged
     [ "$(cell name 1)/$(cell index 1)/$(cell pixels 1)" = "Supp_Motor_Area/3019/$((left + right))" ]
+    answers "${view[@]}" --hemispheres merged -o merged.tsv --voxels voxels.tsv --voxels-of all
+    grep -q '"hemispheres": "merged"' merged.json
+    grep -q 'Supp_Motor_Area_L' voxels.tsv # the atlas's own areas
+    run ! grep -q 'Supp_Motor_Area	' voxels.tsv
     run -0 --separate-stderr conus "${view[@]/-q/-v}" --hemispheres merged
     [[ "$stderr" == *"54 pairs are reported as one area each; without a counterpart: 8 (Vermis_1_2, "* ]]
     fails 3 'hemispheres: merged: no two of its 41 areas are left and right of one' \
