@@ -14,9 +14,10 @@ conus_pose_row pose_row_at(size_t line)
 
 const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint64_t number)
 {
-    const char *bad = id->size > POSE_ID_LIMIT         ? "the name is longer than 255 bytes"
-                      : id->size && !text_is_utf8(*id) ? "the name is not UTF-8 text"
-                                                       : NULL;
+    const char *bad = id->size > POSE_ID_LIMIT                       ? "the name is longer than 255 bytes"
+                      : id->size && memchr(id->data, '\0', id->size) ? "the name has a zero byte"
+                      : id->size && !text_is_utf8(*id)               ? "the name is not UTF-8 text"
+                                                                     : NULL;
     if (bad || !id->size) {
         snprintf(ordinal, POSE_ORDINAL_SIZE, "%llu", (unsigned long long)number);
         *id = text_from(ordinal);

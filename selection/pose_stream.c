@@ -53,16 +53,20 @@ static conus_pose_format format_of(struct text line)
                                                                       : CONUS_POSES_TABLE;
 }
 
-/* What the first line with data looks like; CONUS_POSES_AUTO while it is not all there. */
-static conus_pose_format guess(struct text text, bool all)
+/* What the first line with data looks like, which ends behind *used bytes; CONUS_POSES_AUTO while it is not all there.
+ */
+static conus_pose_format guess(struct text text, bool all, size_t *used)
 {
+    const char *begin = text.data;
     const char *end = text.data + text.size;
     struct text line;
+    *used = text.size;
     while (text_line(&text, &line)) {
         struct text trimmed = text_trim(line);
         if (!all && line.data + line.size == end) {
             return CONUS_POSES_AUTO;
         }
+        *used = (size_t)(line.data + line.size - begin);
         if (pose_brainsight_line(line)) {
             return CONUS_POSES_BRAINSIGHT;
         }
@@ -73,21 +77,25 @@ static conus_pose_format guess(struct text text, bool all)
     return all ? CONUS_POSES_TABLE : CONUS_POSES_AUTO;
 }
 
+/* Looks no farther than it must, so that it finds the same however the text comes in. */
 static conus_status find_format(conus_pose_stream *stream)
 {
     struct pose_lines *lines = &stream->lines;
     conus_status status = CONUS_OK;
-    stream->format = stream->options.format;
-    while (!status && stream->format == CONUS_POSES_AUTO) {
+    conus_pose_format found = CONUS_POSES_AUTO;
+    size_t used = 0;
+    while (!status && found == CONUS_POSES_AUTO) {
         bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
-        stream->format = guess((struct text){lines->data, lines->size}, all);
-        if (stream->format == CONUS_POSES_AUTO) {
+        size_t size = lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT;
+        found = guess((struct text){lines->data, size}, all, &used);
+        if (found == CONUS_POSES_AUTO) {
             status = pose_lines_fill(lines, lines->size + 1);
         }
     }
-    if (!status && lines->size && memchr(lines->data, '\0', lines->size)) {
+    if (!status && used && memchr(lines->data, '\0', used)) {
         status = fail(CONUS_ERROR_DATA, "a zero byte: not a text of poses");
     }
+    stream->format = stream->options.format ? stream->options.format : found;
     return status;
 }
 

@@ -154,6 +154,29 @@ static void brainsight_is_read_strictly(void **state)
     conus_pose_list_destroy(list);
 }
 
+static void names_are_whole_or_refused(void **state)
+{
+    (void)state;
+    static const char text[] = SPACE COLUMNS "a\0b\t0\t0\t0\t1\t0\t0\t0\t1\t0\t0\t0\t1\n"
+                                             "\xff\t0\t0\t0\t1\t0\t0\t0\t1\t0\t0\t0\t1\n";
+    conus_pose_list *list = NULL;
+    assert_ok(pose_list_parse(&list, (struct text){text, sizeof text - 1}, NULL));
+    assert_row_fails(list, 0, "1", "the name has a zero byte");
+    assert_row_fails(list, 1, "2", "the name is not UTF-8 text");
+    conus_pose_list_destroy(list);
+    char line[1024];
+    char name[300];
+    memset(name, 'n', sizeof name);
+    for (int size = 255; size <= 256; size++) {
+        snprintf(line, sizeof line, "1 2 3 %.*s\n", size, name);
+        list = parse(line, NULL);
+        const conus_pose_row *row = conus_pose_list_row(list, 0);
+        assert_int_equal(strlen(row->id), size == 255 ? 255 : 1);
+        assert_true((row->error != NULL) == (size == 256));
+        conus_pose_list_destroy(list);
+    }
+}
+
 static void localite_markers_look_along_x(void **state)
 {
     (void)state;
@@ -473,6 +496,7 @@ int main(void)
         cmocka_unit_test(brainsight_targets_samples_electrodes),
         cmocka_unit_test(brainsight_world_is_lps),
         cmocka_unit_test(brainsight_is_read_strictly),
+        cmocka_unit_test(names_are_whole_or_refused),
         cmocka_unit_test(localite_markers_look_along_x),
         cmocka_unit_test(localite_triggers_have_times),
         cmocka_unit_test(localite_is_read_strictly),
