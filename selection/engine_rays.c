@@ -237,7 +237,6 @@ static conus_status pierce_volumes(const struct rays_engine *engine, struct laye
 static conus_status pierce_meshes(const struct rays_engine *engine, struct layers *out, const struct cone *cone)
 {
     struct block block;
-    struct mesh_bundle *bundle = &block.meshes;
     struct mesh_spans spans = engine->spans; /* of its own, since several threads may be here */
     conus_status status = CONUS_OK;
     uint32_t edge = block_edge(cone);
@@ -245,8 +244,7 @@ static conus_status pierce_meshes(const struct rays_engine *engine, struct layer
         for (uint32_t column = 0; column < cone->resolution && !status; column += edge) {
             block_init(&block, cone, column, row);
             aim_at_meshes(&block);
-            unsigned width = mesh_rays_width(engine->meshes, bundle->origin, cone->angle / cone->resolution);
-            status = mesh_rays_pierce(engine->meshes, bundle, width, &spans, block.pixel);
+            status = mesh_rays_pierce(engine->meshes, &block.meshes, &spans, block.pixel);
         }
     }
     status = status ? status : mesh_spans_pair(out, &spans, cone);

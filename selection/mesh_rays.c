@@ -30,7 +30,8 @@ union number {
     uint32_t whole;
 };
 
-static_assert(sizeof(struct RTCRayHit16) == ROWS * WIDTH_LIMIT * sizeof(union number) &&
+static_assert(sizeof(struct RTCRay) == HIT * sizeof(union number) &&
+                  sizeof(struct RTCRayHit16) == ROWS * WIDTH_LIMIT * sizeof(union number) &&
                   offsetof(struct RTCRayHit16, ray.tfar) == FAR * WIDTH_LIMIT * sizeof(float) &&
                   offsetof(struct RTCRayHit16, ray.id) == RAY * WIDTH_LIMIT * sizeof(float) &&
                   offsetof(struct RTCRayHit16, hit.instID) == (HIT + INSTANCE) * WIDTH_LIMIT * sizeof(float),
@@ -195,23 +196,6 @@ static inline __attribute__((always_inline)) void set_ray(const struct walk *wal
     packet[MASK * width].whole = UINT32_MAX;
     packet[RAY * width].whole = (uint32_t)ray;
     packet[FLAGS * width].whole = 0;
-    packet[(HIT + GEOMETRY) * width].whole = RTC_INVALID_GEOMETRY_ID;
-    packet[(HIT + INSTANCE) * width].whole = RTC_INVALID_GEOMETRY_ID;
-}
-
-/* Embree's search for any hit, which does not care what is nearest: for all of them there is no need to. */
-static void pierce(struct walk *walk, union number *packet, const int *valid, unsigned width)
-{
-    RTCScene scene = walk->rays->scene;
-    if (width == 16) {
-        rtcOccluded16(valid, scene, &walk->context, (struct RTCRay16 *)packet);
-    } else if (width == 8) {
-        rtcOccluded8(valid, scene, &walk->context, (struct RTCRay8 *)packet);
-    } else if (width == 4) {
-        rtcOccluded4(valid, scene, &walk->context, (struct RTCRay4 *)packet);
-    } else {
-        rtcOccluded1(scene, &walk->context, (struct RTCRay *)packet);
-    }
 }
 
 static inline __attribute__((always_inline)) void shoot(struct walk *walk, size_t first, const unsigned width)
@@ -223,10 +207,10 @@ static inline __attribute__((always_inline)) void shoot(struct walk *walk, size_
         bool used = first + lane < walk->bundle->count;
         valid[lane] = used ? -1 : 0;
         set_ray(walk, packet + lane, width, used ? first + lane : first);
+        packet[(HIT + GEOMETRY) * width + lane].whole = RTC_INVALID_GEOMETRY_ID;
+        packet[(HIT + INSTANCE) * width + lane].whole = RTC_INVALID_GEOMETRY_ID;
     }
-    if (walk->out) {
-        pierce(walk, packet, valid, width);
-    } else if (width == 16) {
+    if (width == 16) {
         rtcIntersect16(valid, scene, &walk->context, (struct RTCRayHit16 *)packet);
     } else if (width == 8) {
         rtcIntersect8(valid, scene, &walk->context, (struct RTCRayHit8 *)packet);
@@ -247,47 +231,44 @@ static double start_of(const struct mesh_rays *rays, const double apex[3])
     return vec3_length(away) - rays->slack;
 }
 
-static void shoot_all(struct walk *walk, unsigned width)
-{
-    walk->start = start_of(walk->rays, walk->bundle->origin);
-    walk->context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    for (size_t first = 0; first < walk->bundle->count; first += width) {
-        switch (width) {
-        case 16:
-            shoot(walk, first, 16);
-            break;
-        case 8:
-            shoot(walk, first, 8);
-            break;
-        case 4:
-            shoot(walk, first, 4);
-            break;
-        default:
-            shoot(walk, first, 1);
-        }
-    }
-}
-
 conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width)
 {
-    struct walk walk = {.rays = rays, .bundle = bundle};
+    struct walk walk = {.rays = rays, .bundle = bundle, .start = start_of(rays, bundle->origin)};
     rtcInitIntersectContext(&walk.context);
+    walk.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     walk.context.filter = weigh;
-    shoot_all(&walk, width);
+    for (size_t first = 0; first < bundle->count; first += width) {
+        switch (width) {
+        case 16:
+            shoot(&walk, first, 16);
+            break;
+        case 8:
+            shoot(&walk, first, 8);
+            break;
+        case 4:
+            shoot(&walk, first, 4);
+            break;
+        default:
+            shoot(&walk, first, 1);
+        }
+    }
     return mesh_embree_status(rays);
 }
 
-conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width,
-                              struct mesh_spans *out, const size_t *pixel)
+/* By Embree's search for any hit, which does not care what is nearest: for all of them there is no need to. */
+conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_spans *out,
+                              const size_t *pixel)
 {
-    struct walk walk = {.rays = rays, .bundle = bundle, .out = out};
+    _Alignas(64) union number stream[MESH_RAYS_LIMIT][HIT];
+    struct walk walk = {.rays = rays, .bundle = bundle, .start = start_of(rays, bundle->origin), .out = out};
     size_t first = out->count;
-    for (size_t ray = 0; ray < bundle->count; ray++) {
-        bundle->t[ray] = INFINITY;
-    }
     rtcInitIntersectContext(&walk.context);
     walk.context.filter = collect;
-    shoot_all(&walk, width);
+    for (size_t ray = 0; ray < bundle->count; ray++) {
+        bundle->t[ray] = INFINITY;
+        set_ray(&walk, stream[ray], 1, ray);
+    }
+    rtcOccluded1M(rays->scene, &walk.context, (struct RTCRay *)stream, (unsigned)bundle->count, sizeof stream[0]);
     settle(&walk, first, pixel);
     return walk.status ? walk.status : mesh_embree_status(rays);
 }

@@ -43,8 +43,8 @@ conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, 
 
 /** Appends all crossings of all of the bundle's rays with all surfaces to @p out (Eq. 10), whatever the rays have met;
  * ray k is that of pixel[k]. Leaves t undefined. */
-conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width,
-                              struct mesh_spans *out, const size_t *pixel);
+conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_spans *out,
+                              const size_t *pixel);
 
 /** The width to take for rays from @p apex that are @p pitch radians apart: 16 as long as neighbours meet the scene
  * less than a triangle's cell apart, else 1. The cell is the cube root of the scene's volume per triangle. */
