@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "selection/census.h"
 
-#include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
 
@@ -17,6 +16,7 @@ struct walk {
     const struct volume *volume;
     census_row row;
     void *user;
+    const struct census_box *box;
     double margin;           /* mm */
     struct region_line line; /* the row under way */
 };
@@ -58,7 +58,7 @@ static bool find_sure(size_t sure[2], const struct walk *walk, const size_t mayb
 
 static void walk_row(struct walk *walk, size_t j, size_t k)
 {
-    double outer[2] = {0, (double)(walk->volume->info.dim[0] - 1)};
+    double outer[2] = {(double)walk->box->first[0], (double)walk->box->last[0]};
     double p[3] = {0, (double)j, (double)k};
     size_t maybe[2];
     size_t sure[2];
@@ -93,32 +93,76 @@ static double size_of_numbers(const struct region *region, const struct volume *
     return 2 * size;
 }
 
-void census_walk(const struct region *region, const struct volume *volume, census_row row, void *user)
+static size_t larger(size_t a, size_t b)
 {
-    struct walk walk = {.region = region,
-                        .volume = volume,
-                        .row = row,
-                        .user = user,
-                        .margin = DOUBT * size_of_numbers(region, volume)};
+    return a > b ? a : b;
+}
+
+static size_t smaller(size_t a, size_t b)
+{
+    return a < b ? a : b;
+}
+
+void census_walk_box(const struct region *region, const struct volume *volume, const struct census_box *box,
+                     census_row row, void *user)
+{
+    struct walk walk = {.region = region, .volume = volume, .row = row, .user = user, .box = box};
     struct region_bounds bounds;
     size_t slices[2];
+    walk.margin = DOUBT * size_of_numbers(region, volume);
     region_line_direct(&walk.line, region, volume->info.world_from_voxel);
     region_bounds_init(&bounds, region, volume);
-    if (bounds.depth[0] > bounds.depth[1] ||
+    if (bounds.depth[0] > bounds.depth[1] || box->last[0] < box->first[0] ||
         !region_bounds_range(slices, &bounds, 2, bounds.depth, volume->info.dim[2])) {
         return;
     }
-    for (size_t k = slices[0]; k <= slices[1]; k++) {
+    for (size_t k = larger(slices[0], box->first[2]); k <= smaller(slices[1], box->last[2]); k++) {
         double depth[2] = {bounds.depth[0], bounds.depth[1]};
         size_t rows[2];
         if (!region_bounds_plane(depth, &bounds, 2, (double)k) ||
             !region_bounds_range(rows, &bounds, 1, depth, volume->info.dim[1])) {
             continue;
         }
-        for (size_t j = rows[0]; j <= rows[1]; j++) {
+        for (size_t j = larger(rows[0], box->first[1]); j <= smaller(rows[1], box->last[1]); j++) {
             walk_row(&walk, j, k);
         }
     }
+}
+
+void census_walk(const struct region *region, const struct volume *volume, census_row row, void *user)
+{
+    const size_t *dim = volume->info.dim;
+    const struct census_box all = {.last = {dim[0] - 1, dim[1] - 1, dim[2] - 1}};
+    census_walk_box(region, volume, &all, row, user);
+}
+
+static void include(struct census_box *box, const size_t at[3])
+{
+    for (int a = 0; a < 3; a++) {
+        box->first[a] = smaller(box->first[a], at[a]);
+        box->last[a] = larger(box->last[a], at[a]);
+    }
+}
+
+static struct census_box find_box(const struct volume *volume)
+{
+    const size_t *dim = volume->info.dim;
+    struct census_box box = {.first = {SIZE_MAX, SIZE_MAX, SIZE_MAX}};
+    for (size_t row = 0; row < dim[1] * dim[2]; row++) {
+        size_t first = 0;
+        size_t last = dim[0];
+        while (first < dim[0] && !volume_object(volume, row * dim[0] + first)) {
+            first++;
+        }
+        while (last > first && !volume_object(volume, row * dim[0] + last - 1)) {
+            last--;
+        }
+        if (first < last) {
+            include(&box, (const size_t[]){first, row % dim[1], row / dim[1]});
+            include(&box, (const size_t[]){last - 1, row % dim[1], row / dim[1]});
+        }
+    }
+    return box;
 }
 
 conus_status census_prepare(struct census *census, const conus_atlas *atlas)
@@ -126,15 +170,21 @@ conus_status census_prepare(struct census *census, const conus_atlas *atlas)
     if (census->counts && census->object_count >= atlas->object_count) {
         return CONUS_OK;
     }
-    struct census larger = {.object_count = atlas->object_count};
-    larger.counts = memory_zeroed(atlas->object_count + 1, sizeof *larger.counts);
-    larger.touched = memory_raw(atlas->object_count + 1, sizeof *larger.touched);
-    if (!larger.counts || !larger.touched) {
-        census_finish(&larger);
+    struct census fresh = {.object_count = atlas->object_count};
+    fresh.counts = memory_zeroed(atlas->object_count + 1, sizeof *fresh.counts);
+    fresh.touched = memory_raw(atlas->object_count + 1, sizeof *fresh.touched);
+    fresh.boxes = memory_zeroed(atlas->volume_count, sizeof *fresh.boxes);
+    if (!fresh.counts || !fresh.touched || !fresh.boxes) {
+        census_finish(&fresh);
         return CONUS_ERROR_MEMORY;
     }
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        if (atlas->volumes[i].info.role == CONUS_SCALAR) {
+            fresh.boxes[i] = find_box(&atlas->volumes[i]);
+        }
+    }
     census_finish(census);
-    *census = larger;
+    *census = fresh;
     return CONUS_OK;
 }
 
@@ -142,6 +192,7 @@ void census_finish(struct census *census)
 {
     memory_free(census->counts);
     memory_free(census->touched);
+    memory_free(census->boxes);
     *census = (struct census){0};
 }
 
@@ -211,7 +262,6 @@ static void forget(struct census *census)
     }
     census->counts[0] = (struct census_count){0};
     census->touched_count = 0;
-    census->area_mm3 = 0;
 }
 
 void census_take(struct census *census, const conus_atlas *atlas, const struct region *region)
@@ -222,15 +272,10 @@ void census_take(struct census *census, const conus_atlas *atlas, const struct r
         if (volume->info.role == CONUS_PARCELLATION) {
             census_walk(region, volume, add_areas, census);
         } else if (volume->info.role == CONUS_SCALAR) {
-            census_walk(region, volume, add_values, census);
+            census_walk_box(region, volume, &census->boxes[i], add_values, census);
         }
     }
     qsort(census->touched, census->touched_count, sizeof *census->touched, ascending);
-    for (size_t i = 0; i < census->touched_count && census->touched[i] <= atlas->area_count; i++) {
-        uint32_t area = census->touched[i];
-        census->area_mm3 +=
-            (double)census->counts[area].voxels * space_voxel_mm3(&atlas_object_volume(atlas, area)->info);
-    }
 }
 
 void census_centroid(double out[3], const struct census *census, const conus_atlas *atlas, uint32_t object)
