@@ -2,6 +2,7 @@
 #include "test.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,16 +26,18 @@ void test_status(conus_status got, conus_status wanted, const char *what, const 
     }
 }
 
-static long fail_at = -1;
-static bool has_failed;
+static atomic_long fail_at = -1; /* several threads may allocate */
+static atomic_bool has_failed;
 
 static bool must_fail(void)
 {
-    if (fail_at < 0) {
-        return false;
+    long left = fail_at;
+    while (left > 0) {
+        if (atomic_compare_exchange_weak(&fail_at, &left, left - 1)) {
+            return false;
+        }
     }
-    if (fail_at > 0) {
-        fail_at--;
+    if (left < 0) {
         return false;
     }
     has_failed = true;

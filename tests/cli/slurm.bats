@@ -1,0 +1,89 @@
+#!/usr/bin/env bats
+# The job array of docs/batch.md in a Slurm of one node, which this test brings up for itself.
+load helpers
+
+write_configuration() {
+    local host port
+    host=$(hostname -s)
+    port=$((20000 + $$ % 20000 * 2))
+    cat <<END
+ClusterName=test
+SlurmctldHost=$host(127.0.0.1)
+SlurmUser=$(id -un)
+SlurmdUser=$(id -un)
+AuthType=auth/munge
+AuthInfo=socket=$slurm/munge
+CryptoType=crypto/munge
+ProctrackType=proctrack/pgid
+TaskPlugin=task/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+StateSaveLocation=$slurm/state
+SlurmdSpoolDir=$slurm/spool
+SlurmctldPidFile=$slurm/slurmctld.pid
+SlurmdPidFile=$slurm/slurmd.pid
+SlurmctldPort=$port
+SlurmdPort=$((port + 1))
+SlurmctldLogFile=$slurm/slurmctld.log
+SlurmdLogFile=$slurm/slurmd.log
+ReturnToService=2
+SchedulerType=sched/builtin
+SchedulerParameters=sched_min_interval=100000,sched_interval=1,batch_sched_delay=0
+MpiDefault=none
+NodeName=$host NodeAddr=127.0.0.1 CPUs=$(nproc) State=UNKNOWN
+PartitionName=all Nodes=$host Default=YES MaxTime=INFINITE State=UP
+END
+}
+
+# slurm_up: until a node is idle, or the test is skipped.
+slurm_up() {
+    for program in munged slurmctld slurmd sbatch; do
+        command -v "$program" >/dev/null || skip "no $program"
+    done
+    [ "$(id -u)" = 0 ] || skip "not root, whom slurmd needs"
+    slurm=$PWD/slurm
+    mkdir -p "$slurm/state" "$slurm/spool"
+    chmod 700 "$slurm"
+    head -c 128 /dev/urandom >"$slurm/key"
+    chmod 600 "$slurm/key"
+    munged --force --socket="$slurm/munge" --key-file="$slurm/key" --pid-file="$slurm/munged.pid" \
+        --log-file="$slurm/munged.log" --seed-file="$slurm/seed" 3>&- || skip "munged does not start"
+    export SLURM_CONF=$slurm/slurm.conf
+    write_configuration >"$SLURM_CONF"
+    slurmctld 3>&- && slurmd 3>&- || skip "Slurm does not start"
+    for _ in $(seq 60); do
+        sinfo -h 2>/dev/null | grep -q idle && return 0
+        sleep 0.5
+    done
+    skip "Slurm's node does not come up"
+}
+
+teardown() {
+    for daemon in slurmd slurmctld munged; do
+        [ ! -s "slurm/$daemon.pid" ] || kill "$(cat "slurm/$daemon.pid")" || true
+    done
+}
+
+@test "the example of docs/batch.md: sbatch, merge, the file of one run" {
+    slurm_up
+    sphere --size 32 --spacing 2,2,2
+    mv sphere.nii.gz aal.nii.gz
+    mv sphere.tsv aal.tsv
+    awk 'BEGIN {
+        print "x\ty\tz\ttx\tty\ttz"
+        for (i = 0; i < 100; i++)
+            printf "%.3f\t%.3f\t%.3f\t%.3f\t0\t0\n", 90 * cos(i), 90 * sin(i), i % 60 - 30, i % 3 * 15
+    }' >poses.tsv
+    conus batch aal.nii.gz --poses poses.tsv -o whole.tsv
+    mkdir bin
+    ln -s "$CONUS" bin/conus
+    PATH=$PWD/bin:$PATH
+    # eight tasks of four processors would wait for each other here
+    awk '$0 == "```sh sbatch" { inside = 1; next } /^```/ { inside = 0 } inside' "$BATS_TEST_DIRNAME/../../docs/batch.md" |
+        sed 's/array=0-7/array=0-3/; s/cpus-per-task=4/cpus-per-task=1/' >array.sh
+    grep -q '^#SBATCH --array=0-3' array.sh
+    timeout 120 sbatch --wait array.sh
+    grep -h 'note: shard 3/4, from SLURM_ARRAY_TASK_ID=3' slurm-*_3.out
+    conus merge rows.[0-3].tsv -o rows.tsv
+    cmp whole.tsv rows.tsv
+}
