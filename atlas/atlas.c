@@ -334,6 +334,13 @@ conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double
     return status;
 }
 
+void conus_atlas_use_safe_colours(conus_atlas *atlas)
+{
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        palette_safe_colour(atlas->objects[i].rgb, i);
+    }
+}
+
 static const struct volume *grey_volume(const conus_atlas *atlas, size_t index)
 {
     bool is_grey = index < atlas->volume_count && atlas->volumes[index].values;

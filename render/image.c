@@ -265,3 +265,26 @@ conus_status conus_image_write(const conus_image *image, const char *path)
     bytes_finish(&bytes);
     return status;
 }
+
+conus_status conus_image_from_bytes(conus_image **out, const uint8_t *rgba, uint32_t width, uint32_t height)
+{
+    conus_image *image = NULL;
+    conus_status status = image_create_rgba(&image, width, height);
+    if (status) {
+        return status;
+    }
+    float linear[256];
+    const struct image_rgba to = image_rgba(image);
+    for (int i = 0; i < 256; i++) {
+        linear[i] = (float)linear_from_srgb(i / 255.0);
+    }
+    for (size_t p = 0; p < (size_t)width * height; p++) {
+        float opacity = (float)rgba[4 * p + 3] / 255;
+        for (size_t c = 0; c < 3; c++) {
+            to.plane[c][p] = linear[rgba[4 * p + c]] * opacity;
+        }
+        to.plane[3][p] = opacity;
+    }
+    *out = image;
+    return CONUS_OK;
+}

@@ -4,11 +4,15 @@
 #include "cli/messages.h"
 #include "cli/output.h"
 #include "cli/pose_settings.h"
+#include "cli/station_settings.h"
+#include "link/tell.h"
 
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 struct track_settings {
     struct atlas_settings atlas;
@@ -17,6 +21,8 @@ struct track_settings {
     struct engine_settings engine;
     struct context_settings context;
     struct common_settings common;
+    struct station_settings station;
+    double seconds;
     conus_tracker_options constants;
     struct answer_settings answer;
     bool selected;
@@ -30,8 +36,19 @@ static const struct option pose_options[] = {
      .offset = FIELD(aim.pose),
      .value = "FILE",
      .help = "the device's poses with their times, a table with a column time_s and perhaps trigger, say "
-             "(docs/formats.md); - is stdin",
-     .required = true},
+             "(docs/formats.md); - is stdin"},
+    {0},
+};
+
+static const struct option live_options[] = {
+    {.name = "seconds",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(seconds),
+     .value = "S",
+     .help = "listen for so long (default until interrupted by Ctrl-C)",
+     .low = 0,
+     .high = 1e9,
+     .open = true},
     {0},
 };
 
@@ -111,6 +128,8 @@ static const struct option output_options[] = {
 static const struct option_group groups[] = {
     {"Where the device is", pose_options, 0},
     {"", pose_file_options, FIELD(file)},
+    {"or a tracker that tells", station_options_table, FIELD(station)},
+    {"", live_options, 0},
     {"", angle_options, FIELD(aim)},
     {"", shape_options, FIELD(engine)},
     {"How it looks", engine_options, FIELD(engine)},
@@ -131,7 +150,8 @@ struct track {
     conus_format format;
     char *command_line, *sidecar;
     conus_atlas *atlas;
-    conus_pose_stream *poses;
+    conus_pose_stream *poses; /* or */
+    struct station *station;
     conus_selector *selector;
     conus_tracker *tracker;
     conus_report *report;
@@ -151,13 +171,29 @@ static void track_finish(struct track *track)
     conus_tracker_destroy(track->tracker);
     conus_selector_destroy(track->selector);
     conus_pose_stream_destroy(track->poses);
+    station_stop(track->station);
     conus_atlas_destroy(track->atlas);
     free(track->command_line);
     free(track->sidecar);
 }
 
+static bool check_source(const struct arguments *arguments)
+{
+    bool live = option_given(arguments, "listen") || option_given(arguments, "connect");
+    if (live == option_given(arguments, "poses")) {
+        complain(live ? "poses come from a file or from a tracker, not from both"
+                      : "no poses: --poses FILE, or a tracker by --listen or --connect");
+        return false;
+    }
+    return settings_check_station(arguments) && settings_check_pose_file(arguments, "poses", NULL) &&
+           (live || !option_given(arguments, "seconds") || option_needs(arguments, "seconds", "listen"));
+}
+
 static bool check(const struct track_settings *settings, const struct arguments *arguments)
 {
+    if (!check_source(arguments)) {
+        return false;
+    }
     if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
         complain("--slices has no effect without --sampling slices");
         return false;
@@ -216,6 +252,63 @@ static int answer_row(struct track *track, const conus_pose_row *row)
     return status ? complain_status(status) : write_steps(track);
 }
 
+static double clock_s(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static volatile sig_atomic_t interrupted;
+
+static void interrupt(int signal_)
+{
+    (void)signal_;
+    interrupted = 1;
+}
+
+static int answer_news(struct track *track, const struct station_news *news, double time_s)
+{
+    char id[24];
+    conus_selection *selection = NULL;
+    const struct track_settings *settings = track->settings;
+    double angle = settings_angle(&settings->aim, &settings->engine);
+    snprintf(id, sizeof id, "%llu", (unsigned long long)news->number);
+    conus_status status = conus_tracker_step(&selection, track->tracker, time_s, &news->pose, angle, false);
+    status = status ? status : conus_report_add(track->report, id, selection);
+    if (!status) {
+        station_tell_selection(track->station, track->selector, track->atlas, selection);
+    }
+    conus_selection_destroy(selection);
+    int code = status ? complain_status(status) : write_steps(track);
+    return code || track->held || !fflush(stdout) ? code : EXIT_DATA;
+}
+
+/* By the clock of this machine, from the first pose on; poses that come faster than they are answered are passed over.
+ */
+static int answer_station(struct track *track)
+{
+    const double seconds = track->settings->seconds;
+    const struct sigaction on_interrupt = {.sa_handler = interrupt};
+    struct station_news news = {0};
+    double first = NAN;
+    int code = EXIT_DONE;
+    double begun = clock_s();
+    sigaction(SIGINT, &on_interrupt, NULL);
+    if (!track->settings->common.quiet) {
+        char text[160];
+        settings_station_text(text, sizeof text, track->station, &news);
+        complain("%s", text);
+    }
+    while (!code && !interrupted && !(seconds > 0 && clock_s() - begun >= seconds)) {
+        if (station_wait(track->station, news.number, 0.05, &news) && news.state == STATION_SEEN) {
+            first = isnan(first) ? clock_s() : first;
+            code = answer_news(track, &news, clock_s() - first);
+        }
+    }
+    return code ? code : write_steps(track); /* without a step there is still a heading */
+}
+
 /* One row at a time, so that what comes through a pipe is answered as it comes. */
 static int answer_all(struct track *track)
 {
@@ -272,6 +365,9 @@ static int write_rest(struct track *track)
 
 static int open_poses(struct track *track)
 {
+    if (!track->settings->aim.pose) {
+        return settings_start_station(&track->station, &track->settings->station);
+    }
     const conus_pose_options options = settings_pose_options(&track->settings->file, track->settings->aim.space);
     conus_status status = conus_pose_stream_open(&track->poses, track->settings->aim.pose, &options);
     return status ? complain_status(status) : EXIT_DONE;
@@ -291,13 +387,15 @@ static int work(struct track *track)
                                     settings->answer.output, track->sidecar)) {
         return code ? code : EXIT_USAGE;
     }
-    code = settings_match_stream(track->poses, settings->aim.pose, track->atlas, &settings->file, &settings->common);
+    code = track->station ? EXIT_DONE
+                          : settings_match_stream(track->poses, settings->aim.pose, track->atlas, &settings->file,
+                                                  &settings->common);
     if (code) {
         return code;
     }
     settings_say_notes(track->atlas, &settings->common);
     conus_status status = start(track);
-    code = status ? complain_status(status) : answer_all(track);
+    code = status ? complain_status(status) : track->station ? answer_station(track) : answer_all(track);
     code = code ? code : write_rest(track);
     return code ? code : track->failed ? EXIT_DIFFERENT : EXIT_DONE;
 }
@@ -338,7 +436,7 @@ const struct command cmd_track = {
     .name = "track",
     .summary = "follow a moving device: at each moment what it means, by what came before",
     .operands = {"ATLAS"},
-    .form = "--poses FILE",
+    .form = "(--poses FILE | --listen PORT | --connect HOST)",
     .description =
         "Looks into the atlas from one pose after the other, as conus query does, and ranks what it meets with\n"
         "what it met before, so that a trembling hand selects one area and not several. Rows are in order of\n"
@@ -347,7 +445,8 @@ const struct command cmd_track = {
         "hand, is confirmed. Steps are written as they come.",
     .examples = "  conus track aal.nii.gz --poses hand.tsv --score intenselect --selected\n"
                 "  tracker | conus track aal.nii.gz --poses - --score 0.7*intenselect_plus+0.3*time --format ndjson\n"
-                "  conus track aal.nii.gz --poses hand.tsv --angle 5 -o steps.tsv\n",
+                "  conus track aal.nii.gz --poses hand.tsv --angle 5 -o steps.tsv\n"
+                "  conus track aal.nii.gz --listen 18944 --tool Pointer --reference Head --format ndjson\n",
     .groups = groups,
     .settings_size = sizeof(struct track_settings),
     .more_help = help_scores,

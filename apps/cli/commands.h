@@ -16,5 +16,9 @@ extern const struct command cmd_manifest;
 extern const struct command cmd_mesh;
 extern const struct command cmd_phantom;
 extern const struct command cmd_diff;
+extern const struct command cmd_view; /**< Another program's. */
+
+/** Turns this program into conus-view, with @p words as its command line; gives an exit code where that fails. */
+int view_run(char **words);
 
 #endif

@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct command *const commands[] = {&cmd_query,    &cmd_batch,   &cmd_merge,  &cmd_track,
-                                                 &cmd_sweep,    &cmd_info,    &cmd_render, &cmd_mesh,
-                                                 &cmd_manifest, &cmd_phantom, &cmd_diff,   NULL};
+static const struct command *const commands[] = {&cmd_query, &cmd_batch,  &cmd_merge, &cmd_track,    &cmd_sweep,
+                                                 &cmd_info,  &cmd_render, &cmd_mesh,  &cmd_manifest, &cmd_phantom,
+                                                 &cmd_diff,  &cmd_view,   NULL};
 
 static const char *command_name(const void *list, size_t index)
 {
@@ -63,12 +63,19 @@ static int help(int count, char **words)
     if (count > 1) {
         return complain_usage("unexpected argument \"%s\"", words[1]);
     }
+    if (command->hand_over) {
+        char *ask[] = {words[0], (char[]){"--help"}, NULL};
+        return command->hand_over(ask);
+    }
     help_command(stdout, command);
     return EXIT_DONE;
 }
 
 static int run(const struct command *command, int count, char **words)
 {
+    if (command->hand_over) {
+        return command->hand_over(words + 1);
+    }
     struct arguments arguments;
     void *settings = calloc(1, command->settings_size);
     if (!settings) {

@@ -75,6 +75,8 @@ struct command {
     size_t settings_size;                /**< Of what @p run gets, zeroed before parsing. */
     void (*more_help)(FILE *out);        /**< Ends --help; may be NULL. */
     int (*run)(const void *settings, const struct arguments *arguments); /**< Gives the exit code. */
+    int (*hand_over)(char **words); /**< Of another program's command, instead of all but name and summary: becomes that
+                                         program. Gives the exit code where that fails. */
 };
 
 /** Fills @p settings (zeroed, command->settings_size bytes) and @p out from words[first..count). Returns -1, or the

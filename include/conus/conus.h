@@ -197,6 +197,16 @@ CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, 
 CONUS_API size_t conus_atlas_file_count(const conus_atlas *atlas);
 CONUS_API const char *conus_atlas_file(const conus_atlas *atlas, size_t index);
 
+/** Gives all areas and pathways colours that people with any colour vision tell apart as well as can be. Renderers made
+ * before keep the old ones. */
+CONUS_API void conus_atlas_use_safe_colours(conus_atlas *atlas);
+
+/** The box, in world mm, around all voxels and triangles of areas and pathways. CONUS_ERROR_DATA if there are none. */
+CONUS_CHECKED conus_status conus_atlas_bounds(const conus_atlas *atlas, double low[3], double high[3]);
+/** The mean position, in world mm, of the voxels or triangles of an object and of those below it in the area tree.
+ * CONUS_ERROR_DATA if there are none. */
+CONUS_CHECKED conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t number);
+
 /** How many voxels of scalar or context volume @p index have values in each of @p bins equal parts of its range from
  * minimum to maximum. */
 CONUS_CHECKED conus_status conus_atlas_histogram(uint64_t *counts, size_t bins, const conus_atlas *atlas, size_t index);
@@ -749,6 +759,9 @@ CONUS_API const char *conus_image_channel(const conus_image *image, size_t index
 CONUS_API const float *conus_image_floats(const conus_image *image, const char *channel);
 /** Pixels of a uint32 channel, likewise. */
 CONUS_API const uint32_t *conus_image_uints(const conus_image *image, const char *channel);
+/** An image of R, G, B, A from [height width 4] bytes of sRGB and opacity, top row first. */
+CONUS_CHECKED conus_status conus_image_from_bytes(conus_image **out, const uint8_t *rgba, uint32_t width,
+                                                  uint32_t height);
 /** Reads OpenEXR (flat scan lines, one part) or PNG (as linear, premultiplied R, G, B, A); the content decides. */
 CONUS_CHECKED conus_status conus_image_load(conus_image **out, const char *path);
 /** Writes by ending: .exr all channels, .png 8-bit sRGB of R, G, B and A (A not premultiplied). */

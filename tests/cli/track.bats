@@ -147,7 +147,7 @@ skips() {
 }
 
 @test "the constants have ranges" {
-    fails 2 '--poses FILE is missing' track a.nii
+    fails 2 'no poses: --poses FILE, or a tracker by --listen or --connect' track a.nii
     fails 2 '--delay: -1 is out of range, allowed is 0 to 10' track a.nii --poses h.tsv --delay -1
     fails 2 '--window: 0 is out of range' track a.nii --poses h.tsv --window 0
     fails 2 '--stickiness: 1 is out of range, allowed is more than 0 and less than 1' track a.nii --poses h.tsv --stickiness 1

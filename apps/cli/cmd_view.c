@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The window is a program of its own, so that no other command loads what draws it. */
+#include "cli/commands.h"
+#include "cli/messages.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char program[] = "conus-view";
+
+/* Beside this program; false where its path is unknown. */
+static bool find_beside(char path[PATH_MAX])
+{
+    ssize_t length = readlink("/proc/self/exe", path, PATH_MAX - 1);
+    char *slash = length > 0 ? memrchr(path, '/', (size_t)length) : NULL;
+    if (!slash || (size_t)(slash - path) + 1 + sizeof program > PATH_MAX) {
+        return false;
+    }
+    memcpy(slash + 1, program, sizeof program);
+    return true;
+}
+
+int view_run(char **words)
+{
+    char path[PATH_MAX];
+    if (find_beside(path) && access(path, X_OK) == 0) {
+        execv(path, words);
+    }
+    execvp(program, words);
+    complain("conus view: the program conus-view cannot be started: %s; it is built where GLFW 3.3 and Dear ImGui are",
+             strerror(errno));
+    return EXIT_DATA;
+}
+
+const struct command cmd_view = {
+    .name = "view",
+    .summary = "browse an atlas in a window and point at it (the program conus-view)",
+    .hand_over = view_run,
+};

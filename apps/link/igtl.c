@@ -1,0 +1,436 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "link/igtl.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { TYPE_AT = 2, TYPE_SIZE = 12, DEVICE_AT = 14, DEVICE_SIZE = 20, TIME_AT = 34, SIZE_AT = 42, CRC_AT = 50 };
+enum { EXTENDED = 12, TRANSFORM_SIZE = 48, TDATA_SIZE = 70, QTDATA_SIZE = 50, POINT_SIZE = 136 };
+
+/* ---- Numbers ----------------------------------------------------------------------------------------------------- */
+
+static uint64_t get(const uint8_t *bytes, size_t size)
+{
+    uint64_t value = 0;
+    for (size_t i = 0; i < size; i++) {
+        value = value << 8 | bytes[i];
+    }
+    return value;
+}
+
+static void put(uint8_t *bytes, size_t size, uint64_t value)
+{
+    for (size_t i = size; i > 0; i--) {
+        bytes[i - 1] = (uint8_t)value;
+        value >>= 8;
+    }
+}
+
+static double get_float(const uint8_t *bytes)
+{
+    uint32_t bits = (uint32_t)get(bytes, 4);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return (double)value;
+}
+
+static void put_float(uint8_t *bytes, double value)
+{
+    float rounded = (float)value;
+    uint32_t bits;
+    memcpy(&bits, &rounded, sizeof bits);
+    put(bytes, 4, bits);
+}
+
+/* Of a field that need not end with a NUL; control characters become "?". */
+static void get_name(char *out, const uint8_t *bytes, size_t size)
+{
+    for (size_t i = 0; i < size; i++) {
+        out[i] = bytes[i] > 0 && bytes[i] < ' ' ? '?' : (char)bytes[i];
+    }
+    out[size] = '\0';
+}
+
+uint64_t igtl_crc(const uint8_t *bytes, size_t size)
+{
+    uint64_t crc = 0;
+    for (size_t i = 0; i < size; i++) {
+        crc ^= (uint64_t)bytes[i] << 56;
+        for (int bit = 0; bit < 8; bit++) {
+            crc = crc & UINT64_C(1) << 63 ? crc << 1 ^ UINT64_C(0x42F0E1EBA9EA3693) : crc << 1;
+        }
+    }
+    return crc;
+}
+
+/* ---- Poses --------------------------------------------------------------------------------------------------------
+ */
+
+static bool is_rigid(const double m[16])
+{
+    static const double slack = 1e-3;
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j <= i; j++) {
+            double product = m[4 * i] * m[4 * j] + m[4 * i + 1] * m[4 * j + 1] + m[4 * i + 2] * m[4 * j + 2];
+            if (!(fabs(product - (i == j)) <= slack)) {
+                return false;
+            }
+        }
+    }
+    double turned =
+        m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]);
+    return turned > 0 && isfinite(m[12] + m[13] + m[14]);
+}
+
+static bool is_identity(const double m[16])
+{
+    for (int i = 0; i < 16; i++) {
+        if (m[i] != (i % 5 == 0)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* 12 floats: three columns of the rotation, then the position. */
+static void matrix_of_columns(double m[16], const uint8_t *body)
+{
+    for (size_t column = 0; column < 4; column++) {
+        for (size_t a = 0; a < 3; a++) {
+            m[4 * column + a] = get_float(body + 4 * (3 * column + a));
+        }
+        m[4 * column + 3] = column == 3;
+    }
+}
+
+/* Position, then x, y, z, w of a unit quaternion. */
+static void matrix_of_quaternion(double m[16], const double position[3], const double q[4])
+{
+    const double x = q[0];
+    const double y = q[1];
+    const double z = q[2];
+    const double w = q[3];
+    const double all[16] = {1 - 2 * (y * y + z * z),
+                            2 * (x * y + z * w),
+                            2 * (x * z - y * w),
+                            0,
+                            2 * (x * y - z * w),
+                            1 - 2 * (x * x + z * z),
+                            2 * (y * z + x * w),
+                            0,
+                            2 * (x * z + y * w),
+                            2 * (y * z - x * w),
+                            1 - 2 * (x * x + y * y),
+                            0,
+                            position[0],
+                            position[1],
+                            position[2],
+                            1};
+    memcpy(m, all, sizeof all);
+}
+
+static void add_pose(struct igtl_reader *reader, struct igtl_poses *poses, const char *name, const double matrix[16])
+{
+    if (!is_rigid(matrix) || poses->count == IGTL_TOOLS) {
+        reader->counts.refused++;
+        return;
+    }
+    struct igtl_pose *pose = &poses->tools[poses->count++];
+    snprintf(pose->name, sizeof pose->name, "%s", name);
+    memcpy(pose->matrix, matrix, sizeof pose->matrix);
+    pose->lost = is_identity(matrix);
+    reader->counts.poses++;
+}
+
+/* Senders differ in how well they normalise (the protocol's own example sends lengths of 0.88); far from a unit it is
+ * no rotation any more. */
+static bool normalise(double q[4])
+{
+    double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    bool fine = square >= 0.5 && square <= 2;
+    for (int i = 0; i < 4; i++) {
+        q[i] = fine ? q[i] / sqrt(square) : 0;
+    }
+    return fine;
+}
+
+static void add_quaternion(struct igtl_reader *reader, struct igtl_poses *poses, const char *name,
+                           const uint8_t *position, double q[4])
+{
+    const double at[3] = {get_float(position), get_float(position + 4), get_float(position + 8)};
+    double matrix[16];
+    if (!normalise(q)) {
+        reader->counts.refused++;
+        return;
+    }
+    matrix_of_quaternion(matrix, at, q);
+    add_pose(reader, poses, name, matrix);
+}
+
+/* ---- Bodies: false where the size does not fit the type ------------------------------------------------------------
+ */
+
+struct body {
+    const uint8_t *bytes;
+    size_t size;
+    const char *device;
+};
+
+static bool read_transform(struct igtl_reader *reader, struct igtl_poses *poses, const struct body *body)
+{
+    double matrix[16];
+    if (body->size != TRANSFORM_SIZE) {
+        return false;
+    }
+    matrix_of_columns(matrix, body->bytes);
+    add_pose(reader, poses, body->device, matrix);
+    return true;
+}
+
+/* Position alone, or with three or four numbers of a quaternion. */
+static bool read_position(struct igtl_reader *reader, struct igtl_poses *poses, const struct body *body)
+{
+    double q[4] = {0, 0, 0, 1};
+    if (body->size != 12 && body->size != 24 && body->size != 28) {
+        return false;
+    }
+    for (size_t i = 0; i < (body->size - 12) / 4; i++) {
+        q[i] = get_float(body->bytes + 12 + 4 * i);
+    }
+    if (body->size == 24) {
+        q[3] = sqrt(fmax(1 - q[0] * q[0] - q[1] * q[1] - q[2] * q[2], 0));
+    }
+    add_quaternion(reader, poses, body->device, body->bytes, q);
+    return true;
+}
+
+static bool read_tdata(struct igtl_reader *reader, struct igtl_poses *poses, const struct body *body)
+{
+    char name[IGTL_NAME];
+    for (size_t at = 0; at + TDATA_SIZE <= body->size; at += TDATA_SIZE) {
+        double matrix[16];
+        get_name(name, body->bytes + at, DEVICE_SIZE);
+        matrix_of_columns(matrix, body->bytes + at + 22);
+        add_pose(reader, poses, name, matrix);
+    }
+    return body->size % TDATA_SIZE == 0;
+}
+
+static bool read_qtdata(struct igtl_reader *reader, struct igtl_poses *poses, const struct body *body)
+{
+    char name[IGTL_NAME];
+    for (size_t at = 0; at + QTDATA_SIZE <= body->size; at += QTDATA_SIZE) {
+        double q[4];
+        get_name(name, body->bytes + at, DEVICE_SIZE);
+        for (size_t i = 0; i < 4; i++) {
+            q[i] = get_float(body->bytes + at + 34 + 4 * i);
+        }
+        add_quaternion(reader, poses, name, body->bytes + at + 22, q);
+    }
+    return body->size % QTDATA_SIZE == 0;
+}
+
+static const struct {
+    const char *type;
+    bool (*read)(struct igtl_reader *reader, struct igtl_poses *poses, const struct body *body);
+} types[] = {{"TRANSFORM", read_transform},
+             {"POSITION", read_position},
+             {"QTRANS", read_position},
+             {"TDATA", read_tdata},
+             {"QTDATA", read_qtdata}};
+enum { TYPES = sizeof types / sizeof types[0] };
+
+/* Entry of the table, TYPES if none. */
+static size_t type_of(const uint8_t *header)
+{
+    char type[TYPE_SIZE + 1];
+    size_t i = 0;
+    get_name(type, header + TYPE_AT, TYPE_SIZE);
+    while (i < TYPES && strcmp(type, types[i].type) != 0) {
+        i++;
+    }
+    return i;
+}
+
+/* Leaves the content: without the extended header before it, and the metadata behind it. */
+static bool strip_extended(struct body *body)
+{
+    if (body->size < EXTENDED) {
+        return false;
+    }
+    uint64_t before = get(body->bytes, 2);
+    uint64_t behind = get(body->bytes + 2, 2) + get(body->bytes + 4, 4);
+    if (before < EXTENDED || before + behind > body->size) {
+        return false;
+    }
+    body->bytes += before;
+    body->size -= (size_t)(before + behind);
+    return true;
+}
+
+static void read_message(struct igtl_reader *reader, igtl_listener listener, void *user)
+{
+    const uint8_t *header = reader->bytes;
+    char device[IGTL_NAME];
+    struct igtl_poses poses = {.time_s = (double)get(header + TIME_AT, 4) +
+                                         (double)get(header + TIME_AT + 4, 4) / 4294967296.0};
+    struct body body = {header + IGTL_HEADER, (size_t)get(header + SIZE_AT, 8), device};
+    size_t type = type_of(header);
+    reader->counts.messages++;
+    get_name(device, header + DEVICE_AT, DEVICE_SIZE);
+    bool fine = igtl_crc(body.bytes, body.size) == get(header + CRC_AT, 8);
+    fine = fine && (get(header, 2) == 1 || strip_extended(&body));
+    fine = fine && types[type].read(reader, &poses, &body);
+    reader->counts.broken += !fine;
+    if (fine && poses.count) {
+        listener(user, &poses);
+    }
+}
+
+/* ---- The stream ----------------------------------------------------------------------------------------------------
+ */
+
+static size_t least(size_t a, size_t b)
+{
+    return a < b ? a : b;
+}
+
+/* With a whole header: begins to pass over the body where it is not wanted. False: nonsense. */
+static bool check_header(struct igtl_reader *reader)
+{
+    uint64_t version = get(reader->bytes, 2);
+    uint64_t size = get(reader->bytes + SIZE_AT, 8);
+    if ((version != 1 && version != 2) || size > IGTL_SKIP_LIMIT) {
+        return false;
+    }
+    if (type_of(reader->bytes) == TYPES || size > IGTL_BODY_LIMIT) {
+        reader->skip = size;
+        reader->size = 0;
+        reader->counts.messages++;
+    }
+    return true;
+}
+
+struct input {
+    const uint8_t *bytes;
+    size_t size;
+};
+
+/* Moves bytes to the reader until it has `wanted`; false: there are not enough. */
+static bool take(struct igtl_reader *reader, struct input *input, size_t wanted)
+{
+    size_t taken = least(wanted - reader->size, input->size);
+    memcpy(reader->bytes + reader->size, input->bytes, taken);
+    reader->size += taken;
+    input->bytes += taken;
+    input->size -= taken;
+    return reader->size == wanted;
+}
+
+static bool pass_over(struct igtl_reader *reader, struct input *input)
+{
+    size_t passed = reader->skip < input->size ? (size_t)reader->skip : input->size;
+    reader->skip -= passed;
+    input->bytes += passed;
+    input->size -= passed;
+    return reader->skip == 0;
+}
+
+bool igtl_read(struct igtl_reader *reader, const uint8_t *bytes, size_t size, igtl_listener listener, void *user)
+{
+    struct input input = {bytes, size};
+    while (pass_over(reader, &input)) {
+        if (reader->size < IGTL_HEADER) {
+            if (!take(reader, &input, IGTL_HEADER)) {
+                return true;
+            }
+            if (!check_header(reader)) {
+                return false;
+            }
+        }
+        if (reader->size >= IGTL_HEADER) {
+            if (!take(reader, &input, IGTL_HEADER + (size_t)get(reader->bytes + SIZE_AT, 8))) {
+                return true;
+            }
+            read_message(reader, listener, user);
+            reader->size = 0;
+        }
+    }
+    return true;
+}
+
+/* ---- Writing -------------------------------------------------------------------------------------------------------
+ */
+
+/* Puts the header before a body that is there already; gives the whole size. */
+static size_t finish(uint8_t *out, const char *type, const char *device, double time_s, size_t body)
+{
+    double whole = floor(time_s);
+    memset(out, 0, IGTL_HEADER);
+    put(out, 2, 1);
+    memcpy(out + TYPE_AT, type, least(strlen(type), TYPE_SIZE));
+    memcpy(out + DEVICE_AT, device, least(strlen(device), DEVICE_SIZE));
+    put(out + TIME_AT, 4, (uint64_t)whole);
+    put(out + TIME_AT + 4, 4, (uint64_t)((time_s - whole) * 4294967296.0));
+    put(out + SIZE_AT, 8, body);
+    put(out + CRC_AT, 8, igtl_crc(out + IGTL_HEADER, body));
+    return IGTL_HEADER + body;
+}
+
+size_t igtl_write_string(uint8_t *out, size_t room, const char *device, double time_s, const char *text)
+{
+    enum { UTF_8 = 106 }; /* IANA's number */
+    size_t length = strlen(text);
+    if (length > UINT16_MAX || room < IGTL_HEADER + 4 + length) {
+        return 0;
+    }
+    put(out + IGTL_HEADER, 2, UTF_8);
+    put(out + IGTL_HEADER + 2, 2, length);
+    memcpy(out + IGTL_HEADER + 4, text, length);
+    return finish(out, "STRING", device, time_s, 4 + length);
+}
+
+size_t igtl_write_points(uint8_t *out, size_t room, const char *device, double time_s, const struct igtl_point *points,
+                         size_t count)
+{
+    if (room < IGTL_HEADER || count > (room - IGTL_HEADER) / POINT_SIZE) {
+        return 0;
+    }
+    memset(out + IGTL_HEADER, 0, count * POINT_SIZE);
+    for (size_t i = 0; i < count; i++) {
+        uint8_t *point = out + IGTL_HEADER + i * POINT_SIZE;
+        memcpy(point, points[i].name, least(strlen(points[i].name), 64));
+        memcpy(point + 64, "conus", 5);
+        memcpy(point + 96, points[i].rgb, 3);
+        point[99] = 255;
+        for (size_t a = 0; a < 3; a++) {
+            put_float(point + 100 + 4 * a, points[i].position[a]);
+        }
+        put_float(point + 112, 2); /* diameter, mm */
+    }
+    return finish(out, "POINT", device, time_s, count * POINT_SIZE);
+}
+
+size_t igtl_write_transform(uint8_t *out, size_t room, const char *device, double time_s, const double matrix[16])
+{
+    if (room < IGTL_HEADER + TRANSFORM_SIZE) {
+        return 0;
+    }
+    for (size_t column = 0; column < 4; column++) {
+        for (size_t a = 0; a < 3; a++) {
+            put_float(out + IGTL_HEADER + 4 * (3 * column + a), matrix[4 * column + a]);
+        }
+    }
+    return finish(out, "TRANSFORM", device, time_s, TRANSFORM_SIZE);
+}
+
+size_t igtl_write_start(uint8_t *out, size_t room, const char *type, uint32_t milliseconds)
+{
+    if (room < IGTL_HEADER + 36) {
+        return 0;
+    }
+    memset(out + IGTL_HEADER, 0, 36);
+    put(out + IGTL_HEADER, 4, milliseconds);
+    return finish(out, type, "", 0, 36);
+}

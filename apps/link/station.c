@@ -1,0 +1,509 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "link/station.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <math.h>
+#include <netdb.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { PEERS = 4, CHUNK = 16 * 1024, OUTGOING = 128 * 1024, REQUEST_MS = 20, RETRY_MS = 1000 };
+
+static const double stale_after_s = 0.5;
+
+/* One that is connected. */
+struct peer {
+    int socket; /* -1 = none */
+    struct igtl_reader reader;
+    uint8_t out[OUTGOING]; /* what is being sent, */
+    size_t out_size, sent;
+    unsigned told; /* of what was to be told, the newest that was begun */
+};
+
+struct station {
+    struct station_options options; /* strings are owned */
+    pthread_t thread;
+    int listener, wake; /* wake: an eventfd */
+    uint16_t port;
+    struct peer peers[PEERS];
+    double next_try_ms; /* of a connection that we make */
+
+    pthread_mutex_t lock; /* guards what follows */
+    pthread_cond_t arrived;
+    bool stop;
+    struct igtl_pose tool, reference; /* newest of each; name "" = none yet */
+    double arrived_ms, time_s;
+    uint64_t number;
+    struct igtl_counts past; /* of peers that left */
+    struct igtl_counts counts;
+    uint64_t dropped;
+    unsigned clients;
+    uint8_t telling[OUTGOING];
+    size_t telling_size;
+    unsigned telling_number;
+};
+
+static double now_ms(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
+}
+
+/* ---- Poses --------------------------------------------------------------------------------------------------------
+ */
+
+static void multiply(double out[16], const double a[16], const double b[16])
+{
+    double product[16];
+    for (int column = 0; column < 4; column++) {
+        for (int row = 0; row < 4; row++) {
+            product[4 * column + row] = 0;
+            for (int k = 0; k < 4; k++) {
+                product[4 * column + row] += a[4 * k + row] * b[4 * column + k];
+            }
+        }
+    }
+    memcpy(out, product, sizeof product);
+}
+
+static void invert_rigid(double out[16], const double m[16])
+{
+    double inverse[16] = {m[0], m[4], m[8], 0, m[1], m[5], m[9], 0, m[2], m[6], m[10], 0, 0, 0, 0, 1};
+    for (int row = 0; row < 3; row++) {
+        for (int k = 0; k < 3; k++) {
+            inverse[12 + row] -= m[4 * row + k] * m[12 + k];
+        }
+    }
+    memcpy(out, inverse, sizeof inverse);
+}
+
+/* Turns the tool so that its axis becomes the device's -z. */
+static void axis_matrix(double out[16], conus_axis axis)
+{
+    static const signed char turns[7][9] = {
+        {1, 0, 0, 0, 1, 0, 0, 0, 1},                                 /* columns: x, y, z of the device in the tool */
+        {0, -1, 0, 0, 0, 1, -1, 0, 0}, {0, 1, 0, 0, 0, 1, 1, 0, 0},  /* +x, -x */
+        {1, 0, 0, 0, 0, 1, 0, -1, 0},  {-1, 0, 0, 0, 0, 1, 0, 1, 0}, /* +y, -y */
+        {-1, 0, 0, 0, 1, 0, 0, 0, -1}, {1, 0, 0, 0, 1, 0, 0, 0, 1},  /* +z, -z */
+    };
+    memset(out, 0, 16 * sizeof *out);
+    for (int column = 0; column < 3; column++) {
+        for (int row = 0; row < 3; row++) {
+            out[4 * column + row] = turns[axis][3 * column + row];
+        }
+    }
+    out[15] = 1;
+}
+
+static void device_pose(conus_pose *out, const struct station *station)
+{
+    const struct station_options *options = &station->options;
+    static const double ras_from_lps[16] = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    double turn[16];
+    double matrix[16];
+    memcpy(matrix, station->tool.matrix, sizeof matrix);
+    if (options->reference) {
+        double inverse[16];
+        invert_rigid(inverse, station->reference.matrix);
+        multiply(matrix, inverse, matrix);
+    }
+    if (options->lps) {
+        multiply(matrix, ras_from_lps, matrix);
+    }
+    multiply(matrix, options->world_from_tracker, matrix);
+    axis_matrix(turn, options->axis);
+    multiply(out->world_from_device, matrix, turn);
+}
+
+/* NaviNIBS and PLUS name transforms ToolToFrame: "Pointer" is meant by "PointerToTracker", too. */
+static bool is_named(const struct igtl_pose *pose, const char *name)
+{
+    size_t length = strlen(name);
+    return strcmp(pose->name, name) == 0 ||
+           (strncmp(pose->name, name, length) == 0 && strncmp(pose->name + length, "To", 2) == 0);
+}
+
+static void hear(void *user, const struct igtl_poses *poses)
+{
+    struct station *station = user;
+    const struct station_options *options = &station->options;
+    pthread_mutex_lock(&station->lock);
+    for (size_t i = 0; i < poses->count; i++) {
+        const struct igtl_pose *pose = &poses->tools[i];
+        if (options->reference && is_named(pose, options->reference)) {
+            station->reference = *pose;
+        } else if (options->tool ? is_named(pose, options->tool)
+                                 : !station->tool.name[0] || strcmp(pose->name, station->tool.name) == 0) {
+            station->tool = *pose;
+            station->arrived_ms = now_ms();
+            station->time_s = poses->time_s;
+            station->number++;
+            pthread_cond_broadcast(&station->arrived);
+        }
+    }
+    pthread_mutex_unlock(&station->lock);
+}
+
+/* ---- Peers --------------------------------------------------------------------------------------------------------
+ */
+
+static void add_counts(struct igtl_counts *sum, const struct igtl_counts *counts)
+{
+    sum->messages += counts->messages;
+    sum->poses += counts->poses;
+    sum->broken += counts->broken;
+    sum->refused += counts->refused;
+}
+
+static void update_counts(struct station *station)
+{
+    pthread_mutex_lock(&station->lock);
+    station->counts = station->past;
+    station->clients = 0;
+    for (int p = 0; p < PEERS; p++) {
+        if (station->peers[p].socket >= 0) {
+            add_counts(&station->counts, &station->peers[p].reader.counts);
+            station->clients++;
+        }
+    }
+    pthread_mutex_unlock(&station->lock);
+}
+
+static void part(struct station *station, struct peer *peer, bool was_nonsense)
+{
+    close(peer->socket);
+    pthread_mutex_lock(&station->lock);
+    add_counts(&station->past, &peer->reader.counts);
+    station->dropped += was_nonsense;
+    pthread_mutex_unlock(&station->lock);
+    memset(peer, 0, sizeof *peer);
+    peer->socket = -1;
+    station->next_try_ms = now_ms() + RETRY_MS;
+}
+
+static void receive(struct station *station, struct peer *peer)
+{
+    uint8_t bytes[CHUNK];
+    ssize_t size = recv(peer->socket, bytes, sizeof bytes, MSG_DONTWAIT);
+    if (size > 0) {
+        if (!igtl_read(&peer->reader, bytes, (size_t)size, hear, station)) {
+            part(station, peer, true);
+        }
+    } else if (size == 0 || (errno != EAGAIN && errno != EINTR)) {
+        part(station, peer, false);
+    }
+}
+
+static void transmit(struct station *station, struct peer *peer)
+{
+    ssize_t size = send(peer->socket, peer->out + peer->sent, peer->out_size - peer->sent, MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (size >= 0) {
+        peer->sent += (size_t)size;
+    } else if (errno != EAGAIN && errno != EINTR) {
+        part(station, peer, false);
+    }
+}
+
+/* Takes the newest of what is to be told, unless something is still being sent. */
+static void prepare(struct station *station, struct peer *peer)
+{
+    pthread_mutex_lock(&station->lock);
+    if (peer->sent == peer->out_size && peer->told != station->telling_number) {
+        memcpy(peer->out, station->telling, station->telling_size);
+        peer->out_size = station->telling_size;
+        peer->sent = 0;
+        peer->told = station->telling_number;
+    }
+    pthread_mutex_unlock(&station->lock);
+}
+
+static void welcome(struct station *station, int socket)
+{
+    int yes = 1;
+    for (int p = 0; p < PEERS; p++) {
+        struct peer *peer = &station->peers[p];
+        if (peer->socket < 0) {
+            setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+            peer->socket = socket;
+            if (station->options.host) { /* servers of tracking data want to be asked */
+                size_t size = igtl_write_start(peer->out, sizeof peer->out, "STT_TDATA", REQUEST_MS);
+                size += igtl_write_start(peer->out + size, sizeof peer->out - size, "STT_QTDATA", REQUEST_MS);
+                peer->out_size = size;
+            }
+            return;
+        }
+    }
+    close(socket);
+}
+
+/* A connection that we make; waits a little at most, on the station's own thread. */
+static void try_connection(struct station *station)
+{
+    const struct addrinfo hints = {.ai_socktype = SOCK_STREAM};
+    struct addrinfo *found = NULL;
+    char port[8];
+    snprintf(port, sizeof port, "%u", station->port);
+    station->next_try_ms = now_ms() + RETRY_MS;
+    if (getaddrinfo(station->options.host, port, &hints, &found)) {
+        return;
+    }
+    int socket_ = socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const struct timeval patience = {.tv_sec = 2};
+    if (socket_ >= 0) {
+        setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+    }
+    if (socket_ >= 0 && connect(socket_, found->ai_addr, found->ai_addrlen) == 0) {
+        welcome(station, socket_);
+    } else if (socket_ >= 0) {
+        close(socket_);
+    }
+    freeaddrinfo(found);
+}
+
+/* ---- The thread ---------------------------------------------------------------------------------------------------
+ */
+
+static bool is_stopped(struct station *station)
+{
+    pthread_mutex_lock(&station->lock);
+    bool stop = station->stop;
+    pthread_mutex_unlock(&station->lock);
+    return stop;
+}
+
+static void serve(struct station *station)
+{
+    struct pollfd polled[PEERS + 2] = {{.fd = station->wake, .events = POLLIN},
+                                       {.fd = station->listener, .events = POLLIN}};
+    for (int p = 0; p < PEERS; p++) {
+        struct peer *peer = &station->peers[p];
+        prepare(station, peer);
+        polled[2 + p].fd = peer->socket;
+        polled[2 + p].events = (short)(peer->sent < peer->out_size ? POLLIN | POLLOUT : POLLIN);
+    }
+    poll(polled, PEERS + 2, 100);
+    uint64_t ticks;
+    if (polled[0].revents && read(station->wake, &ticks, sizeof ticks) < 0) {
+        return;
+    }
+    if (polled[1].revents & POLLIN) {
+        int socket = accept4(station->listener, NULL, NULL, SOCK_CLOEXEC);
+        if (socket >= 0) {
+            welcome(station, socket);
+        }
+    }
+    for (int p = 0; p < PEERS; p++) {
+        struct peer *peer = &station->peers[p];
+        if (peer->socket >= 0 && peer->socket == polled[2 + p].fd && polled[2 + p].revents & POLLOUT) {
+            transmit(station, peer);
+        }
+        if (peer->socket >= 0 && peer->socket == polled[2 + p].fd &&
+            polled[2 + p].revents & (POLLIN | POLLHUP | POLLERR)) {
+            receive(station, peer);
+        }
+    }
+}
+
+static void *run(void *user)
+{
+    struct station *station = user;
+    while (!is_stopped(station)) {
+        if (station->options.host && station->peers[0].socket < 0 && now_ms() >= station->next_try_ms) {
+            try_connection(station);
+        }
+        serve(station);
+        update_counts(station);
+    }
+    return NULL;
+}
+
+/* ---- From outside --------------------------------------------------------------------------------------------------
+ */
+
+static bool open_listener(struct station *station, char *why, size_t size)
+{
+    const char *address = station->options.listen ? station->options.listen : "127.0.0.1";
+    struct sockaddr_in place = {.sin_family = AF_INET, .sin_port = htons(station->port)};
+    socklen_t length = sizeof place;
+    int yes = 1;
+    if (inet_pton(AF_INET, address, &place.sin_addr) != 1) {
+        snprintf(why, size, "tracker: \"%s\" is no IPv4 address to wait on", address);
+        return false;
+    }
+    station->listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (station->listener >= 0) {
+        setsockopt(station->listener, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    }
+    if (station->listener < 0 || bind(station->listener, (struct sockaddr *)&place, sizeof place) ||
+        listen(station->listener, PEERS) || getsockname(station->listener, (struct sockaddr *)&place, &length)) {
+        snprintf(why, size, "tracker: cannot wait on %s:%u: %s", address, station->port, strerror(errno));
+        return false;
+    }
+    station->port = ntohs(place.sin_port);
+    return true;
+}
+
+static char *copied(const char *text)
+{
+    return text ? strdup(text) : NULL;
+}
+
+static void finish(struct station *station)
+{
+    for (int p = 0; p < PEERS; p++) {
+        if (station->peers[p].socket >= 0) {
+            close(station->peers[p].socket);
+        }
+    }
+    if (station->listener >= 0) {
+        close(station->listener);
+    }
+    if (station->wake >= 0) {
+        close(station->wake);
+    }
+    pthread_cond_destroy(&station->arrived);
+    pthread_mutex_destroy(&station->lock);
+    free((char *)station->options.host);
+    free((char *)station->options.listen);
+    free((char *)station->options.tool);
+    free((char *)station->options.reference);
+    free(station);
+}
+
+static void set_options(struct station *station, const struct station_options *options)
+{
+    static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    station->options = *options;
+    station->options.host = copied(options->host);
+    station->options.listen = copied(options->listen);
+    station->options.tool = copied(options->tool);
+    station->options.reference = copied(options->reference);
+    if (options->world_from_tracker[15] == 0) {
+        memcpy(station->options.world_from_tracker, identity, sizeof identity);
+    }
+    station->port = options->port || !options->host ? options->port : STATION_PORT;
+}
+
+bool station_start(struct station **out, const struct station_options *options, char *why, size_t size)
+{
+    pthread_condattr_t clock;
+    struct station *station = calloc(1, sizeof *station);
+    snprintf(why, size, "tracker: not enough memory");
+    if (!station) {
+        return false;
+    }
+    for (int p = 0; p < PEERS; p++) {
+        station->peers[p].socket = -1;
+    }
+    pthread_mutex_init(&station->lock, NULL);
+    pthread_condattr_init(&clock);
+    pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
+    pthread_cond_init(&station->arrived, &clock);
+    pthread_condattr_destroy(&clock);
+    set_options(station, options);
+    station->listener = -1;
+    station->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    bool open = station->wake >= 0 && (options->host || open_listener(station, why, size));
+    if (!open || pthread_create(&station->thread, NULL, run, station)) {
+        finish(station);
+        return false;
+    }
+    *out = station;
+    return true;
+}
+
+static void wake(struct station *station)
+{
+    const uint64_t one = 1;
+    ssize_t written = write(station->wake, &one, sizeof one);
+    (void)written; /* it is awake already */
+}
+
+void station_stop(struct station *station)
+{
+    if (station) {
+        pthread_mutex_lock(&station->lock);
+        station->stop = true;
+        pthread_mutex_unlock(&station->lock);
+        wake(station);
+        pthread_join(station->thread, NULL);
+        finish(station);
+    }
+}
+
+/* With the lock held. */
+static void fill_news(struct station *station, struct station_news *out)
+{
+    *out = (struct station_news){.number = station->number,
+                                 .time_s = station->time_s,
+                                 .counts = station->counts,
+                                 .dropped = station->dropped,
+                                 .clients = station->clients};
+    out->age_s = station->number ? (now_ms() - station->arrived_ms) / 1e3 : INFINITY;
+    bool lost = station->tool.lost || (station->options.reference && station->reference.lost);
+    bool has_reference = !station->options.reference || station->reference.name[0];
+    if (!station->clients && out->age_s > stale_after_s) {
+        out->state = STATION_WAITING;
+    } else if (!station->number || !has_reference) {
+        out->state = STATION_SILENT;
+    } else {
+        out->state = lost ? STATION_LOST : out->age_s > stale_after_s ? STATION_STALE : STATION_SEEN;
+    }
+    if (out->state == STATION_SEEN) {
+        device_pose(&out->pose, station);
+    }
+}
+
+void station_ask(struct station *station, struct station_news *out)
+{
+    pthread_mutex_lock(&station->lock);
+    fill_news(station, out);
+    pthread_mutex_unlock(&station->lock);
+}
+
+bool station_wait(struct station *station, uint64_t after, double seconds, struct station_news *out)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    double end = (double)until.tv_nsec * 1e-9 + seconds;
+    until.tv_sec += (time_t)floor(end);
+    until.tv_nsec = (long)((end - floor(end)) * 1e9);
+    pthread_mutex_lock(&station->lock);
+    int waited = 0;
+    while (station->number <= after && !waited) {
+        waited = pthread_cond_timedwait(&station->arrived, &station->lock, &until);
+    }
+    bool newer = station->number > after;
+    fill_news(station, out);
+    pthread_mutex_unlock(&station->lock);
+    return newer;
+}
+
+void station_tell(struct station *station, const char *json, const struct igtl_point *points, size_t count)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    double time_s = (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+    pthread_mutex_lock(&station->lock);
+    size_t size = igtl_write_string(station->telling, OUTGOING, "conus", time_s, json);
+    size += igtl_write_points(station->telling + size, OUTGOING - size, "conus", time_s, points, count);
+    station->telling_size = size;
+    station->telling_number++;
+    pthread_mutex_unlock(&station->lock);
+    wake(station);
+}
+
+uint16_t station_port(struct station *station)
+{
+    return station->port;
+}

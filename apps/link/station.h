@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * A connection to a tracking station or to 3D Slicer by OpenIGTLink, on a thread of its own: the newest pose of each
+ * tool is there to be asked for, whatever arrives and however fast, and what was selected goes back. */
+#ifndef CONUS_LINK_STATION_H
+#define CONUS_LINK_STATION_H
+
+#include "link/igtl.h"
+
+#include <conus/conus.h>
+
+enum { STATION_PORT = 18944 };
+
+struct station;
+
+struct station_options {
+    const char *host;      /**< Connect to it; NULL = wait to be connected to.                                  */
+    const char *listen;    /**< Address to wait on; NULL = 127.0.0.1: no other machine.                         */
+    uint16_t port;         /**< Of a host, 0 = STATION_PORT; to wait on, 0 = one that is free.                    */
+    const char *tool;      /**< Name of the tool that points; NULL = the first that comes.      */
+    const char *reference; /**< Poses are taken in this tool's frame, the subject's head, say; NULL = as they come. */
+    double world_from_tracker[16]; /**< Column-major, rigid; all 0 = the identity.                              */
+    bool lps;        /**< The sender's frame is LPS, not RAS.                                             */
+    conus_axis axis; /**< Of the tool, along which it points; CONUS_AXIS_OF_FORMAT = -z.                     */
+};
+
+enum station_state {
+    STATION_WAITING = 0, /**< Nobody is connected.                                    */
+    STATION_SILENT,      /**< Connected, but no pose of the tool yet.                 */
+    STATION_LOST,        /**< The sender does not see the tool, or the reference.     */
+    STATION_STALE,       /**< No pose for half a second.                              */
+    STATION_SEEN
+};
+
+/** The state of things. */
+struct station_news {
+    enum station_state state;
+    conus_pose pose; /**< Of the device in the world, where state is STATION_SEEN.   */
+    uint64_t number; /**< Of this pose, from 1: tells a new one from the same again. */
+    double age_s;    /**< Since it arrived.                                          */
+    double time_s;   /**< The sender's clock.                                        */
+    struct igtl_counts counts;
+    uint64_t dropped; /**< Connections that were closed for what they sent.           */
+    unsigned clients;
+};
+
+/** Starts. False: @p why says why not, in one line. Strings are copied. */
+bool station_start(struct station **out, const struct station_options *options, char *why, size_t size);
+void station_stop(struct station *station); /**< NULL is fine. */
+
+void station_ask(struct station *station, struct station_news *out);
+/** Waits up to @p seconds for a pose that is newer than number @p after; false: there was none. */
+bool station_wait(struct station *station, uint64_t after, double seconds, struct station_news *out);
+/** Sends what was selected to all that are connected: a STRING of JSON and a POINT per contact. A later one replaces
+ * one that could not be sent yet. */
+void station_tell(struct station *station, const char *json, const struct igtl_point *points, size_t count);
+/** The port that is waited on, once there is one. */
+uint16_t station_port(struct station *station);
+
+#endif

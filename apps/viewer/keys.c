@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/window.h"
+
+#include <math.h>
+#include <string.h>
+
+static void toggle_help(struct window *window)
+{
+    window->show_help = !window->show_help;
+}
+
+static void confirm(struct window *window)
+{
+    viewer_confirm(window->viewer);
+}
+
+static void undo(struct window *window)
+{
+    viewer_undo(window->viewer);
+}
+
+static void show_all(struct window *window)
+{
+    viewer_show_all(window->viewer);
+}
+
+static void hide_chosen(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    if (viewer->chosen) {
+        viewer_hide(viewer, viewer->chosen, !viewer->hidden[viewer->chosen]);
+    }
+}
+
+static void isolate_chosen(struct window *window)
+{
+    if (window->viewer->chosen) {
+        viewer_isolate(window->viewer, window->viewer->chosen);
+    }
+}
+
+static void freeze(struct window *window)
+{
+    window->viewer->frozen = !window->viewer->frozen;
+    viewer_say(window->viewer, window->viewer->frozen ? "the cone stays where it is" : "the cone follows the mouse");
+}
+
+static void scale_angle(struct window *window, double factor)
+{
+    struct viewer *viewer = window->viewer;
+    viewer->angle = fmin(fmax(viewer->angle * factor, 0.1), 179);
+    viewer_reselect(viewer);
+}
+
+static void widen(struct window *window)
+{
+    scale_angle(window, 1.1);
+}
+
+static void narrow(struct window *window)
+{
+    scale_angle(window, 1 / 1.1);
+}
+
+static void toggle_layers(struct window *window)
+{
+    conus_selector_options *options = &window->viewer->options;
+    options->layers = options->layers ? CONUS_VISIBLE : CONUS_ALL_LAYERS;
+    viewer_reselect(window->viewer);
+}
+
+static void look_at_all(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    orbit_look_at(&viewer->orbit, viewer->centre, viewer->radius);
+    viewer->version++;
+}
+
+static void flip_sides(struct window *window)
+{
+    window->viewer->radiological = !window->viewer->radiological;
+    window->viewer->version++;
+}
+
+static void enlarge(struct window *window)
+{
+    window->enlarged = window->enlarged < PANE_COUNT - 1 ? window->enlarged + 1 : -1;
+    window_lay_out(window);
+}
+
+/* ---- The wand: by 1 mm, or 2 degrees ------------------------------------------------------------------------------
+ */
+
+/* Along the device's own axes. */
+static void move_wand(struct window *window, int axis, double by)
+{
+    struct viewer *viewer = window->viewer;
+    conus_pose pose = viewer->pose;
+    double *m = pose.world_from_device;
+    for (int a = 0; a < 3; a++) {
+        m[12 + a] += by * m[4 * axis + a];
+    }
+    viewer_aim(viewer, &pose);
+}
+
+/* About one of them, towards the next but one. */
+static void turn_wand(struct window *window, int axis, double by)
+{
+    struct viewer *viewer = window->viewer;
+    conus_pose pose = viewer->pose;
+    double *m = pose.world_from_device;
+    double *from = m + 4 * ((axis + 1) % 3);
+    double *to = m + 4 * ((axis + 2) % 3);
+    for (int a = 0; a < 3; a++) {
+        double x = from[a];
+        double y = to[a];
+        from[a] = cos(by) * x + sin(by) * y;
+        to[a] = cos(by) * y - sin(by) * x;
+    }
+    viewer_aim(viewer, &pose);
+}
+
+struct wand_key {
+    const char *key;
+    int axis; /* from 3 on: a turn about axis - 3 */
+    double by;
+    const char *meaning;
+};
+
+static const struct wand_key wand_keys[] = {
+    {"w", 2, -1, "wand: forward"},
+    {"s", 2, 1, "wand: back"},
+    {"a", 0, -1, "wand: left"},
+    {"d", 0, 1, "wand: right"},
+    {"e", 1, 1, "wand: up"},
+    {"q", 1, -1, "wand: down"},
+    {"up", 3, 0.035, "wand: turn up"},
+    {"down", 3, -0.035, "wand: turn down"},
+    {"left", 4, 0.035, "wand: turn left"},
+    {"right", 4, -0.035, "wand: turn right"},
+};
+enum { WAND_KEYS = sizeof wand_keys / sizeof wand_keys[0] };
+
+static bool use_wand(struct window *window, const char *key)
+{
+    struct viewer *viewer = window->viewer;
+    for (size_t i = 0; i < WAND_KEYS; i++) {
+        const struct wand_key *wand = &wand_keys[i];
+        if (strcmp(wand->key, key) == 0 && viewer->pointer == POINT_BY_WAND && viewer->has_pose) {
+            if (wand->axis < 3) {
+                move_wand(window, wand->axis, wand->by);
+            } else {
+                turn_wand(window, wand->axis - 3, wand->by);
+            }
+            return true;
+        }
+    }
+    return false;
+}
+
+/* ---- The table --------------------------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *key;
+    void (*act)(struct window *window);
+    const char *meaning;
+} keys[] = {
+    {"?", toggle_help, "this list"},
+    {"enter", confirm, "confirm: pin the best result"},
+    {"space", freeze, "hold the cone, or let it follow the mouse again"},
+    {"+", widen, "a wider cone"},
+    {"-", narrow, "a narrower cone"},
+    {"l", toggle_layers, "what is met first, or all layers"},
+    {"h", hide_chosen, "hide or show the chosen area"},
+    {"i", isolate_chosen, "show the chosen area only"},
+    {"u", undo, "take back the last hide, show or only"},
+    {"v", show_all, "show all areas"},
+    {"r", look_at_all, "look at the whole brain"},
+    {"f", flip_sides, "neurological or radiological"},
+    {"tab", enlarge, "one pane after the other fills the window"},
+};
+enum { KEYS = sizeof keys / sizeof keys[0] };
+
+bool keys_press(struct window *window, const char *key)
+{
+    for (size_t i = 0; i < KEYS; i++) {
+        if (strcmp(keys[i].key, key) == 0) {
+            keys[i].act(window);
+            return true;
+        }
+    }
+    return use_wand(window, key);
+}
+
+bool keys_describe(size_t index, const char **key, const char **meaning)
+{
+    if (index < KEYS) {
+        *key = keys[index].key;
+        *meaning = keys[index].meaning;
+    } else if (index < KEYS + WAND_KEYS) {
+        *key = wand_keys[index - KEYS].key;
+        *meaning = wand_keys[index - KEYS].meaning;
+    }
+    return index < KEYS + WAND_KEYS;
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Loads the atlas on a thread of its own, while the window is open already. */
+#ifndef CONUS_VIEWER_LOADER_H
+#define CONUS_VIEWER_LOADER_H
+
+#include "cli/settings.h"
+
+struct loader;
+
+struct loading {
+    const char *path;
+    const struct atlas_settings *settings;
+    const char *context; /**< NULL = the atlas's own. */
+};
+
+/** False without memory or threads. Strings of @p what must outlive the loader. */
+bool loader_start(struct loader **out, const struct loading *what);
+bool loader_done(struct loader *loader);
+/** Waits, and ends the loader. NULL: there is no atlas, and it was said why. */
+conus_atlas *loader_finish(struct loader *loader);
+
+#endif

@@ -1,0 +1,228 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus-view: the window. Its options are read and explained by the same tables as those of conus. */
+#include "cli/messages.h"
+#include "cli/settings.h"
+#include "cli/station_settings.h"
+#include "viewer/loader.h"
+#include "viewer/script.h"
+#include "viewer/session.h"
+#include "viewer/window.h"
+
+#include <GLFW/glfw3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { DEFAULT_WIDTH = 1500, DEFAULT_HEIGHT = 940 };
+
+struct view_settings {
+    struct atlas_settings atlas;
+    struct common_settings common;
+    struct station_settings station;
+    const char *poses;
+    const char *context, *transfer, *script, *session;
+    uint32_t size[2];
+    bool hidden, safe_colours;
+};
+
+static const struct option own_options[] = {
+    {.name = "context",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct view_settings, context),
+     .value = "FILE",
+     .help = "a volume to draw around the areas, a T1, say; replaces the manifest's"},
+    {.name = "transfer",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct view_settings, transfer),
+     .value = "NAME|FILE",
+     .help = "transfer function of the context in 3-D, as for conus render"},
+    {.name = "size",
+     .type = OPTION_SIZE,
+     .offset = offsetof(struct view_settings, size),
+     .value = "WxH",
+     .help = "of the window, pixels (default 1500x940)",
+     .low = 1,
+     .high = 16384},
+    {.name = "session",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct view_settings, session),
+     .value = "FILE.json",
+     .help = "open as a saved session was left"},
+    {.name = "script",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct view_settings, script),
+     .value = "FILE",
+     .help = "do what the file says (docs/viewer.md), then close"},
+    {.name = "poses",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct view_settings, poses),
+     .value = "FILE",
+     .help = "poses to replay, on a time line"},
+    {.name = "safe-colours",
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct view_settings, safe_colours),
+     .help = "colours for any colour vision, instead of the atlas's own"},
+    {.name = "hidden",
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct view_settings, hidden),
+     .help = "with --script: do not show the window (it still needs a display)"},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"What is shown", own_options, 0},
+    {"", atlas_options, offsetof(struct view_settings, atlas)},
+    {"A tracker that points", station_options_table, offsetof(struct view_settings, station)},
+    {"", quiet_options, offsetof(struct view_settings, common)},
+    {0},
+};
+
+/* ---- The loop ---------------------------------------------------------------------------------------------------- */
+
+static void draw_loading(struct window *window, double seconds)
+{
+    window_lay_out(window);
+    ui_begin();
+    ui_panel("loading", (struct ui_box){0, 0, (float)window->width, (float)window->height}, UI_PLAIN);
+    char text[64];
+    snprintf(text, sizeof text, "loading the atlas ... %.1f s", seconds);
+    ui_draw_text((float[]){(float)window->width / 2 - 80, (float)window->height / 2}, (ui_colour){235, 235, 240, 255},
+                 text);
+    ui_panel_end();
+    ui_end();
+    glfwSwapBuffers(window->handle);
+}
+
+/* Waits for the atlas with the window open. NULL: it was closed, or it was said why. */
+static conus_atlas *wait_for_atlas(struct window *window, const struct loading *what)
+{
+    struct loader *loader = NULL;
+    conus_atlas *atlas = NULL;
+    double begun = glfwGetTime();
+    if (!loader_start(&loader, what)) {
+        complain("not enough memory");
+        return NULL;
+    }
+    while (!loader_done(loader) && !glfwWindowShouldClose(window->handle)) {
+        draw_loading(window, glfwGetTime() - begun);
+        glfwWaitEventsTimeout(0.03);
+    }
+    atlas = loader_finish(loader);
+    return atlas;
+}
+
+static int show(struct window *window, struct script *script)
+{
+    int code = EXIT_DONE;
+    while (!glfwWindowShouldClose(window->handle)) {
+        glfwWaitEventsTimeout(script ? 0.001 : 0.02);
+        if (window->station) {
+            station_step(window->station, window->viewer, &window->news);
+        }
+        replay_step(&window->replay, window->viewer, glfwGetTime());
+        window_draw(window);
+        if (script && script_step(script, window, &code)) {
+            break;
+        }
+        glfwSwapBuffers(window->handle);
+    }
+    return code;
+}
+
+static int run_window(struct window *window, const struct view_settings *settings, const char *path,
+                      struct script *script)
+{
+    const struct loading what = {path, &settings->atlas, settings->context};
+    struct viewer viewer;
+    conus_atlas *atlas = wait_for_atlas(window, &what);
+    if (!atlas) {
+        return glfwWindowShouldClose(window->handle) ? EXIT_DONE : EXIT_DATA;
+    }
+    settings_say_notes(atlas, &settings->common);
+    if (settings->safe_colours) {
+        conus_atlas_use_safe_colours(atlas);
+    }
+    if (viewer_create(&viewer, atlas, path, settings->transfer)) {
+        complain("not enough memory");
+        conus_atlas_destroy(atlas);
+        return EXIT_DATA;
+    }
+    window->viewer = &viewer;
+    viewer.pointer = window->station ? POINT_BY_TRACKER : window->replay.poses ? POINT_BY_REPLAY : POINT_BY_MOUSE;
+    if (window->replay.poses) {
+        replay_show(&window->replay, &viewer, 0);
+    }
+    char why[SESSION_REASON];
+    int code = EXIT_DATA;
+    if (settings->session && !session_load(window, settings->session, why)) {
+        complain("%s", why);
+    } else {
+        code = show(window, script);
+    }
+    viewer_finish(&viewer);
+    return code;
+}
+
+static int start_sources(struct window *window, const struct view_settings *settings)
+{
+    int code = settings_start_station(&window->station, &settings->station);
+    if (!code && settings->poses) {
+        conus_status status = conus_pose_list_load(&window->replay.poses, settings->poses, NULL);
+        code = status ? complain_status(status) : EXIT_DONE;
+    }
+    return code;
+}
+
+static int run(const void *given, const struct arguments *arguments)
+{
+    const struct view_settings *settings = given;
+    struct script *script = NULL;
+    struct window window;
+    int width = settings->size[0] ? (int)settings->size[0] : DEFAULT_WIDTH;
+    int height = settings->size[1] ? (int)settings->size[1] : DEFAULT_HEIGHT;
+    if (!option_needs(arguments, "hidden", "script") || !settings_check_station(arguments)) {
+        return EXIT_USAGE;
+    }
+    int code = settings->script ? script_load(&script, settings->script) : EXIT_DONE;
+    if (code) {
+        return code;
+    }
+    if (!window_open(&window, width, height, settings->hidden)) {
+        complain("conus view needs a display and OpenGL 4.5; conus render draws pictures without a window");
+        script_destroy(script);
+        return EXIT_NO_GL;
+    }
+    code = start_sources(&window, settings);
+    code = code ? code : run_window(&window, settings, arguments->operands[0], script);
+    station_stop(window.station);
+    conus_pose_list_destroy(window.replay.poses);
+    window_close(&window);
+    script_destroy(script);
+    return code;
+}
+
+static const struct command cmd_view = {
+    .name = "view",
+    .summary = "browse an atlas in a window and point at it",
+    .operands = {"ATLAS"},
+    .description = "Four panes: the brain in 3-D and its axial, coronal and sagittal cuts. The cone follows the mouse, "
+                   "or a wand moved by\n"
+                   "keys; what it meets is named, ranked and lit up. Press ? in the window for the keys.",
+    .examples =
+        "  conus view /usr/share/mricron/templates/aal.nii.gz --context /usr/share/mricron/templates/ch2bet.nii.gz\n",
+    .groups = groups,
+    .settings_size = sizeof(struct view_settings),
+    .run = run,
+};
+
+int main(int count, char **words)
+{
+    struct arguments arguments;
+    struct view_settings settings = {0};
+    int code = options_parse(&arguments, &settings, &cmd_view, count, words, 1);
+    if (code < 0) {
+        code = run(&settings, &arguments);
+    }
+    options_finish(&settings, &arguments);
+    return code;
+}

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The 3-D pictures, drawn by conus_render() on a thread with a GL context of its own, so that the window never waits
+ * for them. While the view moves they are coarse and quick; when it rests they become fine. All functions are for one
+ * thread, the window's. */
+#ifndef CONUS_VIEWER_PAINTER_H
+#define CONUS_VIEWER_PAINTER_H
+
+#include "viewer/answer.h"
+
+struct painter;
+
+/** What to draw. */
+struct painting {
+    conus_pose camera;
+    double field_of_view; /**< Vertical, radians. */
+    uint32_t width, height;
+    double fade;
+    struct answer *answer; /**< Its cone is drawn; NULL = none. */
+    bool moving;           /**< Another one will follow soon: be quick. */
+};
+
+/** A drawn picture. */
+struct painted {
+    uint32_t width, height; /**< At most what was asked. */
+    uint8_t *rgba;          /**< sRGB, top row first; to be freed with free(). */
+    struct painting what;   /**< Without the answer. */
+    double milliseconds;
+    bool fine; /**< Nothing finer will come of the same painting. */
+};
+
+/** Starts the thread; @p transfer as in conus_renderer_options. False without memory or threads. */
+bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer);
+void painter_destroy(struct painter *painter);
+
+/** Asks for a picture instead of what was asked before. */
+void painter_ask(struct painter *painter, const struct painting *what);
+/** The newest picture, once: false if there is none since the last one. */
+bool painter_take(struct painter *painter, struct painted *out);
+/** Leaves objects out from now on: [count], copied. False without memory. */
+bool painter_hide(struct painter *painter, const bool *hidden, size_t count);
+bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count);
+
+/** The transfer function that is used, up to @p room points; 0 before it is known, or where there is no context. */
+size_t painter_transfer(struct painter *painter, conus_transfer_point *points, size_t room);
+
+/** Why nothing is drawn, in one line; false while all is well. */
+bool painter_error(struct painter *painter, char *out, size_t size);
+/** The device that draws; "" before it is known. */
+void painter_device(struct painter *painter, char *out, size_t size);
+
+#endif

@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/window.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const ui_colour light = {235, 235, 240, 255};
+static const ui_colour cross = {90, 220, 120, 160};
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* mm per pixel: at magnification 1 the atlas fills the pane. */
+static double scale_of(const struct viewer *viewer, const struct ui_box *box)
+{
+    return 1.9 * viewer->radius / (double)fmaxf(fminf(box->width, box->height), 1) / viewer->magnification;
+}
+
+/* ---- The picture ------------------------------------------------------------------------------------------------ */
+
+static bool make_room(struct cut_pane *pane, size_t pixels)
+{
+    if (pixels <= pane->pixels) {
+        return true;
+    }
+    uint32_t *objects = realloc(pane->objects, pixels * sizeof *objects);
+    pane->objects = objects ? objects : pane->objects;
+    uint8_t *rgba = objects ? realloc(pane->rgba, 4 * pixels) : NULL;
+    pane->rgba = rgba ? rgba : pane->rgba;
+    pane->pixels = rgba ? pixels : pane->pixels;
+    return rgba;
+}
+
+/* The pane looks at the atlas's middle, but for the depth, which is the crosshair's. */
+static void find_centre(double out[3], const struct viewer *viewer, const double right[3], const double up[3])
+{
+    double offset[3];
+    for (int a = 0; a < 3; a++) {
+        offset[a] = viewer->centre[a] - viewer->crosshair[a];
+    }
+    double beside = dot(offset, right);
+    double above = dot(offset, up);
+    for (int a = 0; a < 3; a++) {
+        out[a] = viewer->crosshair[a] + beside * right[a] + above * up[a];
+    }
+}
+
+static void draw_picture(struct window *window, struct cut_pane *pane, const double right[3], const double up[3])
+{
+    struct viewer *viewer = window->viewer;
+    uint32_t width = (uint32_t)fmaxf(pane->box.width, 1);
+    uint32_t height = (uint32_t)fmaxf(pane->box.height, 1);
+    bool same = pane->version == viewer->version && pane->texture.width == width && pane->texture.height == height &&
+                memcmp(pane->crosshair, viewer->crosshair, sizeof pane->crosshair) == 0;
+    if (same || !make_room(pane, (size_t)width * height)) {
+        return;
+    }
+    conus_cut_view view = {.mm_per_pixel = scale_of(viewer, &pane->box),
+                           .width = width,
+                           .height = height,
+                           .hidden = viewer->hidden,
+                           .fill = viewer->fill,
+                           .no_outlines = viewer->no_outlines,
+                           .window = {viewer->window[0], viewer->window[1]},
+                           .selection = viewer_selection(viewer)};
+    find_centre(view.centre, viewer, right, up);
+    memcpy(view.right, right, sizeof view.right);
+    memcpy(view.up, up, sizeof view.up);
+    if (conus_cut(pane->rgba, pane->objects, viewer->atlas, &view)) {
+        viewer_say(viewer, "%s", conus_message());
+        return;
+    }
+    texture_set(&pane->texture, pane->rgba, width, height);
+    pane->version = viewer->version;
+    memcpy(pane->crosshair, viewer->crosshair, sizeof pane->crosshair);
+}
+
+/* ---- Where things are in it -------------------------------------------------------------------------------------- */
+
+struct frame {
+    const struct cut_pane *pane;
+    double centre[3], right[3], up[3], mm_per_pixel;
+};
+
+static void world_at(double out[3], const struct frame *frame, float x, float y)
+{
+    const struct ui_box *box = &frame->pane->box;
+    double beside = ((double)(x - box->x) - (double)box->width / 2) * frame->mm_per_pixel;
+    double above = ((double)box->height / 2 - (double)(y - box->y)) * frame->mm_per_pixel;
+    for (int a = 0; a < 3; a++) {
+        out[a] = frame->centre[a] + beside * frame->right[a] + above * frame->up[a];
+    }
+}
+
+static void place_of(float out[2], const struct frame *frame, const double world[3])
+{
+    const struct ui_box *box = &frame->pane->box;
+    double offset[3];
+    for (int a = 0; a < 3; a++) {
+        offset[a] = world[a] - frame->centre[a];
+    }
+    out[0] = box->x + box->width / 2 + (float)(dot(offset, frame->right) / frame->mm_per_pixel);
+    out[1] = box->y + box->height / 2 - (float)(dot(offset, frame->up) / frame->mm_per_pixel);
+}
+
+static uint32_t object_at(const struct cut_pane *pane, float x, float y)
+{
+    float column = x - pane->box.x;
+    float row = y - pane->box.y;
+    bool inside = column >= 0 && row >= 0 && column < (float)pane->texture.width && row < (float)pane->texture.height;
+    return inside && pane->objects ? pane->objects[(size_t)row * pane->texture.width + (size_t)column] : 0;
+}
+
+/* ---- Over it ----------------------------------------------------------------------------------------------------- */
+
+static char letter_towards(const double direction[3])
+{
+    static const char letters[2][3] = {{'R', 'A', 'S'}, {'L', 'P', 'I'}};
+    for (int a = 0; a < 3; a++) {
+        if (fabs(direction[a]) > 0.5) {
+            return letters[direction[a] < 0][a];
+        }
+    }
+    return ' ';
+}
+
+static void draw_letters(const struct frame *frame)
+{
+    const struct ui_box *box = &frame->pane->box;
+    const double left[3] = {-frame->right[0], -frame->right[1], -frame->right[2]};
+    const double down[3] = {-frame->up[0], -frame->up[1], -frame->up[2]};
+    const struct {
+        const double *towards;
+        float x, y;
+    } places[] = {{left, 0.02F, 0.5F}, {frame->right, 0.96F, 0.5F}, {frame->up, 0.5F, 0.02F}, {down, 0.5F, 0.93F}};
+    for (int i = 0; i < 4; i++) {
+        const char text[2] = {letter_towards(places[i].towards), '\0'};
+        const float at[2] = {box->x + places[i].x * box->width, box->y + places[i].y * box->height};
+        ui_draw_text(at, light, text);
+    }
+}
+
+static void draw_crosshair(const struct window *window, const struct frame *frame)
+{
+    const struct ui_box *box = &frame->pane->box;
+    float at[2];
+    place_of(at, frame, window->viewer->crosshair);
+    ui_draw_line((float[]){box->x, at[1]}, (float[]){at[0] - 6, at[1]}, cross, 1);
+    ui_draw_line((float[]){at[0] + 6, at[1]}, (float[]){box->x + box->width, at[1]}, cross, 1);
+    ui_draw_line((float[]){at[0], box->y}, (float[]){at[0], at[1] - 6}, cross, 1);
+    ui_draw_line((float[]){at[0], at[1] + 6}, (float[]){at[0], box->y + box->height}, cross, 1);
+}
+
+static void draw_title(const struct window *window, const struct frame *frame, enum plane plane)
+{
+    static const char *const names[] = {"axial", "coronal", "sagittal"};
+    static const char axes[] = {'z', 'y', 'x'};
+    const struct viewer *viewer = window->viewer;
+    char text[96];
+    snprintf(text, sizeof text, "%s  %c = %.1f mm%s", names[plane], axes[plane], viewer->crosshair[2 - (int)plane],
+             plane == SAGITTAL      ? ""
+             : viewer->radiological ? "  radiological"
+                                    : "  neurological");
+    ui_draw_text((float[]){frame->pane->box.x + 8, frame->pane->box.y + 6}, light, text);
+}
+
+/* ---- The mouse --------------------------------------------------------------------------------------------------- */
+
+static void move_wand(struct viewer *viewer, const struct ui_mouse *mouse, const double at[3])
+{
+    const double *m = viewer->pose.world_from_device;
+    double direction[3] = {-m[8], -m[9], -m[10]};
+    double origin[3] = {m[12], m[13], m[14]};
+    if (!viewer->has_pose) {
+        memcpy(direction, (double[]){0, -1, 0}, sizeof direction);
+    }
+    for (int a = 0; a < 3; a++) {
+        direction[a] = mouse->shift ? at[a] - origin[a] : direction[a];
+        origin[a] = mouse->shift ? origin[a] : at[a];
+    }
+    viewer_aim_along(viewer, origin, direction);
+}
+
+static void use_mouse(struct window *window, const struct frame *frame, enum plane plane)
+{
+    struct viewer *viewer = window->viewer;
+    struct ui_mouse mouse = ui_mouse_now();
+    double at[3];
+    world_at(at, frame, mouse.x, mouse.y);
+    window->hovered = object_at(frame->pane, mouse.x, mouse.y);
+    memcpy(window->hovered_at, at, sizeof at);
+    window->hovers = true;
+    if (mouse.wheel != 0 && mouse.control) {
+        viewer->magnification = fmin(fmax(viewer->magnification * pow(1.1, (double)mouse.wheel), 0.2), 50);
+        viewer->version++;
+    } else if (mouse.wheel != 0) {
+        viewer->crosshair[2 - (int)plane] += mouse.wheel > 0 ? 1 : -1;
+    }
+    if (ui_surface_held() && mouse.down[0]) {
+        memcpy(viewer->crosshair, at, sizeof at);
+        viewer->chosen = window->hovered ? window->hovered : viewer->chosen;
+    } else if (ui_surface_held() && mouse.down[1] && viewer->pointer == POINT_BY_WAND) {
+        move_wand(viewer, &mouse, at);
+    }
+}
+
+void pane_cut(struct window *window, enum plane plane)
+{
+    static const char *const ids[] = {"axial", "coronal", "sagittal"};
+    struct cut_pane *pane = &window->cuts[plane];
+    struct frame frame = {.pane = pane, .mm_per_pixel = scale_of(window->viewer, &window->panes[plane])};
+    pane->box = window->panes[plane];
+    viewer_plane(frame.right, frame.up, window->viewer, plane);
+    find_centre(frame.centre, window->viewer, frame.right, frame.up);
+    draw_picture(window, pane, frame.right, frame.up);
+    ui_panel(ids[plane], pane->box, UI_PLAIN);
+    if (pane->texture.name) {
+        ui_image(pane->texture.name, pane->box.width, pane->box.height);
+    }
+    bool touched = ui_surface("surface", pane->box);
+    if (touched) {
+        use_mouse(window, &frame, plane);
+    }
+    ui_clip(pane->box);
+    draw_crosshair(window, &frame);
+    draw_letters(&frame);
+    draw_title(window, &frame, plane);
+    ui_clip_end();
+    if (touched && window->hovered) {
+        ui_tip(conus_atlas_object(window->viewer->atlas, window->hovered)->name);
+    }
+    ui_panel_end();
+}

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/window.h"
+
+#include <string.h>
+
+static void show_place(const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    const double *at = window->hovers ? window->hovered_at : viewer->crosshair;
+    const conus_object *object = conus_atlas_object(viewer->atlas, window->hovered);
+    ui_text("%s %.1f, %.1f, %.1f mm RAS%s%s", window->hovers ? "mouse" : "cross", at[0], at[1], at[2],
+            object ? "  " : "", object ? object->name : "");
+}
+
+void panel_status(struct window *window)
+{
+    char device[160];
+    const struct viewer *viewer = window->viewer;
+    painter_device(viewer->painter, device, sizeof device);
+    ui_panel("status", window->status, UI_PLAIN);
+    ui_indent();
+    show_place(window);
+    ui_same_line();
+    ui_text("  |  frame %.1f ms, picture %.0f ms, selection %.3f ms  |  %s", window->frame_ms, window->painted_ms,
+            viewer->select_ms, device);
+    ui_same_line();
+    ui_text_coloured((ui_colour){255, 200, 90, 255}, "  %s", viewer->message);
+    ui_unindent();
+    ui_panel_end();
+}
+
+void panel_help(struct window *window)
+{
+    const char *key;
+    const char *meaning;
+    float width = 520 * window->scale;
+    float height = 640 * window->scale;
+    ui_panel("Keys and mouse (? closes this)",
+             (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
+             UI_IN_FRONT);
+    for (size_t i = 0; keys_describe(i, &key, &meaning); i++) {
+        ui_text_coloured((ui_colour){255, 200, 90, 255}, "%s", key);
+        ui_same_line_at(80 * window->scale);
+        ui_text("%s", meaning);
+    }
+    ui_separator();
+    ui_text_wrapped(
+        "3-D: left button turns, right button moves, wheel comes nearer, double click confirms; where the mouse "
+        "points, the cone follows it from your eye.\n"
+        "Flat panes: left button sets the crosshair, wheel goes through the cuts, Ctrl and wheel magnify; with "
+        "the wand, right button puts the device there, with Shift it points there.");
+    ui_panel_end();
+}

@@ -1,0 +1,361 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/script.h"
+
+#include "cli/messages.h"
+#include "viewer/session.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WORD_LIMIT = 8, SETTLE_FRAMES = 3, SETTLE_LIMIT = 4000 };
+
+struct script {
+    char *path;
+    FILE *file;
+    char *line;
+    size_t room;
+    unsigned number;
+    unsigned waiting; /* frames to let pass before the next command */
+    unsigned settled; /* frames since the pictures are fine */
+    unsigned waited;
+    bool settling;
+};
+
+/* What a command works on. */
+struct call {
+    struct script *script;
+    struct window *window;
+    char *words[WORD_LIMIT + 1];
+    size_t count; /* of arguments, without the command's name */
+};
+
+static bool number(double *out, const char *word)
+{
+    char *end;
+    *out = strtod(word, &end);
+    return *word && !*end && isfinite(*out);
+}
+
+static bool numbers(double *out, const struct call *call, size_t first, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (first + i >= call->count || !number(&out[i], call->words[1 + first + i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* ---- The commands: false where the arguments are wrong ------------------------------------------------------------
+ */
+
+static bool do_key(struct call *call)
+{
+    return keys_press(call->window, call->words[1]);
+}
+
+static bool do_aim(struct call *call)
+{
+    double given[6];
+    double direction[3];
+    if (!numbers(given, call, 0, 6)) {
+        return false;
+    }
+    for (int a = 0; a < 3; a++) {
+        direction[a] = given[3 + a] - given[a];
+    }
+    viewer_aim_along(call->window->viewer, given, direction);
+    return true;
+}
+
+static bool do_crosshair(struct call *call)
+{
+    return numbers(call->window->viewer->crosshair, call, 0, 3);
+}
+
+static bool do_orbit(struct call *call)
+{
+    double given[2];
+    if (!numbers(given, call, 0, 2)) {
+        return false;
+    }
+    call->window->viewer->orbit.azimuth = given[0] * M_PI / 180;
+    call->window->viewer->orbit.elevation = given[1] * M_PI / 180;
+    return true;
+}
+
+static bool do_zoom(struct call *call)
+{
+    double clicks;
+    bool fine = numbers(&clicks, call, 0, 1);
+    if (fine) {
+        orbit_zoom(&call->window->viewer->orbit, clicks);
+    }
+    return fine;
+}
+
+/* Points by the mouse at a place of the 3-D pane, parts of its width and height. */
+static bool do_point(struct call *call)
+{
+    double part[2];
+    double direction[3];
+    conus_pose camera;
+    struct viewer *viewer = call->window->viewer;
+    const struct ui_box *box = &call->window->panes[PANE_3D];
+    if (!numbers(part, call, 0, 2)) {
+        return false;
+    }
+    const double size[2] = {(double)box->width, (double)box->height};
+    orbit_camera(&camera, &viewer->orbit);
+    orbit_ray(direction, &viewer->orbit, size, (double[]){part[0] * size[0], part[1] * size[1]});
+    viewer_aim_along(viewer, camera.world_from_device + 12, direction);
+    return true;
+}
+
+static bool do_angle(struct call *call)
+{
+    double angle;
+    bool fine = numbers(&angle, call, 0, 1) && angle > 0 && angle < 180;
+    if (fine) {
+        call->window->viewer->angle = angle;
+        viewer_reselect(call->window->viewer);
+    }
+    return fine;
+}
+
+static bool do_search(struct call *call)
+{
+    struct viewer *viewer = call->window->viewer;
+    snprintf(viewer->search, sizeof viewer->search, "%s", call->count ? call->words[1] : "");
+    return true;
+}
+
+static bool do_choose(struct call *call)
+{
+    uint32_t object = viewer_find(call->window->viewer, call->words[1]);
+    viewer_choose(call->window->viewer, object);
+    return object;
+}
+
+static bool do_fade(struct call *call)
+{
+    double fade;
+    bool fine = numbers(&fade, call, 0, 1) && fade >= 0 && fade <= 1;
+    if (fine) {
+        call->window->viewer->fade = fade;
+        call->window->viewer->version++;
+    }
+    return fine;
+}
+
+static bool do_pointer(struct call *call)
+{
+    static const char *const names[] = {"mouse", "wand", "replay", "tracker"};
+    for (int i = 0; i < POINTER_COUNT; i++) {
+        if (strcmp(names[i], call->words[1]) == 0) {
+            call->window->viewer->pointer = (enum pointer)i;
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool do_wait(struct call *call)
+{
+    double frames;
+    bool fine = numbers(&frames, call, 0, 1) && frames >= 0 && frames < 1e6;
+    call->script->waiting = fine ? (unsigned)frames : 0;
+    return fine;
+}
+
+static bool do_settle(struct call *call)
+{
+    call->script->settling = true;
+    call->script->settled = call->script->waited = 0;
+    return true;
+}
+
+static bool is_written(conus_status status)
+{
+    if (status) {
+        complain_status(status);
+    }
+    return !status;
+}
+
+static bool do_screenshot(struct call *call)
+{
+    return is_written(window_write(call->window, call->words[1]));
+}
+
+static bool do_picture(struct call *call)
+{
+    double size[2];
+    bool fine = numbers(size, call, 1, 2) && size[0] >= 1 && size[1] >= 1;
+    return fine &&
+           is_written(viewer_write_picture(call->window->viewer, call->words[1], (uint32_t)size[0], (uint32_t)size[1]));
+}
+
+static bool do_save(struct call *call)
+{
+    char why[SESSION_REASON];
+    bool fine = session_save(call->window, call->words[1], why);
+    if (!fine) {
+        complain("%s", why);
+    }
+    return fine;
+}
+
+static bool do_open(struct call *call)
+{
+    char why[SESSION_REASON];
+    bool fine = session_load(call->window, call->words[1], why);
+    if (!fine) {
+        complain("%s", why);
+    }
+    return fine;
+}
+
+/* Appends what the list shows, as conus query would. */
+static bool do_results(struct call *call)
+{
+    return is_written(viewer_write_results(call->window->viewer, call->words[1]));
+}
+
+static const struct {
+    const char *name;
+    size_t least, most; /* arguments */
+    bool (*act)(struct call *call);
+    const char *arguments;
+} commands[] = {
+    {"key", 1, 1, do_key, "KEY"},
+    {"aim", 6, 6, do_aim, "X Y Z TX TY TZ"},
+    {"point", 2, 2, do_point, "RIGHT DOWN, parts of the 3-D pane"},
+    {"angle", 1, 1, do_angle, "DEGREES"},
+    {"pointer", 1, 1, do_pointer, "mouse|wand|replay|tracker"},
+    {"crosshair", 3, 3, do_crosshair, "X Y Z"},
+    {"orbit", 2, 2, do_orbit, "AZIMUTH ELEVATION, degrees"},
+    {"zoom", 1, 1, do_zoom, "CLICKS"},
+    {"fade", 1, 1, do_fade, "PART"},
+    {"search", 0, 1, do_search, "[TEXT]"},
+    {"choose", 1, 1, do_choose, "NAME"},
+    {"wait", 1, 1, do_wait, "FRAMES"},
+    {"settle", 0, 0, do_settle, ""},
+    {"screenshot", 1, 1, do_screenshot, "FILE.png"},
+    {"picture", 3, 3, do_picture, "FILE.png WIDTH HEIGHT"},
+    {"results", 1, 1, do_results, "FILE.tsv"},
+    {"save", 1, 1, do_save, "FILE.json"},
+    {"open", 1, 1, do_open, "FILE.json"},
+};
+enum { COMMANDS = sizeof commands / sizeof commands[0] };
+
+/* ---- Reading ------------------------------------------------------------------------------------------------------
+ */
+
+int script_load(struct script **out, const char *path)
+{
+    struct script *script = calloc(1, sizeof *script);
+    if (script) {
+        script->path = strdup(path);
+        script->file = fopen(path, "r");
+    }
+    if (!script || !script->path || !script->file) {
+        complain("%s: cannot be opened", path);
+        script_destroy(script);
+        return EXIT_DATA;
+    }
+    *out = script;
+    return EXIT_DONE;
+}
+
+void script_destroy(struct script *script)
+{
+    if (script) {
+        if (script->file) {
+            fclose(script->file);
+        }
+        free(script->path);
+        free(script->line);
+        free(script);
+    }
+}
+
+/* Cuts the line into words, by spaces; "in quotes" is one. False: too many. */
+static bool split(struct call *call, char *line)
+{
+    size_t count = 0;
+    for (char *at = line; *at;) {
+        at += strspn(at, " \t\r\n");
+        if (!*at || *at == '#') {
+            break;
+        }
+        bool quoted = *at == '"';
+        at += quoted;
+        if (count > WORD_LIMIT) {
+            return false;
+        }
+        call->words[count++] = at;
+        at += strcspn(at, quoted ? "\"" : " \t\r\n");
+        if (*at) {
+            *at++ = '\0';
+        }
+    }
+    call->count = count ? count - 1 : 0;
+    return true;
+}
+
+static bool act(struct call *call)
+{
+    for (size_t i = 0; i < COMMANDS; i++) {
+        if (strcmp(commands[i].name, call->words[0]) == 0) {
+            bool fits = call->count >= commands[i].least && call->count <= commands[i].most;
+            if (fits && commands[i].act(call)) {
+                return true;
+            }
+            complain("%s:%u: %s %s is needed, or it could not be done", call->script->path, call->script->number,
+                     commands[i].name, commands[i].arguments);
+            return false;
+        }
+    }
+    complain("%s:%u: unknown command \"%s\"", call->script->path, call->script->number, call->words[0]);
+    return false;
+}
+
+/* Whether the script goes on waiting. */
+static bool keep_waiting(struct script *script, const struct window *window)
+{
+    if (script->waiting) {
+        script->waiting--;
+        return true;
+    }
+    if (!script->settling) {
+        return false;
+    }
+    script->settled = window_is_settled(window) ? script->settled + 1 : 0;
+    script->settling = script->settled < SETTLE_FRAMES && ++script->waited < SETTLE_LIMIT;
+    return script->settling;
+}
+
+bool script_step(struct script *script, struct window *window, int *code)
+{
+    struct call call = {.script = script, .window = window};
+    if (keep_waiting(script, window)) {
+        return false;
+    }
+    if (getline(&script->line, &script->room, script->file) < 0) {
+        return true;
+    }
+    script->number++;
+    if (!split(&call, script->line)) {
+        complain("%s:%u: more than %d words", script->path, script->number, WORD_LIMIT);
+        *code = EXIT_DATA;
+        return true;
+    }
+    if (call.words[0] && !act(&call)) {
+        *code = EXIT_DATA;
+        return true;
+    }
+    return false;
+}

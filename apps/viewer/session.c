@@ -1,0 +1,297 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/session.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SESSION_VERSION = 1 };
+
+/* A number of the session and where it lives, with what is allowed. */
+struct field {
+    const char *key;
+    double *value;
+    size_t count;
+    double low, high;
+};
+
+/* What a session holds, apart from the viewer; scores are names, not pointers. */
+struct state {
+    double pose[16], angle, radius, range[2], resolution, layers, aperture, sampling, engine, pointer, has_pose, frozen;
+    double fade, fill, outlines, radiological;
+    double orbit[6]; /* centre, distance, azimuth, elevation */
+    double crosshair[3], magnification, enlarged;
+};
+
+enum { FIELD_LIMIT = 24 };
+
+static size_t list_fields(struct field fields[FIELD_LIMIT], struct state *state)
+{
+    const struct field all[] = {
+        {"world_from_device", state->pose, 16, -1e6, 1e6},
+        {"has_pose", &state->has_pose, 1, 0, 1},
+        {"frozen", &state->frozen, 1, 0, 1},
+        {"pointer", &state->pointer, 1, 0, POINTER_COUNT - 1},
+        {"angle_deg", &state->angle, 1, 0.01, 179.99},
+        {"radius_mm", &state->radius, 1, 0, 1e6},
+        {"range_mm", state->range, 2, 0, 1e6},
+        {"resolution", &state->resolution, 1, 1, 1024},
+        {"layers", &state->layers, 1, 0, 1},
+        {"aperture", &state->aperture, 1, 0, 1},
+        {"sampling", &state->sampling, 1, 0, 1},
+        {"engine", &state->engine, 1, 0, 2},
+        {"fade", &state->fade, 1, 0, 1},
+        {"fill", &state->fill, 1, 0, 1},
+        {"outlines", &state->outlines, 1, 0, 1},
+        {"radiological", &state->radiological, 1, 0, 1},
+        {"orbit", state->orbit, 6, -1e6, 1e6},
+        {"crosshair", state->crosshair, 3, -1e6, 1e6},
+        {"magnification", &state->magnification, 1, 0.2, 50},
+        {"enlarged", &state->enlarged, 1, -1, PANE_COUNT - 1},
+    };
+    memcpy(fields, all, sizeof all);
+    return sizeof all / sizeof all[0];
+}
+
+static bool refuse(char why[SESSION_REASON], const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(why, SESSION_REASON, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+/* ---- Between viewer and state ---------------------------------------------------------------------------------------
+ */
+
+static void take_state(struct state *out, const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    const conus_selector_options *options = &viewer->options;
+    *out = (struct state){.angle = viewer->angle,
+                          .radius = options->radius,
+                          .range = {options->range[0], options->range[1]},
+                          .resolution = options->resolution ? options->resolution : 16,
+                          .layers = (double)options->layers,
+                          .aperture = (double)options->aperture,
+                          .sampling = (double)options->sampling,
+                          .engine = (double)options->engine,
+                          .pointer = (double)viewer->pointer,
+                          .has_pose = viewer->has_pose,
+                          .frozen = viewer->frozen,
+                          .fade = viewer->fade,
+                          .fill = viewer->fill,
+                          .outlines = !viewer->no_outlines,
+                          .radiological = viewer->radiological,
+                          .magnification = viewer->magnification,
+                          .enlarged = window->enlarged};
+    memcpy(out->pose, viewer->pose.world_from_device, sizeof out->pose);
+    memcpy(out->orbit, viewer->orbit.centre, sizeof viewer->orbit.centre);
+    out->orbit[3] = viewer->orbit.distance;
+    out->orbit[4] = viewer->orbit.azimuth;
+    out->orbit[5] = viewer->orbit.elevation;
+    memcpy(out->crosshair, viewer->crosshair, sizeof out->crosshair);
+}
+
+static void put_state(struct window *window, const struct state *state)
+{
+    struct viewer *viewer = window->viewer;
+    conus_selector_options *options = &viewer->options;
+    memcpy(viewer->pose.world_from_device, state->pose, sizeof state->pose);
+    viewer->has_pose = state->has_pose > 0;
+    viewer->frozen = state->frozen > 0;
+    viewer->pointer = (enum pointer)state->pointer;
+    viewer->angle = state->angle;
+    options->radius = state->radius;
+    memcpy(options->range, state->range, sizeof state->range);
+    options->resolution = (uint32_t)state->resolution;
+    options->layers = (conus_layers)state->layers;
+    options->aperture = (conus_aperture)state->aperture;
+    options->sampling = (conus_sampling)state->sampling;
+    options->engine = (conus_engine)state->engine;
+    viewer->fade = state->fade;
+    viewer->fill = state->fill;
+    viewer->no_outlines = !(state->outlines > 0);
+    viewer->radiological = state->radiological > 0;
+    memcpy(viewer->orbit.centre, state->orbit, sizeof viewer->orbit.centre);
+    viewer->orbit.distance = fmax(state->orbit[3], 1);
+    viewer->orbit.azimuth = state->orbit[4];
+    viewer->orbit.elevation = state->orbit[5];
+    memcpy(viewer->crosshair, state->crosshair, sizeof viewer->crosshair);
+    viewer->magnification = state->magnification;
+    window->enlarged = (int)state->enlarged;
+}
+
+/* ---- Writing
+ * --------------------------------------------------------------------------------------------------------- */
+
+static json_t *numbers(const struct field *field)
+{
+    if (field->count == 1) {
+        return json_real(*field->value);
+    }
+    json_t *array = json_array();
+    for (size_t i = 0; i < field->count; i++) {
+        json_array_append_new(array, json_real(field->value[i]));
+    }
+    return array;
+}
+
+static json_t *hidden_labels(const struct viewer *viewer)
+{
+    json_t *hidden = json_array();
+    for (uint32_t number = 1; number <= viewer->object_count; number++) {
+        if (viewer->hidden[number]) {
+            json_array_append_new(hidden, json_integer(number));
+        }
+    }
+    return hidden;
+}
+
+static json_t *pins_of(const struct viewer *viewer)
+{
+    json_t *pins = json_array();
+    for (size_t i = 0; i < viewer->pin_count; i++) {
+        const struct pin *pin = &viewer->pins[i];
+        json_array_append_new(pins, json_pack("{s: i, s: f, s: f, s: [f, f, f]}", "object", (int)pin->object, "share",
+                                              pin->share, "distance_mm", pin->distance, "contact", pin->contact[0],
+                                              pin->contact[1], pin->contact[2]));
+    }
+    return pins;
+}
+
+bool session_save(const struct window *window, const char *path, char why[SESSION_REASON])
+{
+    const struct viewer *viewer = window->viewer;
+    struct field fields[FIELD_LIMIT];
+    struct state state;
+    take_state(&state, window);
+    size_t count = list_fields(fields, &state);
+    json_t *root =
+        json_pack("{s: i, s: s, s: i, s: s}", "conus_session", SESSION_VERSION, "atlas", viewer->atlas_path, "objects",
+                  (int)viewer->object_count, "score", viewer->options.score ? viewer->options.score : "share");
+    for (size_t i = 0; root && i < count; i++) {
+        json_object_set_new(root, fields[i].key, numbers(&fields[i]));
+    }
+    json_object_set_new(root, "hidden", hidden_labels(viewer));
+    json_object_set_new(root, "confirmed", pins_of(viewer));
+    char *text = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
+    json_decref(root);
+    conus_status status = text ? conus_write_file(path, text, strlen(text)) : CONUS_ERROR_MEMORY;
+    free(text);
+    return !status ||
+           refuse(why, "%s", text ? conus_message() : "session: not enough memory, or a name that is not UTF-8");
+}
+
+/* ---- Reading
+ * --------------------------------------------------------------------------------------------------------- */
+
+static bool read_number(double *out, const json_t *value, const struct field *field)
+{
+    *out = json_number_value(value);
+    return json_is_number(value) && *out >= field->low && *out <= field->high;
+}
+
+static bool read_field(const json_t *root, const struct field *field, char why[SESSION_REASON])
+{
+    const json_t *value = json_object_get(root, field->key);
+    bool fine = field->count == 1 || (json_is_array(value) && json_array_size(value) == field->count);
+    for (size_t i = 0; fine && i < field->count; i++) {
+        fine = read_number(&field->value[i], field->count == 1 ? value : json_array_get(value, i), field);
+    }
+    return fine || refuse(why, "session: %s: %zu numbers from %g to %g are needed", field->key, field->count,
+                          field->low, field->high);
+}
+
+static const char *known_score(const char *name)
+{
+    const conus_score_info *info;
+    for (size_t i = 0; name && (info = conus_score(i)); i++) {
+        if (strcmp(info->name, name) == 0) {
+            return info->name;
+        }
+    }
+    return NULL;
+}
+
+/* Fills [object_count + 1]. */
+static bool read_hidden(bool *hidden, const json_t *root, size_t object_count, char why[SESSION_REASON])
+{
+    const json_t *list = json_object_get(root, "hidden");
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        json_int_t number = json_integer_value(json_array_get(list, i));
+        if (number < 1 || (uint64_t)number > object_count) {
+            return refuse(why, "session: hidden: %lld, allowed is 1 to %zu", (long long)number, object_count);
+        }
+        hidden[number] = true;
+    }
+    return true;
+}
+
+static void read_pins(struct viewer *viewer, const json_t *root)
+{
+    const json_t *list = json_object_get(root, "confirmed");
+    viewer->pin_count = 0;
+    for (size_t i = 0; i < json_array_size(list) && viewer->pin_count < PIN_LIMIT; i++) {
+        const json_t *entry = json_array_get(list, i);
+        const conus_object *object =
+            conus_atlas_object(viewer->atlas, (size_t)json_integer_value(json_object_get(entry, "object")));
+        double contact[3];
+        for (size_t a = 0; a < 3; a++) {
+            contact[a] = json_number_value(json_array_get(json_object_get(entry, "contact"), a));
+        }
+        if (object) {
+            viewer_pin(viewer, (uint32_t)json_integer_value(json_object_get(entry, "object")),
+                       json_number_value(json_object_get(entry, "share")),
+                       json_number_value(json_object_get(entry, "distance_mm")), contact);
+        }
+    }
+}
+
+static bool read_session(struct window *window, const json_t *root, char why[SESSION_REASON])
+{
+    struct viewer *viewer = window->viewer;
+    struct field fields[FIELD_LIMIT];
+    struct state state;
+    size_t count = list_fields(fields, &state);
+    const char *score = known_score(json_string_value(json_object_get(root, "score")));
+    if (json_integer_value(json_object_get(root, "conus_session")) != SESSION_VERSION) {
+        return refuse(why, "no session of this version of conus view");
+    }
+    if ((size_t)json_integer_value(json_object_get(root, "objects")) != viewer->object_count) {
+        return refuse(why, "session: of an atlas with %lld areas and pathways, this one has %zu",
+                      (long long)json_integer_value(json_object_get(root, "objects")), viewer->object_count);
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (!read_field(root, &fields[i], why)) {
+            return false;
+        }
+    }
+    bool *hidden = calloc(viewer->object_count + 1, sizeof *hidden);
+    if (!hidden || !score || !read_hidden(hidden, root, viewer->object_count, why)) {
+        free(hidden);
+        return score ? false : refuse(why, "session: score: unknown");
+    }
+    put_state(window, &state);
+    viewer->options.score = score;
+    viewer_set_hidden(viewer, hidden);
+    read_pins(viewer, root);
+    viewer_reselect(viewer);
+    return true;
+}
+
+bool session_load(struct window *window, const char *path, char why[SESSION_REASON])
+{
+    json_error_t error;
+    json_t *root = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
+    if (!root) {
+        return refuse(why, "%s: line %d: %s", path, error.line, error.text);
+    }
+    bool fine = read_session(window, root, why);
+    json_decref(root);
+    return fine;
+}

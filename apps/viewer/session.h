@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A session as JSON (docs/viewer.md): where the cone is and how it looks, what is hidden, where the panes look.
+ */
+#ifndef CONUS_VIEWER_SESSION_H
+#define CONUS_VIEWER_SESSION_H
+
+#include "viewer/window.h"
+
+enum { SESSION_REASON = 256 };
+
+/** False: @p why says why not, in one line. */
+bool session_save(const struct window *window, const char *path, char why[SESSION_REASON]);
+/** Likewise; the window stays as it was unless the whole file fits. A session of another atlas is refused. */
+bool session_load(struct window *window, const char *path, char why[SESSION_REASON]);
+
+#endif

@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/window.h"
+
+#include "cli/messages.h"
+
+#include <epoxy/gl.h>
+
+#include <GLFW/glfw3.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LEFT_WIDTH = 250, RIGHT_WIDTH = 430, STATUS_HEIGHT = 24 };
+
+/* ---- Textures ---------------------------------------------------------------------------------------------------- */
+
+void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height)
+{
+    if (texture->width != width || texture->height != height) {
+        glDeleteTextures(1, &texture->name);
+        glCreateTextures(GL_TEXTURE_2D, 1, &texture->name);
+        glTextureStorage2D(texture->name, 1, GL_RGBA8, (GLsizei)width, (GLsizei)height);
+        glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+        glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, width <= 64 ? GL_NEAREST : GL_LINEAR);
+        glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+        glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+        texture->width = width;
+        texture->height = height;
+    }
+    glTextureSubImage2D(texture->name, 0, 0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+}
+
+/* ---- Keys -------------------------------------------------------------------------------------------------------- */
+
+static void press_named(GLFWwindow *handle, int key, int scancode, int action, int mods)
+{
+    static const struct {
+        int key;
+        const char *name;
+    } names[] = {{GLFW_KEY_ENTER, "enter"}, {GLFW_KEY_KP_ENTER, "enter"}, {GLFW_KEY_SPACE, "space"},
+                 {GLFW_KEY_TAB, "tab"},     {GLFW_KEY_UP, "up"},          {GLFW_KEY_DOWN, "down"},
+                 {GLFW_KEY_LEFT, "left"},   {GLFW_KEY_RIGHT, "right"}};
+    struct window *window = glfwGetWindowUserPointer(handle);
+    (void)scancode;
+    (void)mods;
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        if (names[i].key == key && action != GLFW_RELEASE && !ui_wants_keys()) {
+            keys_press(window, names[i].name);
+        }
+    }
+}
+
+static void press_character(GLFWwindow *handle, unsigned character)
+{
+    struct window *window = glfwGetWindowUserPointer(handle);
+    const char key[2] = {(char)character, '\0'};
+    if (character > ' ' && character < 127 && !ui_wants_keys()) {
+        keys_press(window, key);
+    }
+}
+
+/* ---- The window -------------------------------------------------------------------------------------------------- */
+
+static void complain_glfw(int code, const char *text)
+{
+    (void)code;
+    complain("window: %s", text);
+}
+
+static GLFWwindow *make_window(int width, int height, bool hidden)
+{
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_VISIBLE, hidden ? GLFW_FALSE : GLFW_TRUE);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+    return glfwCreateWindow(width, height, "conus", NULL, NULL);
+}
+
+bool window_open(struct window *out, int width, int height, bool hidden)
+{
+    struct window window = {.enlarged = -1, .scale = 1};
+    float across;
+    glfwSetErrorCallback(complain_glfw);
+    if (!glfwInit()) {
+        return false;
+    }
+    window.handle = make_window(width, height, hidden);
+    if (!window.handle) {
+        glfwTerminate();
+        return false;
+    }
+    glfwMakeContextCurrent(window.handle);
+    glfwSwapInterval(1);
+    glfwGetWindowContentScale(window.handle, &window.scale, &across);
+    glfwSetKeyCallback(window.handle, press_named);
+    glfwSetCharCallback(window.handle, press_character);
+    if (!ui_create(window.handle, window.scale)) {
+        complain("window: no font for its texts");
+        window_close(&window);
+        return false;
+    }
+    *out = window;
+    glfwSetWindowUserPointer(out->handle, out);
+    return true;
+}
+
+void window_close(struct window *window)
+{
+    GLuint names[] = {window->painted.name, window->device_view.name, window->cuts[0].texture.name,
+                      window->cuts[1].texture.name, window->cuts[2].texture.name};
+    glDeleteTextures(sizeof names / sizeof names[0], names);
+    for (int p = 0; p < PLANE_COUNT; p++) {
+        free(window->cuts[p].objects);
+        free(window->cuts[p].rgba);
+    }
+    ui_destroy();
+    glfwDestroyWindow(window->handle);
+    glfwTerminate();
+}
+
+void window_lay_out(struct window *window)
+{
+    glfwGetFramebufferSize(window->handle, &window->width, &window->height);
+    float width = (float)window->width;
+    float status = STATUS_HEIGHT * window->scale;
+    float height = fmaxf((float)window->height - status, 0);
+    float left = fminf(LEFT_WIDTH * window->scale, width / 4);
+    float right = fminf(RIGHT_WIDTH * window->scale, width / 3);
+    float half_width = floorf((width - left - right) / 2);
+    float half_height = floorf(height / 2);
+    window->left = (struct ui_box){0, 0, left, height};
+    window->right = (struct ui_box){width - right, 0, right, height};
+    window->status = (struct ui_box){0, height, width, status};
+    for (int p = 0; p < PANE_COUNT; p++) {
+        static const int place[PANE_COUNT] = {1, 2, 3, 0}; /* 3-D is the first, then axial, coronal, sagittal */
+        bool only = window->enlarged == p;
+        window->panes[p] = (struct ui_box){left + (float)(place[p] % 2) * half_width,
+                                           (float)(place[p] / 2) * half_height, half_width - 1, half_height - 1};
+        if (only) {
+            window->panes[p] = (struct ui_box){left, 0, 2 * half_width, 2 * half_height};
+        }
+    }
+}
+
+static bool is_shown(const struct window *window, int pane)
+{
+    const struct ui_box *box = &window->panes[pane];
+    return (window->enlarged < 0 || window->enlarged == pane) && box->width >= 2 && box->height >= 2;
+}
+
+static void draw_panels(struct window *window)
+{
+    window->hovers = false;
+    window->hovered = 0;
+    panel_areas(window);
+    panel_results(window);
+    for (int p = 0; p < PLANE_COUNT; p++) {
+        if (is_shown(window, p)) {
+            pane_cut(window, (enum plane)p);
+        }
+    }
+    if (is_shown(window, PANE_3D)) {
+        pane_3d(window);
+    }
+    panel_status(window);
+    if (window->show_help) {
+        panel_help(window);
+    }
+}
+
+void window_draw(struct window *window)
+{
+    double begun = glfwGetTime();
+    window_lay_out(window);
+    if (window->width < 1 || window->height < 1) { /* minimised */
+        return;
+    }
+    glViewport(0, 0, window->width, window->height);
+    glClearColor(0, 0, 0, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+    ui_begin();
+    draw_panels(window);
+    ui_end();
+    window->frame_ms = 1e3 * (glfwGetTime() - begun);
+}
+
+bool window_is_settled(const struct window *window)
+{
+    bool settled = window->painted_fine || !is_shown(window, PANE_3D);
+    for (int p = 0; p < PLANE_COUNT; p++) {
+        settled = settled && (window->cuts[p].version == window->viewer->version || !is_shown(window, p));
+    }
+    return settled;
+}
+
+conus_status window_write(const struct window *window, const char *path)
+{
+    size_t row = 4 * (size_t)window->width;
+    uint8_t *bottom_up = malloc(row * (size_t)window->height);
+    uint8_t *rgba = malloc(row * (size_t)window->height);
+    conus_image *image = NULL;
+    conus_status status = bottom_up && rgba ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status) {
+        glReadPixels(0, 0, window->width, window->height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up);
+        for (int y = 0; y < window->height; y++) {
+            memcpy(rgba + row * (size_t)y, bottom_up + row * (size_t)(window->height - 1 - y), row);
+        }
+        for (size_t p = 0; p < row * (size_t)window->height; p += 4) {
+            rgba[p + 3] = 255;
+        }
+        status = conus_image_from_bytes(&image, rgba, (uint32_t)window->width, (uint32_t)window->height);
+    }
+    status = status ? status : conus_image_write(image, path);
+    conus_image_destroy(image);
+    free(bottom_up);
+    free(rgba);
+    return status;
+}
+
+void window_copy(struct window *window)
+{
+    char *text = viewer_pins_text(window->viewer);
+    if (text) {
+        glfwSetClipboardString(window->handle, text);
+        viewer_say(window->viewer, "copied %zu rows", window->viewer->pin_count);
+    }
+    free(text);
+}

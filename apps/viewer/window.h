@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The window, its textures, and how it is laid out: panels left and right, four panes between them, a status
+ * line. */
+#ifndef CONUS_VIEWER_WINDOW_H
+#define CONUS_VIEWER_WINDOW_H
+
+#include "viewer/source.h"
+#include "viewer/ui.h"
+#include "viewer/viewer.h"
+
+enum { PANE_COUNT = 4, PANE_3D = 3 /**< After the planes. */, KEY_LIMIT = 32 };
+
+/** A picture on the screen. */
+struct texture {
+    uint32_t name; /**< Of GL; 0 = none yet. */
+    uint32_t width, height;
+};
+
+/** A flat pane as it was drawn last. */
+struct cut_pane {
+    struct ui_box box;
+    struct texture texture;
+    uint32_t *objects; /**< [height width] under each pixel. */
+    uint8_t *rgba;
+    size_t pixels;    /**< For which there is room. */
+    unsigned version; /**< Of the viewer, when it was drawn. */
+    double crosshair[3];
+};
+
+struct window {
+    void *handle; /**< GLFWwindow */
+    struct viewer *viewer;
+    struct replay replay;
+    struct station *station; /**< NULL = none. */
+    struct station_news news;
+    float scale;
+    int width, height;
+    struct ui_box left, right, status, panes[PANE_COUNT];
+    int enlarged; /**< The pane that fills the middle, or -1. */
+    struct cut_pane cuts[PLANE_COUNT];
+    struct texture painted, device_view;
+    struct painting asked; /**< What the painter was asked last. */
+    double painted_ms, frame_ms;
+    bool painted_fine; /**< The picture is what was asked last, as fine as it gets. */
+    bool show_help;
+    uint32_t hovered; /**< Object under the mouse. */
+    double hovered_at[3];
+    bool hovers; /**< hovered_at holds. */
+};
+
+/** Opens a window of that size, hidden where @p hidden. False: it was said why, and nothing is open. */
+bool window_open(struct window *out, int width, int height, bool hidden);
+void window_close(struct window *window);
+/** Lays everything out for the window's size now. */
+void window_lay_out(struct window *window);
+
+/** Draws one frame of @p window->viewer. */
+void window_draw(struct window *window);
+/** Whether all pictures are as fine as they get, and show what the viewer holds. */
+bool window_is_settled(const struct window *window);
+/** What the window shows now, as a PNG. */
+conus_status window_write(const struct window *window, const char *path);
+
+/** Puts what was confirmed on the clipboard. */
+void window_copy(struct window *window);
+
+/** Puts bytes of sRGB, top row first, on the screen's texture. */
+void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height);
+
+/** One key: a character as typed ("?"), or "escape", "left", "f1", ... False if it means nothing. */
+bool keys_press(struct window *window, const char *key);
+/** Entry @p index of the table of keys; false past the last. */
+bool keys_describe(size_t index, const char **key, const char **meaning);
+
+/* Panels and panes, one file each. */
+void pane_cut(struct window *window, enum plane plane);
+void pane_3d(struct window *window);
+void panel_areas(struct window *window);
+void panel_cone(struct window *window);
+void panel_results(struct window *window);
+void panel_transfer(struct window *window);
+void panel_source(struct window *window);
+void panel_status(struct window *window);
+void panel_help(struct window *window);
+
+#endif

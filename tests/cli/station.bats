@@ -1,0 +1,135 @@
+#!/usr/bin/env bats
+# Trackers that speak OpenIGTLink: conus against the example programs of the protocol's own library.
+load helpers
+
+EXAMPLES=/usr/share/doc/openigtlink-examples/examples
+
+setup_file() {
+    [ -d "$EXAMPLES" ] && [ -d /usr/include/openigtlink ] && command -v g++ >/dev/null || return 0
+    for program in Tracker/TrackerClient Tracker/TrackerServer TrackingData/TrackingDataServer \
+        QuaternionTrackingData/QuaternionTrackingDataServer Receiver/ReceiveServer; do
+        g++ -I/usr/include/openigtlink "$EXAMPLES/$program.cxx" -o "$BATS_FILE_TMPDIR/${program##*/}" -lOpenIGTLink
+    done
+}
+
+# example NAME ARGUMENT...: starts one of them, or skips the test.
+example() {
+    local name=$1
+    shift
+    [ -x "$BATS_FILE_TMPDIR/$name" ] || skip "no openigtlink-examples"
+    timeout 20 "$BATS_FILE_TMPDIR/$name" "$@" >"$name.out" 2>&1 3>&- &
+    peer=$!
+}
+
+# port: one that is free now.
+free_port() {
+    /usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
+}
+
+end_peer() {
+    kill "$peer" 2>/dev/null || true
+    wait "$peer" 2>/dev/null || true
+}
+
+# followed: steps.tsv has more than five steps, each with its time after the one before.
+followed() {
+    awk -F'\t' 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == "time_s") t = i; next }
+        { if ($t < last) exit 1; last = $t; n++ } END { exit !(n > 5) }' steps.tsv
+}
+
+@test "the protocol's own client drives conus track" {
+    sphere
+    port=$(free_port)
+    "$CONUS" track sphere.nii.gz --listen "$port" --seconds 3 --selected --format tsv --quiet >steps.tsv 3>&- &
+    track=$!
+    sleep 0.5
+    example TrackerClient localhost "$port" 30
+    wait $track
+    end_peer
+    followed
+}
+
+@test "conus track asks the protocol's own servers" {
+    sphere
+    for server in TrackerServer TrackingDataServer QuaternionTrackingDataServer; do
+        port=$(free_port)
+        case $server in
+        TrackerServer) example $server "$port" 30 ;;
+        *) example $server "$port" ;;
+        esac
+        "$CONUS" track sphere.nii.gz --connect "localhost:$port" --seconds 3 --selected --format tsv --quiet >steps.tsv
+        end_peer
+        followed || { echo "$server"; cat steps.tsv "$server.out"; return 1; }
+    done
+}
+
+@test "what was selected arrives at the protocol's own receiver" {
+    sphere
+    port=$(free_port)
+    cat >send.py <<'END'
+# A tracker that looks at the sphere, and passes on what it is told to the protocol's own receiver.
+import socket, struct, sys, time
+def crc(data):
+    value = 0
+    for byte in data:
+        value ^= byte << 56
+        for _ in range(8):
+            value = (value << 1 ^ 0x42F0E1EBA9EA3693 if value >> 63 else value << 1) & 0xffffffffffffffff
+    return value
+def message(kind, body):
+    return struct.pack(">H12s20sIIQQ", 1, kind, b"Pointer", 0, 0, len(body), crc(body)) + body
+pose = struct.pack(">12f", 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 90)
+conus = socket.create_connection(("127.0.0.1", int(sys.argv[1])))
+receiver = socket.create_connection(("127.0.0.1", int(sys.argv[2])))
+end = time.time() + 1.5
+conus.settimeout(0.2)
+told = b""
+while time.time() < end:
+    conus.sendall(message(b"TRANSFORM", pose))
+    try:
+        told += conus.recv(65536)
+    except socket.timeout:
+        pass
+    while len(told) >= 58 and len(told) >= 58 + struct.unpack(">Q", told[42:50])[0]: # the receiver wants whole ones
+        size = 58 + struct.unpack(">Q", told[42:50])[0]
+        receiver.sendall(told[:size])
+        told = told[size:]
+    time.sleep(0.02)
+receiver.close()
+END
+    other=$(free_port)
+    example ReceiveServer "$other"
+    sleep 0.3
+    "$CONUS" track sphere.nii.gz --listen "$port" --seconds 3 --quiet --format tsv >steps.tsv 3>&- &
+    track=$!
+    sleep 0.5
+    timeout 20 /usr/bin/python3 send.py "$port" "$other"
+    wait $track
+    end_peer
+    grep -aq 'STRING' ReceiveServer.out
+    grep -aq 'Sphere' ReceiveServer.out
+    grep -aq 'POINT' ReceiveServer.out
+}
+
+@test "what does not go together is said" {
+    sphere --size 16
+    fails 2 'no poses: --poses FILE, or a tracker' track sphere.nii.gz
+    fails 2 'from a file or from a tracker, not from both' track sphere.nii.gz --poses x.tsv --listen 18944
+    fails 2 '--tool needs --listen or --connect' track sphere.nii.gz --poses x.tsv --tool Pointer
+    fails 2 'is no address and port' track sphere.nii.gz --listen 0
+    fails 2 'is no address and port' track sphere.nii.gz --listen 70000
+    fails 2 'is no address and port' track sphere.nii.gz --connect here:there
+    fails 3 'is no IPv4 address to wait on' track sphere.nii.gz --listen nowhere:18944 --seconds 1
+    fails 3 'none.txt' track sphere.nii.gz --listen 18944 --world-from-tracker none.txt
+}
+
+@test "Ctrl-C ends it in order" {
+    sphere --size 16
+    port=$(free_port)
+    "$CONUS" track sphere.nii.gz --listen "$port" -o steps.tsv --quiet 3>&- &
+    track=$!
+    sleep 1
+    kill -INT $track
+    wait $track
+    head -1 steps.tsv | grep -q time_s
+}

@@ -1,0 +1,202 @@
+#!/usr/bin/env bats
+# conus view under a display without a screen (Xvfb) and Mesa's software renderer, driven by scripts and by xdotool.
+load helpers
+
+setup_file() {
+    command -v Xvfb >/dev/null || return 0
+    Xvfb -displayfd 3 -screen 0 1280x800x24 -nolisten tcp 3>"$BATS_FILE_TMPDIR/display" 2>/dev/null &
+    echo $! >"$BATS_FILE_TMPDIR/pid"
+    for _ in {1..100}; do
+        [ ! -s "$BATS_FILE_TMPDIR/display" ] || break
+        sleep 0.05
+    done
+    DISPLAY=:$(cat "$BATS_FILE_TMPDIR/display")
+    export DISPLAY
+}
+
+teardown_file() {
+    [ ! -f "$BATS_FILE_TMPDIR/pid" ] || kill "$(cat "$BATS_FILE_TMPDIR/pid")"
+}
+
+need_window() {
+    [ -x "${CONUS%/*}/conus-view" ] || skip "conus-view is not built"
+    [ -f "$BATS_FILE_TMPDIR/pid" ] || skip "no Xvfb"
+}
+
+# view ATLAS [OPTION...] <SCRIPT: succeeds without a word.
+view() {
+    cat >script
+    run -0 --separate-stderr timeout 120 "$CONUS" view "$@" --script script --quiet --size 1000x640
+    [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
+}
+
+@test "it starts, shows four panes and panels, and ends" {
+    need_window
+    conus phantom u-shape -o .
+    view u-shape.nii.gz <<'END'
+aim 60 0 6 0 0 6
+settle
+screenshot window.png
+END
+    # the 3-D pane is light, the flat ones are black at their corners, the panels dark grey
+    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+pixels = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)
+assert pixels.shape[:2] == (640, 1000), pixels.shape
+assert pixels[290, 255][:3].mean() > 150, pixels[290, 255]
+assert pixels[600, 255][:3].max() == 0, pixels[600, 255]
+assert 20 < pixels[600, 30][:3].mean() < 60, pixels[600, 30]
+END
+}
+
+@test "the list is what conus query answers, for 50 poses" {
+    need_window
+    conus phantom nested -o .
+    awk 'BEGIN { srand(7); for (i = 0; i < 50; i++) {
+        a = 6.2831853 * rand(); z = 80 * rand() - 40
+        printf "%.3f %.3f %.3f %.3f %.3f %.3f\n", 70 * cos(a), 70 * sin(a), z, 20 * rand() - 10, 20 * rand() - 10, 20 * rand() - 10
+    } }' >poses
+    i=0
+    while read -r pose; do
+        printf 'aim %s\nresults view%02d.tsv\n' "$pose" $i
+        i=$((i + 1))
+    done <poses | { echo 'angle 14'; cat; } >commands
+    view nested.nii.gz <commands
+    i=0
+    while read -r x y z tx ty tz; do
+        conus query nested.nii.gz --origin="$x,$y,$z" --toward="$tx,$ty,$tz" --angle 14 --format tsv >wanted
+        diff "$(printf 'view%02d.tsv' $i)" wanted
+        i=$((i + 1))
+    done <poses
+    [ $i -eq 50 ]
+}
+
+@test "a session is left and opened as it was" {
+    need_window
+    conus phantom slabs -o .
+    view slabs.nii.gz <<'END'
+aim 3 90 2 3 0 2
+angle 23
+key l
+key f
+crosshair 1 2 3
+orbit 40 20
+choose "Slab anterior"
+key h
+key enter
+save one.json
+key v
+angle 5
+aim 0 0 90 0 0 0
+open one.json
+save two.json
+END
+    diff one.json two.json
+    view slabs.nii.gz --session one.json <<'END'
+save three.json
+results left.tsv
+END
+    diff one.json three.json
+    conus query slabs.nii.gz --origin 3,90,2 --toward 3,0,2 --angle 23 --layers all --format tsv | diff left.tsv -
+}
+
+@test "searching, hiding, isolating and taking it back" {
+    need_window
+    conus phantom slabs -o .
+    view slabs.nii.gz <<'END'
+orbit 0 0
+settle
+screenshot all.png
+choose "Slab anterior"
+key i
+settle
+screenshot only.png
+key u
+settle
+screenshot again.png
+search poster
+settle
+screenshot found.png
+END
+    run -1 conus diff all.png only.png
+    run -1 conus diff again.png found.png
+}
+
+@test "the mouse points, turns and confirms" {
+    need_window
+    command -v xdotool >/dev/null || skip "no xdotool"
+    conus phantom sphere -o .
+    printf 'wait 400\nresults mouse.tsv\nsave mouse.json\n' >script
+    timeout 60 "$CONUS" view sphere.nii.gz --script script --size 1000x640 &
+    child=$!
+    for _ in {1..100}; do
+        window=$(xdotool search --name '^conus$' 2>/dev/null | head -1) && [ -n "$window" ] && break
+        sleep 0.1
+    done
+    sleep 1
+    for step in {0..20}; do # over the middle of the 3-D pane
+        xdotool mousemove --window "$window" $((400 - step)) $((150 + step / 4)) 2>/dev/null || break
+        sleep 0.05
+    done
+    xdotool key --window "$window" Return 2>/dev/null || true
+    wait $child
+    grep -q Sphere mouse.tsv
+}
+
+@test "what a script cannot do is said with its line" {
+    need_window
+    sphere --size 16
+    local text code
+    while IFS='|' read -r command text; do
+        printf '\n%s\n' "$command" >script
+        run -3 --separate-stderr timeout 60 "$CONUS" view sphere.nii.gz --script script --quiet
+        [[ "$stderr" == *"script:2: $text"* ]] || { echo "said: $stderr"; echo "wanted: $text"; return 1; }
+    done <<'END'
+dance|unknown command "dance"
+aim 1 2 3|aim X Y Z TX TY TZ is needed
+angle 180|angle DEGREES is needed
+angle nan|angle DEGREES is needed
+key ctrl|key KEY is needed
+choose Nobody|choose NAME is needed
+aim 1 2 3 4 5 6 7 8 9|more than 8 words
+save|save FILE.json is needed
+END
+}
+
+@test "sessions that do not fit are refused" {
+    need_window
+    sphere --size 16
+    conus phantom slabs -o . --size 16
+    echo 'save slabs.json' | view slabs.nii.gz
+    run -3 --separate-stderr timeout 60 "$CONUS" view sphere.nii.gz --session slabs.json --script /dev/null --quiet
+    check_message 'of an atlas with 2 areas and pathways, this one has 1'
+    sed 's/"angle_deg": [0-9.]*/"angle_deg": 1e9/' slabs.json >bad.json
+    run -3 --separate-stderr timeout 60 "$CONUS" view slabs.nii.gz --session bad.json --script /dev/null --quiet
+    check_message 'angle_deg: 1 numbers from 0.01 to 179.99 are needed'
+    head -c 200 slabs.json >half.json
+    run -3 --separate-stderr timeout 60 "$CONUS" view slabs.nii.gz --session half.json --script /dev/null --quiet
+    check_message 'half.json: line'
+}
+
+@test "without a display it names the way out" {
+    [ -x "${CONUS%/*}/conus-view" ] || skip "conus-view is not built"
+    sphere --size 16
+    run -4 --separate-stderr env -u DISPLAY -u WAYLAND_DISPLAY "$CONUS" view sphere.nii.gz
+    [[ "$stderr" == *'conus render draws pictures without a window'* ]]
+}
+
+@test "a window of one pixel is a window" {
+    need_window
+    sphere --size 16
+    printf 'aim 0 0 90 0 0 0\nwait 5\nresults tiny.tsv\n' >script
+    run -0 timeout 60 "$CONUS" view sphere.nii.gz --script script --quiet --size 1x1
+    grep -q Sphere tiny.tsv
+}
+
+@test "an atlas that is none ends it with a message" {
+    need_window
+    echo nonsense >none.nii
+    run -3 --separate-stderr timeout 60 "$CONUS" view none.nii --script /dev/null
+    check_message 'none.nii'
+}

@@ -1,0 +1,277 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The connection to a station, over real sockets of this machine. */
+#include "link/station.h"
+#include "test.h"
+
+#include <arpa/inet.h>
+#include <math.h>
+#include <poll.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum { ROOM = 4096 };
+
+static const double turned[16] = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 10, -20, 30, 1};
+static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+static struct station *start(const struct station_options *options)
+{
+    struct station *station = NULL;
+    char why[200];
+    if (!station_start(&station, options, why, sizeof why)) {
+        fail_msg("%s", why);
+    }
+    return station;
+}
+
+static int connect_to(struct station *station)
+{
+    const struct sockaddr_in place = {
+        .sin_family = AF_INET, .sin_port = htons(station_port(station)), .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    int peer = socket(AF_INET, SOCK_STREAM, 0);
+    assert_int_equal(connect(peer, (const struct sockaddr *)&place, sizeof place), 0);
+    return peer;
+}
+
+static void send_all(int peer, const uint8_t *bytes, size_t size)
+{
+    while (size > 0) {
+        ssize_t sent = send(peer, bytes, size, MSG_NOSIGNAL);
+        assert_true(sent > 0);
+        bytes += sent;
+        size -= (size_t)sent;
+    }
+}
+
+static void send_pose(int peer, const char *tool, const double matrix[16])
+{
+    uint8_t bytes[ROOM];
+    send_all(peer, bytes, igtl_write_transform(bytes, sizeof bytes, tool, 2, matrix));
+}
+
+static struct station_news wait_for(struct station *station, uint64_t after)
+{
+    struct station_news news;
+    assert_true(station_wait(station, after, 10, &news));
+    return news;
+}
+
+static void a_pose_arrives(void **state)
+{
+    (void)state;
+    struct station *station = start(&(struct station_options){0});
+    struct station_news news;
+    station_ask(station, &news);
+    assert_int_equal(news.state, STATION_WAITING);
+    int peer = connect_to(station);
+    send_pose(peer, "Pointer", turned);
+    news = wait_for(station, 0);
+    assert_int_equal(news.state, STATION_SEEN);
+    assert_int_equal(news.number, 1);
+    for (int i = 0; i < 16; i++) {
+        assert_near(news.pose.world_from_device[i], turned[i], 0);
+    }
+    close(peer);
+    station_stop(station);
+}
+
+/* Whatever the axis, the device's -z is the tool's axis, and its frame stays right-handed. */
+static void the_axis_becomes_the_devices(void **state)
+{
+    (void)state;
+    for (int axis = CONUS_AXIS_PLUS_X; axis <= CONUS_AXIS_MINUS_Z; axis++) {
+        struct station *station = start(&(struct station_options){.axis = (conus_axis)axis});
+        int peer = connect_to(station);
+        send_pose(peer, "Pointer", turned);
+        struct station_news news = wait_for(station, 0);
+        const double *m = news.pose.world_from_device;
+        int of = (axis - CONUS_AXIS_PLUS_X) / 2;
+        double sign = (axis - CONUS_AXIS_PLUS_X) % 2 ? -1 : 1;
+        for (int a = 0; a < 3; a++) {
+            assert_near(-m[8 + a], sign * turned[4 * of + a], 1e-12);
+        }
+        conus_pose exact;
+        assert_ok(conus_pose_from_matrix(&exact, m));
+        close(peer);
+        station_stop(station);
+    }
+}
+
+/* The pointer in the head's frame: inv(head) pointer; from LPS; in the world. */
+static void frames_are_joined(void **state)
+{
+    (void)state;
+    const double head[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1};
+    struct station_options options = {.tool = "Pointer", .reference = "Head", .lps = true};
+    memcpy(options.world_from_tracker, identity, sizeof identity);
+    options.world_from_tracker[14] = 100;
+    struct station *station = start(&options);
+    int peer = connect_to(station);
+    struct station_news news;
+    send_pose(peer, "Other", turned);
+    send_pose(peer, "PointerToTracker", turned);
+    news = wait_for(station, 0);
+    assert_int_equal(news.state, STATION_SILENT); /* without its reference there is no pose */
+    send_pose(peer, "HeadToTracker", head);
+    send_pose(peer, "PointerToTracker", turned);
+    news = wait_for(station, 1);
+    assert_int_equal(news.state, STATION_SEEN);
+    assert_near(news.pose.world_from_device[12], -(10 - 4), 1e-6);
+    assert_near(news.pose.world_from_device[13], -(-20 - 5), 1e-6);
+    assert_near(news.pose.world_from_device[14], 30 - 6 + 100, 1e-6);
+    send_pose(peer, "HeadToTracker", identity);
+    send_pose(peer, "PointerToTracker", turned);
+    news = wait_for(station, 2);
+    assert_int_equal(news.state, STATION_LOST);
+    close(peer);
+    station_stop(station);
+}
+
+static void lost_and_stale_tools_are_no_poses(void **state)
+{
+    (void)state;
+    struct station *station = start(&(struct station_options){0});
+    int peer = connect_to(station);
+    send_pose(peer, "Pointer", identity);
+    assert_int_equal(wait_for(station, 0).state, STATION_LOST);
+    send_pose(peer, "Pointer", turned);
+    assert_int_equal(wait_for(station, 1).state, STATION_SEEN);
+    struct station_news news;
+    assert_false(station_wait(station, 2, 0.6, &news));
+    assert_int_equal(news.state, STATION_STALE);
+    close(peer);
+    station_stop(station);
+}
+
+/* One that sends nonsense is shown out; the other is still heard, and it may come again. */
+static void nonsense_ends_one_connection_only(void **state)
+{
+    (void)state;
+    static const char nonsense[] = "GET / HTTP/1.1\r\nHost: localhost\r\nAccept: everything there is\r\n\r\n";
+    struct station *station = start(&(struct station_options){0});
+    int good = connect_to(station);
+    send_pose(good, "Pointer", turned);
+    wait_for(station, 0);
+    for (unsigned round = 1; round <= 3; round++) {
+        int bad = connect_to(station);
+        uint8_t byte;
+        send_all(bad, (const uint8_t *)nonsense, sizeof nonsense);
+        assert_true(recv(bad, &byte, 1, 0) <= 0); /* closed by the other side */
+        close(bad);
+    }
+    send_pose(good, "Pointer", turned);
+    struct station_news news = wait_for(station, 1);
+    assert_int_equal(news.dropped, 3);
+    close(good);
+    station_stop(station);
+}
+
+static void a_flood_leaves_the_newest_pose(void **state)
+{
+    (void)state;
+    enum { COUNT = 20000 };
+    struct station *station = start(&(struct station_options){0});
+    int peers[2] = {connect_to(station), connect_to(station)};
+    double matrix[16];
+    memcpy(matrix, turned, sizeof matrix);
+    for (int i = 1; i <= COUNT; i++) {
+        matrix[12] = i;
+        send_pose(peers[i % 2], i % 2 ? "Noise" : "Pointer", matrix);
+    }
+    struct station_news news = {0};
+    while (news.counts.poses < COUNT) {
+        station_wait(station, news.number, 0.05, &news);
+    }
+    assert_true(news.number == COUNT / 2);
+    close(peers[0]);
+    close(peers[1]);
+    station_stop(station);
+}
+
+static void read_exactly(int peer, uint8_t *out, size_t size)
+{
+    size_t done = 0;
+    while (done < size) {
+        ssize_t got = recv(peer, out + done, size - done, 0);
+        assert_true(got > 0);
+        done += (size_t)got;
+    }
+}
+
+static void what_is_told_arrives(void **state)
+{
+    (void)state;
+    static const char json[] = "{\"best\": \"Insula_L\"}";
+    const struct igtl_point point = {.name = "Insula_L", .rgb = {1, 2, 3}, .position = {4, 5, 6}};
+    uint8_t bytes[ROOM];
+    struct station *station = start(&(struct station_options){0});
+    int peer = connect_to(station);
+    send_pose(peer, "Pointer", turned);
+    wait_for(station, 0);
+    station_tell(station, json, &point, 1);
+    size_t text = IGTL_HEADER + 4 + sizeof json - 1;
+    read_exactly(peer, bytes, text + IGTL_HEADER + 136);
+    assert_memory_equal(bytes + 2, "STRING", 7);
+    assert_memory_equal(bytes + IGTL_HEADER + 4, json, sizeof json - 1);
+    assert_memory_equal(bytes + text + 2, "POINT", 6);
+    assert_memory_equal(bytes + text + IGTL_HEADER, "Insula_L", 9);
+    close(peer);
+    station_stop(station);
+}
+
+/* As a client it asks for tracking data, and asks again after the server was gone. */
+static void as_a_client_it_comes_again(void **state)
+{
+    (void)state;
+    struct sockaddr_in place = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    socklen_t length = sizeof place;
+    int server = socket(AF_INET, SOCK_STREAM, 0);
+    assert_int_equal(bind(server, (struct sockaddr *)&place, sizeof place), 0);
+    assert_int_equal(listen(server, 1), 0);
+    assert_int_equal(getsockname(server, (struct sockaddr *)&place, &length), 0);
+    struct station *station = start(&(struct station_options){.host = "127.0.0.1", .port = ntohs(place.sin_port)});
+    for (uint64_t round = 0; round < 2; round++) {
+        uint8_t bytes[ROOM];
+        int peer = accept(server, NULL, NULL);
+        assert_true(peer >= 0);
+        read_exactly(peer, bytes, IGTL_HEADER + 36);
+        assert_memory_equal(bytes + 2, "STT_TDATA", 10);
+        send_pose(peer, "Pointer", turned);
+        assert_int_equal(wait_for(station, round).state, STATION_SEEN);
+        close(peer);
+    }
+    close(server);
+    station_stop(station);
+}
+
+static void a_bad_address_is_said(void **state)
+{
+    (void)state;
+    struct station *station = NULL;
+    char why[200];
+    assert_false(station_start(&station, &(struct station_options){.listen = "nowhere"}, why, sizeof why));
+    assert_non_null(strstr(why, "nowhere"));
+    struct station *first = start(&(struct station_options){0});
+    const struct station_options same = {.port = station_port(first)};
+    assert_false(station_start(&station, &same, why, sizeof why));
+    assert_non_null(strstr(why, "cannot wait on"));
+    station_stop(first);
+    station_stop(NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_pose_arrives),
+        cmocka_unit_test(the_axis_becomes_the_devices),
+        cmocka_unit_test(frames_are_joined),
+        cmocka_unit_test(lost_and_stale_tools_are_no_poses),
+        cmocka_unit_test(nonsense_ends_one_connection_only),
+        cmocka_unit_test(a_flood_leaves_the_newest_pose),
+        cmocka_unit_test(what_is_told_arrives),
+        cmocka_unit_test(as_a_client_it_comes_again),
+        cmocka_unit_test(a_bad_address_is_said),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
