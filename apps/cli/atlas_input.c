@@ -169,3 +169,21 @@ void settings_say_notes(const conus_atlas *atlas, const struct common_settings *
         complain("note: %s", conus_atlas_note(atlas, i));
     }
 }
+
+/* A surface that is not closed has no volume. */
+void settings_say_open(const conus_atlas *atlas, const struct engine_settings *engine,
+                       const struct common_settings *settings)
+{
+    size_t surfaces = 0;
+    size_t open = 0;
+    for (size_t number = 1; number <= conus_atlas_object_count(atlas); number++) {
+        const conus_object *object = conus_atlas_object(atlas, number);
+        surfaces += object->triangles > 0;
+        open += object->triangles > 0 && object->volume_mm3 == 0;
+    }
+    if (open && engine->layers == CONUS_ALL_LAYERS && !settings->quiet) {
+        complain("note: %zu of %zu surfaces are not closed: paths count only where a ray goes in and comes out, and "
+                 "there is no fraction",
+                 open, surfaces);
+    }
+}

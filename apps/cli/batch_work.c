@@ -154,6 +154,7 @@ int work_prepare(struct work *work)
     code = code ? code : build(work);
     if (!code) {
         settings_say_notes(work->atlas, &work->settings->common);
+        settings_say_open(work->atlas, &work->settings->engine, &work->settings->common);
     }
     return code;
 }

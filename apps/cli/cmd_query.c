@@ -417,6 +417,7 @@ static int work(struct query *query)
         return code;
     }
     settings_say_notes(query->atlas, &settings->common);
+    settings_say_open(query->atlas, &settings->engine, &settings->common);
     return write_all(query);
 }
 

@@ -77,6 +77,10 @@ const char *settings_input(const conus_atlas *atlas, const struct input *inputs,
 /** Says the atlas's notes on stderr, unless --quiet. */
 void settings_say_notes(const conus_atlas *atlas, const struct common_settings *settings);
 
+/** Says likewise, where all layers are asked for, how many surfaces are not closed and what that means for them. */
+void settings_say_open(const conus_atlas *atlas, const struct engine_settings *engine,
+                       const struct common_settings *settings);
+
 /** Whether the options that aim a cone go together; complains if not. @p aim_needed: there must be a cone. */
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
 

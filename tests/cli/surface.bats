@@ -38,6 +38,15 @@ labels() {
     [ "$(cut -f 2-4,8,13-16 <<<"${lines[1]}")" = "area	1	lh.pial	208	30.0002234	4.91813573	4.91813573	0" ]
 }
 
+@test "in all layers an open surface is pierced, and said to have no inside" {
+    square | gifti >lh.pial.surf.gii
+    run -0 --separate-stderr "$CONUS" query lh.pial.surf.gii --origin 5,5,30 --toward 5,5,0 --angle 5 --format tsv --layers all
+    # shellcheck disable=SC2154 # bats sets stderr
+    [[ "$stderr" = *"note: 1 of 1 surfaces are not closed: paths count only where a ray goes in and comes out"* ]]
+    # pierced, entry, exit, path, volume, fraction
+    [ "$(cut -f 10,17-21 <<<"${lines[1]}")" = "208	30.0002234	30.027911	0	n/a	n/a" ]
+}
+
 @test "labels of the vertices cut it, in its own file or another" {
     { square; labels 6; } | gifti >both.gii
     square | gifti >surface.gii
