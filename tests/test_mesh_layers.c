@@ -199,6 +199,26 @@ static void a_ray_through_both_tubes_of_a_torus(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* 2 pi^2 ring tube^2, from all sides. */
+static void the_volume_of_a_torus(void **state)
+{
+    (void)state;
+    const double volume = 2 * MATH3_PI * MATH3_PI * 30 * 64;
+    static const double origins[][3] = {{90, 20, 30}, {5, 8, 110}, {-70, 60, -50}, {0, 0, 0}};
+    conus_atlas *atlas = atlas_of(mesh_scene_torus(30, 8, 200, 120));
+    for (int i = 0; i < 4; i++) {
+        struct cone cone = mesh_scene_cone(origins[i], i == 3 ? (double[]){90, 0, 0} : CENTRE, i == 3 ? 100 : 60, 160);
+        conus_selector_options options = all_layers;
+        options.resolution = 160;
+        options.aperture = i == 3 ? CONUS_SQUARE : CONUS_CIRCLE;
+        conus_result row = measure(atlas, &options, &cone);
+        double part = i == 3 ? 100.0 / 360 : 1; /* from its middle: a wedge between the sides of the square */
+        assert_near(row.volume, part * volume, 2e-3 * volume);
+        assert_near(row.fraction, part, 2e-3);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 static void nested_objects_have_a_piece_each(void **state)
 {
     (void)state;
@@ -358,6 +378,7 @@ int main(void)
         cmocka_unit_test(a_cylinder_through_a_sphere),
         cmocka_unit_test(a_range_cuts_a_sphere_to_a_slab),
         cmocka_unit_test(a_ray_through_both_tubes_of_a_torus),
+        cmocka_unit_test(the_volume_of_a_torus),
         cmocka_unit_test(nested_objects_have_a_piece_each),
         cmocka_unit_test(shells_of_one_mesh_are_one_body),
         cmocka_unit_test(neighbours_share_a_face),
