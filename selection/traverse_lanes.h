@@ -249,6 +249,7 @@ static void store(const struct leap_map *map, struct traverse_bundle *bundle, si
 struct packet {
     struct lanes rays;
     struct places at;
+    reals codes; /* of the cells where it is: fetched a turn before they are needed */
     truths hit;
     size_t first; /* ray of the bundle; its count = none */
 };
@@ -256,15 +257,17 @@ struct packet {
 /* Lanes that meet an object stop, with their hit set; the others leap. */
 static INLINE void advance(const struct leap_map *map, const struct layout *layout, struct packet *packet)
 {
-    reals codes = codes_at(layout, packet->at.cell);
+    reals codes = packet->codes;
     truths met = equal(codes, all(0));
     packet->hit |= packet->at.live & met;
     packet->at.live &= ~met;
     leap(map, &packet->rays, &packet->at, codes);
+    packet->codes = codes_at(layout, packet->at.cell);
 }
 
 /* Delivers a packet whose lanes have all stopped and takes the bundle's next one that has any under way. */
-static void renew(const struct leap_map *map, struct traverse_bundle *bundle, struct packet *packet, size_t *next)
+static void renew(const struct leap_map *map, const struct layout *layout, struct traverse_bundle *bundle,
+                  struct packet *packet, size_t *next)
 {
     do {
         if (packet->first < bundle->count) {
@@ -277,6 +280,7 @@ static void renew(const struct leap_map *map, struct traverse_bundle *bundle, st
         load(&packet->rays, map, bundle, packet->first);
         enter(map, &packet->rays, bundle, &packet->at);
         packet->hit = less(all(0), all(0)); /* none */
+        packet->codes = codes_at(layout, packet->at.cell);
         *next += LANES;
     } while (!any(packet->at.live));
 }
@@ -289,16 +293,16 @@ void KERNEL(const struct leap_map *map, struct traverse_bundle *bundle)
     struct packet two = {.first = bundle->count};
     size_t next = 0;
     layout_init(&layout, map);
-    renew(map, bundle, &one, &next);
-    renew(map, bundle, &two, &next);
+    renew(map, &layout, bundle, &one, &next);
+    renew(map, &layout, bundle, &two, &next);
     while (any(one.at.live | two.at.live)) {
         advance(map, &layout, &one);
         advance(map, &layout, &two);
         if (!any(one.at.live)) {
-            renew(map, bundle, &one, &next);
+            renew(map, &layout, bundle, &one, &next);
         }
         if (!any(two.at.live)) {
-            renew(map, bundle, &two, &next);
+            renew(map, &layout, bundle, &two, &next);
         }
     }
 }
