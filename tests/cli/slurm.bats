@@ -58,9 +58,22 @@ slurm_up() {
     skip "Slurm's node does not come up"
 }
 
+# runs PID: whether it does, and is not only waiting to be reaped.
+runs() {
+    grep -q '^State:[[:space:]]*[^Z]' "/proc/$1/status" 2>/dev/null
+}
+
+# They write to the folder until they have ended.
 teardown() {
     for daemon in slurmd slurmctld munged; do
-        [ ! -s "slurm/$daemon.pid" ] || kill "$(cat "slurm/$daemon.pid")" || true
+        [ -s "slurm/$daemon.pid" ] || continue
+        local pid
+        pid=$(cat "slurm/$daemon.pid")
+        kill "$pid" || continue
+        for _ in $(seq 200); do
+            runs "$pid" || break
+            sleep 0.05
+        done
     done
 }
 
