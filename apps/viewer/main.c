@@ -13,6 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* How long the loop waits for events, at most, before it draws again. */
+static const double busy_s = 0.001, idle_s = 0.02;
+
 enum { DEFAULT_WIDTH = 1500, DEFAULT_HEIGHT = 940 };
 
 struct view_settings {
@@ -111,13 +114,34 @@ static conus_atlas *wait_for_atlas(struct window *window, const struct loading *
     return atlas;
 }
 
+static void hear_tracker(struct window *window)
+{
+    uint64_t before = window->news.number;
+    bool aimed = station_step(window->station, window->viewer, &window->news);
+    if (aimed && window->news.number != before) {
+        times_add(&window->times, TIMED_LATENCY, 1e3 * window->news.age_s + window->viewer->select_ms);
+    }
+}
+
+/* After a frame at whose beginning @p answer was the newest. */
+static void note_times(struct window *window, unsigned answer)
+{
+    struct times *times = &window->times;
+    times->first_frame = times->first_frame > 0 ? times->first_frame : times_now() - times->started;
+    if (window->viewer->answer_number != answer) {
+        times_add(times, TIMED_SELECTION, window->viewer->select_ms);
+    }
+}
+
 static int show(struct window *window, struct script *script)
 {
     int code = EXIT_DONE;
     while (!glfwWindowShouldClose(window->handle)) {
-        glfwWaitEventsTimeout(script ? 0.001 : 0.02);
+        glfwWaitEventsTimeout(script || window->station ? busy_s : idle_s);
+        times_begin_frame(&window->times);
+        unsigned answer = window->viewer->answer_number;
         if (window->station) {
-            station_step(window->station, window->viewer, &window->news);
+            hear_tracker(window);
         }
         replay_step(&window->replay, window->viewer, glfwGetTime());
         window_draw(window);
@@ -125,6 +149,7 @@ static int show(struct window *window, struct script *script)
             break;
         }
         glfwSwapBuffers(window->handle);
+        note_times(window, answer);
     }
     return code;
 }
@@ -176,6 +201,7 @@ static int start_sources(struct window *window, const struct view_settings *sett
 static int run(const void *given, const struct arguments *arguments)
 {
     const struct view_settings *settings = given;
+    double started = times_now();
     struct script *script = NULL;
     struct window window;
     int width = settings->size[0] ? (int)settings->size[0] : DEFAULT_WIDTH;
@@ -192,6 +218,7 @@ static int run(const void *given, const struct arguments *arguments)
         script_destroy(script);
         return EXIT_NO_GL;
     }
+    times_start(&window.times, started);
     code = start_sources(&window, settings);
     code = code ? code : run_window(&window, settings, arguments->operands[0], script);
     station_stop(window.station);

@@ -16,8 +16,10 @@ struct painting {
     double field_of_view; /**< Vertical, radians. */
     uint32_t width, height;
     double fade;
-    struct answer *answer; /**< Its cone is drawn; NULL = none. */
-    bool moving;           /**< Another one will follow soon: be quick. */
+    struct answer *answer;  /**< Its cone is drawn; NULL = none. */
+    unsigned answer_number; /**< Of the answer: two paintings of the same number have the same one. */
+    unsigned scene_number;  /**< Of what is hidden, the transfer function and the atlas. */
+    bool moving;            /**< Another one will follow soon: be quick. */
 };
 
 /** A drawn picture. */

@@ -10,6 +10,8 @@ static const ui_colour light = {235, 235, 240, 255};
 static const ui_colour dark = {20, 20, 24, 255};
 static const ui_colour orange = {255, 150, 30, 255};
 
+static const double rest_ms = 300; /* a cone that others move rests when it stood still for so long */
+
 enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the device's view */ };
 
 /* ---- The picture ------------------------------------------------------------------------------------------------- */
@@ -17,7 +19,8 @@ enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the devic
 static bool is_same(const struct painting *a, const struct painting *b)
 {
     return memcmp(&a->camera, &b->camera, sizeof a->camera) == 0 && a->width == b->width && a->height == b->height &&
-           a->fade == b->fade && a->answer == b->answer && a->moving == b->moving;
+           a->fade == b->fade && a->answer_number == b->answer_number && a->scene_number == b->scene_number &&
+           a->moving == b->moving;
 }
 
 static void ask_painter(struct window *window, bool moving)
@@ -29,22 +32,31 @@ static void ask_painter(struct window *window, bool moving)
                             .height = (uint32_t)fmaxf(box->height, 1),
                             .fade = viewer->fade,
                             .answer = viewer->answer,
+                            .answer_number = viewer->answer_number,
+                            .scene_number = viewer->scene_number,
                             .moving = moving};
     orbit_camera(&what.camera, &viewer->orbit);
-    if (!is_same(&what, &window->asked)) {
+    if (viewer->painter && !is_same(&what, &window->asked)) {
         painter_ask(viewer->painter, &what);
         window->asked = what;
         window->painted_fine = false;
     }
 }
 
+static void note_picture(struct window *window, double milliseconds)
+{
+    struct times *times = &window->times;
+    times_add(times, TIMED_PICTURE, milliseconds);
+    times->first_picture = times->first_picture > 0 ? times->first_picture : times_now() - times->started;
+}
+
 static void take_picture(struct window *window)
 {
     struct painted picture;
-    if (painter_take(window->viewer->painter, &picture)) {
+    if (window->viewer->painter && painter_take(window->viewer->painter, &picture)) {
+        note_picture(window, picture.milliseconds);
         texture_set(&window->painted, picture.rgba, picture.width, picture.height);
         window->painted_ms = picture.milliseconds;
-        picture.what.answer = window->asked.answer; /* of which the painter keeps its own */
         window->painted_fine = picture.fine && is_same(&picture.what, &window->asked);
         free(picture.rgba);
     }
@@ -125,7 +137,9 @@ static void draw_waiting(const struct window *window)
     const struct ui_box *box = &window->panes[PANE_3D];
     char error[256];
     const float at[2] = {box->x + 20, box->y + box->height / 2};
-    if (painter_error(window->viewer->painter, error, sizeof error)) {
+    if (!window->viewer->painter) {
+        ui_draw_text(at, orange, "not enough memory to draw");
+    } else if (painter_error(window->viewer->painter, error, sizeof error)) {
         ui_draw_text(at, orange, error);
     } else if (!window->painted.name) {
         ui_draw_text(at, light, "drawing ...");
@@ -171,6 +185,19 @@ static bool use_mouse(struct window *window)
     return moved || mouse.wheel != 0;
 }
 
+/* Whether a tracker or a replay moved the cone just now, and will again. */
+static bool is_carried(struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    double now = times_now();
+    if (window->carried_answer != viewer->answer_number) {
+        window->carried_answer = viewer->answer_number;
+        window->carried_ms = now;
+    }
+    bool by_others = viewer->pointer == POINT_BY_TRACKER || viewer->pointer == POINT_BY_REPLAY;
+    return by_others && now - window->carried_ms < rest_ms;
+}
+
 void pane_3d(struct window *window)
 {
     const struct ui_box *box = &window->panes[PANE_3D];
@@ -182,7 +209,7 @@ void pane_3d(struct window *window)
         ui_draw_image(window->painted.name, *box);
     }
     bool moving = ui_surface("surface", *box) && use_mouse(window);
-    ask_painter(window, moving || window->viewer->pointer == POINT_BY_TRACKER);
+    ask_painter(window, moving || is_carried(window));
     ui_clip(*box);
     draw_names(window);
     draw_waiting(window);

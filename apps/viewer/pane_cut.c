@@ -83,6 +83,7 @@ static void draw_picture(struct window *window, struct cut_pane *pane, const dou
 
 struct frame {
     const struct cut_pane *pane;
+    float title_width;
     double centre[3], right[3], up[3], mm_per_pixel;
 };
 
@@ -133,10 +134,13 @@ static void draw_letters(const struct frame *frame)
     const struct ui_box *box = &frame->pane->box;
     const double left[3] = {-frame->right[0], -frame->right[1], -frame->right[2]};
     const double down[3] = {-frame->up[0], -frame->up[1], -frame->up[2]};
-    const struct {
+    struct {
         const double *towards;
         float x, y;
     } places[] = {{left, 0.02F, 0.5F}, {frame->right, 0.96F, 0.5F}, {frame->up, 0.5F, 0.02F}, {down, 0.5F, 0.93F}};
+    if (8 + frame->title_width > 0.5F * box->width - 6) { /* the title reaches there */
+        places[2].y = 1.6F * ui_line() / fmaxf(box->height, 1);
+    }
     for (int i = 0; i < 4; i++) {
         const char text[2] = {letter_towards(places[i].towards), '\0'};
         const float at[2] = {box->x + places[i].x * box->width, box->y + places[i].y * box->height};
@@ -155,7 +159,7 @@ static void draw_crosshair(const struct window *window, const struct frame *fram
     ui_draw_line((float[]){at[0], at[1] + 6}, (float[]){at[0], box->y + box->height}, cross, 1);
 }
 
-static void draw_title(const struct window *window, const struct frame *frame, enum plane plane)
+static void draw_title(const struct window *window, struct frame *frame, enum plane plane)
 {
     static const char *const names[] = {"axial", "coronal", "sagittal"};
     static const char axes[] = {'z', 'y', 'x'};
@@ -165,6 +169,7 @@ static void draw_title(const struct window *window, const struct frame *frame, e
              plane == SAGITTAL      ? ""
              : viewer->radiological ? "  radiological"
                                     : "  neurological");
+    frame->title_width = ui_text_width(text);
     ui_draw_text((float[]){frame->pane->box.x + 8, frame->pane->box.y + 6}, light, text);
 }
 
@@ -227,8 +232,8 @@ void pane_cut(struct window *window, enum plane plane)
     }
     ui_clip(pane->box);
     draw_crosshair(window, &frame);
-    draw_letters(&frame);
     draw_title(window, &frame, plane);
+    draw_letters(&frame);
     ui_clip_end();
     if (touched && window->hovered) {
         ui_tip(conus_atlas_object(window->viewer->atlas, window->hovered)->name);

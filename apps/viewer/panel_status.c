@@ -14,9 +14,11 @@ static void show_place(const struct window *window)
 
 void panel_status(struct window *window)
 {
-    char device[160];
+    char device[160] = "";
     const struct viewer *viewer = window->viewer;
-    painter_device(viewer->painter, device, sizeof device);
+    if (viewer->painter) {
+        painter_device(viewer->painter, device, sizeof device);
+    }
     ui_panel("status", window->status, UI_PLAIN);
     ui_indent();
     show_place(window);

@@ -51,7 +51,7 @@ static bool make_ready(struct viewer *viewer)
 {
     struct transfer_editor *editor = &viewer->transfer_editor;
     size_t volume = context_volume(viewer->atlas);
-    if (editor->ready || volume == conus_atlas_volume_count(viewer->atlas)) {
+    if (editor->ready || !viewer->painter || volume == conus_atlas_volume_count(viewer->atlas)) {
         return editor->ready;
     }
     editor->count = painter_transfer(viewer->painter, editor->points, EDITOR_POINTS);
@@ -132,9 +132,10 @@ static void edit_transfer(struct viewer *viewer)
     }
     if (held && editor->held < editor->count && (mouse.moved_x != 0 || mouse.moved_y != 0)) {
         drag(editor, &box, &mouse);
-        if (!painter_set_transfer(viewer->painter, editor->points, editor->count)) {
+        if (!viewer->painter || !painter_set_transfer(viewer->painter, editor->points, editor->count)) {
             viewer_say(viewer, "not enough memory");
         }
+        viewer->scene_number++;
         viewer->version++;
     }
     editor->held = held ? editor->held : EDITOR_POINTS;

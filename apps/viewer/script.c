@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WORD_LIMIT = 8, SETTLE_FRAMES = 3, SETTLE_LIMIT = 4000 };
+enum { WORD_LIMIT = 8, SETTLE_FRAMES = 3, SETTLE_LIMIT = 4000, PICTURE_LIMIT = 16384 };
 
 struct script {
     char *path;
@@ -194,7 +194,7 @@ static bool do_picture(struct call *call)
 {
     double size[2];
     bool fine = numbers(size, call, 1, 2) && size[0] >= 1 && size[1] >= 1;
-    return fine &&
+    return fine && size[0] <= PICTURE_LIMIT && size[1] <= PICTURE_LIMIT &&
            is_written(viewer_write_picture(call->window->viewer, call->words[1], (uint32_t)size[0], (uint32_t)size[1]));
 }
 
@@ -218,7 +218,23 @@ static bool do_open(struct call *call)
     return fine;
 }
 
-/* Appends what the list shows, as conus query would. */
+static bool do_times(struct call *call)
+{
+    return is_written(times_write(&call->window->times, call->words[1]));
+}
+
+static bool do_size(struct call *call)
+{
+    double size[2];
+    bool fine = numbers(size, call, 0, 2) && size[0] >= 1 && size[1] >= 1 && size[0] <= PICTURE_LIMIT &&
+                size[1] <= PICTURE_LIMIT;
+    if (fine) {
+        window_resize(call->window, (int)size[0], (int)size[1]);
+    }
+    return fine;
+}
+
+/* What the list shows, as conus query would write it. */
 static bool do_results(struct call *call)
 {
     return is_written(viewer_write_results(call->window->viewer, call->words[1]));
@@ -246,6 +262,8 @@ static const struct {
     {"screenshot", 1, 1, do_screenshot, "FILE.png"},
     {"picture", 3, 3, do_picture, "FILE.png WIDTH HEIGHT"},
     {"results", 1, 1, do_results, "FILE.tsv"},
+    {"times", 1, 1, do_times, "FILE.json"},
+    {"size", 2, 2, do_size, "WIDTH HEIGHT"},
     {"save", 1, 1, do_save, "FILE.json"},
     {"open", 1, 1, do_open, "FILE.json"},
 };

@@ -64,17 +64,19 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock)
 /* ---- The tracker --------------------------------------------------------------------------------------------------
  */
 
-void station_step(struct station *station, struct viewer *viewer, struct station_news *news)
+bool station_step(struct station *station, struct viewer *viewer, struct station_news *news)
 {
     uint64_t before = news->number;
     enum station_state was = news->state;
     station_ask(station, news);
     if (viewer->pointer != POINT_BY_TRACKER) {
-        return;
+        return false;
     }
-    if (news->state == STATION_SEEN && news->number != before) {
+    bool is_new = news->state == STATION_SEEN && news->number != before;
+    if (is_new) {
         viewer_aim(viewer, &news->pose);
         station_tell_selection(station, viewer->selector, viewer->atlas, viewer_selection(viewer));
     }
     viewer->version += news->state != was;
+    return is_new;
 }

@@ -117,6 +117,7 @@ static void select_now(struct viewer *viewer)
     }
     answer_drop(viewer->answer);
     viewer->answer = answer;
+    viewer->answer_number++;
     viewer->version++;
 }
 
@@ -201,13 +202,14 @@ char *viewer_pins_text(const struct viewer *viewer)
     return text;
 }
 
-conus_status viewer_write_results(const struct viewer *viewer, const char *path)
+conus_status viewer_write_results(struct viewer *viewer, const char *path)
 {
     conus_report *report = NULL;
     const conus_report_options options = {.format = CONUS_TSV};
     const char *text;
     size_t size;
-    conus_status status = conus_report_create(&report, viewer->selector, &options);
+    conus_status status = make_selector(viewer);
+    status = status ? status : conus_report_create(&report, viewer->selector, &options);
     status = status || !viewer->answer ? status : conus_report_add(report, "1", viewer_selection(viewer));
     status = status ? status : conus_report_text(report, &text, &size);
     status = status ? status : conus_write_file(path, text, size);
@@ -242,6 +244,7 @@ static void tell_painter(struct viewer *viewer)
     if (!viewer->painter || !painter_hide(viewer->painter, viewer->hidden, viewer->object_count + 1)) {
         viewer_say(viewer, "not enough memory");
     }
+    viewer->scene_number++;
     viewer->version++;
 }
 
@@ -255,6 +258,7 @@ void viewer_set_threshold(struct viewer *viewer, uint32_t object, double thresho
     viewer->selector = NULL;
     answer_drop(viewer->answer);
     viewer->answer = NULL;
+    viewer->answer_number++;
     if (conus_atlas_set_threshold(viewer->atlas, object, threshold)) {
         viewer_say(viewer, "%s", conus_message());
     }

@@ -48,6 +48,7 @@ struct viewer {
     conus_selector_options options;
     conus_selector *selector; /**< Made when needed; NULL after options changed. */
     struct answer *answer;
+    unsigned answer_number; /**< Tells answers apart, whose addresses may come again. */
     double select_ms;
 
     /* what is shown */
@@ -69,6 +70,7 @@ struct viewer {
     size_t pin_count;
     char message[MESSAGE_SIZE_LIMIT]; /**< The status line's last news. */
     struct painter *painter;
+    unsigned scene_number; /**< Grows with what the painter draws otherwise than before from the same place. */
     struct transfer_editor transfer_editor;
     unsigned version; /**< Grows with every change that shows. */
 };
@@ -97,7 +99,7 @@ const conus_selection *viewer_selection(const struct viewer *viewer);
 char *viewer_pins_text(const struct viewer *viewer);
 
 /** What was selected, as conus query -o FILE.tsv writes it. */
-conus_status viewer_write_results(const struct viewer *viewer, const char *path);
+conus_status viewer_write_results(struct viewer *viewer, const char *path);
 /** The 3-D view at any size, off-screen, as fine as conus render draws it. */
 conus_status viewer_write_picture(const struct viewer *viewer, const char *path, uint32_t width, uint32_t height);
 

@@ -68,8 +68,10 @@ static void complain_glfw(int code, const char *text)
     complain("window: %s", text);
 }
 
-static GLFWwindow *make_window(int width, int height, bool hidden)
+/* The library's contexts are EGL's, and put back what was current on a thread: they cannot where that is one of GLX. */
+static GLFWwindow *make_window(int width, int height, bool hidden, int api)
 {
+    glfwWindowHint(GLFW_CONTEXT_CREATION_API, api);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -86,7 +88,10 @@ bool window_open(struct window *out, int width, int height, bool hidden)
     if (!glfwInit()) {
         return false;
     }
-    window.handle = make_window(width, height, hidden);
+    window.handle = make_window(width, height, hidden, GLFW_EGL_CONTEXT_API);
+    if (!window.handle) {
+        window.handle = make_window(width, height, hidden, GLFW_NATIVE_CONTEXT_API);
+    }
     if (!window.handle) {
         glfwTerminate();
         return false;
@@ -118,6 +123,11 @@ void window_close(struct window *window)
     ui_destroy();
     glfwDestroyWindow(window->handle);
     glfwTerminate();
+}
+
+void window_resize(struct window *window, int width, int height)
+{
+    glfwSetWindowSize(window->handle, width, height);
 }
 
 void window_lay_out(struct window *window)
@@ -184,6 +194,7 @@ void window_draw(struct window *window)
     draw_panels(window);
     ui_end();
     window->frame_ms = 1e3 * (glfwGetTime() - begun);
+    times_add(&window->times, TIMED_FRAME, window->frame_ms);
 }
 
 bool window_is_settled(const struct window *window)

@@ -5,6 +5,7 @@
 #define CONUS_VIEWER_WINDOW_H
 
 #include "viewer/source.h"
+#include "viewer/times.h"
 #include "viewer/ui.h"
 #include "viewer/viewer.h"
 
@@ -41,7 +42,10 @@ struct window {
     struct texture painted, device_view;
     struct painting asked; /**< What the painter was asked last. */
     double painted_ms, frame_ms;
-    bool painted_fine; /**< The picture is what was asked last, as fine as it gets. */
+    struct times times;
+    bool painted_fine;       /**< The picture is what was asked last, as fine as it gets. */
+    unsigned carried_answer; /**< The newest answer, and when it came, by times_now(). */
+    double carried_ms;
     bool show_help;
     uint32_t hovered; /**< Object under the mouse. */
     double hovered_at[3];
@@ -51,6 +55,8 @@ struct window {
 /** Opens a window of that size, hidden where @p hidden. False: it was said why, and nothing is open. */
 bool window_open(struct window *out, int width, int height, bool hidden);
 void window_close(struct window *window);
+/** Asks for another size; the screen may give another one, some frames later. */
+void window_resize(struct window *window, int width, int height);
 /** Lays everything out for the window's size now. */
 void window_lay_out(struct window *window);
 

@@ -200,3 +200,81 @@ END
     run -3 --separate-stderr timeout 60 "$CONUS" view none.nii --script /dev/null
     check_message 'none.nii'
 }
+
+@test "any size while it draws, pictures and the gl engine beside its own context" {
+    need_window
+    conus phantom nested -o .
+    view nested.nii.gz <<'END'
+aim 0 90 3 0 0 0
+save rays.json
+size 1 1
+wait 3
+key l
+size 700 500
+wait 8
+aim 60 0 6 0 0 6
+size 1200 700
+wait 2
+size 90 600
+orbit 10 20
+wait 4
+size 640 480
+settle
+screenshot last.png
+picture large.png 320 200
+times times.json
+END
+    grep -q '"selection_ms": {"count": ' times.json
+    grep -q '"first_picture_ms": [1-9]' times.json
+    sed 's/"engine": [0-9.]*/"engine": 2/' rays.json >gl.json
+    echo 'results gl.tsv' | view nested.nii.gz --session gl.json
+    sed 's/"engine": [0-9.]*/"engine": 1/' rays.json >rays1.json
+    echo 'results rays.tsv' | view nested.nii.gz --session rays1.json
+    cut -f 1-8 gl.tsv >gl && cut -f 1-8 rays.tsv | diff gl -
+}
+
+@test "results before there is a cone are none" {
+    need_window
+    sphere --size 16
+    echo 'results none.tsv' | view sphere.nii.gz
+    [ "$(wc -l <none.tsv)" -eq 1 ]
+}
+
+@test "files that go away while it is open" {
+    need_window
+    conus phantom slabs -o . --size 32
+    mkfifo script
+    timeout 60 "$CONUS" view slabs.nii.gz --script script --size 600x400 >said 2>&1 3>&- &
+    child=$!
+    {
+        echo 'settle'
+        echo 'screenshot before.png'
+        echo 'wait 1'
+        while [ ! -e before.png ]; do sleep 0.05; done
+        rm slabs.*
+        printf '%s\n' 'aim 3 90 2 3 0 2' 'choose "Slab anterior"' 'key i' 'settle' 'results after.tsv' 'picture after.png 64 64'
+    } >script
+    wait $child
+    [ ! -s said ]
+    grep -q 'Slab' after.tsv
+}
+
+@test "unmapped and made tiny from outside" {
+    need_window
+    command -v xdotool >/dev/null || skip "no xdotool"
+    conus phantom sphere -o .
+    printf 'wait 250\naim 0 90 0 0 0 0\nresults outside.tsv\n' >script
+    timeout 60 "$CONUS" view sphere.nii.gz --script script --size 1000x640 3>&- &
+    child=$!
+    for _ in {1..100}; do
+        window=$(xdotool search --name '^conus$' 2>/dev/null | head -1) && [ -n "$window" ] && break
+        sleep 0.1
+    done
+    for size in '1 1' '300 900' '3 500' '1000 640'; do
+        # shellcheck disable=SC2086 # two words
+        xdotool windowunmap "$window" windowsize "$window" $size windowmap "$window" 2>/dev/null || break
+        sleep 0.1
+    done
+    wait $child
+    grep -q Sphere outside.tsv
+}
