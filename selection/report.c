@@ -18,11 +18,27 @@ static conus_status keep_level(conus_report *report, const conus_selector *selec
     return report->level && report->level_areas ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
+static conus_status check_options(const conus_report_options *options)
+{
+    bool foreign = options->format > CONUS_NDJSON;
+    if (options->rows == CONUS_SUMMARIES && options->format == CONUS_TABLE) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: summaries are not written as a table for people");
+    }
+    if (foreign && (options->rows != CONUS_ANSWERS || options->tracker)) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: other programs' are only of answers, and not of a track");
+    }
+    if ((options->format == CONUS_BIDS) != (options->electrodes != NULL)) {
+        return fail(CONUS_ERROR_ARGUMENT, "electrodes: BIDS needs the table, and no other format does");
+    }
+    return CONUS_OK;
+}
+
 conus_status conus_report_create(conus_report **out, const conus_selector *selector,
                                  const conus_report_options *options)
 {
-    if (options && options->rows == CONUS_SUMMARIES && options->format == CONUS_TABLE) {
-        return fail(CONUS_ERROR_ARGUMENT, "format: summaries are not written as a table for people");
+    conus_status status = options ? check_options(options) : CONUS_OK;
+    if (status) {
+        return status;
     }
     conus_report *report = memory_zeroed(1, sizeof *report);
     if (!report) {
@@ -193,14 +209,26 @@ conus_status conus_report_text(conus_report *report, const char **text, size_t *
     case CONUS_JSON:
         status = report_write_json(&report->text, report);
         break;
+    case CONUS_AFNI:
+        report_write_afni(&report->text, report);
+        break;
+    case CONUS_BIDS:
+        status = report_write_electrodes(&report->text, report);
+        break;
+    case CONUS_SPIKEGLX:
+        report_write_spikeglx(&report->text, report);
+        break;
+    case CONUS_OPEN_EPHYS:
+        report_write_open_ephys(&report->text, report);
+        break;
     }
     return hand_out(report, status, text, size);
 }
 
 conus_status conus_report_take(conus_report *report, const char **text, size_t *size)
 {
-    if (report->options.format == CONUS_JSON) {
-        return fail(CONUS_ERROR_ARGUMENT, "format: JSON is one whole, NDJSON can be taken in parts");
+    if (report->options.format == CONUS_JSON || report->options.format > CONUS_NDJSON) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: this one is one whole, NDJSON can be taken in parts");
     }
     conus_status status = conus_report_text(report, text, size);
     if (!status) {

@@ -78,12 +78,16 @@ conus_status report_append(struct report_row **rows, conus_report *report, const
                            const struct report_query *query, size_t count);
 
 const struct report_column *report_next_summary_column(const struct report_column *column);
+/** The columns that a table of electrodes gets. */
+const struct report_column *report_next_electrode_column(const struct report_column *column);
 
 /** Whether the text has this row: of summaries only the first of each query is written. */
 bool report_is_shown(const conus_report *report, size_t row);
 
 /** What stands in a column; n/a in most of a query without an answer. */
 struct cell report_cell(const conus_report *report, const struct report_column *column, const struct report_row *row);
+
+void report_write_cell(struct buffer *out, struct cell cell);
 
 /** Drops all queries and rows, and keeps the memory. */
 void report_clear(conus_report *report);
@@ -128,6 +132,10 @@ conus_status report_write_json(struct buffer *out, const conus_report *report);
 void report_write_heading(struct buffer *out,
                           const conus_report *report);                  /**< The line of names, where there is one. */
 void report_write_rows(struct buffer *out, const conus_report *report); /**< TSV or NDJSON, without that line. */
+void report_write_afni(struct buffer *out, const conus_report *report);
+conus_status report_write_electrodes(struct buffer *out, const conus_report *report); /**< BIDS */
+void report_write_spikeglx(struct buffer *out, const conus_report *report);
+void report_write_open_ephys(struct buffer *out, const conus_report *report);
 conus_status report_write_sidecar(struct buffer *out, const conus_report *report);
 conus_status report_write_grid_sidecar(struct buffer *out, const conus_report *report, const conus_grid *grid);
 

@@ -311,7 +311,8 @@ const struct report_column *report_next_column(const conus_report *report, const
 {
     switch (report->options.rows) {
     case CONUS_ANSWERS:
-        return report_next_answer_column(report, column);
+        return report->options.format == CONUS_BIDS ? report_next_electrode_column(column)
+                                                    : report_next_answer_column(report, column);
     case CONUS_SUMMARIES:
         return report_next_summary_column(column);
     default:

@@ -11,7 +11,9 @@ struct cell report_cell(const conus_report *report, const struct report_column *
     if (!query->error) {
         return column->get(report, row);
     }
-    const char *reason = report->options.rows == CONUS_SUMMARIES ? "error" : "name";
+    const char *reason = report->options.rows == CONUS_SUMMARIES ? "error"
+                         : report->options.format == CONUS_BIDS  ? "area_error"
+                                                                 : "name";
     const char *text = !strcmp(column->name, "query")  ? query->id
                        : !strcmp(column->name, "kind") ? "error"
                        : !strcmp(column->name, reason) ? query->error
@@ -19,7 +21,7 @@ struct cell report_cell(const conus_report *report, const struct report_column *
     return (struct cell){.type = text && text[0] ? CELL_TEXT : CELL_NONE, .text = text};
 }
 
-static void write_cell(struct buffer *out, struct cell cell)
+void report_write_cell(struct buffer *out, struct cell cell)
 {
     switch (cell.type) {
     case CELL_NONE:
@@ -60,7 +62,7 @@ static void write_tsv_row(struct buffer *out, const conus_report *report, const 
     for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
         buffer_append(out, "\t", tab);
         tab = 1;
-        write_cell(out, report_cell(report, column, row));
+        report_write_cell(out, report_cell(report, column, row));
     }
     buffer_append(out, "\n", 1);
 }
@@ -100,7 +102,7 @@ static void write_json_row(struct buffer *out, const conus_report *report, const
         } else if (cell.type == CELL_NONE) {
             buffer_append(out, "null", 4);
         } else {
-            write_cell(out, cell);
+            report_write_cell(out, cell);
         }
     }
     buffer_append(out, "}\n", 2);

@@ -68,6 +68,49 @@ static const struct report_column own[] = {
     {NULL, NULL, NULL, NULL, false},
 };
 
+/* ---- What a table of electrodes gets ---------------------------------------------------------------------------- */
+
+static struct cell get_area(const conus_report *report, const struct report_row *row)
+{
+    return report_find_column("name")->get(report, row);
+}
+
+static struct cell get_area_index(const conus_report *report, const struct report_row *row)
+{
+    return report_find_column("index")->get(report, row);
+}
+
+static struct cell get_area_share(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return number(row->result.share);
+}
+
+static struct cell get_area_distance(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return number(row->result.distance);
+}
+
+static const struct report_column of_electrodes[] = {
+    {"area", NULL, "name of the area or pathway with the best score at the contact, or unassigned", get_area, false},
+    {"area_index", NULL, "the atlas's own label of it", get_area_index, false},
+    {"area_share", NULL, "its part of the ball around the contact, or of the cone", get_area_share, false},
+    {"area_distance_mm", "mm", "how far it is from the contact", get_area_distance, false},
+    {"runner_up", NULL, "name of the area or pathway with the second best score", get_runner_up, false},
+    {"runner_up_share", NULL, "its share", get_runner_up_share, false},
+    {"area_error", NULL, "why there is no answer", get_error, false},
+    {NULL, NULL, NULL, NULL, false},
+};
+
+const struct report_column *report_next_electrode_column(const struct report_column *column)
+{
+    const struct report_column *next = column ? column + 1 : of_electrodes;
+    return next->name ? next : NULL;
+}
+
+/* ---- Summaries -------------------------------------------------------------------------------------------------- */
+
 /* As in a report of answers, of the best. */
 static const char *const common[] = {"query", "kind", "index", "name", "share", "score", "distance_mm"};
 

@@ -25,6 +25,26 @@ const struct option answer_options[] = {
     {0},
 };
 
+static const char *const query_formats[] = {"table", "tsv",      "json",       "ndjson", "afni",
+                                            "bids",  "spikeglx", "open-ephys", NULL};
+
+const struct option query_answer_options[] = {
+    {.name = "format",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct answer_settings, format),
+     .value = "FORMAT",
+     .help = "of the answer; without it the ending of -o decides, else it is a table; the last four are for other "
+             "programs (docs/formats.md):",
+     .choices = query_formats},
+    {.name = "output",
+     .letter = 'o',
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct answer_settings, output),
+     .value = "FILE",
+     .help = "write the answer to FILE; a .json beside a .tsv describes its columns, settings and sources"},
+    {0},
+};
+
 conus_format answer_format(const struct arguments *arguments, const struct answer_settings *settings)
 {
     static const struct {
@@ -45,7 +65,7 @@ conus_format answer_format(const struct arguments *arguments, const struct answe
 bool answer_sidecar(char **out, conus_format format, const char *output)
 {
     char *path = NULL;
-    if (!output_is_stdout(output) && format == CONUS_TSV && path_ends(output, ".tsv")) {
+    if (!output_is_stdout(output) && (format == CONUS_TSV || format == CONUS_BIDS) && path_ends(output, ".tsv")) {
         int stem = (int)(strlen(output) - strlen(".tsv"));
         if (asprintf(&path, "%.*s.json", stem, output) < 0) {
             return false;

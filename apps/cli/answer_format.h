@@ -10,7 +10,8 @@ struct answer_settings {
     const char *output;
 };
 
-extern const struct option answer_options[]; /**< answer_settings: --format, --output */
+extern const struct option answer_options[];       /**< answer_settings: --format, --output */
+extern const struct option query_answer_options[]; /**< The same, with the formats of other programs. */
 
 /** The format of --format if that was given, else what the ending of --output says, else a table. */
 conus_format answer_format(const struct arguments *arguments, const struct answer_settings *settings);

@@ -6,6 +6,8 @@
 #include "cli/output.h"
 #include "cli/pose_settings.h"
 
+#include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -71,7 +73,7 @@ static const struct option_group groups[] = {
     {"", slices_options, offsetof(struct query_settings, engine)},
     {"What it may find", atlas_options, offsetof(struct query_settings, atlas)},
     {"", context_options, offsetof(struct query_settings, context)},
-    {"What is written", answer_options, offsetof(struct query_settings, answer)},
+    {"What is written", query_answer_options, offsetof(struct query_settings, answer)},
     {"", output_options, 0},
     {"", mask_options, offsetof(struct query_settings, mask)},
     {"", quiet_options, offsetof(struct query_settings, common)},
@@ -86,7 +88,8 @@ struct query {
     const struct arguments *arguments;
     conus_format format;
     char *command_line;
-    char *sidecar; /* path, NULL if there is none to write */
+    char *electrodes; /* the text of the table, for its format */
+    char *sidecar;    /* path, NULL if there is none to write */
     struct output {
         const char *what, *path;
     } outputs[OUTPUT_COUNT];
@@ -110,6 +113,7 @@ static void query_finish(struct query *query)
     conus_pose_list_destroy(query->poses);
     conus_atlas_destroy(query->atlas);
     free(query->command_line);
+    free(query->electrodes);
     free(query->sidecar);
 }
 
@@ -131,6 +135,21 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
         return false;
     }
     return mask_check(&settings->mask, arguments);
+}
+
+/* What each format of another program is made of. */
+static bool check_format(conus_format format, const struct query_settings *settings)
+{
+    bool of_contacts = format == CONUS_BIDS || format == CONUS_SPIKEGLX || format == CONUS_OPEN_EPHYS;
+    if (of_contacts && !settings->aim.pose) {
+        complain("--format: this one is of contacts, --pose FILE names them");
+        return false;
+    }
+    if (format == CONUS_BIDS && output_is_stdout(settings->aim.pose)) {
+        complain("--format bids needs a file of electrodes, not standard input");
+        return false;
+    }
+    return true;
 }
 
 /* A ball has a point and a radius, and nothing that is only of cones. */
@@ -186,6 +205,33 @@ static int load_poses(struct query *query)
                            : EXIT_DONE;
 }
 
+static int load_electrodes(struct query *query)
+{
+    const char *path = query->settings->aim.pose;
+    size_t size = 0;
+    FILE *file = query->format == CONUS_BIDS ? fopen(path, "re") : NULL;
+    bool read = query->format != CONUS_BIDS || (file && getdelim(&query->electrodes, &size, '\0', file) >= 0);
+    if (!read) {
+        complain("%s: cannot read: %s", path, strerror(errno));
+    }
+    if (file) {
+        fclose(file);
+    }
+    return read ? EXIT_DONE : EXIT_DATA;
+}
+
+/* A pose without an answer. Formats of contacts have a place for each. */
+static int refuse(struct query *query, const conus_pose_row *row, const char *reason)
+{
+    complain("%s:%zu: %s", query->settings->aim.pose, row->line, reason);
+    query->failed = true;
+    if (query->format <= CONUS_NDJSON) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_report_add_error(query->report, row->id, reason);
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
 /* Adds the answer to the report and to what else is written. The image is of the last one. */
 static int take(struct query *query, const char *id, conus_selection *selection)
 {
@@ -210,9 +256,7 @@ static int answer_row(struct query *query, const conus_pose_row *row)
     conus_status status = CONUS_OK;
     bool ball = row->is_point && engine->radius > 0;
     if (row->error || (row->is_point && !ball)) {
-        complain("%s:%zu: %s", aim->pose, row->line, row->error ? row->error : POINT_LOOKS_NOWHERE);
-        query->failed = true;
-        return EXIT_DONE;
+        return refuse(query, row, row->error ? row->error : POINT_LOOKS_NOWHERE);
     }
     if (ball) {
         status = conus_select_ball(&selection, query->selector, row->pose.world_from_device + 12, engine->radius);
@@ -221,9 +265,7 @@ static int answer_row(struct query *query, const conus_pose_row *row)
         status = conus_select(&selection, query->selector, &row->pose, angle);
     }
     if (status == CONUS_ERROR_ARGUMENT) {
-        complain("%s:%zu: %s", aim->pose, row->line, conus_message());
-        query->failed = true;
-        return EXIT_DONE;
+        return refuse(query, row, conus_message());
     }
     return status ? complain_status(status) : take(query, row->id, selection);
 }
@@ -279,7 +321,8 @@ static conus_status start(struct query *query)
                                          .space = (conus_space)settings->aim.space,
                                          .all_voxels = settings->voxels_of == 1,
                                          .no_voxels = !settings->voxels,
-                                         .command = query->command_line};
+                                         .command = query->command_line,
+                                         .electrodes = query->electrodes};
     return conus_report_create(&query->report, query->selector, &report);
 }
 
@@ -393,6 +436,7 @@ static int work(struct query *query)
 {
     const struct query_settings *settings = query->settings;
     int code = settings->aim.pose ? load_poses(query) : EXIT_DONE;
+    code = code ? code : load_electrodes(query);
     if (!code) {
         code = settings_load_atlas(&query->atlas, query->arguments->operands[0], &settings->atlas);
     }
@@ -441,7 +485,7 @@ static int run_named(struct query *query)
                                                  {"--mask", settings->mask.path},
                                                  {"the .json beside --mask", query->mask.sidecar}};
     memcpy(query->outputs, outputs, sizeof outputs);
-    return check_paths(query) ? work(query) : EXIT_USAGE;
+    return check_format(query->format, settings) && check_paths(query) ? work(query) : EXIT_USAGE;
 }
 
 static int run(const void *given, const struct arguments *arguments)

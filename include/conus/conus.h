@@ -539,7 +539,17 @@ CONUS_API const conus_chance *conus_jitter_chance(const conus_jitter *jitter, si
 
 /* ---- Reports ---------------------------------------------------------------------------------------------- */
 
-typedef enum conus_format { CONUS_TABLE = 0, CONUS_TSV, CONUS_JSON, CONUS_NDJSON } conus_format;
+typedef enum conus_format {
+    CONUS_TABLE = 0,
+    CONUS_TSV,
+    CONUS_JSON,
+    CONUS_NDJSON,
+    /* What other programs read, of CONUS_ANSWERS, as a whole (docs/formats.md). */
+    CONUS_AFNI,      /**< The tables of AFNI's whereami -tab, of each query.                                       */
+    CONUS_BIDS,      /**< A BIDS table of electrodes, with columns added.                                          */
+    CONUS_SPIKEGLX,  /**< The areas along the shanks of a probe, in micrometres from the first contact.            */
+    CONUS_OPEN_EPHYS /**< The areas of a probe's channels, from 0.                                                 */
+} conus_format;
 
 /** What a report has rows of; each with its own columns. */
 typedef enum conus_rows {
@@ -563,6 +573,8 @@ typedef struct conus_report_options {
                                        must outlive the report. NULL = none.                             */
     bool selected_only;           /**< Of a step only what is selected or confirmed; or, if nothing is, what is
                                        unassigned.                                                       */
+    const char *electrodes;       /**< For CONUS_BIDS: the text of the table of which each row is a query, errors
+                                       among them. NULL = none.                                          */
 } conus_report_options;
 
 /** Starts a report on answers of @p selector. Strings of @p options must outlive the report. */
@@ -581,7 +593,8 @@ CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const ch
 /** The whole text in the report's format. Borrowed until the next call on the report. */
 CONUS_CHECKED conus_status conus_report_text(conus_report *report, const char **text, size_t *size);
 /** The same for a report that goes on: the text of the answers since the last call, which are then forgotten. The
- * heading of TSV, or of a track's table, comes once, with the first call. Not for CONUS_JSON, which is one whole. */
+ * heading of TSV, or of a track's table, comes once, with the first call. Not for CONUS_JSON and what comes behind
+ * CONUS_NDJSON, which are one whole. */
 CONUS_CHECKED conus_status conus_report_take(conus_report *report, const char **text, size_t *size);
 /** The voxels met first (with all layers, and of a ball, all with their centre in it), nearest first, as TSV: query
  * pathway i j k x y z value distance_mm kind index. Borrowed likewise. */

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reports in other programs' formats: what they take, and that they survive a lack of memory. */
+#include "base/math3.h"
+#include "scene.h"
+#include "test.h"
+
+#include <string.h>
+
+static const char table[] = "name\tx\ty\tz\nA1\t0\t0\t0\nA2\tn/a\t0\t0\nA3\t1\t1\t1\n";
+
+struct fixture {
+    conus_atlas *atlas;
+    conus_selector *selector;
+    conus_selection *selection;
+    conus_report_options options;
+};
+
+static struct fixture make_fixture(void)
+{
+    uint64_t seed = 8;
+    struct fixture fixture = {.atlas = scene_atlas(&seed, 14, 1)};
+    conus_pose pose = scene_generic_pose(&seed, fixture.atlas);
+    assert_ok(conus_selector_create(&fixture.selector, fixture.atlas, NULL));
+    assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, 1));
+    return fixture;
+}
+
+static void finish(struct fixture *fixture)
+{
+    conus_selection_destroy(fixture->selection);
+    conus_selector_destroy(fixture->selector);
+    conus_atlas_destroy(fixture->atlas);
+}
+
+static conus_report_options options_of(conus_format format)
+{
+    return (conus_report_options){.format = format, .electrodes = format == CONUS_BIDS ? table : NULL};
+}
+
+/* Two contacts with an answer, and one without between them. */
+static conus_status report_all(void *data)
+{
+    const struct fixture *fixture = data;
+    conus_report *report = NULL;
+    const char *text = NULL;
+    size_t size = 0;
+    conus_status status = conus_report_create(&report, fixture->selector, &fixture->options);
+    status = status ? status : conus_report_add(report, "A1", fixture->selection);
+    status = status ? status : conus_report_add_error(report, "A2", "is no pose");
+    status = status ? status : conus_report_add(report, "A3", fixture->selection);
+    status = status ? status : conus_report_text(report, &text, &size);
+    if (!status) {
+        assert_int_equal(strlen(text), size);
+        bool says_errors = fixture->options.format == CONUS_AFNI || fixture->options.format == CONUS_BIDS;
+        assert_int_equal(strstr(text, "is no pose") != NULL, says_errors);
+    }
+    status = status ? status : conus_report_sidecar(report, &text, &size);
+    conus_report_destroy(report);
+    return status;
+}
+
+static void every_failing_allocation_is_survived(void **state)
+{
+    (void)state;
+    struct fixture fixture = make_fixture();
+    for (conus_format format = CONUS_AFNI; format <= CONUS_OPEN_EPHYS; format++) {
+        fixture.options = options_of(format);
+        test_every_allocation(report_all, &fixture);
+    }
+    finish(&fixture);
+}
+
+static void only_answers_are_written_in_them(void **state)
+{
+    (void)state;
+    struct fixture fixture = make_fixture();
+    conus_report *report = NULL;
+    const char *text = NULL;
+    size_t size = 0;
+    for (conus_format format = CONUS_AFNI; format <= CONUS_OPEN_EPHYS; format++) {
+        conus_report_options options = options_of(format);
+        options.rows = CONUS_SUMMARIES;
+        assert_fails(conus_report_create(&report, fixture.selector, &options), CONUS_ERROR_ARGUMENT);
+        options = options_of(format);
+        options.electrodes = format == CONUS_BIDS ? NULL : table;
+        assert_fails(conus_report_create(&report, fixture.selector, &options), CONUS_ERROR_ARGUMENT);
+        options = options_of(format);
+        assert_ok(conus_report_create(&report, fixture.selector, &options));
+        assert_fails(conus_report_take(report, &text, &size), CONUS_ERROR_ARGUMENT);
+        conus_report_destroy(report);
+    }
+    finish(&fixture);
+}
+
+static void a_table_has_a_row_for_each_answer(void **state)
+{
+    (void)state;
+    struct fixture fixture = make_fixture();
+    const conus_report_options options = options_of(CONUS_BIDS);
+    for (size_t answers = 0; answers < 6; answers++) {
+        conus_report *report = NULL;
+        const char *text = NULL;
+        size_t size = 0;
+        assert_ok(conus_report_create(&report, fixture.selector, &options));
+        for (size_t i = 0; i < answers; i++) {
+            assert_ok(conus_report_add(report, "same", fixture.selection));
+        }
+        conus_status status = conus_report_text(report, &text, &size);
+        assert_int_equal(status, answers == 3 ? CONUS_OK : CONUS_ERROR_DATA);
+        conus_report_destroy(report);
+    }
+    finish(&fixture);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_failing_allocation_is_survived),
+        cmocka_unit_test(only_answers_are_written_in_them),
+        cmocka_unit_test(a_table_has_a_row_for_each_answer),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
