@@ -10,7 +10,8 @@
  * three lightnesses in turn. */
 void palette_colour(uint8_t rgb[3], size_t index);
 
-/** The same of a palette that people with any colour vision tell apart as well as can be: the eight colours of Okabe and Ito
+/** The same of a palette that people with any colour vision tell apart as well as can be: the eight colours of Okabe
+ * and Ito
  * ("Color Universal Design", 2008) but for black, each plain, lighter and darker: neighbours in the list differ in
  * lightness, too. */
 void palette_safe_colour(uint8_t rgb[3], size_t index);

@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <string.h>
 
-
 static void surface_name(char out[64], size_t index)
 {
     snprintf(out, 64, "brain-%02zu-%s.surf.gii", index + 1, phantom_brain_area(index)->abbreviation);

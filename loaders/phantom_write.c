@@ -12,7 +12,6 @@
 #include <stdio.h>
 #include <string.h>
 
-
 /* The columns of a BIDS _dseg.tsv. */
 static void append_table(struct buffer *out, const struct phantom *phantom)
 {
