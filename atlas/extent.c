@@ -107,7 +107,8 @@ static void add_voxels(struct moment *moment, const conus_atlas *atlas, const st
             is_mine = here && here != VOLUME_BLOCKER && is_below(atlas, here, object);
         }
         if (is_mine) {
-            double p[3] = {(double)(v % dim[0]), (double)(v / dim[0] % dim[1]), (double)(v / dim[0] / dim[1])};
+            const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
+            const double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
             vec3_add_scaled(moment->sum, moment->sum, 1, p);
             moment->weight++;
         }

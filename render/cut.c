@@ -115,26 +115,33 @@ static bool is_hidden(const struct cut_view *view, uint32_t object)
     return view->hidden && view->hidden[object];
 }
 
+/* What is drawn of `volume` at a point of its index space; 0 = nothing. */
+static uint32_t shown_at(const struct cut_view *view, const struct volume *volume, const double p[3])
+{
+    const size_t *dim = volume->info.dim;
+    if (!is_in_grid(volume, p)) {
+        return 0;
+    }
+    size_t i = (size_t)(p[0] + 0.5);
+    size_t j = (size_t)(p[1] + 0.5);
+    size_t k = (size_t)(p[2] + 0.5);
+    uint32_t object = volume_object(volume, i + dim[0] * (j + dim[1] * k));
+    return object == VOLUME_BLOCKER || is_hidden(view, object) ? 0 : object;
+}
+
 /* Notes which object of `volume` each pixel is in; later volumes lie over earlier ones. */
 static void find_objects(const struct cut *cut, const struct volume *volume)
 {
     const struct cut_view *view = cut->view;
-    const size_t *dim = volume->info.dim;
     struct walk walk;
     walk_init(&walk, view, volume->voxel_from_world);
     for (uint32_t row = 0; row < view->height; row++) {
         for (uint32_t column = 0; column < view->width; column++) {
             double p[3];
             walk_at(p, &walk, column, row);
-            if (is_in_grid(volume, p)) {
-                size_t i = (size_t)(p[0] + 0.5);
-                size_t j = (size_t)(p[1] + 0.5);
-                size_t k = (size_t)(p[2] + 0.5);
-                uint32_t object = volume_object(volume, i + dim[0] * (j + dim[1] * k));
-                if (object && object != VOLUME_BLOCKER && !is_hidden(view, object)) {
-                    cut->objects[(size_t)view->width * row + column] = object;
-                }
-            }
+            uint32_t object = shown_at(view, volume, p);
+            uint32_t *at = &cut->objects[(size_t)view->width * row + column];
+            *at = object ? object : *at;
         }
     }
 }

@@ -225,7 +225,7 @@ conus_status image_parse_exr(conus_image **out, const uint8_t *data, size_t size
     }
     conus_image *image = NULL;
     conus_status status = read_header(&image, file, &stream);
-    if (!status) {
+    if (!status && image) {
         code = read_pixels(file, image);
         status = code ? exr_stream_fail(code) : CONUS_OK;
     }

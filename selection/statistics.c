@@ -346,8 +346,10 @@ static int by_number(const void *a, const void *b)
 conus_status statistics_gather(struct statistics *out, const struct gathering *gathering, struct tally *tally)
 {
     struct totals totals = {.weight = gathering->aperture ? gathering->aperture->total_weight : 0};
-    add_pixels(tally, gathering);
-    if (gathering->layers) {
+    if (gathering->aperture) {
+        add_pixels(tally, gathering);
+    }
+    if (gathering->aperture && gathering->layers) {
         add_spans(tally, gathering);
     }
     if (gathering->near) {

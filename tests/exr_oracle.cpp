@@ -1,8 +1,4 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-extern "C" {
-#include "exr_oracle.h"
-}
-
 #include <ImfChannelList.h>
 #include <ImfDeepFrameBuffer.h>
 #include <ImfDeepScanLineInputFile.h>
@@ -19,6 +15,10 @@ extern "C" {
 #include <memory>
 #include <string>
 #include <vector>
+
+extern "C" {
+#include "exr_oracle.h" // last: its fail() is a macro, and streams have a function of that name
+}
 
 struct exr_deep {
     explicit exr_deep(const char *path) : file(path)

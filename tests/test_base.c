@@ -169,7 +169,8 @@ static void numbers_are_written_as_printf_does(void **state)
         check_as_printf(floor(value) / 1024); /* many are ties */
         check_as_printf(floor(value * 1e4) / 1e4);
     }
-    for (double power = 1e-6; power < 1e18; power *= 10) {
+    for (int exponent = -6; exponent < 18; exponent++) {
+        double power = pow(10, exponent);
         for (int i = -40; i <= 40; i++) {
             check_as_printf(power * (1 + i * 0x1p-52));
             check_as_printf(power * (1 + i * 1.25e-10)); /* 9 digits are rounded up to the next power */

@@ -196,7 +196,7 @@ static void many_tools_come_in_one_message(void **state)
     for (size_t i = 0; i < 40; i++) {
         content[70 * i] = (uint8_t)('A' + i % 26);
         for (size_t k = 0; k < 4; k++) {
-            put_float(content + 70 * i + 22 + 4 * (4 * k % 12), k < 3 ? 1 : 1);
+            put_float(content + 70 * i + 22 + 4 * (4 * k % 12), 1);
         }
         put_float(content + 70 * i + 22 + 36, (float)i);
     }

@@ -178,16 +178,16 @@ static void a_cylinder_is_drawn_to_scale(void **state)
     const float *before = conus_image_floats(plain, "B");
     const float *after = conus_image_floats(with, "B");
     const double mm = 2 * 150 * tan(0.35 / 2) / HEIGHT; /* per pixel, at the cylinder's distance */
-    for (double x = 8; x > -8; x -= 1) {
-        int column = (int)(WIDTH / 2 - x / mm);
+    for (int x = 8; x > -8; x--) {
+        int column = (int)(0.5 * WIDTH - x / mm);
         int high = 0;
         for (int row = 0; row < HEIGHT / 2 - 22; row++) { /* down to just above the boxes */
             high += fabsf(before[row * WIDTH + column] - after[row * WIDTH + column]) > 0.02F;
         }
         assert_near(high * mm, 8, 1.6);
     }
-    int column = (int)(WIDTH / 2 - 14 / mm); /* nearer than the range: only the axis */
-    int row = (int)(HEIGHT / 2 - 17.5 / mm);
+    int column = (int)(0.5 * WIDTH - 14 / mm); /* nearer than the range: only the axis */
+    int row = (int)(0.5 * HEIGHT - 17.5 / mm);
     assert_near((double)after[row * WIDTH + column], (double)before[row * WIDTH + column], 0.005);
     conus_image_destroy(plain);
     conus_image_destroy(with);

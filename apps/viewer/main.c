@@ -185,6 +185,7 @@ static int run_window(struct window *window, const struct view_settings *setting
         code = show(window, script);
     }
     viewer_finish(&viewer);
+    window->viewer = NULL;
     return code;
 }
 

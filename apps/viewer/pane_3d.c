@@ -16,9 +16,18 @@ enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the devic
 
 /* ---- The picture ------------------------------------------------------------------------------------------------- */
 
+static bool is_same_pose(const conus_pose *a, const conus_pose *b)
+{
+    bool same = true;
+    for (int i = 0; i < 16; i++) {
+        same = same && a->world_from_device[i] == b->world_from_device[i];
+    }
+    return same;
+}
+
 static bool is_same(const struct painting *a, const struct painting *b)
 {
-    return memcmp(&a->camera, &b->camera, sizeof a->camera) == 0 && a->width == b->width && a->height == b->height &&
+    return is_same_pose(&a->camera, &b->camera) && a->width == b->width && a->height == b->height &&
            a->fade == b->fade && a->answer_number == b->answer_number && a->scene_number == b->scene_number &&
            a->moving == b->moving;
 }

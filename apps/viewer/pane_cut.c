@@ -14,6 +14,12 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+static double distance_between(const double a[3], const double b[3])
+{
+    const double apart[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return sqrt(dot(apart, apart));
+}
+
 /* mm per pixel: at magnification 1 the atlas fills the pane. */
 static double scale_of(const struct viewer *viewer, const struct ui_box *box)
 {
@@ -55,7 +61,7 @@ static void draw_picture(struct window *window, struct cut_pane *pane, const dou
     uint32_t width = (uint32_t)fmaxf(pane->box.width, 1);
     uint32_t height = (uint32_t)fmaxf(pane->box.height, 1);
     bool same = pane->version == viewer->version && pane->texture.width == width && pane->texture.height == height &&
-                memcmp(pane->crosshair, viewer->crosshair, sizeof pane->crosshair) == 0;
+                distance_between(pane->crosshair, viewer->crosshair) == 0;
     if (same || !make_room(pane, (size_t)width * height)) {
         return;
     }

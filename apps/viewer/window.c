@@ -146,8 +146,10 @@ void window_lay_out(struct window *window)
     for (int p = 0; p < PANE_COUNT; p++) {
         static const int place[PANE_COUNT] = {1, 2, 3, 0}; /* 3-D is the first, then axial, coronal, sagittal */
         bool only = window->enlarged == p;
-        window->panes[p] = (struct ui_box){left + (float)(place[p] % 2) * half_width,
-                                           (float)(place[p] / 2) * half_height, half_width - 1, half_height - 1};
+        int column = place[p] % 2;
+        int row = place[p] / 2;
+        window->panes[p] = (struct ui_box){left + (float)column * half_width, (float)row * half_height, half_width - 1,
+                                           half_height - 1};
         if (only) {
             window->panes[p] = (struct ui_box){left, 0, 2 * half_width, 2 * half_height};
         }
