@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "viewer/window.h"
+#include "viewer/keep.h"
 
 #include <math.h>
 #include <string.h>
@@ -82,6 +82,16 @@ static void flip_sides(struct window *window)
     window->viewer->version++;
 }
 
+static void keep_session(struct window *window)
+{
+    keep(window, KEEP_SESSION);
+}
+
+static void keep_picture(struct window *window)
+{
+    window->keeps_picture = true; /* once the frame is drawn */
+}
+
 static void enlarge(struct window *window)
 {
     window->enlarged = window->enlarged < PANE_COUNT - 1 ? window->enlarged + 1 : -1;
@@ -146,8 +156,10 @@ static bool use_wand(struct window *window, const char *key)
     struct viewer *viewer = window->viewer;
     for (size_t i = 0; i < WAND_KEYS; i++) {
         const struct wand_key *wand = &wand_keys[i];
-        if (strcmp(wand->key, key) == 0 && viewer->pointer == POINT_BY_WAND && viewer->has_pose) {
-            if (wand->axis < 3) {
+        if (strcmp(wand->key, key) == 0 && viewer->pointer == POINT_BY_WAND) {
+            if (!viewer->has_pose) {
+                viewer_place(viewer);
+            } else if (wand->axis < 3) {
                 move_wand(window, wand->axis, wand->by);
             } else {
                 turn_wand(window, wand->axis - 3, wand->by);
@@ -177,6 +189,8 @@ static const struct {
     {"v", show_all, "show all areas"},
     {"r", look_at_all, "look at the whole brain"},
     {"f", flip_sides, "neurological or radiological"},
+    {"o", keep_session, "save the session: conus-DATE-TIME.json, in the folder where conus was started"},
+    {"p", keep_picture, "save what the window shows: conus-DATE-TIME.png, there, too"},
     {"tab", enlarge, "one pane after the other fills the window"},
 };
 enum { KEYS = sizeof keys / sizeof keys[0] };

@@ -3,6 +3,7 @@
 #include "cli/messages.h"
 #include "cli/settings.h"
 #include "cli/station_settings.h"
+#include "viewer/keep.h"
 #include "viewer/loader.h"
 #include "viewer/script.h"
 #include "viewer/session.h"
@@ -145,6 +146,10 @@ static int show(struct window *window, struct script *script)
         }
         replay_step(&window->replay, window->viewer, glfwGetTime());
         window_draw(window);
+        if (window->keeps_picture) {
+            window->keeps_picture = false;
+            keep(window, KEEP_PICTURE);
+        }
         if (script && script_step(script, window, &code)) {
             break;
         }
@@ -184,6 +189,7 @@ static int run_window(struct window *window, const struct view_settings *setting
     } else {
         code = show(window, script);
     }
+    window->viewer = NULL;
     viewer_finish(&viewer);
     window->viewer = NULL;
     return code;

@@ -157,17 +157,45 @@ static void draw_waiting(const struct window *window)
 
 /* ---- The mouse --------------------------------------------------------------------------------------------------- */
 
-static void point(struct window *window, const struct ui_mouse *mouse)
+/* From the eye through the mouse. */
+static void find_ray(double eye[3], double direction[3], const struct window *window)
+{
+    const struct ui_box *box = &window->panes[PANE_3D];
+    const struct orbit *orbit = &window->viewer->orbit;
+    const struct ui_mouse mouse = ui_mouse_now();
+    const double size[2] = {(double)box->width, (double)box->height};
+    const double at[2] = {(double)(mouse.x - box->x), (double)(mouse.y - box->y)};
+    conus_pose camera;
+    orbit_camera(&camera, orbit);
+    memcpy(eye, camera.world_from_device + 12, 3 * sizeof *eye);
+    orbit_ray(direction, orbit, size, at);
+}
+
+static void point(struct window *window)
+{
+    double eye[3];
+    double direction[3];
+    find_ray(eye, direction, window);
+    viewer_aim_along(window->viewer, eye, direction);
+}
+
+/* Names what is under the mouse; where the cone follows the mouse, it has its name there already. */
+static void hover(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    const struct ui_box *box = &window->panes[PANE_3D];
-    const double size[2] = {(double)box->width, (double)box->height};
-    const double at[2] = {(double)(mouse->x - box->x), (double)(mouse->y - box->y)};
+    double eye[3];
     double direction[3];
-    conus_pose camera;
-    orbit_camera(&camera, &viewer->orbit);
-    orbit_ray(direction, &viewer->orbit, size, at);
-    viewer_aim_along(viewer, camera.world_from_device + 12, direction);
+    find_ray(eye, direction, window);
+    window->hovered = viewer_pick(window->hovered_at, viewer, eye, direction);
+    window->hovers = window->hovered;
+    if (window->hovers) {
+        window->hovered_value = viewer_value(viewer, window->hovered, window->hovered_at);
+    }
+    if (window->hovers && (viewer->pointer != POINT_BY_MOUSE || viewer->frozen)) {
+        char tip[HOVER_TEXT];
+        window_hover_text(window, tip);
+        ui_tip(tip);
+    }
 }
 
 /* Returns whether the view moves. */
@@ -183,7 +211,7 @@ static bool use_mouse(struct window *window)
     } else if (held && moved && (mouse.down[1] || mouse.down[2])) {
         orbit_pan(&viewer->orbit, (double)mouse.moved_x, (double)mouse.moved_y, height);
     } else if (!held && moved && viewer->pointer == POINT_BY_MOUSE && !viewer->frozen) {
-        point(window, &mouse);
+        point(window);
     }
     if (mouse.wheel != 0) {
         orbit_zoom(&viewer->orbit, (double)mouse.wheel);
@@ -217,7 +245,11 @@ void pane_3d(struct window *window)
     if (window->painted.name) {
         ui_draw_image(window->painted.name, *box);
     }
-    bool moving = ui_surface("surface", *box) && use_mouse(window);
+    bool touched = ui_surface("surface", *box);
+    bool moving = touched && use_mouse(window);
+    if (touched) {
+        hover(window);
+    }
     ask_painter(window, moving || is_carried(window));
     ui_clip(*box);
     draw_names(window);

@@ -181,19 +181,42 @@ static void draw_title(const struct window *window, struct frame *frame, enum pl
 
 /* ---- The mouse --------------------------------------------------------------------------------------------------- */
 
+/* The first time it looks at the brain's middle, unless it is put there. */
+static void place_wand(struct viewer *viewer, const double at[3])
+{
+    double direction[3];
+    for (int a = 0; a < 3; a++) {
+        direction[a] = viewer->centre[a] - at[a];
+    }
+    if (dot(direction, direction) > 1) {
+        viewer_aim_along(viewer, at, direction);
+    } else {
+        viewer_place(viewer);
+    }
+}
+
 static void move_wand(struct viewer *viewer, const struct ui_mouse *mouse, const double at[3])
 {
     const double *m = viewer->pose.world_from_device;
     double direction[3] = {-m[8], -m[9], -m[10]};
     double origin[3] = {m[12], m[13], m[14]};
-    if (!viewer->has_pose) {
-        memcpy(direction, (double[]){0, -1, 0}, sizeof direction);
-    }
     for (int a = 0; a < 3; a++) {
         direction[a] = mouse->shift ? at[a] - origin[a] : direction[a];
         origin[a] = mouse->shift ? origin[a] : at[a];
     }
     viewer_aim_along(viewer, origin, direction);
+}
+
+static void use_wand(struct viewer *viewer, const struct ui_mouse *mouse, const double at[3])
+{
+    if (!viewer->has_pose && mouse->shift) {
+        viewer_place(viewer);
+    }
+    if (viewer->has_pose) {
+        move_wand(viewer, mouse, at);
+    } else {
+        place_wand(viewer, at);
+    }
 }
 
 static void use_mouse(struct window *window, const struct frame *frame, enum plane plane)
@@ -205,6 +228,7 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
     window->hovered = object_at(frame->pane, mouse.x, mouse.y);
     memcpy(window->hovered_at, at, sizeof at);
     window->hovers = true;
+    window->hovered_value = viewer_value(viewer, window->hovered, at);
     if (mouse.wheel != 0 && mouse.control) {
         viewer->magnification = fmin(fmax(viewer->magnification * pow(1.1, (double)mouse.wheel), 0.2), 50);
         viewer->version++;
@@ -215,7 +239,7 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
         memcpy(viewer->crosshair, at, sizeof at);
         viewer->chosen = window->hovered ? window->hovered : viewer->chosen;
     } else if (ui_surface_held() && mouse.down[1] && viewer->pointer == POINT_BY_WAND) {
-        move_wand(viewer, &mouse, at);
+        use_wand(viewer, &mouse, at);
     }
 }
 
@@ -242,7 +266,9 @@ void pane_cut(struct window *window, enum plane plane)
     draw_letters(&frame);
     ui_clip_end();
     if (touched && window->hovered) {
-        ui_tip(conus_atlas_object(window->viewer->atlas, window->hovered)->name);
+        char tip[HOVER_TEXT];
+        window_hover_text(window, tip);
+        ui_tip(tip);
     }
     ui_panel_end();
 }

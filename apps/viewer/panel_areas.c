@@ -3,6 +3,8 @@
 
 #include <stdio.h>
 
+static const float opacities[] = {[SHOWN_NOT] = 0.4F, [SHOWN_IN_PART] = 0.7F, [SHOWN] = 1};
+
 static ui_colour colour_of(const struct viewer *viewer, uint32_t object)
 {
     uint8_t rgb[3];
@@ -33,9 +35,10 @@ static void draw_tip(const conus_object *object)
 
 static void draw_buttons(struct viewer *viewer, uint32_t object)
 {
+    bool hide = viewer_shown(viewer, object) == SHOWN;
     ui_same_line();
-    if (ui_small_button(viewer->hidden[object] ? "show" : "hide")) {
-        viewer_hide(viewer, object, !viewer->hidden[object]);
+    if (ui_small_button(hide ? "hide" : "show")) {
+        viewer_hide(viewer, object, hide);
     }
     ui_same_line();
     if (ui_small_button("only")) {
@@ -44,15 +47,28 @@ static void draw_buttons(struct viewer *viewer, uint32_t object)
     ui_tip("hide all others; U takes it back");
 }
 
+/* Once, when it was chosen. */
+static void scroll_to(struct window *window, uint32_t number)
+{
+    if (window->listed != number) {
+        window->listed = number;
+        ui_scroll_here();
+    }
+}
+
 static void draw_area(struct window *window, uint32_t number)
 {
     struct viewer *viewer = window->viewer;
     const conus_object *object = conus_atlas_object(viewer->atlas, number);
+    enum shown shown = viewer_shown(viewer, number);
     ui_id(number);
+    ui_dim(opacities[shown]);
     ui_chip("colour", colour_of(viewer, number));
     ui_same_line();
     if (viewer->chosen == number) {
-        ui_text_coloured((ui_colour){255, 200, 90, 255}, "%s", object->name);
+        scroll_to(window, number);
+        ui_text_coloured((ui_colour){255, 200, 90, 255}, "%s%s", object->name,
+                         shown == SHOWN_IN_PART ? " (in part)" : "");
         draw_tip(object);
         draw_buttons(viewer, number);
     } else if (ui_row(object->name, false)) {
@@ -60,6 +76,7 @@ static void draw_area(struct window *window, uint32_t number)
     } else {
         draw_tip(object);
     }
+    ui_dim_end();
     ui_id_end();
 }
 
@@ -76,7 +93,9 @@ static void draw_tree(struct window *window, uint32_t parent)
             continue;
         }
         ui_id(number);
-        bool open = ui_tree("##node", parent == 0, false);
+        bool leads = window->listed != viewer->chosen && viewer->chosen != number &&
+                     viewer_is_below(viewer, viewer->chosen, number);
+        bool open = ui_tree("##node", leads ? UI_OPEN_NOW : parent == 0 ? UI_OPEN_FIRST : UI_AS_IT_WAS);
         ui_id_end();
         ui_same_line();
         draw_area(window, number);

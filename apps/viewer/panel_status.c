@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "viewer/window.h"
 
-#include <string.h>
-
 static void show_place(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     const double *at = window->hovers ? window->hovered_at : viewer->crosshair;
-    const conus_object *object = conus_atlas_object(viewer->atlas, window->hovered);
-    ui_text("%s %.1f, %.1f, %.1f mm RAS%s%s", window->hovers ? "mouse" : "cross", at[0], at[1], at[2],
-            object ? "  " : "", object ? object->name : "");
+    char text[HOVER_TEXT];
+    window_hover_text(window, text);
+    ui_text("%s %.1f, %.1f, %.1f mm RAS  %s", window->hovers ? "mouse" : "cross", at[0], at[1], at[2], text);
 }
 
 void panel_status(struct window *window)

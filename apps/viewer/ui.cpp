@@ -131,6 +131,21 @@ void ui_scroll_end(void)
     ImGui::EndChild();
 }
 
+void ui_scroll_here(void)
+{
+    ImGui::SetScrollHereY(0.4F);
+}
+
+void ui_dim(float opacity)
+{
+    ImGui::PushStyleVar(ImGuiStyleVar_Alpha, opacity);
+}
+
+void ui_dim_end(void)
+{
+    ImGui::PopStyleVar();
+}
+
 void ui_same_line(void)
 {
     ImGui::SameLine();
@@ -302,13 +317,12 @@ bool ui_section(const char *label, bool open)
     return ImGui::CollapsingHeader(label, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
 }
 
-bool ui_tree(const char *label, bool open, bool leaf)
+bool ui_tree(const char *label, enum ui_opening opening)
 {
-    ImGuiTreeNodeFlags flags = ImGuiTreeNodeFlags_OpenOnArrow | (leaf ? ImGuiTreeNodeFlags_Leaf : 0);
-    if (open) {
-        ImGui::SetNextItemOpen(true);
+    if (opening != UI_AS_IT_WAS) {
+        ImGui::SetNextItemOpen(true, opening == UI_OPEN_NOW ? ImGuiCond_Always : ImGuiCond_Once);
     }
-    return ImGui::TreeNodeEx(label, flags);
+    return ImGui::TreeNodeEx(label, ImGuiTreeNodeFlags_OpenOnArrow);
 }
 
 void ui_tree_end(void)

@@ -45,11 +45,18 @@ enum ui_panel_flag {
     UI_PLAIN = 1,    /**< No title, no padding: for pictures. */
     UI_IN_FRONT = 2, /**< Before all others.                  */
 };
+/** Of a node of a tree: as it was left, open at first, open now whatever it was. */
+enum ui_opening { UI_AS_IT_WAS = 0, UI_OPEN_FIRST, UI_OPEN_NOW };
+
 void ui_panel(const char *title, struct ui_box box, unsigned flags);
 void ui_panel_end(void);
 /** A part that scrolls by itself, @p height high (0 = the rest). */
 void ui_scroll(const char *id, float height);
 void ui_scroll_end(void);
+/** The list scrolls to where the next widget comes. */
+void ui_scroll_here(void);
+void ui_dim(float opacity); /**< Of the widgets up to ui_dim_end(). */
+void ui_dim_end(void);
 void ui_same_line(void);
 void ui_same_line_at(float x); /**< The next widget x from the panel's left edge. */
 void ui_separator(void);
@@ -85,7 +92,7 @@ void ui_bar(double part, float width, ui_colour colour);
 bool ui_row(const char *label, bool selected); /**< A line that can be clicked. */
 bool ui_section(const char *label, bool open); /**< A heading that folds what is below. */
 /** A node of a tree; true while it is open, to be ended by ui_tree_end(). */
-bool ui_tree(const char *label, bool open, bool leaf);
+bool ui_tree(const char *label, enum ui_opening opening);
 void ui_tree_end(void);
 
 bool ui_table(const char *id, const char *const *columns, size_t count, float height);

@@ -74,6 +74,7 @@ void viewer_finish(struct viewer *viewer)
     painter_destroy(viewer->painter);
     answer_drop(viewer->answer);
     conus_selector_destroy(viewer->selector);
+    conus_selector_destroy(viewer->picker);
     for (size_t i = 0; i < viewer->undo_count; i++) {
         free(viewer->undo[i]);
     }
@@ -135,6 +136,15 @@ void viewer_aim_along(struct viewer *viewer, const double origin[3], const doubl
         viewer_say(viewer, "%s", conus_message());
     } else {
         viewer_aim(viewer, &pose);
+    }
+}
+
+void viewer_place(struct viewer *viewer)
+{
+    static const double in_front = 1.6; /* radii from the middle, towards the face (+y) */
+    const double *c = viewer->centre;
+    if (!viewer->has_pose) {
+        viewer_aim_along(viewer, (double[]){c[0], c[1] + in_front * viewer->radius, c[2]}, (double[]){0, -1, 0});
     }
 }
 
@@ -256,6 +266,8 @@ void viewer_set_threshold(struct viewer *viewer, uint32_t object, double thresho
     viewer->painter = NULL;
     conus_selector_destroy(viewer->selector);
     viewer->selector = NULL;
+    conus_selector_destroy(viewer->picker);
+    viewer->picker = NULL;
     answer_drop(viewer->answer);
     viewer->answer = NULL;
     viewer->answer_number++;
@@ -287,7 +299,7 @@ static void remember(struct viewer *viewer)
     viewer->undo[viewer->undo_count++] = copy;
 }
 
-static bool is_below(const struct viewer *viewer, uint32_t object, uint32_t ancestor)
+bool viewer_is_below(const struct viewer *viewer, uint32_t object, uint32_t ancestor)
 {
     while (object && object != ancestor) {
         object = conus_atlas_object(viewer->atlas, object)->parent;
@@ -295,11 +307,24 @@ static bool is_below(const struct viewer *viewer, uint32_t object, uint32_t ance
     return object;
 }
 
+enum shown viewer_shown(const struct viewer *viewer, uint32_t object)
+{
+    bool any = false;
+    bool all = true;
+    for (uint32_t number = 1; number <= viewer->object_count; number++) {
+        if (viewer_is_below(viewer, number, object)) {
+            any = any || !viewer->hidden[number];
+            all = all && !viewer->hidden[number];
+        }
+    }
+    return all ? SHOWN : any ? SHOWN_IN_PART : SHOWN_NOT;
+}
+
 void viewer_hide(struct viewer *viewer, uint32_t object, bool hide)
 {
     remember(viewer);
     for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        if (is_below(viewer, number, object)) {
+        if (viewer_is_below(viewer, number, object)) {
             viewer->hidden[number] = hide;
         }
     }
@@ -310,7 +335,7 @@ void viewer_isolate(struct viewer *viewer, uint32_t object)
 {
     remember(viewer);
     for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        viewer->hidden[number] = !is_below(viewer, number, object);
+        viewer->hidden[number] = !viewer_is_below(viewer, number, object);
     }
     tell_painter(viewer);
 }

@@ -10,6 +10,7 @@
 #include "viewer/painter.h"
 
 enum pointer { POINT_BY_MOUSE = 0, POINT_BY_WAND, POINT_BY_REPLAY, POINT_BY_TRACKER, POINTER_COUNT };
+enum shown { SHOWN_NOT = 0, SHOWN_IN_PART, SHOWN };
 enum plane { AXIAL = 0, CORONAL, SAGITTAL, PLANE_COUNT };
 enum { SEARCH_SIZE = 64, UNDO_LIMIT = 64, PIN_LIMIT = 64, MESSAGE_SIZE_LIMIT = 256 };
 
@@ -47,6 +48,7 @@ struct viewer {
     double angle;          /**< Full opening, degrees. */
     conus_selector_options options;
     conus_selector *selector; /**< Made when needed; NULL after options changed. */
+    conus_selector *picker;   /**< Of single rays through everything; made when needed. */
     struct answer *answer;
     unsigned answer_number; /**< Tells answers apart, whose addresses may come again. */
     double select_ms;
@@ -88,6 +90,8 @@ void viewer_say(struct viewer *viewer, const char *format, ...) __attribute__((f
 void viewer_aim(struct viewer *viewer, const conus_pose *pose);
 /** Aims from @p origin along @p direction. */
 void viewer_aim_along(struct viewer *viewer, const double origin[3], const double direction[3]);
+/** Puts the device in front of the brain, looking at its middle, unless it has a pose already. */
+void viewer_place(struct viewer *viewer);
 /** To be called after options, angle or score changed. */
 void viewer_reselect(struct viewer *viewer);
 /** Pins the best result, or else nothing. */
@@ -119,6 +123,10 @@ void viewer_set_hidden(struct viewer *viewer, bool *hidden);
 void viewer_undo(struct viewer *viewer);
 /** The first object whose name, abbreviation or label fits @p text best; 0 = none. */
 uint32_t viewer_find(const struct viewer *viewer, const char *text);
+/** Whether @p object is @p ancestor or below it. */
+bool viewer_is_below(const struct viewer *viewer, uint32_t object, uint32_t ancestor);
+/** What is shown of an object and all below it. */
+enum shown viewer_shown(const struct viewer *viewer, uint32_t object);
 /** Whether @p object fits the search. */
 bool viewer_fits(const struct viewer *viewer, uint32_t object);
 /** Chooses an object; the crosshair goes to its middle. */
@@ -126,6 +134,12 @@ void viewer_choose(struct viewer *viewer, uint32_t object);
 
 /** sRGB of an object, in the palette that is on. */
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object);
+
+/** What the ray from @p origin along @p direction meets first of all that is shown, 0 = nothing, and where. Pathways
+ * count from their threshold on; the context does not count. */
+uint32_t viewer_pick(double contact[3], struct viewer *viewer, const double origin[3], const double direction[3]);
+/** The largest value of pathway @p object within a voxel of @p place; NaN of an area. */
+double viewer_value(struct viewer *viewer, uint32_t object, const double place[3]);
 
 /** The frame of a plane's picture: unit vectors to the right and up. */
 void viewer_plane(double right[3], double up[3], const struct viewer *viewer, enum plane plane);

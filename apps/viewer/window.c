@@ -166,6 +166,7 @@ static void draw_panels(struct window *window)
 {
     window->hovers = false;
     window->hovered = 0;
+    window->hovered_value = NAN;
     panel_areas(window);
     panel_results(window);
     for (int p = 0; p < PLANE_COUNT; p++) {
@@ -230,6 +231,15 @@ conus_status window_write(const struct window *window, const char *path)
     free(bottom_up);
     free(rgba);
     return status;
+}
+
+void window_hover_text(const struct window *window, char out[HOVER_TEXT])
+{
+    const conus_object *object = conus_atlas_object(window->viewer->atlas, window->hovered);
+    int used = snprintf(out, HOVER_TEXT, "%.200s", object ? object->name : "");
+    if (object && isfinite(window->hovered_value)) {
+        snprintf(out + used, HOVER_TEXT - (size_t)used, "  %.3g", window->hovered_value);
+    }
 }
 
 void window_copy(struct window *window)

@@ -9,7 +9,7 @@
 #include "viewer/ui.h"
 #include "viewer/viewer.h"
 
-enum { PANE_COUNT = 4, PANE_3D = 3 /**< After the planes. */, KEY_LIMIT = 32 };
+enum { PANE_COUNT = 4, PANE_3D = 3 /**< After the planes. */, KEY_LIMIT = 32, HOVER_TEXT = 256 };
 
 /** A picture on the screen. */
 struct texture {
@@ -49,7 +49,10 @@ struct window {
     bool show_help;
     uint32_t hovered; /**< Object under the mouse. */
     double hovered_at[3];
-    bool hovers; /**< hovered_at holds. */
+    double hovered_value; /**< Of a pathway, there; NaN of an area. */
+    bool keeps_picture;   /**< The next frame goes into a file.     */
+    uint32_t listed;      /**< What the list of areas was scrolled to last. */
+    bool hovers;          /**< hovered_at holds. */
 };
 
 /** Opens a window of that size, hidden where @p hidden. False: it was said why, and nothing is open. */
@@ -66,6 +69,9 @@ void window_draw(struct window *window);
 bool window_is_settled(const struct window *window);
 /** What the window shows now, as a PNG. */
 conus_status window_write(const struct window *window, const char *path);
+
+/** Name and, of a pathway, value of what is under the mouse. */
+void window_hover_text(const struct window *window, char out[HOVER_TEXT]);
 
 /** Puts what was confirmed on the clipboard. */
 void window_copy(struct window *window);

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the window does, without a window. */
+#include "viewer/viewer.h"
+
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void load(struct viewer *out, const char *kind, const char *file)
+{
+    conus_atlas *atlas = NULL;
+    char path[600];
+    char folder[512];
+    snprintf(folder, sizeof folder, "%s", test_scratch("phantom"));
+    assert_ok(conus_phantom_write(kind, folder, NULL));
+    snprintf(path, sizeof path, "%s/%s", folder, file);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_ok(viewer_create(out, atlas, "phantom", NULL));
+}
+
+static const double eye[3] = {0, 90, 0};
+static const double back[3] = {0, -1, 0};
+
+/* Balls of 24, 16 and 8 mm: what is hidden is not under the mouse, what is behind it is. */
+static void the_mouse_meets_what_is_shown(void **state)
+{
+    struct viewer viewer;
+    double contact[3] = {0};
+    (void)state;
+    load(&viewer, "nested", "nested.nii.gz");
+    for (int ball = 0; ball < 3; ball++) {
+        uint32_t met = viewer_pick(contact, &viewer, eye, back);
+        assert_true(met > 0);
+        assert_near(contact[1], 24 - 8 * ball, 1);
+        assert_near(contact[0], 0, 1e-9);
+        assert_true(isnan(viewer_value(&viewer, met, contact)));
+        viewer_hide(&viewer, met, true);
+    }
+    assert_int_equal(viewer_pick(contact, &viewer, eye, back), 0);
+    viewer_undo(&viewer);
+    assert_int_not_equal(viewer_pick(contact, &viewer, eye, back), 0);
+    assert_int_equal(viewer_pick(contact, &viewer, eye, (double[]){0, 1, 0}), 0);
+    viewer_finish(&viewer);
+}
+
+/* The brain's pathway is the last object; on its surface the value is about the threshold, within it more. */
+static void a_pathway_has_a_value(void **state)
+{
+    struct viewer viewer;
+    double middle[3];
+    (void)state;
+    load(&viewer, "brain", "brain.atlas.json");
+    uint32_t pathway = (uint32_t)viewer.object_count;
+    assert_int_equal(conus_atlas_object(viewer.atlas, pathway)->kind, CONUS_PATHWAY);
+    assert_ok(conus_atlas_centre(middle, viewer.atlas, pathway));
+    for (uint32_t area = 1; area < pathway; area++) {
+        viewer.hidden[area] = true;
+    }
+    bool found = false;
+    for (int k = -20; k <= 20 && !found; k++) {
+        double contact[3];
+        double from[3] = {middle[0], 200, middle[2] + 2 * k};
+        uint32_t met = viewer_pick(contact, &viewer, from, back);
+        if (met) {
+            found = true;
+            assert_int_equal(met, pathway);
+            double threshold = 16383.75;
+            assert_true(viewer_value(&viewer, pathway, contact) >= threshold);
+            assert_true(isnan(viewer_value(&viewer, pathway, from)));
+        }
+    }
+    assert_true(found);
+    viewer_finish(&viewer);
+}
+
+static void a_node_is_shown_whole_in_part_or_not(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load(&viewer, "slabs", "slabs.nii.gz");
+    assert_int_equal(viewer_shown(&viewer, 1), SHOWN);
+    viewer_hide(&viewer, 1, true);
+    assert_int_equal(viewer_shown(&viewer, 1), SHOWN_NOT);
+    assert_int_equal(viewer_shown(&viewer, 2), SHOWN);
+    viewer_isolate(&viewer, 1);
+    assert_int_equal(viewer_shown(&viewer, 1), SHOWN);
+    assert_int_equal(viewer_shown(&viewer, 2), SHOWN_NOT);
+    viewer_finish(&viewer);
+}
+
+/* In front of the face, looking back through the middle; a pose that is there stays. */
+static void a_device_without_a_pose_is_put_in_front(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load(&viewer, "sphere", "sphere.nii.gz");
+    assert_false(viewer.has_pose);
+    viewer_place(&viewer);
+    assert_true(viewer.has_pose);
+    const double *m = viewer.pose.world_from_device;
+    assert_near(m[8], 0, 1e-12);
+    assert_near(m[9], 1, 1e-12);
+    assert_near(m[12], viewer.centre[0], 1e-12);
+    assert_true(m[13] > viewer.centre[1] + viewer.radius);
+    assert_int_equal(conus_selection_result(viewer_selection(&viewer), 0)->object, 1);
+    viewer_aim_along(&viewer, (double[]){1, 2, 80}, (double[]){0, 0, -1});
+    viewer_place(&viewer);
+    assert_near(m[14], 80, 1e-12);
+    viewer_finish(&viewer);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_mouse_meets_what_is_shown),
+        cmocka_unit_test(a_pathway_has_a_value),
+        cmocka_unit_test(a_node_is_shown_whole_in_part_or_not),
+        cmocka_unit_test(a_device_without_a_pose_is_put_in_front),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
