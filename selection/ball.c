@@ -6,8 +6,11 @@
 
 #include <string.h>
 
-static conus_status check_ball(const double center[3], double radius)
+static conus_status check_ball(const conus_selector *selector, const double center[3], double radius)
 {
+    if (selector->options.range[1] > 0) {
+        return fail(CONUS_ERROR_ARGUMENT, "a ball has no axis, along which a range of depths could be");
+    }
     if (!vec3_is_finite(center)) {
         return fail(CONUS_ERROR_ARGUMENT, "point: (%g, %g, %g), finite numbers are needed", center[0], center[1],
                     center[2]);
@@ -83,7 +86,7 @@ static conus_status answer(conus_selection *selection, conus_selector *selector)
 
 conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double center[3], double radius)
 {
-    conus_status status = check_ball(center, radius);
+    conus_status status = check_ball(selector, center, radius);
     if (status) {
         return status;
     }

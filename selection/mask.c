@@ -18,7 +18,10 @@ struct mask {
 static conus_status find_pathway(const struct volume **out, const conus_atlas *atlas, const char *what)
 {
     size_t count = atlas->object_count - atlas->area_count;
-    if (count != 1) {
+    if (count == 0) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: there is no pathway", what);
+    }
+    if (count > 1) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: found %zu pathways, name one of them", what, count);
     }
     *out = atlas_object_volume(atlas, (uint32_t)atlas->object_count);
@@ -40,6 +43,9 @@ static conus_status find_volume(const struct volume **out, const conus_atlas *at
     if (options->content == CONUS_MAP_OF_VALUES) {
         return object ? fail(CONUS_ERROR_ARGUMENT, "map of values: %s is an area, a pathway is needed", object->name)
                       : find_pathway(out, atlas, "map of values");
+    }
+    if (object && options->content == CONUS_MASK_OF_REGION) {
+        return fail(CONUS_ERROR_ARGUMENT, "mask of everything: %s is an area, which changes nothing", object->name);
     }
     *out = atlas_parcellation(atlas);
     if (!*out && options->content == CONUS_MAP_OF_LABELS) {
@@ -71,7 +77,7 @@ static conus_status choose_objects(struct mask *mask, uint32_t object)
         }
     }
     return found ? CONUS_OK
-                 : fail(CONUS_ERROR_ARGUMENT, "mask: %s has no voxels",
+                 : fail(CONUS_ERROR_ARGUMENT, "%s has no voxels",
                         object ? mask->atlas->objects[object - 1].name : "the atlas");
 }
 

@@ -253,6 +253,10 @@ static void bad_balls_are_refused(void **state)
                      CONUS_ERROR_ARGUMENT);
     }
     assert_fails(conus_select_ball(&selection, fixture->selector, (double[]){0, NAN, 0}, 1), CONUS_ERROR_ARGUMENT);
+    conus_selector *deep = NULL;
+    assert_ok(conus_selector_create(&deep, fixture->atlas, &(conus_selector_options){.range = {0, 5}}));
+    assert_fails(conus_select_ball(&selection, deep, (double[]){0, 0, 0}, 1), CONUS_ERROR_ARGUMENT);
+    conus_selector_destroy(deep);
     assert_null(selection);
     selection = ball(fixture, 0, 0, 0, 1);
     assert_fails(conus_image_of_selection(&image, selection), CONUS_ERROR_ARGUMENT);

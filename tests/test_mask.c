@@ -188,10 +188,12 @@ static void what_has_no_voxels_is_refused(void **state)
     assert_refused(fixture, CONUS_MASK_OF_AREAS, 99, "object: 99, allowed is up to 4");
     assert_refused(fixture, CONUS_MAP_OF_VALUES, 1, "map of values: Shell outer is an area, a pathway is needed");
     assert_refused(fixture, CONUS_MAP_OF_LABELS, 4, "map of labels: tract is a pathway, an area is needed");
+    assert_refused(fixture, CONUS_MASK_OF_REGION, 1,
+                   "mask of everything: Shell outer is an area, which changes nothing");
     assert_ok(atlas_create_empty(&empty, "none"));
     alone.atlas = empty;
     assert_refused(&(struct fixture){.selection = &alone}, CONUS_MASK_OF_AREAS, 0,
-                   "mask of an atlas without labelled voxels: found 0 pathways, name one of them");
+                   "mask of an atlas without labelled voxels: there is no pathway");
     assert_refused(&(struct fixture){.selection = &alone}, CONUS_MAP_OF_LABELS, 0,
                    "map of labels: the atlas has no labelled voxels");
     conus_atlas_destroy(empty);

@@ -43,7 +43,8 @@ static const struct option output_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct query_settings, voxels),
      .value = "FILE.tsv",
-     .help = "write the voxels met first, with indices, positions and values"},
+     .help = "write the voxels met first, or with --layers all and --point those in the cone or ball, with indices, "
+             "positions and values"},
     {.name = "voxels-of",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct query_settings, voxels_of),
@@ -508,7 +509,8 @@ const struct command cmd_query = {
     .form = "(--origin X,Y,Z (--toward X,Y,Z | --direction X,Y,Z) | --pose FILE)",
     .description = "Looks from a device's position through N x N pixels into the atlas and reports every area and\n"
                    "pathway that a pixel of the cone meets first: its share of the cone, its pixels, its nearest\n"
-                   "contact and where it is, in mm.",
+                   "contact and where it is, in mm. With --layers all it reports everything in the cone, hidden or\n"
+                   "not; with --point in place of a cone, what is within --radius mm of a point.",
     .examples = "  conus query aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
                 "  conus query aal.nii.gz --pose poses.tsv --angle 5 -o answers.tsv\n"
                 "  conus query aal.nii.gz --origin 0,0,90 --direction 0,0,-1 --image seen.exr --format json\n",

@@ -306,7 +306,7 @@ static int answer_station(struct track *track)
             code = answer_news(track, &news, clock_s() - first);
         }
     }
-    return code ? code : write_steps(track); /* without a step there is still a heading */
+    return code ? code : write_steps(track);
 }
 
 /* One row at a time, so that what comes through a pipe is answered as it comes. */
@@ -319,7 +319,7 @@ static int answer_all(struct track *track)
         conus_status status = conus_pose_stream_read(track->poses, &row, 1, &count);
         code = status ? complain_status(status) : count ? answer_row(track, &row) : EXIT_DONE;
     } while (!code && count);
-    return code;
+    return code ? code : write_steps(track); /* without a step there is still a heading */
 }
 
 static conus_status start(struct track *track)

@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
@@ -53,12 +54,40 @@ bool path_ends(const char *path, const char *ending)
     return length > tail && strcasecmp(path + length - tail, ending) == 0;
 }
 
+static bool is_same(const struct stat *one, const struct stat *other)
+{
+    return one->st_dev == other->st_dev && one->st_ino == other->st_ino;
+}
+
+/* The folder of the file at `path`, and its name there. */
+static bool find_folder(struct stat *out, const char **name, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    *name = slash ? slash + 1 : path;
+    char *folder = slash ? strndup(path, (size_t)(*name - path)) : strdup(".");
+    bool found = folder && stat(folder, out) == 0;
+    free(folder);
+    return found;
+}
+
+/* Whether a file that is made at `a` would be the one that is made at `b`. */
+static bool places_equal(const char *a, const char *b)
+{
+    const char *name;
+    const char *other_name;
+    struct stat folder;
+    struct stat other;
+    return find_folder(&folder, &name, a) && find_folder(&other, &other_name, b)
+               ? is_same(&folder, &other) && strcmp(name, other_name) == 0
+               : strcmp(a, b) == 0;
+}
+
 bool paths_equal(const char *a, const char *b)
 {
     struct stat one;
     struct stat other;
     if (stat(a, &one)) {
-        return strcmp(a, b) == 0;
+        return places_equal(a, b);
     }
-    return S_ISREG(one.st_mode) && stat(b, &other) == 0 && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+    return S_ISREG(one.st_mode) && stat(b, &other) == 0 && is_same(&one, &other);
 }

@@ -367,7 +367,7 @@ CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *s
  * its surface there has a result. Volume, fraction and the like are those of voxels with their centre in the ball;
  * share is their part of all such voxels of the object's grid, NaN for a mesh, and the score; distance is that of the
  * nearest point of a cell or surface, 0 within the object, and contact that point. There are no pixels, and no picture
- * of it. */
+ * of it. CONUS_ERROR_ARGUMENT with a selector that has a range. */
 CONUS_CHECKED conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double center[3],
                                              double radius);
 CONUS_API void conus_selection_destroy(conus_selection *selection);
@@ -618,7 +618,8 @@ typedef enum conus_grid_content {
 typedef struct conus_grid_options {
     conus_grid_content content;
     uint32_t object; /**< Only this object and those below it in the area tree; 0 = all. A map of values needs a
-                          pathway here, unless there is only one; a mask of one is made with it, too.           */
+                          pathway here, unless there is only one; a mask of one is made with it, too. Of the region
+                          it only chooses the grid, and must be a pathway.                                      */
 } conus_grid_options;
 
 /** The voxels with their centre in a selection's cone, cylinder or ball (Eq. 10), hidden or not, on the grid of the

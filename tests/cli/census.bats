@@ -54,6 +54,9 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     answers query nested.nii.gz --pose points.txt --radius 3 --format tsv
     [ "$(cell query 1)/$(cell name 1)" = origin/Core ]
     [ "$(awk -F'\t' '$1 == "above" && $2 == "area"' <<<"$output" | cut -f5-6)" != "" ]
+    printf '0 0 20\n' >point.txt
+    run -1 --separate-stderr conus query nested.nii.gz --pose point.txt --radius 3 --range 1,2
+    check_message 'point.txt:1: a ball has no axis'
 }
 
 @test "a ball is not mixed with what only a cone has" {
@@ -91,7 +94,7 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     conus query nested.nii.gz $AIM --mask a_dseg.nii --quiet >/dev/null
     [ "$(jq -r '.Labels["4000000001"]' a_dseg.json)" = Core ]
     conus info a_dseg.nii --format tsv --labels nested.tsv | grep -q Core
-    conus query nested.nii.gz $AIM --mask b.nii.gz --mask-of all --mask-object Core --quiet >/dev/null
+    conus query nested.nii.gz $AIM --mask b.nii.gz --mask-of all --quiet >/dev/null
     conus query nested.nii.gz $AIM --mask c.nii.gz --mask-object Core --quiet >/dev/null
     [ "$(jq .Voxels b.json)" -gt "$(jq .Voxels c.json)" ]
     conus query nested.nii.gz $AIM --pathway sphere.nii.gz --mask d_probseg.nii.gz --quiet >/dev/null
@@ -105,7 +108,8 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     fails 2 '--mask: "a.png" ends neither in .nii.gz nor in .nii' query nested.nii.gz $AIM --mask a.png
     fails 2 '--mask-of has no effect without --mask' query nested.nii.gz $AIM --mask-of all
     fails 2 'did you mean "Core"?' query nested.nii.gz $AIM --mask a.nii --mask-object Corr
-    fails 2 '--mask: map of values: found 0 pathways' query nested.nii.gz $AIM --mask a.nii --mask-of values
+    fails 2 '--mask: map of values: there is no pathway' query nested.nii.gz $AIM --mask a.nii --mask-of values
+    fails 2 '--mask: mask of everything: Core is an area' query nested.nii.gz $AIM --mask a.nii --mask-of all --mask-object Core
     fails 2 '--mask would overwrite the atlas nested.nii.gz' query nested.nii.gz $AIM --mask nested.nii.gz
     printf '0 0 0\n1 1 1\n' >points.txt
     fails 2 '--mask shows one pose, points.txt has 2' query nested.nii.gz --pose points.txt --radius 3 --mask a.nii

@@ -88,6 +88,8 @@ load helpers
     local aim='--origin 0,0,100 --toward 0,0,0'
     fails 2 '--output would overwrite the atlas' query sphere.nii.gz $aim -o ./sphere.nii.gz
     fails 2 '--output and --voxels are the same file' query sphere.nii.gz $aim -o a.tsv --voxels a.tsv --voxels-of all
+    fails 2 '--output and --voxels are the same file' query sphere.nii.gz $aim -o ./a.tsv --voxels a.tsv --voxels-of all
+    fails 2 '--output and the .json beside --mask are the same file' query sphere.nii.gz $aim -o "$PWD/a.json" --mask a.nii
     fails 2 '--output would overwrite the label table sphere.tsv' query sphere.nii.gz $aim -o sphere.tsv
     fails 2 '--image would overwrite a pathway tract.png' \
         query sphere.nii.gz $aim --pathway tract.png,threshold=1 --image tract.png

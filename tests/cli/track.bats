@@ -87,7 +87,8 @@ skips() {
     printf '0 0 90\n' >points.txt
     skips 'points.txt:1: a point, without the direction' sphere.nii.gz --poses points.txt
     printf 'x\ty\tz\ttx\tty\ttz\n0\t0\t90\t0\t0\t0\n' >still.tsv
-    skips 'still.tsv:2: no time_s' sphere.nii.gz --poses still.tsv
+    skips 'still.tsv:2: no time_s' sphere.nii.gz --poses still.tsv --format tsv
+    [ "$(cut -f 2- <<<"$output")" = "$(head -1 clean)" ]
 }
 
 @test "one row, equal times and long gaps are fine" {
