@@ -239,6 +239,9 @@ static conus_status check_text(struct text line)
 static conus_status check_angle(double *out, double degrees)
 {
     const struct cone cone = {.angle = radians_from_degrees(degrees), .resolution = 1};
+    if (degrees == 0) {
+        return fail(CONUS_ERROR_DATA, "angle: 0 degrees, allowed is more than 0 and less than 180, or n/a for none");
+    }
     *out = cone.angle;
     return cone_check(&cone);
 }

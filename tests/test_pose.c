@@ -141,15 +141,16 @@ static void bad_rows_keep_their_place(void **state)
                                   "text\t0\t0\t0\t0\tone\t0\t5\t1\n"
                                   "wide\t0\t0\t0\t0\t1\t0\t180\t1\n"
                                   "hex\t0\t0\t0\t0\t0x1p2\t0\t5\t1\n"
-                                  "never\t0\t0\t0\t0\t1\t0\t5\tnan\n",
+                                  "never\t0\t0\t0\t0\t1\t0\t5\tnan\n"
+                                  "line\t0\t0\t0\t0\t1\t0\t0\t1\n",
                                   CONUS_RAS);
-    assert_int_equal(conus_pose_list_count(list), 8);
+    assert_int_equal(conus_pose_list_count(list), 9);
     assert_null(conus_pose_list_row(list, 0)->error);
     assert_near(conus_pose_list_row(list, 0)->angle, radians_from_degrees(5), 1e-15);
     const char *const parts[] = {"column x: \"nan\"", "direction", "3 fields", "\"one\"",
-                                 "angle: 180",        "\"0x1p2\"", "\"nan\""};
-    const char *const ids[] = {"nan", "zero", "short", "text", "wide", "hex", "never"};
-    const size_t lines[] = {3, 4, 6, 7, 8, 9, 10};
+                                 "angle: 180",        "\"0x1p2\"", "\"nan\"",  "180, or n/a for none"};
+    const char *const ids[] = {"nan", "zero", "short", "text", "wide", "hex", "never", "line"};
+    const size_t lines[] = {3, 4, 6, 7, 8, 9, 10, 11};
     for (size_t i = 0; i < sizeof ids / sizeof ids[0]; i++) {
         const conus_pose_row *row = conus_pose_list_row(list, i + 1);
         assert_non_null(row->error);

@@ -466,7 +466,7 @@ CONUS_API void conus_tracker_destroy(conus_tracker *tracker);
  * the ranking, with 0 pixels, for as long as they have a score or could be confirmed. @p trigger: it is held down; the
  * step at which it goes down confirms what was selected `delay` ago, before the press moved the hand. A step before the
  * last one is CONUS_ERROR_ARGUMENT; after any failure the tracker is as it was, so that a lost frame is one that was
- * never there. Of two steps at one time the later one counts. */
+ * never there. Of two steps at one time the later one counts from there on. */
 CONUS_CHECKED conus_status conus_tracker_step(conus_selection **out, conus_tracker *tracker, double time_s,
                                               const conus_pose *pose, double angle, bool trigger);
 /** The object that was selected @p ago seconds before the last step, 0 to the window; 0 if none was. */
