@@ -132,14 +132,16 @@ static bool read_variable(uint64_t *out, const char *name, uint64_t missing)
 
 static int shard_of_slurm(struct shard *out)
 {
-    uint64_t id, count, lowest, step;
+    uint64_t id, count, lowest, highest, step;
     if (!getenv("SLURM_ARRAY_TASK_ID") || !getenv("SLURM_ARRAY_TASK_COUNT")) {
         return EXIT_DONE;
     }
     bool numbers = read_variable(&id, "SLURM_ARRAY_TASK_ID", 0) && read_variable(&count, "SLURM_ARRAY_TASK_COUNT", 0) &&
                    read_variable(&lowest, "SLURM_ARRAY_TASK_MIN", 0) &&
-                   read_variable(&step, "SLURM_ARRAY_TASK_STEP", 1);
-    if (!numbers || step == 0 || id < lowest || (id - lowest) % step != 0 || (id - lowest) / step >= count) {
+                   read_variable(&step, "SLURM_ARRAY_TASK_STEP", 1) &&
+                   read_variable(&highest, "SLURM_ARRAY_TASK_MAX", lowest + (count - 1) * step);
+    if (!numbers || step == 0 || id < lowest || (id - lowest) % step != 0 || (id - lowest) / step >= count ||
+        highest != lowest + (count - 1) * step) {
         return complain_usage("SLURM_ARRAY_TASK_ID=%s does not say which part of the poses to answer; --shard I/N does "
                               "(0/1 is all of them)",
                               getenv("SLURM_ARRAY_TASK_ID"));

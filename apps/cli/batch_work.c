@@ -80,6 +80,31 @@ int work_pass_over(struct work *work, uint64_t poses)
     return status ? complain_status(status) : EXIT_DONE;
 }
 
+/* No file that is written, of those on the way neither, may be one that is read. */
+static int check_files(const struct work *work)
+{
+    static const char *const endings[] = {"", ".part", ".journal"};
+    const struct batch_settings *settings = work->settings;
+    const struct input inputs[] = {{"the atlas", work->arguments->operands[0]},
+                                   {"the label table", settings->atlas.labels},
+                                   {"the list of areas", settings_level_file(&settings->engine)},
+                                   {"the file of poses", settings->poses},
+                                   {0}};
+    const char *input = work->output ? settings_input(work->atlas, inputs, work->sidecar) : NULL;
+    int code = input ? complain_usage("--output would overwrite %s %s", input, work->sidecar) : EXIT_DONE;
+    for (size_t i = 0; work->output && !code && i < sizeof endings / sizeof endings[0]; i++) {
+        char *path = NULL;
+        if (asprintf(&path, "%s%s", work->output, endings[i]) < 0) {
+            complain("not enough memory");
+            return EXIT_DATA;
+        }
+        input = settings_input(work->atlas, inputs, path);
+        code = input ? complain_usage("--output would overwrite %s %s", input, path) : EXIT_DONE;
+        free(path);
+    }
+    return code;
+}
+
 /* ---- The atlas and the engine ----------------------------------------------------------------------------------- */
 
 static int load(struct work *work)
@@ -89,22 +114,9 @@ static int load(struct work *work)
     code = code
                ? code
                : settings_load_context(work->atlas, settings->context.path, settings->context.blocks, &settings->atlas);
-    if (code) {
-        return code;
-    }
-    const struct input inputs[] = {{"the atlas", work->arguments->operands[0]},
-                                   {"the label table", settings->atlas.labels},
-                                   {"the list of areas", settings_level_file(&settings->engine)},
-                                   {"the file of poses", settings->poses},
-                                   {0}};
-    const char *outputs[] = {work->output, work->sidecar};
-    for (size_t i = 0; work->output && i < 2; i++) {
-        const char *input = settings_input(work->atlas, inputs, outputs[i]);
-        if (input) {
-            return complain_usage("--output would overwrite %s %s", input, outputs[i]);
-        }
-    }
-    return settings_match_stream(work->poses, settings->poses, work->atlas, &settings->file, &settings->common);
+    code = code ? code : check_files(work);
+    return code ? code
+                : settings_match_stream(work->poses, settings->poses, work->atlas, &settings->file, &settings->common);
 }
 
 static int build(struct work *work)

@@ -11,6 +11,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* A run of it, with its own way of writing. */
@@ -64,6 +65,12 @@ static bool deliver(void *user, const conus_batch_block *block)
     return !signal_caught;
 }
 
+static bool has_size(const char *path, uint64_t size)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && (uint64_t)info.st_size == size;
+}
+
 /* Whether an earlier run has written all of it; takes over its errors. */
 static bool is_complete(struct run *run)
 {
@@ -71,7 +78,8 @@ static bool is_complete(struct run *run)
     struct batch_record record;
     if (batch_file_is_begun(work->output) || access(work->output, F_OK) || access(work->sidecar, F_OK) ||
         batch_record_read(&record, work->sidecar) || strcmp(record.fingerprint, work->fingerprint) != 0 ||
-        record.shard.index != work->shard.index || record.shard.count != work->shard.count) {
+        record.shard.index != work->shard.index || record.shard.count != work->shard.count ||
+        !has_size(work->output, record.bytes)) {
         return false;
     }
     run->errors = record.errors;

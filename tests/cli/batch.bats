@@ -148,6 +148,8 @@ wait_for_lines() {
     batch --shard 2/4 | cmp - slurm.tsv
     export SLURM_ARRAY_TASK_ID=15
     fails 2 'SLURM_ARRAY_TASK_ID=15 does not say which part' batch sphere.nii.gz --poses poses.tsv
+    export SLURM_ARRAY_TASK_ID=10 SLURM_ARRAY_TASK_MAX=14
+    fails 2 'SLURM_ARRAY_TASK_ID=10 does not say which part' batch sphere.nii.gz --poses poses.tsv
     answers batch sphere.nii.gz --poses poses.tsv --shard 0/1 -o all.tsv
 }
 
@@ -166,6 +168,11 @@ wait_for_lines() {
     fails 2 'would overwrite the atlas' batch sphere.nii.gz --poses poses.tsv -o sphere.nii.gz --force
     fails 2 'would overwrite the file of poses' batch sphere.nii.gz --poses poses.tsv -o poses.tsv --force
     fails 3 'none.tsv' batch sphere.nii.gz --poses none.tsv
+    for ending in part journal; do
+        mv poses.tsv rows.tsv.$ending
+        fails 2 "would overwrite the file of poses rows.tsv.$ending" batch sphere.nii.gz --poses rows.tsv.$ending -o rows.tsv --force
+        mv rows.tsv.$ending poses.tsv
+    done
     nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv
 }
 
@@ -177,6 +184,13 @@ wait_for_lines() {
     [ "$(hash_of rows.tsv)" = "$before" ]
     answers batch sphere.nii.gz --poses poses.tsv -o rows.tsv --force
     [ "$(hash_of rows.tsv)" != "$before" ]
+}
+
+@test "a file that has lost its end is not taken as finished" {
+    setup_ball 5
+    batch -o rows.tsv
+    truncate -s -10 rows.tsv
+    fails 2 'rows.tsv: there is a file already' batch sphere.nii.gz --poses poses.tsv --angle 12 -o rows.tsv --resume
 }
 
 @test "killed and resumed three times: the file of one run" {
