@@ -92,6 +92,9 @@ static conus_status find_format(conus_pose_stream *stream)
             status = pose_lines_fill(lines, lines->size + 1);
         }
     }
+    if (!status && lines->size >= 2 && memcmp(lines->data, "\x1f\x8b", 2) == 0) {
+        return fail(CONUS_ERROR_DATA, "packed by gzip: unpack it, or let gzip -dc write it to standard input");
+    }
     if (!status && used && memchr(lines->data, '\0', used)) {
         status = fail(CONUS_ERROR_DATA, "a zero byte: not a text of poses");
     }

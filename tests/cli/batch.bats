@@ -100,7 +100,7 @@ wait_for_lines() {
     answers merge rows.3.tsv rows.1.tsv rows.0.tsv rows.2.tsv -o merged.tsv
     cmp rows.tsv merged.tsv
     diff <(grep -v CommandLine rows.json) <(grep -v CommandLine merged.json) >differences || true
-    ! grep -v '"Name"\|"Version"\|^[0-9,acd]*$\|[{}]\|^---' differences
+    run ! grep -v '"Name"\|"Version"\|^[0-9,acd]*$\|[{}]\|^---' differences
     batch -o rows.ndjson
     answers merge rows.?.ndjson -o merged.ndjson
     cmp rows.ndjson merged.ndjson
