@@ -170,13 +170,20 @@ static void close_files(struct batch_file *file)
     file->rows = file->log = -1;
 }
 
+/* False when who held the lock before has finished the file since the journal was opened. */
+static bool has_name(int descriptor)
+{
+    struct stat info;
+    return fstat(descriptor, &info) == 0 && info.st_nlink > 0;
+}
+
 static int open_files(struct batch_file *file, int flags)
 {
     file->log = open(file->journal, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (file->log < 0) {
         return complain_errno(file->journal, "write");
     }
-    if (flock(file->log, LOCK_EX | LOCK_NB)) {
+    if (flock(file->log, LOCK_EX | LOCK_NB) || !has_name(file->log)) {
         complain("%s: another conus is writing this file", file->path);
         return EXIT_DATA;
     }

@@ -30,8 +30,8 @@ need_mesh() {
     conus mesh sphere.nii.gz -o round --format obj --smooth 15 --pass-band 0.1
     conus mesh sphere.nii.gz -o few --format obj --decimate 0.5
     [ "$(grep -c ^f plain/1_Sphere.obj)" -eq "$(grep -c ^f steps/1_Sphere.obj)" ]
-    ! cmp -s plain/1_Sphere.obj steps/1_Sphere.obj
-    ! cmp -s plain/1_Sphere.obj round/1_Sphere.obj
+    run ! cmp -s plain/1_Sphere.obj steps/1_Sphere.obj
+    run ! cmp -s plain/1_Sphere.obj round/1_Sphere.obj
     [ "$(grep -c ^v few/1_Sphere.obj)" -lt "$(($(grep -c ^v plain/1_Sphere.obj) * 6 / 10))" ]
 }
 
