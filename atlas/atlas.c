@@ -148,7 +148,7 @@ conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct
         copy.kind = CONUS_AREA;
         copy.triangles = mesh->triangle_count;
         copy.volume_mm3 = mesh->shape.closed ? fabs(mesh->shape.volume_mm3) : 0;
-        status = atlas_append_object(atlas, &copy, (struct object_place){true, atlas->mesh_count});
+        status = atlas_append_object(atlas, &copy, (struct object_place){.is_mesh = true, .index = atlas->mesh_count});
     }
     if (!status) {
         status = append_mesh(atlas, mesh);
@@ -165,7 +165,7 @@ conus_status atlas_add_group(conus_atlas *atlas, const conus_object *area)
     if (atlas->object_count > atlas->area_count) {
         return fail(CONUS_ERROR_ARGUMENT, "area %u: areas are added before pathways", area->label);
     }
-    conus_status status = atlas_append_object(atlas, area, (struct object_place){false, SIZE_MAX});
+    conus_status status = atlas_append_object(atlas, area, (struct object_place){.index = SIZE_MAX});
     atlas->area_count = atlas->object_count;
     return status;
 }
@@ -293,7 +293,7 @@ conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info
     }
     if (!status) {
         conus_object object = pathway_object(atlas, name, voxels, space_voxel_mm3(info));
-        status = atlas_append_object(atlas, &object, (struct object_place){false, atlas->volume_count});
+        status = atlas_append_object(atlas, &object, (struct object_place){.index = atlas->volume_count});
     }
     if (!status) {
         status = append_volume(atlas, &volume, &index);
@@ -336,9 +336,19 @@ conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double
 
 void conus_atlas_use_safe_colours(conus_atlas *atlas)
 {
-    for (size_t i = 0; i < atlas->object_count; i++) {
+    for (size_t i = 0; i < atlas->object_count && !atlas->has_safe_colours; i++) {
+        memcpy(atlas->places[i].own_rgb, atlas->objects[i].rgb, sizeof atlas->objects[i].rgb);
         palette_safe_colour(atlas->objects[i].rgb, i);
     }
+    atlas->has_safe_colours = true;
+}
+
+void conus_atlas_use_own_colours(conus_atlas *atlas)
+{
+    for (size_t i = 0; i < atlas->object_count && atlas->has_safe_colours; i++) {
+        memcpy(atlas->objects[i].rgb, atlas->places[i].own_rgb, sizeof atlas->objects[i].rgb);
+    }
+    atlas->has_safe_colours = false;
 }
 
 static const struct volume *grey_volume(const conus_atlas *atlas, size_t index)

@@ -13,6 +13,7 @@
 struct object_place {
     bool is_mesh;
     size_t index;
+    uint8_t own_rgb[3]; /**< The object's colour while the atlas has safe ones. */
 };
 
 /** A file of which the atlas is made, other than those of its volumes. */
@@ -35,6 +36,7 @@ struct conus_atlas {
     conus_hemispheres hemispheres; /**< What has been done to them.                                   */
     uint32_t half_step; /**< The labels of left halves are their areas' and this, those of right ones twice it;
                            0 = no area is cut in halves.                                       */
+    bool has_safe_colours;
     char *label_source;
     struct atlas_file *files; /**< The manifest, then surfaces.                                             */
     size_t file_count;

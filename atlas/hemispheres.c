@@ -196,7 +196,7 @@ static conus_status add_pair(struct merging *merging, const struct pair *pair)
         area.abbreviation = abbreviation.data;
         area.parent = left->parent == right->parent ? left->parent : merging->pair_of[left->parent];
         memcpy(area.rgb, left->rgb, sizeof area.rgb);
-        status = atlas_append_object(merging->areas, &area, (struct object_place){false, SIZE_MAX});
+        status = atlas_append_object(merging->areas, &area, (struct object_place){.index = SIZE_MAX});
     }
     buffer_finish(&name);
     buffer_finish(&abbreviation);

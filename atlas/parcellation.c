@@ -83,7 +83,7 @@ static conus_status append_area(conus_atlas *atlas, uint32_t number, const struc
         area.hemisphere = label->hemisphere;
         memcpy(area.rgb, label->has_rgb ? label->rgb : area.rgb, sizeof area.rgb);
     }
-    return atlas_append_object(atlas, &area, (struct object_place){false, 0});
+    return atlas_append_object(atlas, &area, (struct object_place){.index = 0});
 }
 
 static conus_status append_areas(conus_atlas *atlas, struct label_map *voxels, const struct label_table *table)

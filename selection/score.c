@@ -243,7 +243,9 @@ static double value_of(const struct ranking *ranking, const conus_result *result
 
 void score_rank(struct statistics *statistics, const struct ranking *ranking, const struct score_view *view)
 {
-    size_t ranked = statistics->count - 1; /* the last is CONUS_UNASSIGNED */
+    size_t ranked = statistics->count;
+    bool has_unassigned = ranked && !statistics->results[ranked - 1].object; /* not about a point among meshes */
+    ranked -= has_unassigned;
     for (size_t i = 0; i < ranked; i++) {
         statistics->results[i].score = value_of(ranking, &statistics->results[i], view);
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the window does, without a window. */
+#include "viewer/place.h"
 #include "viewer/viewer.h"
 
 #include "test.h"
@@ -8,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static void load(struct viewer *out, const char *kind, const char *file)
 {
@@ -112,12 +114,70 @@ static void a_device_without_a_pose_is_put_in_front(void **state)
     viewer_finish(&viewer);
 }
 
+static void colours_go_and_come_back(void **state)
+{
+    struct viewer viewer;
+    uint8_t own[3], safe[3], again[3];
+    (void)state;
+    load(&viewer, "slabs", "slabs.nii.gz");
+    unsigned scene = viewer.scene_number;
+    viewer_aim_along(&viewer, eye, back);
+    viewer_colour(own, &viewer, 1);
+    viewer_use_safe_colours(&viewer, true);
+    viewer_use_safe_colours(&viewer, true);
+    viewer_colour(safe, &viewer, 1);
+    assert_memory_not_equal(own, safe, sizeof own);
+    assert_true(viewer.scene_number > scene);
+    assert_non_null(viewer_selection(&viewer));
+    viewer_use_safe_colours(&viewer, false);
+    viewer_colour(again, &viewer, 1);
+    assert_memory_equal(own, again, sizeof own);
+    viewer_finish(&viewer);
+}
+
+static void the_window_finds_its_place_again(void **state)
+{
+    const struct place left = {.width = 900, .height = 700, .known = true, .x = 11, .y = -22};
+    struct place found = {.width = 1, .height = 2};
+    char path[1200];
+    char here[512];
+    (void)state;
+    assert_non_null(getcwd(here, sizeof here)); /* relative ones do not count */
+    snprintf(path, sizeof path, "%s/%s", here, test_scratch("state"));
+    setenv("XDG_STATE_HOME", path, 1);
+    snprintf(path, sizeof path, "%.1000s/conus/window.json", getenv("XDG_STATE_HOME"));
+    remove(path); /* of an earlier run */
+    place_load(&found);
+    assert_int_equal(found.width, 1);
+    place_save(&left);
+    place_load(&found);
+    assert_memory_equal(&found, &left, sizeof found);
+    place_save(&(struct place){.width = 1, .height = 700}); /* one that nobody could use */
+    place_load(&found);
+    assert_int_equal(found.width, 900);
+    static const char *const bad[] = {"",
+                                      "{}",
+                                      "[1]",
+                                      "{\"width\": 900, \"height\": 1e9, \"x\": 0, \"y\": 0}",
+                                      "{\"width\": 99999, \"height\": 700, \"x\": 0, \"y\": 0}",
+                                      "{\"width\": \"900\", \"height\": 700, \"x\": 0, \"y\": 0}"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        found = (struct place){.width = 5};
+        assert_ok(conus_write_file(path, bad[i], strlen(bad[i])));
+        place_load(&found);
+        assert_int_equal(found.width, 5);
+        assert_false(found.known);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_mouse_meets_what_is_shown),
         cmocka_unit_test(a_pathway_has_a_value),
         cmocka_unit_test(a_node_is_shown_whole_in_part_or_not),
+        cmocka_unit_test(colours_go_and_come_back),
+        cmocka_unit_test(the_window_finds_its_place_again),
         cmocka_unit_test(a_device_without_a_pose_is_put_in_front),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

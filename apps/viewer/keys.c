@@ -82,6 +82,11 @@ static void flip_sides(struct window *window)
     window->viewer->version++;
 }
 
+static void change_colours(struct window *window)
+{
+    viewer_use_safe_colours(window->viewer, !window->viewer->safe_colours);
+}
+
 static void keep_session(struct window *window)
 {
     keep(window, KEEP_SESSION);
@@ -189,6 +194,7 @@ static const struct {
     {"v", show_all, "show all areas"},
     {"r", look_at_all, "look at the whole brain"},
     {"f", flip_sides, "neurological or radiological"},
+    {"c", change_colours, "colours for any colour vision, or the atlas's own"},
     {"o", keep_session, "save the session: conus-DATE-TIME.json, in the folder where conus was started"},
     {"p", keep_picture, "save what the window shows: conus-DATE-TIME.png, there, too"},
     {"tab", enlarge, "one pane after the other fills the window"},

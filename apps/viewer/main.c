@@ -26,6 +26,7 @@ struct view_settings {
     const char *poses;
     const char *context, *transfer, *script, *session;
     uint32_t size[2];
+    double scale;
     bool hidden, safe_colours;
 };
 
@@ -47,6 +48,13 @@ static const struct option own_options[] = {
      .help = "of the window, pixels (default 1500x940)",
      .low = 1,
      .high = 16384},
+    {.name = "scale",
+     .type = OPTION_NUMBER,
+     .offset = offsetof(struct view_settings, scale),
+     .value = "FACTOR",
+     .help = "of texts and panels (default the screen's)",
+     .low = 0.5,
+     .high = 4},
     {.name = "session",
      .type = OPTION_TEXT,
      .offset = offsetof(struct view_settings, session),
@@ -177,6 +185,7 @@ static int run_window(struct window *window, const struct view_settings *setting
         conus_atlas_destroy(atlas);
         return EXIT_DATA;
     }
+    viewer.safe_colours = settings->safe_colours;
     window->viewer = &viewer;
     viewer.pointer = window->station ? POINT_BY_TRACKER : window->replay.poses ? POINT_BY_REPLAY : POINT_BY_MOUSE;
     if (window->replay.poses) {
@@ -205,14 +214,26 @@ static int start_sources(struct window *window, const struct view_settings *sett
     return code;
 }
 
+/* Scripts see the same window everywhere. */
+static void find_place(struct place *out, const struct view_settings *settings)
+{
+    *out = (struct place){.width = DEFAULT_WIDTH, .height = DEFAULT_HEIGHT};
+    if (!settings->script) {
+        place_load(out);
+    }
+    if (settings->size[0]) {
+        out->width = (int)settings->size[0];
+        out->height = (int)settings->size[1];
+    }
+}
+
 static int run(const void *given, const struct arguments *arguments)
 {
     const struct view_settings *settings = given;
     double started = times_now();
     struct script *script = NULL;
     struct window window;
-    int width = settings->size[0] ? (int)settings->size[0] : DEFAULT_WIDTH;
-    int height = settings->size[1] ? (int)settings->size[1] : DEFAULT_HEIGHT;
+    struct place place;
     if (!option_needs(arguments, "hidden", "script") || !settings_check_station(arguments)) {
         return EXIT_USAGE;
     }
@@ -220,7 +241,8 @@ static int run(const void *given, const struct arguments *arguments)
     if (code) {
         return code;
     }
-    if (!window_open(&window, width, height, settings->hidden)) {
+    find_place(&place, settings);
+    if (!window_open(&window, &place, settings->scale, settings->hidden)) {
         complain("conus view needs a display and OpenGL 4.5; conus render draws pictures without a window");
         script_destroy(script);
         return EXIT_NO_GL;
@@ -230,6 +252,10 @@ static int run(const void *given, const struct arguments *arguments)
     code = code ? code : run_window(&window, settings, arguments->operands[0], script);
     station_stop(window.station);
     conus_pose_list_destroy(window.replay.poses);
+    if (!code && !settings->script) {
+        window_place(&window, &place);
+        place_save(&place);
+    }
     window_close(&window);
     script_destroy(script);
     return code;

@@ -106,6 +106,10 @@ void panel_cone(struct window *window)
         shown = ui_check("outlines", &outlines) || shown;
         viewer->no_outlines = !outlines;
         shown = ui_check("radiological (left is right)", &viewer->radiological) || shown;
+        bool safe = viewer->safe_colours;
+        if (ui_check("colours for any colour vision", &safe)) {
+            viewer_use_safe_colours(viewer, safe);
+        }
         viewer->version += shown;
     }
     panel_transfer(window);

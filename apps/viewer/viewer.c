@@ -258,28 +258,49 @@ static void tell_painter(struct viewer *viewer)
     viewer->version++;
 }
 
-/* The painter reads the atlas, so it rests while the atlas changes. */
-void viewer_set_threshold(struct viewer *viewer, uint32_t object, double threshold)
+/* The painter reads the atlas, and so do selectors: they rest while it changes. */
+static void rest(struct viewer *viewer)
 {
-    struct painter *painter = NULL;
     painter_destroy(viewer->painter);
-    viewer->painter = NULL;
     conus_selector_destroy(viewer->selector);
-    viewer->selector = NULL;
     conus_selector_destroy(viewer->picker);
-    viewer->picker = NULL;
     answer_drop(viewer->answer);
+    viewer->painter = NULL;
+    viewer->selector = viewer->picker = NULL;
     viewer->answer = NULL;
     viewer->answer_number++;
-    if (conus_atlas_set_threshold(viewer->atlas, object, threshold)) {
-        viewer_say(viewer, "%s", conus_message());
-    }
+}
+
+static void go_on(struct viewer *viewer)
+{
+    struct painter *painter = NULL;
     if (painter_create(&painter, viewer->atlas, viewer->transfer)) {
         viewer->painter = painter;
         viewer->transfer_editor.ready = false;
-        tell_painter(viewer);
     }
+    tell_painter(viewer);
     viewer_reselect(viewer);
+}
+
+void viewer_set_threshold(struct viewer *viewer, uint32_t object, double threshold)
+{
+    rest(viewer);
+    if (conus_atlas_set_threshold(viewer->atlas, object, threshold)) {
+        viewer_say(viewer, "%s", conus_message());
+    }
+    go_on(viewer);
+}
+
+void viewer_use_safe_colours(struct viewer *viewer, bool safe)
+{
+    rest(viewer);
+    if (safe) {
+        conus_atlas_use_safe_colours(viewer->atlas);
+    } else {
+        conus_atlas_use_own_colours(viewer->atlas);
+    }
+    viewer->safe_colours = safe;
+    go_on(viewer);
 }
 
 /* ---- What is shown ---------------------------------------------------------------------------------------------- */

@@ -61,7 +61,7 @@ struct viewer {
     char search[SEARCH_SIZE];
     double fade, fill; /**< Of the context in 3-D; opacity of areas in the flat panes. */
     double window[2];  /**< Grey values that the flat panes show as black and white.   */
-    bool no_outlines, radiological;
+    bool no_outlines, radiological, safe_colours;
 
     /* where the panes look */
     struct orbit orbit;
@@ -109,6 +109,9 @@ conus_status viewer_write_picture(const struct viewer *viewer, const char *path,
 
 /** Changes from which value on a pathway is one. */
 void viewer_set_threshold(struct viewer *viewer, uint32_t object, double threshold);
+
+/** Colours for any colour vision, or the atlas's own. */
+void viewer_use_safe_colours(struct viewer *viewer, bool safe);
 
 /* ---- What is shown ---------------------------------------------------------------------------------------------- */
 

@@ -80,7 +80,28 @@ static GLFWwindow *make_window(int width, int height, bool hidden, int api)
     return glfwCreateWindow(width, height, "conus", NULL, NULL);
 }
 
-bool window_open(struct window *out, int width, int height, bool hidden)
+/* Unless that is where no screen is now. */
+static void put(struct window *window, const struct place *place)
+{
+    int count;
+    GLFWmonitor **monitors = glfwGetMonitors(&count);
+    for (int i = 0; place->known && i < count; i++) {
+        int x, y, width, height;
+        glfwGetMonitorWorkarea(monitors[i], &x, &y, &width, &height);
+        if (place->x >= x && place->y >= y && place->x < x + width - 50 && place->y < y + height - 50) {
+            glfwSetWindowPos(window->handle, place->x, place->y);
+        }
+    }
+}
+
+void window_place(const struct window *window, struct place *out)
+{
+    *out = (struct place){.known = true};
+    glfwGetWindowSize(window->handle, &out->width, &out->height);
+    glfwGetWindowPos(window->handle, &out->x, &out->y);
+}
+
+bool window_open(struct window *out, const struct place *place, double scale, bool hidden)
 {
     struct window window = {.enlarged = -1, .scale = 1};
     float across;
@@ -88,9 +109,9 @@ bool window_open(struct window *out, int width, int height, bool hidden)
     if (!glfwInit()) {
         return false;
     }
-    window.handle = make_window(width, height, hidden, GLFW_EGL_CONTEXT_API);
+    window.handle = make_window(place->width, place->height, hidden, GLFW_EGL_CONTEXT_API);
     if (!window.handle) {
-        window.handle = make_window(width, height, hidden, GLFW_NATIVE_CONTEXT_API);
+        window.handle = make_window(place->width, place->height, hidden, GLFW_NATIVE_CONTEXT_API);
     }
     if (!window.handle) {
         glfwTerminate();
@@ -99,6 +120,8 @@ bool window_open(struct window *out, int width, int height, bool hidden)
     glfwMakeContextCurrent(window.handle);
     glfwSwapInterval(1);
     glfwGetWindowContentScale(window.handle, &window.scale, &across);
+    window.scale = scale > 0 ? (float)scale : window.scale;
+    put(&window, place);
     glfwSetKeyCallback(window.handle, press_named);
     glfwSetCharCallback(window.handle, press_character);
     if (!ui_create(window.handle, window.scale)) {

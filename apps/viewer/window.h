@@ -4,6 +4,7 @@
 #ifndef CONUS_VIEWER_WINDOW_H
 #define CONUS_VIEWER_WINDOW_H
 
+#include "viewer/place.h"
 #include "viewer/source.h"
 #include "viewer/times.h"
 #include "viewer/ui.h"
@@ -55,8 +56,11 @@ struct window {
     bool hovers;          /**< hovered_at holds. */
 };
 
-/** Opens a window of that size, hidden where @p hidden. False: it was said why, and nothing is open. */
-bool window_open(struct window *out, int width, int height, bool hidden);
+/** Opens a window at @p place, hidden where @p hidden, its widgets @p scale times as large as usual (0: as the screen
+ * says). False: it was said why, and nothing is open. */
+bool window_open(struct window *out, const struct place *place, double scale, bool hidden);
+/** Where it is now. */
+void window_place(const struct window *window, struct place *out);
 void window_close(struct window *window);
 /** Asks for another size; the screen may give another one, some frames later. */
 void window_resize(struct window *window, int width, int height);

@@ -200,6 +200,8 @@ CONUS_API const char *conus_atlas_file(const conus_atlas *atlas, size_t index);
 /** Gives all areas and pathways colours that people with any colour vision tell apart as well as can be. Renderers made
  * before keep the old ones. */
 CONUS_API void conus_atlas_use_safe_colours(conus_atlas *atlas);
+/** Gives them back those that they had. */
+CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
 
 /** The box, in world mm, around all voxels and triangles of areas and pathways. CONUS_ERROR_DATA if there are none. */
 CONUS_CHECKED conus_status conus_atlas_bounds(const conus_atlas *atlas, double low[3], double high[3]);

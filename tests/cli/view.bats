@@ -328,3 +328,23 @@ END
     grep -q Sphere wand.tsv
     grep -q '"has_pose": 1' wand.json
 }
+
+@test "other colours and back, and a larger scale" {
+    need_window
+    conus phantom slabs -o .
+    view slabs.nii.gz <<'END'
+picture own.png 320 240
+screenshot window.png
+key c
+picture safe.png 320 240
+key c
+picture again.png 320 240
+END
+    run -1 conus diff own.png safe.png
+    conus diff own.png again.png
+    view slabs.nii.gz --scale 2 <<'END'
+screenshot large.png
+END
+    run -1 conus diff window.png large.png
+    fails 2 scale view slabs.nii.gz --scale 0.1
+}
