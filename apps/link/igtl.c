@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "link/igtl.h"
 
+#include <conus/conus.h>
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -67,22 +69,6 @@ uint64_t igtl_crc(const uint8_t *bytes, size_t size)
 /* ---- Poses --------------------------------------------------------------------------------------------------------
  */
 
-static bool is_rigid(const double m[16])
-{
-    static const double slack = 1e-3;
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j <= i; j++) {
-            double product = m[4 * i] * m[4 * j] + m[4 * i + 1] * m[4 * j + 1] + m[4 * i + 2] * m[4 * j + 2];
-            if (!(fabs(product - (i == j)) <= slack)) {
-                return false;
-            }
-        }
-    }
-    double turned =
-        m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]);
-    return turned > 0 && isfinite(m[12] + m[13] + m[14]);
-}
-
 static bool is_identity(const double m[16])
 {
     for (int i = 0; i < 16; i++) {
@@ -104,68 +90,39 @@ static void matrix_of_columns(double m[16], const uint8_t *body)
     }
 }
 
-/* Position, then x, y, z, w of a unit quaternion. */
-static void matrix_of_quaternion(double m[16], const double position[3], const double q[4])
+/* The library tells what is a rotation and makes it exact; NULL: it is none. */
+static void add_pose(struct igtl_reader *reader, struct igtl_poses *poses, const char *name, const conus_pose *given)
 {
-    const double x = q[0];
-    const double y = q[1];
-    const double z = q[2];
-    const double w = q[3];
-    const double all[16] = {1 - 2 * (y * y + z * z),
-                            2 * (x * y + z * w),
-                            2 * (x * z - y * w),
-                            0,
-                            2 * (x * y - z * w),
-                            1 - 2 * (x * x + z * z),
-                            2 * (y * z + x * w),
-                            0,
-                            2 * (x * z + y * w),
-                            2 * (y * z - x * w),
-                            1 - 2 * (x * x + y * y),
-                            0,
-                            position[0],
-                            position[1],
-                            position[2],
-                            1};
-    memcpy(m, all, sizeof all);
-}
-
-static void add_pose(struct igtl_reader *reader, struct igtl_poses *poses, const char *name, const double matrix[16])
-{
-    if (!is_rigid(matrix) || poses->count == IGTL_TOOLS) {
+    if (!given || poses->count == IGTL_TOOLS) {
         reader->counts.refused++;
         return;
     }
     struct igtl_pose *pose = &poses->tools[poses->count++];
     snprintf(pose->name, sizeof pose->name, "%s", name);
-    memcpy(pose->matrix, matrix, sizeof pose->matrix);
-    pose->lost = is_identity(matrix);
+    memcpy(pose->matrix, given->world_from_device, sizeof pose->matrix);
+    pose->lost = is_identity(pose->matrix);
     reader->counts.poses++;
 }
 
-/* Senders differ in how well they normalise (the protocol's own example sends lengths of 0.88); far from a unit it is
- * no rotation any more. */
-static bool normalise(double q[4])
+static void add_columns(struct igtl_reader *reader, struct igtl_poses *poses, const char *name, const uint8_t *body)
 {
-    double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    bool fine = square >= 0.5 && square <= 2;
-    for (int i = 0; i < 4; i++) {
-        q[i] = fine ? q[i] / sqrt(square) : 0;
-    }
-    return fine;
+    double matrix[16];
+    conus_pose pose;
+    matrix_of_columns(matrix, body);
+    add_pose(reader, poses, name, conus_pose_from_matrix(&pose, matrix) ? NULL : &pose);
 }
 
+/* Senders differ in how well they normalise (the protocol's own example sends lengths of 0.88); far from a unit it is
+ * no rotation any more. @p q is x, y, z, w. */
 static void add_quaternion(struct igtl_reader *reader, struct igtl_poses *poses, const char *name,
-                           const uint8_t *position, double q[4])
+                           const uint8_t *position, const double q[4])
 {
     const double at[3] = {get_float(position), get_float(position + 4), get_float(position + 8)};
-    double matrix[16];
-    if (!normalise(q)) {
-        reader->counts.refused++;
-        return;
-    }
-    matrix_of_quaternion(matrix, at, q);
-    add_pose(reader, poses, name, matrix);
+    const double wxyz[4] = {q[3], q[0], q[1], q[2]};
+    double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    conus_pose pose;
+    bool fine = square >= 0.5 && square <= 2 && !conus_pose_from_quaternion(&pose, at, wxyz);
+    add_pose(reader, poses, name, fine ? &pose : NULL);
 }
 
 /* ---- Bodies: false where the size does not fit the type ------------------------------------------------------------
@@ -179,12 +136,10 @@ struct body {
 
 static bool read_transform(struct igtl_reader *reader, struct igtl_poses *poses, const struct body *body)
 {
-    double matrix[16];
     if (body->size != TRANSFORM_SIZE) {
         return false;
     }
-    matrix_of_columns(matrix, body->bytes);
-    add_pose(reader, poses, body->device, matrix);
+    add_columns(reader, poses, body->device, body->bytes);
     return true;
 }
 
@@ -209,10 +164,8 @@ static bool read_tdata(struct igtl_reader *reader, struct igtl_poses *poses, con
 {
     char name[IGTL_NAME];
     for (size_t at = 0; at + TDATA_SIZE <= body->size; at += TDATA_SIZE) {
-        double matrix[16];
         get_name(name, body->bytes + at, DEVICE_SIZE);
-        matrix_of_columns(matrix, body->bytes + at + 22);
-        add_pose(reader, poses, name, matrix);
+        add_columns(reader, poses, name, body->bytes + at + 22);
     }
     return body->size % TDATA_SIZE == 0;
 }

@@ -180,7 +180,7 @@ static int run_window(struct window *window, const struct view_settings *setting
     if (settings->safe_colours) {
         conus_atlas_use_safe_colours(atlas);
     }
-    if (viewer_create(&viewer, atlas, path, settings->transfer)) {
+    if (viewer_create(&viewer, atlas, path, settings->transfer, settings->common.verbose ? log_line : NULL)) {
         complain("not enough memory");
         conus_atlas_destroy(atlas);
         return EXIT_DATA;

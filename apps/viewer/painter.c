@@ -35,6 +35,7 @@ struct painter {
     /* the thread's own */
     const conus_atlas *atlas;
     char *transfer;
+    conus_log log;
     double ms_per_pixel;
     uint8_t bytes[LEVELS]; /* sRGB of linear light */
 };
@@ -204,7 +205,7 @@ static void *run(void *user)
 {
     struct painter *painter = user;
     conus_renderer *renderer = NULL;
-    const conus_renderer_options options = {.transfer = painter->transfer};
+    const conus_renderer_options options = {.transfer = painter->transfer, .log = painter->log};
     make_bytes(painter);
     if (conus_renderer_create(&renderer, painter->atlas, &options)) {
         note_error(painter);
@@ -221,13 +222,14 @@ static void *run(void *user)
 
 /* ---- The window's side ----------------------------------------------------------------------------------------- */
 
-bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer)
+bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, conus_log log)
 {
     struct painter *painter = calloc(1, sizeof *painter);
     if (!painter) {
         return false;
     }
     painter->atlas = atlas;
+    painter->log = log;
     painter->transfer = transfer ? strdup(transfer) : NULL;
     pthread_mutex_init(&painter->lock, NULL);
     pthread_cond_init(&painter->wake, NULL);

@@ -31,8 +31,9 @@ struct painted {
     bool fine; /**< Nothing finer will come of the same painting. */
 };
 
-/** Starts the thread; @p transfer as in conus_renderer_options. False without memory or threads. */
-bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer);
+/** Starts the thread; @p transfer and @p log (called on that thread) as in conus_renderer_options. False without memory
+ * or threads. */
+bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, conus_log log);
 void painter_destroy(struct painter *painter);
 
 /** Asks for a picture instead of what was asked before. */

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { WORD_LIMIT = 8, SETTLE_FRAMES = 3, SETTLE_LIMIT = 4000, PICTURE_LIMIT = 16384 };
 
@@ -21,6 +22,7 @@ struct script {
     unsigned settled; /* frames since the pictures are fine */
     unsigned waited;
     bool settling;
+    char *awaited; /* a file that must be there before the next command; NULL = none */
 };
 
 /* What a command works on. */
@@ -170,6 +172,14 @@ static bool do_wait(struct call *call)
     return fine;
 }
 
+/* For programs that drive the window from outside. */
+static bool do_until(struct call *call)
+{
+    free(call->script->awaited);
+    call->script->awaited = strdup(call->words[1]);
+    return call->script->awaited;
+}
+
 static bool do_settle(struct call *call)
 {
     call->script->settling = true;
@@ -259,6 +269,7 @@ static const struct {
     {"choose", 1, 1, do_choose, "NAME"},
     {"wait", 1, 1, do_wait, "FRAMES"},
     {"settle", 0, 0, do_settle, ""},
+    {"until", 1, 1, do_until, "FILE"},
     {"screenshot", 1, 1, do_screenshot, "FILE.png"},
     {"picture", 3, 3, do_picture, "FILE.png WIDTH HEIGHT"},
     {"results", 1, 1, do_results, "FILE.tsv"},
@@ -295,6 +306,7 @@ void script_destroy(struct script *script)
             fclose(script->file);
         }
         free(script->path);
+        free(script->awaited);
         free(script->line);
         free(script);
     }
@@ -348,6 +360,11 @@ static bool keep_waiting(struct script *script, const struct window *window)
         script->waiting--;
         return true;
     }
+    if (script->awaited && access(script->awaited, F_OK)) {
+        return true;
+    }
+    free(script->awaited);
+    script->awaited = NULL;
     if (!script->settling) {
         return false;
     }

@@ -50,18 +50,20 @@ static void find_window(struct viewer *viewer)
     }
 }
 
-conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *path, const char *transfer)
+conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *path, const char *transfer,
+                           conus_log log)
 {
     struct viewer viewer = {.atlas = atlas, .atlas_path = path, .transfer = transfer, .angle = default_angle};
     viewer.object_count = conus_atlas_object_count(atlas);
     viewer.hidden = calloc(viewer.object_count + 1, sizeof *viewer.hidden);
     viewer.fill = 0.45;
+    viewer.options.log = log;
     find_ball(&viewer);
     find_window(&viewer);
     viewer.magnification = 1;
     memcpy(viewer.crosshair, viewer.centre, sizeof viewer.crosshair);
     orbit_look_at(&viewer.orbit, viewer.centre, viewer.radius);
-    if (!viewer.hidden || !painter_create(&viewer.painter, atlas, transfer)) {
+    if (!viewer.hidden || !painter_create(&viewer.painter, atlas, transfer, log)) {
         free(viewer.hidden);
         return CONUS_ERROR_MEMORY;
     }
@@ -274,7 +276,7 @@ static void rest(struct viewer *viewer)
 static void go_on(struct viewer *viewer)
 {
     struct painter *painter = NULL;
-    if (painter_create(&painter, viewer->atlas, viewer->transfer)) {
+    if (painter_create(&painter, viewer->atlas, viewer->transfer, viewer->options.log)) {
         viewer->painter = painter;
         viewer->transfer_editor.ready = false;
     }

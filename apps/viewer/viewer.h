@@ -77,8 +77,9 @@ struct viewer {
     unsigned version; /**< Grows with every change that shows. */
 };
 
-/** Gets ready for @p atlas, which is taken over on success. */
-conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *path, const char *transfer);
+/** Gets ready for @p atlas, which is taken over on success; @p log may be NULL. */
+conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *path, const char *transfer,
+                           conus_log log);
 void viewer_finish(struct viewer *viewer);
 
 /** Puts one line into the status line. */

@@ -127,21 +127,34 @@ END
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"
     conus phantom sphere -o .
-    printf 'wait 400\nresults mouse.tsv\nsave mouse.json\n' >script
-    timeout 60 "$CONUS" view sphere.nii.gz --script script --size 1000x640 &
+    printf 'until ready\nsave before.json\nuntil done\nresults mouse.tsv\nsave mouse.json\n' >script
+    timeout 60 "$CONUS" view sphere.nii.gz --script script --size 1000x640 3>&- &
     child=$!
     for _ in {1..100}; do
         window=$(xdotool search --name '^conus$' 2>/dev/null | head -1) && [ -n "$window" ] && break
         sleep 0.1
     done
     sleep 1
+    touch ready
     for step in {0..20}; do # over the middle of the 3-D pane
-        xdotool mousemove --window "$window" $((400 - step)) $((150 + step / 4)) 2>/dev/null || break
+        xdotool mousemove --window "$window" $((360 - step)) $((150 + step / 4))
         sleep 0.05
     done
-    xdotool key --window "$window" Return 2>/dev/null || true
+    xdotool click --repeat 2 --delay 80 1
+    sleep 0.3
+    xdotool mousedown 1
+    for step in {0..10}; do
+        xdotool mousemove --window "$window" $((340 + 4 * step)) 155
+        sleep 0.05
+    done
+    xdotool mouseup 1
+    sleep 0.3
+    touch done
     wait $child
-    grep -q Sphere mouse.tsv
+    grep -q Sphere mouse.tsv                              # points
+    [ "$(jq '.confirmed[0].object' mouse.json)" = 1 ]     # confirms
+    [ "$(jq '.confirmed | length' before.json)" = 0 ]
+    [ "$(jq '.orbit[4]' mouse.json)" != "$(jq '.orbit[4]' before.json)" ] # turns
 }
 
 @test "what a script cannot do is said with its line" {
