@@ -308,3 +308,11 @@ conus_atlas *mesh_scene_brain(void)
     assert_ok(atlas_add_pathway(atlas, &info, values, "arc"));
     return atlas;
 }
+
+void mesh_scene_add_soups(conus_atlas *atlas, uint64_t *state)
+{
+    for (int k = 0; k < 3; k++) {
+        struct mesh soup = mesh_scene_soup(state, 1 + (size_t)test_random(state, 0, 30), 12, 6);
+        mesh_scene_add(atlas, &soup);
+    }
+}

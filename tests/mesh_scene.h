@@ -35,6 +35,9 @@ struct mesh mesh_scene_torus(double ring, double tube, unsigned sectors, unsigne
 /** @p count triangles within @p size mm of 0, each as large as @p edge says, now and then a thin sliver. */
 struct mesh mesh_scene_soup(uint64_t *state, size_t count, double size, double edge);
 
+/** Adds three soups of up to 30 triangles, 6 mm big, within 12 mm of the origin, to @p atlas. */
+void mesh_scene_add_soups(conus_atlas *atlas, uint64_t *state);
+
 /** Appends @p mesh (taken over) as an area. */
 void mesh_scene_add(conus_atlas *atlas, struct mesh *mesh);
 

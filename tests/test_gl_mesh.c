@@ -246,10 +246,7 @@ static void meshes_among_voxels(void **state)
     struct pair sum = {0};
     for (int scene = 0; scene < 20; scene++) {
         conus_atlas *atlas = scene_atlas(&random, 20, 0);
-        for (int k = 0; k < 3; k++) {
-            struct mesh soup = mesh_scene_soup(&random, 1 + (size_t)test_random(&random, 0, 30), 12, 6);
-            mesh_scene_add(atlas, &soup);
-        }
+        mesh_scene_add_soups(atlas, &random);
         struct pair pair = pair_of(atlas);
         for (int pose = 0; pose < 10; pose++) {
             struct cone cone = {.pose = scene_pose(&random, atlas), .resolution = 16};

@@ -152,14 +152,21 @@ static json_t *hidden_labels(const struct viewer *viewer)
     return hidden;
 }
 
+/* A hidden result that was confirmed has no contact and no distance. */
+static json_t *number_or_null(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
 static json_t *pins_of(const struct viewer *viewer)
 {
     json_t *pins = json_array();
     for (size_t i = 0; i < viewer->pin_count; i++) {
         const struct pin *pin = &viewer->pins[i];
-        json_array_append_new(pins, json_pack("{s: i, s: f, s: f, s: [f, f, f]}", "object", (int)pin->object, "share",
-                                              pin->share, "distance_mm", pin->distance, "contact", pin->contact[0],
-                                              pin->contact[1], pin->contact[2]));
+        json_array_append_new(pins, json_pack("{s: i, s: f, s: o, s: [o, o, o]}", "object", (int)pin->object, "share",
+                                              pin->share, "distance_mm", number_or_null(pin->distance), "contact",
+                                              number_or_null(pin->contact[0]), number_or_null(pin->contact[1]),
+                                              number_or_null(pin->contact[2])));
     }
     return pins;
 }
@@ -232,22 +239,25 @@ static bool read_hidden(bool *hidden, const json_t *root, size_t object_count, c
     return true;
 }
 
+static double number_or_nan(const json_t *value)
+{
+    return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
 static void read_pins(struct viewer *viewer, const json_t *root)
 {
     const json_t *list = json_object_get(root, "confirmed");
     viewer->pin_count = 0;
     for (size_t i = 0; i < json_array_size(list) && viewer->pin_count < PIN_LIMIT; i++) {
         const json_t *entry = json_array_get(list, i);
-        const conus_object *object =
-            conus_atlas_object(viewer->atlas, (size_t)json_integer_value(json_object_get(entry, "object")));
+        json_int_t object = json_integer_value(json_object_get(entry, "object"));
         double contact[3];
         for (size_t a = 0; a < 3; a++) {
-            contact[a] = json_number_value(json_array_get(json_object_get(entry, "contact"), a));
+            contact[a] = number_or_nan(json_array_get(json_object_get(entry, "contact"), a));
         }
-        if (object) {
-            viewer_pin(viewer, (uint32_t)json_integer_value(json_object_get(entry, "object")),
-                       json_number_value(json_object_get(entry, "share")),
-                       json_number_value(json_object_get(entry, "distance_mm")), contact);
+        if (object > 0 && conus_atlas_object(viewer->atlas, (size_t)object)) {
+            viewer_pin(viewer, (uint32_t)object, number_or_nan(json_object_get(entry, "share")),
+                       number_or_nan(json_object_get(entry, "distance_mm")), contact);
         }
     }
 }

@@ -101,6 +101,16 @@ END
     conus query slabs.nii.gz --origin 3,90,2 --toward 3,0,2 --angle 23 --layers all --format tsv | diff left.tsv -
 }
 
+@test "a pin of what was hidden keeps its lack of a contact" {
+    need_window
+    conus phantom slabs -o . --size 16
+    printf 'aim 3 90 2 3 0 2\nkey enter\nsave one.json\n' | view slabs.nii.gz
+    jq '.confirmed[0] |= (.contact = [null, null, null] | .distance_mm = null)' one.json >hidden.json
+    printf 'open hidden.json\nsave two.json\n' | view slabs.nii.gz
+    diff <(jq -S .confirmed hidden.json) <(jq -S .confirmed two.json)
+    [ "$(jq -c '.confirmed[0].contact' two.json)" = '[null,null,null]' ]
+}
+
 @test "searching, hiding, isolating and taking it back" {
     need_window
     conus phantom slabs -o .
