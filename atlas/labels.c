@@ -25,14 +25,11 @@ void label_table_finish(struct label_table *table)
 
 struct label *label_table_add(struct label_table *table, uint32_t number)
 {
-    if (table->count == table->capacity) {
-        size_t capacity = table->capacity ? 2 * table->capacity : 64;
-        struct label *entries = memory_resize(table->entries, capacity, sizeof *entries);
-        if (!entries) {
-            return NULL;
-        }
-        table->entries = entries;
-        table->capacity = capacity;
+    void *entries = table->entries;
+    bool fits = memory_reserve(&entries, &table->capacity, table->count + 1, sizeof *table->entries);
+    table->entries = entries;
+    if (!fits) {
+        return NULL;
     }
     struct label *label = &table->entries[table->count++];
     *label = (struct label){.number = number};

@@ -130,17 +130,10 @@ static void name_shaft(struct contact *contact, struct text group, size_t row)
 
 static conus_status reserve(struct reading *reading)
 {
-    if (reading->count < reading->capacity) {
-        return CONUS_OK;
-    }
-    size_t capacity = reading->capacity ? 2 * reading->capacity : 64;
-    struct contact *contacts = memory_resize(reading->contacts, capacity, sizeof *contacts);
-    if (!contacts) {
-        return CONUS_ERROR_MEMORY;
-    }
+    void *contacts = reading->contacts;
+    bool fits = memory_reserve(&contacts, &reading->capacity, reading->count + 1, sizeof *reading->contacts);
     reading->contacts = contacts;
-    reading->capacity = capacity;
-    return CONUS_OK;
+    return fits ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 static conus_status read_contact(struct reading *reading, struct text line, size_t number)

@@ -28,17 +28,10 @@ void conus_pose_list_destroy(conus_pose_list *list)
 
 static conus_status reserve(conus_pose_list *list)
 {
-    if (list->count < list->capacity) {
-        return CONUS_OK;
-    }
-    size_t capacity = list->capacity ? 2 * list->capacity : 16;
-    conus_pose_row *rows = memory_resize(list->rows, capacity, sizeof *rows);
-    if (!rows) {
-        return CONUS_ERROR_MEMORY;
-    }
+    void *rows = list->rows;
+    bool fits = memory_reserve(&rows, &list->capacity, list->count + 1, sizeof *list->rows);
     list->rows = rows;
-    list->capacity = capacity;
-    return CONUS_OK;
+    return fits ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, struct text id, const char *error)
