@@ -158,12 +158,11 @@ conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
         if (!beside) {
             return CONUS_ERROR_MEMORY;
         }
-        bool found = file_exists(beside);
-        conus_status status = found ? load_system(&list->space, beside) : CONUS_OK;
-        memory_free(beside);
-        if (found) {
-            return status;
+        if (file_exists(beside)) {
+            list->coordsystem = beside;
+            return load_system(&list->space, beside);
         }
+        memory_free(beside);
     }
     conus_status status = space_of_name(list, path);
     return status ? status

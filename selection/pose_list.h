@@ -13,6 +13,7 @@ struct conus_pose_list {
     size_t capacity;
     struct notes notes;
     struct pose_space space;
+    char *coordsystem; /**< Path of the file that says what the space is; owned, NULL if there is none. */
 };
 
 /** Adds a row with copies of its strings. An @p id that is empty becomes the row's number; one that is too long or not

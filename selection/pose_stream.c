@@ -456,6 +456,11 @@ const char *conus_pose_stream_space(const conus_pose_stream *stream)
     return stream ? stream->whole.space.name : "";
 }
 
+const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream)
+{
+    return stream ? conus_pose_list_coordsystem(&stream->whole) : "";
+}
+
 conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas)
 {
     return pose_space_match(&stream->whole.notes, &stream->whole.space, atlas);
@@ -469,5 +474,7 @@ const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index
 conus_status pose_stream_take_header(conus_pose_list *list, conus_pose_stream *stream)
 {
     list->space = stream->whole.space;
+    list->coordsystem = stream->whole.coordsystem;
+    stream->whole.coordsystem = NULL;
     return notes_move(&list->notes, &stream->whole.notes);
 }

@@ -287,6 +287,7 @@ static void coordinate_systems_are_found(void **state)
         }
         assert_ok(conus_pose_stream_open(&stream, table, &(conus_pose_options){.space = CONUS_LPS}));
         assert_string_equal(conus_pose_stream_space(stream), "MNI152Lin");
+        assert_string_equal(conus_pose_stream_coordsystem(stream), i < 3 ? test_scratch(systems[i]) : "");
         assert_ok(conus_pose_stream_read(stream, &row, 1, &count));
         assert_near(row.pose.world_from_device[12], i < 3 ? -20 : -2, 1e-12); /* a named space is RAS */
         assert_non_null(strstr(conus_pose_stream_note(stream, i == 3), "positions are RAS"));

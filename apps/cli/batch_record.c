@@ -100,7 +100,7 @@ static bool hash_settings(struct sha256_ctx *context, const char *sidecar)
 }
 
 int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas, const struct batch_settings *settings,
-                      const char *poses_sha256)
+                      const char *const *sources)
 {
     const char *text = NULL;
     size_t size = 0;
@@ -120,7 +120,9 @@ int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas
     settings_pose_text(line, &settings->file);
     hash_text(&context, line);
     hash_text(&context, conus_batch_heading(batch));
-    hash_text(&context, poses_sha256);
+    for (; *sources; sources++) {
+        hash_text(&context, *sources);
+    }
     hash_objects(&context, atlas);
     finish_hash(out, &context);
     return EXIT_DONE;
@@ -147,6 +149,11 @@ static json_t *json_from_record(const struct batch_record *record)
         json_object_set_new(batch, "pose_file_sha256",
                             *record->pose_hash ? json_string(record->pose_hash) : json_null());
         json_object_set_new(batch, "angle_deg", json_real(record->angle));
+    }
+    if (record->pose_file && *record->coordsystem) {
+        json_t *path = json_string(record->coordsystem);
+        json_object_set_new(batch, "coordsystem_file", path ? path : json_null());
+        json_object_set_new(batch, "coordsystem_file_sha256", json_string(record->coordsystem_hash));
     }
     return batch;
 }

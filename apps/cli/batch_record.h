@@ -14,16 +14,18 @@ struct batch_record {
     uint32_t crc;                  /**< and their CRC-32. */
     const char *pose_file;         /**< As given; NULL = as the sidecar says already, */
     const char *pose_hash;         /**< its SHA-256, "" of standard input, */
+    const char *coordsystem;       /**< The file that says what its positions are in; "" = none, */
+    const char *coordsystem_hash;  /**< its SHA-256, */
     double angle;                  /**< and the angle of poses without one, degrees. */
 };
 
 /** SHA-256 of the file at @p path, in hexadecimal. Gives the exit code, having complained unless it is 0. */
 int batch_hash_file(char out[65], const char *path);
 
-/** Fingerprint of a batch: of its sidecar, heading, the atlas's objects, how poses are read, and
- * @p poses_sha256. */
+/** Fingerprint of a batch: of its sidecar, heading, the atlas's objects, how poses are read, and what they are read
+ * from: the texts of @p sources up to NULL. */
 int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas, const struct batch_settings *settings,
-                      const char *poses_sha256);
+                      const char *const *sources);
 
 /** The path of the sidecar of @p output: "a.json" of "a.tsv", "a.ndjson" or "a.jsonl", else with ".json" behind it.
  * NULL without memory; the caller frees it. */

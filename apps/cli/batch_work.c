@@ -89,6 +89,7 @@ static int check_files(const struct work *work)
                                    {"the label table", settings->atlas.labels},
                                    {"the list of areas", settings_level_file(&settings->engine)},
                                    {"the file of poses", settings->poses},
+                                   {"the coordinate system", conus_pose_stream_coordsystem(work->poses)},
                                    {0}};
     const char *input = work->output ? settings_input(work->atlas, inputs, work->sidecar) : NULL;
     int code = input ? complain_usage("--output would overwrite %s %s", input, work->sidecar) : EXIT_DONE;
@@ -176,8 +177,11 @@ int work_prepare(struct work *work)
 int work_identify(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
+    const char *system = conus_pose_stream_coordsystem(work->poses);
+    const char *const sources[] = {work->pose_hash, conus_pose_stream_space(work->poses), work->coordsystem_hash, NULL};
     int code = output_is_stdout(settings->poses) ? EXIT_DONE : batch_hash_file(work->pose_hash, settings->poses);
-    return code ? code : batch_fingerprint(work->fingerprint, work->batch, work->atlas, settings, work->pose_hash);
+    code = code || !*system ? code : batch_hash_file(work->coordsystem_hash, system);
+    return code ? code : batch_fingerprint(work->fingerprint, work->batch, work->atlas, settings, sources);
 }
 
 int work_check_output(const struct work *work)
@@ -198,6 +202,8 @@ int work_write_sidecar(struct work *work, struct batch_record *record)
     record->first = work->first;
     record->pose_file = work->settings->poses;
     record->pose_hash = work->pose_hash;
+    record->coordsystem = conus_pose_stream_coordsystem(work->poses);
+    record->coordsystem_hash = work->coordsystem_hash;
     record->angle = angle * (180 / M_PI);
     memcpy(record->fingerprint, work->fingerprint, sizeof record->fingerprint);
     conus_status status = conus_batch_sidecar(work->batch, &text, &size);

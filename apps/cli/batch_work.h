@@ -18,7 +18,7 @@ struct work {
     conus_atlas *atlas;
     conus_selector *selector;
     conus_batch *batch;
-    char fingerprint[65], pose_hash[65];
+    char fingerprint[65], pose_hash[65], coordsystem_hash[65];
 };
 
 /* All give the exit code, having complained unless it is 0. */

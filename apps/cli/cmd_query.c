@@ -408,6 +408,7 @@ static bool check_inputs(const struct query *query)
                                    {"the label table", settings->atlas.labels},
                                    {"the list of areas", settings_level_file(&settings->engine)},
                                    {"the file of poses", settings->aim.pose},
+                                   {"the coordinate system", conus_pose_list_coordsystem(query->poses)},
                                    {0}};
     for (size_t i = 0; i < OUTPUT_COUNT; i++) {
         const struct output *output = &query->outputs[i];

@@ -360,8 +360,9 @@ static int work(struct sweep *sweep)
 {
     const struct sweep_settings *settings = sweep->settings;
     int code = load(sweep);
-    if (code || !answer_check_files(sweep->atlas, sweep->arguments->operands[0], &settings->atlas, settings->aim.pose,
-                                    settings->answer.output, sweep->sidecar)) {
+    if (code ||
+        !answer_check_files(sweep->atlas, sweep->arguments->operands[0], &settings->atlas, settings->aim.pose,
+                            conus_pose_list_coordsystem(sweep->poses), settings->answer.output, sweep->sidecar)) {
         return code ? code : EXIT_USAGE;
     }
     conus_status status = start(sweep);

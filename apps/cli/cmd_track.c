@@ -383,8 +383,9 @@ static int work(struct track *track)
     if (!code) {
         code = settings_load_context(track->atlas, settings->context.path, settings->context.blocks, &settings->atlas);
     }
-    if (code || !answer_check_files(track->atlas, track->arguments->operands[0], &settings->atlas, settings->aim.pose,
-                                    settings->answer.output, track->sidecar)) {
+    if (code ||
+        !answer_check_files(track->atlas, track->arguments->operands[0], &settings->atlas, settings->aim.pose,
+                            conus_pose_stream_coordsystem(track->poses), settings->answer.output, track->sidecar)) {
         return code ? code : EXIT_USAGE;
     }
     code = track->station ? EXIT_DONE

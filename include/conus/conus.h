@@ -310,6 +310,9 @@ CONUS_CHECKED conus_status conus_pose_stream_count(conus_pose_stream *stream, ui
 CONUS_API conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream);
 /** The space as the file names it, "NIfTI:Scanner", "MNI152NLin2009cAsym"; "" if it names none. Borrowed. */
 CONUS_API const char *conus_pose_stream_space(const conus_pose_stream *stream);
+/** Path of the *_coordsystem.json that says what the positions of electrodes (BIDS) are in; "" where there is none.
+ * Borrowed. */
+CONUS_API const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream);
 /** CONUS_ERROR_DATA where the file and the atlas say that they belong to different brains, somebody's scan and a
  * template, say; a note where one of them does not say. A file that names no space fits any atlas. */
 CONUS_CHECKED conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas);
@@ -322,6 +325,8 @@ CONUS_CHECKED conus_status conus_pose_list_load(conus_pose_list **out, const cha
                                                 const conus_pose_options *options);
 CONUS_API size_t conus_pose_list_count(const conus_pose_list *list);
 CONUS_API const conus_pose_row *conus_pose_list_row(const conus_pose_list *list, size_t index);
+/** As conus_pose_stream_coordsystem(). */
+CONUS_API const char *conus_pose_list_coordsystem(const conus_pose_list *list);
 /** As conus_pose_stream_match(). */
 CONUS_CHECKED conus_status conus_pose_list_match(conus_pose_list *list, const conus_atlas *atlas);
 /** As conus_pose_stream_note(). */

@@ -242,6 +242,40 @@ wait_for_lines() {
     cmp rows.tsv torn.tsv
 }
 
+@test "--resume notices files that decide the answers: coordinate system, label table" {
+    setup_ball 2
+    printf 'name\tx\ty\tz\tsize\nA1\t1\t2\t1\t5\nA2\t0\t0\t9\t5\n' >sub-1_electrodes.tsv
+    system() {
+        printf '{"iEEGCoordinateSystem": "ScanRAS", "iEEGCoordinateUnits": "%s"}' "$1" >sub-1_coordsystem.json
+    }
+    ask() {
+        conus batch sphere.nii.gz --poses sub-1_electrodes.tsv --radius 3 --labels sphere.tsv --quiet "$@"
+    }
+    system mm
+    ask -o rows.tsv
+    ask -o rows.tsv --resume
+    grep -q "\"coordsystem_file_sha256\": \"$(sha256sum sub-1_coordsystem.json | cut -d ' ' -f 1)\"" rows.json
+    system cm
+    run -2 --separate-stderr ask -o rows.tsv --resume
+    check_message 'rows.tsv: there is a file already'
+    system mm
+    ask -o rows.tsv --resume
+    mv sub-1_coordsystem.json away
+    run -2 ask -o rows.tsv --resume
+    mv away sub-1_coordsystem.json
+    sed -i 's/Sphere/Ball/' sphere.tsv
+    run -2 ask -o rows.tsv --resume
+    sed -i 's/Ball/Sphere/' sphere.tsv
+    ask -o rows.tsv --resume
+    fails 2 'would overwrite the coordinate system sub-1_coordsystem.json' \
+        batch sphere.nii.gz --poses sub-1_electrodes.tsv --radius 3 --quiet -o sub-1_coordsystem.tsv --force
+    for command in "query --pose" "sweep --angle 5 --pose" "track --poses"; do
+        # shellcheck disable=SC2086 # words
+        fails 2 'would overwrite the coordinate system sub-1_coordsystem.json' \
+            $command sub-1_electrodes.tsv sphere.nii.gz --along-shafts --quiet --format tsv -o sub-1_coordsystem.tsv
+    done
+}
+
 @test "a full disk: a message, and --resume goes on" {
     setup_ball 5000
     batch -o rows.tsv
