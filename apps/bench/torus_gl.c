@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The torus scene by OpenGL: the paper's pass, which draws everything, against the engines. */
 #include "apps/bench/bench.h"
+#include "apps/bench/edges.h"
 #include "apps/bench/torus_scene.h"
 #include "base/math3.h"
 #include "base/memory.h"
@@ -14,9 +15,6 @@
 #include <string.h>
 
 enum { PIXELS = TORUS_RESOLUTION * TORUS_RESOLUTION, TORI = 20000, CONES = 4, ANGLES = 2, WAYS = 3 };
-
-/* Pixels by which a driver's vertex grid may move an edge. */
-#define EDGE_PIXELS (1 / 128.0)
 
 /* The paper's pass: all tori, each in one instance, identifier and contact instead of colour, no culling. */
 struct naive {
@@ -176,48 +174,15 @@ static void answer(void *data)
     }
 }
 
-/* Whether a ray within EDGE_PIXELS of the pixel's centre meets the object: nine rays of a tiny cone round it. */
-static bool is_near(struct engine *rays, const struct cone *cone, uint32_t pixel, uint32_t object)
-{
-    struct cone tiny = {.resolution = 3};
-    struct evidence evidence;
-    double direction[3];
-    bool found = false;
-    cone_ray(direction, cone, pixel % TORUS_RESOLUTION, pixel / TORUS_RESOLUTION);
-    double foreshortening = -vec3_dot(direction, cone->pose.world_from_device + 8);
-    double step = EDGE_PIXELS * 2 * tan(cone->angle / 2) / TORUS_RESOLUTION * foreshortening;
-    tiny.angle = 2 * atan(1.5 * step);
-    if (!conus_pose_along(&tiny.pose, cone->pose.world_from_device + 12, direction, NULL) &&
-        !evidence_init(&evidence, tiny.resolution)) {
-        if (!rays->functions->look(rays, &evidence, &tiny)) {
-            for (int i = 0; i < 9; i++) {
-                found = found || evidence.object[i] == object;
-            }
-        }
-        evidence_finish(&evidence);
-    }
-    return found;
-}
-
 /* The same identifiers as the rays', but for pixels whose centre lies on an edge. */
 static bool is_equal(const struct way *way, const struct way *rays, const char *name)
 {
-    size_t at_edges = 0, wrong = 0;
+    struct bench_differences differences = {0};
     for (int i = 0; i < CONES; i++) {
-        for (uint32_t pixel = 0; pixel < PIXELS; pixel++) {
-            uint32_t object = way->answers[i].object[pixel];
-            if (object != rays->answers[i].object[pixel]) {
-                bool near = is_near(rays->engine, &way->cones[i], pixel, object);
-                at_edges += near;
-                wrong += !near;
-            }
-        }
+        bench_compare_pixels(&differences, rays->engine, &way->cones[i], way->answers[i].object,
+                             rays->answers[i].object);
     }
-    if (at_edges || wrong) {
-        printf("%s: %zu of %d pixels differ from the rays' at edges, %zu elsewhere\n", name, at_edges, CONES * PIXELS,
-               wrong);
-    }
-    return !way->status && !wrong;
+    return bench_differences_pass(&differences, name, (size_t)CONES * PIXELS) && !way->status;
 }
 
 /* ---- The scenario ---------------------------------------------------------------------------------------------- */
