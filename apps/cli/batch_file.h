@@ -15,7 +15,7 @@ struct batch_file {
     uint64_t poses, errors;
     uint64_t size; /**< Bytes, the heading included, */
     uint32_t crc;  /**< and their CRC-32. */
-    bool is_finished;
+    bool is_finished; /**< It has its name. */
 };
 
 enum batch_start { BATCH_ANEW, BATCH_FORCE, BATCH_RESUME };

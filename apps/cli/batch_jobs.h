@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A table of batches: columns atlas, poses, output, each row one of them. */
+/** @file One batch, or a table of them: columns atlas, poses, output, each row one. */
 #ifndef CONUS_CLI_BATCH_JOBS_H
 #define CONUS_CLI_BATCH_JOBS_H
 
-#include <stddef.h>
+#include "cli/batch_settings.h"
 
 struct batch_job {
     const char *atlas, *poses, *output;
@@ -18,5 +18,14 @@ struct batch_jobs {
 /** Reads it. Gives the exit code, having complained unless it is 0; then there is nothing to finish. */
 int batch_jobs_read(struct batch_jobs *out, const char *path);
 void batch_jobs_finish(struct batch_jobs *jobs);
+
+/** Answers one batch. Gives the exit code, having complained unless it is 0; 128 and more is that of a signal. */
+typedef int batch_answer(void *user, const struct batch_settings *settings, const struct arguments *arguments);
+
+/** Calls @p answer for the batch that is asked for, or for each of those of --jobs that are the shard's; on with the
+ * next one where one cannot be answered, unless a signal was the reason. Gives the exit code that says most, having
+ * complained about what is missing. */
+int batch_jobs_answer(const struct batch_settings *settings, const struct arguments *arguments, batch_answer *answer,
+                      void *user);
 
 #endif

@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file SIGINT and SIGTERM, kept until a long piece of work comes to a place where it can end. */
+#ifndef CONUS_CLI_INTERRUPT_H
+#define CONUS_CLI_INTERRUPT_H
+
+/** From here on the first of each is kept, and the second one ends the program. One that is ignored stays so. */
+void interrupt_catch(void);
+
+/** The signal that was caught last; 0 if there was none. */
+int interrupt_signal(void);
+
+#endif
