@@ -8,12 +8,22 @@ static void set_slopes(struct camera *camera, double field_of_view, uint32_t wid
 {
     camera->slope[1] = tan(field_of_view / 2);
     camera->slope[0] = camera->slope[1] * width / height;
+    camera->middle[0] = camera->middle[1] = 0;
 }
 
 void camera_from_pose(struct camera *out, const conus_pose *pose, double field_of_view, uint32_t width, uint32_t height)
 {
     memcpy(out->world_from_camera, pose->world_from_device, sizeof out->world_from_camera);
     set_slopes(out, field_of_view, width, height);
+}
+
+void camera_from_frustum(struct camera *out, const conus_pose *pose, const double frustum[4])
+{
+    memcpy(out->world_from_camera, pose->world_from_device, sizeof out->world_from_camera);
+    for (int axis = 0; axis < 2; axis++) {
+        out->slope[axis] = (frustum[2 * axis + 1] - frustum[2 * axis]) / 2;
+        out->middle[axis] = (frustum[2 * axis + 1] + frustum[2 * axis]) / 2;
+    }
 }
 
 /* Columns x, y, z of a frame that looks along `forward` with z up (y up where that is along z). */
@@ -116,8 +126,8 @@ bool camera_project(double *x, double *y, double *depth, const struct camera *ca
     if (!(z > 0)) {
         return false;
     }
-    *x = (vec3_dot(m, v) / (z * camera->slope[0]) + 1) / 2 * frame->width;
-    *y = (1 - vec3_dot(m + 4, v) / (z * camera->slope[1])) / 2 * frame->height;
+    *x = ((vec3_dot(m, v) - z * camera->middle[0]) / (z * camera->slope[0]) + 1) / 2 * frame->width;
+    *y = (1 - (vec3_dot(m + 4, v) - z * camera->middle[1]) / (z * camera->slope[1])) / 2 * frame->height;
     *depth = z;
     return true;
 }

@@ -7,7 +7,8 @@
 
 struct camera {
     double world_from_camera[16]; /**< Rigid; -z is forward, +y up.       */
-    double slope[2];              /**< Tangents of half the field of view, horizontal and vertical. */
+    double slope[2];              /**< Half the picture's width and height at depth 1.        */
+    double middle[2];             /**< Where its middle is there, off the axis: 0, 0 unless it is off-axis (Eq. 1). */
 };
 
 /** The part of the picture that the subject shall fill, in pixels. */
@@ -19,6 +20,9 @@ struct camera_frame {
 /** A camera at @p pose; @p field_of_view is vertical, radians. */
 void camera_from_pose(struct camera *out, const conus_pose *pose, double field_of_view, uint32_t width,
                       uint32_t height);
+
+/** A camera at @p pose whose picture at depth 1 reaches over @p frustum: left, right, lower and upper edge. */
+void camera_from_frustum(struct camera *out, const conus_pose *pose, const double frustum[4]);
 
 /** A camera that looks along @p forward (any length but 0), superior up (anterior up where it looks along z), from the
  * smallest distance at which all @p points, [count][3] in the

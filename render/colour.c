@@ -18,7 +18,7 @@ enum { MESH_POINTS = 100000 };
 struct view_block {
     float context_from_camera[16], areas_from_camera[16], world_from_camera[16];
     float context_bricks[4], areas_bricks[4];
-    float lens[4], planes[4], light[4];
+    float lens[4], middle[4], planes[4], light[4];
     float apex[4], axis[4], cone_shape[4], cone_colour[4], line[4];
     int32_t counts[4];
     float markers[COLOUR_MARKER_LIMIT][4], marker_colours[COLOUR_MARKER_LIMIT][4];
@@ -516,6 +516,7 @@ static void set_view(struct view_block *block, const struct colour_pass *pass, c
         block->world_from_camera[i] = (float)camera->world_from_camera[i];
     }
     set4(block->lens, (double[]){camera->slope[0], camera->slope[1], view->width}, view->height);
+    set4(block->middle, (double[]){camera->middle[0], camera->middle[1], 0}, 0);
     set4(block->planes, (double[]){slices.start, slices.count ? slices.spacing : 1, slices.count}, !view->no_skipping);
     set4(block->light, light, 1 - view->fade);
     set4(block->line, (double[]){0.5 * view->line_width, 0.5 * view->line_width, view->shift[0]}, view->shift[1]);

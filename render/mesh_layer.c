@@ -224,8 +224,8 @@ static void set_view(const struct mesh_layer *layer, const struct mesh_layer_vie
     const double *m = view->camera->world_from_camera;
     double rows[9];
     for (int a = 0; a < 3; a++) {
-        rows[a] = m[a] / view->camera->slope[0];
-        rows[3 + a] = m[4 + a] / view->camera->slope[1];
+        rows[a] = (m[a] + view->camera->middle[0] * m[8 + a]) / view->camera->slope[0];
+        rows[3 + a] = (m[4 + a] + view->camera->middle[1] * m[8 + a]) / view->camera->slope[1];
         rows[6 + a] = -m[8 + a];
     }
     glUseProgram(layer->program);

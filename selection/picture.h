@@ -6,6 +6,9 @@
 #include "render/renderer.h"
 #include "selection/selection.h"
 
+/** Tangents of a frustum's edges are at most so large. */
+enum { PICTURE_FRUSTUM_LIMIT = 1000 };
+
 struct picture {
     conus_view options; /**< Defaults filled in. */
     const conus_atlas *atlas;

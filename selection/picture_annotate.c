@@ -166,7 +166,7 @@ static conus_status draw_scale(conus_image *image, struct font *font, const stru
         return CONUS_OK;
     }
     double size = legend_size(image);
-    double pixels_per_mm = image->height / (2 * depth * picture->camera.slope[1]);
+    double pixels_per_mm = image->width / (2 * depth * picture->camera.slope[0]);
     double length = round_length(0.14 * image->width / pixels_per_mm);
     char text[CELL_SIZE];
     snprintf(text, sizeof text, "%g mm", length);

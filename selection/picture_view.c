@@ -6,11 +6,41 @@
 #include "base/text.h"
 #include "render/image.h"
 
+#include <stdio.h>
+
 enum { DEFAULT_WIDTH = 1400, DEFAULT_HEIGHT = 1050, SIDE_LIMIT = 16384, SLICE_LIMIT = 65536 };
+
+static bool has_frustum(const conus_view *view)
+{
+    const double *f = view->frustum;
+    return f[0] != 0 || f[1] != 0 || f[2] != 0 || f[3] != 0;
+}
+
+static conus_status check_frustum(const conus_view *view)
+{
+    const double *f = view->frustum;
+    if (!has_frustum(view)) {
+        return CONUS_OK;
+    }
+    if (!view->camera || view->field_of_view != 0) {
+        return fail(CONUS_ERROR_ARGUMENT, "frustum: needs a camera, and no field of view");
+    }
+    for (int k = 0; k < 4; k += 2) {
+        if (!(f[k] < f[k + 1] && f[k] >= -PICTURE_FRUSTUM_LIMIT && f[k + 1] <= PICTURE_FRUSTUM_LIMIT)) {
+            return fail(CONUS_ERROR_ARGUMENT, "frustum: %g,%g,%g,%g; allowed is left < right, lower < upper, -%d to %d",
+                        f[0], f[1], f[2], f[3], PICTURE_FRUSTUM_LIMIT, PICTURE_FRUSTUM_LIMIT);
+        }
+    }
+    return CONUS_OK;
+}
 
 static conus_status fill_options(conus_view *out, const conus_view *view)
 {
     conus_view options = view ? *view : (conus_view){0};
+    conus_status status = check_frustum(&options);
+    if (status) {
+        return status;
+    }
     options.width = options.width ? options.width : DEFAULT_WIDTH;
     options.height = options.height ? options.height : DEFAULT_HEIGHT;
     if (options.field_of_view == 0) {
@@ -186,7 +216,9 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
     if (options->camera) {
         conus_pose pose;
         conus_status status = conus_pose_from_matrix(&pose, options->camera->world_from_device);
-        if (!status) {
+        if (!status && has_frustum(options)) {
+            camera_from_frustum(&picture->camera, &pose, options->frustum);
+        } else if (!status) {
             camera_from_pose(&picture->camera, &pose, options->field_of_view, options->width, options->height);
         }
         return status ? fail_in(status, "camera") : CONUS_OK;
@@ -251,14 +283,27 @@ static conus_status add_cone_attributes(conus_image *image, const struct cone *c
     return status ? status : image_add_matrix(image, "conus:worldFromDevice", cone->pose.world_from_device);
 }
 
+static conus_status add_lens(conus_image *image, const conus_view *options)
+{
+    char number[4][TEXT_NUMBER_SIZE];
+    char text[4 * TEXT_NUMBER_SIZE];
+    if (!has_frustum(options)) {
+        text_number(text, degrees_from_radians(options->field_of_view));
+        return image_add_text(image, "conus:fieldOfViewDegrees", text);
+    }
+    for (int k = 0; k < 4; k++) {
+        text_number(number[k], options->frustum[k]);
+    }
+    snprintf(text, sizeof text, "%s,%s,%s,%s", number[0], number[1], number[2], number[3]);
+    return image_add_text(image, "conus:frustum", text);
+}
+
 static conus_status add_attributes(conus_image *image, const struct picture *picture, const conus_renderer *renderer)
 {
-    char field_of_view[TEXT_NUMBER_SIZE];
-    text_number(field_of_view, degrees_from_radians(picture->options.field_of_view));
     conus_status status = image_add_text(image, "conus:version", CONUS_VERSION);
     status = status ? status : image_add_text(image, "conus:space", "RAS mm");
     status = status ? status : image_add_text(image, "conus:device", conus_renderer_device(renderer));
-    status = status ? status : image_add_text(image, "conus:fieldOfViewDegrees", field_of_view);
+    status = status ? status : add_lens(image, &picture->options);
     status = status ? status : image_add_matrix(image, "conus:worldFromCamera", picture->camera.world_from_camera);
     status = status ? status : picture_add_volumes(image, picture->atlas, true);
     return status || !picture->options.selection ? status

@@ -18,6 +18,7 @@ struct render_settings {
     const char *camera;
     double camera_origin[3], camera_toward[3], camera_up[3];
     double field_of_view; /* degrees */
+    double frustum[4];
     const char *context;
     const char *transfer;
     bool no_skipping, no_legend;
@@ -66,6 +67,14 @@ static const struct option picture_options[] = {
      .low = 0,
      .high = 180,
      .open = true},
+    {.name = "frustum",
+     .type = OPTION_EDGES,
+     .offset = offsetof(struct render_settings, frustum),
+     .value = "L,R,B,T",
+     .help = "or where the camera's picture ends left, right, below and above, at depth 1: off-axis, for a screen that "
+             "the eye is not straight before",
+     .low = -1000,
+     .high = 1000},
     {.name = "slices",
      .type = OPTION_COUNT,
      .offset = offsetof(struct render_settings, slices),
@@ -128,6 +137,11 @@ static void picture_finish(struct picture *picture)
     conus_atlas_destroy(picture->atlas);
 }
 
+static bool has_camera(const struct arguments *arguments)
+{
+    return option_given(arguments, "camera") || option_given(arguments, "camera-origin");
+}
+
 /* Options about the cone mean nothing without one. */
 static bool check_cone(const struct render_settings *settings, const struct arguments *arguments)
 {
@@ -142,13 +156,21 @@ static bool check_cone(const struct render_settings *settings, const struct argu
         complain("--hemispheres merged has no effect without a cone: --origin or --pose");
         return false;
     }
-    bool camera = option_given(arguments, "camera") || option_given(arguments, "camera-origin");
     for (size_t i = 0; !cone && of_cone[i]; i++) {
-        bool used = camera && strcmp(of_cone[i], "space") == 0;
+        bool used = has_camera(arguments) && strcmp(of_cone[i], "space") == 0;
         if (option_given(arguments, of_cone[i]) && !used) {
             complain("--%s has no effect without a cone: --origin or --pose", of_cone[i]);
             return false;
         }
+    }
+    return true;
+}
+
+static bool check_frustum(const struct arguments *arguments)
+{
+    if (option_given(arguments, "frustum") && !has_camera(arguments)) {
+        complain("--frustum has no effect without a camera: --camera-origin or --camera");
+        return false;
     }
     return true;
 }
@@ -158,7 +180,8 @@ static bool check_camera(const struct arguments *arguments)
     return option_needs(arguments, "camera-toward", "camera-origin") &&
            option_needs(arguments, "camera-origin", "camera-toward") &&
            option_needs(arguments, "camera-up", "camera-origin") &&
-           options_exclude(arguments, "camera", "camera-origin");
+           options_exclude(arguments, "camera", "camera-origin") &&
+           options_exclude(arguments, "frustum", "field-of-view") && check_frustum(arguments);
 }
 
 static bool check_output(const struct render_settings *settings)
@@ -295,10 +318,12 @@ static int draw(struct picture *picture)
     if (settings->common.verbose) {
         complain("OpenGL: %s", conus_renderer_device(picture->renderer));
     }
+    const double *f = settings->frustum;
     const conus_view view = {.width = settings->size[0],
                              .height = settings->size[1],
                              .slices = settings->slices,
                              .field_of_view = radians(settings->field_of_view),
+                             .frustum = {f[0], f[1], f[2], f[3]},
                              .camera = picture->has_camera ? &picture->camera : NULL,
                              .selection = picture->selection,
                              .no_skipping = settings->no_skipping,

@@ -127,7 +127,7 @@ static bool split(char copy[NUMBERS_SIZE], const char *text, char separator, con
 static bool read_numbers(const struct option *option, double *field, size_t count, const char *text, const char *wanted)
 {
     char copy[NUMBERS_SIZE];
-    const char *parts[3];
+    const char *parts[4];
     if (!split(copy, text, ',', parts, count)) {
         return refuse(option, text, wanted);
     }
@@ -148,6 +148,15 @@ static bool read_range(const struct option *option, double field[2], const char 
         return false;
     }
     return field[0] < field[1] || refuse(option, text, "two numbers, the lower one first");
+}
+
+static bool read_edges(const struct option *option, double field[4], const char *text)
+{
+    if (!read_numbers(option, field, 4, text, "four numbers LEFT,RIGHT,LOWER,UPPER without spaces")) {
+        return false;
+    }
+    return (field[0] < field[1] && field[2] < field[3]) ||
+           refuse(option, text, "left before right and lower before upper");
 }
 
 static bool read_size(const struct option *option, uint32_t field[2], const char *text)
@@ -263,6 +272,8 @@ bool option_read(const struct option *option, void *field, const char *text)
         return read_numbers(option, field, 3, text, "three numbers X,Y,Z without spaces");
     case OPTION_RANGE:
         return read_range(option, field, text);
+    case OPTION_EDGES:
+        return read_edges(option, field, text);
     case OPTION_SIZE:
         return read_size(option, field, text);
     case OPTION_BYTES:

@@ -16,6 +16,7 @@ enum option_type {
     OPTION_COUNT,  /**< Whole number; uint32_t.                                  */
     OPTION_VECTOR, /**< X,Y,Z; double[3].                                        */
     OPTION_RANGE,  /**< LOW,HIGH, the first below the second; double[2].         */
+    OPTION_EDGES,  /**< LEFT,RIGHT,LOWER,UPPER, each pair ascending; double[4].  */
     OPTION_SIZE,   /**< WxH; uint32_t[2].                                        */
     OPTION_BYTES,  /**< Whole number with K, M, G or T after it; uint64_t.       */
     OPTION_CHOICE, /**< One of the option's choices; size_t, its index.          */

@@ -240,6 +240,12 @@ CONUS_CHECKED conus_status conus_pose_from_matrix(conus_pose *out, const double 
 /** From a position and a quaternion (w, x, y, z) of any length but 0. */
 CONUS_CHECKED conus_status conus_pose_from_quaternion(conus_pose *out, const double origin[3], const double wxyz[4]);
 
+/** The viewer-centred projection (Eq. 1): the camera and the frustum (as in conus_view) of an eye that looks through a
+ * window, say at a screen. @p window: its middle, +x to its right, +y up, +z to the side of the eye; @p size: its width
+ * and height, mm. The eye must be before it: no edge may be more than 1000 times as far off as the eye is near. */
+CONUS_CHECKED conus_status conus_look_through(conus_pose *camera, double frustum[4], const conus_pose *window,
+                                              const double size[2], const double eye[3]);
+
 typedef enum conus_space { CONUS_RAS = 0, CONUS_LPS } conus_space;
 
 /** The axis of a device along which it looks. */
@@ -728,6 +734,9 @@ typedef struct conus_view {
     uint32_t width, height;   /**< Pixels, 1 to 16384; 0 = 1400 x 1050.                                           */
     uint32_t slices;          /**< N of Eq. 7; 0 = default.                                                       */
     double field_of_view;     /**< Vertical, radians, in (0, pi); 0 = 30 degrees.                                 */
+    double frustum[4];        /**< Instead, of a camera: where its picture's left, right, lower and upper edge are at
+                                   depth 1 (tangents, as glFrustum() has them at its near plane), off-axis, too.
+                                   All 0 = symmetric, as wide as field_of_view says.                              */
     const conus_pose *camera; /**< NULL = one that shows the whole atlas, from the cone's side where one is drawn. */
     const conus_selection *selection; /**< NULL = none; else draws its cone, axis and contacts.                   */
     bool no_skipping; /**< Blend every sample: the same picture, slower (for comparison).                 */

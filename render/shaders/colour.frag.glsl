@@ -9,7 +9,8 @@ layout(std140, binding = 0) uniform View
     mat4 world_from_camera; // rotation
     vec4 context_bricks;    // xyz: bricks along the edges, with the fraction; w: 1 where there is a context
     vec4 areas_bricks;      // likewise
-    vec4 lens;              // xy: tangents of half the field of view; zw: pixels
+    vec4 lens;              // xy: half the picture at depth 1; zw: pixels
+    vec4 middle;            // xy: of the picture, at depth 1
     vec4 planes;            // x: depth where the range begins; y: spacing; z: count; w: 1 to skip empty bricks
     vec4 light;             // xyz: towards the light, in world axes; w: how much of the context's extinction is left
     vec4 apex;              // xyz: the cone's; w: tangent of half its angle
@@ -388,7 +389,7 @@ void sample_planes(inout vec4 sum, inout float hit, inout float plane, float unt
 // One sample, for polygons on the planes that the framebuffer blends: the paper's way, which the bench compares with.
 void main()
 {
-    vec3 direction = vec3((gl_FragCoord.xy / lens.zw * 2.0 - 1.0) * lens.xy, -1.0);
+    vec3 direction = vec3((gl_FragCoord.xy / lens.zw * 2.0 - 1.0) * lens.xy + middle.xy, -1.0);
     vec3 view = normalize(mat3(world_from_camera) * direction);
     float t = depth_of(slice);
     Track areas;
@@ -432,7 +433,7 @@ float meet_mesh(inout vec4 sum, Track context, Track areas, vec3 direction, vec3
 // nothing but look at bricks where there is nothing to see, and nothing but sample where there is.
 void main()
 {
-    vec3 direction = vec3(((gl_FragCoord.xy + line.zw) / lens.zw * 2.0 - 1.0) * lens.xy, -1.0);
+    vec3 direction = vec3(((gl_FragCoord.xy + line.zw) / lens.zw * 2.0 - 1.0) * lens.xy + middle.xy, -1.0);
     vec3 view = normalize(mat3(world_from_camera) * direction);
     float mm = planes.y * length(direction);
     Surface near, far;

@@ -4,7 +4,7 @@ layout(location = 1) in vec3 normal;   // world
 layout(location = 2) in uint object;
 
 uniform dvec3 eye;
-uniform dmat3 camera_from_world; // rows: to the right and up, over the tangents of half the field of view; forward
+uniform dmat3 camera_from_world; // rows: right and up, in halves of the picture from its middle; forward
 uniform vec2 shift;              // of the rays, in units of half the picture
 
 out vec3 side;

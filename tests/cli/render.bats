@@ -56,6 +56,22 @@ png_size() {
     [ ! -e c.png ]
 }
 
+@test "a symmetric frustum is a field of view, another one is off-axis" {
+    sphere --size 32
+    local camera=(--camera-origin 0,300,0 --camera-toward 0,0,0 --no-legend)
+    gl render sphere.nii.gz -o same.exr --size 100x100 "${camera[@]}" --frustum=-1,1,-1,1
+    gl render sphere.nii.gz -o square.exr --size 100x100 "${camera[@]}" --field-of-view 90
+    gl render sphere.nii.gz -o side.exr --size 100x100 "${camera[@]}" --frustum=-0.5,1.5,-1,1
+    answers diff same.exr square.exr
+    run -1 conus diff same.exr side.exr
+    fails 2 '--frustum has no effect without a camera' render sphere.nii.gz -o a.png --frustum=-1,1,-1,1
+    fails 2 '--frustum and --field-of-view exclude each other' \
+        render sphere.nii.gz -o a.png "${camera[@]}" --frustum=-1,1,-1,1 --field-of-view 30
+    fails 2 'left before right' render sphere.nii.gz -o a.png "${camera[@]}" --frustum=1,-1,-1,1
+    fails 2 'is not four numbers' render sphere.nii.gz -o a.png "${camera[@]}" --frustum=-1,1,-1
+    fails 2 'out of range' render sphere.nii.gz -o a.png "${camera[@]}" --frustum=-1,1,-1,2000
+}
+
 @test "LPS is the mirrored RAS, for the camera, too" {
     sphere --size 32
     gl render sphere.nii.gz -o a.exr $SMALL --camera-origin 200,100,0 --camera-toward 0,0,0
