@@ -105,7 +105,6 @@ conus_status bench_census(struct bench *bench)
     struct scene scene = {.count = bench->options.poses};
     struct way ways[WAYS] = {{.scene = &scene, .take = ask_all}, {.scene = &scene, .take = census_take}};
     bench->one_thread = true;
-    snprintf(bench->driver, sizeof bench->driver, "none");
     conus_status status = conus_atlas_load(&scene.atlas, bench->options.atlas, NULL);
     if (!status && !atlas_parcellation(scene.atlas)) {
         status = fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", bench->options.atlas);

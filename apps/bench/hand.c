@@ -12,8 +12,10 @@ static conus_status add_method(struct bench *bench, const struct hand_outcome *o
     double changes = (double)outcome->changes[method] / outcome->seconds;
     const char *name = hand_methods[method].name;
     printf("%-32s %5.1f %% right, %5.2f changes/s\n", name, 100 * part, changes);
-    json_t *run = json_pack("{s:s, s:s, s:I, s:I, s:f}", "scenario", "hand", "variant", name, "count",
-                            (json_int_t)trials, "right", (json_int_t)outcome->hits[method], "changes_per_s", changes);
+    json_t *run =
+        json_pack("{s:s, s:s, s:I, s:f, s:n, s:n, s:n, s:i, s:b, s:I, s:f}", "scenario", "hand", "variant", name,
+                  "count", (json_int_t)trials, "angle_deg", 0.0, "median_ms", "min_ms", "p90_ms", "repeats", 1, "equal",
+                  true, "right", (json_int_t)outcome->hits[method], "changes_per_s", changes);
     return run && !json_array_append_new(bench->runs, run) ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "out of memory");
 }
 

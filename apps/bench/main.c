@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "apps/bench/all.h"
 #include "apps/bench/bench.h"
-#include "base/buffer.h"
-#include "base/file.h"
+#include "apps/bench/report.h"
+#include "base/text.h"
 
+#include <ftw.h>
 #include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,39 +14,50 @@
 #define DEFAULT_ATLAS "/usr/share/mricron/templates/aal.nii.gz"
 #define DEFAULT_CONTEXT "/usr/share/mricron/templates/ch2bet.nii.gz"
 
-enum { EXIT_USAGE = 2, EXIT_DATA = 3, DEFAULT_POSES = 64, DEFAULT_SLICES = 362, DEFAULT_REPEATS = 9 };
+enum { EXIT_CHECK = 1, EXIT_USAGE = 2, EXIT_DATA = 3 };
+enum { DEFAULT_POSES = 64, DEFAULT_SLICES = 362, DEFAULT_REPEATS = 9, CHECK_POSES = 4, CHECK_REPEATS = 1 };
 
+/* The last three numbers are for when all are run: poses, rounds, and seconds for one measurement. */
 static const struct bench_scenario scenarios[] = {
-    {"census", "the voxels in cones of 5, 20 and 60 degrees: every one asked against the walk over rows", bench_census},
-    {"batch", "poses as text in, rows as text out, on one thread and two, against plain traversal", bench_batch},
-    {"colour", "a picture: blended slices against ray casting without and with skipping", bench_colour},
-    {"hand", "a trembling hand: how often --poses trials select the area that was meant", bench_hand},
-    {"volume", "256 rays through a labelled volume: plain traversal against the rays engine", bench_volume},
-    {"mesh", "256 rays at an atlas's surfaces (--atlas MANIFEST), one at a time or in packets", bench_mesh},
-    {"torus", "256 rays into 1,000 to 200,000 tori, one at a time or in packets", bench_torus},
-    {"gl_layers", "256 rays into 20,000 tori by OpenGL: what is visible and all layers", bench_gl_layers},
+    {"volume", "256 rays through a labelled volume: plain traversal against the rays engine", bench_volume, 64, 31, 10},
+    {"census", "the voxels in cones of 5, 20 and 60 degrees: every one asked against the walk over rows", bench_census,
+     8, 3, 10},
+    {"batch", "poses as text in, rows as text out, on one thread and two, against plain traversal", bench_batch, 4000,
+     9, 20},
+    {"torus", "256 rays into 1,000 to 200,000 tori, one at a time or in packets; the paper's pass", bench_torus, 64, 9,
+     20},
     {"layers", "256 rays into 20,000 tori: what is visible and all layers, the engine alone and whole queries",
-     bench_layers},
+     bench_layers, 16, 5, 20},
+    {"gl_layers", "256 rays into 20,000 tori by OpenGL: what is visible and all layers", bench_gl_layers, 16, 5, 20},
+    {"mesh", "256 rays at an atlas's surfaces (else the brain phantom's), one at a time or in packets", bench_mesh, 64,
+     9, 10},
+    {"colour", "a picture: blended slices against ray casting without and with skipping", bench_colour, 1, 5, 40},
+    {"hand", "a trembling hand: how often --poses trials select the area that was meant", bench_hand, 64, 0, 0},
 };
 
 enum { SCENARIO_COUNT = sizeof scenarios / sizeof scenarios[0] };
 
 static void print_help(void)
 {
-    puts("usage: conus-bench SCENARIO [options]\n\nscenarios:");
+    puts("usage: conus-bench SCENARIO|all [options]\n\nscenarios:");
     for (size_t i = 0; i < SCENARIO_COUNT; i++) {
-        printf("  %-10s %s\n", scenarios[i].name, scenarios[i].description);
+        printf("  %-12s %s\n", scenarios[i].name, scenarios[i].description);
     }
-    puts("\noptions:\n"
+    puts("  all          one after the other, each in a process of its own, with numbers that fit into 15 minutes\n"
+         "\noptions:\n"
          "  --atlas FILE   labelled volume, or a manifest (default " DEFAULT_ATLAS ")\n"
          "  --context FILE volume around the areas in pictures (default " DEFAULT_CONTEXT ")\n"
          "  --slices N     planes of a picture (default 362)\n"
          "  --angle A      full opening angle in degrees (default 5)\n"
-         "  --poses N      cones per round (default 64)\n"
-         "  --repeats N    rounds in which every variant runs once (default 9)\n"
+         "  --poses N      cones per round (default 64; all: its own)\n"
+         "  --repeats N    rounds in which every variant runs once (default 9; all: its own)\n"
+         "  --seconds S    begin no further round when a measurement has taken so long (all: its own)\n"
          "  --record FILE  write the poses of the hand, for conus track\n"
+         "  --check        everything small: exit code 1 unless all answers are equal; times mean nothing\n"
          "  --json FILE    write everything measured");
 }
+
+/* ---- Options --------------------------------------------------------------------------------------------------- */
 
 static conus_status parse_count(const char *option, const char *value, size_t *out)
 {
@@ -56,13 +69,13 @@ static conus_status parse_count(const char *option, const char *value, size_t *o
     return CONUS_OK;
 }
 
-static conus_status parse_angle(const char *value, double *out)
+static conus_status parse_number(const char *option, const char *value, double limit, double *out)
 {
-    double angle;
-    if (!text_to_double(text_from(value), &angle) || !(angle > 0 && angle < 180)) {
-        return fail(CONUS_ERROR_ARGUMENT, "--angle: '%s', allowed is more than 0 and less than 180", value);
+    double number;
+    if (!text_to_double(text_from(value), &number) || !(number > 0 && number < limit)) {
+        return fail(CONUS_ERROR_ARGUMENT, "--%s: '%s', allowed is more than 0 and less than %g", option, value, limit);
     }
-    *out = angle;
+    *out = number;
     return CONUS_OK;
 }
 
@@ -70,28 +83,34 @@ struct arguments {
     struct bench_options options;
     const struct bench_scenario *scenario;
     const char *json;
-    bool help;
+    bool all, help;
 };
 
 static conus_status parse_option(struct arguments *out, int option)
 {
+    struct bench_options *options = &out->options;
     switch (option) {
     case 'a':
-        out->options.atlas = optarg;
+        options->atlas = optarg;
         return CONUS_OK;
     case 'c':
-        out->options.context = optarg;
+        options->context = optarg;
         return CONUS_OK;
     case 's':
-        return parse_count("slices", optarg, &out->options.slices);
+        return parse_count("slices", optarg, &options->slices);
     case 'g':
-        return parse_angle(optarg, &out->options.angle);
+        return parse_number("angle", optarg, 180, &options->angle);
     case 'p':
-        return parse_count("poses", optarg, &out->options.poses);
+        return parse_count("poses", optarg, &options->poses);
     case 'r':
-        return parse_count("repeats", optarg, &out->options.repeats);
+        return parse_count("repeats", optarg, &options->repeats);
+    case 't':
+        return parse_number("seconds", optarg, 1e6, &options->seconds);
     case 'o':
-        out->options.record = optarg;
+        options->record = optarg;
+        return CONUS_OK;
+    case 'k':
+        options->check = true;
         return CONUS_OK;
     case 'j':
         out->json = optarg;
@@ -104,14 +123,26 @@ static conus_status parse_option(struct arguments *out, int option)
     }
 }
 
+static conus_status parse_scenario(struct arguments *out, const char *name)
+{
+    out->all = strcmp(name, "all") == 0;
+    for (size_t i = 0; i < SCENARIO_COUNT; i++) {
+        out->scenario = strcmp(name, scenarios[i].name) ? out->scenario : &scenarios[i];
+    }
+    return out->all || out->scenario
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "unknown scenario '%s'; see conus-bench --help", name);
+}
+
 static conus_status parse(struct arguments *out, int argc, char **argv)
 {
     static const struct option table[] = {
-        {"atlas", required_argument, NULL, 'a'},  {"context", required_argument, NULL, 'c'},
-        {"slices", required_argument, NULL, 's'}, {"angle", required_argument, NULL, 'g'},
-        {"poses", required_argument, NULL, 'p'},  {"repeats", required_argument, NULL, 'r'},
-        {"record", required_argument, NULL, 'o'}, {"json", required_argument, NULL, 'j'},
-        {"help", no_argument, NULL, 'h'},         {NULL, 0, NULL, 0}};
+        {"atlas", required_argument, NULL, 'a'},   {"context", required_argument, NULL, 'c'},
+        {"slices", required_argument, NULL, 's'},  {"angle", required_argument, NULL, 'g'},
+        {"poses", required_argument, NULL, 'p'},   {"repeats", required_argument, NULL, 'r'},
+        {"seconds", required_argument, NULL, 't'}, {"record", required_argument, NULL, 'o'},
+        {"check", no_argument, NULL, 'k'},         {"json", required_argument, NULL, 'j'},
+        {"help", no_argument, NULL, 'h'},          {NULL, 0, NULL, 0}};
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, "h", table, NULL)) != -1;) {
         conus_status status = parse_option(out, option);
@@ -119,77 +150,109 @@ static conus_status parse(struct arguments *out, int argc, char **argv)
             return status;
         }
     }
-    for (size_t i = 0; i < SCENARIO_COUNT && optind + 1 == argc; i++) {
-        out->scenario = strcmp(argv[optind], scenarios[i].name) ? out->scenario : &scenarios[i];
+    if (out->help) {
+        return CONUS_OK;
     }
-    return out->scenario || out->help ? CONUS_OK
-                                      : fail(CONUS_ERROR_ARGUMENT, "name one scenario; see conus-bench --help");
+    return optind + 1 == argc ? parse_scenario(out, argv[optind])
+                              : fail(CONUS_ERROR_ARGUMENT, "name one scenario, or all; see conus-bench --help");
 }
 
-/* The words behind the first "model name" of /proc/cpuinfo. */
-static void find_cpu_model(char *out, size_t size)
+/* ---- Running --------------------------------------------------------------------------------------------------- */
+
+static int remove_entry(const char *path, const struct stat *about, int kind, struct FTW *where)
 {
-    char line[512];
-    FILE *file = fopen("/proc/cpuinfo", "r");
-    snprintf(out, size, "unknown CPU");
-    while (file && fgets(line, sizeof line, file)) {
-        char *colon = strchr(line, ':');
-        if (colon && strncmp(line, "model name", strlen("model name")) == 0) {
-            struct text model = text_trim(text_from(colon + 1));
-            snprintf(out, size, "%.*s", (int)model.size, model.data);
-            break;
-        }
-    }
-    if (file) {
-        fclose(file);
-    }
+    (void)about;
+    (void)kind;
+    (void)where;
+    return remove(path);
 }
 
-static conus_status write_json(const struct bench *bench, const char *path)
+/* Fills in what was not given. In a check the atlas and its context are a small phantom in the bench's folder. */
+static conus_status fill_in(struct bench *bench, char *phantom, size_t size)
 {
-    char model[128], machine[192];
-    find_cpu_model(model, sizeof model);
-    snprintf(machine, sizeof machine, "%s, %ld CPUs", model, sysconf(_SC_NPROCESSORS_ONLN));
-    const struct bench_options *o = &bench->options;
-    json_t *root = json_pack(
-        "{s:s, s:s, s:s, s:{s:s, s:s, s:f, s:I, s:I, s:I, s:s}, s:O, s:O}", "version", conus_version(), "machine",
-        machine, "driver", bench->driver, "settings", "atlas", o->atlas, "context", o->context, "angle_deg", o->angle,
-        "poses", (json_int_t)o->poses, "slices", (json_int_t)o->slices, "repeats", (json_int_t)o->repeats, "clock",
-        bench->one_thread ? "CPU time of one thread" : "wall", "runs", bench->runs, "ratios", bench->ratios);
-    char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(6)) : NULL;
-    struct buffer buffer = {0};
-    if (text) {
-        buffer_format(&buffer, "%s\n", text);
+    struct bench_options *options = &bench->options;
+    bool check = options->check;
+    snprintf(phantom, size, "%s/u-shape.nii.gz", bench->folder);
+    options->poses = options->poses ? options->poses : check ? CHECK_POSES : DEFAULT_POSES;
+    options->repeats = options->repeats ? options->repeats : check ? CHECK_REPEATS : DEFAULT_REPEATS;
+    conus_status status = CONUS_OK;
+    if (check) {
+        status = conus_phantom_write("u-shape", bench->folder, &(conus_phantom_options){.size = 32});
     }
-    conus_status status = text ? buffer_status(&buffer) : fail(CONUS_ERROR_MEMORY, "out of memory");
-    status = status ? status : conus_write_file(path, buffer.data, buffer.size);
-    buffer_finish(&buffer);
-    free(text);
-    json_decref(root);
+    options->atlas = options->atlas ? options->atlas : check ? phantom : DEFAULT_ATLAS;
+    options->context = options->context ? options->context : check ? phantom : DEFAULT_CONTEXT;
     return status;
 }
 
-static conus_status run(const struct arguments *arguments)
+static conus_status run_scenarios(struct bench *bench, json_t *settings, const struct arguments *arguments)
 {
-    struct bench bench = {.options = arguments->options, .runs = json_array(), .ratios = json_object()};
-    conus_status status =
-        bench.runs && bench.ratios ? arguments->scenario->run(&bench) : fail(CONUS_ERROR_MEMORY, "out of memory");
-    if (!status && arguments->json) {
-        status = write_json(&bench, arguments->json);
+    double load = report_load();
+    if (arguments->all) {
+        return bench_all(bench, settings, scenarios, SCENARIO_COUNT);
     }
+    double start = bench_wall();
+    conus_status status = arguments->scenario->run(bench);
+    json_t *own = status ? NULL : report_settings(bench, bench_wall() - start, load);
+    return !status && json_object_set_new(settings, arguments->scenario->name, own)
+               ? fail(CONUS_ERROR_MEMORY, "out of memory")
+               : status;
+}
+
+/* Writes and checks; returns the program's exit code. */
+static int conclude(const struct bench *bench, const json_t *settings, const struct arguments *arguments, double load)
+{
+    json_t *root = report_create(bench, settings, load);
+    conus_status status = root ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "out of memory");
+    if (!status && arguments->all && !bench->options.check) {
+        report_print_holds(root);
+    }
+    if (!status && arguments->json) {
+        status = report_write(root, arguments->json);
+    }
+    int code = status ? EXIT_DATA : bench->options.check && report_check(root) ? EXIT_CHECK : EXIT_SUCCESS;
+    if (status) {
+        fprintf(stderr, "conus-bench: %s\n", conus_message());
+    }
+    json_decref(root);
+    return code;
+}
+
+static int run(const struct arguments *arguments)
+{
+    char folder[] = "/tmp/conus-bench.XXXXXX";
+    char phantom[64];
+    double load = report_load();
+    if (!mkdtemp(folder)) {
+        fprintf(stderr, "conus-bench: no folder in /tmp\n");
+        return EXIT_DATA;
+    }
+    struct bench bench = {.options = arguments->options,
+                          .folder = folder,
+                          .runs = json_array(),
+                          .ratios = json_object(),
+                          .left_out = json_object()};
+    json_t *settings = json_object();
+    conus_status status = bench.runs && bench.ratios && bench.left_out && settings
+                              ? fill_in(&bench, phantom, sizeof phantom)
+                              : fail(CONUS_ERROR_MEMORY, "out of memory");
+    status = status ? status : run_scenarios(&bench, settings, arguments);
+    int code = EXIT_DATA;
+    if (status) {
+        fprintf(stderr, "conus-bench: %s\n", conus_message());
+    } else {
+        code = conclude(&bench, settings, arguments, load);
+    }
+    json_decref(settings);
     json_decref(bench.runs);
     json_decref(bench.ratios);
-    return status;
+    json_decref(bench.left_out);
+    nftw(folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+    return code;
 }
 
 int main(int argc, char **argv)
 {
-    struct arguments arguments = {.options = {.atlas = DEFAULT_ATLAS,
-                                              .context = DEFAULT_CONTEXT,
-                                              .angle = 5,
-                                              .poses = DEFAULT_POSES,
-                                              .slices = DEFAULT_SLICES,
-                                              .repeats = DEFAULT_REPEATS}};
+    struct arguments arguments = {.options = {.angle = 5, .slices = DEFAULT_SLICES}};
     conus_status status = parse(&arguments, argc, argv);
     if (status) {
         fprintf(stderr, "conus-bench: %s\n", conus_message());
@@ -199,10 +262,5 @@ int main(int argc, char **argv)
         print_help();
         return EXIT_SUCCESS;
     }
-    status = run(&arguments);
-    if (status) {
-        fprintf(stderr, "conus-bench: %s\n", conus_message());
-        return EXIT_DATA;
-    }
-    return EXIT_SUCCESS;
+    return run(&arguments);
 }

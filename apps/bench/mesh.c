@@ -80,20 +80,32 @@ static void make_cones(struct scene *scene, double angle)
     }
 }
 
-static conus_status scene_init(struct scene *scene, const struct bench_options *options)
+/* The atlas that was asked for, or, where that has no surfaces, the brain phantom. */
+static conus_status load(conus_atlas **out, const struct bench *bench)
 {
-    conus_status status = conus_atlas_load(&scene->atlas, options->atlas, NULL);
-    if (!status && !scene->atlas->mesh_count) {
-        status =
-            fail(CONUS_ERROR_DATA, "%s: has no surfaces; --atlas takes a manifest that names some", options->atlas);
+    char brain[128];
+    conus_atlas *atlas = NULL;
+    conus_status status = conus_atlas_load(&atlas, bench->options.atlas, NULL);
+    if (!status && !atlas->mesh_count) {
+        conus_atlas_destroy(atlas);
+        atlas = NULL;
+        status = bench_brain(brain, sizeof brain, bench);
+        status = status ? status : conus_atlas_load(&atlas, brain, NULL);
     }
+    *out = status ? NULL : atlas;
+    return status;
+}
+
+static conus_status scene_init(struct scene *scene, const struct bench *bench)
+{
+    conus_status status = load(&scene->atlas, bench);
     status = status ? status : make_rays(scene);
-    scene->cone_count = options->poses;
+    scene->cone_count = bench->options.poses;
     scene->cones = status ? NULL : memory_zeroed(scene->cone_count, sizeof *scene->cones);
     if (!scene->cones) {
         return status ? status : CONUS_ERROR_MEMORY;
     }
-    make_cones(scene, options->angle);
+    make_cones(scene, bench->options.angle);
     return CONUS_OK;
 }
 
@@ -159,7 +171,7 @@ conus_status bench_mesh(struct bench *bench)
     struct bench_variant variants[WIDTHS];
     bench->one_thread = true;
     snprintf(bench->driver, sizeof bench->driver, "Embree 3");
-    conus_status status = scene_init(&scene, &bench->options);
+    conus_status status = scene_init(&scene, bench);
     for (size_t w = 0; w < WIDTHS && !status; w++) {
         status = way_init(&ways[w], &scene, kinds[w].width);
         if (!status) {

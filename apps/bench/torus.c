@@ -148,7 +148,7 @@ static conus_status round_init(struct round *out, size_t tori, const struct benc
     }
     torus_scene_cones(out->cones, &out->scene, options->poses, options->angle);
     status = add_placed(out, options);
-    return !status && tori <= FLAT_LIMIT ? add_flat(out, options) : status;
+    return !status && tori <= bench_size(options, FLAT_LIMIT) ? add_flat(out, options) : status;
 }
 
 /* Answers once and compares. An atlas has moved vertices, which are rounded: its tori are not quite the placed ones,
@@ -193,7 +193,7 @@ conus_status bench_torus(struct bench *bench)
     bench->one_thread = true;
     conus_status status = CONUS_OK;
     for (size_t s = 0; s < SIZES && !status; s++) {
-        status = round_init(&rounds[s], sizes[s], &bench->options);
+        status = round_init(&rounds[s], bench_size(&bench->options, sizes[s]), &bench->options);
     }
     if (!status) {
         snprintf(bench->driver, sizeof bench->driver, "%s", rounds[0].engine->name);

@@ -214,9 +214,9 @@ static conus_status ways_init(struct gl_round *round)
     return status;
 }
 
-static conus_status round_init(struct gl_round *round)
+static conus_status round_init(struct gl_round *round, const struct bench_options *options)
 {
-    conus_status status = torus_scene_init(&round->scene, TORI);
+    conus_status status = torus_scene_init(&round->scene, bench_size(options, TORI));
     status = status ? status : torus_scene_atlas(&round->atlas, &round->scene);
     status = status ? status : engine_gl_create(&round->gl, round->atlas, &(struct engine_options){0});
     status = status ? status : engine_rays_create(&round->rays, round->atlas, &(struct engine_options){0});
@@ -276,11 +276,11 @@ conus_status bench_torus_gl(struct bench *bench)
     static struct gl_round round;
     memset(&round, 0, sizeof round);
     setenv("LP_NUM_THREADS", "0", 0); /* Mesa's llvmpipe stays on this thread, whose time is taken */
-    conus_status status = round_init(&round);
+    conus_status status = round_init(&round, &bench->options);
     if (status == CONUS_ERROR_GL) {
-        printf("torus by OpenGL: skipped: %s\n", conus_message());
+        status = bench_leave_out(bench, "torus by OpenGL");
         round_finish(&round);
-        return CONUS_OK;
+        return status;
     }
     if (!status) {
         bench->one_thread = strstr(round.gl->name, "llvmpipe") != NULL;

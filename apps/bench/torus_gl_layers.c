@@ -79,19 +79,19 @@ static conus_status compare(struct comparison *out, const struct way *gl, const 
                             const conus_atlas *atlas)
 {
     enum { BY_RAYS = 1, BY_GL = 2 };
-    uint8_t(*has)[PIXELS] = memory_raw(TORI, sizeof *has);
+    uint8_t(*has)[PIXELS] = memory_raw(atlas->mesh_count, sizeof *has);
     if (!has) {
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < gl->cone_count; i++) {
-        memset(has, 0, TORI * sizeof *has);
+        memset(has, 0, atlas->mesh_count * sizeof *has);
         for (size_t s = 0; s < rays->pieces[i].count; s++) {
             has[rays->pieces[i].spans[s].object - 1][rays->pieces[i].spans[s].pixel] |= BY_RAYS;
         }
         for (size_t s = 0; s < gl->pieces[i].count; s++) {
             has[gl->pieces[i].spans[s].object - 1][gl->pieces[i].spans[s].pixel] |= BY_GL;
         }
-        for (uint32_t torus = 0; torus < TORI; torus++) {
+        for (uint32_t torus = 0; torus < atlas->mesh_count; torus++) {
             for (uint32_t pixel = 0; pixel < PIXELS; pixel++) {
                 uint8_t by = has[torus][pixel];
                 bool apart = by == BY_RAYS || by == BY_GL;
@@ -118,7 +118,7 @@ struct round {
 
 static conus_status round_init(struct round *round, const struct bench_options *options)
 {
-    conus_status status = torus_scene_init(&round->scene, TORI);
+    conus_status status = torus_scene_init(&round->scene, bench_size(options, TORI));
     status = status ? status : torus_scene_atlas(&round->atlas, &round->scene);
     status = status ? status : engine_gl_create(&round->gl, round->atlas, &(struct engine_options){0});
     status = status ? status : engine_rays_create(&round->rays, round->atlas, &(struct engine_options){0});

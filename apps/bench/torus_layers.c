@@ -188,7 +188,7 @@ struct round {
 
 static conus_status round_init(struct round *round, const struct bench_options *options)
 {
-    conus_status status = torus_scene_init(&round->scene, TORI);
+    conus_status status = torus_scene_init(&round->scene, bench_size(options, TORI));
     status = status ? status : torus_scene_atlas(&round->atlas, &round->scene);
     status = status ? status : engine_rays_create(&round->engine, round->atlas, &(struct engine_options){0});
     round->cones = status ? NULL : memory_zeroed(options->poses, sizeof *round->cones);
@@ -224,10 +224,10 @@ static conus_status check(bool *equal, const struct round *round)
     size_t firsts = count_other_firsts(&round->ways[1], &round->ways[0]);
     conus_status status = find_truth(&truth, &round->ways[1], round->atlas, &round->scene);
     double cones = (double)round->ways[1].cone_count;
-    printf("%d tori: %.1f in a cone, pierced by %.1f rays each; against all triangles in double %zu of %zu pairs of a "
+    printf("%zu tori: %.1f in a cone, pierced by %.1f rays each; against all triangles in double %zu of %zu pairs of a "
            "ray and a torus differ, %zu tori are missing; %zu first pieces are not what is visible\n",
-           TORI, (double)truth.objects / cones, (double)truth.pierced / (double)truth.objects, truth.other_pierced,
-           truth.pierced, truth.lost_objects, firsts);
+           round->scene.count, (double)truth.objects / cones, (double)truth.pierced / (double)truth.objects,
+           truth.other_pierced, truth.pierced, truth.lost_objects, firsts);
     *equal = !firsts && !truth.lost_objects && truth.other_pierced <= truth.pierced / 10000;
     return status;
 }

@@ -19,6 +19,7 @@ struct contender {
     struct evidence *answers; /* [poses] */
     struct evidence scratch;  /* what is timed goes here */
     char name[112];
+    bool is_sliced;
     conus_status status;
 };
 
@@ -75,6 +76,7 @@ static conus_status add_contender(struct scene *scene, const struct traverse_ker
 {
     struct contender *contender = &scene->contenders[scene->contender_count++];
     contender->scene = scene;
+    contender->is_sliced = options->sampling == CONUS_SLICES;
     contender->answers = memory_zeroed(scene->cone_count, sizeof *contender->answers);
     conus_status status = contender->answers ? evidence_init(&contender->scratch, RESOLUTION) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < scene->cone_count && !status; i++) {
@@ -173,6 +175,7 @@ static conus_status measure(struct bench *bench, struct scene *scene)
         variants[c] = (struct bench_variant){.name = contender->name, .run = look_from_everywhere, .data = contender};
         answer(contender);
         variants[c].equal = gives_the_same(contender, &scene->contenders[0]);
+        variants[c].other_by_design = contender->is_sliced;
     }
     struct bench_variant build = {
         .name = "building the leap map", .run = build_map, .data = &scene->atlas->volumes[0], .equal = true};

@@ -1,0 +1,61 @@
+#!/usr/bin/env bats
+# conus-bench as a user types it: everything small, for its answers and its JSON and never for its times.
+load helpers
+
+bench() {
+    "${CONUS_BENCH:?is the path of conus-bench}" "$@"
+}
+
+@test "all --check: every scenario's answers are equal, and the JSON says everything" {
+    run -0 --separate-stderr bench all --check --json all.json
+    [[ "$stderr" == *"volume"* ]]
+    ! grep -q "check:" <<<"$stderr"
+    for key in version machine driver versions load_start load_end settings runs ratios holds left_out; do
+        jq -e "has(\"$key\")" all.json
+    done
+    jq -e '.settings.check and (.versions | has("embree") and has("gl") and has("vtk") and has("compiler") and has("kernel"))' \
+        all.json
+    jq -e '[.runs[] | has("scenario") and has("variant") and has("count") and has("angle_deg") and has("median_ms")
+        and has("min_ms") and has("p90_ms") and has("repeats") and has("equal")] | all' all.json
+    jq -e '[.runs[] | .equal or .other_by_design] | all' all.json
+    jq -e '[.ratios[] | type == "number"] | all' all.json
+    # Every scenario that help lists was run or is said to have been left out.
+    bench --help | sed -n '/^scenarios:/,/^$/p' | awk 'NR > 1 && NF { print $1 }' | grep -vx all >names
+    [ "$(wc -l <names)" -ge 9 ]
+    while read -r name; do
+        jq -e --arg name "$name" '(.settings.scenarios | has($name)) or (.left_out | has($name))' all.json
+    done <names
+}
+
+@test "a scenario that cannot run is left out, says why, and the others go on" {
+    run -0 --separate-stderr bench all --check --context missing.nii.gz --json all.json
+    jq -e '.left_out.colour | test("missing.nii.gz")' all.json
+    jq -e '.settings.scenarios | has("volume") and has("batch") and (has("colour") | not)' all.json
+}
+
+@test "without OpenGL what needs none is measured" {
+    run -0 --separate-stderr env LIBGL_ALWAYS_SOFTWARE=0 MESA_LOADER_DRIVER_OVERRIDE=none EGL_PLATFORM=none \
+        __EGL_VENDOR_LIBRARY_DIRS=/nonexistent "$CONUS_BENCH" all --check --json all.json
+    jq -e '.settings.scenarios | has("volume") and has("torus")' all.json
+    jq -e '.left_out | has("colour") and has("gl_layers") and has("torus by OpenGL")' all.json
+    jq -e '.ratios | has("rays_200k_over_1k") and (has("naive_over_rays") | not)' all.json
+}
+
+@test "one scenario by itself has the same JSON" {
+    run -0 bench volume --check --poses 3 --repeats 2 --json one.json
+    [[ "$output" == *"dda_over_simd = "* ]]
+    jq -e '.settings.scenarios.volume | .poses == 3 and .repeats == 2 and .clock == "CPU time of one thread"' one.json
+    jq -e '.runs[0] | .count == 3 and .repeats == 2 and .scenario == "volume"' one.json
+}
+
+@test "command lines as people mistype them" {
+    for wrong in "" "volumes" "volume census" "volume --poses 0" "volume --angle 180" "volume --seconds -1" \
+        "volume --angles 5" "volume --json"; do
+        # shellcheck disable=SC2086 # words
+        run -2 --separate-stderr bench $wrong
+        [ "${#stderr_lines[@]}" -eq 1 ]
+        [[ "$stderr" == "conus-bench: "* ]]
+    done
+    run -3 --separate-stderr bench volume --atlas missing.nii.gz
+    [[ "$stderr" == "conus-bench: "*"missing.nii.gz"* ]]
+}
