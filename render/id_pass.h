@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The ID pass: draws which object each pixel of an n x n target meets first, instead of its colour. Needs a current
- * context throughout. One look is: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_draw();
- * id_pass_read(). For all layers: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_pierce(). */
+ * The ID pass: which object each of many rays meets first. The rays are those of the pixels of as many cones as one
+ * likes, so a block of cones is one dispatch per volume and one readback. Needs a current context throughout. One look
+ * is: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_look(); id_pass_read(). For all layers:
+ * id_pass_begin(); for each volume fill id_pass_rays() and id_pass_pierce(). */
 #ifndef CONUS_RENDER_ID_PASS_H
 #define CONUS_RENDER_ID_PASS_H
 
@@ -11,28 +12,35 @@
 
 struct id_pass;
 
-/** A pixel's ray in a volume's index space, per mm; on an axis along which it does not move, origin is the centre of
- * its cell, direction 0 and inverse infinity. */
+/** A ray in a volume's index space, per mm; with exact sampling, on an axis along which it does not move, origin is the
+ * centre of its cell, direction 0 and inverse infinity. Neighbours should be neighbours in the list: they are walked in
+ * step. */
 struct id_ray {
-    double origin[3], direction[3], inverse[3];
-    double per_depth; /**< 1 / cosine to the view axis: mm along the ray per mm of depth. */
+    double origin[3], direction[3];
+    union {
+        double inverse[3]; /**< Exact sampling.                                     */
+        struct {
+            double start, spacing, count; /**< Its cone's struct slices.              */
+            double per_depth;             /**< 1 / cosine to the view axis: mm along the ray per mm of depth. */
+        } planes;                         /**< CONUS_SLICES.                                      */
+    };
 };
 
-/** What was drawn, bottom row first. Borrowed until the next id_pass_begin(). */
-struct id_pixels {
-    const uint32_t *identifiers; /**< [n n] 0 = nothing.                                              */
-    const float (*voxels)[4];    /**< [n n] indices i, j, k of the voxel met, and its distance rounded. */
-    const double *distances;     /**< [n n] mm along the ray, exact.                                  */
+/** What a ray met first. */
+struct id_hit {
+    double distance;     /**< mm along the ray, exact; INFINITY = nothing.    */
+    uint32_t identifier; /**< 0 = nothing.                                    */
+    uint32_t cell[3];    /**< Indices of the voxel.                           */
 };
 
-/** A piece of a pixel's ray: a run of cells that are drawn as one identifier (Eq. 10). */
+/** A piece of a ray: a run of cells that are known by one identifier (Eq. 10). */
 struct id_piece {
-    uint32_t pixel, identifier;
+    uint32_t ray, identifier;
     double entry, exit; /**< mm along the ray, exact.          */
     uint32_t cell[3];   /**< Indices of its first voxel.       */
 };
 
-/** @p identifiers[k] is what object number k is drawn as, the last one also what VOLUME_BLOCKER is drawn as; 0 makes it
+/** @p identifiers[k] is what object number k is known by, the last one also what VOLUME_BLOCKER is known by; 0 makes it
  * invisible. */
 conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const uint32_t *identifiers,
                             size_t identifier_count);
@@ -43,23 +51,24 @@ void id_pass_destroy(struct id_pass *pass);
  * off @p memory_left. */
 conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, uint64_t *memory_left);
 
-/** Clears a target of @p resolution squared pixels. */
-conus_status id_pass_begin(struct id_pass *pass, uint32_t resolution);
+/** Makes ready for @p rays rays, at least 1. */
+conus_status id_pass_begin(struct id_pass *pass, uint32_t rays);
 
-/** One ray per pixel of the target, to be filled in before a draw. */
+/** The rays, to be filled in before each volume. */
 struct id_ray *id_pass_rays(struct id_pass *pass);
 
-/** Draws volume number @p volume along the rays: its cells (Eq. 5) or, with CONUS_SLICES, on @p slices (Eq. 7).
- * What lies nearer stays; of equally near objects the one with the lower identifier. */
-conus_status id_pass_draw(struct id_pass *pass, size_t volume, const struct slices *slices);
+/** Looks along the rays at volume number @p volume: its cells (Eq. 5) or, with CONUS_SLICES, on the rays' planes (Eq.
+ * 7). What lies nearer stays; of equally near objects the one with the lower identifier. */
+conus_status id_pass_look(struct id_pass *pass, size_t volume);
 
-conus_status id_pass_read(struct id_pass *pass, struct id_pixels *out);
+/** What each ray met, after at least one look; borrowed until the next id_pass_begin(). */
+conus_status id_pass_read(struct id_pass *pass, const struct id_hit **out);
 
-/** Takes @p count pieces in any order, but those of one pixel as they lie along its ray. */
+/** Takes @p count pieces in any order, but those of one ray as they lie along it. */
 typedef conus_status (*id_pass_take)(void *user, const struct id_piece *pieces, uint32_t count);
 
-/** Hands to @p take, in portions, all pieces of the pixels' rays in volume number @p volume, whatever hides them. Not
- * for CONUS_SLICES. */
+/** Hands to @p take, in portions, all pieces of the rays in volume number @p volume, whatever hides them. Not for
+ * CONUS_SLICES. */
 conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take take, void *user);
 
 #endif

@@ -65,6 +65,13 @@ void mesh_cull_destroy(struct mesh_cull *cull)
     }
 }
 
+size_t mesh_cull_size(const struct clusters *clusters)
+{
+    size_t cluster_count = clusters->first_cluster[clusters->mesh_count];
+    return sizeof(struct mesh_cull) + (clusters->mesh_count + cluster_count) * sizeof(struct waiting) +
+           cluster_count * sizeof(uint32_t);
+}
+
 /* ---- The heap ------------------------------------------------------------------------------------------------- */
 
 static void sink(struct waiting *heap, size_t count, size_t at)

@@ -22,6 +22,9 @@ conus_status mesh_cull_create(struct mesh_cull **out, const struct clusters *clu
 /** NULL is fine. */
 void mesh_cull_destroy(struct mesh_cull *cull);
 
+/** Bytes that one takes. */
+size_t mesh_cull_size(const struct clusters *clusters);
+
 /** Begins a look; mesh_cull_hide() must be called before the first batch. */
 void mesh_cull_begin(struct mesh_cull *cull, const struct mesh_view *view);
 

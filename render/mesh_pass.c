@@ -18,24 +18,40 @@ enum { BATCH = 4096 }; /* triangles; Mesa 22.3's llvmpipe takes thrice the time 
 
 enum { FIRST_HITS = 1024, PIERCE_BATCH = 65536 };
 
+/* Looks are under way side by side as long as what they are culled with takes no more than so many bytes, and are drawn
+ * and read at once as long as their pixels do not. */
+enum { SLOT_LIMIT = 256, SLOT_MEMORY = 1 << 26, PIXEL_MEMORY = 1 << 24 };
+
+/* A look under way. */
+struct slot {
+    const struct mesh_look *look;
+    struct mesh_cull *cull;
+    const uint32_t *batch; /* clusters, borrowed from cull; count 0 = all of the last batch is settled */
+    size_t count;
+    uint32_t attempts; /* drawings of it without enough room */
+    uint32_t most;     /* triangles that one pixel had to note */
+};
+
 /* Uniforms that a program has not are -1, which GL ignores. */
 struct mesh_program {
     GLuint program;
     GLint apex, device_from_world, parallel, resolution;
-    GLint direction_from_place, origin_from_place; /* of `first` only */
-    GLint pixels;                                  /* of `all` only   */
+    GLint direction_from_place, origin_from_place, first_pixel; /* of `first` only */
+    GLint pixels;                                               /* of `all` only   */
 };
 
 struct mesh_pass {
     const struct mesh *const *meshes; /* a copy of the caller's array, by object */
     struct clusters clusters;
-    struct mesh_cull *cull;
+    struct slot slots[SLOT_LIMIT]; /* the first slot_count have a cull; one always has */
+    size_t slot_count, slot_limit;
     struct mesh_program first, all; /* all: made when it is needed for the first time */
     GLuint vertices, position_buffer, corner_buffer, positions, corners;
     struct target target; /* without pixels: what is drawn goes to the buffer */
     GLuint pixel_buffer;
-    uint32_t *pixels; /* [n n][2 + room]: the shader's nearest, count and triangles */
-    uint32_t room;    /* triangles that a pixel can note in one batch */
+    uint32_t *pixels;   /* [pixel_slots n n][2 + room]: the shader's nearest, count and triangles */
+    size_t pixel_slots; /* that many are drawn and read at once */
+    uint32_t room;      /* triangles that a pixel can note in one batch */
     GLsizei *draw_counts;
     const void **draw_offsets;
     struct shader_list hits; /* of pixel and triangle */
@@ -78,6 +94,7 @@ static conus_status create_first(struct mesh_pass *pass, uint32_t room)
     }
     first.direction_from_place = program_uniform(first.program, "direction_from_place");
     first.origin_from_place = program_uniform(first.program, "origin_from_place");
+    first.first_pixel = program_uniform(first.program, "first_pixel");
     glDeleteProgram(pass->first.program);
     pass->first = first;
     pass->room = room;
@@ -88,7 +105,7 @@ static conus_status create_first(struct mesh_pass *pass, uint32_t room)
 static conus_status create_all(struct mesh_pass *pass)
 {
     const struct program_shader fragment = {"mesh_hits.frag.glsl", shader_mesh_hits_frag};
-    struct mesh_program all = {.direction_from_place = -1, .origin_from_place = -1};
+    struct mesh_program all = {.direction_from_place = -1, .origin_from_place = -1, .first_pixel = -1};
     conus_status status = shader_list_init(&pass->hits, 2 * sizeof(uint32_t), FIRST_HITS);
     status = status ? status : create_program(&all, &fragment, 0);
     if (status) {
@@ -149,6 +166,17 @@ static conus_status upload_triangles(struct mesh_pass *pass, uint64_t *memory_le
     return gl_check("meshes");
 }
 
+/* Makes slots for @p wanted looks, or as many as may be. */
+static conus_status make_slots(struct mesh_pass *pass, size_t wanted)
+{
+    conus_status status = CONUS_OK;
+    while (pass->slot_count < wanted && pass->slot_count < pass->slot_limit && !status) {
+        status = mesh_cull_create(&pass->slots[pass->slot_count].cull, &pass->clusters);
+        pass->slot_count += !status;
+    }
+    return status;
+}
+
 static conus_status reserve(struct mesh_pass *pass, const struct mesh *const *meshes, size_t count)
 {
     const struct mesh **copy = memory_raw(count, sizeof(void *));
@@ -158,7 +186,11 @@ static conus_status reserve(struct mesh_pass *pass, const struct mesh *const *me
     memcpy(copy, meshes, count * sizeof(void *));
     pass->meshes = copy;
     conus_status status = clusters_init(&pass->clusters, meshes, count);
-    status = status ? status : mesh_cull_create(&pass->cull, &pass->clusters);
+    if (!status) {
+        size_t fitting = SLOT_MEMORY / mesh_cull_size(&pass->clusters);
+        pass->slot_limit = fitting < 1 ? 1 : fitting < SLOT_LIMIT ? fitting : SLOT_LIMIT;
+        status = make_slots(pass, 1);
+    }
     if (!status) {
         size_t clusters = pass->clusters.first_cluster[pass->clusters.mesh_count];
         pass->draw_counts = memory_raw(clusters, sizeof *pass->draw_counts);
@@ -200,7 +232,9 @@ void mesh_pass_destroy(struct mesh_pass *pass)
     glDeleteProgram(pass->all.program);
     target_finish(&pass->target);
     shader_list_finish(&pass->hits);
-    mesh_cull_destroy(pass->cull);
+    for (size_t i = 0; i < pass->slot_count; i++) {
+        mesh_cull_destroy(pass->slots[i].cull);
+    }
     clusters_finish(&pass->clusters);
     memory_free((void *)pass->meshes);
     memory_free(pass->pixels);
@@ -216,60 +250,73 @@ static size_t pixel_count(const struct mesh_pass *pass)
     return (size_t)pass->target.width * pass->target.height;
 }
 
-static uint32_t *pixel_at(const struct mesh_pass *pass, size_t pixel)
+/* Of the slot that is number `place` of those that are drawn at once. */
+static uint32_t *pixel_at(const struct mesh_pass *pass, size_t place, size_t pixel)
 {
-    return pass->pixels + pixel * (2 + (size_t)pass->room);
+    return pass->pixels + (place * pixel_count(pass) + pixel) * (2 + (size_t)pass->room);
 }
 
-static conus_status make_pixels(struct mesh_pass *pass)
+/* Bytes of the pixels of so many slots. */
+static size_t pixels_size(const struct mesh_pass *pass, size_t slots)
 {
-    size_t size = pixel_count(pass) * (2 + (size_t)pass->room) * sizeof *pass->pixels;
+    return slots * pixel_count(pass) * (2 + (size_t)pass->room) * sizeof *pass->pixels;
+}
+
+/* Pixels of so many slots, or as many as may be. */
+static conus_status make_pixels(struct mesh_pass *pass, size_t slots)
+{
+    size_t fitting = PIXEL_MEMORY / pixels_size(pass, 1);
+    slots = slots < fitting ? slots : fitting < 1 ? 1 : fitting;
+    if (slots == pass->pixel_slots) {
+        return CONUS_OK;
+    }
+    pass->pixel_slots = 0;
     memory_free(pass->pixels);
-    pass->pixels = memory_raw(1, size);
+    pass->pixels = memory_raw(1, pixels_size(pass, slots));
     if (!pass->pixels) {
         return CONUS_ERROR_MEMORY;
     }
-    glNamedBufferData(pass->pixel_buffer, (GLsizeiptr)size, NULL, GL_STREAM_READ);
+    pass->pixel_slots = slots;
+    glNamedBufferData(pass->pixel_buffer, (GLsizeiptr)pixels_size(pass, slots), NULL, GL_STREAM_READ);
     return gl_check("pixels");
 }
 
 static conus_status resize(struct mesh_pass *pass, uint32_t resolution)
 {
-    if (pass->target.width == resolution && pass->pixels) {
+    if (pass->target.width == resolution) {
         return CONUS_OK;
     }
+    pass->pixel_slots = 0;
     target_finish(&pass->target);
-    conus_status status = target_init(&pass->target, resolution, resolution, NULL, 0);
-    return status ? status : make_pixels(pass);
+    return target_init(&pass->target, resolution, resolution, NULL, 0);
 }
 
 /* Room for @p count triangles in every pixel. */
 static conus_status make_room(struct mesh_pass *pass, uint32_t count)
 {
     uint32_t room = (count + 2 + ROOM_STEP - 1) / ROOM_STEP * ROOM_STEP - 2;
+    size_t slots = pass->pixel_slots;
     conus_status status = create_first(pass, room);
-    return status ? status : make_pixels(pass);
+    pass->pixel_slots = 0; /* those are too small */
+    return status ? status : make_pixels(pass, slots);
 }
 
 /* Nothing noted yet; what is known to be farther than `distances` need not be. */
-static void upload_pixels(const struct mesh_pass *pass, const double *distances)
+static void clear_pixels(const struct mesh_pass *pass, size_t place, const double *distances)
 {
     for (size_t i = 0; i < pixel_count(pass); i++) {
         float nearest = (float)distances[i];
-        memcpy(pixel_at(pass, i), &nearest, sizeof nearest);
-        pixel_at(pass, i)[1] = 0;
+        memcpy(pixel_at(pass, place, i), &nearest, sizeof nearest);
+        pixel_at(pass, place, i)[1] = 0;
     }
-    GLsizeiptr size = (GLsizeiptr)(pixel_count(pass) * (2 + (size_t)pass->room) * sizeof *pass->pixels);
-    glNamedBufferSubData(pass->pixel_buffer, 0, size, pass->pixels);
 }
 
 /* Waits for the drawing. */
-static conus_status read_pixels(const struct mesh_pass *pass)
+static conus_status read_pixels(const struct mesh_pass *pass, size_t slots)
 {
-    GLsizeiptr size = (GLsizeiptr)(pixel_count(pass) * (2 + (size_t)pass->room) * sizeof *pass->pixels);
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glFinish();
-    glGetNamedBufferSubData(pass->pixel_buffer, 0, size, pass->pixels);
+    glGetNamedBufferSubData(pass->pixel_buffer, 0, (GLsizeiptr)pixels_size(pass, slots), pass->pixels);
     return gl_check("mesh ID pass");
 }
 
@@ -290,19 +337,18 @@ static void weigh(const struct mesh_pass *pass, const struct mesh_pixels *pixels
     }
 }
 
-/* Weighs what the driver noted and returns the most that one pixel had to note. */
-static uint32_t settle(const struct mesh_pass *pass, const struct mesh_pixels *pixels)
+/* Weighs what the driver noted in the pixels at a place, and keeps the most that one of them had to note. */
+static void settle(const struct mesh_pass *pass, struct slot *slot, size_t place)
 {
-    uint32_t most = 0;
+    slot->most = 0;
     for (size_t i = 0; i < pixel_count(pass); i++) {
-        const uint32_t *pixel = pixel_at(pass, i);
+        const uint32_t *pixel = pixel_at(pass, place, i);
         uint32_t count = pixel[1];
-        most = count > most ? count : most;
+        slot->most = count > slot->most ? count : slot->most;
         for (uint32_t k = 0; k < count && k < pass->room; k++) {
-            weigh(pass, pixels, i, pixel[2 + k]);
+            weigh(pass, &slot->look->pixels, i, pixel[2 + k]);
         }
     }
-    return most;
 }
 
 /* ---- A look --------------------------------------------------------------------------------------------------- */
@@ -347,39 +393,101 @@ static void draw(const struct mesh_pass *pass, const uint32_t *batch, size_t cou
     glMultiDrawElements(GL_TRIANGLES, pass->draw_counts, GL_UNSIGNED_INT, pass->draw_offsets, (GLsizei)count);
 }
 
-/* Draws a batch, again where a pixel had to note more triangles than it has room for: what is known by then leaves most
- * of them out, and if that is not enough there is more room. */
-static conus_status look_at_batch(struct mesh_pass *pass, const struct mesh_view *view,
-                                  const struct mesh_pixels *pixels, const uint32_t *batch, size_t count)
+/* Looks that are still to be begun. */
+struct queue {
+    const struct mesh_look *next, *end;
+};
+
+/* Gives the slot its look's next batch, or the first one of the next look; false when there is none. */
+static bool feed(struct slot *slot, struct queue *queue)
+{
+    while (!slot->count && (slot->look || queue->next < queue->end)) {
+        if (!slot->look) {
+            slot->look = queue->next++;
+            mesh_cull_begin(slot->cull, &slot->look->view);
+        }
+        mesh_cull_hide(slot->cull, slot->look->pixels.distances);
+        slot->count = mesh_cull_batch(&slot->batch, slot->cull, BATCH);
+        slot->attempts = 0;
+        slot->look = slot->count ? slot->look : NULL;
+    }
+    return slot->count > 0;
+}
+
+/* Feeds the slots and returns how many are under way: they come to be the first ones. */
+static size_t feed_all(struct mesh_pass *pass, size_t slots, struct queue *queue)
+{
+    for (size_t i = 0; i < slots;) {
+        if (feed(&pass->slots[i], queue)) {
+            i++;
+        } else {
+            struct slot idle = pass->slots[i];
+            pass->slots[i] = pass->slots[--slots];
+            pass->slots[slots] = idle;
+        }
+    }
+    return slots;
+}
+
+/* Draws the slots' batches and reads what they show. */
+static conus_status draw_batches(struct mesh_pass *pass, const struct slot *slots, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        clear_pixels(pass, i, slots[i].look->pixels.distances);
+    }
+    glNamedBufferSubData(pass->pixel_buffer, 0, (GLsizeiptr)pixels_size(pass, count), pass->pixels);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PIXEL_BUFFER, pass->pixel_buffer);
+    for (size_t i = 0; i < count; i++) {
+        use_program(&pass->first, &slots[i].look->view);
+        glUniform1i(pass->first.first_pixel, (GLint)(i * pixel_count(pass)));
+        draw(pass, slots[i].batch, slots[i].count);
+    }
+    return read_pixels(pass, count);
+}
+
+/* A batch is drawn again where a pixel had to note more triangles than it has room for: what is known by then leaves
+ * most of them out, and if that is not enough there is more room. */
+static conus_status settle_batches(struct mesh_pass *pass, struct slot *slots, size_t count)
+{
+    uint32_t wanted = 0;
+    for (size_t i = 0; i < count; i++) {
+        settle(pass, &slots[i], i);
+        if (slots[i].most <= pass->room) {
+            slots[i].count = 0;
+        } else if (++slots[i].attempts > 1 && slots[i].most > wanted) {
+            wanted = slots[i].most;
+        }
+    }
+    return wanted ? make_room(pass, wanted) : CONUS_OK;
+}
+
+/* One batch of each of the first `count` slots. */
+static conus_status take_round(struct mesh_pass *pass, size_t count)
 {
     conus_status status = CONUS_OK;
-    uint32_t most = UINT32_MAX;
-    for (int attempt = 0; most > pass->room && !status; attempt++) {
-        status = attempt > 1 ? make_room(pass, most) : CONUS_OK;
-        if (!status) {
-            use_program(&pass->first, view);
-            upload_pixels(pass, pixels->distances);
-            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PIXEL_BUFFER, pass->pixel_buffer);
-            draw(pass, batch, count);
-            status = read_pixels(pass);
-        }
-        if (!status) {
-            most = settle(pass, pixels);
-        }
+    for (size_t first = 0, together; first < count && !status; first += together) {
+        together = count - first < pass->pixel_slots ? count - first : pass->pixel_slots;
+        status = draw_batches(pass, &pass->slots[first], together);
+        status = status ? status : settle_batches(pass, &pass->slots[first], together);
     }
     return status;
 }
 
-conus_status mesh_pass_look(struct mesh_pass *pass, const struct mesh_view *view, const struct mesh_pixels *pixels)
+conus_status mesh_pass_look(struct mesh_pass *pass, const struct mesh_look *looks, size_t count)
 {
-    conus_status status = resize(pass, view->resolution);
-    mesh_cull_begin(pass->cull, view);
-    const uint32_t *batch;
-    size_t count = 1;
-    while (count && !status) {
-        mesh_cull_hide(pass->cull, pixels->distances);
-        count = mesh_cull_batch(&batch, pass->cull, BATCH);
-        status = count ? look_at_batch(pass, view, pixels, batch, count) : CONUS_OK;
+    struct queue queue = {looks, looks + count};
+    conus_status status = count ? resize(pass, looks->view.resolution) : CONUS_OK;
+    status = status ? status : make_slots(pass, count);
+    size_t slots = count < pass->slot_count ? count : pass->slot_count;
+    if (!status && pass->pixel_slots < slots) {
+        status = make_pixels(pass, slots);
+    }
+    for (size_t i = 0; i < slots; i++) { /* whatever a look that failed left behind */
+        pass->slots[i].look = NULL;
+        pass->slots[i].count = 0;
+    }
+    while (!status && (slots = feed_all(pass, slots, &queue)) > 0) {
+        status = take_round(pass, slots);
     }
     return status;
 }
@@ -437,10 +545,11 @@ conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *vi
     size_t triangles = countable < PIERCE_BATCH ? countable : PIERCE_BATCH;
     conus_status status = pass->all.program ? CONUS_OK : create_all(pass);
     status = status ? status : resize(pass, view->resolution);
-    mesh_cull_begin(pass->cull, view);
-    mesh_cull_hide(pass->cull, NULL);
+    struct mesh_cull *cull = pass->slots[0].cull;
+    mesh_cull_begin(cull, view);
+    mesh_cull_hide(cull, NULL);
     while (piercing.count && !status) {
-        piercing.count = mesh_cull_batch(&piercing.batch, pass->cull, triangles);
+        piercing.count = mesh_cull_batch(&piercing.batch, cull, triangles);
         const struct shader_list_job job = {.binding = HIT_BUFFER,
                                             .draw = draw_hits,
                                             .take = take_hits,

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The mesh ID pass (Eq. 9): which triangle each pixel of an n x n buffer meets first. Needs a current context
- * throughout.
+ * The mesh ID pass (Eq. 9): which triangle each pixel of n x n buffers meets first. Needs a current context throughout.
  *
  * Clusters of triangles are drawn front to back in batches (mesh_cull.h), each batch with one call; the driver proposes
  * the triangles that cover a pixel's centre and are the nearest within rounding, and mesh_distance() settles in double
- * precision which of them is: nearest first; of equally near ones that of the lower object, then the lower triangle. */
+ * precision which of them is: nearest first; of equally near ones that of the lower object, then the lower triangle.
+ *
+ * Many looks are answered side by side, in rounds: in each, every look that is under way draws its next batch, and all
+ * of them are read back at once. What a look draws, and where on the driver's grid, does not depend on its neighbours.
+ */
 #ifndef CONUS_RENDER_MESH_PASS_H
 #define CONUS_RENDER_MESH_PASS_H
 
@@ -20,6 +23,12 @@ struct mesh_pixels {
     uint32_t *objects;             /**< In and out: 0 = none.                                  */
     double *distances;             /**< In and out: mm; INFINITY = none.                       */
     uint64_t *triangles;           /**< Out, where a mesh is met first.                        */
+};
+
+/** One look. */
+struct mesh_look {
+    struct mesh_view view;
+    struct mesh_pixels pixels;
 };
 
 /** A triangle that covers a pixel's centre. */
@@ -38,8 +47,9 @@ conus_status mesh_pass_create(struct mesh_pass **out, const struct mesh *const *
 /** NULL is fine. */
 void mesh_pass_destroy(struct mesh_pass *pass);
 
-/** Adds to what the pixels have met what they meet of the meshes, if that is nearer. */
-conus_status mesh_pass_look(struct mesh_pass *pass, const struct mesh_view *view, const struct mesh_pixels *pixels);
+/** Adds to what the pixels of @p count looks, all of one resolution, have met what they meet of the meshes, if that is
+ * nearer. */
+conus_status mesh_pass_look(struct mesh_pass *pass, const struct mesh_look *looks, size_t count);
 
 /** Hands to @p take every triangle that covers a pixel's centre, whatever hides it (Eq. 10); in the view of a cylinder
  * those behind the device, too. Nothing is settled: where a ray meets a triangle says mesh_distance(). */

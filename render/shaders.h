@@ -5,7 +5,7 @@
 
 extern const char shader_colour_frag[];
 extern const char shader_common[];
-extern const char shader_id_frag[];
+extern const char shader_id_comp[];
 extern const char shader_mesh_frag[];
 extern const char shader_mesh_hits_frag[];
 extern const char shader_mesh_id_frag[];

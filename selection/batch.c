@@ -3,6 +3,7 @@
 
 #include "base/math3.h"
 #include "base/memory.h"
+#include "selection/selection.h"
 
 #include <sched.h>
 
@@ -48,6 +49,10 @@ static conus_status add_worker(conus_batch *batch, conus_selector *selector)
     worker->angle = batch->options.angle;
     conus_status status = selector_share(&worker->selector, selector);
     status = status ? status : conus_report_create(&worker->report, worker->selector, &batch->options.report);
+    worker->at_once = selections_at_once(selector);
+    worker->at_once = worker->at_once < batch->options.block ? worker->at_once : batch->options.block;
+    worker->begun = status ? NULL : memory_zeroed(worker->at_once, sizeof(conus_selection *));
+    status = status || worker->begun ? status : CONUS_ERROR_MEMORY;
     if (!status) {
         worker->selector->inside_only = true;
         worker->report->options.no_voxels = true;
@@ -104,6 +109,7 @@ void conus_batch_destroy(conus_batch *batch)
     for (size_t i = 0; i < batch->worker_count; i++) {
         conus_report_destroy(batch->workers[i].report);
         conus_selector_destroy(batch->workers[i].selector);
+        memory_free((void *)batch->workers[i].begun);
     }
     for (size_t i = 0; i < batch->block_count; i++) {
         batch_block_finish(&batch->blocks[i]);

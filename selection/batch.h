@@ -44,6 +44,8 @@ struct batch_worker {
     conus_selector *selector; /**< Shares its engine with the other workers'. */
     conus_report *report;
     double angle;
+    conus_selection **begun; /**< [at_once] Those that are looked at together; NULL between blocks. */
+    size_t at_once;          /**< 1 = poses are answered one by one. */
 };
 
 /** Answers the block's poses into its text. Sets its status. Gives up, leaving the text as it is, once @p stop. */

@@ -86,12 +86,17 @@ static conus_status add_error(struct batch_block *block, conus_report *report, c
     return conus_report_add_error(report, block->strings.data + pose->id, text);
 }
 
+static double angle_of(const struct batch_worker *worker, const struct batch_pose *pose)
+{
+    return pose->angle != 0 ? pose->angle : worker->angle;
+}
+
 /* A point is asked what is within the cylinders' radius of it. */
 static conus_status look(conus_selection **out, struct batch_worker *worker, const struct batch_pose *pose)
 {
     double radius = worker->selector->options.radius;
     if (!pose->is_point) {
-        return conus_select(out, worker->selector, &pose->pose, pose->angle != 0 ? pose->angle : worker->angle);
+        return conus_select(out, worker->selector, &pose->pose, angle_of(worker, pose));
     }
     return radius > 0 ? conus_select_ball(out, worker->selector, pose->pose.world_from_device + 12, radius)
                       : fail(CONUS_ERROR_ARGUMENT, "a point, without the direction that a cone needs");
@@ -112,11 +117,49 @@ static conus_status answer(struct batch_block *block, struct batch_worker *worke
     return status;
 }
 
+/* Begins the selections of the poses and looks at all of them. Those that have none are left to answer(), which says
+ * why. */
+static conus_status look_together(struct batch_worker *worker, const struct batch_pose *poses, size_t count)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < count && !status; i++) {
+        if (!poses[i].is_no_pose && !poses[i].is_point) {
+            status = selection_begin(&worker->begun[i], worker->selector, &poses[i].pose, angle_of(worker, &poses[i]));
+            status = status == CONUS_ERROR_ARGUMENT ? CONUS_OK : status;
+        }
+    }
+    return status ? status : selections_look(worker->begun, count, worker->selector);
+}
+
+/* answer() for poses number `first` to first + count - 1, of which at_once may be given. */
+static conus_status answer_together(struct batch_block *block, struct batch_worker *worker, size_t first, size_t count)
+{
+    const struct batch_pose *poses = block->poses + first;
+    conus_status status = look_together(worker, poses, count);
+    for (size_t i = 0; i < count; i++) {
+        conus_selection *selection = worker->begun[i];
+        if (selection && !status) {
+            status = selection_complete(selection, worker->selector);
+        }
+        if (selection && !status) {
+            selection_rank(selection, worker->selector, NULL);
+            status = conus_report_add(worker->report, block->strings.data + poses[i].id, selection);
+        } else if (!status) {
+            status = answer(block, worker, &poses[i]);
+        }
+        conus_selection_destroy(selection);
+        worker->begun[i] = NULL;
+    }
+    return status;
+}
+
 void batch_block_answer(struct batch_block *block, struct batch_worker *worker, const atomic_bool *stop)
 {
     conus_status status = block->status;
-    for (size_t i = 0; i < block->count && !status && !atomic_load_explicit(stop, memory_order_relaxed); i++) {
-        status = answer(block, worker, &block->poses[i]);
+    for (size_t i = 0, count; i < block->count && !status && !atomic_load_explicit(stop, memory_order_relaxed);
+         i += count) {
+        count = block->count - i < worker->at_once ? block->count - i : worker->at_once;
+        status = count == 1 ? answer(block, worker, &block->poses[i]) : answer_together(block, worker, i, count);
     }
     if (!status) {
         report_write_rows(&block->text, worker->report);

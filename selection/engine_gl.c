@@ -14,15 +14,21 @@
 
 static const uint64_t memory_limit = (uint64_t)8 << 30;
 
+/* Rays that are walked in step lie in such a part of the buffer. */
+enum { TILE_WIDTH = 4, TILE_HEIGHT = 2 };
+
 struct gl_engine {
     struct engine base;
     const conus_atlas *atlas;
     struct gl_context *context;
     struct id_pass *pass;        /* NULL where there are no volumes to select from */
     struct mesh_pass *mesh_pass; /* NULL where there are no meshes                 */
-    double (*origins)[3];        /* [resolution^2] of the mesh pass; and           */
+    double (*origins)[3];        /* [pixel_room] of all pixels of all cones in view */
     double (*directions)[3];
-    uint32_t resolution;
+    uint32_t *walked;        /* [ray_count] those along which volumes are looked through, neighbours together */
+    struct mesh_look *looks; /* [cone_room] */
+    size_t pixel_room, cone_room;
+    uint32_t ray_count;
     struct mesh_spans spans;
     conus_sampling sampling;
     uint32_t slices;
@@ -43,142 +49,208 @@ static void destroy(struct engine *engine)
     mesh_spans_finish(&gl->spans);
     memory_free(gl->origins);
     memory_free(gl->directions);
+    memory_free(gl->walked);
+    memory_free(gl->looks);
     memory_free(gl->volumes);
     memory_free(gl);
 }
 
 /* ---- A look ------------------------------------------------------------------------------------------------- */
 
-static void view_axis(double out[3], const struct cone *cone)
+/* The cones of one look, all of one resolution, and where their answers go (NULL when it is layers). */
+struct view {
+    const struct cone *const *cones;
+    struct evidence *const *out;
+    size_t count;
+    uint32_t pixels; /* of a cone */
+};
+
+static struct view view_of(const struct cone *const *cones, struct evidence *const *out, size_t count)
 {
-    vec3_scale(out, cone->pose.world_from_device + 8, -1); /* the device looks down its -z */
+    return (struct view){cones, out, count, cones[0]->resolution * cones[0]->resolution};
 }
 
-static void prepare_ray(struct id_ray *out, const double origin[3], const double direction[3], conus_sampling sampling)
+static conus_status reserve(struct gl_engine *gl, const struct view *view)
 {
-    struct traverse_ray ray;
-    traverse_ray_init(&ray, origin, direction);
-    bool exact = sampling == CONUS_EXACT;
-    memcpy(out->origin, exact ? ray.origin : origin, sizeof out->origin);
-    memcpy(out->direction, exact ? ray.direction : direction, sizeof out->direction);
-    memcpy(out->inverse, ray.inverse, sizeof out->inverse);
+    size_t pixels = view->count * view->pixels;
+    if (gl->pixel_room >= pixels && gl->cone_room >= view->count) {
+        return CONUS_OK;
+    }
+    memory_free(gl->origins);
+    memory_free(gl->directions);
+    memory_free(gl->walked);
+    memory_free(gl->looks);
+    gl->pixel_room = gl->cone_room = 0;
+    gl->origins = memory_raw(pixels, sizeof *gl->origins);
+    gl->directions = memory_raw(pixels, sizeof *gl->directions);
+    gl->walked = memory_raw(pixels, sizeof *gl->walked);
+    gl->looks = memory_raw(view->count, sizeof *gl->looks);
+    if (!gl->origins || !gl->directions || !gl->walked || !gl->looks) {
+        return CONUS_ERROR_MEMORY;
+    }
+    gl->pixel_room = pixels;
+    gl->cone_room = view->count;
+    return CONUS_OK;
 }
 
-static void prepare_rays(struct gl_engine *gl, const struct volume *volume, const struct cone *cone)
+/* Puts the wanted pixels of a cone, whose first has number `first`, behind those that are walked: by tiles. */
+static void walk_cone(struct gl_engine *gl, const struct cone *cone, uint32_t first)
 {
-    struct id_ray *rays = id_pass_rays(gl->pass);
     uint32_t n = cone->resolution;
-    double axis[3];
-    view_axis(axis, cone);
-    for (uint32_t pixel = 0; pixel < n * n; pixel++) {
-        double origin[3];
-        double direction[3];
-        cone_origin(origin, cone, pixel % n, pixel / n);
-        cone_ray(direction, cone, pixel % n, pixel / n);
-        rays[pixel].per_depth = 1 / vec3_dot(direction, axis);
-        mat4_point(origin, volume->voxel_from_world, origin);
-        mat4_direction(direction, volume->voxel_from_world, direction);
-        prepare_ray(&rays[pixel], origin, direction, gl->sampling);
+    uint32_t across = (n + TILE_WIDTH - 1) / TILE_WIDTH;
+    uint32_t tiles = across * ((n + TILE_HEIGHT - 1) / TILE_HEIGHT);
+    for (uint32_t k = 0; k < tiles * TILE_WIDTH * TILE_HEIGHT; k++) {
+        uint32_t tile = k / (TILE_WIDTH * TILE_HEIGHT);
+        uint32_t i = tile % across * TILE_WIDTH + k % TILE_WIDTH;
+        uint32_t j = tile / across * TILE_HEIGHT + k / TILE_WIDTH % TILE_HEIGHT;
+        if (i < n && j < n && (!cone->wanted || cone->wanted[j * n + i])) {
+            gl->walked[gl->ray_count++] = first + j * n + i;
+        }
     }
 }
 
-static conus_status draw(struct gl_engine *gl, const struct cone *cone)
+/* The rays of all pixels of all cones, in the world. */
+static conus_status aim(struct gl_engine *gl, const struct view *view)
 {
-    double axis[3];
-    view_axis(axis, cone);
-    conus_status status = id_pass_begin(gl->pass, cone->resolution);
-    for (size_t i = 0; i < gl->volume_count && !status; i++) {
-        const struct volume *volume = &gl->atlas->volumes[gl->volumes[i]];
-        const size_t *dim = volume->info.dim;
-        struct slices slices = slices_over(dim, volume->info.world_from_voxel, cone->pose.world_from_device + 12, axis,
-                                           slices_of_id_pass(gl->slices, dim));
-        prepare_rays(gl, volume, cone);
-        status = id_pass_draw(gl->pass, i, &slices);
+    conus_status status = reserve(gl, view);
+    gl->ray_count = 0;
+    for (size_t c = 0; c < view->count && !status; c++) {
+        const struct cone *cone = view->cones[c];
+        uint32_t first = (uint32_t)c * view->pixels;
+        for (uint32_t pixel = 0; pixel < view->pixels; pixel++) {
+            cone_origin(gl->origins[first + pixel], cone, pixel % cone->resolution, pixel / cone->resolution);
+            cone_ray(gl->directions[first + pixel], cone, pixel % cone->resolution, pixel / cone->resolution);
+        }
+        walk_cone(gl, cone, first);
     }
     return status;
 }
 
-static uint64_t linear_index(const conus_atlas *atlas, uint32_t object, uint64_t i, uint64_t j, uint64_t k)
+static void prepare_exact(struct id_ray *out, const double origin[3], const double direction[3])
+{
+    struct traverse_ray ray;
+    traverse_ray_init(&ray, origin, direction);
+    memcpy(out->origin, ray.origin, sizeof out->origin);
+    memcpy(out->direction, ray.direction, sizeof out->direction);
+    memcpy(out->inverse, ray.inverse, sizeof out->inverse);
+}
+
+/* Sets the planes (Eq. 7) of the rays of one cone. */
+static void prepare_planes(const struct gl_engine *gl, const struct volume *volume, const struct cone *cone,
+                           struct id_ray *rays, const uint32_t *walked, size_t count)
+{
+    const size_t *dim = volume->info.dim;
+    double axis[3];
+    vec3_scale(axis, cone->pose.world_from_device + 8, -1); /* the device looks down its -z */
+    struct slices slices = slices_over(dim, volume->info.world_from_voxel, cone->pose.world_from_device + 12, axis,
+                                       slices_of_id_pass(gl->slices, dim));
+    for (size_t r = 0; r < count; r++) {
+        rays[r].planes.start = slices.start;
+        rays[r].planes.spacing = slices.spacing;
+        rays[r].planes.count = slices.count;
+        rays[r].planes.per_depth = 1 / vec3_dot(gl->directions[walked[r]], axis);
+    }
+}
+
+/* The rays in the volume's index space. */
+static void prepare_rays(struct gl_engine *gl, const struct volume *volume, const struct view *view)
+{
+    struct id_ray *rays = id_pass_rays(gl->pass);
+    for (uint32_t r = 0; r < gl->ray_count; r++) {
+        double origin[3];
+        double direction[3];
+        mat4_point(origin, volume->voxel_from_world, gl->origins[gl->walked[r]]);
+        mat4_direction(direction, volume->voxel_from_world, gl->directions[gl->walked[r]]);
+        if (gl->sampling == CONUS_EXACT) {
+            prepare_exact(&rays[r], origin, direction);
+        } else {
+            memcpy(rays[r].origin, origin, sizeof origin);
+            memcpy(rays[r].direction, direction, sizeof direction);
+        }
+    }
+    for (uint32_t first = 0, end; first < gl->ray_count && gl->sampling == CONUS_SLICES; first = end) {
+        uint32_t c = gl->walked[first] / view->pixels;
+        for (end = first; end < gl->ray_count && gl->walked[end] / view->pixels == c;) {
+            end++;
+        }
+        prepare_planes(gl, volume, view->cones[c], rays + first, gl->walked + first, end - first);
+    }
+}
+
+static conus_status walk_volumes(struct gl_engine *gl, const struct view *view, const struct id_hit **hits)
+{
+    conus_status status = id_pass_begin(gl->pass, gl->ray_count);
+    for (size_t i = 0; i < gl->volume_count && !status; i++) {
+        prepare_rays(gl, &gl->atlas->volumes[gl->volumes[i]], view);
+        status = id_pass_look(gl->pass, i);
+    }
+    return status ? status : id_pass_read(gl->pass, hits);
+}
+
+static uint64_t linear_index(const conus_atlas *atlas, uint32_t object, const uint32_t cell[3])
 {
     bool blocked = object == VOLUME_BLOCKER;
     const size_t *dim = (blocked ? atlas_context(atlas) : atlas_object_volume(atlas, object))->info.dim;
-    return i + dim[0] * (j + dim[1] * k);
+    return cell[0] + dim[0] * (cell[1] + dim[1] * (uint64_t)cell[2]);
 }
 
-static conus_status look_at_volumes(struct gl_engine *gl, struct evidence *out, const struct cone *cone)
+static conus_status look_at_volumes(struct gl_engine *gl, const struct view *view)
 {
-    struct id_pixels pixels = {0};
-    conus_status status = draw(gl, cone);
-    status = status ? status : id_pass_read(gl->pass, &pixels);
-    for (size_t i = 0; i < (size_t)cone->resolution * cone->resolution && !status; i++) {
-        uint32_t object = pixels.identifiers[i];
-        if (object) {
-            out->object[i] = object;
-            out->distance[i] = pixels.distances[i];
-            const float *voxel = pixels.voxels[i];
-            out->voxel[i] = linear_index(gl->atlas, object, (uint64_t)voxel[0], (uint64_t)voxel[1], (uint64_t)voxel[2]);
+    const struct id_hit *hits = NULL;
+    conus_status status = gl->ray_count ? walk_volumes(gl, view, &hits) : CONUS_OK;
+    for (uint32_t r = 0; r < gl->ray_count && !status; r++) {
+        struct evidence *out = view->out[gl->walked[r] / view->pixels];
+        uint32_t pixel = gl->walked[r] % view->pixels;
+        if (hits[r].identifier) {
+            out->object[pixel] = hits[r].identifier;
+            out->distance[pixel] = hits[r].distance;
+            out->voxel[pixel] = linear_index(gl->atlas, hits[r].identifier, hits[r].cell);
         }
     }
     return status;
 }
 
-static conus_status reserve_pixels(struct gl_engine *gl, uint32_t resolution)
+static struct mesh_view mesh_view_of(const struct cone *cone)
 {
-    size_t pixels = (size_t)resolution * resolution;
-    if (gl->resolution == resolution) {
-        return CONUS_OK;
-    }
-    gl->resolution = 0;
-    memory_free(gl->origins);
-    memory_free(gl->directions);
-    gl->origins = memory_raw(pixels, sizeof *gl->origins);
-    gl->directions = memory_raw(pixels, sizeof *gl->directions);
-    if (!gl->origins || !gl->directions) {
-        return CONUS_ERROR_MEMORY;
-    }
-    gl->resolution = resolution;
-    return CONUS_OK;
-}
-
-/* The rays of the mesh pass, and its view. */
-static conus_status prepare_view(struct mesh_view *out, struct gl_engine *gl, const struct cone *cone)
-{
-    uint32_t n = cone->resolution;
-    conus_status status = reserve_pixels(gl, n);
-    for (uint32_t pixel = 0; pixel < n * n && !status; pixel++) {
-        cone_origin(gl->origins[pixel], cone, pixel % n, pixel / n);
-        cone_ray(gl->directions[pixel], cone, pixel % n, pixel / n);
-    }
-    *out = (struct mesh_view){cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, n};
-    return status;
+    return (struct mesh_view){cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, cone->resolution};
 }
 
 /* Behind look_at_volumes(): what the volumes show limits how far the meshes are looked for. */
-static conus_status look_at_meshes(struct gl_engine *gl, struct evidence *out, const struct cone *cone)
+static conus_status look_at_meshes(struct gl_engine *gl, const struct view *view)
 {
-    struct mesh_view view;
-    conus_status status = prepare_view(&view, gl, cone);
-    if (status) {
-        return status;
+    for (size_t c = 0; c < view->count; c++) {
+        struct evidence *out = view->out[c];
+        const struct mesh_pixels pixels = {(const double(*)[3])gl->origins + c * view->pixels,
+                                           (const double(*)[3])gl->directions + c * view->pixels, out->object,
+                                           out->distance, out->voxel};
+        gl->looks[c] = (struct mesh_look){mesh_view_of(view->cones[c]), pixels};
     }
-    const struct mesh_pixels pixels = {(const double(*)[3])gl->origins, (const double(*)[3])gl->directions, out->object,
-                                       out->distance, out->voxel};
-    return mesh_pass_look(gl->mesh_pass, &view, &pixels);
+    return mesh_pass_look(gl->mesh_pass, gl->looks, view->count);
 }
 
-static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+static conus_status look_many(struct engine *engine, struct evidence *const *out, const struct cone *const *cones,
+                              size_t count)
 {
     struct gl_engine *gl = (struct gl_engine *)engine;
+    const struct view view = view_of(cones, out, count);
     struct gl_current previous = {0};
     conus_status status = gl_context_use(gl->context, &previous);
     if (status) {
         return status;
     }
-    evidence_clear(out);
-    status = gl->pass ? look_at_volumes(gl, out, cone) : CONUS_OK;
-    status = !status && gl->mesh_pass ? look_at_meshes(gl, out, cone) : status;
+    for (size_t c = 0; c < count; c++) {
+        evidence_clear(out[c]);
+    }
+    status = aim(gl, &view);
+    status = !status && gl->pass ? look_at_volumes(gl, &view) : status;
+    status = !status && gl->mesh_pass ? look_at_meshes(gl, &view) : status;
     gl_current_restore(&previous);
     return status;
+}
+
+static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+{
+    return look_many(engine, &out, &cone, 1);
 }
 
 /* ---- All layers --------------------------------------------------------------------------------------------- */
@@ -194,20 +266,19 @@ static conus_status take_pieces(void *user, const struct id_piece *pieces, uint3
     conus_status status = CONUS_OK;
     for (uint32_t i = 0; i < count && !status; i++) {
         const struct id_piece *piece = &pieces[i];
-        const conus_span span = {
-            piece->pixel, piece->identifier, piece->entry, piece->exit,
-            linear_index(piercing->gl->atlas, piece->identifier, piece->cell[0], piece->cell[1], piece->cell[2])};
+        const conus_span span = {piercing->gl->walked[piece->ray], piece->identifier, piece->entry, piece->exit,
+                                 linear_index(piercing->gl->atlas, piece->identifier, piece->cell)};
         status = layers_add(piercing->out, &span);
     }
     return status;
 }
 
-static conus_status pierce_volumes(struct gl_engine *gl, struct layers *out, const struct cone *cone)
+static conus_status pierce_volumes(struct gl_engine *gl, struct layers *out, const struct view *view)
 {
     struct piercing piercing = {gl, out};
-    conus_status status = id_pass_begin(gl->pass, cone->resolution);
-    for (size_t i = 0; i < gl->volume_count && !status; i++) {
-        prepare_rays(gl, &gl->atlas->volumes[gl->volumes[i]], cone);
+    conus_status status = gl->ray_count ? id_pass_begin(gl->pass, gl->ray_count) : CONUS_OK;
+    for (size_t i = 0; i < gl->volume_count && gl->ray_count && !status; i++) {
+        prepare_rays(gl, &gl->atlas->volumes[gl->volumes[i]], view);
         status = id_pass_pierce(gl->pass, i, take_pieces, &piercing);
     }
     return status;
@@ -225,9 +296,8 @@ static conus_status take_hit(void *user, const struct mesh_pass_hit *hit)
 
 static conus_status pierce_meshes(struct gl_engine *gl, struct layers *out, const struct cone *cone)
 {
-    struct mesh_view view;
-    conus_status status = prepare_view(&view, gl, cone);
-    status = status ? status : mesh_pass_pierce(gl->mesh_pass, &view, take_hit, gl);
+    const struct mesh_view view = mesh_view_of(cone);
+    conus_status status = mesh_pass_pierce(gl->mesh_pass, &view, take_hit, gl);
     status = status ? status : mesh_spans_pair(out, &gl->spans, cone);
     gl->spans.count = 0;
     return status;
@@ -236,12 +306,14 @@ static conus_status pierce_meshes(struct gl_engine *gl, struct layers *out, cons
 static conus_status pierce(struct engine *engine, struct layers *out, const struct cone *cone)
 {
     struct gl_engine *gl = (struct gl_engine *)engine;
+    const struct view view = view_of(&cone, NULL, 1);
     struct gl_current previous = {0};
     conus_status status = gl_context_use(gl->context, &previous);
     if (status) {
         return status;
     }
-    status = gl->pass ? pierce_volumes(gl, out, cone) : CONUS_OK;
+    status = aim(gl, &view);
+    status = !status && gl->pass ? pierce_volumes(gl, out, &view) : status;
     status = !status && gl->mesh_pass ? pierce_meshes(gl, out, cone) : status;
     gl_current_restore(&previous);
     return status;
@@ -319,7 +391,8 @@ static conus_status fill(struct gl_engine *gl, const struct engine_options *opti
 
 conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options)
 {
-    static const struct engine_functions functions = {.look = look, .pierce = pierce, .destroy = destroy};
+    static const struct engine_functions functions = {
+        .look = look, .look_many = look_many, .pierce = pierce, .destroy = destroy};
     struct gl_engine *gl = memory_zeroed(1, sizeof *gl);
     if (!gl) {
         return CONUS_ERROR_MEMORY;

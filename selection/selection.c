@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { DEFAULT_RESOLUTION = 16 };
+enum { DEFAULT_RESOLUTION = 16, PIXELS_AT_ONCE = 1 << 18 };
 
 static conus_status check_options(const conus_selector_options *options)
 {
@@ -209,15 +209,60 @@ static conus_status pierce(conus_selection *selection, struct engine *engine)
     return status;
 }
 
-static conus_status look(conus_selection *selection, struct engine *engine)
+size_t selections_at_once(const conus_selector *selector)
 {
-    bool has_range = cone_has_range(&selection->cone);
-    conus_status status =
-        has_range ? CONUS_OK : engine->functions->look(engine, &selection->evidence, &selection->cone);
-    if (!status && (selection->has_layers || has_range)) {
-        status = pierce(selection, engine);
+    size_t fitting = PIXELS_AT_ONCE / ((size_t)selector->options.resolution * selector->options.resolution);
+    return !selector->engine->functions->look_many || fitting < 1 ? 1 : fitting;
+}
+
+/* What is visible, of all selections (NULL is passed over) at once. */
+static conus_status look_at_all(conus_selection *const *selections, size_t count, struct engine *engine)
+{
+    struct evidence **evidence = memory_raw(count, sizeof *evidence);
+    const struct cone **cones = memory_raw(count, sizeof *cones);
+    conus_status status = evidence && cones ? CONUS_OK : CONUS_ERROR_MEMORY;
+    size_t given = 0;
+    for (size_t i = 0; i < count && !status; i++) {
+        if (selections[i]) {
+            evidence[given] = &selections[i]->evidence;
+            cones[given++] = &selections[i]->cone;
+        }
     }
-    evidence_drop_blocked(&selection->evidence);
+    status = !status && given ? engine->functions->look_many(engine, evidence, cones, given) : status;
+    memory_free(evidence);
+    memory_free(cones);
+    return status;
+}
+
+static void set_wanted(conus_selection *const *selections, size_t count, bool inside_only)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (selections[i]) {
+            selections[i]->cone.wanted = inside_only ? selections[i]->in_cone : NULL;
+        }
+    }
+}
+
+conus_status selections_look(conus_selection *const *selections, size_t count, conus_selector *selector)
+{
+    struct engine *engine = selector->engine;
+    bool has_range = selector->options.range[1] > 0; /* then what is first follows from all layers */
+    bool together = count > 1 && engine->functions->look_many;
+    set_wanted(selections, count, selector->inside_only);
+    conus_status status = together && !has_range ? look_at_all(selections, count, engine) : CONUS_OK;
+    for (size_t i = 0; i < count && !status; i++) {
+        conus_selection *selection = selections[i];
+        if (selection && !has_range && !together) {
+            status = engine->functions->look(engine, &selection->evidence, &selection->cone);
+        }
+        if (selection && !status && (selection->has_layers || has_range)) {
+            status = pierce(selection, engine);
+        }
+        if (selection && !status) {
+            evidence_drop_blocked(&selection->evidence);
+        }
+    }
+    set_wanted(selections, count, false);
     return status;
 }
 
@@ -248,35 +293,15 @@ conus_status selection_regroup(conus_selection *selection, const struct level *l
     return selection->has_layers ? layers_regroup(&selection->layers, selection->group, object_count) : CONUS_OK;
 }
 
-static conus_status answer(conus_selection *selection, conus_selector *selector)
+/* All that is known before the look. */
+static conus_status make_ready(conus_selection *selection, conus_selector *selector)
 {
     conus_status status = evidence_init(&selection->evidence, selection->cone.resolution);
     status = status ? status : aperture_prepare(&selector->aperture, &selection->cone);
-    status = status ? status : mark_cone(selection, &selector->aperture);
-    selection->cone.wanted = selector->inside_only ? selection->in_cone : NULL;
-    status = status ? status : look(selection, selector->engine);
-    selection->cone.wanted = NULL;
-    status = status ? status : tally_prepare(&selector->tally, selector->atlas->object_count);
-    status = status ? status : count_voxels(selection, selector);
-    if (!status) {
-        const struct gathering gathering = {.atlas = selector->atlas,
-                                            .cone = &selection->cone,
-                                            .aperture = &selector->aperture,
-                                            .evidence = &selection->evidence,
-                                            .layers = selection->has_layers ? &selection->layers : NULL,
-                                            .census = selection->has_layers ? &selector->census : NULL,
-                                            .whole = selector->whole,
-                                            .group = level_group(selector->level)};
-        status = statistics_gather(&selection->statistics, &gathering, &selector->tally);
-    }
-    status = status ? status : selection_regroup(selection, selector->level);
-    if (!status) {
-        selection_set_kinds(selection);
-    }
-    return status;
+    return status ? status : mark_cone(selection, &selector->aperture);
 }
 
-conus_status selection_look(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle)
+conus_status selection_begin(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle)
 {
     const conus_selector_options *options = &selector->options;
     struct cone cone = {.angle = angle,
@@ -300,7 +325,44 @@ conus_status selection_look(conus_selection **out, conus_selector *selector, con
     selection->cone = cone;
     region_from_cone(&selection->region, &cone);
     memcpy(selection->engine, selector->engine->name, sizeof selection->engine);
-    status = answer(selection, selector);
+    status = make_ready(selection, selector);
+    if (status) {
+        conus_selection_destroy(selection);
+        return status;
+    }
+    *out = selection;
+    return CONUS_OK;
+}
+
+conus_status selection_complete(conus_selection *selection, conus_selector *selector)
+{
+    conus_status status = aperture_prepare(&selector->aperture, &selection->cone); /* another's may have come between */
+    status = status ? status : tally_prepare(&selector->tally, selector->atlas->object_count);
+    status = status ? status : count_voxels(selection, selector);
+    if (!status) {
+        const struct gathering gathering = {.atlas = selector->atlas,
+                                            .cone = &selection->cone,
+                                            .aperture = &selector->aperture,
+                                            .evidence = &selection->evidence,
+                                            .layers = selection->has_layers ? &selection->layers : NULL,
+                                            .census = selection->has_layers ? &selector->census : NULL,
+                                            .whole = selector->whole,
+                                            .group = level_group(selector->level)};
+        status = statistics_gather(&selection->statistics, &gathering, &selector->tally);
+    }
+    status = status ? status : selection_regroup(selection, selector->level);
+    if (!status) {
+        selection_set_kinds(selection);
+    }
+    return status;
+}
+
+conus_status selection_look(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle)
+{
+    conus_selection *selection = NULL;
+    conus_status status = selection_begin(&selection, selector, pose, angle);
+    status = status ? status : selections_look(&selection, 1, selector);
+    status = status ? status : selection_complete(selection, selector);
     if (status) {
         conus_selection_destroy(selection);
         return status;

@@ -7,26 +7,33 @@
 
 #include <string.h>
 
-enum { PIXELS = 3, OBJECTS = 6 };
+enum { RAYS = 9, OBJECTS = 6 };
 
 /* A row of voxels along x, each with its own object 1, 2, ...; rays come from above, one per voxel. */
-static uint16_t row_objects[PIXELS * PIXELS];
-static const struct volume row = {
-    .info = {.dim = {PIXELS * PIXELS, 1, 1}}, .voxel_count = PIXELS * PIXELS, .objects16 = row_objects};
+static uint16_t row_objects[RAYS];
+static const struct volume row = {.info = {.dim = {RAYS, 1, 1}}, .voxel_count = RAYS, .objects16 = row_objects};
 
-static void aim_from_above(struct id_ray *rays, double height)
+/* With sampling on planes: `planes` of them from depth 10 on, 1 mm apart. */
+static void aim_from_above(struct id_pass *pass, double height, conus_sampling sampling, double planes)
 {
-    for (int i = 0; i < PIXELS * PIXELS; i++) {
-        rays[i] = (struct id_ray){
-            .origin = {i, 0, height}, .direction = {0, 0, -1}, .inverse = {INFINITY, INFINITY, -1}, .per_depth = 1};
+    struct id_ray *rays = id_pass_rays(pass);
+    for (int i = 0; i < RAYS; i++) {
+        rays[i] = (struct id_ray){.origin = {i, 0, height}, .direction = {0, 0, -1}};
+        if (sampling == CONUS_SLICES) {
+            rays[i].planes.start = 9.5;
+            rays[i].planes.spacing = 1;
+            rays[i].planes.count = planes;
+            rays[i].planes.per_depth = 1;
+        } else {
+            rays[i].inverse[0] = rays[i].inverse[1] = INFINITY;
+            rays[i].inverse[2] = -1;
+        }
     }
 }
 
-static const struct slices middle = {.start = 9.5, .spacing = 1, .count = 1}; /* one plane at depth 10 */
-
 static struct id_pass *row_pass(conus_sampling sampling, const uint32_t *identifiers)
 {
-    for (int i = 0; i < PIXELS * PIXELS; i++) {
+    for (int i = 0; i < RAYS; i++) {
         row_objects[i] = (uint16_t)(i % (OBJECTS + 1));
     }
     struct id_pass *pass = NULL;
@@ -38,28 +45,28 @@ static struct id_pass *row_pass(conus_sampling sampling, const uint32_t *identif
     return pass;
 }
 
-static struct id_pixels draw_row(struct id_pass *pass, size_t volume, double height)
+static const struct id_hit *look_at_row(struct id_pass *pass, conus_sampling sampling, double height)
 {
-    struct id_pixels pixels;
-    assert_ok(id_pass_begin(pass, PIXELS));
-    aim_from_above(id_pass_rays(pass), height);
-    assert_ok(id_pass_draw(pass, volume, &middle));
-    assert_ok(id_pass_read(pass, &pixels));
-    return pixels;
+    const struct id_hit *hits;
+    assert_ok(id_pass_begin(pass, RAYS));
+    aim_from_above(pass, height, sampling, 1);
+    assert_ok(id_pass_look(pass, 0));
+    assert_ok(id_pass_read(pass, &hits));
+    return hits;
 }
 
 /* Identifiers are integers all the way: no float, filter or blend would bring these through. 0 is invisible. */
 static const uint32_t hard_identifiers[OBJECTS + 1] = {0, 7, 65537, 16777217, 0, 4000000001u, 4294967295u};
 
-static void assert_row(const struct id_pixels *pixels, double distance)
+static void assert_row(const struct id_hit *hits, double distance)
 {
-    for (int i = 0; i < PIXELS * PIXELS; i++) {
+    for (uint32_t i = 0; i < RAYS; i++) {
         uint32_t wanted = hard_identifiers[row_objects[i]];
-        assert_int_equal(pixels->identifiers[i], wanted);
+        assert_int_equal(hits[i].identifier, wanted);
+        assert_true(hits[i].distance == (wanted ? distance : INFINITY));
         if (wanted) {
-            assert_near(pixels->distances[i], distance, 0);
-            assert_near(pixels->voxels[i][0], i, 0);
-            assert_near(pixels->voxels[i][3], distance, 0);
+            assert_int_equal(hits[i].cell[0], i);
+            assert_int_equal(hits[i].cell[1] + hits[i].cell[2], 0);
         }
     }
 }
@@ -73,8 +80,7 @@ static void identifiers_keep_every_bit(void **state)
     const conus_sampling samplings[] = {CONUS_EXACT, CONUS_SLICES};
     for (size_t i = 0; i < 2; i++) {
         struct id_pass *pass = row_pass(samplings[i], hard_identifiers);
-        struct id_pixels pixels = draw_row(pass, 0, 10);
-        assert_row(&pixels, samplings[i] == CONUS_EXACT ? 9.5 : 10);
+        assert_row(look_at_row(pass, samplings[i], 10), samplings[i] == CONUS_EXACT ? 9.5 : 10);
         id_pass_destroy(pass);
     }
     id_pass_destroy(NULL);
@@ -99,25 +105,25 @@ static void state_left_behind_changes_nothing(void **state)
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     glDepthFunc(GL_NEVER);
-    struct id_pixels pixels = draw_row(pass, 0, 10);
-    assert_row(&pixels, 9.5);
+    assert_row(look_at_row(pass, CONUS_EXACT, 10), 9.5);
     id_pass_destroy(pass);
     test_gl_leave(&gl);
 }
 
-/* What an earlier look left in the target does not shine through. */
+/* What an earlier look left in the buffers does not shine through, and they grow. */
 static void looks_start_from_nothing(void **state)
 {
     (void)state;
     struct test_gl gl;
     test_gl_enter(&gl);
     struct id_pass *pass = row_pass(CONUS_EXACT, hard_identifiers);
-    struct id_pixels pixels = draw_row(pass, 0, 10);
-    assert_int_equal(pixels.identifiers[1], 7);
-    pixels = draw_row(pass, 0, -10); /* looking away */
-    for (int i = 0; i < PIXELS * PIXELS; i++) {
-        assert_int_equal(pixels.identifiers[i], 0);
+    assert_int_equal(look_at_row(pass, CONUS_EXACT, 10)[1].identifier, 7);
+    const struct id_hit *hits = look_at_row(pass, CONUS_EXACT, -10); /* looking away */
+    for (int i = 0; i < RAYS; i++) {
+        assert_int_equal(hits[i].identifier, 0);
     }
+    assert_ok(id_pass_begin(pass, 100000));
+    assert_row(look_at_row(pass, CONUS_EXACT, 10), 9.5);
     id_pass_destroy(pass);
     test_gl_leave(&gl);
 }
@@ -131,34 +137,38 @@ static void the_nearer_volume_stays(void **state)
     struct id_pass *pass = row_pass(CONUS_EXACT, hard_identifiers);
     const double second[] = {4, 30, 10};
     for (int i = 0; i < 3; i++) {
-        struct id_pixels pixels;
-        assert_ok(id_pass_begin(pass, PIXELS));
-        aim_from_above(id_pass_rays(pass), 10);
-        assert_ok(id_pass_draw(pass, 0, &middle));
-        aim_from_above(id_pass_rays(pass), second[i]);
-        assert_ok(id_pass_draw(pass, 1, &middle));
-        assert_ok(id_pass_read(pass, &pixels));
-        assert_row(&pixels, fmin(10, second[i]) - 0.5);
+        const struct id_hit *hits;
+        assert_ok(id_pass_begin(pass, RAYS));
+        aim_from_above(pass, 10, CONUS_EXACT, 0);
+        assert_ok(id_pass_look(pass, 0));
+        aim_from_above(pass, second[i], CONUS_EXACT, 0);
+        assert_ok(id_pass_look(pass, 1));
+        assert_ok(id_pass_read(pass, &hits));
+        assert_row(hits, fmin(10, second[i]) - 0.5);
     }
     id_pass_destroy(pass);
     test_gl_leave(&gl);
 }
 
 /* With sampling on planes a volume behind the eye has none. */
-static void a_volume_without_planes_is_not_drawn(void **state)
+static void rays_without_planes_meet_nothing(void **state)
 {
     (void)state;
     struct test_gl gl;
     test_gl_enter(&gl);
     struct id_pass *pass = row_pass(CONUS_SLICES, hard_identifiers);
-    struct id_pixels pixels;
-    const struct slices none = {0};
-    assert_ok(id_pass_begin(pass, PIXELS));
-    aim_from_above(id_pass_rays(pass), 10);
-    assert_ok(id_pass_draw(pass, 0, &none));
-    assert_ok(id_pass_draw(pass, 1, &middle));
-    assert_ok(id_pass_read(pass, &pixels));
-    assert_row(&pixels, 10);
+    const struct id_hit *hits;
+    assert_ok(id_pass_begin(pass, RAYS));
+    aim_from_above(pass, 10, CONUS_SLICES, 0);
+    assert_ok(id_pass_look(pass, 0));
+    assert_ok(id_pass_read(pass, &hits));
+    for (int i = 0; i < RAYS; i++) {
+        assert_int_equal(hits[i].identifier, 0);
+    }
+    aim_from_above(pass, 10, CONUS_SLICES, 3);
+    assert_ok(id_pass_look(pass, 1));
+    assert_ok(id_pass_read(pass, &hits));
+    assert_row(hits, 10);
     id_pass_destroy(pass);
     test_gl_leave(&gl);
 }
@@ -257,7 +267,7 @@ int main(void)
         cmocka_unit_test(state_left_behind_changes_nothing),
         cmocka_unit_test(looks_start_from_nothing),
         cmocka_unit_test(the_nearer_volume_stays),
-        cmocka_unit_test(a_volume_without_planes_is_not_drawn),
+        cmocka_unit_test(rays_without_planes_meet_nothing),
         cmocka_unit_test(textures_beyond_the_allowed_memory_are_refused),
         cmocka_unit_test(bricks_know_their_distance),
     };

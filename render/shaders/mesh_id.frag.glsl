@@ -19,7 +19,7 @@ layout(binding = CORNER_UNIT) uniform usamplerBuffer corners;
 uniform dvec3 apex;
 uniform dmat3 direction_from_place; // columns: right and up, times the tangent of half the angle; forward
 uniform dmat2x3 origin_from_place;  // columns: right and up, times a cylinder's radius
-uniform int resolution;
+uniform int resolution, first_pixel;
 
 const float SLACK = 1.000001;
 const double BEHIND = -1e-3; // mm: far more than rounding
@@ -53,7 +53,7 @@ void main()
     if (distance < BEHIND) {
         return;
     }
-    int pixel = at.y * resolution + at.x;
+    int pixel = first_pixel + at.y * resolution + at.x;
     float t = float(max(distance, 0.0));
     // what may lie behind the ray's start hides nothing
     uint before = atomicMin(pixels[pixel].nearest, distance < 0.0 ? 0xffffffffu : floatBitsToUint(t));

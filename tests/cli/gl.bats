@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# conus query --engine gl, as a user types it.
+# --engine gl, as a user types it.
 load helpers
 
 @test "both engines give one answer, exactly and by slices" {
@@ -22,6 +22,25 @@ load helpers
         cmp gl.tsv rays.tsv
         [ "$(wc -l <gl.tsv)" -gt 2 ]
     done
+}
+
+@test "batches by OpenGL are those of the rays, whatever the block, with rows that are no poses" {
+    sphere --size 32
+    awk 'BEGIN {
+        print "x\ty\tz\tdx\tdy\tdz\tangle"
+        for (i = 0; i < 300; i++) {
+            printf "%d\t%d\t60\t%g\t%g\t%d\t%s\n", i % 31 - 15, i % 17 - 8, sin(i) / 4, cos(i) / 4, i % 13 == 5 ? 0 : -1,
+                i % 19 == 2 ? "wide" : 3 + i % 40
+        }
+    }' >poses.tsv
+    run ! conus batch sphere.nii.gz --poses poses.tsv -o rays.tsv
+    for block in 1 7 64 1000; do
+        run --separate-stderr "$CONUS" batch sphere.nii.gz --poses poses.tsv --engine gl --block "$block" -o gl.tsv --force
+        [ "$status" -ne 4 ] || skip "$stderr"
+        [ "$status" -eq 1 ]
+        cmp gl.tsv rays.tsv
+    done
+    [ "$(grep -c error gl.tsv)" -gt 10 ]
 }
 
 @test "slices have no layers with OpenGL either" {

@@ -1,51 +1,52 @@
-// The ID pass: per pixel, the first voxel along its ray that belongs to an object (Eq. 5), or the first of the planes of
-// Eq. 7 on which the ray samples one. In double precision and `precise`, so that it takes the very cells that the CPU
-// takes. Rays come prepared from the CPU. Drawn once per volume; a later volume (MERGE) only overwrites what is farther.
-// PIERCE draws nothing and appends every piece of the ray inside an object to a list instead (Eq. 10).
+// The ID pass: per ray, the first voxel along it that belongs to an object (Eq. 5), or the first of the planes of Eq. 7
+// on which it samples one. In double precision and `precise`, so that it takes the very cells that the CPU takes. Rays
+// come prepared from the CPU, of as many pixels and cones as there are. Dispatched once per volume; a later volume
+// (MERGE) only overwrites what is farther. PIERCE appends every piece of the ray inside an object to a list instead
+// (Eq. 10).
 //
-// Defines: SLICES, MERGE, PIERCE (0 or 1), BRICK_SHIFT, RAY_DOUBLES, and the bindings *_UNIT (textures) and *_BUFFER.
+// Defines: SLICES, MERGE, PIERCE (0 or 1), GROUP, BRICK_SHIFT, and the bindings *_UNIT (textures) and *_BUFFER.
+
+layout(local_size_x = GROUP) in;
+
+struct Ray { // struct id_ray
+    double origin[3], direction[3];
+    double inverse[4]; // the last is unused; with SLICES the planes: start, spacing, count, mm per mm of depth
+};
 
 layout(binding = OBJECTS_UNIT) uniform usampler3D objects;
 layout(std430, binding = IDENTIFIER_BUFFER) readonly restrict buffer Identifiers { uint identifiers[]; };
-layout(std430, binding = RAY_BUFFER) readonly restrict buffer Rays { double rays[]; };
-uniform int resolution, first_ray;
+layout(std430, binding = RAY_BUFFER) readonly restrict buffer Rays { Ray rays[]; };
+uniform ivec2 range; // of rays: the first, and the first that is not to be looked along
 
-#if SLICES
-uniform int slice_count;
-uniform double slice_start, slice_spacing;
-#else
+#if !SLICES
 layout(binding = BRICKS_UNIT) uniform usampler3D bricks;
-#endif
-
-#if MERGE
-layout(binding = NEAREST_ID_UNIT) uniform usampler2D nearest_id; // this target itself: each pixel reads only its own
-layout(binding = NEAREST_T_UNIT) uniform usampler2D nearest_t;
 #endif
 
 #if PIERCE
 struct Piece { // struct id_piece
-    uint pixel, id;
+    uint ray, id;
     double entry, exit;
     uint cell[3];
 };
 
-layout(std430, binding = PIECE_BUFFER) restrict buffer Pieces // see shader_list.h
+layout(std430, binding = OUT_BUFFER) restrict buffer Pieces // see shader_list.h
 {
     uint piece_count, unused;
     Piece pieces[];
 };
-uniform ivec2 pixels; // the first, and the first that is not to be drawn
 #else
-layout(location = 0) out uint out_id;
-layout(location = 1) out vec4 out_voxel; // i, j, k, and t rounded to a float
-layout(location = 2) out uvec2 out_t;    // the bits of t, a double
+struct Found { // struct id_hit
+    double t;
+    uint id, cell[3];
+};
+
+layout(std430, binding = OUT_BUFFER) restrict buffer Hits { Found hits[]; };
 #endif
 
 #define NEVER packDouble2x32(uvec2(0u, 0x7ff00000u)) // infinity; to glslang not a constant
 
-struct Ray {
+struct Way {
     dvec3 origin, direction, inverse; // in index space; inverse is infinite where the ray does not move
-    double per_depth;                 // mm along the ray per mm of depth
 };
 
 struct Hit {
@@ -54,12 +55,11 @@ struct Hit {
     double t;
 };
 
-Ray load_ray()
+Way load_way(int ray)
 {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
-    int at = (first_ray + pixel.y * resolution + pixel.x) * RAY_DOUBLES;
-    return Ray(dvec3(rays[at], rays[at + 1], rays[at + 2]), dvec3(rays[at + 3], rays[at + 4], rays[at + 5]),
-               dvec3(rays[at + 6], rays[at + 7], rays[at + 8]), rays[at + 9]);
+    Ray r = rays[ray];
+    return Way(dvec3(r.origin[0], r.origin[1], r.origin[2]), dvec3(r.direction[0], r.direction[1], r.direction[2]),
+               dvec3(r.inverse[0], r.inverse[1], r.inverse[2]));
 }
 
 uint identify(dvec3 cell)
@@ -69,11 +69,14 @@ uint identify(dvec3 cell)
 }
 
 #if SLICES
-Hit walk(Ray ray, ivec3 dim, double limit)
+Hit walk(int number, ivec3 dim, double limit)
 {
-    for (int k = 0; k < slice_count; k++) {
-        precise double depth = slice_start + (double(k) + 0.5) * slice_spacing;
-        precise double t = depth * ray.per_depth;
+    Way ray = load_way(number);
+    dvec3 planes = ray.inverse;
+    double per_depth = rays[number].inverse[3];
+    for (double k = 0.0; k < planes.z; k++) {
+        precise double depth = planes.x + (k + 0.5) * planes.y;
+        precise double t = depth * per_depth;
         precise dvec3 cell = floor(ray.origin + t * ray.direction + 0.5);
         if (t > limit) {
             break;
@@ -102,7 +105,7 @@ struct Crossing {
 };
 
 // When the ray leaves the cell along each axis (half = 0.5), or enters it (-0.5).
-dvec3 crossing_times(Ray ray, dvec3 sign, dvec3 cell, double half_cell)
+dvec3 crossing_times(Way ray, dvec3 sign, dvec3 cell, double half_cell)
 {
     precise dvec3 t = ((cell + half_cell * sign) - ray.origin) * ray.inverse;
     return t;
@@ -117,7 +120,7 @@ bvec3 are_before(dvec3 t, Crossing crossing)
 
 // Where axes are just after a crossing of another one, when they were in `from` before; they stop at `end`.
 // The guess is off by one at most; the crossings themselves decide.
-dvec3 catch_up(Ray ray, dvec3 sign, Crossing crossing, dvec3 from, dvec3 end)
+dvec3 catch_up(Way ray, dvec3 sign, Crossing crossing, dvec3 from, dvec3 end)
 {
     dvec3 cell = clamp(floor(ray.origin + crossing.t * ray.direction + 0.5), min(from, end), max(from, end));
     for (;;) {
@@ -142,7 +145,7 @@ dvec3 catch_up(Ray ray, dvec3 sign, Crossing crossing, dvec3 from, dvec3 end)
 }
 
 // The first cell in the grid: the origin's, or that behind the last crossing that brings the ray in. False: it misses.
-bool enter_grid(Ray ray, dvec3 sign, dvec3 end, dvec3 dim, out dvec3 cell, out double t)
+bool enter_grid(Way ray, dvec3 sign, dvec3 end, dvec3 dim, out dvec3 cell, out double t)
 {
     Crossing last = Crossing(0.0, -1);
     dvec3 first = mix(dvec3(0.0), dim - 1.0, lessThan(sign, dvec3(0.0)));
@@ -167,7 +170,7 @@ bool enter_grid(Ray ray, dvec3 sign, dvec3 end, dvec3 dim, out dvec3 cell, out d
 }
 
 // Leaves the box whose last cells in the ray's direction are `last`, all of it empty; the time of it.
-double leave_box(Ray ray, dvec3 sign, dvec3 end, dvec3 last, inout dvec3 cell)
+double leave_box(Way ray, dvec3 sign, dvec3 end, dvec3 last, inout dvec3 cell)
 {
     dvec3 t = crossing_times(ray, sign, last, 0.5);
     Crossing first = Crossing(t.x, 0);
@@ -186,7 +189,7 @@ double leave_box(Ray ray, dvec3 sign, dvec3 end, dvec3 last, inout dvec3 cell)
 }
 
 // Leaves the cell, or the box of empty bricks around it, `empty` of them each way less one; the time of it.
-double leave(Ray ray, dvec3 sign, dvec3 end, int empty, inout dvec3 cell)
+double leave(Way ray, dvec3 sign, dvec3 end, int empty, inout dvec3 cell)
 {
     ivec3 brick = ivec3(cell) >> BRICK_SHIFT;
     dvec3 high = dvec3(((brick + empty) << BRICK_SHIFT) - 1);
@@ -199,7 +202,7 @@ int count_empty_bricks(dvec3 cell)
     return int(texelFetch(bricks, ivec3(cell) >> BRICK_SHIFT, 0).r);
 }
 
-dvec3 signs_of(Ray ray)
+dvec3 signs_of(Way ray)
 {
     return mix(dvec3(1.0), dvec3(-1.0), lessThan(ray.direction, dvec3(0.0)));
 }
@@ -221,11 +224,12 @@ void change(inout Piece piece, uint id, double t, dvec3 cell)
 }
 
 // Eq. 10: runs of cells with the same object.
-void pierce(Ray ray, ivec3 dim, uint pixel)
+void pierce(int number, ivec3 dim)
 {
+    Way ray = load_way(number);
     dvec3 sign = signs_of(ray);
     dvec3 end = mix(dvec3(dim), dvec3(-1.0), lessThan(sign, dvec3(0.0)));
-    Piece piece = Piece(pixel, 0u, 0.0, 0.0, uint[](0u, 0u, 0u));
+    Piece piece = Piece(uint(number), 0u, 0.0, 0.0, uint[](0u, 0u, 0u));
     dvec3 cell;
     double t;
     if (!enter_grid(ray, sign, end, dvec3(dim), cell, t)) {
@@ -242,8 +246,9 @@ void pierce(Ray ray, ivec3 dim, uint pixel)
     change(piece, 0u, t, dvec3(0.0));
 }
 #else
-Hit walk(Ray ray, ivec3 dim, double limit)
+Hit walk(int number, ivec3 dim, double limit)
 {
+    Way ray = load_way(number);
     dvec3 sign = signs_of(ray);
     dvec3 end = mix(dvec3(dim), dvec3(-1.0), lessThan(sign, dvec3(0.0)));
     dvec3 cell;
@@ -264,33 +269,29 @@ Hit walk(Ray ray, ivec3 dim, double limit)
 #endif
 #endif
 
-#if PIERCE
 void main()
 {
-    ivec2 at = ivec2(gl_FragCoord.xy);
-    int pixel = at.y * resolution + at.x;
-    if (pixel >= pixels.x && pixel < pixels.y) {
-        pierce(load_ray(), textureSize(objects, 0), uint(pixel));
+    int ray = range.x + int(gl_GlobalInvocationID.x);
+    ivec3 dim = textureSize(objects, 0);
+    if (ray >= range.y) {
+        return;
     }
-}
+#if PIERCE
+    pierce(ray, dim);
 #else
-void main()
-{
     double limit = NEVER;
     uint rival = 0u;
 #if MERGE
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
-    rival = texelFetch(nearest_id, pixel, 0).r;
-    if (rival != 0u) {
-        limit = packDouble2x32(texelFetch(nearest_t, pixel, 0).rg);
-    }
+    limit = hits[ray].t;
+    rival = hits[ray].id;
 #endif
-    Hit hit = walk(load_ray(), textureSize(objects, 0), limit);
+    Hit hit = walk(ray, dim, limit);
+#if MERGE
     if (hit.id == 0u || (hit.t == limit && rival < hit.id)) {
-        discard;
+        return;
     }
-    out_id = hit.id;
-    out_voxel = vec4(hit.cell, hit.t);
-    out_t = unpackDouble2x32(hit.t);
-}
 #endif
+    uvec3 cell = uvec3(hit.cell);
+    hits[ray] = Found(hit.t, hit.id, uint[](cell.x, cell.y, cell.z));
+#endif
+}

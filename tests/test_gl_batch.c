@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Batches by the gl engine, which looks at a block of cones at once: byte for byte those of the rays engine, whatever
+ * is in a block; and with meshes, whose edges are the driver's, those of the gl engine one by one. */
+#include "atlas/space.h"
+#include "base/buffer.h"
+#include "base/file.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "gl_pair.h"
+#include "mesh_scene.h"
+#include "scene.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { POSES = 150 };
+
+static int driver_messages;
+
+static void count_message(void *user, const char *line)
+{
+    *(int *)user += 1;
+    print_message("%s\n", line);
+}
+
+/* A selector by the gl engine, or the running test is skipped, saying why. */
+static conus_selector *gl_selector(const conus_atlas *atlas, conus_selector_options options)
+{
+    conus_selector *selector = NULL;
+    options.engine = CONUS_ENGINE_GL;
+    options.log = count_message;
+    options.log_user = &driver_messages;
+    conus_status status = conus_selector_create(&selector, atlas, &options);
+    if (status == CONUS_ERROR_GL) {
+        print_message("skipped: %s\n", conus_message());
+        skip();
+    }
+    assert_ok(status);
+    return selector;
+}
+
+/* Every seventh row is no pose, every eleventh has an angle that no cone has, and angles change from row to row. */
+static const char *write_poses(uint64_t seed, const conus_atlas *atlas, bool cylinders)
+{
+    const char *path = test_scratch("poses.tsv");
+    struct buffer text = {0};
+    buffer_text(&text, "query_id\tm00\tm01\tm02\tm03\tm10\tm11\tm12\tm13\tm20\tm21\tm22\tm23\tm30\tm31\tm32\tm33");
+    buffer_text(&text, cylinders ? "\n" : "\tangle\n");
+    for (int i = 0; i < POSES; i++) {
+        conus_pose pose =
+            atlas->volume_count ? scene_generic_pose(&seed, atlas) : mesh_scene_random_cone(&seed, 20).pose;
+        buffer_format(&text, "pose %d", i);
+        for (int k = 0; k < 16; k++) {
+            buffer_format(&text, "\t%.17g", k == 5 && i % 7 == 3 ? NAN : pose.world_from_device[4 * (k % 4) + k / 4]);
+        }
+        if (!cylinders) {
+            buffer_format(&text, "\t%d", i % 11 == 4 ? 500 : 2 + i % 3 * 13);
+        }
+        buffer_text(&text, "\n");
+    }
+    assert_ok(buffer_status(&text));
+    assert_ok(file_write(path, text.data, text.size));
+    buffer_finish(&text);
+    return path;
+}
+
+struct rows {
+    struct buffer text;
+    uint64_t errors;
+};
+
+static bool receive(void *user, const conus_batch_block *block)
+{
+    struct rows *rows = user;
+    buffer_append(&rows->text, block->text, block->size);
+    rows->errors += block->errors;
+    return true;
+}
+
+static conus_status run(struct rows *out, conus_selector *selector, const char *path, uint32_t block)
+{
+    conus_batch *batch = NULL;
+    conus_pose_stream *poses = NULL;
+    const conus_batch_options options = {.threads = 1, .block = block, .report = {.format = CONUS_NDJSON}};
+    buffer_clear(&out->text);
+    out->errors = 0;
+    conus_status status = conus_batch_create(&batch, selector, &options);
+    status = status ? status : conus_pose_stream_open(&poses, path, NULL);
+    status = status ? status : conus_batch_run(batch, poses, UINT64_MAX, receive, out);
+    conus_pose_stream_destroy(poses);
+    conus_batch_destroy(batch);
+    return status;
+}
+
+/* All blocks give the rows of `reference`. */
+static void assert_same_rows(conus_selector *selector, const char *path, const struct rows *reference)
+{
+    static const uint32_t blocks[] = {1, 7, 64, 65536};
+    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) {
+        struct rows rows = {0};
+        assert_ok(run(&rows, selector, path, blocks[i]));
+        assert_int_equal(rows.errors, reference->errors);
+        assert_int_equal(rows.text.size, reference->text.size);
+        assert_memory_equal(rows.text.data, reference->text.data, rows.text.size);
+        buffer_finish(&rows.text);
+    }
+}
+
+static void compare_engines(const conus_atlas *atlas, const conus_selector_options *options, const char *path)
+{
+    conus_selector *gl = gl_selector(atlas, *options);
+    conus_selector *rays = NULL;
+    struct rows reference = {0};
+    assert_ok(conus_selector_create(&rays, atlas, options));
+    assert_ok(run(&reference, rays, path, 0));
+    assert_true(reference.errors > POSES / 10 && reference.errors < POSES / 3); /* those that are meant to be wrong */
+    assert_true(reference.text.size > (size_t)POSES * 200);
+    assert_same_rows(gl, path, &reference);
+    buffer_finish(&reference.text);
+    conus_selector_destroy(gl);
+    conus_selector_destroy(rays);
+}
+
+static void add_blocking_context(conus_atlas *atlas, uint64_t *random)
+{
+    enum { EDGE = 9, COUNT = EDGE * EDGE * EDGE };
+    conus_volume_info info = scene_grid(random, (size_t[]){EDGE, EDGE, EDGE});
+    float *values = memory_zeroed(COUNT, sizeof *values);
+    assert_non_null(values);
+    for (size_t v = 0; v < COUNT; v++) {
+        values[v] = (float)test_random(random, 0, 1);
+    }
+    info.role = CONUS_CONTEXT;
+    info.threshold = 0.95;
+    assert_ok(atlas_set_context(atlas, &info, values));
+}
+
+/* Areas and pathways on three grids, and what hides them; whatever is asked of the cones. */
+static void blocks_of_cones_give_the_rows_of_the_rays(void **state)
+{
+    (void)state;
+    uint64_t random = 61;
+    conus_atlas *atlas = scene_atlas(&random, 24, 2);
+    add_blocking_context(atlas, &random);
+    static const conus_selector_options settings[] = {
+        {.resolution = 16},
+        {.resolution = 5, .aperture = CONUS_SQUARE, .sampling = CONUS_SLICES, .slices = 120},
+        {.resolution = 9, .layers = CONUS_ALL_LAYERS},
+        {.resolution = 12, .range = {5, 25}},
+        {.resolution = 8, .radius = 3},
+        {.resolution = 50, .score = "distance"}, /* some hundred cones are too many at once */
+    };
+    for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
+        compare_engines(atlas, &settings[i], write_poses(7 + i, atlas, settings[i].radius > 0));
+    }
+    conus_atlas_destroy(atlas);
+}
+
+static void a_real_atlas_gives_the_same_rows(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, test_mricron("aal.nii.gz"), NULL));
+    compare_engines(atlas, &(conus_selector_options){0}, write_poses(3, atlas, false));
+    conus_atlas_destroy(atlas);
+}
+
+/* Three soups of triangles, a ball, and voxels among them. */
+static conus_atlas *mixed_atlas(uint64_t *random)
+{
+    conus_atlas *atlas = scene_atlas(random, 20, 0);
+    struct mesh ball = mesh_scene_sphere((double[]){4, 0, 0}, 9, 40, 60);
+    mesh_scene_add_soups(atlas, random);
+    mesh_scene_add(atlas, &ball);
+    return atlas;
+}
+
+static void blocks_do_not_move_the_edges_of_meshes(void **state)
+{
+    (void)state;
+    uint64_t random = 62;
+    conus_atlas *atlas = mixed_atlas(&random);
+    const char *path = write_poses(5, atlas, false);
+    static const conus_selector_options settings[] = {{0}, {.resolution = 50}, {.layers = CONUS_ALL_LAYERS}};
+    for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
+        conus_selector *selector = gl_selector(atlas, settings[i]);
+        struct rows reference = {0};
+        assert_ok(run(&reference, selector, path, 1));
+        assert_same_rows(selector, path, &reference);
+        buffer_finish(&reference.text);
+        conus_selector_destroy(selector);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+static void assert_same_evidence(const struct evidence *got, const struct evidence *wanted)
+{
+    size_t pixels = (size_t)wanted->resolution * wanted->resolution;
+    assert_memory_equal(got->object, wanted->object, pixels * sizeof *got->object);
+    assert_memory_equal(got->distance, wanted->distance, pixels * sizeof *got->distance);
+    assert_memory_equal(got->voxel, wanted->voxel, pixels * sizeof *got->voxel);
+}
+
+/* Equal surfaces, of which a pixel notes more than it has room for; and, being many, do not fit the buffer at once. */
+static void many_looks_are_what_they_are_alone(void **state)
+{
+    (void)state;
+    enum { LOOKS = 80, EDGE = 64 };
+    uint64_t random = 63;
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = 0; i < 12; i++) {
+        struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 10, 8, 16);
+        mesh_scene_add(atlas, &sphere);
+    }
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    static struct evidence together[LOOKS];
+    static struct cone cones[LOOKS];
+    struct evidence *out[LOOKS];
+    const struct cone *in[LOOKS];
+    size_t hits = 0;
+    for (int i = 0; i < LOOKS; i++) {
+        cones[i] = mesh_scene_random_cone(&random, 20);
+        cones[i].resolution = EDGE;
+        in[i] = &cones[i];
+        out[i] = &together[i];
+        assert_ok(evidence_init(&together[i], EDGE));
+    }
+    assert_ok(pair.gl->functions->look_many(pair.gl, out, in, LOOKS));
+    for (int i = 0; i < LOOKS; i++) {
+        struct evidence alone;
+        assert_ok(evidence_init(&alone, EDGE));
+        assert_ok(pair.gl->functions->look(pair.gl, &alone, &cones[i]));
+        assert_same_evidence(&together[i], &alone);
+        for (size_t pixel = 0; pixel < (size_t)EDGE * EDGE; pixel++) {
+            hits += alone.object[pixel] != 0;
+        }
+        evidence_finish(&alone);
+        evidence_finish(&together[i]);
+    }
+    assert_true(hits > (size_t)EDGE * EDGE * LOOKS / 10);
+    gl_pair_destroy(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* Pixels that are not wanted are nobody's. */
+static void only_wanted_pixels_are_looked_at(void **state)
+{
+    (void)state;
+    uint64_t random = 64;
+    conus_atlas *atlas = scene_atlas(&random, 30, 1);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    for (int round = 0; round < 20; round++) {
+        struct cone cone = scene_cone(&random, atlas);
+        static bool wanted[64 * 64];
+        struct evidence all, some;
+        assert_ok(evidence_init(&all, cone.resolution));
+        assert_ok(evidence_init(&some, cone.resolution));
+        assert_ok(pair.gl->functions->look(pair.gl, &all, &cone));
+        for (size_t i = 0; i < (size_t)cone.resolution * cone.resolution; i++) {
+            wanted[i] = round && test_random(&random, 0, 1) < 0.5; /* or none */
+            if (!wanted[i]) {
+                all.object[i] = 0;
+                all.distance[i] = INFINITY;
+                all.voxel[i] = EVIDENCE_NO_VOXEL;
+            }
+        }
+        cone.wanted = wanted;
+        assert_ok(pair.gl->functions->look(pair.gl, &some, &cone));
+        assert_same_evidence(&some, &all);
+        evidence_finish(&all);
+        evidence_finish(&some);
+    }
+    gl_pair_destroy(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+struct attempt {
+    conus_selector *selector;
+    const char *path;
+    struct rows wanted;
+};
+
+static conus_status run_again(void *data)
+{
+    struct attempt *attempt = data;
+    struct rows rows = {0};
+    conus_status status = run(&rows, attempt->selector, attempt->path, 40);
+    if (!status) {
+        assert_int_equal(rows.text.size, attempt->wanted.text.size);
+        assert_memory_equal(rows.text.data, attempt->wanted.text.data, rows.text.size);
+    }
+    buffer_finish(&rows.text);
+    return status;
+}
+
+/* Whatever fails, the next run of the same selector answers as if nothing had been. */
+static void every_failing_allocation_is_clean(void **state)
+{
+    (void)state;
+    uint64_t random = 65;
+    conus_atlas *atlas = mixed_atlas(&random);
+    struct attempt attempt = {.path = write_poses(9, atlas, false)};
+    conus_selector *another = gl_selector(atlas, (conus_selector_options){.resolution = 4});
+    attempt.selector = gl_selector(atlas, (conus_selector_options){.resolution = 4});
+    assert_ok(run(&attempt.wanted, another, attempt.path, 40));
+    test_every_allocation(run_again, &attempt);
+    buffer_finish(&attempt.wanted.text);
+    conus_selector_destroy(attempt.selector);
+    conus_selector_destroy(another);
+    conus_atlas_destroy(atlas);
+}
+
+/* Runs last: through all of it the driver had nothing to say. */
+static void the_driver_was_silent(void **state)
+{
+    (void)state;
+    assert_int_equal(driver_messages, 0);
+    assert_int_equal(gl_pair_messages(), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(blocks_of_cones_give_the_rows_of_the_rays),
+        cmocka_unit_test(a_real_atlas_gives_the_same_rows),
+        cmocka_unit_test(blocks_do_not_move_the_edges_of_meshes),
+        cmocka_unit_test(many_looks_are_what_they_are_alone),
+        cmocka_unit_test(only_wanted_pixels_are_looked_at),
+        cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(the_driver_was_silent),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
