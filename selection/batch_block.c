@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ROWS_AT_ONCE = 64, REASON_SIZE = 1200 };
+enum { ROWS_AT_ONCE = 64 };
 
 conus_status batch_block_init(struct batch_block *out, size_t capacity)
 {
@@ -80,10 +80,8 @@ void batch_block_read(struct batch_block *block, conus_pose_stream *poses, uint6
 static conus_status add_error(struct batch_block *block, conus_report *report, const struct batch_pose *pose,
                               const char *reason)
 {
-    char text[REASON_SIZE];
-    snprintf(text, sizeof text, "line %zu: %s", pose->line, reason);
     block->errors++;
-    return conus_report_add_error(report, block->strings.data + pose->id, text);
+    return conus_report_add_error(report, block->strings.data + pose->id, pose->line, reason);
 }
 
 static double angle_of(const struct batch_worker *worker, const struct batch_pose *pose)

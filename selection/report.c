@@ -164,9 +164,22 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
     return status || report->options.no_voxels ? status : report_add_voxels(report, selection);
 }
 
-conus_status conus_report_add_error(conus_report *report, const char *query_id, const char *reason)
+/* NULL without memory. */
+static char *error_text(size_t line, const char *reason)
 {
-    struct report_query query = {.error = text_to_utf8(text_from(reason)), .first_row = report->row_count};
+    struct buffer text = {0};
+    if (line) {
+        buffer_format(&text, "line %zu: ", line);
+    }
+    buffer_text(&text, reason);
+    char *whole = buffer_status(&text) ? NULL : text_to_utf8(text_from(text.data ? text.data : ""));
+    buffer_finish(&text);
+    return whole;
+}
+
+conus_status conus_report_add_error(conus_report *report, const char *query_id, size_t line, const char *reason)
+{
+    struct report_query query = {.error = error_text(line, reason), .first_row = report->row_count};
     struct report_row *row;
     conus_status status = query.error ? append_query(report, query_id, &query) : CONUS_ERROR_MEMORY;
     if (status) {

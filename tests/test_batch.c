@@ -68,9 +68,7 @@ static void make_reference(struct fixture *fixture)
         const conus_pose_row *row = conus_pose_list_row(list, i);
         conus_selection *selection = NULL;
         if (row->error) {
-            char reason[256];
-            snprintf(reason, sizeof reason, "line %zu: %s", row->line, row->error);
-            assert_ok(conus_report_add_error(report, row->id, reason));
+            assert_ok(conus_report_add_error(report, row->id, row->line, row->error));
         } else {
             assert_ok(conus_select(&selection, fixture->selector, &row->pose, row->angle));
             assert_ok(conus_report_add(report, row->id, selection));

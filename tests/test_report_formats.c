@@ -46,13 +46,13 @@ static conus_status report_all(void *data)
     size_t size = 0;
     conus_status status = conus_report_create(&report, fixture->selector, &fixture->options);
     status = status ? status : conus_report_add(report, "A1", fixture->selection);
-    status = status ? status : conus_report_add_error(report, "A2", "is no pose");
+    status = status ? status : conus_report_add_error(report, "A2", 3, "is no pose");
     status = status ? status : conus_report_add(report, "A3", fixture->selection);
     status = status ? status : conus_report_text(report, &text, &size);
     if (!status) {
         assert_int_equal(strlen(text), size);
         bool says_errors = fixture->options.format == CONUS_AFNI || fixture->options.format == CONUS_BIDS;
-        assert_int_equal(strstr(text, "is no pose") != NULL, says_errors);
+        assert_int_equal(strstr(text, "line 3: is no pose") != NULL, says_errors);
     }
     status = status ? status : conus_report_sidecar(report, &text, &size);
     conus_report_destroy(report);

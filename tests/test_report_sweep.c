@@ -70,7 +70,7 @@ static conus_status report_all(void *data)
     conus_status status = conus_report_create(&report, fixture->selector, &fixture->options);
     status = status ? status : add(report, fixture, fixture->options.rows, "one");
     status = status ? status : add(report, fixture, fixture->options.rows, "two");
-    status = status ? status : conus_report_add_error(report, "three", "is no pose");
+    status = status ? status : conus_report_add_error(report, "three", 0, "is no pose");
     status = status ? status : add(report, fixture, fixture->options.rows, "two");
     status = status ? status : conus_report_text(report, &text, &size);
     if (!status) {

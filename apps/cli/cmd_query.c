@@ -221,15 +221,12 @@ static int load_electrodes(struct query *query)
     return read ? EXIT_DONE : EXIT_DATA;
 }
 
-/* A pose without an answer. Formats of contacts have a place for each. */
+/* A pose without an answer has a row that says why. */
 static int refuse(struct query *query, const conus_pose_row *row, const char *reason)
 {
     complain("%s:%zu: %s", query->settings->aim.pose, row->line, reason);
     query->failed = true;
-    if (query->format <= CONUS_NDJSON) {
-        return EXIT_DONE;
-    }
-    conus_status status = conus_report_add_error(query->report, row->id, reason);
+    conus_status status = conus_report_add_error(query->report, row->id, row->line, reason);
     return status ? complain_status(status) : EXIT_DONE;
 }
 

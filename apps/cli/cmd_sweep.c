@@ -296,9 +296,10 @@ static int answer_row(struct sweep *sweep, const conus_pose_row *row)
     const char *why = row->error ? row->error : row->is_point ? POINT_LOOKS_NOWHERE : NULL;
     conus_status status = why ? CONUS_ERROR_ARGUMENT : answer(sweep, row);
     if (status == CONUS_ERROR_ARGUMENT) {
-        complain("%s:%zu: %s", path, row->line, why ? why : conus_message());
+        why = why ? why : conus_message();
+        complain("%s:%zu: %s", path, row->line, why);
         sweep->failed = true;
-        return EXIT_DONE;
+        status = conus_report_add_error(sweep->report, row->id, row->line, why);
     }
     return status ? complain_status(status) : EXIT_DONE;
 }

@@ -601,8 +601,10 @@ CONUS_CHECKED conus_status conus_report_add_sweep(conus_report *report, const ch
 /** Adds an answer under errors of the pose. */
 CONUS_CHECKED conus_status conus_report_add_jitter(conus_report *report, const char *query_id,
                                                    const conus_jitter *jitter);
-/** Adds a query without an answer: one row of kind "error" with @p reason for a name, all else missing. */
-CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const char *query_id, const char *reason);
+/** Adds a query without an answer: one row of kind "error" with "line N: " and @p reason for a name, all else missing.
+ * @p line is the pose's in its file; 0 = it has none, and only the reason is written. */
+CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const char *query_id, size_t line,
+                                                  const char *reason);
 /** The whole text in the report's format. Borrowed until the next call on the report. */
 CONUS_CHECKED conus_status conus_report_text(conus_report *report, const char **text, size_t *size);
 /** The same for a report that goes on: the text of the answers since the last call, which are then forgotten. The

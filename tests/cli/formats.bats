@@ -39,8 +39,8 @@ probe() {
     [ "$(awk -F'\t' '{ print NF }' out_electrodes.tsv | sort -u)" -eq 12 ]
     [ "$(cell area 1)/$(cell area 2)/$(cell area 3)/$(cell area 4)" = "unassigned/Slab posterior/unassigned/n/a" ]
     [ "$(cell area_index 2)/$(cell area_share 2)/$(cell area_distance_mm 2)" = 300/n/a/0 ]
-    [ "$(cell area_error 4)/$(cell area_error 1)" = 'x: not known (n/a)/n/a' ]
-    [ "$(cell x 5)/$(cell size 5)/$(cell area_error 5)" = '0/n/a/2 fields, the header has 5' ]
+    [ "$(cell area_error 4)/$(cell area_error 1)" = 'line 5: x: not known (n/a)/n/a' ]
+    [ "$(cell x 5)/$(cell size 5)/$(cell area_error 5)" = '0/n/a/line 6: 2 fields, the header has 5' ]
     for column in $(head -1 out_electrodes.tsv | cut -f 6-); do
         grep -q "^ \"$column\": {" out_electrodes.json
     done

@@ -125,8 +125,21 @@ load helpers
     run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose poses.tsv --format tsv
     check_message 'poses.tsv:3: '
     [ "$(cell query 1)/$(cell name 1)" = top/Sphere ]
-    [ "$(cell query 3)/$(cell name 3)" = side/Sphere ]
-    [ "${#lines[@]}" -eq 5 ]
+    [ "$(cell query 3)/$(cell kind 3)/$(cell name 3)" = 'bad/error/line 3: column z: "x" is not a finite number' ]
+    [ "$(cell query 4)/$(cell name 4)" = side/Sphere ]
+    [ "${#lines[@]}" -eq 6 ]
+    run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose poses.tsv --format ndjson
+    [[ "${lines[2]}" == '{"query":"bad","kind":"error","index":null,"name":"line 3: column z'* ]]
+    diff <(printf '%s\n' "${lines[@]}") <(conus batch sphere.nii.gz --poses poses.tsv --format ndjson)
+    run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose poses.tsv --format json
+    [ "$(jq -r '.Rows[2] | .query, .kind, .pixels' <<<"$output" | paste -sd/)" = bad/error/null ]
+    [ "$(jq -r '.Queries[1].error' <<<"$output")" = 'line 3: column z: "x" is not a finite number' ]
+    run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose poses.tsv
+    has 'query bad: no answer: line 3: column z: "x" is not a finite number'
+    printf 'query_id\tx\ty\tz\ttx\tty\ttz\nbad\t0\t0\tx\t0\t0\t0\n' >poses.tsv
+    run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose poses.tsv --image seen.png --mask mask.nii.gz -o all.tsv --voxels v.tsv --voxels-of all
+    [ "$(wc -l <all.tsv)/$(wc -l <v.tsv)" = 2/1 ]
+    [ ! -e seen.png ] && [ ! -e mask.nii.gz ]
 }
 
 @test "points are no cones" {

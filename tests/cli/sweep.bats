@@ -98,6 +98,15 @@ aim='--origin 0,-60,0.2 --toward 0,0,0.2'
     [ "$(awk -F'\t' '$1 == "sure" && $6 == 1 { print $7, $14, $15 }' <<<"$output")" = "1 0 0" ]
     [ "$(awk -F'\t' '$1 == "unsure" && $6 == 1 { print $14, $15 }' <<<"$output")" = "20 2" ]
     [ "$(awk -F'\t' '$1 == "as told" && $6 == 1 { print $14, $15 }' <<<"$output")" = "5 2" ]
+    for question in --angles=2,4 --layers=visible; do
+        [ "$question" != --layers=visible ] || question=
+        # shellcheck disable=SC2086 # none, or one
+        run -1 --separate-stderr "$CONUS" sweep slabs.nii.gz --pose poses.csv $question --format tsv
+        [ "$(tail -1 <<<"$output" | cut -f 1-5)" = $'lost\terror\tn/a\tline 5: direction: 0,0,0, allowed are finite numbers that are not all 0\tn/a' ]
+        # shellcheck disable=SC2086
+        run -1 --separate-stderr "$CONUS" sweep slabs.nii.gz --pose poses.csv $question
+        has 'query lost: no answer: line 5: direction: '
+    done
 }
 
 @test "surfaces are admitted by their nearest point" {
