@@ -67,15 +67,11 @@ static conus_status read_all(conus_pose_list *list, conus_pose_stream *stream)
     return status ? status : pose_stream_take_header(list, stream);
 }
 
-/* Ends the stream. `name` is for messages, NULL if there is none. */
-static conus_status list_from_stream(conus_pose_list **out, conus_pose_stream *stream, const char *name)
+/* Ends the stream. */
+static conus_status list_from_stream(conus_pose_list **out, conus_pose_stream *stream)
 {
     conus_pose_list *list = memory_zeroed(1, sizeof *list);
     conus_status status = list ? read_all(list, stream) : CONUS_ERROR_MEMORY;
-    if (!status && !list->count) {
-        status = fail(CONUS_ERROR_DATA, "no poses: " POSE_FORMATS " is needed");
-        status = name ? fail_in(status, name) : status;
-    }
     conus_pose_stream_destroy(stream);
     if (status) {
         conus_pose_list_destroy(list);
@@ -89,14 +85,14 @@ conus_status pose_list_parse(conus_pose_list **out, struct text text, const conu
 {
     conus_pose_stream *stream = NULL;
     conus_status status = pose_stream_parse(&stream, text, options);
-    return status ? status : list_from_stream(out, stream, NULL);
+    return status ? status : list_from_stream(out, stream);
 }
 
 conus_status conus_pose_list_load(conus_pose_list **out, const char *path, const conus_pose_options *options)
 {
     conus_pose_stream *stream = NULL;
     conus_status status = conus_pose_stream_open(&stream, path, options);
-    return status ? status : list_from_stream(out, stream, pose_path_name(path));
+    return status ? status : list_from_stream(out, stream);
 }
 
 size_t conus_pose_list_count(const conus_pose_list *list)

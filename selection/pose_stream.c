@@ -11,6 +11,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -240,7 +241,7 @@ static bool is_stdin(const char *path)
 
 const char *pose_path_name(const char *path)
 {
-    return is_stdin(path) ? "stdin" : path;
+    return is_stdin(path) ? "standard input" : path;
 }
 
 static conus_status open_path(conus_pose_stream *stream, const char *path)
@@ -454,6 +455,18 @@ conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream)
 const char *conus_pose_stream_space(const conus_pose_stream *stream)
 {
     return stream ? stream->whole.space.name : "";
+}
+
+bool conus_pose_stream_has_times(const conus_pose_stream *stream)
+{
+    if (!is_whole(stream)) {
+        return stream->format == CONUS_POSES_TABLE && pose_table_has_times(&stream->table);
+    }
+    bool found = stream->whole.count == 0;
+    for (size_t i = 0; i < stream->whole.count && !found; i++) {
+        found = !isnan(stream->whole.rows[i].time_s);
+    }
+    return found;
 }
 
 const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream)

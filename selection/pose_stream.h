@@ -13,7 +13,7 @@ conus_status pose_stream_parse(conus_pose_stream **out, struct text text, const 
 /** Lets @p list name the stream's space, and have its notes; the stream has none afterwards. */
 conus_status pose_stream_take_header(conus_pose_list *list, conus_pose_stream *stream);
 
-/** What messages call the file @p path: itself, or "stdin". */
+/** What messages call the file @p path: itself, or "standard input". */
 const char *pose_path_name(const char *path);
 
 #endif

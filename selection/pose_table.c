@@ -144,6 +144,11 @@ conus_status pose_table_header(struct pose_table *out, struct text line, conus_a
     return status;
 }
 
+bool pose_table_has_times(const struct pose_table *table)
+{
+    return table->has[TIME];
+}
+
 static conus_status pose_from_values(conus_pose *out, const struct pose_table *table, double v[COLUMNS],
                                      const conus_pose_options *options)
 {

@@ -20,6 +20,9 @@ struct pose_table {
  * of saying where the device looks; @p axis asks for rotations. */
 conus_status pose_table_header(struct pose_table *out, struct text line, conus_axis axis);
 
+/** Whether there is a column time_s. */
+bool pose_table_has_times(const struct pose_table *table);
+
 /** Reads a row into @p row and @p id ("" if it gives none; inside @p line). An error is the row's, not the table's. */
 conus_status pose_table_row(conus_pose_row *row, struct text *id, const struct pose_table *table, struct text line,
                             const conus_pose_options *options);

@@ -173,7 +173,7 @@ static void bad_headers_are_refused(void **state)
                                         "x,y,tx,ty,tz\n",
                                         "x,y,z,qw,qx,qy,qz,ux,uy,uz\n",
                                         "x,y,z,tx,ty,tz,speed\n",
-                                        "x,y,z,tx,ty,tz\n",
+                                        "# x,y,z,tx,ty,tz\n",
                                         "1 2 3 4 5\n"};
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         conus_pose_list *list = NULL;

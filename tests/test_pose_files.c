@@ -43,6 +43,15 @@ static void refuse(const char *text, const conus_pose_options *options, const ch
     }
 }
 
+/* A file that says what it is, and has no pose in it. */
+static void parse_none(const char *text)
+{
+    conus_pose_list *list = parse(text, NULL);
+    assert_int_equal(conus_pose_list_count(list), 0);
+    assert_null(conus_pose_list_row(list, 0));
+    conus_pose_list_destroy(list);
+}
+
 static const conus_pose_row *row_of(const conus_pose_list *list, size_t index, const char *id)
 {
     const conus_pose_row *row = conus_pose_list_row(list, index);
@@ -136,7 +145,7 @@ static void brainsight_is_read_strictly(void **state)
     refuse(SPACE "# Units: inches\n" COLUMNS, NULL, "units \"inches\"");
     refuse(SPACE "# Target Name\tLoc. X\tLoc. Y\n", NULL, "no columns Loc. X, Loc. Y, Loc. Z");
     refuse(SPACE "# Target Name\tLoc. X\tLoc. Y\tLoc. Z\tm0n0\n", NULL, "only some of the columns");
-    refuse(SPACE COLUMNS, NULL, "no poses");
+    parse_none(SPACE COLUMNS);
     conus_pose_list *list =
         parse("# Coordinate system: NIfTI:S:MNI-152\n" COLUMNS "left\t0\t0\t0\t-1\t0\t0\t0\t1\t0\t0\t0\t1\n"
               "skewed\t0\t0\t0\t1\t0.1\t0\t0\t1\t0\t0\t0\t1\n"
@@ -216,7 +225,7 @@ static void localite_is_read_strictly(void **state)
     refuse("<Session/>", NULL, "<Session>, allowed are");
     refuse("<InstrumentMarkerList coordinateSpace=\"ASL\"/>", NULL, "coordinateSpace \"ASL\"");
     refuse("<InstrumentMarkerList coordinateSpace=\"RAS\">", NULL, "not well-formed");
-    refuse("<InstrumentMarkerList coordinateSpace=\"RAS\"/>", NULL, "no poses");
+    parse_none("<InstrumentMarkerList coordinateSpace=\"RAS\"/>");
     conus_pose_list *list = parse("<InstrumentMarkerList><InstrumentMarker><Marker description=\"a\"><Matrix4D "
                                   "data00=\"x\"/></Marker></InstrumentMarker>"
                                   "<InstrumentMarker description=\"b\"/></InstrumentMarkerList>",
@@ -378,7 +387,7 @@ static void lines_may_be_looked_along_either_way(void **state)
     refuse("{\"markups\":7}", NULL, "no list \"markups\"");
     refuse("{\"markups\":[{\"type\":\"Line\",\"coordinateSystem\":\"IJK\"}]}", NULL, "coordinateSystem \"IJK\"");
     refuse("{\"markups\":[{\"type\":\"Line\",\"coordinateUnits\":\"m\"}]}", NULL, "coordinateUnits \"m\"");
-    refuse("{\"markups\":[]}", NULL, "no poses");
+    parse_none("{\"markups\":[]}");
     list = parse("{\"markups\":[7,{\"type\":\"Fiducial\",\"controlPoints\":[{\"position\":[1,2]},{\"position\":"
                  "[1,2,\"3\"]},4]}]}",
                  NULL);

@@ -80,6 +80,9 @@ static int answer_all(struct run *run)
         return complain_status(status);
     }
     int signal = interrupt_signal();
+    if (!run->done && !run->code && !signal && work->shard.count == 1) {
+        settings_say_no_poses(work->settings->poses, &work->settings->common);
+    }
     return run->code ? run->code : signal ? batch_output_interrupted(work, run->done, signal) : EXIT_DONE;
 }
 

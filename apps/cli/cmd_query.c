@@ -195,15 +195,16 @@ static int load_poses(struct query *query)
                          : query->settings->mask.path ? "mask"
                                                       : NULL;
     if (of_one && count != 1) {
-        return complain_usage("--%s shows one pose, %s has %zu", of_one, aim->pose, count);
+        return complain_usage("--%s shows one pose, %s has %zu", of_one, settings_poses_name(aim->pose), count);
     }
     for (size_t i = 0; i < count && aim->angle != 0; i++) {
         if (conus_pose_list_row(query->poses, i)->angle == 0) {
             return EXIT_DONE;
         }
     }
-    return aim->angle != 0 ? complain_usage("--angle has no effect: every pose in %s has its own", aim->pose)
-                           : EXIT_DONE;
+    return count && aim->angle != 0
+               ? complain_usage("--angle has no effect: every pose in %s has its own", settings_poses_name(aim->pose))
+               : EXIT_DONE;
 }
 
 static int load_electrodes(struct query *query)
@@ -224,7 +225,7 @@ static int load_electrodes(struct query *query)
 /* A pose without an answer has a row that says why. */
 static int refuse(struct query *query, const conus_pose_row *row, const char *reason)
 {
-    complain("%s:%zu: %s", query->settings->aim.pose, row->line, reason);
+    complain("%s:%zu: %s", settings_poses_name(query->settings->aim.pose), row->line, reason);
     query->failed = true;
     conus_status status = conus_report_add_error(query->report, row->id, row->line, reason);
     return status ? complain_status(status) : EXIT_DONE;
@@ -294,6 +295,9 @@ static int answer_all(struct query *query)
         return answer_one(query);
     }
     int code = EXIT_DONE;
+    if (!conus_pose_list_count(query->poses)) {
+        settings_say_no_poses(query->settings->aim.pose, &query->settings->common);
+    }
     for (size_t i = 0; !code && i < conus_pose_list_count(query->poses); i++) {
         code = answer_row(query, conus_pose_list_row(query->poses, i));
     }

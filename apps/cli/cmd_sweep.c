@@ -292,7 +292,7 @@ static conus_status answer(struct sweep *sweep, const conus_pose_row *row)
 
 static int answer_row(struct sweep *sweep, const conus_pose_row *row)
 {
-    const char *path = sweep->settings->aim.pose;
+    const char *path = settings_poses_name(sweep->settings->aim.pose);
     const char *why = row->error ? row->error : row->is_point ? POINT_LOOKS_NOWHERE : NULL;
     conus_status status = why ? CONUS_ERROR_ARGUMENT : answer(sweep, row);
     if (status == CONUS_ERROR_ARGUMENT) {
@@ -312,6 +312,9 @@ static int answer_all(struct sweep *sweep)
         code = settings_pose(&row.pose, &sweep->settings->aim, sweep->arguments);
         conus_status status = code ? CONUS_OK : answer(sweep, &row);
         return status ? complain_status(status) : code;
+    }
+    if (!conus_pose_list_count(sweep->poses)) {
+        settings_say_no_poses(sweep->settings->aim.pose, &sweep->settings->common);
     }
     for (size_t i = 0; !code && i < conus_pose_list_count(sweep->poses); i++) {
         code = answer_row(sweep, conus_pose_list_row(sweep->poses, i));

@@ -36,7 +36,7 @@ static const struct option pose_options[] = {
      .offset = FIELD(aim.pose),
      .value = "FILE",
      .help = "the device's poses with their times, a table with a column time_s and perhaps trigger, say "
-             "(docs/formats.md); - is stdin"},
+             "(docs/formats.md); - is standard input"},
     {0},
 };
 
@@ -226,8 +226,7 @@ static int write_steps(struct track *track)
 
 static int skip_row(struct track *track, const conus_pose_row *row, const char *why)
 {
-    const char *path = track->settings->aim.pose;
-    complain("%s:%zu: %s", strcmp(path, "-") ? path : "standard input", row->line, why);
+    complain("%s:%zu: %s", settings_poses_name(track->settings->aim.pose), row->line, why);
     track->failed = true;
     return EXIT_DONE;
 }
@@ -313,12 +312,17 @@ static int answer_station(struct track *track)
 static int answer_all(struct track *track)
 {
     size_t count = 0;
+    uint64_t rows = 0;
     int code = EXIT_DONE;
     do {
         conus_pose_row row;
         conus_status status = conus_pose_stream_read(track->poses, &row, 1, &count);
         code = status ? complain_status(status) : count ? answer_row(track, &row) : EXIT_DONE;
+        rows += count;
     } while (!code && count);
+    if (!code && !rows) {
+        settings_say_no_poses(track->settings->aim.pose, &track->settings->common);
+    }
     return code ? code : write_steps(track); /* without a step there is still a heading */
 }
 
@@ -370,6 +374,10 @@ static int open_poses(struct track *track)
     }
     const conus_pose_options options = settings_pose_options(&track->settings->file, track->settings->aim.space);
     conus_status status = conus_pose_stream_open(&track->poses, track->settings->aim.pose, &options);
+    if (!status && !conus_pose_stream_has_times(track->poses)) {
+        complain("%s: no time_s in it, which every step needs", settings_poses_name(track->settings->aim.pose));
+        return EXIT_DATA;
+    }
     return status ? complain_status(status) : EXIT_DONE;
 }
 

@@ -2,6 +2,7 @@
 #include "cli/pose_settings.h"
 
 #include "cli/messages.h"
+#include "cli/output.h"
 
 /* In the order of conus_axis. */
 static const char *const axes[] = {"format", "+x", "-x", "+y", "-y", "+z", "-z", NULL};
@@ -55,15 +56,27 @@ void settings_pose_text(char out[64], const struct pose_file_settings *settings)
              settings->along_shafts ? " along-shafts" : "", settings->any_space ? " any-space" : "");
 }
 
+const char *settings_poses_name(const char *path)
+{
+    return output_is_stdout(path) ? "standard input" : path;
+}
+
+void settings_say_no_poses(const char *path, const struct common_settings *common)
+{
+    if (!common->quiet) {
+        complain("note: %s: no poses in it", settings_poses_name(path));
+    }
+}
+
 static int complain_match(const char *path)
 {
-    complain("%s: %s; --any-space takes them nevertheless", path, conus_message());
+    complain("%s: %s; --any-space takes them nevertheless", settings_poses_name(path), conus_message());
     return EXIT_DATA;
 }
 
 static void say_note(const char *path, const char *note)
 {
-    complain("note: %s: %s", path, note);
+    complain("note: %s: %s", settings_poses_name(path), note);
 }
 
 int settings_match_poses(conus_pose_list *poses, const char *path, const conus_atlas *atlas,

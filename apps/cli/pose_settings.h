@@ -24,6 +24,12 @@ conus_pose_options settings_pose_options(const struct pose_file_settings *settin
 /** Writes what of @p settings the answers depend on: two runs with the same text read the same poses from one file. */
 void settings_pose_text(char out[64], const struct pose_file_settings *settings);
 
+/** What messages call the file of poses @p path: itself, or "standard input". */
+const char *settings_poses_name(const char *path);
+
+/** Says, unless --quiet, that there is no pose in the file. */
+void settings_say_no_poses(const char *path, const struct common_settings *common);
+
 /** Whether the poses' space can be the atlas's, and says the notes about them. Gives the exit code, having complained
  * unless it is 0. */
 int settings_match_stream(conus_pose_stream *poses, const char *path, const conus_atlas *atlas,

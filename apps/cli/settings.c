@@ -106,8 +106,9 @@ const struct option aim_options[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(aim_settings, pose),
      .value = "FILE",
-     .help = "poses from a file instead, - for stdin: a table with a header, a 4x4 matrix, or what Brainsight, "
-             "Localite, 3D Slicer or BIDS write (docs/formats.md)"},
+     .help =
+         "poses from a file instead, - for standard input: a table with a header, a 4x4 matrix, or what Brainsight, "
+         "Localite, 3D Slicer or BIDS write (docs/formats.md)"},
     {0},
 };
 

@@ -210,6 +210,10 @@ static int start_sources(struct window *window, const struct view_settings *sett
     if (!code && settings->poses) {
         conus_status status = conus_pose_list_load(&window->replay.poses, settings->poses, NULL);
         code = status ? complain_status(status) : EXIT_DONE;
+        if (!code && !conus_pose_list_count(window->replay.poses)) {
+            complain("%s: no poses in it to replay", settings->poses);
+            code = EXIT_DATA;
+        }
     }
     return code;
 }

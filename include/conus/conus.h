@@ -316,6 +316,9 @@ CONUS_CHECKED conus_status conus_pose_stream_count(conus_pose_stream *stream, ui
 CONUS_API conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream);
 /** The space as the file names it, "NIfTI:Scanner", "MNI152NLin2009cAsym"; "" if it names none. Borrowed. */
 CONUS_API const char *conus_pose_stream_space(const conus_pose_stream *stream);
+/** Whether rows may have a time_s: false of a table without that column and of formats without times, and where
+ * everything was read and no row has one. */
+CONUS_API bool conus_pose_stream_has_times(const conus_pose_stream *stream);
 /** Path of the *_coordsystem.json that says what the positions of electrodes (BIDS) are in; "" where there is none.
  * Borrowed. */
 CONUS_API const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream);
@@ -326,7 +329,7 @@ CONUS_CHECKED conus_status conus_pose_stream_match(conus_pose_stream *stream, co
 CONUS_API const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index);
 CONUS_API void conus_pose_stream_destroy(conus_pose_stream *stream);
 
-/** Reads all rows of conus_pose_stream_open(): CONUS_ERROR_DATA if there are none. */
+/** Reads all rows of conus_pose_stream_open(); there may be none. */
 CONUS_CHECKED conus_status conus_pose_list_load(conus_pose_list **out, const char *path,
                                                 const conus_pose_options *options);
 CONUS_API size_t conus_pose_list_count(const conus_pose_list *list);

@@ -104,6 +104,38 @@ answered() {
     [[ "${stderr_lines[3]}" == *'poses.tsv:6: pose matrix: left-handed'* ]]
 }
 
+@test "a file without poses is answered, without rows; one that says nothing is an error" {
+    sphere --size 16
+    printf 'time_s\tx\ty\tz\tdx\tdy\tdz\n# none today\n' >none.tsv
+    for command in "query --pose" "batch --poses" "sweep --pose" "sweep --angles 2,4 --pose" "sweep --jitter 1,1 --pose" "track --poses"; do
+        for format in tsv ndjson json table; do
+            [ "${command%% *}" != batch ] || case $format in json|table) continue ;; esac
+            # shellcheck disable=SC2086 # words
+            run -0 --separate-stderr "$CONUS" $command none.tsv sphere.nii.gz --format $format
+            check_message 'note: none.tsv: no poses in it'
+            case $format in
+                tsv) [ "${#lines[@]}" -eq 1 ] && [[ "$output" == query$'\t'* ]] ;;
+                ndjson) [ -z "$output" ] ;;
+                json) [ "$(jq -c '.Rows, .Queries' <<<"$output" | paste -sd/)" = '[]/[]' ] ;;
+            esac
+            # shellcheck disable=SC2086
+            answers $command none.tsv sphere.nii.gz --format $format --quiet -o "answer.$format"
+        done
+        : >empty.tsv
+        # shellcheck disable=SC2086
+        fails 3 'empty.tsv: no poses: ' $command empty.tsv sphere.nii.gz
+        # shellcheck disable=SC2086
+        fails 3 'standard input: no poses: ' $command - sphere.nii.gz <empty.tsv
+        rm answer.*
+    done
+    answers batch sphere.nii.gz --poses none.tsv --shard 1/2
+    printf 'name\tx\ty\tz\tsize\n' >none_electrodes.tsv
+    answers query sphere.nii.gz --pose none_electrodes.tsv --radius 2 --format bids --quiet
+    [[ "$output" == $'name\tx\ty\tz\tsize\tarea\t'* ]]
+    fails 2 'none.tsv has 0' query sphere.nii.gz --pose none.tsv --image seen.png
+    fails 2 'none.tsv has 0 poses, a picture takes one' render sphere.nii.gz --pose none.tsv -o view.png
+}
+
 @test "poses come from standard input, too" {
     printf %b "$HEADER$FIRST$LAST" >poses.tsv
     answered - 0 <poses.tsv

@@ -84,11 +84,17 @@ skips() {
     hand '0 0' '0.1 0' 'n/a 80' '0.2 0'
     skips 'hand.tsv:4: no time_s, which a step needs' sphere.nii.gz --poses hand.tsv --score intenselect --format tsv
     diff clean <(cut -f 2- <<<"$output")
-    printf '0 0 90\n' >points.txt
-    skips 'points.txt:1: a point, without the direction' sphere.nii.gz --poses points.txt
-    printf 'x\ty\tz\ttx\tty\ttz\n0\t0\t90\t0\t0\t0\n' >still.tsv
-    skips 'still.tsv:2: no time_s' sphere.nii.gz --poses still.tsv --format tsv
-    [ "$(cut -f 2- <<<"$output")" = "$(head -1 clean)" ]
+}
+
+@test "poses without times are refused as a whole, in every format" {
+    sphere --size 16
+    printf 'x\ty\tz\ttx\tty\ttz\n0\t0\t90\t0\t0\t0\n0\t0\t90\t0\t0\t0\n' >still.tsv
+    fails 3 'still.tsv: no time_s in it, which every step needs' track sphere.nii.gz --poses still.tsv --format tsv
+    printf '0 0 90\n0 0 80\n' >points.txt
+    fails 3 'standard input: no time_s in it' track sphere.nii.gz --poses - <points.txt
+    fails 3 'lines.mrk.json: no time_s in it' track sphere.nii.gz \
+        --poses "$BATS_TEST_DIRNAME/../fuzz/corpus/poses/lines.mrk.json" -o steps.tsv
+    [ ! -e steps.tsv ]
 }
 
 @test "one row, equal times and long gaps are fine" {
