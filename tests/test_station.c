@@ -128,6 +128,87 @@ static void frames_are_joined(void **state)
     station_stop(station);
 }
 
+/* Asks until the head's state is what is awaited: nobody waits for heads. */
+static struct station_news wait_for_head(struct station *station, enum station_state state)
+{
+    struct station_news news;
+    station_ask(station, &news);
+    for (int i = 0; i < 1000 && news.head.state != state; i++) {
+        usleep(5000);
+        station_ask(station, &news);
+    }
+    assert_int_equal(news.head.state, state);
+    return news;
+}
+
+/* Sends its pose until it is seen, however busy the machine. */
+static struct station_news see_head(struct station *station, int peer, const double matrix[16])
+{
+    struct station_news news = {0};
+    for (int i = 0; i < 100 && news.head.state != STATION_SEEN; i++) {
+        send_pose(peer, "Glasses", matrix);
+        usleep(50000);
+        station_ask(station, &news);
+    }
+    assert_int_equal(news.head.state, STATION_SEEN);
+    return news;
+}
+
+/* Eye, screen and tool in one frame, and all of them nearer where the brain is shown larger; no head ever points. */
+static void a_head_looks_at_the_screen(void **state)
+{
+    (void)state;
+    const double head[16] = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 100, 200, 600, 1};
+    for (int enlarged = 0; enlarged < 3; enlarged++) { /* 0: as large as it is */
+        struct station_options options = {.head = "Glasses", .eye = {10, 20, 30}, .lps = true, .enlarged = enlarged};
+        memcpy(options.world_from_tracker, identity, sizeof identity);
+        memcpy(options.tracker_from_screen, turned, sizeof turned);
+        options.world_from_tracker[14] = 50;
+        double s = enlarged ? enlarged : 1;
+        struct station *station = start(&options);
+        int peer = connect_to(station);
+        struct station_news news = see_head(station, peer, head);
+        assert_int_equal(news.state, STATION_SILENT);
+        assert_near(news.head.eye[0], -(100 - 20) / s, 1e-4); /* the protocol's floats */
+        assert_near(news.head.eye[1], -(200 + 10) / s, 1e-4);
+        assert_near(news.head.eye[2], (600 + 30 + 50) / s, 1e-4);
+        const double *m = news.head.screen.world_from_device;
+        const double wanted[16] = {0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, -10 / s, 20 / s, 80 / s, 1};
+        for (int i = 0; i < 16; i++) {
+            assert_near(m[i], wanted[i], 1e-9);
+        }
+        send_pose(peer, "Pointer", turned);
+        news = wait_for(station, 0);
+        assert_near(news.pose.world_from_device[14], 80 / s, 1e-9);
+        close(peer);
+        station_stop(station);
+    }
+}
+
+static void a_lost_head_is_none(void **state)
+{
+    (void)state;
+    const double cart[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1};
+    struct station *station = start(&(struct station_options){.head = "Glasses", .reference = "Cart"});
+    int peer = connect_to(station);
+    send_pose(peer, "Glasses", turned);
+    wait_for_head(station, STATION_SILENT); /* without its reference there is no pose */
+    send_pose(peer, "Cart", cart);
+    struct station_news news = see_head(station, peer, turned);
+    assert_near(news.head.eye[0], 6, 1e-9);
+    assert_near(news.head.screen.world_from_device[12], -4, 1e-9); /* which stands still: the cart moves */
+    send_pose(peer, "GlassesToTracker", identity);
+    wait_for_head(station, STATION_LOST);
+    see_head(station, peer, turned);
+    wait_for_head(station, STATION_STALE);
+    send_pose(peer, "Cart", identity);
+    send_pose(peer, "Glasses", turned);
+    wait_for_head(station, STATION_LOST);
+    close(peer);
+    wait_for_head(station, STATION_WAITING);
+    station_stop(station);
+}
+
 static void lost_and_stale_tools_are_no_poses(void **state)
 {
     (void)state;
@@ -266,6 +347,8 @@ int main(void)
         cmocka_unit_test(a_pose_arrives),
         cmocka_unit_test(the_axis_becomes_the_devices),
         cmocka_unit_test(frames_are_joined),
+        cmocka_unit_test(a_head_looks_at_the_screen),
+        cmocka_unit_test(a_lost_head_is_none),
         cmocka_unit_test(lost_and_stale_tools_are_no_poses),
         cmocka_unit_test(nonsense_ends_one_connection_only),
         cmocka_unit_test(a_flood_leaves_the_newest_pose),

@@ -53,6 +53,42 @@ const struct option station_options_table[] = {
      .type = OPTION_FLAG,
      .offset = FIELD(lps),
      .help = "the tracker's x and y grow to the left and to the back"},
+    {.name = "enlarge",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(enlarged),
+     .value = "FACTOR",
+     .help =
+         "the brain is shown so many times as large as it is, about the atlas's origin: poses are brought nearer to "
+         "it by as much",
+     .low = 0.001,
+     .high = 1000},
+    {0},
+};
+
+const struct option screen_options_table[] = {
+    {.name = "head",
+     .type = OPTION_TEXT,
+     .offset = FIELD(head),
+     .value = "NAME",
+     .help = "the tool on the head of who looks: the 3-D pane shows what this eye sees through the screen"},
+    {.name = "screen-mm",
+     .type = OPTION_SIZE,
+     .offset = FIELD(screen_mm),
+     .value = "WxH",
+     .help = "size of the whole screen, mm",
+     .low = 1,
+     .high = 1000000},
+    {.name = "screen-pose",
+     .type = OPTION_TEXT,
+     .offset = FIELD(screen_pose),
+     .value = "FILE",
+     .help = "4x4 matrix that takes the screen's mm (from its middle, x to the right, y up, z to the viewer) to the "
+             "tracker's; default the identity"},
+    {.name = "eye",
+     .type = OPTION_VECTOR,
+     .offset = FIELD(eye),
+     .value = "X,Y,Z",
+     .help = "where the eye is in the head tool's frame, mm (default 0,0,0)"},
     {0},
 };
 
@@ -69,6 +105,23 @@ bool settings_check_station(const struct arguments *arguments)
         }
     }
     return true;
+}
+
+bool settings_check_screen(const struct station_settings *settings, const struct arguments *arguments)
+{
+    const char *others[] = {settings->tool, settings->reference};
+    for (size_t i = 0; settings->head && i < 2; i++) {
+        if (others[i] && strcmp(settings->head, others[i]) == 0) {
+            complain("--head: %s is the --%s", settings->head, i ? "reference" : "tool");
+            return false;
+        }
+    }
+    if (settings->head && !option_given(arguments, "listen") && !option_given(arguments, "connect")) {
+        complain("--head needs --listen or --connect with it");
+        return false;
+    }
+    return option_needs(arguments, "head", "screen-mm") && option_needs(arguments, "screen-mm", "head") &&
+           option_needs(arguments, "screen-pose", "head") && option_needs(arguments, "eye", "head");
 }
 
 /* Cuts "address:port" in two; a port alone is one where @p port_alone. */
@@ -113,6 +166,9 @@ int settings_start_station(struct station **out, const struct station_settings *
     const char *given = settings->listen ? settings->listen : settings->connect;
     struct station_options options = {.tool = settings->tool,
                                       .reference = settings->reference,
+                                      .enlarged = settings->enlarged,
+                                      .head = settings->head,
+                                      .eye = {settings->eye[0], settings->eye[1], settings->eye[2]},
                                       .lps = settings->lps,
                                       .axis = (conus_axis)settings->axis};
     if (!given) {
@@ -125,6 +181,9 @@ int settings_start_station(struct station **out, const struct station_settings *
     options.host = settings->connect ? address : NULL;
     int code = settings->world_from_tracker ? read_matrix(options.world_from_tracker, settings->world_from_tracker)
                                             : EXIT_DONE;
+    if (!code && settings->screen_pose) {
+        code = read_matrix(options.tracker_from_screen, settings->screen_pose);
+    }
     if (!code && !station_start(out, &options, why, sizeof why)) {
         complain("%s", why);
         code = EXIT_DATA;

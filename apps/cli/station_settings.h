@@ -10,12 +10,20 @@ struct station_settings {
     const char *listen, *connect, *tool, *reference, *world_from_tracker;
     size_t axis; /* conus_axis */
     bool lps;
+    double enlarged;
+    const char *head, *screen_pose;
+    double eye[3];
+    uint32_t screen_mm[2];
 };
 
 extern const struct option station_options_table[]; /**< station_settings */
+extern const struct option screen_options_table[];  /**< station_settings, too: who looks at which screen */
 
 /** Whether the options go together; complains if not. */
 bool settings_check_station(const struct arguments *arguments);
+
+/** The same for those of the screen, of a command that has them. */
+bool settings_check_screen(const struct station_settings *settings, const struct arguments *arguments);
 
 /** Starts a station where --listen or --connect was given, else leaves *out NULL. Gives the exit code, having
  * complained unless it is 0. */

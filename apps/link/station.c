@@ -40,8 +40,8 @@ struct station {
     pthread_mutex_t lock; /* guards what follows */
     pthread_cond_t arrived;
     bool stop;
-    struct igtl_pose tool, reference; /* newest of each; name "" = none yet */
-    double arrived_ms, time_s;
+    struct igtl_pose tool, reference, head; /* newest of each; name "" = none yet */
+    double arrived_ms, head_arrived_ms, time_s;
     uint64_t number;
     struct igtl_counts past; /* of peers that left */
     struct igtl_counts counts;
@@ -105,13 +105,13 @@ static void axis_matrix(double out[16], conus_axis axis)
     out[15] = 1;
 }
 
-static void device_pose(conus_pose *out, const struct station *station)
+/* From the sender's frame into the world. */
+static void world_pose(double out[16], const struct station *station, const double tracker_from_tool[16])
 {
     const struct station_options *options = &station->options;
     static const double ras_from_lps[16] = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    double turn[16];
     double matrix[16];
-    memcpy(matrix, station->tool.matrix, sizeof matrix);
+    memcpy(matrix, tracker_from_tool, sizeof matrix);
     if (options->reference) {
         double inverse[16];
         invert_rigid(inverse, station->reference.matrix);
@@ -120,9 +120,30 @@ static void device_pose(conus_pose *out, const struct station *station)
     if (options->lps) {
         multiply(matrix, ras_from_lps, matrix);
     }
-    multiply(matrix, options->world_from_tracker, matrix);
-    axis_matrix(turn, options->axis);
+    multiply(out, options->world_from_tracker, matrix);
+    for (int a = 0; a < 3; a++) {
+        out[12 + a] /= options->enlarged; /* Eq. 1 */
+    }
+}
+
+static void device_pose(conus_pose *out, const struct station *station)
+{
+    double turn[16];
+    double matrix[16];
+    world_pose(matrix, station, station->tool.matrix);
+    axis_matrix(turn, station->options.axis);
     multiply(out->world_from_device, matrix, turn);
+}
+
+/* The eye is a place in the head's frame: moved there before anything is enlarged. */
+static void head_pose(struct station_head *out, const struct station *station)
+{
+    const struct station_options *options = &station->options;
+    double at_eye[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, options->eye[0], options->eye[1], options->eye[2], 1};
+    multiply(at_eye, station->head.matrix, at_eye);
+    world_pose(at_eye, station, at_eye);
+    memcpy(out->eye, at_eye + 12, sizeof out->eye);
+    world_pose(out->screen.world_from_device, station, options->tracker_from_screen);
 }
 
 /* NaviNIBS and PLUS name transforms ToolToFrame: "Pointer" is meant by "PointerToTracker", too. */
@@ -142,6 +163,9 @@ static void hear(void *user, const struct igtl_poses *poses)
         const struct igtl_pose *pose = &poses->tools[i];
         if (options->reference && is_named(pose, options->reference)) {
             station->reference = *pose;
+        } else if (options->head && is_named(pose, options->head)) {
+            station->head = *pose;
+            station->head_arrived_ms = now_ms();
         } else if (options->tool ? is_named(pose, options->tool)
                                  : !station->tool.name[0] || strcmp(pose->name, station->tool.name) == 0) {
             station->tool = *pose;
@@ -377,6 +401,7 @@ static void finish(struct station *station)
     free((char *)station->options.listen);
     free((char *)station->options.tool);
     free((char *)station->options.reference);
+    free((char *)station->options.head);
     free(station);
 }
 
@@ -388,8 +413,13 @@ static void set_options(struct station *station, const struct station_options *o
     station->options.listen = copied(options->listen);
     station->options.tool = copied(options->tool);
     station->options.reference = copied(options->reference);
+    station->options.head = copied(options->head);
+    station->options.enlarged = options->enlarged > 0 ? options->enlarged : 1;
     if (options->world_from_tracker[15] == 0) {
         memcpy(station->options.world_from_tracker, identity, sizeof identity);
+    }
+    if (options->tracker_from_screen[15] == 0) {
+        memcpy(station->options.tracker_from_screen, identity, sizeof identity);
     }
     station->port = options->port || !options->host ? options->port : STATION_PORT;
 }
@@ -441,7 +471,21 @@ void station_stop(struct station *station)
     }
 }
 
-/* With the lock held. */
+/* With the lock held: of a tool whose newest pose is so old. */
+static enum station_state state_of(const struct station *station, const struct igtl_pose *tool, double age_s)
+{
+    const struct station_options *options = &station->options;
+    bool has_reference = !options->reference || station->reference.name[0];
+    if (!station->clients && age_s > stale_after_s) {
+        return STATION_WAITING;
+    }
+    if (!tool->name[0] || !has_reference) {
+        return STATION_SILENT;
+    }
+    bool lost = tool->lost || (options->reference && station->reference.lost);
+    return lost ? STATION_LOST : age_s > stale_after_s ? STATION_STALE : STATION_SEEN;
+}
+
 static void fill_news(struct station *station, struct station_news *out)
 {
     *out = (struct station_news){.number = station->number,
@@ -450,17 +494,14 @@ static void fill_news(struct station *station, struct station_news *out)
                                  .dropped = station->dropped,
                                  .clients = station->clients};
     out->age_s = station->number ? (now_ms() - station->arrived_ms) / 1e3 : INFINITY;
-    bool lost = station->tool.lost || (station->options.reference && station->reference.lost);
-    bool has_reference = !station->options.reference || station->reference.name[0];
-    if (!station->clients && out->age_s > stale_after_s) {
-        out->state = STATION_WAITING;
-    } else if (!station->number || !has_reference) {
-        out->state = STATION_SILENT;
-    } else {
-        out->state = lost ? STATION_LOST : out->age_s > stale_after_s ? STATION_STALE : STATION_SEEN;
-    }
+    out->state = state_of(station, &station->tool, out->age_s);
     if (out->state == STATION_SEEN) {
         device_pose(&out->pose, station);
+    }
+    double head_age_s = station->head.name[0] ? (now_ms() - station->head_arrived_ms) / 1e3 : INFINITY;
+    out->head.state = state_of(station, &station->head, head_age_s);
+    if (out->head.state == STATION_SEEN) {
+        head_pose(&out->head, station);
     }
 }
 

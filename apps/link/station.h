@@ -20,6 +20,12 @@ struct station_options {
     const char *tool;      /**< Name of the tool that points; NULL = the first that comes.      */
     const char *reference; /**< Poses are taken in this tool's frame, the subject's head, say; NULL = as they come. */
     double world_from_tracker[16]; /**< Column-major, rigid; all 0 = the identity.                              */
+    double enlarged;  /**< The brain is shown so many times as large as it is, about the world's origin (Eq. 1: s); 0
+                         = 1. */
+    const char *head; /**< The tool on the head of who looks at a screen; NULL = none. It never points.            */
+    double eye[3];    /**< In that tool's frame, mm.                                                            */
+    double tracker_from_screen[16]; /**< The screen's middle, +x to its right, +y up, +z to the viewer, in the sender's
+                                         frame; column-major, rigid; all 0 = the identity.                      */
     bool lps;        /**< The sender's frame is LPS, not RAS.                                             */
     conus_axis axis; /**< Of the tool, along which it points; CONUS_AXIS_OF_FORMAT = -z.                     */
 };
@@ -32,6 +38,13 @@ enum station_state {
     STATION_SEEN
 };
 
+/** Who looks at what. */
+struct station_head {
+    enum station_state state;
+    double eye[3];     /**< In the world, where state is STATION_SEEN. */
+    conus_pose screen; /**< Likewise; it moves with the reference.    */
+};
+
 /** The state of things. */
 struct station_news {
     enum station_state state;
@@ -39,6 +52,7 @@ struct station_news {
     uint64_t number; /**< Of this pose, from 1: tells a new one from the same again. */
     double age_s;    /**< Since it arrived.                                          */
     double time_s;   /**< The sender's clock.                                        */
+    struct station_head head;
     struct igtl_counts counts;
     uint64_t dropped; /**< Connections that were closed for what they sent.           */
     unsigned clients;

@@ -82,6 +82,15 @@ static void flip_sides(struct window *window)
     window->viewer->version++;
 }
 
+static void toggle_head(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    bool is_there = head_toggle(&viewer->head);
+    viewer_say(viewer, !is_there         ? "no head is tracked: start with --head"
+                       : viewer->head.on ? "the head moves the view"
+                                         : "the mouse moves the view");
+}
+
 static void change_colours(struct window *window)
 {
     viewer_use_safe_colours(window->viewer, !window->viewer->safe_colours);
@@ -194,6 +203,7 @@ static const struct {
     {"v", show_all, "show all areas"},
     {"r", look_at_all, "look at the whole brain"},
     {"f", flip_sides, "neurological or radiological"},
+    {"t", toggle_head, "what a tracked head sees, or what the mouse turns"},
     {"c", change_colours, "colours for any colour vision, or the atlas's own"},
     {"o", keep_session, "save the session: conus-DATE-TIME.json, in the folder where conus was started"},
     {"p", keep_picture, "save what the window shows: conus-DATE-TIME.png, there, too"},

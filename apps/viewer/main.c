@@ -85,6 +85,7 @@ static const struct option_group groups[] = {
     {"What is shown", own_options, 0},
     {"", atlas_options, offsetof(struct view_settings, atlas)},
     {"A tracker that points", station_options_table, offsetof(struct view_settings, station)},
+    {"A tracked head", screen_options_table, offsetof(struct view_settings, station)},
     {"", quiet_options, offsetof(struct view_settings, common)},
     {0},
 };
@@ -167,6 +168,14 @@ static int show(struct window *window, struct script *script)
     return code;
 }
 
+static void set_head(struct head *head, const struct station_settings *settings)
+{
+    double enlarged = settings->enlarged > 0 ? settings->enlarged : 1;
+    head->named = head->on = settings->head;
+    head->size[0] = settings->screen_mm[0] / enlarged; /* in the world */
+    head->size[1] = settings->screen_mm[1] / enlarged;
+}
+
 static int run_window(struct window *window, const struct view_settings *settings, const char *path,
                       struct script *script)
 {
@@ -186,6 +195,7 @@ static int run_window(struct window *window, const struct view_settings *setting
         return EXIT_DATA;
     }
     viewer.safe_colours = settings->safe_colours;
+    set_head(&viewer.head, &settings->station);
     window->viewer = &viewer;
     viewer.pointer = window->station ? POINT_BY_TRACKER : window->replay.poses ? POINT_BY_REPLAY : POINT_BY_MOUSE;
     if (window->replay.poses) {
@@ -238,7 +248,8 @@ static int run(const void *given, const struct arguments *arguments)
     struct script *script = NULL;
     struct window window;
     struct place place;
-    if (!option_needs(arguments, "hidden", "script") || !settings_check_station(arguments)) {
+    if (!option_needs(arguments, "hidden", "script") || !settings_check_station(arguments) ||
+        !settings_check_screen(&settings->station, arguments)) {
         return EXIT_USAGE;
     }
     int code = settings->script ? script_load(&script, settings->script) : EXIT_DONE;

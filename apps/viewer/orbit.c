@@ -72,37 +72,3 @@ void orbit_zoom(struct orbit *orbit, double clicks)
 {
     orbit->distance = fmin(fmax(orbit->distance * pow(0.9, clicks), 1), 1e5);
 }
-
-bool orbit_project(double out[2], const struct orbit *orbit, const double size[2], const double p[3])
-{
-    conus_pose camera;
-    const double *m = camera.world_from_device;
-    double place[3] = {0};
-    orbit_camera(&camera, orbit);
-    for (int axis = 0; axis < 3; axis++) {
-        for (int a = 0; a < 3; a++) {
-            place[axis] += (p[a] - m[12 + a]) * m[4 * axis + a];
-        }
-    }
-    if (!(place[2] < -0.01)) {
-        return false;
-    }
-    double pixels = size[1] / (2 * tan(orbit->field_of_view / 2)) / -place[2];
-    out[0] = size[0] / 2 + place[0] * pixels;
-    out[1] = size[1] / 2 - place[1] * pixels;
-    return true;
-}
-
-void orbit_ray(double direction[3], const struct orbit *orbit, const double size[2], const double at[2])
-{
-    conus_pose camera;
-    const double *m = camera.world_from_device;
-    double slope = 2 * tan(orbit->field_of_view / 2) / size[1];
-    double right = (at[0] - size[0] / 2) * slope;
-    double up = (size[1] / 2 - at[1]) * slope;
-    double scale = 1 / sqrt(right * right + up * up + 1);
-    orbit_camera(&camera, orbit);
-    for (int a = 0; a < 3; a++) {
-        direction[a] = scale * (right * m[a] + up * m[4 + a] - m[8 + a]);
-    }
-}

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The eye of the 3-D pane, which goes around a point, and where things lie in its picture. World RAS+, mm. */
+/** @file The eye of the 3-D pane, which goes around a point. World RAS+, mm. */
 #ifndef CONUS_VIEWER_ORBIT_H
 #define CONUS_VIEWER_ORBIT_H
 
@@ -26,12 +26,5 @@ void orbit_camera(conus_pose *out, const struct orbit *orbit);
 void orbit_turn(struct orbit *orbit, double right, double down, double height);
 void orbit_pan(struct orbit *orbit, double right, double down, double height);
 void orbit_zoom(struct orbit *orbit, double clicks);
-
-/** Where the world point @p p lies in a picture of width x height pixels: x right, y down from the top left. False
- * behind the eye. */
-bool orbit_project(double out[2], const struct orbit *orbit, const double size[2], const double p[3]);
-
-/** The unit direction from the eye through a point of such a picture. */
-void orbit_ray(double direction[3], const struct orbit *orbit, const double size[2], const double at[2]);
 
 #endif

@@ -101,10 +101,11 @@ static bool paint(struct painter *painter, conus_renderer *renderer, const struc
 {
     double coarse = coarseness(painter, what, stage);
     conus_image *image = NULL;
+    const double *f = what->sight.frustum;
     const conus_view view = {.width = (uint32_t)fmax(what->width / coarse, 1),
                              .height = (uint32_t)fmax(what->height / coarse, 1),
-                             .field_of_view = what->field_of_view,
-                             .camera = &what->camera,
+                             .frustum = {f[0], f[1], f[2], f[3]},
+                             .camera = &what->sight.camera,
                              .selection = answer_selection(what->answer),
                              .no_legend = true,
                              .draft = stage != STAGE_SMOOTH,

@@ -7,13 +7,13 @@
 #define CONUS_VIEWER_PAINTER_H
 
 #include "viewer/answer.h"
+#include "viewer/sight.h"
 
 struct painter;
 
 /** What to draw. */
 struct painting {
-    conus_pose camera;
-    double field_of_view; /**< Vertical, radians. */
+    struct sight sight;
     uint32_t width, height;
     double fade;
     struct answer *answer;  /**< Its cone is drawn; NULL = none. */

@@ -16,18 +16,21 @@ enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the devic
 
 /* ---- The picture ------------------------------------------------------------------------------------------------- */
 
-static bool is_same_pose(const conus_pose *a, const conus_pose *b)
+static bool is_same_sight(const struct sight *a, const struct sight *b)
 {
     bool same = true;
     for (int i = 0; i < 16; i++) {
-        same = same && a->world_from_device[i] == b->world_from_device[i];
+        same = same && a->camera.world_from_device[i] == b->camera.world_from_device[i];
+    }
+    for (int i = 0; i < 4; i++) {
+        same = same && a->frustum[i] == b->frustum[i];
     }
     return same;
 }
 
 static bool is_same(const struct painting *a, const struct painting *b)
 {
-    return is_same_pose(&a->camera, &b->camera) && a->width == b->width && a->height == b->height &&
+    return is_same_sight(&a->sight, &b->sight) && a->width == b->width && a->height == b->height &&
            a->fade == b->fade && a->answer_number == b->answer_number && a->scene_number == b->scene_number &&
            a->moving == b->moving;
 }
@@ -36,7 +39,7 @@ static void ask_painter(struct window *window, bool moving)
 {
     struct viewer *viewer = window->viewer;
     const struct ui_box *box = &window->panes[PANE_3D];
-    struct painting what = {.field_of_view = viewer->orbit.field_of_view,
+    struct painting what = {.sight = window->sight,
                             .width = (uint32_t)fmaxf(box->width, 1),
                             .height = (uint32_t)fmaxf(box->height, 1),
                             .fade = viewer->fade,
@@ -44,7 +47,6 @@ static void ask_painter(struct window *window, bool moving)
                             .answer_number = viewer->answer_number,
                             .scene_number = viewer->scene_number,
                             .moving = moving};
-    orbit_camera(&what.camera, &viewer->orbit);
     if (viewer->painter && !is_same(&what, &window->asked)) {
         painter_ask(viewer->painter, &what);
         window->asked = what;
@@ -77,11 +79,22 @@ static bool place_of(float out[2], const struct window *window, const double wor
 {
     const struct ui_box *box = &window->panes[PANE_3D];
     double at[2];
-    bool visible =
-        orbit_project(at, &window->viewer->orbit, (double[]){(double)box->width, (double)box->height}, world);
+    bool visible = sight_project(at, &window->sight, (double[]){(double)box->width, (double)box->height}, world);
     out[0] = box->x + (float)at[0];
     out[1] = box->y + (float)at[1];
     return visible;
+}
+
+/* Beside the place, on the side where there is room. */
+static void draw_name(const struct window *window, const float at[2], float y, const char *name)
+{
+    const struct ui_box *box = &window->panes[PANE_3D];
+    float gap = 18;
+    float width = ui_text_width(name) + 6;
+    bool fits = at[0] + gap + width <= box->x + box->width;
+    float x = fits ? at[0] + gap : fmaxf(at[0] - gap - width, box->x + 4);
+    ui_draw_line(at, (float[]){fits ? x - 2 : fminf(x + width - 4, at[0]), y + ui_line() * 0.575F}, light, 1);
+    ui_draw_text((float[]){x, y}, light, name);
 }
 
 /* The names of the best results beside their contacts, one below the other where they would overlap. */
@@ -102,9 +115,7 @@ static void draw_names(const struct window *window)
             }
             taken[shown++] = y;
             ui_draw_circle(at, 4, light, 1.5F);
-            ui_draw_line(at, (float[]){at[0] + 16, y + line / 2}, light, 1);
-            ui_draw_text((float[]){at[0] + 18, y}, light,
-                         conus_atlas_object(window->viewer->atlas, result->object)->name);
+            draw_name(window, at, y, conus_atlas_object(window->viewer->atlas, result->object)->name);
         }
     }
 }
@@ -155,20 +166,27 @@ static void draw_waiting(const struct window *window)
     }
 }
 
+static void draw_head(const struct window *window)
+{
+    const struct ui_box *box = &window->panes[PANE_3D];
+    bool is_well;
+    const char *text = head_text(&window->viewer->head, &is_well);
+    if (text) {
+        ui_draw_text((float[]){box->x + 8, box->y + box->height - 1.4F * ui_line()}, is_well ? light : orange, text);
+    }
+}
+
 /* ---- The mouse --------------------------------------------------------------------------------------------------- */
 
 /* From the eye through the mouse. */
 static void find_ray(double eye[3], double direction[3], const struct window *window)
 {
     const struct ui_box *box = &window->panes[PANE_3D];
-    const struct orbit *orbit = &window->viewer->orbit;
     const struct ui_mouse mouse = ui_mouse_now();
     const double size[2] = {(double)box->width, (double)box->height};
     const double at[2] = {(double)(mouse.x - box->x), (double)(mouse.y - box->y)};
-    conus_pose camera;
-    orbit_camera(&camera, orbit);
-    memcpy(eye, camera.world_from_device + 12, 3 * sizeof *eye);
-    orbit_ray(direction, orbit, size, at);
+    memcpy(eye, window->sight.camera.world_from_device + 12, 3 * sizeof *eye);
+    sight_ray(direction, &window->sight, size, at);
 }
 
 static void point(struct window *window)
@@ -198,7 +216,7 @@ static void hover(struct window *window)
     }
 }
 
-/* Returns whether the view moves. */
+/* Returns whether the view moves. Where the head moves it, the mouse does not. */
 static bool use_mouse(struct window *window)
 {
     struct viewer *viewer = window->viewer;
@@ -206,6 +224,10 @@ static bool use_mouse(struct window *window)
     double height = (double)window->panes[PANE_3D].height;
     bool held = ui_surface_held();
     bool moved = mouse.moved_x != 0 || mouse.moved_y != 0;
+    if (viewer->head.on && viewer->head.known && ((held && moved) || mouse.wheel != 0)) {
+        viewer_say(viewer, "the head moves the view; T gives it to the mouse");
+        return false;
+    }
     if (held && moved && mouse.down[0]) {
         orbit_turn(&viewer->orbit, (double)mouse.moved_x, (double)mouse.moved_y, height);
     } else if (held && moved && (mouse.down[1] || mouse.down[2])) {
@@ -222,7 +244,7 @@ static bool use_mouse(struct window *window)
     return moved || mouse.wheel != 0;
 }
 
-/* Whether a tracker or a replay moved the cone just now, and will again. */
+/* Whether a tracker or a replay moved the cone or the view just now, and will again. */
 static bool is_carried(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
@@ -231,7 +253,11 @@ static bool is_carried(struct window *window)
         window->carried_answer = viewer->answer_number;
         window->carried_ms = now;
     }
-    bool by_others = viewer->pointer == POINT_BY_TRACKER || viewer->pointer == POINT_BY_REPLAY;
+    if (window->carried_head != viewer->head.number) {
+        window->carried_head = viewer->head.number;
+        window->carried_ms = now;
+    }
+    bool by_others = viewer->head.on || viewer->pointer == POINT_BY_TRACKER || viewer->pointer == POINT_BY_REPLAY;
     return by_others && now - window->carried_ms < rest_ms;
 }
 
@@ -239,6 +265,7 @@ void pane_3d(struct window *window)
 {
     const struct ui_box *box = &window->panes[PANE_3D];
     orbit_fit(&window->viewer->orbit, (double[]){(double)box->width, (double)box->height});
+    window_sight(window, &window->sight);
     take_picture(window);
     ui_panel("3d", *box, UI_PLAIN);
     ui_draw_box(*box, dark, 0);
@@ -254,6 +281,7 @@ void pane_3d(struct window *window)
     ui_clip(*box);
     draw_names(window);
     draw_waiting(window);
+    draw_head(window);
     draw_device_view(window);
     ui_clip_end();
     ui_panel_end();

@@ -50,6 +50,14 @@ static bool numbers(double *out, const struct call *call, size_t first, size_t c
     return true;
 }
 
+static bool is_done(conus_status status)
+{
+    if (status) {
+        complain_status(status);
+    }
+    return !status;
+}
+
 /* ---- The commands: false where the arguments are wrong ------------------------------------------------------------
  */
 
@@ -103,17 +111,53 @@ static bool do_point(struct call *call)
 {
     double part[2];
     double direction[3];
-    conus_pose camera;
-    struct viewer *viewer = call->window->viewer;
-    const struct ui_box *box = &call->window->panes[PANE_3D];
+    struct sight sight;
     if (!numbers(part, call, 0, 2)) {
         return false;
     }
-    const double size[2] = {(double)box->width, (double)box->height};
-    orbit_camera(&camera, &viewer->orbit);
-    orbit_ray(direction, &viewer->orbit, size, (double[]){part[0] * size[0], part[1] * size[1]});
-    viewer_aim_along(viewer, camera.world_from_device + 12, direction);
+    window_sight(call->window, &sight);
+    sight_ray(direction, &sight, (double[]){1, 1}, part);
+    viewer_aim_along(call->window->viewer, sight.camera.world_from_device + 12, direction);
     return true;
+}
+
+/* Where the screen stands: its middle, a point behind it in the line of sight, its size. */
+static bool do_screen(struct call *call)
+{
+    double given[8];
+    double away[3];
+    struct head *head = &call->window->viewer->head;
+    conus_pose screen;
+    if (!numbers(given, call, 0, 8) || !(given[6] > 0) || !(given[7] > 0)) {
+        return false;
+    }
+    for (int a = 0; a < 3; a++) {
+        away[a] = given[3 + a] - given[a];
+    }
+    bool fine = is_done(conus_pose_along(&screen, given, away, NULL));
+    if (fine) {
+        *head = (struct head){
+            .named = head->named, .screen = screen, .size = {given[6], given[7]}, .number = head->number + 1};
+    }
+    return fine;
+}
+
+/* The eye is there now, or the tracker has lost it. */
+static bool do_head(struct call *call)
+{
+    double eye[3];
+    struct head *head = &call->window->viewer->head;
+    if (call->count == 1 && strcmp(call->words[1], "lost") == 0) {
+        head_set_state(head, STATION_LOST);
+        return true;
+    }
+    bool fine = head->size[0] > 0 && numbers(eye, call, 0, 3);
+    if (fine) {
+        head->on = true;
+        head_set_state(head, STATION_SEEN);
+        head_move(head, eye, &head->screen);
+    }
+    return fine;
 }
 
 static bool do_angle(struct call *call)
@@ -187,25 +231,20 @@ static bool do_settle(struct call *call)
     return true;
 }
 
-static bool is_written(conus_status status)
-{
-    if (status) {
-        complain_status(status);
-    }
-    return !status;
-}
-
 static bool do_screenshot(struct call *call)
 {
-    return is_written(window_write(call->window, call->words[1]));
+    return is_done(window_write(call->window, call->words[1]));
 }
 
 static bool do_picture(struct call *call)
 {
     double size[2];
+    struct sight sight;
     bool fine = numbers(size, call, 1, 2) && size[0] >= 1 && size[1] >= 1;
+    window_sight(call->window, &sight);
     return fine && size[0] <= PICTURE_LIMIT && size[1] <= PICTURE_LIMIT &&
-           is_written(viewer_write_picture(call->window->viewer, call->words[1], (uint32_t)size[0], (uint32_t)size[1]));
+           is_done(viewer_write_picture(call->window->viewer, &sight, call->words[1], (uint32_t)size[0],
+                                        (uint32_t)size[1]));
 }
 
 static bool do_save(struct call *call)
@@ -230,7 +269,7 @@ static bool do_open(struct call *call)
 
 static bool do_times(struct call *call)
 {
-    return is_written(times_write(&call->window->times, call->words[1]));
+    return is_done(times_write(&call->window->times, call->words[1]));
 }
 
 static bool do_size(struct call *call)
@@ -247,7 +286,7 @@ static bool do_size(struct call *call)
 /* What the list shows, as conus query would write it. */
 static bool do_results(struct call *call)
 {
-    return is_written(viewer_write_results(call->window->viewer, call->words[1]));
+    return is_done(viewer_write_results(call->window->viewer, call->words[1]));
 }
 
 static const struct {
@@ -259,6 +298,8 @@ static const struct {
     {"key", 1, 1, do_key, "KEY"},
     {"aim", 6, 6, do_aim, "X Y Z TX TY TZ"},
     {"point", 2, 2, do_point, "RIGHT DOWN, parts of the 3-D pane"},
+    {"screen", 8, 8, do_screen, "X Y Z TX TY TZ WIDTH HEIGHT"},
+    {"head", 1, 3, do_head, "X Y Z, after screen, or lost"},
     {"angle", 1, 1, do_angle, "DEGREES"},
     {"pointer", 1, 1, do_pointer, "mouse|wand|replay|tracker"},
     {"crosshair", 3, 3, do_crosshair, "X Y Z"},

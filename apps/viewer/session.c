@@ -24,9 +24,10 @@ struct state {
     double fade, fill, outlines, radiological;
     double orbit[6]; /* centre, distance, azimuth, elevation */
     double crosshair[3], magnification, enlarged;
+    double by_head, eye[3], screen[16], screen_mm[2];
 };
 
-enum { FIELD_LIMIT = 24 };
+enum { FIELD_LIMIT = 28, HEAD_FIELDS = 4 /* the last ones: only where a head moves the view */ };
 
 static size_t list_fields(struct field fields[FIELD_LIMIT], struct state *state)
 {
@@ -51,6 +52,10 @@ static size_t list_fields(struct field fields[FIELD_LIMIT], struct state *state)
         {"crosshair", state->crosshair, 3, -1e6, 1e6},
         {"magnification", &state->magnification, 1, 0.2, 50},
         {"enlarged", &state->enlarged, 1, -1, PANE_COUNT - 1},
+        {"by_head", &state->by_head, 1, 0, 1},
+        {"eye", state->eye, 3, -1e6, 1e6},
+        {"world_from_screen", state->screen, 16, -1e6, 1e6},
+        {"screen_mm", state->screen_mm, 2, 0, 1e6},
     };
     memcpy(fields, all, sizeof all);
     return sizeof all / sizeof all[0];
@@ -95,6 +100,23 @@ static void take_state(struct state *out, const struct window *window)
     out->orbit[4] = viewer->orbit.azimuth;
     out->orbit[5] = viewer->orbit.elevation;
     memcpy(out->crosshair, viewer->crosshair, sizeof out->crosshair);
+    out->by_head = viewer->head.on && viewer->head.known;
+    memcpy(out->eye, viewer->head.eye, sizeof out->eye);
+    memcpy(out->screen, viewer->head.screen.world_from_device, sizeof out->screen);
+    memcpy(out->screen_mm, viewer->head.size, sizeof out->screen_mm);
+}
+
+/* A view that the mouse turns is no reason to leave a head that is tracked now. */
+static void put_head(struct head *head, const struct state *state)
+{
+    conus_pose screen;
+    memcpy(screen.world_from_device, state->screen, sizeof state->screen);
+    head->on = state->by_head > 0 || head->named;
+    if (state->by_head > 0 && state->screen_mm[0] > 0 && state->screen_mm[1] > 0) {
+        memcpy(head->size, state->screen_mm, sizeof head->size);
+        head->known = false;
+        head_move(head, state->eye, &screen);
+    }
 }
 
 static void put_state(struct window *window, const struct state *state)
@@ -124,6 +146,7 @@ static void put_state(struct window *window, const struct state *state)
     memcpy(viewer->crosshair, state->crosshair, sizeof viewer->crosshair);
     viewer->magnification = state->magnification;
     window->enlarged = (int)state->enlarged;
+    put_head(&viewer->head, state);
 }
 
 /* ---- Writing
@@ -177,7 +200,7 @@ bool session_save(const struct window *window, const char *path, char why[SESSIO
     struct field fields[FIELD_LIMIT];
     struct state state;
     take_state(&state, window);
-    size_t count = list_fields(fields, &state);
+    size_t count = list_fields(fields, &state) - (state.by_head > 0 ? 0 : HEAD_FIELDS);
     json_t *root =
         json_pack("{s: i, s: s, s: i, s: s}", "conus_session", SESSION_VERSION, "atlas", viewer->atlas_path, "objects",
                   (int)viewer->object_count, "score", viewer->options.score ? viewer->options.score : "share");
@@ -266,8 +289,8 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
 {
     struct viewer *viewer = window->viewer;
     struct field fields[FIELD_LIMIT];
-    struct state state;
-    size_t count = list_fields(fields, &state);
+    struct state state = {0};
+    size_t count = list_fields(fields, &state) - (json_object_get(root, "by_head") ? 0 : HEAD_FIELDS);
     const char *score = known_score(json_string_value(json_object_get(root, "score")));
     if (json_integer_value(json_object_get(root, "conus_session")) != SESSION_VERSION) {
         return refuse(why, "no session of this version of conus view");

@@ -64,11 +64,22 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock)
 /* ---- The tracker --------------------------------------------------------------------------------------------------
  */
 
+static void show_head(struct head *head, const struct station_head *news)
+{
+    if (head->named) {
+        head_set_state(head, news->state);
+        if (news->state == STATION_SEEN) {
+            head_move(head, news->eye, &news->screen);
+        }
+    }
+}
+
 bool station_step(struct station *station, struct viewer *viewer, struct station_news *news)
 {
     uint64_t before = news->number;
     enum station_state was = news->state;
     station_ask(station, news);
+    show_head(&viewer->head, &news->head);
     if (viewer->pointer != POINT_BY_TRACKER) {
         return false;
     }

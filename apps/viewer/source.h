@@ -24,7 +24,8 @@ void replay_toggle(struct replay *replay, double clock);
 /** Moves on by the clock. Returns whether it plays. */
 bool replay_step(struct replay *replay, struct viewer *viewer, double clock);
 
-/** Takes the newest pose of @p station, if the tracker points, and tells it what was selected. Returns whether there
+/** Takes the newest pose of @p station, if the tracker points, and tells it what was selected; and that of the head, if
+ * one is named. Returns whether there
  * was a new one. */
 bool station_step(struct station *station, struct viewer *viewer, struct station_news *news);
 

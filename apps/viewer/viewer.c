@@ -229,19 +229,21 @@ conus_status viewer_write_results(struct viewer *viewer, const char *path)
     return status;
 }
 
-conus_status viewer_write_picture(const struct viewer *viewer, const char *path, uint32_t width, uint32_t height)
+conus_status viewer_write_picture(const struct viewer *viewer, const struct sight *sight, const char *path,
+                                  uint32_t width, uint32_t height)
 {
     conus_renderer *renderer = NULL;
     conus_image *image = NULL;
-    conus_pose camera;
+    struct sight fitted = *sight;
+    sight_fit(&fitted, (double[]){width, height});
+    const double *f = fitted.frustum;
     const conus_renderer_options options = {.transfer = viewer->transfer};
     const conus_view view = {.width = width,
                              .height = height,
-                             .field_of_view = viewer->orbit.field_of_view,
-                             .camera = &camera,
+                             .frustum = {f[0], f[1], f[2], f[3]},
+                             .camera = &fitted.camera,
                              .selection = viewer_selection(viewer),
                              .fade = viewer->fade};
-    orbit_camera(&camera, &viewer->orbit);
     conus_status status = conus_renderer_create(&renderer, viewer->atlas, &options);
     status = status ? status : conus_renderer_hide(renderer, viewer->hidden);
     status = status ? status : conus_render(&image, renderer, &view);

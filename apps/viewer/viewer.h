@@ -6,6 +6,7 @@
 #ifndef CONUS_VIEWER_VIEWER_H
 #define CONUS_VIEWER_VIEWER_H
 
+#include "viewer/head.h"
 #include "viewer/orbit.h"
 #include "viewer/painter.h"
 
@@ -65,6 +66,7 @@ struct viewer {
 
     /* where the panes look */
     struct orbit orbit;
+    struct head head;
     double crosshair[3];
     double magnification; /**< Of the flat panes: 1 shows all. */
 
@@ -105,8 +107,10 @@ char *viewer_pins_text(const struct viewer *viewer);
 
 /** What was selected, as conus query -o FILE.tsv writes it. */
 conus_status viewer_write_results(struct viewer *viewer, const char *path);
-/** The 3-D view at any size, off-screen, as fine as conus render draws it. */
-conus_status viewer_write_picture(const struct viewer *viewer, const char *path, uint32_t width, uint32_t height);
+/** What is seen in 3-D at any size, off-screen, as fine as conus render draws it; a shape other than the pane's shows
+ * more or less to the left and right. */
+conus_status viewer_write_picture(const struct viewer *viewer, const struct sight *sight, const char *path,
+                                  uint32_t width, uint32_t height);
 
 /** Changes from which value on a pathway is one. */
 void viewer_set_threshold(struct viewer *viewer, uint32_t object, double threshold);

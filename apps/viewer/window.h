@@ -41,12 +41,14 @@ struct window {
     int enlarged; /**< The pane that fills the middle, or -1. */
     struct cut_pane cuts[PLANE_COUNT];
     struct texture painted, device_view;
+    struct sight sight;    /**< Of the 3-D pane, in this frame.    */
     struct painting asked; /**< What the painter was asked last. */
     double painted_ms, frame_ms;
     struct times times;
     bool painted_fine;       /**< The picture is what was asked last, as fine as it gets. */
     unsigned carried_answer; /**< The newest answer, and when it came, by times_now(). */
     double carried_ms;
+    unsigned carried_head; /**< Likewise of the head's changes. */
     bool show_help;
     uint32_t hovered; /**< Object under the mouse. */
     double hovered_at[3];
@@ -66,6 +68,9 @@ void window_close(struct window *window);
 void window_resize(struct window *window, int width, int height);
 /** Lays everything out for the window's size now. */
 void window_lay_out(struct window *window);
+
+/** What the 3-D pane is to show now. */
+void window_sight(const struct window *window, struct sight *out);
 
 /** Draws one frame of @p window->viewer. */
 void window_draw(struct window *window);

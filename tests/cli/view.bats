@@ -111,6 +111,126 @@ END
     [ "$(jq -c '.confirmed[0].contact' two.json)" = '[null,null,null]' ]
 }
 
+# On a screen of 1280 x 800 pixels and mm, as Xvfb's here; the 3-D pane of a window of 1000 x 640 at its corner is 207 x
+# 307 pixels at (250, 0), so its middle is at (353.5, 153.5).
+@test "the mouse points through the eye of a tracked head" {
+    need_window
+    conus phantom nested -o .
+    view nested.nii.gz <<'END'
+screen -280 200 -240 -280 0 -240 1280 800
+head 30 900 60
+angle 6
+point 0.5 0.5
+results head.tsv
+point 0.52 0.46
+results other.tsv
+save one.json
+picture seen.png 207 307
+head lost
+picture lost.png 207 307
+head 30 100 60
+picture behind.png 207 307
+orbit 10 20
+picture turned.png 207 307
+key t
+picture orbit.png 207 307
+save two.json
+open one.json
+save three.json
+picture opened.png 207 307
+END
+    # the screen's right is -x, since what is behind it lies towards -y: -280 + 640 - 353.5, -240 + 400 - 153.5
+    conus query nested.nii.gz --origin 30,900,60 --toward 6.5,200,6.5 --angle 6 --format tsv | diff head.tsv -
+    conus query nested.nii.gz --origin 30,900,60 --toward 2.36,200,18.78 --angle 6 --format tsv | diff other.tsv -
+    grep -q area head.tsv
+    grep -q area other.tsv
+    run -1 diff head.tsv other.tsv
+    for kept in lost behind turned opened; do
+        conus diff seen.png $kept.png || { echo $kept; return 1; }
+    done
+    run -1 conus diff seen.png orbit.png
+    diff one.json three.json
+    [ "$(jq -c '[.eye, .screen_mm]' one.json)" = '[[30,900,60],[1280,800]]' ]
+    [ "$(jq .by_head two.json)" = null ]
+}
+
+# The same eye and screen, twice as large and 10 mm lower in the tracker's frame.
+@test "a tracker moves the head, and loses it" {
+    need_window
+    conus phantom nested -o .
+    printf '%s\n' '-1 0 0 -560' '0 0 1 400' '0 1 0 -490' '0 0 0 1' >screen.txt
+    printf '%s\n' '1 0 0 0' '0 1 0 0' '0 0 1 10' '0 0 0 1' >world.txt
+    cat >send.py <<'END'
+# A tracker that sees the glasses, and no more once left.json is there.
+import os, socket, struct, sys, time
+def crc(data):
+    value = 0
+    for byte in data:
+        value ^= byte << 56
+        for _ in range(8):
+            value = (value << 1 ^ 0x42F0E1EBA9EA3693 if value >> 63 else value << 1) & 0xffffffffffffffff
+    return value
+def message(*place):
+    body = struct.pack(">12f", 1, 0, 0, 0, 1, 0, 0, 0, 1, *place)
+    return struct.pack(">H12s20sIIQQ", 1, b"TRANSFORM", b"GlassesToTracker", 0, 0, len(body), crc(body)) + body
+seen, lost = message(53, 1800, 110), message(0, 0, 0)
+for _ in range(200):
+    try:
+        conus = socket.create_connection(("127.0.0.1", int(sys.argv[1])))
+        break
+    except OSError:
+        time.sleep(0.1)
+for step in range(1500):
+    gone = os.path.exists("left.json")
+    try:
+        conus.sendall(lost if gone else seen)
+    except OSError:
+        break # the window is closed
+    if step == 50:
+        open("ready", "w")
+    if gone and not os.path.exists("lost"):
+        time.sleep(1)
+        conus.sendall(lost)
+        open("lost", "w")
+    time.sleep(0.02)
+END
+    port=$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
+    /usr/bin/python3 send.py "$port" 3>&- &
+    child=$!
+    view nested.nii.gz --listen "$port" --head Glasses --eye 7,0,0 --screen-mm 2560x1600 --screen-pose screen.txt \
+        --enlarge 2 --world-from-tracker world.txt <<'END'
+until ready
+wait 2
+angle 6
+point 0.5 0.5
+results head.tsv
+picture seen.png 207 307
+save left.json
+until lost
+wait 2
+picture lost.png 207 307
+save lost.json
+END
+    wait $child
+    conus query nested.nii.gz --origin 30,900,60 --toward 6.5,200,6.5 --angle 6 --format tsv | cut -f 1-9 >wanted
+    cut -f 1-9 head.tsv | diff - wanted
+    conus diff seen.png lost.png
+    diff left.json lost.json
+    [ "$(jq -c '[.eye, .screen_mm]' left.json)" = '[[30,900,60],[1280,800]]' ]
+}
+
+@test "what a head needs is said" {
+    [ -x "${CONUS%/*}/conus-view" ] || skip "conus-view is not built"
+    fails 2 '--head needs --listen or --connect' view a.nii --head Glasses --screen-mm 400x300
+    fails 2 '--head has no effect without --screen-mm' view a.nii --head Glasses --listen 18944
+    fails 2 '--eye has no effect without --head' view a.nii --eye 1,2,3 --listen 18944
+    fails 2 '--screen-pose has no effect without --head' view a.nii --screen-pose a.txt --listen 18944
+    fails 2 '--head: Glasses is the --tool' \
+        view a.nii --head Glasses --tool Glasses --screen-mm 400x300 --listen 18944
+    fails 2 'is not a size WxH' view a.nii --head Glasses --screen-mm 400 --listen 18944
+    fails 2 '--enlarge needs --listen or --connect' view a.nii --enlarge 2
+}
+
 @test "searching, hiding, isolating and taking it back" {
     need_window
     conus phantom slabs -o .
@@ -184,6 +304,9 @@ key ctrl|key KEY is needed
 choose Nobody|choose NAME is needed
 aim 1 2 3 4 5 6 7 8 9|more than 8 words
 save|save FILE.json is needed
+head 1 2 3|head X Y Z, after screen, or lost is needed
+screen 0 0 0 0 0 0 1 1|screen X Y Z TX TY TZ WIDTH HEIGHT is needed
+screen 0 0 0 1 0 0 0 1|screen X Y Z TX TY TZ WIDTH HEIGHT is needed
 END
 }
 
