@@ -99,6 +99,9 @@ static const struct batch_block *deliver(struct pool *pool)
         pthread_mutex_lock(&pool->lock);
         pool->delivered += go_on;
         pool->stop = !go_on;
+        if (pool->stop && !pool->ended) { /* a worker may wait for a pipe */
+            conus_pose_stream_stop(pool->run->poses);
+        }
         pthread_cond_broadcast(&pool->freed);
         pthread_mutex_unlock(&pool->lock);
     } while (go_on);

@@ -16,8 +16,8 @@ conus_status pose_lines_init(struct pose_lines *lines, int descriptor, bool seek
     if (!own) {
         return CONUS_ERROR_MEMORY;
     }
-    *lines =
-        (struct pose_lines){.descriptor = descriptor, .seekable = seekable, .offset = offset, .own = own, .data = own};
+    *lines = (struct pose_lines){
+        .descriptor = descriptor, .seekable = seekable, .stop = -1, .offset = offset, .own = own, .data = own};
     return CONUS_OK;
 }
 
@@ -32,15 +32,25 @@ void pose_lines_finish(struct pose_lines *lines)
     *lines = (struct pose_lines){.descriptor = -1};
 }
 
-static ssize_t read_some(struct pose_lines *lines, char *at, size_t size)
+/* Waits until a pipe has something, also one that was made not to wait; false if it is to be read no more. */
+static bool wait_for_bytes(const struct pose_lines *lines)
+{
+    struct pollfd wanted[] = {{.fd = lines->descriptor, .events = POLLIN}, {.fd = lines->stop, .events = POLLIN}};
+    int count;
+    do {
+        count = poll(wanted, 2, -1);
+    } while (count < 0 && errno == EINTR);
+    return !(count > 0 && wanted[1].revents);
+}
+
+static ssize_t read_some(const struct pose_lines *lines, char *at, size_t size, bool *stopped)
 {
     for (;;) {
-        ssize_t got = lines->seekable ? pread(lines->descriptor, at, size, (off_t)lines->offset)
-                                      : read(lines->descriptor, at, size);
-        if (got < 0 && errno == EAGAIN) { /* a pipe that was made not to wait: wait for it */
-            struct pollfd wanted = {.fd = lines->descriptor, .events = POLLIN};
-            poll(&wanted, 1, -1);
-        } else if (got >= 0 || errno != EINTR) {
+        *stopped = !lines->seekable && !wait_for_bytes(lines);
+        ssize_t got = *stopped          ? 0
+                      : lines->seekable ? pread(lines->descriptor, at, size, (off_t)lines->offset)
+                                        : read(lines->descriptor, at, size);
+        if (got >= 0 || (errno != EINTR && errno != EAGAIN)) {
             return got;
         }
     }
@@ -58,11 +68,12 @@ static conus_status read_more(struct pose_lines *lines)
         memmove(lines->own, lines->data, lines->size);
     }
     lines->data = lines->own;
-    ssize_t got = read_some(lines, lines->own + lines->size, CAPACITY - lines->size);
+    bool stopped = false;
+    ssize_t got = read_some(lines, lines->own + lines->size, CAPACITY - lines->size, &stopped);
     if (got < 0) {
         return fail_to_read();
     }
-    lines->size += (size_t)got;
+    lines->size = stopped ? 0 : lines->size + (size_t)got; /* half a line is no row */
     lines->offset += (uint64_t)got;
     lines->ended = got == 0;
     return CONUS_OK;

@@ -8,10 +8,12 @@
 
 enum { POSE_LINE_LIMIT = 65535 }; /**< Longest line that is read, in bytes, without its ending. */
 
-/** Where lines come from. All 0 but `descriptor` = -1 is an empty text. */
+/** Where lines come from. All 0 but `descriptor` = -1 is an empty text. What is stopped ends behind its last whole
+ * line. */
 struct pose_lines {
     int descriptor;   /**< Borrowed; -1: all there is lies in `data`.                        */
     bool seekable;    /**< A regular file: read at `offset`, without moving the descriptor.  */
+    int stop;         /**< Not seekable: while this one can be read, there is nothing more; borrowed, -1 = none. */
     uint64_t offset;  /**< Where in it the bytes after those in `data` are.                  */
     const char *data; /**< Bytes not yet taken; in `own`, or borrowed.                       */
     size_t size;

@@ -13,6 +13,7 @@
 #include <fcntl.h>
 #include <math.h>
 #include <string.h>
+#include <sys/eventfd.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -25,6 +26,7 @@ struct conus_pose_stream {
     const char *path; /* while it is opened; NULL for a text and stdin */
     int descriptor;   /* -1 for a text */
     bool owned;       /* it is ours to close */
+    int stop;         /* of a pipe: can be read once the stream is stopped; -1 of others */
     uint64_t start;   /* of the text in the file */
     struct text text;
     struct pose_lines lines;
@@ -230,7 +232,12 @@ static conus_status begin_file(conus_pose_stream *stream)
     }
     off_t at = S_ISREG(info.st_mode) ? lseek(stream->descriptor, 0, SEEK_CUR) : -1;
     stream->start = at > 0 ? (uint64_t)at : 0;
+    stream->stop = at < 0 ? eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK) : -1;
+    if (at < 0 && stream->stop < 0) {
+        return fail_errno("read");
+    }
     conus_status status = pose_lines_init(&stream->lines, stream->descriptor, at >= 0, stream->start);
+    stream->lines.stop = stream->stop;
     return status ? status : begin(stream);
 }
 
@@ -275,6 +282,7 @@ static conus_status create(conus_pose_stream **out, const conus_pose_options *op
     }
     stream->options = *options;
     stream->descriptor = -1;
+    stream->stop = -1;
     stream->lines.descriptor = -1;
     *out = stream;
     return CONUS_OK;
@@ -316,6 +324,9 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
     }
     if (stream->owned) {
         close(stream->descriptor);
+    }
+    if (stream->stop >= 0) {
+        close(stream->stop);
     }
     pose_lines_finish(&stream->lines);
     pose_strings_finish(&stream->strings);
@@ -455,6 +466,22 @@ conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream)
 const char *conus_pose_stream_space(const conus_pose_stream *stream)
 {
     return stream ? stream->whole.space.name : "";
+}
+
+bool conus_pose_stream_is_live(const conus_pose_stream *stream)
+{
+    return stream->stop >= 0 && !is_whole(stream);
+}
+
+void conus_pose_stream_stop(conus_pose_stream *stream)
+{
+    if (stream->stop >= 0) {
+        const uint64_t one = 1;
+        int error = errno; /* of what a signal interrupts */
+        ssize_t written = write(stream->stop, &one, sizeof one);
+        (void)written; /* it fails only where it has been stopped 2^64 times already */
+        errno = error;
+    }
 }
 
 bool conus_pose_stream_has_times(const conus_pose_stream *stream)

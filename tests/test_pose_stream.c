@@ -6,9 +6,11 @@
 #include "selection/pose_stream.h"
 #include "test.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 static const char header[] = "query_id\tx\ty\tz\tdx\tdy\tdz\n";
@@ -146,6 +148,47 @@ static void pipes_are_read_as_they_fill(void **state)
     assert_ended(stream);
     conus_pose_stream_destroy(stream);
     close(ends[0]);
+}
+
+static void *stop_soon(void *stream)
+{
+    nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
+    conus_pose_stream_stop(stream);
+    return NULL;
+}
+
+/* Whoever waits for a silent pipe goes on; half a line is no row. Files have nothing to wait for. */
+static void pipes_can_be_stopped(void **state)
+{
+    (void)state;
+    for (int early = 0; early < 2; early++) {
+        int ends[2];
+        char path[64];
+        pthread_t thread;
+        conus_pose_stream *stream = NULL;
+        const char text[] = "query_id\tx\ty\tz\tdx\tdy\tdz\nfirst\t1\t2\t3\t0\t1\t0\nsecond\t1\t2\t3\t0\t1\t0";
+        assert_int_equal(pipe(ends), 0);
+        snprintf(path, sizeof path, "/dev/fd/%d", ends[0]);
+        assert_true(file_write_fully(ends[1], text, sizeof text - 1));
+        assert_ok(conus_pose_stream_open(&stream, path, NULL));
+        assert_true(conus_pose_stream_is_live(stream));
+        if (early) {
+            conus_pose_stream_stop(stream);
+        } else {
+            assert_int_equal(pthread_create(&thread, NULL, stop_soon, stream), 0);
+        }
+        assert_string_equal(read_one(stream).id, "first");
+        assert_ended(stream);
+        assert_int_equal(early ? 0 : pthread_join(thread, NULL), 0);
+        conus_pose_stream_destroy(stream);
+        close(ends[0]);
+        close(ends[1]);
+    }
+    conus_pose_stream *stream = parse("x,y,z,dx,dy,dz\n0,0,0,0,1,0\n", NULL);
+    assert_false(conus_pose_stream_is_live(stream));
+    conus_pose_stream_stop(stream);
+    assert_string_equal(read_one(stream).id, "1");
+    conus_pose_stream_destroy(stream);
 }
 
 /* However the text is cut into pieces, the lines are the same. */
@@ -365,17 +408,12 @@ static void every_failing_allocation_is_clean(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blocks_join_without_a_seam),
-        cmocka_unit_test(rows_can_be_passed_over),
-        cmocka_unit_test(numbers_count_all_rows),
-        cmocka_unit_test(pipes_are_read_as_they_fill),
-        cmocka_unit_test(cuts_do_not_matter),
-        cmocka_unit_test(optional_columns_are_read),
-        cmocka_unit_test(every_axis_looks_its_way),
-        cmocka_unit_test(points_are_points),
-        cmocka_unit_test(what_does_not_fit_is_refused),
-        cmocka_unit_test(long_lines_are_one_bad_row),
-        cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(blocks_join_without_a_seam), cmocka_unit_test(rows_can_be_passed_over),
+        cmocka_unit_test(numbers_count_all_rows),     cmocka_unit_test(pipes_are_read_as_they_fill),
+        cmocka_unit_test(pipes_can_be_stopped),       cmocka_unit_test(cuts_do_not_matter),
+        cmocka_unit_test(optional_columns_are_read),  cmocka_unit_test(every_axis_looks_its_way),
+        cmocka_unit_test(points_are_points),          cmocka_unit_test(what_does_not_fit_is_refused),
+        cmocka_unit_test(long_lines_are_one_bad_row), cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -73,8 +73,9 @@ static int answer_all(struct run *run)
         return code;
     }
     start_progress(run);
-    interrupt_catch();
+    interrupt_catch(work->poses);
     conus_status status = conus_batch_run(work->batch, work->poses, work->count - run->done, deliver, run);
+    interrupt_release();
     progress_finish(&run->progress, run->done, run->errors);
     if (status) {
         return complain_status(status);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "cli/answer_format.h"
 #include "cli/commands.h"
+#include "cli/interrupt.h"
 #include "cli/messages.h"
 #include "cli/output.h"
 #include "cli/pose_settings.h"
@@ -8,7 +9,6 @@
 #include "link/tell.h"
 
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -258,14 +258,6 @@ static double clock_s(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static volatile sig_atomic_t interrupted;
-
-static void interrupt(int signal_)
-{
-    (void)signal_;
-    interrupted = 1;
-}
-
 static int answer_news(struct track *track, const struct station_news *news, double time_s)
 {
     char id[24];
@@ -288,18 +280,17 @@ static int answer_news(struct track *track, const struct station_news *news, dou
 static int answer_station(struct track *track)
 {
     const double seconds = track->settings->seconds;
-    const struct sigaction on_interrupt = {.sa_handler = interrupt};
     struct station_news news = {0};
     double first = NAN;
     int code = EXIT_DONE;
     double begun = clock_s();
-    sigaction(SIGINT, &on_interrupt, NULL);
+    interrupt_catch(NULL);
     if (!track->settings->common.quiet) {
         char text[160];
         settings_station_text(text, sizeof text, track->station, &news);
         complain("%s", text);
     }
-    while (!code && !interrupted && !(seconds > 0 && clock_s() - begun >= seconds)) {
+    while (!code && !interrupt_signal() && !(seconds > 0 && clock_s() - begun >= seconds)) {
         if (station_wait(track->station, news.number, 0.05, &news) && news.state == STATION_SEEN) {
             first = isnan(first) ? clock_s() : first;
             code = answer_news(track, &news, clock_s() - first);
@@ -308,9 +299,13 @@ static int answer_station(struct track *track)
     return code ? code : write_steps(track);
 }
 
-/* One row at a time, so that what comes through a pipe is answered as it comes. */
+/* One row at a time, so that what comes through a pipe is answered as it comes. A signal ends a pipe, and what it
+ * brought is kept; a file is another matter: half of its steps are no answer. */
 static int answer_all(struct track *track)
 {
+    if (conus_pose_stream_is_live(track->poses)) {
+        interrupt_catch(track->poses);
+    }
     size_t count = 0;
     uint64_t rows = 0;
     int code = EXIT_DONE;
@@ -320,6 +315,7 @@ static int answer_all(struct track *track)
         code = status ? complain_status(status) : count ? answer_row(track, &row) : EXIT_DONE;
         rows += count;
     } while (!code && count);
+    interrupt_release();
     if (!code && !rows) {
         settings_say_no_poses(track->settings->aim.pose, &track->settings->common);
     }

@@ -3,8 +3,14 @@
 #ifndef CONUS_CLI_INTERRUPT_H
 #define CONUS_CLI_INTERRUPT_H
 
-/** From here on the first of each is kept, and the second one ends the program. One that is ignored stays so. */
-void interrupt_catch(void);
+#include <conus/conus.h>
+
+/** From here on the first of each is kept, and stops @p poses, so that nothing waits for a silent pipe; the second one
+ * ends the program. One that is ignored stays so. */
+void interrupt_catch(conus_pose_stream *poses);
+
+/** The poses are left alone from here on: to be called before they are destroyed. */
+void interrupt_release(void);
 
 /** The signal that was caught last; 0 if there was none. */
 int interrupt_signal(void);

@@ -312,6 +312,11 @@ CONUS_CHECKED conus_status conus_pose_stream_skip(conus_pose_stream *stream, uin
 /** How many rows there are in all, those already read included. CONUS_ERROR_UNSUPPORTED for what is read as it comes
  * from a pipe. */
 CONUS_CHECKED conus_status conus_pose_stream_count(conus_pose_stream *stream, uint64_t *count);
+/** Whether rows are read as they come, from a pipe. */
+CONUS_API bool conus_pose_stream_is_live(const conus_pose_stream *stream);
+/** Ends a live stream behind the last whole line that has come, also for a thread that waits for the next one. Of
+ * others it changes nothing. May be called at any time, by any thread and by a signal's handler. */
+CONUS_API void conus_pose_stream_stop(conus_pose_stream *stream);
 /** What the poses are written in; never CONUS_POSES_AUTO. */
 CONUS_API conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream);
 /** The space as the file names it, "NIfTI:Scanner", "MNI152NLin2009cAsym"; "" if it names none. Borrowed. */
@@ -694,7 +699,7 @@ CONUS_API uint32_t conus_batch_threads(const conus_batch *batch);
 /** Answers the next @p limit poses of @p poses, fewer where it ends, in memory that does not grow with them. The text
  * is the same, byte for byte, for any number of threads and any size of blocks. A pose that cannot be answered gives a
  * row of kind "error". Otherwise a failure ends the run; what comes before it has been delivered then. May be called
- * again. */
+ * again, but a live stream ends with a run that the sink or a failure ended. */
 CONUS_CHECKED conus_status conus_batch_run(conus_batch *batch, conus_pose_stream *poses, uint64_t limit,
                                            conus_batch_sink sink, void *user);
 /** The line that belongs above the rows, with its end; "" where there is none. Borrowed. */

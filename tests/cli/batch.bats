@@ -269,7 +269,7 @@ wait_for_lines() {
     ask -o rows.tsv --resume
     fails 2 'would overwrite the coordinate system sub-1_coordsystem.json' \
         batch sphere.nii.gz --poses sub-1_electrodes.tsv --radius 3 --quiet -o sub-1_coordsystem.tsv --force
-    for command in "query --pose" "sweep --angle 5 --pose" "track --poses"; do
+    for command in "query --pose" "sweep --angle 5 --pose"; do
         # shellcheck disable=SC2086 # words
         fails 2 'would overwrite the coordinate system sub-1_coordsystem.json' \
             $command sub-1_electrodes.tsv sphere.nii.gz --along-shafts --quiet --format tsv -o sub-1_coordsystem.tsv
@@ -313,6 +313,50 @@ wait_for_lines() {
     stop TERM 143
     batch -o stopped.tsv --resume
     cmp rows.tsv stopped.tsv
+}
+
+# pipe_in OPTION...: a batch in the background, whose process is $pid, of the poses and half a line more from a pipe that
+# then falls silent.
+pipe_in() {
+    [ -p silent ] || mkfifo silent
+    env --default-signal=INT "$CONUS" batch sphere.nii.gz --poses - --angle 12 --block 100 "$@" <silent >piped.tsv 2>said 3>&- &
+    pid=$!
+    exec 5>silent
+    { cat poses.tsv; printf '1\t2\t3\t4\t5\t6'; } >&5
+}
+
+@test "SIGINT and SIGTERM end a batch that waits for a silent pipe, with all that came" {
+    setup_ball 250
+    batch -o rows.tsv
+    local two_blocks=$(conus batch sphere.nii.gz --angle 12 --poses <(head -201 poses.tsv) | wc -l)
+    for threads in 1 2 5; do
+        pipe_in --threads $threads
+        wait_for_lines "$two_blocks" piped.tsv
+        stop INT 130
+        exec 5>&-
+        cmp rows.tsv piped.tsv
+        [ "$(cat said)" = 'conus: interrupted after 250 poses' ]
+    done
+    pipe_in --threads 2 -o kept.tsv
+    wait_for_lines "$two_blocks" kept.tsv.part
+    stop TERM 143
+    exec 5>&-
+    cmp rows.tsv kept.tsv.part
+}
+
+@test "a reader that goes ends a batch that waits for a silent pipe" {
+    setup_ball 2000
+    mkfifo silent rows
+    timeout 60 "$CONUS" batch sphere.nii.gz --poses silent --angle 12 --threads 2 >rows 2>said 3>&- &
+    pid=$!
+    head -n 1 rows >first &
+    exec 5>silent
+    cat poses.tsv >&5 || true
+    local code=0
+    wait "$pid" || code=$?
+    exec 5>&-
+    [ "$code" -eq 3 ]
+    grep -q 'standard output: cannot write: Broken pipe' said
 }
 
 @test "two runs do not write one file" {

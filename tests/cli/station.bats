@@ -126,10 +126,12 @@ END
 @test "Ctrl-C ends it in order" {
     sphere --size 16
     port=$(free_port)
-    "$CONUS" track sphere.nii.gz --listen "$port" -o steps.tsv --quiet 3>&- &
-    track=$!
-    sleep 1
-    kill -INT $track
-    wait $track
-    head -1 steps.tsv | grep -q time_s
+    for signal in INT TERM; do
+        env --default-signal=INT "$CONUS" track sphere.nii.gz --listen "$port" -o $signal.tsv --quiet 3>&- &
+        track=$!
+        sleep 1
+        kill -$signal $track
+        wait $track
+        head -1 $signal.tsv | grep -q time_s
+    done
 }

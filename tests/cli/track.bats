@@ -71,6 +71,29 @@ skips() {
     exec 6<&-
 }
 
+@test "Ctrl-C ends a silent pipe, and what it brought is kept; of a file, half would be no answer" {
+    sphere --size 16
+    hand '0 0' '0.1 0' '0.2 80'
+    "$CONUS" track sphere.nii.gz --poses hand.tsv -o wanted.tsv
+    mkfifo silent
+    for signal in INT TERM; do
+        env --default-signal=INT "$CONUS" track sphere.nii.gz --poses - -o "$signal.tsv" <silent 3>&- &
+        exec 5>silent
+        { cat hand.tsv; printf '0.3\t0\t0'; } >&5
+        sleep 1
+        kill -"$signal" $!
+        wait $!
+        exec 5>&-
+        cmp wanted.tsv "$signal.tsv"
+    done
+    awk 'NR == 1; NR == 2 { for (i = 0; i < 300000; i++) print }' hand.tsv >long.tsv
+    env --default-signal=INT "$CONUS" track sphere.nii.gz --poses long.tsv -o long.steps.tsv 3>&- &
+    sleep 0.5
+    kill -INT $!
+    wait $! && return 1 || [ $? -eq 130 ]
+    [ ! -e long.steps.tsv ]
+}
+
 @test "rows that are no step are left out, with a message each" {
     sphere --size 16
     hand '0 0' '0.1 0' '0.2 0'
