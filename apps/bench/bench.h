@@ -97,6 +97,7 @@ conus_status bench_hand(struct bench *bench);
 conus_status bench_volume(struct bench *bench);
 conus_status bench_mesh(struct bench *bench);
 conus_status bench_torus(struct bench *bench);
+conus_status bench_torus_frame(struct bench *bench);
 conus_status bench_torus_gl(struct bench *bench); /**< Its part that needs OpenGL. */
 conus_status bench_gl_layers(struct bench *bench);
 conus_status bench_layers(struct bench *bench);

@@ -2,10 +2,10 @@
 /* Which voxels of a labelled volume are in a cone (Eq. 10): every one asked, against the walk over rows. */
 #include "selection/census.h"
 #include "apps/bench/bench.h"
+#include "apps/bench/look.h"
 #include "base/math3.h"
 #include "base/memory.h"
 
-#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -13,7 +13,8 @@ enum { WAYS = 2, SEED = 5 };
 
 struct scene {
     conus_atlas *atlas;
-    struct region *regions;
+    struct cone *cones;
+    struct region *regions; /* [count] those of the cones */
     size_t count;
 };
 
@@ -24,32 +25,11 @@ struct way {
     uint64_t sum; /* of voxels times object numbers, over all regions */
 };
 
-/* From 200 to 300 mm around the grid's middle, towards its inner half. */
-static void make_region(struct region *out, const conus_volume_info *info, double degrees, uint64_t *random)
-{
-    struct cone cone = {.angle = radians_from_degrees(degrees), .resolution = 1};
-    double middle[3], from[3], target[3];
-    for (int a = 0; a < 3; a++) {
-        middle[a] = 0.5 * (double)(info->dim[a] - 1);
-        target[a] = middle[a] + bench_random(random, -0.25, 0.25) * (double)info->dim[a];
-    }
-    mat4_point(middle, info->world_from_voxel, middle);
-    mat4_point(target, info->world_from_voxel, target);
-    double z = bench_random(random, -1, 1);
-    double turn = bench_random(random, 0, 2 * MATH3_PI);
-    const double outward[3] = {sqrt(1 - z * z) * cos(turn), sqrt(1 - z * z) * sin(turn), z};
-    vec3_add_scaled(from, middle, bench_random(random, 200, 300), outward);
-    conus_status status = conus_pose_toward(&cone.pose, from, target, NULL);
-    assert(!status);
-    (void)status;
-    region_from_cone(out, &cone);
-}
-
 static void make_regions(struct scene *scene, double degrees)
 {
-    uint64_t random = SEED;
+    cones_round_grid(scene->cones, scene->count, &scene->atlas->volumes[0].info, degrees, SEED);
     for (size_t i = 0; i < scene->count; i++) {
-        make_region(&scene->regions[i], &scene->atlas->volumes[0].info, degrees, &random);
+        region_from_cone(&scene->regions[i], &scene->cones[i]);
     }
 }
 
@@ -113,7 +93,8 @@ conus_status bench_census(struct bench *bench)
         status = census_prepare(&ways[w].census, scene.atlas);
     }
     scene.regions = status ? NULL : memory_zeroed(scene.count, sizeof *scene.regions);
-    status = status || scene.regions ? status : CONUS_ERROR_MEMORY;
+    scene.cones = status ? NULL : memory_zeroed(scene.count, sizeof *scene.cones);
+    status = status || (scene.regions && scene.cones) ? status : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < sizeof angles / sizeof angles[0] && !status; i++) {
         status = measure(bench, &scene, ways, angles[i]);
     }
@@ -121,6 +102,7 @@ conus_status bench_census(struct bench *bench)
         census_finish(&ways[w].census);
     }
     memory_free(scene.regions);
+    memory_free(scene.cones);
     conus_atlas_destroy(scene.atlas);
     return status;
 }

@@ -247,7 +247,7 @@ static conus_status measure(struct bench *bench, struct round *round)
     variants[1].equal = variants[1].equal && equal;
     variants[3].equal = variants[3].equal && equal;
     status =
-        status ? status : bench_measure(bench, "torus", variants, WAYS, bench->options.poses, bench->options.angle);
+        status ? status : bench_measure(bench, "layers", variants, WAYS, bench->options.poses, bench->options.angle);
     status = status ? status : bench_ratio(bench, "layers_over_visible", &variants[1], &variants[0]);
     return status ? status : bench_ratio(bench, "layers_over_visible_query", &variants[3], &variants[2]);
 }

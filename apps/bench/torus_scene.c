@@ -11,7 +11,6 @@
 
 enum { SUBDIVISIONS = 16, PLACE_SEED = 777, CONE_SEED = 5 };
 
-static const double ring_radius = 3.5;
 static const double tube_radius = 1.5;
 
 static conus_status make_torus(struct mesh *out)
@@ -21,7 +20,7 @@ static conus_status make_torus(struct mesh *out)
     for (uint32_t i = 0; i < N && !status; i++) {
         for (uint32_t j = 0; j < N; j++) {
             double round = 2 * MATH3_PI * i / N, across = 2 * MATH3_PI * j / N;
-            double away = ring_radius + tube_radius * cos(across);
+            double away = TORUS_RING + tube_radius * cos(across);
             float *position = &out->positions[3 * (i * N + j)];
             position[0] = (float)(away * cos(round));
             position[1] = (float)(away * sin(round));
@@ -95,6 +94,20 @@ void torus_scene_cones(struct cone *out, const struct torus_scene *scene, size_t
         assert(!status);
         (void)status;
     }
+}
+
+conus_status torus_scene_rays(struct mesh_rays **out, const struct torus_scene *scene)
+{
+    struct mesh_object *objects = memory_raw(scene->count, sizeof *objects);
+    if (!objects) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < scene->count; i++) {
+        objects[i] = (struct mesh_object){&scene->torus, scene->places[i]};
+    }
+    conus_status status = mesh_rays_create(out, objects, scene->count);
+    memory_free(objects);
+    return status;
 }
 
 static conus_status add_torus(conus_atlas *atlas, const struct torus_scene *scene, size_t index)

@@ -5,12 +5,16 @@
 
 #include "atlas/atlas.h"
 #include "selection/cone.h"
+#include "selection/mesh_rays.h"
 
 enum { TORUS_RESOLUTION = 16, TORUS_TRIANGLES = 512 };
 
 /** Radius of the sphere round one torus, and from one to the next along the grid, mm. */
 #define TORUS_RADIUS 5.0
 #define TORUS_SPACING 12.5
+
+/** Of the circle in the middle of a torus's tube, mm. */
+#define TORUS_RING 3.5
 
 struct torus_scene {
     struct mesh torus; /**< Round its own z axis.                        */
@@ -25,6 +29,9 @@ void torus_scene_finish(struct torus_scene *scene);
 
 /** Writes @p count cones from outside one corner into the cube; the same for every scene of this size. */
 void torus_scene_cones(struct cone *out, const struct torus_scene *scene, size_t count, double angle_deg);
+
+/** One torus at all its places. */
+conus_status torus_scene_rays(struct mesh_rays **out, const struct torus_scene *scene);
 
 /** The tori as an atlas: an area each, with triangles of its own. */
 conus_status torus_scene_atlas(conus_atlas **out, const struct torus_scene *scene);
