@@ -3,44 +3,10 @@
 
 #include "base/memory.h"
 
-#include <string.h>
-
 void bricks_finish(struct bricks *bricks)
 {
     memory_free(bricks->distance);
     *bricks = (struct bricks){0};
-}
-
-static bool row_has_object(const struct volume *volume, size_t first, size_t count)
-{
-    for (size_t i = first; i < first + count; i++) {
-        if (volume_object(volume, i)) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static void mark_row(uint8_t *bricks, const struct volume *volume, size_t first)
-{
-    size_t length = volume->info.dim[0];
-    for (size_t i = 0; i < length; i += BRICKS_EDGE) {
-        size_t count = length - i < BRICKS_EDGE ? length - i : BRICKS_EDGE;
-        if (bricks[i / BRICKS_EDGE] && row_has_object(volume, first + i, count)) {
-            bricks[i / BRICKS_EDGE] = 0;
-        }
-    }
-}
-
-static void mark_occupied(struct bricks *bricks, const struct volume *volume)
-{
-    const size_t *dim = volume->info.dim;
-    for (size_t k = 0; k < dim[2]; k++) {
-        for (size_t j = 0; j < dim[1]; j++) {
-            size_t row = j / BRICKS_EDGE + bricks->dim[1] * (k / BRICKS_EDGE);
-            mark_row(bricks->distance + bricks->dim[0] * row, volume, dim[0] * (j + dim[1] * k));
-        }
-    }
 }
 
 /* The least distance among the neighbours (i + di, j + dj, k + dk) with di in -1..1 and (dj, dk) as given. */
@@ -105,23 +71,4 @@ void bricks_spread(struct bricks *bricks)
 {
     spread_forwards(bricks);
     spread_backwards(bricks);
-}
-
-conus_status bricks_init(struct bricks *out, const struct volume *volume)
-{
-    struct bricks bricks = {0};
-    size_t count = 1;
-    for (int a = 0; a < 3; a++) {
-        bricks.dim[a] = (volume->info.dim[a] + BRICKS_EDGE - 1) / BRICKS_EDGE;
-        count *= bricks.dim[a]; /* at most the number of voxels, which was checked */
-    }
-    bricks.distance = memory_raw(count, sizeof *bricks.distance);
-    if (!bricks.distance) {
-        return CONUS_ERROR_MEMORY;
-    }
-    memset(bricks.distance, UINT8_MAX, count);
-    mark_occupied(&bricks, volume);
-    bricks_spread(&bricks);
-    *out = bricks;
-    return CONUS_OK;
 }

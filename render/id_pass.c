@@ -2,7 +2,6 @@
 #include "render/id_pass.h"
 
 #include "base/memory.h"
-#include "render/bricks.h"
 #include "render/context.h"
 #include "render/program.h"
 #include "render/shader_list.h"
@@ -12,9 +11,9 @@
 #include <assert.h>
 #include <string.h>
 
-enum { OBJECTS_UNIT, BRICKS_UNIT };
-enum { IDENTIFIER_BUFFER, RAY_BUFFER, OUT_BUFFER };
-enum { BRICK_SHIFT = 2, GROUP = 64, FIRST_PIECES = 1024 };
+enum { OBJECTS_UNIT, LEAP_UNIT, IDENTIFIER_UNIT, RAY_UNIT };
+enum { OUT_BUFFER };
+enum { GROUP = 64, FIRST_PIECES = 1024, RAY_TEXELS = sizeof(struct id_ray) / 16 };
 
 /* What a program does with a ray: the first contact, also if it is nearer than what is known, or all layers. */
 enum id_kind { FIRST, LATER, PIERCE, KIND_COUNT };
@@ -22,10 +21,12 @@ enum id_kind { FIRST, LATER, PIERCE, KIND_COUNT };
 struct id_program {
     GLuint program;
     GLint range;
+    GLint first_cell, last_cell; /* not with slices */
 };
 
 struct id_volume {
-    GLuint objects, bricks;
+    GLuint objects, leaps; /* no leaps with slices */
+    int first[3], last[3];
     size_t dim[3];
 };
 
@@ -33,7 +34,8 @@ struct id_pass {
     conus_sampling sampling;
     struct id_program programs[KIND_COUNT]; /* made when they are needed for the first time */
     GLuint identifier_buffer, ray_buffer, hit_buffer;
-    struct shader_list pieces; /* of struct id_piece */
+    GLuint identifiers, ray_texels; /* through which shaders see the first two */
+    struct shader_list pieces;      /* of struct id_piece */
     struct id_volume *volumes;
     size_t volume_count;
     size_t looks; /* since id_pass_begin() */
@@ -48,9 +50,9 @@ static conus_status create_program(struct id_program *out, conus_sampling sampli
     const struct program_define defines[] = {
         {"SLICES", sampling == CONUS_SLICES}, {"MERGE", kind == LATER},
         {"PIERCE", kind == PIERCE},           {"GROUP", GROUP},
-        {"BRICK_SHIFT", BRICK_SHIFT},         {"OBJECTS_UNIT", OBJECTS_UNIT},
-        {"BRICKS_UNIT", BRICKS_UNIT},         {"IDENTIFIER_BUFFER", IDENTIFIER_BUFFER},
-        {"RAY_BUFFER", RAY_BUFFER},           {"OUT_BUFFER", OUT_BUFFER},
+        {"OBJECTS_UNIT", OBJECTS_UNIT},       {"LEAP_UNIT", LEAP_UNIT},
+        {"IDENTIFIER_UNIT", IDENTIFIER_UNIT}, {"RAY_UNIT", RAY_UNIT},
+        {"OUT_BUFFER", OUT_BUFFER},
     };
     const struct program_source source = {.compute = {"id.comp.glsl", shader_id_comp},
                                           .defines = defines,
@@ -58,7 +60,10 @@ static conus_status create_program(struct id_program *out, conus_sampling sampli
     GLuint program = 0;
     conus_status status = program_create(&program, &source);
     if (!status) {
-        *out = (struct id_program){program, program_uniform(program, "range")};
+        bool leaps = sampling == CONUS_EXACT;
+        *out = (struct id_program){program, program_uniform(program, "range"),
+                                   leaps ? program_uniform(program, "first_cell") : -1,
+                                   leaps ? program_uniform(program, "last_cell") : -1};
     }
     return status;
 }
@@ -72,7 +77,6 @@ static conus_status need_program(struct id_pass *pass, enum id_kind kind)
 conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const uint32_t *identifiers,
                             size_t identifier_count)
 {
-    static_assert(1 << BRICK_SHIFT == BRICKS_EDGE, "the shader's bricks are those of bricks.h");
     static_assert(sizeof(struct id_ray) == 80 && sizeof(struct id_hit) == 24, "the shader's structs");
     struct id_pass *pass = memory_zeroed(1, sizeof *pass);
     if (!pass) {
@@ -86,6 +90,9 @@ conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const
         glCreateBuffers(1, &pass->identifier_buffer);
         glNamedBufferStorage(pass->identifier_buffer, (GLsizeiptr)(identifier_count * sizeof *identifiers), identifiers,
                              0);
+        glCreateTextures(GL_TEXTURE_BUFFER, 1, &pass->identifiers);
+        glTextureBuffer(pass->identifiers, GL_R32UI, pass->identifier_buffer);
+        glCreateTextures(GL_TEXTURE_BUFFER, 1, &pass->ray_texels);
         status = gl_check("identifiers");
     }
     if (status) {
@@ -113,10 +120,12 @@ void id_pass_destroy(struct id_pass *pass)
     drop_rays(pass);
     for (size_t i = 0; i < pass->volume_count; i++) {
         glDeleteTextures(1, &pass->volumes[i].objects);
-        glDeleteTextures(1, &pass->volumes[i].bricks);
+        glDeleteTextures(1, &pass->volumes[i].leaps);
     }
     memory_free(pass->volumes);
     const GLuint buffers[] = {pass->identifier_buffer, pass->ray_buffer, pass->hit_buffer};
+    const GLuint textures[] = {pass->identifiers, pass->ray_texels};
+    glDeleteTextures(2, textures);
     glDeleteBuffers(3, buffers);
     for (int kind = 0; kind < KIND_COUNT; kind++) {
         glDeleteProgram(pass->programs[kind].program);
@@ -127,31 +136,30 @@ void id_pass_destroy(struct id_pass *pass)
 
 /* ---- Volumes ------------------------------------------------------------------------------------------------ */
 
-static conus_status upload(struct id_volume *out, const struct volume *volume, uint64_t *memory_left)
+static conus_status upload(struct id_volume *out, const struct volume *volume, const struct id_leaps *leaps,
+                           conus_sampling sampling, uint64_t *memory_left)
 {
-    struct id_volume textures = {0};
-    struct bricks bricks = {0};
+    struct id_volume made = {0};
+    const size_t *dim = volume->info.dim;
     enum volume_texture_kind kind = volume->objects16 ? VOLUME_TEXTURE_UINT16 : VOLUME_TEXTURE_UINT32;
     const void *objects = volume->objects16 ? (const void *)volume->objects16 : volume->objects32;
-    conus_status status = volume_texture_create(&textures.objects, kind, volume->info.dim, objects, memory_left);
-    if (!status) {
-        status = bricks_init(&bricks, volume);
+    conus_status status = volume_texture_create(&made.objects, kind, dim, objects, memory_left);
+    if (!status && sampling == CONUS_EXACT) {
+        status = volume_texture_create(&made.leaps, VOLUME_TEXTURE_UINT8, dim, leaps->codes, memory_left);
+        memcpy(made.first, leaps->first, sizeof made.first);
+        memcpy(made.last, leaps->last, sizeof made.last);
     }
-    if (!status) {
-        status =
-            volume_texture_create(&textures.bricks, VOLUME_TEXTURE_UINT8, bricks.dim, bricks.distance, memory_left);
-    }
-    bricks_finish(&bricks);
     if (status) {
-        glDeleteTextures(1, &textures.objects);
+        glDeleteTextures(1, &made.objects);
         return status;
     }
-    memcpy(textures.dim, volume->info.dim, sizeof textures.dim);
-    *out = textures;
+    memcpy(made.dim, dim, sizeof made.dim);
+    *out = made;
     return CONUS_OK;
 }
 
-conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, uint64_t *memory_left)
+conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, const struct id_leaps *leaps,
+                                uint64_t *memory_left)
 {
     struct id_volume *volumes = memory_resize(pass->volumes, pass->volume_count + 1, sizeof *volumes);
     if (!volumes) {
@@ -163,7 +171,7 @@ conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volum
         status = need_program(pass, LATER);
     }
     if (!status) {
-        status = upload(&volumes[pass->volume_count], volume, memory_left);
+        status = upload(&volumes[pass->volume_count], volume, leaps, pass->sampling, memory_left);
     }
     pass->volume_count += !status;
     return status;
@@ -173,6 +181,11 @@ conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volum
 
 static conus_status make_room(struct id_pass *pass, uint32_t rays)
 {
+    GLint limit = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
+    if (rays > (uint32_t)limit / RAY_TEXELS) {
+        return fail(CONUS_ERROR_GL, "%u rays at once: this OpenGL driver allows %d", rays, limit / RAY_TEXELS);
+    }
     drop_rays(pass);
     pass->rays = memory_raw(rays, sizeof *pass->rays);
     pass->hits = memory_raw(rays, sizeof *pass->hits);
@@ -182,6 +195,7 @@ static conus_status make_room(struct id_pass *pass, uint32_t rays)
     }
     glNamedBufferData(pass->ray_buffer, (GLsizeiptr)(rays * sizeof *pass->rays), NULL, GL_STREAM_DRAW);
     glNamedBufferData(pass->hit_buffer, (GLsizeiptr)(rays * sizeof *pass->hits), NULL, GL_STREAM_READ);
+    glTextureBuffer(pass->ray_texels, GL_RGBA32UI, pass->ray_buffer);
     conus_status status = gl_check("rays");
     if (status) {
         drop_rays(pass);
@@ -215,10 +229,12 @@ static void dispatch(const struct id_pass *pass, enum id_kind kind, const struct
 {
     const struct id_program *program = &pass->programs[kind];
     glBindTextureUnit(OBJECTS_UNIT, volume->objects);
-    glBindTextureUnit(BRICKS_UNIT, volume->bricks);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, IDENTIFIER_BUFFER, pass->identifier_buffer);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RAY_BUFFER, pass->ray_buffer);
+    glBindTextureUnit(LEAP_UNIT, volume->leaps);
+    glBindTextureUnit(IDENTIFIER_UNIT, pass->identifiers);
+    glBindTextureUnit(RAY_UNIT, pass->ray_texels);
     glUseProgram(program->program);
+    glUniform3iv(program->first_cell, 1, volume->first);
+    glUniform3iv(program->last_cell, 1, volume->last);
     glUniform2i(program->range, (GLint)first, (GLint)end);
     glDispatchCompute((end - first + GROUP - 1) / GROUP, 1, 1);
 }

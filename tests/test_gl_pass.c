@@ -13,6 +13,9 @@ enum { RAYS = 9, OBJECTS = 6 };
 static uint16_t row_objects[RAYS];
 static const struct volume row = {.info = {.dim = {RAYS, 1, 1}}, .voxel_count = RAYS, .objects16 = row_objects};
 
+static uint8_t row_codes[RAYS];
+static const struct id_leaps row_leaps = {.codes = row_codes, .last = {RAYS - 1, 0, 0}};
+
 /* With sampling on planes: `planes` of them from depth 10 on, 1 mm apart. */
 static void aim_from_above(struct id_pass *pass, double height, conus_sampling sampling, double planes)
 {
@@ -39,8 +42,11 @@ static struct id_pass *row_pass(conus_sampling sampling, const uint32_t *identif
     struct id_pass *pass = NULL;
     uint64_t memory = 1 << 20;
     assert_ok(id_pass_create(&pass, sampling, identifiers, OBJECTS + 1));
-    assert_ok(id_pass_add_volume(pass, &row, &memory));
-    assert_ok(id_pass_add_volume(pass, &row, &memory));
+    for (int i = 0; i < RAYS; i++) {
+        row_codes[i] = row_objects[i] == 0;
+    }
+    assert_ok(id_pass_add_volume(pass, &row, &row_leaps, &memory));
+    assert_ok(id_pass_add_volume(pass, &row, &row_leaps, &memory));
     assert_true(memory < 1 << 20);
     return pass;
 }
@@ -179,9 +185,9 @@ static void textures_beyond_the_allowed_memory_are_refused(void **state)
     struct test_gl gl;
     test_gl_enter(&gl);
     struct id_pass *pass = NULL;
-    uint64_t memory = sizeof row_objects; /* the bricks find no room */
+    uint64_t memory = sizeof row_objects; /* the codes find no room */
     assert_ok(id_pass_create(&pass, CONUS_EXACT, hard_identifiers, OBJECTS + 1));
-    assert_fails(id_pass_add_volume(pass, &row, &memory), CONUS_ERROR_MEMORY);
+    assert_fails(id_pass_add_volume(pass, &row, &row_leaps, &memory), CONUS_ERROR_MEMORY);
     assert_non_null(strstr(conus_message(), "allowed memory"));
     id_pass_destroy(pass);
     test_gl_leave(&gl);
@@ -189,23 +195,7 @@ static void textures_beyond_the_allowed_memory_are_refused(void **state)
 
 /* ---- Bricks ------------------------------------------------------------------------------------------------- */
 
-static bool brick_has_object(const struct volume *volume, const size_t brick[3])
-{
-    for (size_t v = 0; v < volume->voxel_count; v++) {
-        const size_t *dim = volume->info.dim;
-        size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
-        bool in = true;
-        for (int a = 0; a < 3; a++) {
-            in = in && at[a] / BRICKS_EDGE == brick[a];
-        }
-        if (in && volume_object(volume, v)) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Distance from `brick` to the nearest that holds an object, by looking at all of them. */
+/* Distance from `brick` to the nearest that is occupied, by looking at all of them. */
 static size_t brute_distance(const struct bricks *bricks, const bool *occupied, const size_t brick[3])
 {
     size_t least = UINT8_MAX;
@@ -233,30 +223,26 @@ static void bricks_know_their_distance(void **state)
     (void)state;
     uint64_t random = 3;
     for (int round = 0; round < 30; round++) {
-        static uint16_t objects[40 * 40 * 40];
-        struct volume volume = {.objects16 = objects, .voxel_count = 1};
-        for (int a = 0; a < 3; a++) {
-            volume.info.dim[a] = 1 + (size_t)test_random(&random, 0, 40);
-            volume.voxel_count *= volume.info.dim[a];
-        }
-        memset(objects, 0, sizeof objects);
-        for (int n = round % 6; n > 0; n--) {
-            objects[(size_t)test_random(&random, 0, (double)volume.voxel_count)] = 5;
-        }
-        struct bricks bricks;
-        bool occupied[10 * 10 * 10];
-        assert_ok(bricks_init(&bricks, &volume));
-        size_t count = bricks.dim[0] * bricks.dim[1] * bricks.dim[2];
+        uint8_t distance[10 * 10 * 10];
+        bool occupied[10 * 10 * 10] = {false};
+        struct bricks bricks = {.distance = distance};
+        size_t count = 1;
         size_t at[3];
-        for (size_t b = 0; b < count; b++) {
-            brick_at(at, &bricks, b);
-            occupied[b] = brick_has_object(&volume, at);
+        for (int a = 0; a < 3; a++) {
+            bricks.dim[a] = 1 + (size_t)test_random(&random, 0, 10);
+            count *= bricks.dim[a];
+        }
+        for (int n = round % 6; n > 0; n--) {
+            occupied[(size_t)test_random(&random, 0, (double)count)] = true;
         }
         for (size_t b = 0; b < count; b++) {
-            brick_at(at, &bricks, b);
-            assert_int_equal(bricks.distance[b], brute_distance(&bricks, occupied, at));
+            distance[b] = occupied[b] ? 0 : UINT8_MAX;
         }
-        bricks_finish(&bricks);
+        bricks_spread(&bricks);
+        for (size_t b = 0; b < count; b++) {
+            brick_at(at, &bricks, b);
+            assert_int_equal(distance[b], brute_distance(&bricks, occupied, at));
+        }
     }
 }
 

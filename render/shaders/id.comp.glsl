@@ -4,22 +4,18 @@
 // (MERGE) only overwrites what is farther. PIERCE appends every piece of the ray inside an object to a list instead
 // (Eq. 10).
 //
-// Defines: SLICES, MERGE, PIERCE (0 or 1), GROUP, BRICK_SHIFT, and the bindings *_UNIT (textures) and *_BUFFER.
+// Defines: SLICES, MERGE, PIERCE (0 or 1), GROUP, and the bindings *_UNIT (textures) and *_BUFFER.
 
 layout(local_size_x = GROUP) in;
 
-struct Ray { // struct id_ray
-    double origin[3], direction[3];
-    double inverse[4]; // the last is unused; with SLICES the planes: start, spacing, count, mm per mm of depth
-};
-
 layout(binding = OBJECTS_UNIT) uniform usampler3D objects;
-layout(std430, binding = IDENTIFIER_BUFFER) readonly restrict buffer Identifiers { uint identifiers[]; };
-layout(std430, binding = RAY_BUFFER) readonly restrict buffer Rays { Ray rays[]; };
-uniform ivec2 range; // of rays: the first, and the first that is not to be looked along
+layout(binding = IDENTIFIER_UNIT) uniform usamplerBuffer identifiers;
+layout(binding = RAY_UNIT) uniform usamplerBuffer rays; // struct id_ray, two doubles per texel
+uniform ivec2 range;                                    // of rays: the first, and the first that is not to be looked along
 
 #if !SLICES
-layout(binding = BRICKS_UNIT) uniform usampler3D bricks;
+layout(binding = LEAP_UNIT) uniform usampler3D leaps; // codes: 0 = an object; else 1 + voxels to leap each way
+uniform ivec3 first_cell, last_cell;                  // the box of the voxels with objects
 #endif
 
 #if PIERCE
@@ -45,38 +41,63 @@ layout(std430, binding = OUT_BUFFER) restrict buffer Hits { Found hits[]; };
 
 #define NEVER packDouble2x32(uvec2(0u, 0x7ff00000u)) // infinity; to glslang not a constant
 
-struct Way {
-    dvec3 origin, direction, inverse; // in index space; inverse is infinite where the ray does not move
+// From origins nearer than FAR voxels, positions along a ray are off by far less than NEAR voxels.
+const double FAR = 33554432.0lf;
+const double NEAR = 1e-6lf;
+
+struct Ray { // in index space
+    dvec3 origin, direction;
+    dvec3 inverse; // infinite where the ray does not move; with SLICES the planes' start, spacing and count
+#if SLICES
+    double per_depth;
+#else
+    dvec3 sign;
+    double clear; // so far from its middle a cell is surely the one that position along the ray tells
+#endif
 };
 
-struct Hit {
-    uint id; // 0: none
+struct Place { // in a cell since t
     dvec3 cell;
     double t;
 };
 
-Way load_way(int ray)
+struct Hit {
+    uint id; // 0: none
+    Place place;
+};
+
+dvec2 load_pair(int at)
 {
-    Ray r = rays[ray];
-    return Way(dvec3(r.origin[0], r.origin[1], r.origin[2]), dvec3(r.direction[0], r.direction[1], r.direction[2]),
-               dvec3(r.inverse[0], r.inverse[1], r.inverse[2]));
+    uvec4 words = texelFetch(rays, at);
+    return dvec2(packDouble2x32(words.xy), packDouble2x32(words.zw));
+}
+
+Ray load_ray(int number)
+{
+    dvec2 a = load_pair(5 * number), b = load_pair(5 * number + 1), c = load_pair(5 * number + 2);
+    dvec2 d = load_pair(5 * number + 3), e = load_pair(5 * number + 4);
+    dvec3 origin = dvec3(a, b.x), direction = dvec3(b.y, c), inverse = dvec3(d, e.x);
+#if SLICES
+    return Ray(origin, direction, inverse, e.y);
+#else
+    dvec3 sign = mix(dvec3(1.0), dvec3(-1.0), lessThan(direction, dvec3(0.0)));
+    return Ray(origin, direction, inverse, sign, all(lessThan(abs(origin), dvec3(FAR))) ? 0.5 - NEAR : -1.0);
+#endif
 }
 
 uint identify(dvec3 cell)
 {
-    uint last = uint(identifiers.length() - 1);
-    return identifiers[min(texelFetch(objects, ivec3(cell), 0).r, last)];
+    uint last = uint(textureSize(identifiers)) - 1u;
+    return texelFetch(identifiers, int(min(texelFetch(objects, ivec3(cell), 0).r, last))).r;
 }
 
 #if SLICES
-Hit walk(int number, ivec3 dim, double limit)
+Hit walk(Ray ray, double limit)
 {
-    Way ray = load_way(number);
-    dvec3 planes = ray.inverse;
-    double per_depth = rays[number].inverse[3];
-    for (double k = 0.0; k < planes.z; k++) {
-        precise double depth = planes.x + (k + 0.5) * planes.y;
-        precise double t = depth * per_depth;
+    ivec3 dim = textureSize(objects, 0);
+    for (double k = 0.0; k < ray.inverse.z; k++) {
+        precise double depth = ray.inverse.x + (k + 0.5) * ray.inverse.y;
+        precise double t = depth * ray.per_depth;
         precise dvec3 cell = floor(ray.origin + t * ray.direction + 0.5);
         if (t > limit) {
             break;
@@ -84,11 +105,11 @@ Hit walk(int number, ivec3 dim, double limit)
         if (is_inside(ivec3(cell), dim)) {
             uint id = identify(cell);
             if (id != 0u) {
-                return Hit(id, cell, t);
+                return Hit(id, Place(cell, t));
             }
         }
     }
-    return Hit(0u, dvec3(0.0), NEVER);
+    return Hit(0u, Place(dvec3(0.0), NEVER));
 }
 #else
 // Index of the cell [i - 1/2, i + 1/2) that holds x, whichever way x + 1/2 is rounded.
@@ -105,9 +126,9 @@ struct Crossing {
 };
 
 // When the ray leaves the cell along each axis (half = 0.5), or enters it (-0.5).
-dvec3 crossing_times(Way ray, dvec3 sign, dvec3 cell, double half_cell)
+dvec3 crossing_times(Ray ray, dvec3 cell, double half_cell)
 {
-    precise dvec3 t = ((cell + half_cell * sign) - ray.origin) * ray.inverse;
+    precise dvec3 t = ((cell + half_cell * ray.sign) - ray.origin) * ray.inverse;
     return t;
 }
 
@@ -120,12 +141,12 @@ bvec3 are_before(dvec3 t, Crossing crossing)
 
 // Where axes are just after a crossing of another one, when they were in `from` before; they stop at `end`.
 // The guess is off by one at most; the crossings themselves decide.
-dvec3 catch_up(Way ray, dvec3 sign, Crossing crossing, dvec3 from, dvec3 end)
+dvec3 catch_up(Ray ray, Crossing crossing, dvec3 from, dvec3 end)
 {
     dvec3 cell = clamp(floor(ray.origin + crossing.t * ray.direction + 0.5), min(from, end), max(from, end));
     for (;;) {
-        bvec3 late = not(are_before(crossing_times(ray, sign, cell, -0.5), crossing));
-        dvec3 earlier = mix(cell, cell - sign, late);
+        bvec3 late = not(are_before(crossing_times(ray, cell, -0.5), crossing));
+        dvec3 earlier = mix(cell, cell - ray.sign, late);
         earlier = mix(earlier, cell, equal(cell, from));
         if (earlier == cell) {
             break;
@@ -133,8 +154,8 @@ dvec3 catch_up(Way ray, dvec3 sign, Crossing crossing, dvec3 from, dvec3 end)
         cell = earlier;
     }
     for (;;) {
-        bvec3 early = are_before(crossing_times(ray, sign, cell, 0.5), crossing);
-        dvec3 later = mix(cell, cell + sign, early);
+        bvec3 early = are_before(crossing_times(ray, cell, 0.5), crossing);
+        dvec3 later = mix(cell, cell + ray.sign, early);
         later = mix(later, cell, equal(cell, end));
         if (later == cell) {
             break;
@@ -144,35 +165,48 @@ dvec3 catch_up(Way ray, dvec3 sign, Crossing crossing, dvec3 from, dvec3 end)
     return cell;
 }
 
-// The first cell in the grid: the origin's, or that behind the last crossing that brings the ray in. False: it misses.
-bool enter_grid(Way ray, dvec3 sign, dvec3 end, dvec3 dim, out dvec3 cell, out double t)
+// The first cell beyond the box in the ray's direction.
+dvec3 end_of(Ray ray)
+{
+    return mix(dvec3(last_cell + 1), dvec3(first_cell - 1), lessThan(ray.sign, dvec3(0.0)));
+}
+
+bool is_in_box(dvec3 cell)
+{
+    return all(greaterThanEqual(cell, dvec3(first_cell))) && all(lessThanEqual(cell, dvec3(last_cell)));
+}
+
+// The first place in the box: the origin's, or that behind the last crossing that brings the ray in. False: it misses.
+bool enter(Ray ray, out Place at)
 {
     Crossing last = Crossing(0.0, -1);
-    dvec3 first = mix(dvec3(0.0), dim - 1.0, lessThan(sign, dvec3(0.0)));
-    dvec3 entry = crossing_times(ray, sign, first, -0.5);
-    cell = cell_of(ray.origin);
+    dvec3 first = mix(dvec3(first_cell), dvec3(last_cell), lessThan(ray.sign, dvec3(0.0)));
+    dvec3 end = end_of(ray);
+    dvec3 entry = crossing_times(ray, first, -0.5);
+    at.cell = cell_of(ray.origin);
     for (int axis = 0; axis < 3; axis++) {
-        if ((first[axis] - cell[axis]) * sign[axis] > 0.0) {
+        if ((first[axis] - at.cell[axis]) * ray.sign[axis] > 0.0) {
             if (entry[axis] >= last.t) {
                 last = Crossing(entry[axis], axis);
             }
-            cell[axis] = first[axis];
+            at.cell[axis] = first[axis];
         }
     }
-    t = last.t;
-    if (!(t < NEVER) || any(greaterThanEqual((cell - end) * sign, dvec3(0.0)))) {
+    at.t = last.t;
+    if (!(at.t < NEVER) || any(greaterThanEqual((at.cell - end) * ray.sign, dvec3(0.0)))) {
         return false;
     }
     if (last.axis >= 0) {
-        cell = mix(catch_up(ray, sign, last, cell, end), cell, equal(ivec3(0, 1, 2), ivec3(last.axis)));
+        at.cell = mix(catch_up(ray, last, at.cell, end), at.cell, equal(ivec3(0, 1, 2), ivec3(last.axis)));
     }
-    return is_inside(ivec3(cell), ivec3(dim));
+    return is_in_box(at.cell);
 }
 
-// Leaves the box whose last cells in the ray's direction are `last`, all of it empty; the time of it.
-double leave_box(Way ray, dvec3 sign, dvec3 end, dvec3 last, inout dvec3 cell)
+// Leaves the box of `radius` cells around the place, all of it empty unless radius is 0. False: the ray is out then.
+bool leave(Ray ray, double radius, inout Place at)
 {
-    dvec3 t = crossing_times(ray, sign, last, 0.5);
+    dvec3 reach = at.cell + radius * ray.sign;
+    dvec3 t = crossing_times(ray, reach, 0.5);
     Crossing first = Crossing(t.x, 0);
     if (t.y < first.t) {
         first = Crossing(t.y, 1);
@@ -180,31 +214,48 @@ double leave_box(Way ray, dvec3 sign, dvec3 end, dvec3 last, inout dvec3 cell)
     if (t.z < first.t) {
         first = Crossing(t.z, 2);
     }
-    bvec3 crossed = equal(ivec3(0, 1, 2), ivec3(first.axis));
-    if (last != cell) {
-        cell = catch_up(ray, sign, first, cell, end);
+    dvec3 cell = radius > 0.0 ? catch_up(ray, first, at.cell, end_of(ray)) : at.cell;
+    at = Place(mix(cell, reach + ray.sign, equal(ivec3(0, 1, 2), ivec3(first.axis))), first.t);
+    return at.t < NEVER && is_in_box(at.cell);
+}
+
+uint code_at(Place at)
+{
+    return texelFetch(leaps, ivec3(at.cell), 0).r;
+}
+
+// Goes on to the next cell with an object, which may be where it is. False: out of the box, or beyond the limit.
+// Most leaps end well within a cell, so that the position along the ray tells which; `leave` does the others, outside of
+// the inner loop, because lanes in step go both ways of every branch, but leave a loop when all are done.
+bool find_object(Ray ray, double limit, inout Place at)
+{
+    dvec3 t_end = crossing_times(ray, mix(dvec3(last_cell), dvec3(first_cell), lessThan(ray.sign, dvec3(0.0))), 0.5);
+    double stop = min(min(t_end.x, t_end.y), min(t_end.z, limit));
+    bool is_under_way = at.t <= limit;
+    while (is_under_way) {
+        uint code = code_at(at);
+        bool is_clear = true;
+        while (code != 0u && is_clear) {
+            dvec3 reach = at.cell + double(code - 1u) * ray.sign;
+            dvec3 t = crossing_times(ray, reach, 0.5);
+            double t_first = min(t.x, min(t.y, t.z));
+            bvec3 crossed = bvec3(t.x == t_first, t.y == t_first && t.x != t_first, false);
+            crossed.z = !crossed.x && !crossed.y;
+            dvec3 place = ray.origin + t_first * ray.direction;
+            dvec3 cell = floor(place + 0.5);
+            dvec3 off = mix(abs(place - cell), dvec3(0.0), crossed);
+            is_clear = t_first < stop && max(off.x, max(off.y, off.z)) <= ray.clear;
+            if (is_clear) {
+                at = Place(mix(cell, reach + ray.sign, crossed), t_first);
+                code = code_at(at);
+            }
+        }
+        if (code == 0u) {
+            return true;
+        }
+        is_under_way = leave(ray, double(code - 1u), at) && at.t <= limit;
     }
-    cell = mix(cell, last + sign, crossed);
-    return first.t;
-}
-
-// Leaves the cell, or the box of empty bricks around it, `empty` of them each way less one; the time of it.
-double leave(Way ray, dvec3 sign, dvec3 end, int empty, inout dvec3 cell)
-{
-    ivec3 brick = ivec3(cell) >> BRICK_SHIFT;
-    dvec3 high = dvec3(((brick + empty) << BRICK_SHIFT) - 1);
-    dvec3 low = dvec3((brick + 1 - empty) << BRICK_SHIFT);
-    return leave_box(ray, sign, end, empty == 0 ? cell : mix(high, low, lessThan(sign, dvec3(0.0))), cell);
-}
-
-int count_empty_bricks(dvec3 cell)
-{
-    return int(texelFetch(bricks, ivec3(cell) >> BRICK_SHIFT, 0).r);
-}
-
-dvec3 signs_of(Way ray)
-{
-    return mix(dvec3(1.0), dvec3(-1.0), lessThan(ray.direction, dvec3(0.0)));
+    return false;
 }
 
 #if PIERCE
@@ -224,74 +275,62 @@ void change(inout Piece piece, uint id, double t, dvec3 cell)
 }
 
 // Eq. 10: runs of cells with the same object.
-void pierce(int number, ivec3 dim)
+void pierce(Ray ray, uint number)
 {
-    Way ray = load_way(number);
-    dvec3 sign = signs_of(ray);
-    dvec3 end = mix(dvec3(dim), dvec3(-1.0), lessThan(sign, dvec3(0.0)));
-    Piece piece = Piece(uint(number), 0u, 0.0, 0.0, uint[](0u, 0u, 0u));
-    dvec3 cell;
-    double t;
-    if (!enter_grid(ray, sign, end, dvec3(dim), cell, t)) {
-        return;
+    Piece piece = Piece(number, 0u, 0.0, 0.0, uint[](0u, 0u, 0u));
+    Place at;
+    bool is_inside = enter(ray, at);
+    while (is_inside && find_object(ray, NEVER, at)) {
+        do {
+            uint id = identify(at.cell);
+            if (id != piece.id) {
+                change(piece, id, at.t, at.cell);
+            }
+            is_inside = leave(ray, 0.0, at);
+        } while (is_inside && code_at(at) == 0u);
+        change(piece, 0u, at.t, dvec3(0.0));
     }
-    while (is_inside(ivec3(cell), dim)) {
-        int empty = count_empty_bricks(cell);
-        uint id = empty == 0 ? identify(cell) : 0u;
-        if (id != piece.id) {
-            change(piece, id, t, cell);
-        }
-        t = leave(ray, sign, end, empty, cell);
-    }
-    change(piece, 0u, t, dvec3(0.0));
 }
 #else
-Hit walk(int number, ivec3 dim, double limit)
+Hit walk(Ray ray, double limit)
 {
-    Way ray = load_way(number);
-    dvec3 sign = signs_of(ray);
-    dvec3 end = mix(dvec3(dim), dvec3(-1.0), lessThan(sign, dvec3(0.0)));
-    dvec3 cell;
-    double t;
-    if (!enter_grid(ray, sign, end, dvec3(dim), cell, t)) {
-        return Hit(0u, dvec3(0.0), NEVER);
-    }
-    while (t <= limit && is_inside(ivec3(cell), dim)) {
-        int empty = count_empty_bricks(cell);
-        uint id = empty == 0 ? identify(cell) : 0u;
+    Place at;
+    bool is_inside = enter(ray, at);
+    while (is_inside && find_object(ray, limit, at)) {
+        uint id = identify(at.cell);
         if (id != 0u) {
-            return Hit(id, cell, t);
+            return Hit(id, at);
         }
-        t = leave(ray, sign, end, empty, cell);
+        is_inside = leave(ray, 0.0, at);
     }
-    return Hit(0u, dvec3(0.0), NEVER);
+    return Hit(0u, Place(dvec3(0.0), NEVER));
 }
 #endif
 #endif
 
 void main()
 {
-    int ray = range.x + int(gl_GlobalInvocationID.x);
-    ivec3 dim = textureSize(objects, 0);
-    if (ray >= range.y) {
+    int number = range.x + int(gl_GlobalInvocationID.x);
+    if (number >= range.y) {
         return;
     }
+    Ray ray = load_ray(number);
 #if PIERCE
-    pierce(ray, dim);
+    pierce(ray, uint(number));
 #else
     double limit = NEVER;
     uint rival = 0u;
 #if MERGE
-    limit = hits[ray].t;
-    rival = hits[ray].id;
+    limit = hits[number].t;
+    rival = hits[number].id;
 #endif
-    Hit hit = walk(ray, dim, limit);
+    Hit hit = walk(ray, limit);
 #if MERGE
-    if (hit.id == 0u || (hit.t == limit && rival < hit.id)) {
+    if (hit.id == 0u || (hit.place.t == limit && rival < hit.id)) {
         return;
     }
 #endif
-    uvec3 cell = uvec3(hit.cell);
-    hits[ray] = Found(hit.t, hit.id, uint[](cell.x, cell.y, cell.z));
+    uvec3 cell = uvec3(hit.place.cell);
+    hits[number] = Found(hit.place.t, hit.id, uint[](cell.x, cell.y, cell.z));
 #endif
 }
