@@ -318,10 +318,11 @@ conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double
         return fail(CONUS_ERROR_ARGUMENT, "threshold: %g, a number is needed", threshold);
     }
     struct volume *volume = &atlas->volumes[atlas->places[number - 1].index];
-    struct volume marked = {.info = volume->info, .values = volume->values, .voxel_count = volume->voxel_count};
     uint64_t voxels = 0;
+    conus_status status = volume_own(volume);
+    struct volume marked = {.info = volume->info, .values = volume->values, .voxel_count = volume->voxel_count};
     marked.info.threshold = threshold;
-    conus_status status = mark_voxels(&marked, (uint32_t)number, &voxels);
+    status = status ? status : mark_voxels(&marked, (uint32_t)number, &voxels);
     if (!status) {
         memory_free(volume->objects16);
         memory_free(volume->objects32);

@@ -283,6 +283,12 @@ conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus_hemispheres h
         return fail(CONUS_ERROR_ARGUMENT, "hemispheres: are %s already",
                     atlas->hemispheres == CONUS_HEMISPHERES_MERGED ? "merged" : "split");
     }
-    conus_status status = hemispheres == CONUS_HEMISPHERES_SPLIT ? hemispheres_split(atlas) : hemispheres_merge(atlas);
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < atlas->volume_count && !status; i++) {
+        status = volume_own(&atlas->volumes[i]);
+    }
+    status = status                                   ? status
+             : hemispheres == CONUS_HEMISPHERES_SPLIT ? hemispheres_split(atlas)
+                                                      : hemispheres_merge(atlas);
     return status ? fail_in(status, "hemispheres") : CONUS_OK;
 }

@@ -11,8 +11,10 @@
 void mesh_finish(struct mesh *mesh)
 {
     memory_free(mesh->path);
-    memory_free(mesh->positions);
-    memory_free(mesh->triangles);
+    if (!mesh->is_borrowed) {
+        memory_free(mesh->positions);
+        memory_free(mesh->triangles);
+    }
     *mesh = (struct mesh){0};
 }
 

@@ -20,6 +20,8 @@ struct mesh {
     size_t vertex_count;
     uint32_t *triangles; /**< [3 triangle_count] vertex indices, counter-clockwise from outside; owned.   */
     size_t triangle_count;
+    bool is_borrowed;        /**< The two arrays are not the mesh's own, not to be written, and 16 bytes behind each
+                                  may be read.                                                                  */
     struct mesh_shape shape; /**< Of a mesh in an atlas: atlas_add_mesh() fills it in.                          */
 };
 

@@ -6,13 +6,48 @@
 
 #include <string.h>
 
-void volume_finish(struct volume *volume)
+static void free_arrays(struct volume *volume)
 {
-    memory_free(volume->path);
     memory_free(volume->objects16);
     memory_free(volume->objects32);
     memory_free(volume->values);
+}
+
+void volume_finish(struct volume *volume)
+{
+    memory_free(volume->path);
+    if (!volume->is_borrowed) {
+        free_arrays(volume);
+    }
     *volume = (struct volume){0};
+}
+
+/* False without memory; a copy of nothing is nothing. */
+static bool copy_array(void *copy, const void *array, size_t count, size_t size)
+{
+    void *made = array ? memory_copy(array, count, size) : NULL;
+    memcpy(copy, &made, sizeof made);
+    return made || !array;
+}
+
+conus_status volume_own(struct volume *volume)
+{
+    struct volume own = *volume;
+    if (!volume->is_borrowed) {
+        return CONUS_OK;
+    }
+    own.is_borrowed = false;
+    own.leaps = NULL;
+    own.objects32 = NULL;
+    own.values = NULL;
+    if (!copy_array(&own.objects16, volume->objects16, volume->voxel_count, sizeof *own.objects16) ||
+        !copy_array(&own.objects32, volume->objects32, volume->voxel_count, sizeof *own.objects32) ||
+        !copy_array(&own.values, volume->values, volume->voxel_count, sizeof *own.values)) {
+        free_arrays(&own);
+        return CONUS_ERROR_MEMORY;
+    }
+    *volume = own;
+    return CONUS_OK;
 }
 
 conus_status volume_init(struct volume *out, const conus_volume_info *info)

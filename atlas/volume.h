@@ -17,12 +17,17 @@ struct volume {
     uint16_t *objects16; /**< Object number per voxel, 0 = none. One of the two, by the number of       */
     uint32_t *objects32; /**< objects; a context volume that blocks nothing has neither.                */
     float *values;       /**< Scaled value per voxel; NULL for a parcellation.                          */
+    bool is_borrowed;    /**< The arrays are not the volume's own, and not to be written.               */
+    const void *leaps;   /**< What selection/leap_map.h made of borrowed objects, in their memory; NULL = nothing. */
 };
 
 void volume_finish(struct volume *volume);
 
 /** Fills the parts that follow from @p info: copies path, inverts the affine, counts voxels. */
 conus_status volume_init(struct volume *out, const conus_volume_info *info);
+
+/** Copies borrowed arrays, so that they may be changed. On failure the volume is as before. */
+conus_status volume_own(struct volume *volume);
 
 /** Whether rays meet anything in it. */
 static inline bool volume_is_met(const struct volume *volume)

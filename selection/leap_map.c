@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -27,7 +28,9 @@ struct workshop {
 
 void leap_map_finish(struct leap_map *map)
 {
-    memory_free(map->codes);
+    if (!map->is_borrowed) {
+        memory_free(map->codes);
+    }
     *map = (struct leap_map){0};
 }
 
@@ -325,26 +328,79 @@ static void write_codes(struct leap_map *map, const struct workshop *shop)
     }
 }
 
-conus_status leap_map_init(struct leap_map *out, const struct volume *volume)
+/* ---- Where the codes lie ----------------------------------------------------------------------------------------- */
+
+/* In front of leaps is the map without its pointer, and what keeps the codes in lines of the cache. */
+enum { LEAPS_HEAD = 128 };
+static_assert(sizeof(struct leap_map) <= LEAPS_HEAD, "the map fits in front of its codes");
+
+/* Everything but the codes; gives the bytes that these need. */
+static size_t measure(struct leap_map *map, const struct volume *volume)
 {
-    struct leap_map map = {0};
-    struct workshop shop;
     size_t count = 1;
+    *map = (struct leap_map){0};
     for (int a = 0; a < 3; a++) {
-        map.dim[a] = volume->info.dim[a];
-        map.bricks[a] = (map.dim[a] + LEAP_BRICK - 1) / LEAP_BRICK;
-        count *= map.bricks[a]; /* at most the number of voxels, which was checked */
+        map->dim[a] = volume->info.dim[a];
+        map->bricks[a] = (map->dim[a] + LEAP_BRICK - 1) / LEAP_BRICK;
+        count *= map->bricks[a]; /* at most the number of voxels, which was checked */
     }
-    conus_status status = workshop_init(&shop, &map);
-    map.codes = status ? NULL : memory_raw(count + 1, LEAP_BRICK_VOXELS);
-    if (map.codes) {
+    return (count + 1) * LEAP_BRICK_VOXELS;
+}
+
+/* Fills the codes and the box of a measured map. */
+static conus_status fill(struct leap_map *map, const struct volume *volume)
+{
+    struct workshop shop;
+    conus_status status = workshop_init(&shop, map);
+    if (!status) {
         mark_occupied(&shop, volume);
-        find_box(&map, &shop);
-        count_brick_distances(&shop, &map);
-        count_fine_distances(&shop, &map);
-        write_codes(&map, &shop);
-        *out = map;
+        find_box(map, &shop);
+        count_brick_distances(&shop, map);
+        count_fine_distances(&shop, map);
+        write_codes(map, &shop);
     }
     workshop_finish(&shop);
-    return map.codes ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return status;
+}
+
+size_t leap_map_size(const struct volume *volume)
+{
+    struct leap_map map;
+    return LEAPS_HEAD + measure(&map, volume);
+}
+
+conus_status leap_map_write(void *memory, const struct volume *volume)
+{
+    struct leap_map map;
+    size_t size = measure(&map, volume);
+    if (volume->leaps) {
+        memcpy(memory, volume->leaps, LEAPS_HEAD + size);
+        return CONUS_OK;
+    }
+    map.codes = (uint8_t *)memory + LEAPS_HEAD;
+    conus_status status = fill(&map, volume);
+    map.codes = NULL;
+    map.is_borrowed = true;
+    memset(memory, 0, LEAPS_HEAD);
+    memcpy(memory, &map, sizeof map);
+    return status;
+}
+
+conus_status leap_map_init(struct leap_map *out, const struct volume *volume)
+{
+    struct leap_map map;
+    size_t size = measure(&map, volume);
+    if (volume->leaps) {
+        memcpy(out, volume->leaps, sizeof *out);
+        out->codes = (uint8_t *)volume->leaps + LEAPS_HEAD; /* is only read */
+        return CONUS_OK;
+    }
+    map.codes = memory_raw(size, 1);
+    conus_status status = map.codes ? fill(&map, volume) : CONUS_ERROR_MEMORY;
+    if (status) {
+        leap_map_finish(&map);
+        return status;
+    }
+    *out = map;
+    return CONUS_OK;
 }

@@ -18,11 +18,17 @@ struct leap_map {
     double first[3];  /**< The box of the voxels with objects: lowest    */
     double last[3];   /**< and highest index; below the lowest if none.  */
     uint8_t *codes;   /**< [bricks[0] bricks[1] bricks[2] 512], and 512 unused bytes that may be read. */
+    bool is_borrowed; /**< The codes are not the map's own. */
 };
 
-/** @p volume must have objects. */
+/** @p volume must have objects. Takes its leaps, if it has any, for as long as the volume has them. */
 conus_status leap_map_init(struct leap_map *out, const struct volume *volume);
 void leap_map_finish(struct leap_map *map);
+
+/** Bytes of what leap_map_write() writes. */
+size_t leap_map_size(const struct volume *volume);
+/** Makes the leaps of a volume (volume->leaps) at @p memory, which is aligned as malloc's is. */
+conus_status leap_map_write(void *memory, const struct volume *volume);
 
 /** Position of voxel (i, j, k) among the codes. */
 static inline size_t leap_map_at(const struct leap_map *map, size_t i, size_t j, size_t k)

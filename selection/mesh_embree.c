@@ -45,13 +45,27 @@ static conus_status open_device(struct mesh_rays *rays)
     return CONUS_OK;
 }
 
+/* Embree wants a few bytes more behind the last vertex: where there are none, it gets a copy. */
+static bool set_positions(RTCGeometry geometry, const struct mesh *mesh)
+{
+    const size_t size = 3 * sizeof *mesh->positions;
+    if (mesh->is_borrowed) {
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0, size,
+                                   mesh->vertex_count);
+        return true;
+    }
+    float *positions =
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, size, mesh->vertex_count);
+    if (positions) {
+        memcpy(positions, mesh->positions, mesh->vertex_count * size);
+    }
+    return positions;
+}
+
 static conus_status attach_mesh(struct mesh_rays *rays, RTCScene scene, const struct mesh *mesh, unsigned number)
 {
     RTCGeometry geometry = rtcNewGeometry(rays->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    float *positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                               3 * sizeof *positions, mesh->vertex_count);
-    if (positions) { /* a copy: Embree wants a few bytes more behind the last vertex */
-        memcpy(positions, mesh->positions, 3 * mesh->vertex_count * sizeof *positions);
+    if (set_positions(geometry, mesh)) {
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0,
                                    3 * sizeof *mesh->triangles, mesh->triangle_count);
         rtcCommitGeometry(geometry);

@@ -222,6 +222,22 @@ CONUS_API const char *conus_atlas_label_source(const conus_atlas *atlas);
 CONUS_API size_t conus_atlas_note_count(const conus_atlas *atlas);
 CONUS_API const char *conus_atlas_note(const conus_atlas *atlas, size_t index);
 
+/* An atlas in the memory of several processes: one of them loads it, packs it into memory that all of them map (a file
+ * of memfd_create(), POSIX shared memory, an MPI window, Python's multiprocessing.shared_memory), and all attach it
+ * there. Voxels, values, vertices, triangles and what the rays engine makes of voxels are in that memory once; names
+ * and the like each process has for itself, as Embree's trees over triangles, which cannot be moved. */
+
+/** Bytes that conus_atlas_pack() needs. */
+CONUS_API size_t conus_atlas_packed_size(const conus_atlas *atlas);
+/** Packs the atlas as it is into @p size bytes at @p memory, a multiple of 64. They hold no pointers and may be mapped
+ * elsewhere in each process, but are for this version of conus on this kind of machine: no format of files. On failure
+ * what they hold is of no use. */
+CONUS_CHECKED conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atlas);
+/** The atlas that was packed there. @p memory, which is never written to, must outlive it. An atlas that is changed
+ * (its thresholds, its hemispheres) gets copies of the arrays that this concerns. CONUS_ERROR_DATA where there is no
+ * whole atlas of this version; the large arrays themselves are trusted. */
+CONUS_CHECKED conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t size);
+
 /* ---- Poses ------------------------------------------------------------------------------------------------ */
 
 /** Rigid position and orientation of a device. It looks down its own -z; +y is up (Eq. 2). */
