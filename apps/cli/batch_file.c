@@ -87,12 +87,6 @@ static void write_first_line(char out[LINE_SIZE], const char *fingerprint)
     snprintf(out, LINE_SIZE, "conus-batch 1 %s", fingerprint);
 }
 
-/* One block of the journal. */
-struct entry {
-    uint64_t poses, errors, size;
-    uint32_t crc;
-};
-
 /* Takes the next word of a line that is cut up on the way; "" if there is none. */
 static const char *take_word(char **line)
 {
@@ -100,7 +94,7 @@ static const char *take_word(char **line)
     return word ? word : "";
 }
 
-static bool parse_entry(struct entry *out, char *line)
+static bool parse_entry(struct batch_entry *out, char *line)
 {
     char *end = NULL;
     bool numbers = count_parse(take_word(&line), INT64_MAX, &out->poses) &&
@@ -112,7 +106,7 @@ static bool parse_entry(struct entry *out, char *line)
 }
 
 /* Whether the next bytes of the part are those of the entry. */
-static bool has_block(FILE *part, const struct entry *entry)
+static bool has_block(FILE *part, const struct batch_entry *entry)
 {
     char chunk[CHUNK];
     uint32_t crc = 0;
@@ -128,7 +122,7 @@ static bool has_block(FILE *part, const struct entry *entry)
     return crc == entry->crc;
 }
 
-static void count_entry(struct batch_file *file, const struct entry *entry)
+static void count_entry(struct batch_file *file, const struct batch_entry *entry)
 {
     file->crc = (uint32_t)crc32_combine(file->crc, entry->crc, (z_off_t)entry->size);
     file->size += entry->size;
@@ -140,7 +134,7 @@ static void count_entry(struct batch_file *file, const struct entry *entry)
 static long count_blocks(struct batch_file *file, FILE *journal, FILE *part)
 {
     char line[LINE_SIZE];
-    struct entry entry;
+    struct batch_entry entry;
     long length = ftell(journal);
     while (read_line(line, journal) && parse_entry(&entry, line) && has_block(part, &entry)) {
         count_entry(file, &entry);
@@ -149,7 +143,7 @@ static long count_blocks(struct batch_file *file, FILE *journal, FILE *part)
     return length;
 }
 
-static bool append_entry(struct batch_file *file, const struct entry *entry)
+static bool append_entry(struct batch_file *file, const struct batch_entry *entry)
 {
     char line[LINE_SIZE];
     snprintf(line, sizeof line, "%" PRIu64 " %" PRIu64 " %" PRIu64 " %08" PRIx32, entry->poses, entry->errors,
@@ -194,7 +188,7 @@ static int open_files(struct batch_file *file, int flags)
 static int begin(struct batch_file *file, const char *fingerprint, const char *heading)
 {
     char line[LINE_SIZE];
-    const struct entry entry = {0, 0, strlen(heading), crc_of(heading, strlen(heading))};
+    const struct batch_entry entry = {0, 0, strlen(heading), crc_of(heading, strlen(heading))};
     int code = open_files(file, O_TRUNC);
     if (code) {
         return code;
@@ -303,13 +297,26 @@ bool batch_file_is_begun(const char *path)
     return begun;
 }
 
+struct batch_entry batch_entry_of(const conus_batch_block *block)
+{
+    return (struct batch_entry){block->poses, block->errors, block->size, crc_of(block->text, block->size)};
+}
+
 int batch_file_append(struct batch_file *file, const conus_batch_block *block)
 {
-    const struct entry entry = {block->poses, block->errors, block->size, crc_of(block->text, block->size)};
-    if (!write_fully(file->rows, block->text, block->size) || !append_entry(file, &entry)) {
+    const struct batch_entry entry = batch_entry_of(block);
+    if (!write_fully(file->rows, block->text, block->size)) {
         return complain_errno(file->path, "write");
     }
-    count_entry(file, &entry);
+    return batch_file_note(file, &entry);
+}
+
+int batch_file_note(struct batch_file *file, const struct batch_entry *entry)
+{
+    if (!append_entry(file, entry)) {
+        return complain_errno(file->path, "write");
+    }
+    count_entry(file, entry);
     return EXIT_DONE;
 }
 

@@ -13,8 +13,8 @@ struct batch_file {
     char *part, *journal; /**< Paths. */
     int rows, log;        /**< Descriptors of the two; -1 = closed. */
     uint64_t poses, errors;
-    uint64_t size; /**< Bytes, the heading included, */
-    uint32_t crc;  /**< and their CRC-32. */
+    uint64_t size;    /**< Bytes, the heading included, */
+    uint32_t crc;     /**< and their CRC-32. */
     bool is_finished; /**< It has its name. */
 };
 
@@ -30,8 +30,19 @@ int batch_file_open(struct batch_file *out, const char *path, const char *finger
 /** Whether there is an unfinished batch that is to become the file @p path. */
 bool batch_file_is_begun(const char *path);
 
+/** What the journal says of a block. */
+struct batch_entry {
+    uint64_t poses, errors, size;
+    uint32_t crc;
+};
+
+struct batch_entry batch_entry_of(const conus_batch_block *block);
+
 /** Appends a block. Gives the exit code likewise. */
 int batch_file_append(struct batch_file *file, const conus_batch_block *block);
+
+/** Notes a block that somebody else has written behind those that are there. Gives the exit code likewise. */
+int batch_file_note(struct batch_file *file, const struct batch_entry *entry);
 
 /** Gives the file its name; the journal is gone then. Gives the exit code likewise. */
 int batch_file_finish(struct batch_file *file);

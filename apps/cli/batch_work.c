@@ -112,15 +112,12 @@ static int load(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
     int code = settings_load_atlas(&work->atlas, work->arguments->operands[0], &settings->atlas);
-    code = code
+    return code
                ? code
                : settings_load_context(work->atlas, settings->context.path, settings->context.blocks, &settings->atlas);
-    code = code ? code : check_files(work);
-    return code ? code
-                : settings_match_stream(work->poses, settings->poses, work->atlas, &settings->file, &settings->common);
 }
 
-static int build(struct work *work)
+int work_build(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
     const conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
@@ -138,7 +135,12 @@ static int build(struct work *work)
         complain("engine: %s; %" PRIu32 " threads", conus_selector_engine(work->selector),
                  conus_batch_threads(work->batch));
     }
-    return status ? complain_status(status) : EXIT_DONE;
+    if (status) {
+        return complain_status(status);
+    }
+    settings_say_notes(work->atlas, &settings->common);
+    settings_say_open(work->atlas, &settings->engine, &settings->common);
+    return EXIT_DONE;
 }
 
 int work_init(struct work *out, const struct batch_settings *settings, const struct arguments *arguments)
@@ -160,16 +162,14 @@ int work_init(struct work *out, const struct batch_settings *settings, const str
     return EXIT_DONE;
 }
 
-int work_prepare(struct work *work)
+int work_open(struct work *work)
 {
+    const struct batch_settings *settings = work->settings;
     int code = open_poses(work);
-    code = code ? code : load(work);
-    code = code ? code : build(work);
-    if (!code) {
-        settings_say_notes(work->atlas, &work->settings->common);
-        settings_say_open(work->atlas, &work->settings->engine, &work->settings->common);
-    }
-    return code;
+    code = code || work->atlas ? code : load(work);
+    code = code ? code : check_files(work);
+    return code ? code
+                : settings_match_stream(work->poses, settings->poses, work->atlas, &settings->file, &settings->common);
 }
 
 /* ---- What the output says about itself --------------------------------------------------------------------------- */

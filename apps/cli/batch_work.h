@@ -27,8 +27,11 @@ struct work {
 int work_init(struct work *out, const struct batch_settings *settings, const struct arguments *arguments);
 void work_finish(struct work *work);
 
-/** Opens the poses, loads the atlas, makes the batch. */
-int work_prepare(struct work *work);
+/** Opens the poses and loads the atlas, unless the work has one already. */
+int work_open(struct work *work);
+
+/** Makes the batch, and says what there is to say about the atlas. */
+int work_build(struct work *work);
 
 /** Goes on to the pose that is @p poses farther. */
 int work_pass_over(struct work *work, uint64_t poses);

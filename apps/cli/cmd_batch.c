@@ -92,7 +92,8 @@ static int answer(void *user, const struct batch_settings *settings, const struc
     (void)user;
     struct run run = {.file = {.rows = -1, .log = -1}};
     int code = work_init(&run.work, settings, arguments);
-    code = code ? code : work_prepare(&run.work);
+    code = code ? code : work_open(&run.work);
+    code = code ? code : work_build(&run.work);
     code = code ? code : open_output(&run);
     if (!code && !run.file.is_finished) {
         code = answer_all(&run);

@@ -1,50 +1,70 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus-mpi batch: conus batch on all ranks of an MPI job. Every rank reads the atlas and the poses' file by itself,
- * and passes over the poses that are others'; with a rank per node and --threads, an atlas is in each node's memory
- * once. */
-#include "cli/batch_work.h"
+/* conus-mpi batch: conus batch on all ranks of an MPI job. Rank 0 leads: it alone reads the command's files of jobs and
+ * journals, and announces each batch to the others. The first rank of each node loads the atlas for all that run there.
+ * Every rank reads the poses' file by itself, and passes over the poses that are others'. */
+#include "cli/batch_jobs.h"
+#include "cli/batch_output.h"
+#include "cli/interrupt.h"
 #include "cli/messages.h"
 #include "cli/output.h"
+#include "cli/progress.h"
+#include "mpi/announcement.h"
+#include "mpi/node_atlas.h"
 #include "mpi/ordered_file.h"
 
-#include <stdio.h>
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+#include <time.h>
 
 enum { BLOCKS_PER_PIECE = 16, DEFAULT_BLOCK = 256 };
 
+/* Who is who. */
+struct cluster {
+    int rank, node_rank;
+    MPI_Comm node;
+};
+
 struct run {
+    const struct cluster *cluster;
     struct work work;
+    struct node_atlas shared;
+    struct batch_file kept; /* on rank 0 */
     struct ordered_file file;
-    char *temporary;
+    struct progress progress;
+    uint64_t first, left; /* poses to answer; left UINT64_MAX = all from there on */
     uint64_t piece_poses; /* in a whole piece */
-    int rank;
+    bool is_stopped;
 
     char *text; /* of the piece */
     size_t capacity;
     conus_batch_block piece;
-    bool no_memory;
 };
 
-/* An error of one rank ends all of them. */
-static void give_up(const struct run *run, int code)
+/* The highest exit code of all ranks. */
+static int agree(int code)
 {
-    if (run->temporary) {
-        unlink(run->temporary);
-    }
-    MPI_Abort(MPI_COMM_WORLD, code);
+    int agreed = code;
+    MPI_Allreduce(&code, &agreed, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+    return agreed;
 }
 
-static void check_mpi(const struct run *run, int error)
+/* ---- Pieces ------------------------------------------------------------------------------------------------------ */
+
+static void stop(struct run *run, int code)
 {
-    char text[MPI_MAX_ERROR_STRING];
-    int length;
-    if (error) {
-        MPI_Error_string(error, text, &length);
-        complain("%s: cannot write: %s", run->work.output, text);
-        give_up(run, EXIT_DATA);
+    ordered_file_stop(&run->file, code);
+    run->is_stopped = true;
+}
+
+/* Sees to what must be seen to every now and then; whether to go on. */
+static bool tend(struct run *run)
+{
+    run->is_stopped = run->is_stopped || ordered_file_tend(&run->file);
+    if (run->cluster->rank == 0) {
+        progress_update(&run->progress, run->kept.poses, run->kept.errors);
     }
+    return !run->is_stopped;
 }
 
 static bool collect(void *user, const conus_batch_block *block)
@@ -54,8 +74,9 @@ static bool collect(void *user, const conus_batch_block *block)
     if (needed > run->capacity) {
         size_t capacity = needed > 2 * run->capacity ? needed : 2 * run->capacity;
         char *text = realloc(run->text, capacity);
-        run->no_memory = !text;
         if (!text) {
+            complain("not enough memory");
+            stop(run, EXIT_DATA);
             return false;
         }
         run->text = text;
@@ -66,81 +87,201 @@ static bool collect(void *user, const conus_batch_block *block)
     run->piece.size = needed;
     run->piece.poses += block->poses;
     run->piece.errors += block->errors;
-    return true;
+    return tend(run);
 }
 
-/* Takes pieces until one is short, or empty. */
+/* Answers `poses` poses from `pass` poses further on. */
+static int answer_piece(struct run *run, uint64_t pass, uint64_t poses)
+{
+    int code = work_pass_over(&run->work, pass);
+    run->piece = (conus_batch_block){.text = ""};
+    if (!code && poses) {
+        conus_status status = conus_batch_run(run->work.batch, run->work.poses, poses, collect, run);
+        code = status ? complain_status(status) : EXIT_DONE;
+    }
+    return code;
+}
+
+/* Takes pieces until one is short, or empty, or all are to stop. */
 static void answer_pieces(struct run *run)
 {
     uint64_t passed = 0; /* poses of the file that this rank has behind it */
-    for (bool ended = false; !ended;) {
+    for (bool ended = false; !ended && tend(run);) {
         uint64_t number = ordered_file_take(&run->file);
-        uint64_t first = number * run->piece_poses;
-        int code = work_pass_over(&run->work, first - passed);
-        run->piece = (conus_batch_block){.text = ""};
-        if (!code) {
-            conus_status status = conus_batch_run(run->work.batch, run->work.poses, run->piece_poses, collect, run);
-            code = status ? complain_status(status) : EXIT_DONE;
-        }
-        if (run->no_memory) {
-            complain("not enough memory");
-            code = EXIT_DATA;
-        }
+        uint64_t before = number * run->piece_poses;
+        uint64_t left = before < run->left ? run->left - before : 0;
+        uint64_t poses = left < run->piece_poses ? left : run->piece_poses;
+        int code = answer_piece(run, poses ? run->first + before - passed : 0, poses);
         if (code) {
-            give_up(run, code);
+            stop(run, code);
         }
-        passed = first + run->piece_poses;
+        if (run->is_stopped) { /* the piece may not be whole */
+            return;
+        }
+        passed = run->first + before + run->piece.poses;
         ended = run->piece.poses < run->piece_poses;
-        check_mpi(run, ordered_file_write(&run->file, number, &run->piece));
+        ordered_file_write(&run->file, number, &run->piece);
     }
 }
 
-static int prepare(struct run *run, struct batch_settings *settings, const struct arguments *arguments)
+/* ---- A batch ----------------------------------------------------------------------------------------------------- */
+
+/* The poses and the atlas: rank 0 first, so that what is wrong on all ranks is said once; then the first rank of each
+ * node; then those that need no atlas of their own. */
+static int open_work(struct run *run, const struct batch_settings *settings, const struct arguments *arguments)
 {
-    struct work *work = &run->work;
-    if (!arguments->operand_count || !settings->poses || !settings->output || output_is_stdout(settings->poses) ||
-        output_is_stdout(settings->output) || settings->resume || settings->jobs || settings->shard) {
-        return complain_usage(
-            "conus-mpi batch needs ATLAS, --poses and --output, all files, and has no --resume, --jobs "
-            "and --shard");
+    const struct cluster *cluster = run->cluster;
+    int code = EXIT_DONE;
+    int turn = cluster->rank == 0 ? 0 : cluster->node_rank == 0 ? 1 : 2;
+    for (int i = 0; i < 3 && !code; i++) {
+        if (i == turn) {
+            code = work_init(&run->work, settings, arguments);
+        }
+        if (i == 2) {
+            node_atlas_share(&run->shared, &run->work.atlas, cluster->node);
+        }
+        if (i == turn && !code) {
+            code = work_open(&run->work);
+        }
+        code = agree(code);
     }
-    settings->threads = settings->threads ? settings->threads : 1; /* ranks are the processors */
-    settings->common.quiet = settings->common.quiet || run->rank > 0;
-    unsetenv("SLURM_ARRAY_TASK_ID"); /* this job is no shard */
-    int code = work_init(work, settings, arguments);
-    code = code ? code : work_check_output(work);
-    code = code ? code : work_prepare(work);
-    code = code ? code : work_identify(work);
-    if (!code && asprintf(&run->temporary, "%s.part", work->output) < 0) {
-        run->temporary = NULL;
-        code = EXIT_DATA;
-    }
-    return code;
+    code = code ? code : work_build(&run->work);
+    return agree(code);
 }
 
-static int finish(struct run *run, const uint64_t totals[SHARED_COUNT])
+/* What rank 0 finds in the file decides where all begin. */
+static int open_output(struct run *run)
 {
-    struct batch_record record = {
-        .poses = totals[POSES], .errors = totals[ERRORS], .bytes = totals[BYTES], .crc = (uint32_t)totals[CRC]};
-    int code = work_write_sidecar(&run->work, &record);
-    if (!code && rename(run->temporary, run->work.output)) {
-        complain("%s: cannot give it its name", run->work.output);
-        code = EXIT_DATA;
+    enum { CODE, FINISHED, POSES, SIZE, COUNT };
+    uint64_t found[COUNT] = {0};
+    bool leads = run->cluster->rank == 0;
+    if (leads) {
+        found[CODE] = (uint64_t)batch_output_open(&run->kept, &run->work);
+        found[FINISHED] = run->kept.is_finished;
+        found[POSES] = run->kept.poses;
+        found[SIZE] = run->kept.size;
     }
-    return code ? code : totals[ERRORS] ? EXIT_DIFFERENT : EXIT_DONE;
+    MPI_Bcast(found, COUNT, MPI_UINT64_T, 0, MPI_COMM_WORLD);
+    run->kept.is_finished = found[FINISHED];
+    run->first = run->work.first + found[POSES];
+    run->left = run->work.count == UINT64_MAX ? UINT64_MAX : run->work.count - found[POSES];
+    return found[CODE] || found[FINISHED]
+               ? (int)found[CODE]
+               : ordered_file_open(&run->file, run->work.output, found[SIZE], leads ? &run->kept : NULL);
 }
 
-static int answer(struct run *run)
+static void start_progress(struct run *run)
 {
-    uint64_t totals[SHARED_COUNT] = {0};
+    const struct work *work = &run->work;
+    progress_start(&run->progress, (enum progress_kind)work->settings->progress, work->settings->common.quiet);
+    run->progress.before = run->kept.poses;
+    if (progress_is_shown(&run->progress)) {
+        uint64_t total = work->count;
+        bool known = total != UINT64_MAX || conus_pose_stream_count(work->poses, &total) == CONUS_OK;
+        run->progress.total = known ? total : 0;
+    }
+}
+
+static void rest(void)
+{
+    static const struct timespec moment = {.tv_nsec = 1000000};
+    nanosleep(&moment, NULL);
+}
+
+/* All of it; on rank 0 also the last words. */
+static int answer_all(struct run *run)
+{
+    bool leads = run->cluster->rank == 0;
     uint32_t block = run->work.settings->block;
     run->piece_poses = (uint64_t)BLOCKS_PER_PIECE * (block ? block : DEFAULT_BLOCK);
-    check_mpi(run, ordered_file_open(&run->file, run->temporary, conus_batch_heading(run->work.batch)));
+    if (leads) {
+        start_progress(run);
+    }
+    interrupt_catch(NULL); /* nothing waits for poses: they are files */
     answer_pieces(run);
-    check_mpi(run, ordered_file_close(&run->file, totals));
-    int code = run->rank == 0 ? finish(run, totals) : EXIT_DONE;
-    MPI_Bcast(&code, 1, MPI_INT, 0, MPI_COMM_WORLD);
+    ordered_file_end(&run->file);
+    while (leads && !run->file.is_over && tend(run)) {
+        rest();
+    }
+    int code = ordered_file_look(&run->file);
+    if (leads) {
+        progress_finish(&run->progress, run->kept.poses, run->kept.errors);
+    }
+    if (leads && code >= 128) { /* first, since the others may be there no more */
+        batch_output_interrupted(&run->work, run->kept.poses, code - 128);
+    }
+    code = agree(ordered_file_close(&run->file) ? code : EXIT_DATA);
+    if (leads && !code) {
+        if (!run->kept.poses && run->work.shard.count == 1) {
+            settings_say_no_poses(run->work.settings->poses, &run->work.settings->common);
+        }
+        code = batch_output_finish(&run->kept, &run->work);
+    }
     return code;
+}
+
+/* On all ranks; the exit code is rank 0's, but for what goes wrong elsewhere. */
+static int answer(const struct cluster *cluster, const struct batch_settings *settings,
+                  const struct arguments *arguments)
+{
+    struct run run = {.cluster = cluster, .kept = {.rows = -1, .log = -1}};
+    struct batch_settings own = *settings;
+    own.threads = settings->threads ? settings->threads : 1; /* ranks are the processors */
+    own.common.quiet = settings->common.quiet || cluster->rank > 0;
+    own.common.verbose = settings->common.verbose && cluster->rank == 0;
+    int code = open_work(&run, &own, arguments);
+    if (!code && own.common.verbose && run.shared.memory) {
+        complain("atlas: %zu bytes, in memory once for all processes of a node", run.shared.size);
+    }
+    code = code ? code : open_output(&run);
+    if (!code && !run.kept.is_finished) {
+        code = answer_all(&run);
+    }
+    code = code || !run.kept.errors ? code : EXIT_DIFFERENT;
+    batch_file_close(&run.kept);
+    free(run.text);
+    work_finish(&run.work);
+    node_atlas_finish(&run.shared);
+    return code;
+}
+
+/* ---- Rank 0 and the others --------------------------------------------------------------------------------------- */
+
+/* On rank 0: answers with all ranks. */
+static int lead(void *user, const struct batch_settings *settings, const struct arguments *arguments)
+{
+    const struct cluster *cluster = user;
+    struct batch_settings own = *settings;
+    char text[64];
+    struct shard shard;
+    if (!settings->output || output_is_stdout(settings->output) || output_is_stdout(settings->poses)) {
+        return complain_usage("conus-mpi batch needs files for --poses and --output");
+    }
+    int code = batch_shard(&shard, settings);
+    if (code) {
+        return code;
+    }
+    snprintf(text, sizeof text, "%" PRIu64 "/%" PRIu64, shard.index, shard.count);
+    own.shard = text;
+    announcement_make(&(const struct announcement){arguments->operands[0], own.poses, own.output, own.shard});
+    return answer(cluster, &own, arguments);
+}
+
+/* On the others: answers what is announced. */
+static void follow(const struct cluster *cluster, const struct batch_settings *settings,
+                   const struct arguments *arguments)
+{
+    struct announcement announced;
+    while (announcement_hear(&announced)) {
+        struct batch_settings own = *settings;
+        struct arguments aimed = *arguments;
+        aimed.operands[0] = announced.atlas;
+        own.poses = announced.poses;
+        own.output = announced.output;
+        own.shard = announced.shard;
+        answer(cluster, &own, &aimed);
+        announcement_finish(&announced);
+    }
 }
 
 static const struct command batch = {
@@ -148,11 +289,14 @@ static const struct command batch = {
     .name = "batch",
     .summary = "answer a file of poses on all ranks of an MPI job",
     .operands = {"ATLAS"},
+    .optional = true,
     .form = "--poses FILE -o FILE",
     .description =
         "As conus batch, whose file it writes byte for byte, started by mpirun or srun. Each rank answers with\n"
-        "one thread unless --threads says otherwise.",
-    .examples = "  mpirun -n 16 conus-mpi batch aal.nii.gz --poses poses.tsv -o rows.tsv\n",
+        "one thread unless --threads says otherwise; the ranks of a node share one atlas in memory.",
+    .examples = "  mpirun -n 16 conus-mpi batch aal.nii.gz --poses poses.tsv -o rows.tsv\n"
+                "  mpirun -n 16 conus-mpi batch aal.nii.gz --poses poses.tsv -o rows.tsv --resume\n"
+                "  mpirun -n 16 conus-mpi batch --jobs subjects.tsv --summary --resume\n",
     .groups = batch_groups,
     .settings_size = sizeof(struct batch_settings),
     .more_help = help_scores,
@@ -169,29 +313,21 @@ static int read_command(struct arguments *arguments, struct batch_settings *sett
     return options_parse(arguments, settings, &batch, count, words, 2);
 }
 
-/* What is wrong on all ranks is said by the first one, which the others wait for. */
-static int start(int count, char **words)
+/* What is wrong with the command line is said by rank 0, which the others wait for. */
+static int start(const struct cluster *cluster, int count, char **words)
 {
     struct arguments arguments = {.command = &batch};
     struct batch_settings settings = {0};
-    struct run run = {0};
-    int code = GO_ON;
-    MPI_Comm_rank(MPI_COMM_WORLD, &run.rank);
-    for (int turn = 0; turn < 2 && code == GO_ON; turn++) {
-        if (turn == (run.rank > 0)) {
-            code = read_command(&arguments, &settings, count, words);
-            if (code == GO_ON) {
-                code = prepare(&run, &settings, &arguments);
-                code = code ? code : GO_ON;
-            }
-        }
-        int own = code;
-        MPI_Allreduce(&own, &code, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+    int code = cluster->rank == 0 ? read_command(&arguments, &settings, count, words) : GO_ON;
+    MPI_Bcast(&code, 1, MPI_INT, 0, MPI_COMM_WORLD);
+    if (code == GO_ON && cluster->rank == 0) {
+        code = batch_jobs_answer(&settings, &arguments, lead, (void *)cluster);
+        announcement_make(NULL);
+    } else if (code == GO_ON) {
+        code = read_command(&arguments, &settings, count, words);
+        follow(cluster, &settings, &arguments);
     }
-    code = code == GO_ON ? answer(&run) : code;
-    free(run.text);
-    free(run.temporary);
-    work_finish(&run.work);
+    MPI_Bcast(&code, 1, MPI_INT, 0, MPI_COMM_WORLD);
     options_finish(&settings, &arguments);
     return code;
 }
@@ -199,8 +335,13 @@ static int start(int count, char **words)
 int main(int argc, char **argv)
 {
     int provided;
+    struct cluster cluster;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
-    int code = start(argc, argv);
+    MPI_Comm_rank(MPI_COMM_WORLD, &cluster.rank);
+    MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, cluster.rank, MPI_INFO_NULL, &cluster.node);
+    MPI_Comm_rank(cluster.node, &cluster.node_rank);
+    int code = start(&cluster, argc, argv);
+    MPI_Comm_free(&cluster.node);
     MPI_Finalize();
     return output_finish(code);
 }

@@ -2,20 +2,25 @@
 # conus-mpi batch against conus batch.
 load helpers
 
-# ranks N ARGUMENT...: conus-mpi batch on N ranks. OpenMPI forgets memory of parts that it unloads, so that LeakSanitizer,
-# where there is one, would end it with a code of its own.
+# OpenMPI forgets memory of parts that it unloads, so that LeakSanitizer, where there is one, would end it with a code of
+# its own.
+export ASAN_OPTIONS=detect_leaks=0
+mpi=(mpirun --oversubscribe --allow-run-as-root)
+
+# ranks N ARGUMENT...: conus-mpi batch on N ranks.
 ranks() {
     local count=$1
     shift
-    ASAN_OPTIONS=detect_leaks=0 mpirun --oversubscribe --allow-run-as-root -n "$count" "$CONUS_MPI" batch "$@" 3>&-
+    "${mpi[@]}" -n "$count" "$CONUS_MPI" batch "$@" 3>&-
 }
 
+# setup_poses [N]: a ball, and N poses (700 unless given).
 setup_poses() {
     command -v mpirun >/dev/null || skip "no mpirun"
     sphere --size 32 --spacing 2,2,2
-    awk 'BEGIN {
+    awk -v count="${1:-700}" 'BEGIN {
         print "x\ty\tz\ttx\tty\ttz"
-        for (i = 0; i < 700; i++)
+        for (i = 0; i < count; i++)
             printf "%.3f\t%.3f\t%.3f\t%.3f\t%.3f\t0\n", 90 * cos(i), 90 * sin(i), i % 60 - 30, i % 3 * 15, i % 7
     }' >poses.tsv
 }
@@ -46,10 +51,186 @@ setup_poses() {
     ranks 3 sphere.nii.gz --poses none.tsv -o rows.tsv 2>said && return 1 || [ $? -eq 3 ]
     [ "$(grep -c '^conus: ' said)" -eq 1 ]
     ranks 2 sphere.nii.gz --poses poses.tsv 2>said && return 1 || [ $? -eq 2 ]
-    grep -q 'conus-mpi batch needs ATLAS, --poses and --output' said
+    grep -q 'conus-mpi batch needs files for --poses and --output' said
+    ranks 2 --poses poses.tsv 2>said && return 1 || [ $? -eq 2 ]
+    [ "$(grep -c '^conus: ATLAS is missing; conus-mpi batch --help shows how' said)" -eq 1 ]
     rm said
     nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv
     conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv
     ranks 2 sphere.nii.gz --poses poses.tsv -o rows.tsv 2>said && return 1 || [ $? -eq 2 ]
     grep -q 'there is a file already' said
+}
+
+@test "the ranks of a node share one atlas: areas, surfaces, pathways, context" {
+    setup_poses 200
+    conus phantom brain -o . >/dev/null
+    conus batch brain.atlas.json --poses poses.tsv --angle 20 -o rows.tsv
+    ranks 3 brain.atlas.json --poses poses.tsv --angle 20 --block 2 -o ranks.tsv --verbose 2>said
+    grep -q '^conus: atlas: [0-9]* bytes, in memory once for all processes of a node' said
+    cmp rows.tsv ranks.tsv
+    conus batch brain.atlas.json --poses poses.tsv --angle 20 --layers all -o rows.tsv --force
+    ranks 3 brain.atlas.json --poses poses.tsv --angle 20 --layers all --block 2 -o ranks.tsv --force
+    cmp rows.tsv ranks.tsv
+    conus batch sphere.nii.gz --hemispheres split --poses poses.tsv -o rows.tsv --force
+    ranks 2 sphere.nii.gz --hemispheres split --poses poses.tsv --block 2 -o ranks.tsv --force
+    cmp rows.tsv ranks.tsv
+    ranks 1 sphere.nii.gz --poses poses.tsv -o alone.tsv --verbose 2>said
+    run ! grep 'in memory once' said
+}
+
+# setup_long: 3000 poses that take a while; `long` are the arguments that say so.
+setup_long() {
+    setup_poses 3000
+    long=(sphere.nii.gz --poses poses.tsv --resolution 128)
+    conus batch "${long[@]}" -o rows.tsv
+}
+
+# start N ARGUMENT...: ranks in the background, the children of process $pid.
+start() {
+    local count=$1
+    shift
+    env --default-signal=INT "${mpi[@]}" -n "$count" "$CONUS_MPI" batch "${long[@]}" --block 1 "$@" >out 2>said 3>&- &
+    pid=$!
+}
+
+# wait_for_lines N: until the journal has N lines, or twenty seconds have passed.
+wait_for_lines() {
+    for _ in $(seq 2000); do
+        [ -e killed.tsv.journal ] && [ "$(wc -l <killed.tsv.journal)" -ge "$1" ] && return 0
+        sleep 0.01
+    done
+    echo "never got $1 lines"
+    cat said
+    return 1
+}
+
+# stop SIGNAL PID...: until all has ended; it must not have been a success.
+stop() {
+    kill "-$1" "${@:2}"
+    wait "$pid" 2>/dev/null && return 1
+    flock --timeout 20 killed.tsv.journal true
+}
+
+# read_children: the ranks.
+read_children() {
+    read -r -a children <"/proc/$pid/task/$pid/children" || true # a line without its end
+}
+
+@test "killed and resumed, with any number of ranks and by conus batch: the file of one run" {
+    setup_long
+    start 4 -o killed.tsv
+    wait_for_lines 5
+    read_children
+    stop KILL "$pid" "${children[@]}" # all of it
+    [ ! -e killed.tsv ]
+    ranks 2 "${long[@]}" -o killed.tsv 2>again && return 1 || [ $? -eq 2 ]
+    grep -q 'killed.tsv: an unfinished batch is there; --resume goes on, --force begins anew' again
+    ranks 2 "${long[@]}" -o killed.tsv --angle 11 --resume 2>again && return 1 || [ $? -eq 2 ]
+    [ "$(grep -c '^conus: .*written with other settings' again)" -eq 1 ]
+    local lines
+    lines=$(wc -l <killed.tsv.journal)
+    start 3 -o killed.tsv --resume
+    wait_for_lines $((lines + 5))
+    read_children
+    stop KILL "${children[1]}" # a rank
+    cp killed.tsv.part part
+    cp killed.tsv.journal journal
+    ranks 2 "${long[@]}" -o killed.tsv --resume
+    cmp rows.tsv killed.tsv
+    [ ! -e killed.tsv.part ] && [ ! -e killed.tsv.journal ]
+    diff <(grep -v CommandLine rows.json) <(grep -v CommandLine killed.json)
+    rm killed.tsv killed.json
+    mv part killed.tsv.part
+    mv journal killed.tsv.journal
+    conus batch "${long[@]}" -o killed.tsv --resume
+    cmp rows.tsv killed.tsv
+    ranks 2 "${long[@]}" -o killed.tsv --resume
+    ranks 2 "${long[@]}" -o killed.tsv --resume --angle 11 2>said && return 1 || [ $? -eq 2 ]
+    grep -q 'there is a file already' said
+}
+
+@test "conus batch killed, and resumed on ranks" {
+    setup_long
+    "$CONUS" batch "${long[@]}" --block 10 -o killed.tsv 3>&- &
+    pid=$!
+    wait_for_lines 30
+    stop KILL "$pid"
+    ranks 3 "${long[@]}" --block 7 -o killed.tsv --resume
+    cmp rows.tsv killed.tsv
+}
+
+@test "SIGINT ends it with a word on how to go on" {
+    setup_long
+    start 2 -o killed.tsv
+    wait_for_lines 5
+    stop INT "$pid"
+    [ "$(grep -c '^conus: interrupted after [0-9]* poses; go on with: conus-mpi batch .* -o killed.tsv --resume' said)" -eq 1 ]
+    ranks 2 "${long[@]}" -o killed.tsv --resume
+    cmp rows.tsv killed.tsv
+}
+
+@test "an error of one rank ends all, and --resume goes on" {
+    setup_poses
+    conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv
+    local command=("$CONUS_MPI" batch sphere.nii.gz --poses poses.tsv --block 1 -o full.tsv)
+    printf 'trap "" XFSZ\nulimit -f 20\nexec "$@"\n' >limited.sh # no more than 20 KB
+    "${mpi[@]}" -n 1 "${command[@]}" : -n 1 bash limited.sh "${command[@]}" 2>said 3>&- && return 1 || [ $? -eq 3 ]
+    [ "$(grep -c '^conus: ' said)" -eq 1 ]
+    grep -q '^conus: full.tsv: cannot write' said
+    [ ! -e full.tsv ]
+    ranks 2 sphere.nii.gz --poses poses.tsv -o full.tsv --resume
+    cmp rows.tsv full.tsv
+}
+
+@test "shards, given or a Slurm array's" {
+    setup_poses 301
+    conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv
+    for i in 0 1 2; do
+        ranks 2 sphere.nii.gz --poses poses.tsv --block 3 --shard "$i/3" -o "rows.$i.tsv"
+    done
+    conus batch sphere.nii.gz --poses poses.tsv --shard 1/3 | cmp - rows.1.tsv
+    conus merge rows.?.tsv -o merged.tsv
+    cmp rows.tsv merged.tsv
+    SLURM_ARRAY_TASK_ID=12 SLURM_ARRAY_TASK_COUNT=3 SLURM_ARRAY_TASK_MIN=10 \
+        ranks 2 sphere.nii.gz --poses poses.tsv -o slurm.tsv 2>said
+    cmp rows.2.tsv slurm.tsv
+    [ "$(grep -c '^conus: note: shard 2/3, from SLURM_ARRAY_TASK_ID=12' said)" -eq 1 ]
+    ranks 2 sphere.nii.gz --poses poses.tsv --shard 3/3 -o no.tsv 2>said && return 1 || [ $? -eq 2 ]
+    [ "$(grep -c '^conus: --shard: "3/3" is not I/N' said)" -eq 1 ]
+}
+
+@test "--jobs answers a table of batches, and goes on where one cannot be" {
+    setup_poses
+    printf 'atlas\tposes\toutput\n' >jobs.tsv
+    printf 'sphere.nii.gz\tposes.tsv\ta.tsv\nnone.nii.gz\tposes.tsv\tb.tsv\n' >>jobs.tsv
+    printf 'sphere.nii.gz\tposes.tsv\tc.tsv\n' >>jobs.tsv
+    conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv
+    ranks 3 --jobs jobs.tsv --block 8 2>said && return 1 || [ $? -eq 3 ]
+    [ "$(grep -c '^conus: ' said)" -eq 1 ]
+    grep -q 'none.nii.gz' said
+    cmp rows.tsv a.tsv
+    cmp rows.tsv c.tsv
+    [ ! -e b.tsv ]
+    sed -i 's/none.nii.gz/sphere.nii.gz/' jobs.tsv
+    ranks 2 --jobs jobs.tsv --resume
+    cmp rows.tsv b.tsv
+    rm a.tsv a.json b.tsv b.json c.tsv c.json
+    ranks 2 --jobs jobs.tsv --shard 1/3
+    [ -e b.tsv ] && [ ! -e a.tsv ] && [ ! -e c.tsv ]
+}
+
+@test "progress is that of all ranks" {
+    setup_poses 2000
+    ranks 3 sphere.nii.gz --poses poses.tsv --block 8 -o rows.tsv --progress json 2>said
+    [ "$(grep -c '"finished":true' said)" -eq 1 ]
+    grep -q '^{"done":2000,"total":2000,"errors":0,.*"finished":true}$' said
+}
+
+@test "a file without poses becomes one without rows" {
+    setup_poses 0
+    conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv 2>said
+    ranks 2 sphere.nii.gz --poses poses.tsv -o ranks.tsv 2>also
+    cmp rows.tsv ranks.tsv
+    grep -q '^conus: ' said
+    [ "$(grep '^conus: ' said)" = "$(grep '^conus: ' also)" ]
 }

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "mpi/announcement.h"
+
+#include "cli/messages.h"
+
+#include <mpi.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { STRINGS = 4 };
+
+/* Its size with the final NUL, then the string; size 0 = none. */
+static void tell(const char *string)
+{
+    int size = string ? (int)strlen(string) + 1 : 0;
+    MPI_Bcast(&size, 1, MPI_INT, 0, MPI_COMM_WORLD);
+    MPI_Bcast((void *)string, size, MPI_CHAR, 0, MPI_COMM_WORLD);
+}
+
+static char *hear(void)
+{
+    int size;
+    MPI_Bcast(&size, 1, MPI_INT, 0, MPI_COMM_WORLD);
+    char *string = size ? malloc((size_t)size) : NULL;
+    if (size && !string) {
+        complain("not enough memory");
+        MPI_Abort(MPI_COMM_WORLD, EXIT_DATA);
+    }
+    MPI_Bcast(string, size, MPI_CHAR, 0, MPI_COMM_WORLD);
+    return string;
+}
+
+void announcement_make(const struct announcement *announcement)
+{
+    static const struct announcement none;
+    const struct announcement *a = announcement ? announcement : &none;
+    const char *const strings[STRINGS] = {a->atlas, a->poses, a->output, a->shard};
+    for (int i = 0; i < STRINGS; i++) {
+        tell(strings[i]);
+    }
+}
+
+bool announcement_hear(struct announcement *out)
+{
+    out->atlas = hear();
+    out->poses = hear();
+    out->output = hear();
+    out->shard = hear();
+    return out->atlas;
+}
+
+void announcement_finish(struct announcement *announcement)
+{
+    free((char *)announcement->atlas);
+    free((char *)announcement->poses);
+    free((char *)announcement->output);
+    free((char *)announcement->shard);
+}

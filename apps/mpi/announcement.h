@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What rank 0 tells the others to answer. */
+#ifndef CONUS_MPI_ANNOUNCEMENT_H
+#define CONUS_MPI_ANNOUNCEMENT_H
+
+#include <stdbool.h>
+
+struct announcement {
+    const char *atlas, *poses, *output, *shard;
+};
+
+/** On rank 0; NULL = there is nothing more to answer. */
+void announcement_make(const struct announcement *announcement);
+
+/** On the others, which wait for it: false when there is nothing more to answer. The strings are the caller's to
+ * announcement_finish(). */
+bool announcement_hear(struct announcement *out);
+void announcement_finish(struct announcement *announcement);
+
+#endif

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * One atlas for all ranks of a node. Its first rank packs the atlas that it has loaded into a file that only memory
+ * holds (memfd_create); the others map it, and nobody can write to it any more. It is gone with the last process that
+ * maps it, however that ends. */
+#ifndef CONUS_MPI_NODE_ATLAS_H
+#define CONUS_MPI_NODE_ATLAS_H
+
+#include <conus/conus.h>
+
+#include <mpi.h>
+
+struct node_atlas {
+    const void *memory; /**< NULL = not shared. */
+    size_t size;
+};
+
+/** All ranks of @p node at once. On its first rank *atlas is loaded, and exchanged for the shared one where that can be
+ * had; on the others *atlas is NULL, and stays so where it cannot. */
+void node_atlas_share(struct node_atlas *out, conus_atlas **atlas, MPI_Comm node);
+
+/** Behind the end of the atlas. */
+void node_atlas_finish(struct node_atlas *shared);
+
+#endif
