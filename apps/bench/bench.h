@@ -101,5 +101,9 @@ conus_status bench_torus_frame(struct bench *bench);
 conus_status bench_torus_gl(struct bench *bench); /**< Its part that needs OpenGL. */
 conus_status bench_gl_layers(struct bench *bench);
 conus_status bench_layers(struct bench *bench);
+/* What people use today; they leave themselves out where VTK was not there to build them. */
+conus_status bench_peers_mesh(struct bench *bench);
+conus_status bench_peers_volume(struct bench *bench);
+conus_status bench_peers_colour(struct bench *bench);
 
 #endif

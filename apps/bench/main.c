@@ -34,6 +34,11 @@ static const struct bench_scenario scenarios[] = {
     {"mesh", "256 rays at an atlas's surfaces (else the brain phantom's), one at a time or in packets", bench_mesh, 64,
      9, 10},
     {"colour", "a picture: blended slices against ray casting without and with skipping", bench_colour, 1, 5, 40},
+    {"peers_mesh", "256 rays into 20,000 tori: VTK's selector, locators and picker against the rays engine",
+     bench_peers_mesh, 4, 5, 40},
+    {"peers_volume", "256 rays through a labelled volume: VTK's pickers and selector beside the rays engine",
+     bench_peers_volume, 8, 5, 20},
+    {"peers_colour", "a picture of a volume: VTK's volume mappers against the colour pass", bench_peers_colour, 1, 5, 30},
     {"hand", "a trembling hand: how often --poses trials select the area that was meant", bench_hand, 64, 0, 0},
 };
 
