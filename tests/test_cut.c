@@ -2,9 +2,12 @@
 /* Flat cuts: which object each pixel's centre is in, on which side is what, and how things are laid over each other. */
 #include "atlas/phantom.h"
 #include "base/math3.h"
+#include "base/memory.h"
 #include "picture_scene.h"
+#include "scene.h"
 #include "test.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { SIDE = 61 };
@@ -208,6 +211,103 @@ static void what_cannot_be_drawn_is_refused(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* What a cutter keeps never shows: whatever changes from one picture to the next, it is that of conus_cut(). */
+static void draw_as_alone(conus_cutter *cutter, const conus_atlas *atlas, const conus_cut_view *view)
+{
+    static struct picture alone;
+    size_t pixels = (size_t)view->width * view->height;
+    assert_ok(conus_cut(alone.rgba, alone.objects, atlas, view));
+    assert_ok(conus_cutter_draw(cutter, view));
+    assert_memory_equal(conus_cutter_rgba(cutter), alone.rgba, 4 * pixels);
+    assert_memory_equal(conus_cutter_objects(cutter), alone.objects, 4 * pixels);
+}
+
+static unsigned pick(uint64_t *state, size_t count)
+{
+    return (unsigned)test_random(state, 0, (double)count);
+}
+
+/* Turns, moves, hides, points elsewhere: each now and then, so that the others stay as they were. */
+static void change(conus_cut_view *view, bool *hidden, size_t objects, conus_selection *const selections[2],
+                   uint64_t *state)
+{
+    static const double axes[][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    unsigned turn = pick(state, 3);
+    switch (pick(state, 8)) {
+    case 0:
+        view->centre[pick(state, 3)] = test_random(state, -8, 8);
+        break;
+    case 1:
+        memcpy(view->right, axes[turn], sizeof view->right);
+        memcpy(view->up, axes[(turn + 1) % 3], sizeof view->up);
+        break;
+    case 2:
+        view->width = 1 + pick(state, SIDE);
+        break;
+    case 3:
+        view->hidden = hidden;
+        hidden[1 + pick(state, objects)] ^= true;
+        break;
+    case 4:
+        view->window[1] = test_random(state, 1, 200);
+        break;
+    case 5:
+        view->no_outlines = !view->no_outlines;
+        break;
+    case 6:
+        view->mm_per_pixel = test_random(state, 0.2, 3);
+        break;
+    default:
+        view->selection = selections[pick(state, 2)];
+    }
+}
+
+static void check_cutter(conus_atlas *atlas, uint64_t *state)
+{
+    enum { CHANGES = 60 };
+    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS};
+    conus_selection *selections[] = {select_in(atlas, &options, 20), select_in(atlas, NULL, 60)};
+    size_t objects = conus_atlas_object_count(atlas);
+    bool *hidden = memory_zeroed(objects + 1, sizeof *hidden);
+    conus_cut_view view = {.width = SIDE, .height = SIDE, .fill = 0.4, .window = {-5, 90}};
+    conus_cutter *cutter = NULL;
+    assert_non_null(hidden);
+    assert_ok(conus_cutter_create(&cutter, atlas));
+    assert_null(conus_cutter_rgba(cutter));
+    for (int i = 0; i < CHANGES; i++) {
+        draw_as_alone(cutter, atlas, &view);
+        change(&view, hidden, objects, selections, state);
+    }
+    conus_cutter_destroy(cutter);
+    memory_free(hidden);
+    conus_selection_destroy(selections[0]);
+    conus_selection_destroy(selections[1]);
+    conus_atlas_destroy(atlas);
+}
+
+/* Surfaces, a context and a pathway. */
+static conus_atlas *load_brain(void)
+{
+    conus_atlas *atlas = NULL;
+    char path[600];
+    char folder[512];
+    snprintf(folder, sizeof folder, "%s", test_scratch("brain"));
+    assert_ok(conus_phantom_write("brain", folder, NULL));
+    snprintf(path, sizeof path, "%s/brain.atlas.json", folder);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    return atlas;
+}
+
+static void a_cutter_draws_the_same_pictures(void **state)
+{
+    (void)state;
+    uint64_t random = 11;
+    const conus_volume_info grid = picture_grid((size_t[]){20, 20, 20}, (double[]){2, 2, 2}, picture_identity);
+    check_cutter(scene_atlas(&random, 24, 2), &random);
+    check_cutter(load_brain(), &random);
+    check_cutter(picture_atlas(&grid, picture_ball_of_20, NULL, grey_of), &random);
+}
+
 static conus_status cut_once(void *data)
 {
     static struct picture picture;
@@ -237,6 +337,7 @@ int main(void)
         cmocka_unit_test(the_context_is_linear_between_black_and_white),
         cmocka_unit_test(a_cone_is_drawn_to_scale),
         cmocka_unit_test(hidden_areas_in_the_cone_are_hatched),
+        cmocka_unit_test(a_cutter_draws_the_same_pictures),
         cmocka_unit_test(what_cannot_be_drawn_is_refused),
         cmocka_unit_test(every_failing_allocation_is_survived),
     };

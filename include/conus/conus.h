@@ -62,6 +62,7 @@ typedef struct conus_jitter conus_jitter;           /**< An answer under errors 
 typedef struct conus_report conus_report;           /**< Answers collected for writing.                       */
 typedef struct conus_batch conus_batch;             /**< Threads made ready to answer poses by the million.   */
 typedef struct conus_renderer conus_renderer;       /**< GL objects of one atlas, for pictures.               */
+typedef struct conus_cutter conus_cutter;           /**< A flat cut of one atlas that is drawn again and again. */
 typedef struct conus_image conus_image;             /**< Named float and uint32 channels of one picture.      */
 typedef struct conus_grid conus_grid;               /**< Numbers on an atlas's voxel grid, to be written.     */
 
@@ -794,6 +795,17 @@ typedef struct conus_cut_view {
  * of what each pixel's centre is in, 0 = nothing; top row first. */
 CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const conus_atlas *atlas,
                                      const conus_cut_view *view);
+
+/** Draws one cut after the other, as windows do: the same pictures as conus_cut(), but voxels and surfaces are looked at
+ * again only where a view lies elsewhere, or hides other objects. Another selection over the same place costs little.
+ * The atlas must not change; after conus_atlas_set_threshold() or other colours, make another cutter. */
+CONUS_CHECKED conus_status conus_cutter_create(conus_cutter **out, const conus_atlas *atlas);
+CONUS_API void conus_cutter_destroy(conus_cutter *cutter);
+CONUS_CHECKED conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view);
+/** What was drawn last: [height width 4] bytes of sRGB, and [height width] numbers of objects, as conus_cut() fills
+ * them; NULL before that. Valid up to the next conus_cutter_draw(), and of no picture where that failed. */
+CONUS_API const uint8_t *conus_cutter_rgba(const conus_cutter *cutter);
+CONUS_API const uint32_t *conus_cutter_objects(const conus_cutter *cutter);
 
 /** What the device saw: channels id (uint32: the atlas's own label), object (uint32), X, Y, Z, t (float, world mm),
  * top row first as in every image, with atlas and pose as attributes. Where it saw nothing, id and object are 0, X, Y,
