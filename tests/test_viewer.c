@@ -20,7 +20,7 @@ static void load(struct viewer *out, const char *kind, const char *file)
     assert_ok(conus_phantom_write(kind, folder, NULL));
     snprintf(path, sizeof path, "%s/%s", folder, file);
     assert_ok(conus_atlas_load(&atlas, path, NULL));
-    assert_ok(viewer_create(out, atlas, "phantom", NULL, NULL));
+    assert_ok(viewer_create(out, atlas, "phantom", NULL, NULL, NULL));
 }
 
 static const double eye[3] = {0, 90, 0};

@@ -43,6 +43,7 @@ struct station {
     struct igtl_pose tool, reference, head; /* newest of each; name "" = none yet */
     double arrived_ms, head_arrived_ms, time_s;
     uint64_t number;
+    void (*on_pose)(void);   /* NULL = none */
     struct igtl_counts past; /* of peers that left */
     struct igtl_counts counts;
     uint64_t dropped;
@@ -159,23 +160,31 @@ static void hear(void *user, const struct igtl_poses *poses)
     struct station *station = user;
     const struct station_options *options = &station->options;
     pthread_mutex_lock(&station->lock);
+    bool heard = false;
     for (size_t i = 0; i < poses->count; i++) {
         const struct igtl_pose *pose = &poses->tools[i];
         if (options->reference && is_named(pose, options->reference)) {
             station->reference = *pose;
+            heard = true;
         } else if (options->head && is_named(pose, options->head)) {
             station->head = *pose;
+            heard = true;
             station->head_arrived_ms = now_ms();
         } else if (options->tool ? is_named(pose, options->tool)
                                  : !station->tool.name[0] || strcmp(pose->name, station->tool.name) == 0) {
             station->tool = *pose;
+            heard = true;
             station->arrived_ms = now_ms();
             station->time_s = poses->time_s;
             station->number++;
             pthread_cond_broadcast(&station->arrived);
         }
     }
+    void (*call)(void) = heard ? station->on_pose : NULL;
     pthread_mutex_unlock(&station->lock);
+    if (call) {
+        call();
+    }
 }
 
 /* ---- Peers --------------------------------------------------------------------------------------------------------
@@ -503,6 +512,13 @@ static void fill_news(struct station *station, struct station_news *out)
     if (out->head.state == STATION_SEEN) {
         head_pose(&out->head, station);
     }
+}
+
+void station_on_pose(struct station *station, void (*call)(void))
+{
+    pthread_mutex_lock(&station->lock);
+    station->on_pose = call;
+    pthread_mutex_unlock(&station->lock);
 }
 
 void station_ask(struct station *station, struct station_news *out)

@@ -61,6 +61,9 @@ struct station_news {
 /** Starts. False: @p why says why not, in one line. Strings are copied. */
 bool station_start(struct station **out, const struct station_options *options, char *why, size_t size);
 void station_stop(struct station *station); /**< NULL is fine. */
+/** Has @p call called, on the station's thread, after each pose of a tool that arrives: the one that
+ * points, the reference, the head. */
+void station_on_pose(struct station *station, void (*call)(void));
 
 void station_ask(struct station *station, struct station_news *out);
 /** Waits up to @p seconds for a pose that is newer than number @p after; false: there was none. */

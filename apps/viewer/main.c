@@ -3,9 +3,8 @@
 #include "cli/messages.h"
 #include "cli/settings.h"
 #include "cli/station_settings.h"
-#include "viewer/keep.h"
 #include "viewer/loader.h"
-#include "viewer/script.h"
+#include "viewer/loop.h"
 #include "viewer/session.h"
 #include "viewer/window.h"
 
@@ -13,9 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* How long the loop waits for events, at most, before it draws again. */
-static const double busy_s = 0.001, idle_s = 0.02;
 
 enum { DEFAULT_WIDTH = 1500, DEFAULT_HEIGHT = 940 };
 
@@ -124,50 +120,6 @@ static conus_atlas *wait_for_atlas(struct window *window, const struct loading *
     return atlas;
 }
 
-static void hear_tracker(struct window *window)
-{
-    uint64_t before = window->news.number;
-    bool aimed = station_step(window->station, window->viewer, &window->news);
-    if (aimed && window->news.number != before) {
-        times_add(&window->times, TIMED_LATENCY, 1e3 * window->news.age_s + window->viewer->select_ms);
-    }
-}
-
-/* After a frame at whose beginning @p answer was the newest. */
-static void note_times(struct window *window, unsigned answer)
-{
-    struct times *times = &window->times;
-    times->first_frame = times->first_frame > 0 ? times->first_frame : times_now() - times->started;
-    if (window->viewer->answer_number != answer) {
-        times_add(times, TIMED_SELECTION, window->viewer->select_ms);
-    }
-}
-
-static int show(struct window *window, struct script *script)
-{
-    int code = EXIT_DONE;
-    while (!glfwWindowShouldClose(window->handle)) {
-        glfwWaitEventsTimeout(script || window->station ? busy_s : idle_s);
-        times_begin_frame(&window->times);
-        unsigned answer = window->viewer->answer_number;
-        if (window->station) {
-            hear_tracker(window);
-        }
-        replay_step(&window->replay, window->viewer, glfwGetTime());
-        window_draw(window);
-        if (window->keeps_picture) {
-            window->keeps_picture = false;
-            keep(window, KEEP_PICTURE);
-        }
-        if (script && script_step(script, window, &code)) {
-            break;
-        }
-        glfwSwapBuffers(window->handle);
-        note_times(window, answer);
-    }
-    return code;
-}
-
 static void set_head(struct head *head, const struct station_settings *settings)
 {
     double enlarged = settings->enlarged > 0 ? settings->enlarged : 1;
@@ -189,7 +141,8 @@ static int run_window(struct window *window, const struct view_settings *setting
     if (settings->safe_colours) {
         conus_atlas_use_safe_colours(atlas);
     }
-    if (viewer_create(&viewer, atlas, path, settings->transfer, settings->common.verbose ? log_line : NULL)) {
+    if (viewer_create(&viewer, atlas, path, settings->transfer, settings->common.verbose ? log_line : NULL,
+                      loop_wake)) {
         complain("not enough memory");
         conus_atlas_destroy(atlas);
         return EXIT_DATA;
@@ -206,7 +159,7 @@ static int run_window(struct window *window, const struct view_settings *setting
     if (settings->session && !session_load(window, settings->session, why)) {
         complain("%s", why);
     } else {
-        code = show(window, script);
+        code = loop_run(window, script);
     }
     window->viewer = NULL;
     viewer_finish(&viewer);
@@ -217,6 +170,9 @@ static int run_window(struct window *window, const struct view_settings *setting
 static int start_sources(struct window *window, const struct view_settings *settings)
 {
     int code = settings_start_station(&window->station, &settings->station);
+    if (window->station) {
+        station_on_pose(window->station, loop_wake);
+    }
     if (!code && settings->poses) {
         conus_status status = conus_pose_list_load(&window->replay.poses, settings->poses, NULL);
         code = status ? complain_status(status) : EXIT_DONE;

@@ -6,10 +6,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <time.h>
 
 /* While the view moves a picture shall take no longer; and no coarser than that many pixels of the pane per pixel. */
 static const double quick_ms = 60;
+/* Pictures shall not hold up the window, where both share processors: above 0, "nicer" than it. */
+static const int niceness = 5;
 enum { COARSEST = 5, MESSAGE_SIZE = 512, LEVELS = 4096, TRANSFER_POINTS = 64 };
 
 /* How fine pictures of one painting become, one after the other. */
@@ -29,6 +32,7 @@ struct painter {
     struct painted done;
     char error[MESSAGE_SIZE];
     char device[160];
+    bool has_news;
     conus_transfer_point used[TRANSFER_POINTS]; /* the transfer function in use */
     size_t used_count;
 
@@ -36,6 +40,7 @@ struct painter {
     const conus_atlas *atlas;
     char *transfer;
     conus_log log;
+    void (*wake_window)(void);
     double ms_per_pixel;
     uint8_t bytes[LEVELS]; /* sRGB of linear light */
 };
@@ -47,11 +52,34 @@ static double now_ms(void)
     return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
 }
 
+bool painting_shows_same(const struct painting *a, const struct painting *b)
+{
+    bool same = a->width == b->width && a->height == b->height && a->fade == b->fade &&
+                a->answer_number == b->answer_number && a->scene_number == b->scene_number;
+    for (int i = 0; i < 16; i++) {
+        same = same && a->sight.camera.world_from_device[i] == b->sight.camera.world_from_device[i];
+    }
+    for (int i = 0; i < 4; i++) {
+        same = same && a->sight.frustum[i] == b->sight.frustum[i];
+    }
+    return same;
+}
+
+/* With the lock held; ends it. */
+static void tell_window(struct painter *painter)
+{
+    painter->has_news = true;
+    pthread_mutex_unlock(&painter->lock);
+    if (painter->wake_window) {
+        painter->wake_window();
+    }
+}
+
 static void note_error(struct painter *painter)
 {
     pthread_mutex_lock(&painter->lock);
     snprintf(painter->error, sizeof painter->error, "%s", conus_message());
-    pthread_mutex_unlock(&painter->lock);
+    tell_window(painter);
 }
 
 /* ---- The thread ------------------------------------------------------------------------------------------------ */
@@ -86,7 +114,7 @@ static void hand_over(struct painter *painter, struct painted *picture)
     pthread_mutex_lock(&painter->lock);
     free(painter->done.rgba);
     painter->done = *picture;
-    pthread_mutex_unlock(&painter->lock);
+    tell_window(painter);
 }
 
 /* Pixels of the pane per pixel of the picture. */
@@ -137,7 +165,7 @@ static void note_transfer(struct painter *painter, const conus_renderer *rendere
     pthread_mutex_lock(&painter->lock);
     memcpy(painter->used, points ? points : painter->used, count * sizeof *points);
     painter->used_count = count;
-    pthread_mutex_unlock(&painter->lock);
+    tell_window(painter);
 }
 
 static void apply_changes(struct painter *painter, conus_renderer *renderer, bool *hidden, conus_transfer_point *points,
@@ -161,7 +189,9 @@ static bool wait_for_work(struct painter *painter, struct painting *what, enum s
     while (idle && !painter->stop && !painter->is_new && !painter->hidden_is_new && !painter->point_count) {
         pthread_cond_wait(&painter->wake, &painter->lock);
     }
-    bool changed = painter->is_new || painter->hidden_is_new || painter->point_count;
+    bool rests = painter->is_new && !painter->hidden_is_new && !painter->point_count &&
+                 painting_shows_same(&painter->asked, what); /* what was drawn so far holds: go on, finer */
+    bool changed = (painter->is_new || painter->hidden_is_new || painter->point_count) && !rests;
     if (painter->is_new) {
         answer_drop(what->answer);
         *what = painter->asked;
@@ -208,6 +238,7 @@ static void *run(void *user)
     conus_renderer *renderer = NULL;
     const conus_renderer_options options = {.transfer = painter->transfer, .log = painter->log};
     make_bytes(painter);
+    setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + niceness); /* of this thread, and those it starts */
     if (conus_renderer_create(&renderer, painter->atlas, &options)) {
         note_error(painter);
         return NULL;
@@ -223,7 +254,8 @@ static void *run(void *user)
 
 /* ---- The window's side ----------------------------------------------------------------------------------------- */
 
-bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, conus_log log)
+bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, conus_log log,
+                    void (*wake)(void))
 {
     struct painter *painter = calloc(1, sizeof *painter);
     if (!painter) {
@@ -231,6 +263,7 @@ bool painter_create(struct painter **out, const conus_atlas *atlas, const char *
     }
     painter->atlas = atlas;
     painter->log = log;
+    painter->wake_window = wake;
     painter->transfer = transfer ? strdup(transfer) : NULL;
     pthread_mutex_init(&painter->lock, NULL);
     pthread_cond_init(&painter->wake, NULL);
@@ -272,6 +305,15 @@ void painter_ask(struct painter *painter, const struct painting *what)
     painter->is_new = true;
     pthread_cond_signal(&painter->wake);
     pthread_mutex_unlock(&painter->lock);
+}
+
+bool painter_has_news(struct painter *painter)
+{
+    pthread_mutex_lock(&painter->lock);
+    bool news = painter->has_news;
+    painter->has_news = false;
+    pthread_mutex_unlock(&painter->lock);
+    return news;
 }
 
 bool painter_take(struct painter *painter, struct painted *out)

@@ -22,6 +22,9 @@ struct painting {
     bool moving;            /**< Another one will follow soon: be quick. */
 };
 
+/** Whether both would give the same picture, be it coarse or fine. */
+bool painting_shows_same(const struct painting *a, const struct painting *b);
+
 /** A drawn picture. */
 struct painted {
     uint32_t width, height; /**< At most what was asked. */
@@ -31,13 +34,17 @@ struct painted {
     bool fine; /**< Nothing finer will come of the same painting. */
 };
 
-/** Starts the thread; @p transfer and @p log (called on that thread) as in conus_renderer_options. False without memory
- * or threads. */
-bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, conus_log log);
+/** Starts the thread; @p transfer and @p log (called on that thread) as in conus_renderer_options. @p wake (NULL =
+ * none) is called there when there is something new: a picture, an error, the device's name. False without memory or
+ * threads. */
+bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, conus_log log,
+                    void (*wake)(void));
 void painter_destroy(struct painter *painter);
 
 /** Asks for a picture instead of what was asked before. */
 void painter_ask(struct painter *painter, const struct painting *what);
+/** Whether there was something new since the last time this was asked. */
+bool painter_has_news(struct painter *painter);
 /** The newest picture, once: false if there is none since the last one. */
 bool painter_take(struct painter *painter, struct painted *out);
 /** Leaves objects out from now on: [count], copied. False without memory. */

@@ -10,30 +10,12 @@ static const ui_colour light = {235, 235, 240, 255};
 static const ui_colour dark = {20, 20, 24, 255};
 static const ui_colour orange = {255, 150, 30, 255};
 
-static const double rest_ms = 300; /* a cone that others move rests when it stood still for so long */
+/* What the mouse moves, and what a tracker or a replay moves, rests when it stood still for so long. */
+static const double view_rest_ms = 120, others_rest_ms = 300;
 
 enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the device's view */ };
 
 /* ---- The picture ------------------------------------------------------------------------------------------------- */
-
-static bool is_same_sight(const struct sight *a, const struct sight *b)
-{
-    bool same = true;
-    for (int i = 0; i < 16; i++) {
-        same = same && a->camera.world_from_device[i] == b->camera.world_from_device[i];
-    }
-    for (int i = 0; i < 4; i++) {
-        same = same && a->frustum[i] == b->frustum[i];
-    }
-    return same;
-}
-
-static bool is_same(const struct painting *a, const struct painting *b)
-{
-    return is_same_sight(&a->sight, &b->sight) && a->width == b->width && a->height == b->height &&
-           a->fade == b->fade && a->answer_number == b->answer_number && a->scene_number == b->scene_number &&
-           a->moving == b->moving;
-}
 
 static void ask_painter(struct window *window, bool moving)
 {
@@ -47,10 +29,12 @@ static void ask_painter(struct window *window, bool moving)
                             .answer_number = viewer->answer_number,
                             .scene_number = viewer->scene_number,
                             .moving = moving};
-    if (viewer->painter && !is_same(&what, &window->asked)) {
+    bool same = painting_shows_same(&what, &window->asked);
+    bool rests = window->asked.moving && !moving;
+    if (viewer->painter && (!same || rests)) {
         painter_ask(viewer->painter, &what);
         window->asked = what;
-        window->painted_fine = false;
+        window->painted_fine = window->painted_fine && same;
     }
 }
 
@@ -65,10 +49,11 @@ static void take_picture(struct window *window)
 {
     struct painted picture;
     if (window->viewer->painter && painter_take(window->viewer->painter, &picture)) {
+        bool coarse = picture.width != picture.what.width || picture.height != picture.what.height;
         note_picture(window, picture.milliseconds);
-        texture_set(&window->painted, picture.rgba, picture.width, picture.height);
+        texture_set(&window->painted, picture.rgba, picture.width, picture.height, coarse);
         window->painted_ms = picture.milliseconds;
-        window->painted_fine = picture.fine && is_same(&picture.what, &window->asked);
+        window->painted_fine = picture.fine && painting_shows_same(&picture.what, &window->asked);
         free(picture.rgba);
     }
 }
@@ -141,7 +126,7 @@ static void draw_device_view(struct window *window)
         }
         to[3] = 255;
     }
-    texture_set(&window->device_view, rgba, n, n);
+    texture_set(&window->device_view, rgba, n, n, false);
     const struct ui_box *box = &window->panes[PANE_3D];
     float edge = fminf(INSET * 16 * window->scale, 0.3F * fminf(box->width, box->height));
     struct ui_box inset = {box->x + box->width - edge - 10, box->y + 10, edge, edge};
@@ -244,21 +229,22 @@ static bool use_mouse(struct window *window)
     return moved || mouse.wheel != 0;
 }
 
-/* Whether a tracker or a replay moved the cone or the view just now, and will again. */
-static bool is_carried(struct window *window)
+/* Notes until when pictures shall be quick: the mouse moves the view or the cone, or a tracker or a replay does. */
+static void note_moves(struct window *window, bool by_mouse)
 {
     const struct viewer *viewer = window->viewer;
     double now = times_now();
-    if (window->carried_answer != viewer->answer_number) {
-        window->carried_answer = viewer->answer_number;
-        window->carried_ms = now;
+    bool carried = viewer->pointer == POINT_BY_TRACKER || viewer->pointer == POINT_BY_REPLAY;
+    if (by_mouse) {
+        window->moving_until = now + view_rest_ms;
     }
-    if (window->carried_head != viewer->head.number) {
-        window->carried_head = viewer->head.number;
-        window->carried_ms = now;
+    if ((carried && window->carried_answer != viewer->answer_number) ||
+        (viewer->head.on && window->carried_head != viewer->head.number)) {
+        window->moving_until = now + others_rest_ms;
     }
-    bool by_others = viewer->head.on || viewer->pointer == POINT_BY_TRACKER || viewer->pointer == POINT_BY_REPLAY;
-    return by_others && now - window->carried_ms < rest_ms;
+    window->carried_answer = viewer->answer_number;
+    window->carried_head = viewer->head.number;
+    window->moving = now < window->moving_until;
 }
 
 void pane_3d(struct window *window)
@@ -268,16 +254,17 @@ void pane_3d(struct window *window)
     window_sight(window, &window->sight);
     take_picture(window);
     ui_panel("3d", *box, UI_PLAIN);
-    ui_draw_box(*box, dark, 0);
     if (window->painted.name) {
         ui_draw_image(window->painted.name, *box);
+    } else {
+        ui_draw_box(*box, dark, 0);
     }
     bool touched = ui_surface("surface", *box);
-    bool moving = touched && use_mouse(window);
+    note_moves(window, touched && use_mouse(window));
     if (touched) {
         hover(window);
     }
-    ask_painter(window, moving || is_carried(window));
+    ask_painter(window, window->moving);
     ui_clip(*box);
     draw_names(window);
     draw_waiting(window);

@@ -14,84 +14,79 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static double distance_between(const double a[3], const double b[3])
-{
-    const double apart[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return sqrt(dot(apart, apart));
-}
-
 /* mm per pixel: at magnification 1 the atlas fills the pane. */
 static double scale_of(const struct viewer *viewer, const struct ui_box *box)
 {
     return 1.9 * viewer->radius / (double)fmaxf(fminf(box->width, box->height), 1) / viewer->magnification;
 }
 
+/* What a pane shows now. */
+struct frame {
+    struct cut_pane *pane;
+    float title_width;
+    uint32_t width, height;
+    double centre[3], right[3], up[3], mm_per_pixel;
+};
+
 /* ---- The picture ------------------------------------------------------------------------------------------------ */
 
-static bool make_room(struct cut_pane *pane, size_t pixels)
+/* A cutter holds as long as the atlas does not change. */
+static bool have_cutter(struct cut_pane *pane, struct viewer *viewer)
 {
-    if (pixels <= pane->pixels) {
+    if (pane->cutter && pane->atlas_number == viewer->atlas_number) {
         return true;
     }
-    uint32_t *objects = realloc(pane->objects, pixels * sizeof *objects);
-    pane->objects = objects ? objects : pane->objects;
-    uint8_t *rgba = objects ? realloc(pane->rgba, 4 * pixels) : NULL;
-    pane->rgba = rgba ? rgba : pane->rgba;
-    pane->pixels = rgba ? pixels : pane->pixels;
-    return rgba;
+    conus_cutter_destroy(pane->cutter);
+    pane->cutter = NULL;
+    pane->atlas_number = viewer->atlas_number;
+    return !conus_cutter_create(&pane->cutter, viewer->atlas);
 }
 
 /* The pane looks at the atlas's middle, but for the depth, which is the crosshair's. */
-static void find_centre(double out[3], const struct viewer *viewer, const double right[3], const double up[3])
+static void find_centre(double out[3], const struct viewer *viewer, enum plane plane)
 {
-    double offset[3];
-    for (int a = 0; a < 3; a++) {
-        offset[a] = viewer->centre[a] - viewer->crosshair[a];
-    }
-    double beside = dot(offset, right);
-    double above = dot(offset, up);
-    for (int a = 0; a < 3; a++) {
-        out[a] = viewer->crosshair[a] + beside * right[a] + above * up[a];
-    }
+    memcpy(out, viewer->centre, sizeof viewer->centre);
+    out[2 - (int)plane] = viewer->crosshair[2 - (int)plane];
 }
 
-static void draw_picture(struct window *window, struct cut_pane *pane, const double right[3], const double up[3])
+static bool is_drawn(const struct cut_pane *pane, const struct viewer *viewer, const struct frame *frame)
+{
+    bool same = pane->version == viewer->version && pane->texture.width == frame->width &&
+                pane->texture.height == frame->height;
+    for (int a = 0; a < 3; a++) {
+        same = same && pane->centre[a] == frame->centre[a];
+    }
+    return same;
+}
+
+static void draw_picture(struct window *window, const struct frame *frame)
 {
     struct viewer *viewer = window->viewer;
-    uint32_t width = (uint32_t)fmaxf(pane->box.width, 1);
-    uint32_t height = (uint32_t)fmaxf(pane->box.height, 1);
-    bool same = pane->version == viewer->version && pane->texture.width == width && pane->texture.height == height &&
-                distance_between(pane->crosshair, viewer->crosshair) == 0;
-    if (same || !make_room(pane, (size_t)width * height)) {
+    struct cut_pane *pane = frame->pane;
+    if (is_drawn(pane, viewer, frame)) {
         return;
     }
-    conus_cut_view view = {.mm_per_pixel = scale_of(viewer, &pane->box),
-                           .width = width,
-                           .height = height,
+    conus_cut_view view = {.mm_per_pixel = frame->mm_per_pixel,
+                           .width = frame->width,
+                           .height = frame->height,
                            .hidden = viewer->hidden,
                            .fill = viewer->fill,
                            .no_outlines = viewer->no_outlines,
                            .window = {viewer->window[0], viewer->window[1]},
                            .selection = viewer_selection(viewer)};
-    find_centre(view.centre, viewer, right, up);
-    memcpy(view.right, right, sizeof view.right);
-    memcpy(view.up, up, sizeof view.up);
-    if (conus_cut(pane->rgba, pane->objects, viewer->atlas, &view)) {
+    memcpy(view.centre, frame->centre, sizeof view.centre);
+    memcpy(view.right, frame->right, sizeof view.right);
+    memcpy(view.up, frame->up, sizeof view.up);
+    pane->version = viewer->version; /* what cannot be drawn is said once */
+    memcpy(pane->centre, frame->centre, sizeof pane->centre);
+    if (!have_cutter(pane, viewer) || conus_cutter_draw(pane->cutter, &view)) {
         viewer_say(viewer, "%s", conus_message());
-        return;
+    } else {
+        texture_set(&pane->texture, conus_cutter_rgba(pane->cutter), view.width, view.height, false);
     }
-    texture_set(&pane->texture, pane->rgba, width, height);
-    pane->version = viewer->version;
-    memcpy(pane->crosshair, viewer->crosshair, sizeof pane->crosshair);
 }
 
 /* ---- Where things are in it -------------------------------------------------------------------------------------- */
-
-struct frame {
-    const struct cut_pane *pane;
-    float title_width;
-    double centre[3], right[3], up[3], mm_per_pixel;
-};
 
 static void world_at(double out[3], const struct frame *frame, float x, float y)
 {
@@ -119,7 +114,8 @@ static uint32_t object_at(const struct cut_pane *pane, float x, float y)
     float column = x - pane->box.x;
     float row = y - pane->box.y;
     bool inside = column >= 0 && row >= 0 && column < (float)pane->texture.width && row < (float)pane->texture.height;
-    return inside && pane->objects ? pane->objects[(size_t)row * pane->texture.width + (size_t)column] : 0;
+    const uint32_t *objects = inside && pane->cutter ? conus_cutter_objects(pane->cutter) : NULL;
+    return objects ? objects[(size_t)row * pane->texture.width + (size_t)column] : 0;
 }
 
 /* ---- Over it ----------------------------------------------------------------------------------------------------- */
@@ -249,12 +245,14 @@ void pane_cut(struct window *window, enum plane plane)
     struct cut_pane *pane = &window->cuts[plane];
     struct frame frame = {.pane = pane, .mm_per_pixel = scale_of(window->viewer, &window->panes[plane])};
     pane->box = window->panes[plane];
+    frame.width = (uint32_t)fmaxf(pane->box.width, 1);
+    frame.height = (uint32_t)fmaxf(pane->box.height, 1);
     viewer_plane(frame.right, frame.up, window->viewer, plane);
-    find_centre(frame.centre, window->viewer, frame.right, frame.up);
-    draw_picture(window, pane, frame.right, frame.up);
+    find_centre(frame.centre, window->viewer, plane);
+    draw_picture(window, &frame);
     ui_panel(ids[plane], pane->box, UI_PLAIN);
     if (pane->texture.name) {
-        ui_image(pane->texture.name, pane->box.width, pane->box.height);
+        ui_draw_image(pane->texture.name, pane->box);
     }
     bool touched = ui_surface("surface", pane->box);
     if (touched) {

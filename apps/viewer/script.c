@@ -10,7 +10,9 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { WORD_LIMIT = 8, SETTLE_FRAMES = 3, SETTLE_LIMIT = 4000, PICTURE_LIMIT = 16384 };
+enum { WORD_LIMIT = 8, SETTLE_FRAMES = 3, PICTURE_LIMIT = 16384 };
+
+static const double settle_limit_ms = 1e5; /* a window that is never settled is an error */
 
 struct script {
     char *path;
@@ -19,9 +21,9 @@ struct script {
     size_t room;
     unsigned number;
     unsigned waiting; /* frames to let pass before the next command */
-    unsigned settled; /* frames since the pictures are fine */
-    unsigned waited;
-    bool settling;
+    unsigned settled; /* frames that the pictures shall still be fine for */
+    double until;     /* by times_now(): settled, or it fails; or the end of a pause */
+    bool settling, pausing;
     char *awaited; /* a file that must be there before the next command; NULL = none */
 };
 
@@ -227,8 +229,19 @@ static bool do_until(struct call *call)
 static bool do_settle(struct call *call)
 {
     call->script->settling = true;
-    call->script->settled = call->script->waited = 0;
+    call->script->settled = SETTLE_FRAMES;
+    call->script->until = times_now() + settle_limit_ms;
     return true;
+}
+
+/* The window does what it does while nobody touches it. */
+static bool do_pause(struct call *call)
+{
+    double seconds = 0;
+    bool fine = numbers(&seconds, call, 0, 1) && seconds >= 0 && seconds <= 3600;
+    call->script->pausing = fine;
+    call->script->until = times_now() + 1e3 * seconds;
+    return fine;
 }
 
 static bool do_screenshot(struct call *call)
@@ -309,6 +322,7 @@ static const struct {
     {"search", 0, 1, do_search, "[TEXT]"},
     {"choose", 1, 1, do_choose, "NAME"},
     {"wait", 1, 1, do_wait, "FRAMES"},
+    {"pause", 1, 1, do_pause, "SECONDS"},
     {"settle", 0, 0, do_settle, ""},
     {"until", 1, 1, do_until, "FILE"},
     {"screenshot", 1, 1, do_screenshot, "FILE.png"},
@@ -394,40 +408,54 @@ static bool act(struct call *call)
     return false;
 }
 
-/* Whether the script goes on waiting. */
-static bool keep_waiting(struct script *script, const struct window *window)
+bool script_waits(struct script *script, const struct window *window)
+{
+    double now = times_now();
+    script->pausing = script->pausing && now < script->until;
+    if (script->awaited && !access(script->awaited, F_OK)) {
+        free(script->awaited);
+        script->awaited = NULL;
+    }
+    bool unsettled = script->settling && !window_is_settled(window) && now < script->until;
+    return script->pausing || script->awaited || unsettled;
+}
+
+/* Whether the frame was one to let pass. */
+static bool let_pass(struct script *script, const struct window *window)
 {
     if (script->waiting) {
         script->waiting--;
         return true;
     }
-    if (script->awaited && access(script->awaited, F_OK)) {
-        return true;
+    if (script->settling && window_is_settled(window)) {
+        script->settling = --script->settled > 0;
+        return script->settling;
     }
-    free(script->awaited);
-    script->awaited = NULL;
-    if (!script->settling) {
-        return false;
-    }
-    script->settled = window_is_settled(window) ? script->settled + 1 : 0;
-    script->settling = script->settled < SETTLE_FRAMES && ++script->waited < SETTLE_LIMIT;
-    return script->settling;
+    return script->settling && times_now() < script->until;
+}
+
+static bool fail_line(struct script *script, int *code, const char *what)
+{
+    complain("%s:%u: %s", script->path, script->number, what);
+    *code = EXIT_DATA;
+    return true;
 }
 
 bool script_step(struct script *script, struct window *window, int *code)
 {
     struct call call = {.script = script, .window = window};
-    if (keep_waiting(script, window)) {
+    if (let_pass(script, window)) {
         return false;
+    }
+    if (script->settling) {
+        return fail_line(script, code, "the pictures were not fine after 100 s");
     }
     if (getline(&script->line, &script->room, script->file) < 0) {
         return true;
     }
     script->number++;
     if (!split(&call, script->line)) {
-        complain("%s:%u: more than %d words", script->path, script->number, WORD_LIMIT);
-        *code = EXIT_DATA;
-        return true;
+        return fail_line(script, code, "more than 8 words");
     }
     if (call.words[0] && !act(&call)) {
         *code = EXIT_DATA;

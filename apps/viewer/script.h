@@ -12,8 +12,10 @@ struct script;
 int script_load(struct script **out, const char *path);
 void script_destroy(struct script *script); /**< NULL is fine. */
 
-/** To be called after each frame was drawn, before it is shown. Does the next command; true when there is none left or
- * one failed (then *code is set, and it was said why). */
+/** Whether it waits for something that takes no frames: a file, a time, pictures being drawn. */
+bool script_waits(struct script *script, const struct window *window);
+/** To be called after a frame was drawn, before it is shown, unless it waits. Does the next command; true when there is
+ * none left or one failed (then *code is set, and it was said why). */
 bool script_step(struct script *script, struct window *window, int *code);
 
 #endif

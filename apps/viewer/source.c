@@ -43,6 +43,16 @@ void replay_toggle(struct replay *replay, double clock)
     replay->started = clock;
 }
 
+double replay_rest(const struct replay *replay, const struct viewer *viewer, double clock)
+{
+    if (!replay->playing || viewer->pointer != POINT_BY_REPLAY ||
+        replay->at + 1 >= conus_pose_list_count(replay->poses)) {
+        return INFINITY;
+    }
+    double next = replay_time(replay, replay->at + 1) - replay_time(replay, replay->from);
+    return fmax(next - (clock - replay->started), 0.001);
+}
+
 bool replay_step(struct replay *replay, struct viewer *viewer, double clock)
 {
     size_t count = conus_pose_list_count(replay->poses);

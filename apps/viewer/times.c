@@ -35,6 +35,11 @@ void times_begin_frame(struct times *times)
     times->frame_started = now;
 }
 
+void times_rest(struct times *times)
+{
+    times->frame_started = 0;
+}
+
 static int by_size(const void *a, const void *b)
 {
     double x = *(const double *)a;

@@ -7,7 +7,7 @@
 
 enum timed {
     TIMED_FRAME = 0, /**< Drawing the window, without waiting for the screen.                        */
-    TIMED_PERIOD,    /**< From one frame to the next.                                                */
+    TIMED_PERIOD,    /**< From one frame to the next, where they follow at once.                      */
     TIMED_SELECTION, /**< What the cone meets, once per pose.                                        */
     TIMED_LATENCY,   /**< From a tracker's message to the selection.                                 */
     TIMED_PICTURE,   /**< The 3-D picture, coarse or fine, on its own thread.                        */
@@ -31,6 +31,8 @@ void times_start(struct times *times, double started);
 void times_add(struct times *times, enum timed kind, double milliseconds);
 /** A frame begins now. */
 void times_begin_frame(struct times *times);
+/** The window sleeps: the next frame does not follow from the one before. */
+void times_rest(struct times *times);
 
 /** Writes count, median, 90th percentile and maximum of each since the last time, as JSON, and starts anew. */
 conus_status times_write(struct times *times, const char *path);

@@ -4,6 +4,7 @@
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+#include <epoxy/gl.h>
 #include <imgui.h>
 
 #include <cstdarg>
@@ -103,7 +104,7 @@ void ui_panel(const char *title, struct ui_box box, unsigned flags)
     ImGuiWindowFlags window = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
                               ImGuiWindowFlags_NoSavedSettings;
     bool plain = flags & UI_PLAIN;
-    window |= flags & UI_IN_FRONT ? 0 : ImGuiWindowFlags_NoBringToFrontOnFocus;
+    window |= flags & UI_IN_FRONT ? 0 : ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoBackground;
     if (plain) {
         window |= ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
         ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
@@ -355,17 +356,24 @@ void ui_table_end(void)
     ImGui::EndTable();
 }
 
-struct ui_box ui_image(uint32_t texture, float width, float height)
+/* Pictures are opaque, and blending costs a software renderer more than the picture. */
+static void stop_blending(const ImDrawList *, const ImDrawCmd *)
 {
-    ImVec2 at = ImGui::GetCursorScreenPos();
-    ImGui::Image(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture)), ImVec2(width, height));
-    return {at.x, at.y, width, height};
+    glDisable(GL_BLEND);
+}
+
+static void blend_again(const ImDrawList *, const ImDrawCmd *)
+{
+    glEnable(GL_BLEND);
 }
 
 void ui_draw_image(uint32_t texture, struct ui_box box)
 {
-    ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture)),
-                                         ImVec2(box.x, box.y), ImVec2(box.x + box.width, box.y + box.height));
+    ImDrawList *list = ImGui::GetWindowDrawList();
+    list->AddCallback(stop_blending, nullptr);
+    list->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture)), ImVec2(box.x, box.y),
+                   ImVec2(box.x + box.width, box.y + box.height));
+    list->AddCallback(blend_again, nullptr);
 }
 
 void ui_clip(struct ui_box box)

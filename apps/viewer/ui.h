@@ -41,6 +41,7 @@ float ui_text_width(const char *text);
 
 /* ---- Panels: a panel's widgets come between ui_panel() and ui_panel_end() --------------------------------------- */
 
+/** Panels have no background, which costs time: what the framebuffer was cleared to. But those in front have. */
 enum ui_panel_flag {
     UI_PLAIN = 1,    /**< No title, no padding: for pictures. */
     UI_IN_FRONT = 2, /**< Before all others.                  */
@@ -101,9 +102,7 @@ void ui_table_end(void);
 
 /* ---- Pictures and what is drawn over them ------------------------------------------------------------------------ */
 
-/** A picture in the panel, @p texture of GL; the widget before is it. Tells where it lies. */
-struct ui_box ui_image(uint32_t texture, float width, float height);
-/** A picture that is only drawn. */
+/** A picture, @p texture of GL, opaque. */
 void ui_draw_image(uint32_t texture, struct ui_box box);
 void ui_clip(struct ui_box box); /**< What is drawn up to ui_clip_end() stays in it. */
 void ui_clip_end(void);

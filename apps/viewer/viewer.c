@@ -18,7 +18,7 @@ void viewer_say(struct viewer *viewer, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(viewer->message, sizeof viewer->message, format, arguments);
     va_end(arguments);
-    viewer->version++;
+    viewer->said++;
 }
 
 /* ---- Creation --------------------------------------------------------------------------------------------------- */
@@ -51,9 +51,10 @@ static void find_window(struct viewer *viewer)
 }
 
 conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *path, const char *transfer,
-                           conus_log log)
+                           conus_log log, void (*wake)(void))
 {
-    struct viewer viewer = {.atlas = atlas, .atlas_path = path, .transfer = transfer, .angle = default_angle};
+    struct viewer viewer = {
+        .atlas = atlas, .atlas_path = path, .transfer = transfer, .angle = default_angle, .wake = wake};
     viewer.object_count = conus_atlas_object_count(atlas);
     viewer.hidden = calloc(viewer.object_count + 1, sizeof *viewer.hidden);
     viewer.fill = 0.45;
@@ -63,7 +64,7 @@ conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *p
     viewer.magnification = 1;
     memcpy(viewer.crosshair, viewer.centre, sizeof viewer.crosshair);
     orbit_look_at(&viewer.orbit, viewer.centre, viewer.radius);
-    if (!viewer.hidden || !painter_create(&viewer.painter, atlas, transfer, log)) {
+    if (!viewer.hidden || !painter_create(&viewer.painter, atlas, transfer, log, wake)) {
         free(viewer.hidden);
         return CONUS_ERROR_MEMORY;
     }
@@ -273,12 +274,13 @@ static void rest(struct viewer *viewer)
     viewer->selector = viewer->picker = NULL;
     viewer->answer = NULL;
     viewer->answer_number++;
+    viewer->atlas_number++;
 }
 
 static void go_on(struct viewer *viewer)
 {
     struct painter *painter = NULL;
-    if (painter_create(&painter, viewer->atlas, viewer->transfer, viewer->options.log)) {
+    if (painter_create(&painter, viewer->atlas, viewer->transfer, viewer->options.log, viewer->wake)) {
         viewer->painter = painter;
         viewer->transfer_editor.ready = false;
     }

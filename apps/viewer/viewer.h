@@ -74,14 +74,17 @@ struct viewer {
     size_t pin_count;
     char message[MESSAGE_SIZE_LIMIT]; /**< The status line's last news. */
     struct painter *painter;
+    unsigned atlas_number; /**< Grows when the atlas changes: what was made for it must be made anew. */
     unsigned scene_number; /**< Grows with what the painter draws otherwise than before from the same place. */
     struct transfer_editor transfer_editor;
-    unsigned version; /**< Grows with every change that shows. */
+    void (*wake)(void);
+    unsigned version; /**< Grows with every change that the panes show. */
+    unsigned said;    /**< Grows with every message.                    */
 };
 
-/** Gets ready for @p atlas, which is taken over on success; @p log may be NULL. */
+/** Gets ready for @p atlas, which is taken over on success; @p log and @p wake (painter.h) may be NULL. */
 conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *path, const char *transfer,
-                           conus_log log);
+                           conus_log log, void (*wake)(void));
 void viewer_finish(struct viewer *viewer);
 
 /** Puts one line into the status line. */

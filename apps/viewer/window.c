@@ -15,20 +15,61 @@ enum { LEFT_WIDTH = 250, RIGHT_WIDTH = 430, STATUS_HEIGHT = 24 };
 
 /* ---- Textures ---------------------------------------------------------------------------------------------------- */
 
-void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height)
+void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth)
 {
     if (texture->width != width || texture->height != height) {
         glDeleteTextures(1, &texture->name);
         glCreateTextures(GL_TEXTURE_2D, 1, &texture->name);
         glTextureStorage2D(texture->name, 1, GL_RGBA8, (GLsizei)width, (GLsizei)height);
-        glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-        glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, width <= 64 ? GL_NEAREST : GL_LINEAR);
         glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
         glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
         texture->width = width;
         texture->height = height;
     }
+    glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, smooth ? GL_LINEAR : GL_NEAREST);
+    glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, smooth ? GL_LINEAR : GL_NEAREST);
     glTextureSubImage2D(texture->name, 0, 0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+}
+
+/* ---- Events ------------------------------------------------------------------------------------------------------ */
+
+/* Widgets need a few frames to answer: hovered, pressed, let go. */
+enum { FRAMES_PER_EVENT = 3 };
+
+static void touch(GLFWwindow *handle)
+{
+    struct window *window = glfwGetWindowUserPointer(handle);
+    if (window) {
+        window->frames_wanted = FRAMES_PER_EVENT;
+    }
+}
+
+static void touch_by_mouse(GLFWwindow *handle, double x, double y)
+{
+    (void)x;
+    (void)y;
+    touch(handle);
+}
+
+static void touch_by_button(GLFWwindow *handle, int button, int action, int mods)
+{
+    (void)button;
+    (void)action;
+    (void)mods;
+    touch(handle);
+}
+
+static void touch_by_number(GLFWwindow *handle, int number)
+{
+    (void)number;
+    touch(handle);
+}
+
+static void touch_by_numbers(GLFWwindow *handle, int x, int y)
+{
+    (void)x;
+    (void)y;
+    touch(handle);
 }
 
 /* ---- Keys -------------------------------------------------------------------------------------------------------- */
@@ -44,6 +85,7 @@ static void press_named(GLFWwindow *handle, int key, int scancode, int action, i
     struct window *window = glfwGetWindowUserPointer(handle);
     (void)scancode;
     (void)mods;
+    touch(handle);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (names[i].key == key && action != GLFW_RELEASE && !ui_wants_keys()) {
             keys_press(window, names[i].name);
@@ -55,9 +97,26 @@ static void press_character(GLFWwindow *handle, unsigned character)
 {
     struct window *window = glfwGetWindowUserPointer(handle);
     const char key[2] = {(char)character, '\0'};
+    touch(handle);
     if (character > ' ' && character < 127 && !ui_wants_keys()) {
         keys_press(window, key);
     }
+}
+
+/* Before ui_create(), which calls what is there already. */
+static void hear_events(GLFWwindow *handle)
+{
+    glfwSetKeyCallback(handle, press_named);
+    glfwSetCharCallback(handle, press_character);
+    glfwSetCursorPosCallback(handle, touch_by_mouse);
+    glfwSetScrollCallback(handle, touch_by_mouse);
+    glfwSetMouseButtonCallback(handle, touch_by_button);
+    glfwSetCursorEnterCallback(handle, touch_by_number);
+    glfwSetWindowFocusCallback(handle, touch_by_number);
+    glfwSetWindowIconifyCallback(handle, touch_by_number);
+    glfwSetFramebufferSizeCallback(handle, touch_by_numbers);
+    glfwSetWindowPosCallback(handle, touch_by_numbers); /* a tracked head sees another part */
+    glfwSetWindowRefreshCallback(handle, touch);
 }
 
 /* ---- The window -------------------------------------------------------------------------------------------------- */
@@ -122,8 +181,7 @@ bool window_open(struct window *out, const struct place *place, double scale, bo
     glfwGetWindowContentScale(window.handle, &window.scale, &across);
     window.scale = scale > 0 ? (float)scale : window.scale;
     put(&window, place);
-    glfwSetKeyCallback(window.handle, press_named);
-    glfwSetCharCallback(window.handle, press_character);
+    hear_events(window.handle);
     if (!ui_create(window.handle, window.scale)) {
         complain("window: no font for its texts");
         window_close(&window);
@@ -140,8 +198,7 @@ void window_close(struct window *window)
                       window->cuts[1].texture.name, window->cuts[2].texture.name};
     glDeleteTextures(sizeof names / sizeof names[0], names);
     for (int p = 0; p < PLANE_COUNT; p++) {
-        free(window->cuts[p].objects);
-        free(window->cuts[p].rgba);
+        conus_cutter_destroy(window->cuts[p].cutter);
     }
     ui_destroy();
     glfwDestroyWindow(window->handle);
@@ -159,8 +216,8 @@ void window_lay_out(struct window *window)
     float width = (float)window->width;
     float status = STATUS_HEIGHT * window->scale;
     float height = fmaxf((float)window->height - status, 0);
-    float left = fminf(LEFT_WIDTH * window->scale, width / 4);
-    float right = fminf(RIGHT_WIDTH * window->scale, width / 3);
+    float left = floorf(fminf(LEFT_WIDTH * window->scale, width / 4));
+    float right = floorf(fminf(RIGHT_WIDTH * window->scale, width / 3));
     float half_width = floorf((width - left - right) / 2);
     float half_height = floorf(height / 2);
     window->left = (struct ui_box){0, 0, left, height};
@@ -206,15 +263,43 @@ static void draw_panels(struct window *window)
     }
 }
 
+static bool is_behind(const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    return window->frames_wanted || window->shown_version != viewer->version || window->shown_said != viewer->said ||
+           window->shown_head != viewer->head.number;
+}
+
+bool window_wants_frame(struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    bool news = viewer->painter && painter_has_news(viewer->painter);
+    bool rests = window->moving && times_now() >= window->moving_until;
+    return news || rests || is_behind(window);
+}
+
+double window_rest(const struct window *window)
+{
+    if (is_behind(window)) {
+        return 0;
+    }
+    return window->moving ? fmax(window->moving_until - times_now(), 1) / 1e3 : INFINITY;
+}
+
 void window_draw(struct window *window)
 {
     double begun = glfwGetTime();
+    window->frames_wanted -= window->frames_wanted > 0;
+    window->shown_version = window->viewer->version;
+    window->shown_said = window->viewer->said;
+    window->shown_head = window->viewer->head.number;
+    window->moving = window->moving && times_now() < window->moving_until;
     window_lay_out(window);
     if (window->width < 1 || window->height < 1) { /* minimised */
         return;
     }
     glViewport(0, 0, window->width, window->height);
-    glClearColor(0, 0, 0, 1);
+    glClearColor(0.13F, 0.135F, 0.15F, 1);
     glClear(GL_COLOR_BUFFER_BIT);
     ui_begin();
     draw_panels(window);

@@ -22,11 +22,10 @@ struct texture {
 struct cut_pane {
     struct ui_box box;
     struct texture texture;
-    uint32_t *objects; /**< [height width] under each pixel. */
-    uint8_t *rgba;
-    size_t pixels;    /**< For which there is room. */
-    unsigned version; /**< Of the viewer, when it was drawn. */
-    double crosshair[3];
+    conus_cutter *cutter;  /**< NULL = none yet.                       */
+    unsigned atlas_number; /**< Of the viewer, when the cutter was made. */
+    unsigned version;      /**< Of the viewer, when it was drawn. */
+    double centre[3];
 };
 
 struct window {
@@ -45,10 +44,14 @@ struct window {
     struct painting asked; /**< What the painter was asked last. */
     double painted_ms, frame_ms;
     struct times times;
-    bool painted_fine;       /**< The picture is what was asked last, as fine as it gets. */
-    unsigned carried_answer; /**< The newest answer, and when it came, by times_now(). */
-    double carried_ms;
-    unsigned carried_head; /**< Likewise of the head's changes. */
+    bool painted_fine;                  /**< The picture is what was asked last, as fine as it gets. */
+    unsigned carried_answer;            /**< The newest answer that was looked at for moves of the cone. */
+    unsigned carried_head;              /**< Likewise of the head's changes. */
+    double moving_until;                /**< By times_now(): until then pictures shall be quick. */
+    bool moving;                        /**< The newest was asked for as one of these. */
+    unsigned frames_wanted;             /**< To be drawn still, whatever changes. */
+    unsigned shown_version, shown_said; /**< Of the viewer, in the newest frame. */
+    unsigned shown_head;                /**< Likewise. */
     bool show_help;
     uint32_t hovered; /**< Object under the mouse. */
     double hovered_at[3];
@@ -74,6 +77,10 @@ void window_sight(const struct window *window, struct sight *out);
 
 /** Draws one frame of @p window->viewer. */
 void window_draw(struct window *window);
+/** Whether the next frame will show something else than the newest. */
+bool window_wants_frame(struct window *window);
+/** Seconds after which it may, though nothing happens: 0 = at once, INFINITY = never. */
+double window_rest(const struct window *window);
 /** Whether all pictures are as fine as they get, and show what the viewer holds. */
 bool window_is_settled(const struct window *window);
 /** What the window shows now, as a PNG. */
@@ -85,8 +92,9 @@ void window_hover_text(const struct window *window, char out[HOVER_TEXT]);
 /** Puts what was confirmed on the clipboard. */
 void window_copy(struct window *window);
 
-/** Puts bytes of sRGB, top row first, on the screen's texture. */
-void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height);
+/** Puts bytes of sRGB, top row first, on the screen's texture; @p smooth: where it is enlarged, pixels run into each
+ * other. */
+void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth);
 
 /** One key: a character as typed ("?"), or "escape", "left", "f1", ... False if it means nothing. */
 bool keys_press(struct window *window, const char *key);

@@ -310,6 +310,27 @@ screen 0 0 0 1 0 0 0 1|screen X Y Z TX TY TZ WIDTH HEIGHT is needed
 END
 }
 
+@test "nothing is drawn while nothing changes" {
+    need_window
+    command -v xdotool >/dev/null || skip "no xdotool"
+    conus phantom sphere -o .
+    printf '%s\n' 'aim 60 0 6 0 0 6' settle 'times start.json' 'pause 2' 'times still.json' 'screenshot ready.png' \
+        'until moved' 'times moved.json' >script
+    timeout 60 "$CONUS" view sphere.nii.gz --script script --size 1000x640 3>&- &
+    child=$!
+    while [ ! -e ready.png ]; do sleep 0.1; done
+    window=$(xdotool search --name '^conus$' 2>/dev/null | head -1)
+    for step in {0..9}; do
+        xdotool mousemove --window "$window" $((340 + 4 * step)) 155
+        sleep 0.05
+    done
+    touch moved
+    wait $child
+    # the frames of the script's own commands, and what events come when a window appears; 2 s at any pace would be dozens
+    [ "$(jq .frame_ms.count still.json)" -lt 15 ]
+    [ "$(jq .frame_ms.count moved.json)" -ge 10 ]
+}
+
 @test "sessions that do not fit are refused" {
     need_window
     sphere --size 16

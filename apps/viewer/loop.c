@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/loop.h"
+
+#include "cli/messages.h"
+#include "viewer/keep.h"
+
+#include <GLFW/glfw3.h>
+#include <math.h>
+#include <stdatomic.h>
+
+static const double longest_s = 5;     /* of a sleep that nothing ends */
+static const double watch_s = 0.2;     /* how often a tracker that says nothing is looked at */
+static const double blink_s = 0.2;     /* of the mark where text is typed */
+static const double patience_s = 0.02; /* of a script that waits for a file */
+
+/* Thousands of poses a second shall not fill the queue of events. */
+static atomic_bool awake;
+
+void loop_wake(void)
+{
+    if (!atomic_exchange(&awake, true)) {
+        glfwPostEmptyEvent();
+    }
+}
+
+static void hear_tracker(struct window *window)
+{
+    uint64_t before = window->news.number;
+    bool aimed = station_step(window->station, window->viewer, &window->news);
+    if (aimed && window->news.number != before) {
+        times_add(&window->times, TIMED_LATENCY, 1e3 * window->news.age_s + window->viewer->select_ms);
+    }
+}
+
+/* After a frame at whose beginning @p answer was the newest. */
+static void note_times(struct window *window, unsigned answer)
+{
+    struct times *times = &window->times;
+    times->first_frame = times->first_frame > 0 ? times->first_frame : times_now() - times->started;
+    if (window->viewer->answer_number != answer) {
+        times_add(times, TIMED_SELECTION, window->viewer->select_ms);
+    }
+}
+
+static double least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/* Seconds until something changes by itself. */
+static double rest(const struct window *window, const struct script *script)
+{
+    double seconds = window_rest(window);
+    if (script) {
+        seconds = least(seconds, patience_s);
+    }
+    if (window->station) {
+        seconds = least(seconds, watch_s);
+    }
+    if (ui_wants_keys()) {
+        seconds = least(seconds, blink_s);
+    }
+    return least(least(seconds, replay_rest(&window->replay, window->viewer, glfwGetTime())), longest_s);
+}
+
+static void wait_for_events(struct window *window, double seconds)
+{
+    if (seconds > 0) {
+        times_rest(&window->times);
+        glfwWaitEventsTimeout(seconds);
+    } else {
+        glfwPollEvents();
+    }
+    atomic_store(&awake, false);
+}
+
+static void draw_frame(struct window *window)
+{
+    times_begin_frame(&window->times);
+    window_draw(window);
+    if (window->keeps_picture) {
+        window->keeps_picture = false;
+        keep(window, KEEP_PICTURE);
+    }
+}
+
+/* One round. False: the script has ended. */
+static bool go_round(struct window *window, struct script *script, int *code)
+{
+    bool acts = script && !script_waits(script, window);
+    unsigned answer = window->viewer->answer_number;
+    wait_for_events(window, acts ? 0 : rest(window, script));
+    if (window->station) {
+        hear_tracker(window);
+    }
+    replay_step(&window->replay, window->viewer, glfwGetTime());
+    if (!window_wants_frame(window) && !acts && !ui_wants_keys()) {
+        return true;
+    }
+    draw_frame(window);
+    if (acts && script_step(script, window, code)) {
+        return false;
+    }
+    glfwSwapBuffers(window->handle);
+    note_times(window, answer);
+    return true;
+}
+
+int loop_run(struct window *window, struct script *script)
+{
+    int code = EXIT_DONE;
+    while (!glfwWindowShouldClose(window->handle) && go_round(window, script, &code)) {
+    }
+    return code;
+}

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The window's loop. It sleeps until something happens: an event, a picture of the painter's, a pose of the tracker's,
+ * the next row of a replay. Frames are drawn only when they show something else than the one before. */
+#ifndef CONUS_VIEWER_LOOP_H
+#define CONUS_VIEWER_LOOP_H
+
+#include "viewer/script.h"
+
+/** Shows @p window until it is closed, or @p script (NULL = none) ends. Gives the exit code. */
+int loop_run(struct window *window, struct script *script);
+
+/** Makes the loop look again, from any thread. Costs nothing while it has not looked since the last time. */
+void loop_wake(void);
+
+#endif
