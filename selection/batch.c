@@ -18,11 +18,16 @@ static uint32_t count_processors(void)
     return count < 1 ? 1 : count > THREAD_LIMIT ? THREAD_LIMIT : (uint32_t)count;
 }
 
+/* One string of all contacts. */
+static bool is_of_probes(conus_format format)
+{
+    return format == CONUS_SPIKEGLX || format == CONUS_OPEN_EPHYS;
+}
+
 static conus_status fill_in(conus_batch_options *options, const conus_selector *selector)
 {
-    if (options->report.format != CONUS_TSV && options->report.format != CONUS_NDJSON) {
-        return fail(CONUS_ERROR_ARGUMENT, "format: %d, of a batch TSV and NDJSON are allowed",
-                    (int)options->report.format);
+    if (options->report.format == CONUS_TABLE || options->report.format == CONUS_JSON) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: tables for people and JSON hold all answers at once, no batch");
     }
     if (options->threads > THREAD_LIMIT || options->block > BLOCK_LIMIT) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: %u, allowed is 1 to %d",
@@ -37,6 +42,10 @@ static conus_status fill_in(conus_batch_options *options, const conus_selector *
     options->threads = options->threads ? options->threads : count_processors();
     options->threads = selector->options.engine == CONUS_ENGINE_GL ? 1 : options->threads;
     options->block = options->block ? options->block : DEFAULT_BLOCK;
+    if (is_of_probes(options->report.format)) {
+        options->threads = 1;
+        options->block = BLOCK_LIMIT;
+    }
     if (options->angle == 0 && selector->options.radius == 0) {
         options->angle = radians_from_degrees(DEFAULT_ANGLE_DEG);
     }
@@ -142,12 +151,27 @@ bool batch_run_deliver(const struct batch_run *run, const struct batch_block *bl
     return !block->status && block->count && run->sink(run->user, &answers) && block->count == block->capacity;
 }
 
+/* Whether the block is all that is in the stream, if it is a probe. */
+static conus_status check_whole(const struct batch_run *run, const struct batch_block *block)
+{
+    bool is_all = block->first == 0 && block->count < block->capacity && block->count < run->left;
+    return is_all || !block->count || !is_of_probes(run->batch->options.report.format)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT,
+                      "format: a probe is one whole, but these are contacts %llu to %llu, and there may be more",
+                      (unsigned long long)block->first + 1, (unsigned long long)block->first + block->count);
+}
+
 static conus_status run_alone(struct batch_run *run)
 {
     static const atomic_bool never = false;
     struct batch_block *block = &run->batch->blocks[0];
     do {
         batch_block_read(block, run->poses, run->left);
+        conus_status status = check_whole(run, block);
+        if (status) {
+            return status;
+        }
         batch_block_answer(block, &run->batch->workers[0], &never);
         run->left -= block->count;
     } while (batch_run_deliver(run, block));

@@ -24,6 +24,7 @@ struct batch_pose {
 struct batch_block {
     struct batch_pose *poses; /**< [capacity] */
     size_t count, capacity;
+    uint64_t first;        /**< Number of the first one in the stream, from 0. */
     struct buffer strings; /**< With a NUL behind each. */
     struct buffer text;    /**< The rows. */
     uint64_t errors;

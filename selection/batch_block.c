@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/memory.h"
 #include "selection/batch.h"
+#include "selection/pose_stream.h"
 #include "selection/selection.h"
 
 #include <stdio.h>
@@ -71,6 +72,7 @@ void batch_block_read(struct batch_block *block, conus_pose_stream *poses, uint6
 {
     block->count = 0;
     block->errors = 0;
+    block->first = pose_stream_position(poses);
     block->is_done = false;
     buffer_clear(&block->strings);
     buffer_clear(&block->text);
@@ -160,8 +162,9 @@ void batch_block_answer(struct batch_block *block, struct batch_worker *worker, 
         status = count == 1 ? answer(block, worker, &block->poses[i]) : answer_together(block, worker, i, count);
     }
     if (!status) {
-        report_write_rows(&block->text, worker->report);
-        status = buffer_status(&block->text);
+        worker->report->taken = (size_t)block->first;
+        status = report_write_part(&block->text, worker->report);
+        status = status ? status : buffer_status(&block->text);
     }
     report_clear(worker->report);
     if (!block->status) {

@@ -14,6 +14,7 @@ void pose_list_finish(conus_pose_list *list)
         memory_free((char *)list->rows[i].error);
     }
     memory_free(list->rows);
+    memory_free(list->electrodes);
     memory_free(list->coordsystem);
     notes_finish(&list->notes);
     *list = (conus_pose_list){0};
@@ -108,6 +109,11 @@ const conus_pose_row *conus_pose_list_row(const conus_pose_list *list, size_t in
 const char *conus_pose_list_note(const conus_pose_list *list, size_t index)
 {
     return list && index < list->notes.count ? list->notes.lines[index] : NULL;
+}
+
+const char *conus_pose_list_electrodes(const conus_pose_list *list)
+{
+    return list ? list->electrodes : NULL;
 }
 
 const char *conus_pose_list_coordsystem(const conus_pose_list *list)

@@ -13,6 +13,7 @@ struct conus_pose_list {
     size_t capacity;
     struct notes notes;
     struct pose_space space;
+    char *electrodes;  /**< The text of a table of electrodes; owned, NULL of other formats. */
     char *coordsystem; /**< Path of the file that says what the space is; owned, NULL if there is none. */
 };
 

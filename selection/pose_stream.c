@@ -179,6 +179,16 @@ static bool is_whole(const conus_pose_stream *stream)
     return formats[stream->format].parse != NULL;
 }
 
+/* The table as it is, for an answer that adds columns to it. */
+static conus_status keep_electrodes(conus_pose_list *list, struct text text)
+{
+    if (text.size && memchr(text.data, '\0', text.size)) {
+        return fail(CONUS_ERROR_DATA, "a zero byte: not a table of electrodes");
+    }
+    list->electrodes = memory_text(text.data, text.size);
+    return list->electrodes ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 static conus_status read_whole(conus_pose_stream *stream)
 {
     struct bytes bytes = {0};
@@ -189,6 +199,9 @@ static conus_status read_whole(conus_pose_stream *stream)
     status = status ? status : pose_lines_rest(&bytes, &stream->lines, limit);
     const struct text text = {(const char *)bytes.data, bytes.size};
     status = status ? status : formats[stream->format].parse(&stream->whole, text, &stream->options);
+    if (!status && stream->format == CONUS_POSES_ELECTRODES) {
+        status = keep_electrodes(&stream->whole, text);
+    }
     bytes_finish(&bytes);
     return status;
 }
@@ -496,6 +509,16 @@ bool conus_pose_stream_has_times(const conus_pose_stream *stream)
     return found;
 }
 
+const char *conus_pose_stream_electrodes(const conus_pose_stream *stream)
+{
+    return conus_pose_list_electrodes(&stream->whole);
+}
+
+uint64_t pose_stream_position(const conus_pose_stream *stream)
+{
+    return stream->taken;
+}
+
 const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream)
 {
     return stream ? conus_pose_list_coordsystem(&stream->whole) : "";
@@ -516,5 +539,7 @@ conus_status pose_stream_take_header(conus_pose_list *list, conus_pose_stream *s
     list->space = stream->whole.space;
     list->coordsystem = stream->whole.coordsystem;
     stream->whole.coordsystem = NULL;
+    list->electrodes = stream->whole.electrodes;
+    stream->whole.electrodes = NULL;
     return notes_move(&list->notes, &stream->whole.notes);
 }

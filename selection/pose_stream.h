@@ -10,6 +10,9 @@
 /** As conus_pose_stream_open(), from a text that outlives the stream. Errors name no file. */
 conus_status pose_stream_parse(conus_pose_stream **out, struct text text, const conus_pose_options *options);
 
+/** Rows that were read or passed over. */
+uint64_t pose_stream_position(const conus_pose_stream *stream);
+
 /** Lets @p list name the stream's space, and have its notes; the stream has none afterwards. */
 conus_status pose_stream_take_header(conus_pose_list *list, conus_pose_stream *stream);
 

@@ -50,9 +50,11 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     report->options = options ? *options : (conus_report_options){0};
     report->options.no_voxels = report->options.no_voxels || report->options.tracker;
     memcpy(report->engine, selector->engine->name, sizeof report->engine);
-    if (keep_level(report, selector)) {
+    status = keep_level(report, selector);
+    status = status || !report->options.electrodes ? status : report_read_electrodes(report);
+    if (status) {
         conus_report_destroy(report);
-        return CONUS_ERROR_MEMORY;
+        return status;
     }
     *out = report;
     return CONUS_OK;
@@ -79,6 +81,7 @@ void conus_report_destroy(conus_report *report)
     memory_free(report->level_areas);
     memory_free(report->queries);
     memory_free(report->rows);
+    memory_free(report->electrode_lines);
     buffer_finish(&report->voxels);
     buffer_finish(&report->text);
     memory_free(report);
@@ -204,48 +207,65 @@ static conus_status hand_out(conus_report *report, conus_status status, const ch
     return status;
 }
 
-conus_status conus_report_text(conus_report *report, const char **text, size_t *size)
+conus_status report_write_part(struct buffer *out, const conus_report *report)
 {
-    conus_status status = CONUS_OK;
-    buffer_finish(&report->text);
     switch (report->options.format) {
     case CONUS_TABLE:
-        (report->options.tracker ? report_write_track : report_write_table)(&report->text, report);
+        (report->options.tracker ? report_write_track : report_write_table)(out, report);
         break;
     case CONUS_TSV:
     case CONUS_NDJSON:
-        if (!report->is_begun) {
-            report_write_heading(&report->text, report);
-        }
-        report_write_rows(&report->text, report);
-        break;
-    case CONUS_JSON:
-        status = report_write_json(&report->text, report);
+        report_write_rows(out, report);
         break;
     case CONUS_AFNI:
-        report_write_afni(&report->text, report);
+        report_write_afni(out, report);
         break;
     case CONUS_BIDS:
-        status = report_write_electrodes(&report->text, report);
-        break;
+        return report_write_electrodes(out, report);
     case CONUS_SPIKEGLX:
-        report_write_spikeglx(&report->text, report);
+        report_write_spikeglx(out, report);
         break;
     case CONUS_OPEN_EPHYS:
-        report_write_open_ephys(&report->text, report);
+        report_write_open_ephys(out, report);
         break;
+    case CONUS_JSON:
+        break;
+    }
+    return CONUS_OK;
+}
+
+static conus_status write_text(conus_report *report)
+{
+    buffer_finish(&report->text);
+    if (report->options.format == CONUS_JSON) {
+        return report_write_json(&report->text, report);
+    }
+    if (!report->is_begun) {
+        report_write_heading(&report->text, report);
+    }
+    return report_write_part(&report->text, report);
+}
+
+conus_status conus_report_text(conus_report *report, const char **text, size_t *size)
+{
+    conus_status status = write_text(report);
+    size_t rows = report->electrode_line_count ? report->electrode_line_count - 1 : 0;
+    if (!status && rows > report->taken + report->query_count) {
+        status = fail(CONUS_ERROR_DATA, "electrodes: %zu rows, more than answers", rows);
     }
     return hand_out(report, status, text, size);
 }
 
 conus_status conus_report_take(conus_report *report, const char **text, size_t *size)
 {
-    if (report->options.format == CONUS_JSON || report->options.format > CONUS_NDJSON) {
+    conus_format format = report->options.format;
+    if (format == CONUS_JSON || format == CONUS_SPIKEGLX || format == CONUS_OPEN_EPHYS) {
         return fail(CONUS_ERROR_ARGUMENT, "format: this one is one whole, NDJSON can be taken in parts");
     }
-    conus_status status = conus_report_text(report, text, size);
+    conus_status status = hand_out(report, write_text(report), text, size);
     if (!status) {
         report->is_begun = true;
+        report->taken += report->query_count;
         report_clear(report);
     }
     return status;

@@ -4,6 +4,7 @@
 #define CONUS_SELECTION_REPORT_H
 
 #include "base/buffer.h"
+#include "base/text.h"
 #include "selection/jitter.h"
 #include "selection/sweep.h"
 
@@ -41,6 +42,9 @@ struct conus_report {
     size_t query_count, query_capacity;
     struct report_row *rows;
     size_t row_count, row_capacity;
+    struct text *electrode_lines; /**< Of CONUS_BIDS: the header without what is added, then the rows. */
+    size_t electrode_line_count, electrode_line_capacity, electrode_field_count;
+    size_t taken;         /**< Queries that were handed out before. */
     struct buffer voxels; /**< TSV rows of conus_report_voxels(), without its header. */
     struct buffer text;   /**< What was last handed out. */
     bool is_begun;        /**< conus_report_take() has given the heading. */
@@ -124,6 +128,12 @@ void report_write_error(struct buffer *out, const struct report_query *query, bo
 /** And those that say what the answers rest on. */
 void report_write_sources(struct buffer *out, const conus_report *report);
 
+/** Reads the table of options.electrodes, whose rows the queries are. */
+conus_status report_read_electrodes(conus_report *report);
+
+/** What is written of the queries that are there, without a heading: of every format but JSON. */
+conus_status report_write_part(struct buffer *out, const conus_report *report);
+
 /* Formats; each appends the whole text to @p out. */
 void report_write_table(struct buffer *out, const conus_report *report);
 void report_write_track(struct buffer *out, const conus_report *report); /**< The table of a track. */
@@ -133,7 +143,8 @@ void report_write_heading(struct buffer *out,
                           const conus_report *report);                  /**< The line of names, where there is one. */
 void report_write_rows(struct buffer *out, const conus_report *report); /**< TSV or NDJSON, without that line. */
 void report_write_afni(struct buffer *out, const conus_report *report);
-conus_status report_write_electrodes(struct buffer *out, const conus_report *report); /**< BIDS */
+void report_write_electrodes_heading(struct buffer *out, const conus_report *report);
+conus_status report_write_electrodes(struct buffer *out, const conus_report *report); /**< BIDS, without that line. */
 void report_write_spikeglx(struct buffer *out, const conus_report *report);
 void report_write_open_ephys(struct buffer *out, const conus_report *report);
 conus_status report_write_sidecar(struct buffer *out, const conus_report *report);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The BIDS table of electrodes that was asked about, with columns added that say where each contact is. */
+#include "base/memory.h"
 #include "base/text.h"
 #include "selection/pose_file.h"
 #include "selection/report.h"
@@ -60,7 +61,18 @@ static bool next_line(struct text *rest, struct text *line)
     return found;
 }
 
-conus_status report_write_electrodes(struct buffer *out, const conus_report *report)
+static conus_status add_line(conus_report *report, struct text line)
+{
+    void *lines = report->electrode_lines;
+    bool fits = memory_reserve(&lines, &report->electrode_line_capacity, report->electrode_line_count + 1, sizeof line);
+    report->electrode_lines = lines;
+    if (fits) {
+        report->electrode_lines[report->electrode_line_count++] = line;
+    }
+    return fits ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+conus_status report_read_electrodes(conus_report *report)
 {
     struct text rest = text_from(report->options.electrodes);
     struct text line;
@@ -68,18 +80,29 @@ conus_status report_write_electrodes(struct buffer *out, const conus_report *rep
     if (!next_line(&rest, &line) || !pose_electrodes_header(line)) {
         return fail(CONUS_ERROR_DATA, "electrodes: the first line has not the columns name, x, y and z");
     }
-    size_t fields = check_header(report, line);
-    if (!fields) {
-        return CONUS_ERROR_DATA;
+    report->electrode_field_count = check_header(report, line);
+    conus_status status = report->electrode_field_count ? add_line(report, line) : CONUS_ERROR_DATA;
+    while (!status && next_line(&rest, &line)) {
+        status = add_line(report, line);
     }
-    write_fields(out, line, fields);
+    return status;
+}
+
+void report_write_electrodes_heading(struct buffer *out, const conus_report *report)
+{
+    write_fields(out, report->electrode_lines[0], report->electrode_field_count);
     write_cells(out, report, NULL);
-    size_t count = 0;
-    for (; count < report->query_count && next_line(&rest, &line); count++) {
-        write_fields(out, line, fields);
-        write_cells(out, report, &report->rows[report->queries[count].first_row]);
+}
+
+conus_status report_write_electrodes(struct buffer *out, const conus_report *report)
+{
+    const struct text *lines = report->electrode_lines + 1 + report->taken;
+    if (report->taken + report->query_count >= report->electrode_line_count) {
+        return fail(CONUS_ERROR_DATA, "electrodes: %zu rows, fewer than answers", report->electrode_line_count - 1);
     }
-    return count == report->query_count && !next_line(&rest, &line)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "electrodes: not as many rows as the %zu answers", report->query_count);
+    for (size_t i = 0; i < report->query_count; i++) {
+        write_fields(out, lines[i], report->electrode_field_count);
+        write_cells(out, report, &report->rows[report->queries[i].first_row]);
+    }
+    return CONUS_OK;
 }

@@ -248,7 +248,8 @@ conus_status report_write_sidecar(struct buffer *out, const conus_report *report
 {
     json_t *root = json_object();
     bool whole = true;
-    for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
+    bool has_columns = report->options.format <= CONUS_NDJSON || report->options.format == CONUS_BIDS;
+    for (const struct report_column *column = NULL; has_columns && (column = report_next_column(report, column));) {
         json_t *entry = json_pack("{s: s}", "Description", column->description);
         whole = (!column->units || put(entry, "Units", json_string(column->units))) && whole;
         whole = put(root, column->name, entry) && whole;

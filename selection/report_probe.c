@@ -151,5 +151,5 @@ void report_write_open_ephys(struct buffer *out, const conus_report *report)
             separator = ";";
         }
     }
-    buffer_text(out, "\n");
+    buffer_text(out, report->query_count ? "\n" : "");
 }

@@ -44,6 +44,10 @@ void report_write_cell(struct buffer *out, struct cell cell)
 
 void report_write_heading(struct buffer *out, const conus_report *report)
 {
+    if (report->options.format == CONUS_BIDS) {
+        report_write_electrodes_heading(out, report);
+        return;
+    }
     if (report->options.format != CONUS_TSV) {
         return;
     }

@@ -2,7 +2,6 @@
 #include "cli/batch_output.h"
 
 #include "cli/messages.h"
-#include "cli/output.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -83,8 +82,7 @@ static char *command_to_resume(const struct arguments *arguments)
 
 int batch_output_interrupted(const struct work *work, uint64_t poses, int signal)
 {
-    char *command =
-        work->output && !output_is_stdout(work->settings->poses) ? command_to_resume(work->arguments) : NULL;
+    char *command = work->output && !work->piped ? command_to_resume(work->arguments) : NULL;
     complain("interrupted after %" PRIu64 " poses%s%s", poses, command ? "; go on with: " : "", command ? command : "");
     free(command);
     return 128 + signal;

@@ -139,10 +139,11 @@ static json_t *json_from_record(const struct batch_record *record)
 {
     char crc[16];
     snprintf(crc, sizeof crc, "%08" PRIx32, record->crc);
-    json_t *batch = json_pack("{s: s, s: [I, I], s: I, s: I, s: I, s: I, s: s}", "fingerprint", record->fingerprint,
-                              "shard", (json_int_t)record->shard.index, (json_int_t)record->shard.count, "first",
-                              (json_int_t)record->first, "poses", (json_int_t)record->poses, "errors",
-                              (json_int_t)record->errors, "bytes", (json_int_t)record->bytes, "crc32", crc);
+    json_t *batch =
+        json_pack("{s: s, s: [I, I], s: I, s: I, s: I, s: I, s: I, s: s}", "fingerprint", record->fingerprint, "shard",
+                  (json_int_t)record->shard.index, (json_int_t)record->shard.count, "first", (json_int_t)record->first,
+                  "poses", (json_int_t)record->poses, "errors", (json_int_t)record->errors, "bytes",
+                  (json_int_t)record->bytes, "heading", (json_int_t)record->heading, "crc32", crc);
     if (record->pose_file) {
         json_t *path = json_string(record->pose_file);
         json_object_set_new(batch, "pose_file", path ? path : json_null());
@@ -204,14 +205,14 @@ static bool read_record(struct batch_record *out, json_t *root)
 {
     const char *fingerprint = NULL;
     const char *crc = NULL;
-    json_int_t index = 0, count = 0, first = 0, poses = 0, errors = 0, bytes = 0;
-    int failed = json_unpack(root, "{s: {s: s, s: [I, I], s: I, s: I, s: I, s: I, s: s}}", "Batch", "fingerprint",
+    json_int_t index = 0, count = 0, first = 0, poses = 0, errors = 0, bytes = 0, heading = 0;
+    int failed = json_unpack(root, "{s: {s: s, s: [I, I], s: I, s: I, s: I, s: I, s: I, s: s}}", "Batch", "fingerprint",
                              &fingerprint, "shard", &index, &count, "first", &first, "poses", &poses, "errors", &errors,
-                             "bytes", &bytes, "crc32", &crc);
+                             "bytes", &bytes, "heading", &heading, "crc32", &crc);
     char *end = NULL;
     unsigned long checksum = failed ? 0 : strtoul(crc, &end, 16);
     if (failed || strlen(fingerprint) != 64 || *end || index < 0 || count <= index || first < 0 || poses < 0 ||
-        errors < 0 || bytes < 0) {
+        errors < 0 || heading < 0 || bytes < heading) {
         return false;
     }
     *out = (struct batch_record){.shard = {(uint64_t)index, (uint64_t)count},
@@ -219,6 +220,7 @@ static bool read_record(struct batch_record *out, json_t *root)
                                  .poses = (uint64_t)poses,
                                  .errors = (uint64_t)errors,
                                  .bytes = (uint64_t)bytes,
+                                 .heading = (uint64_t)heading,
                                  .crc = (uint32_t)checksum};
     memcpy(out->fingerprint, fingerprint, sizeof out->fingerprint);
     return true;
@@ -235,7 +237,8 @@ int batch_record_read(struct batch_record *out, const char *path)
     bool read = read_record(out, root);
     json_decref(root);
     if (!read) {
-        complain("%s: has no \"Batch\" with fingerprint, shard, first, poses, errors, bytes and crc32, as conus batch "
+        complain("%s: has no \"Batch\" with fingerprint, shard, first, poses, errors, bytes, heading and crc32, as "
+                 "conus batch "
                  "writes it",
                  path);
     }

@@ -10,8 +10,8 @@ struct batch_record {
     char fingerprint[65]; /**< SHA-256 of all that the rows depend on but the shard. */
     struct shard shard;
     uint64_t first, poses, errors; /**< First pose (from 0), how many, and those without an answer. */
-    uint64_t bytes;                /**< Of the file, */
-    uint32_t crc;                  /**< and their CRC-32. */
+    uint64_t bytes, heading;       /**< Of the file, and of the heading in it. */
+    uint32_t crc;                  /**< Of the file's bytes. */
     const char *pose_file;         /**< As given; NULL = as the sidecar says already, */
     const char *pose_hash;         /**< its SHA-256, "" of standard input, */
     const char *coordsystem;       /**< The file that says what its positions are in; "" = none, */

@@ -2,6 +2,7 @@
 #include "cli/batch_settings.h"
 
 #include "cli/messages.h"
+#include "cli/output.h"
 #include "cli/progress.h"
 
 #include <stdlib.h>
@@ -9,7 +10,7 @@
 
 #define FIELD(member) offsetof(struct batch_settings, member)
 
-static const char *const formats[] = {"tsv", "ndjson", NULL};
+static const char *const formats[] = {"tsv", "ndjson", "afni", "bids", "spikeglx", "open-ephys", NULL};
 static const char *const spaces[] = {"ras", "lps", NULL};
 
 static const struct option pose_options[] = {
@@ -57,7 +58,8 @@ static const struct option output_options[] = {
      .type = OPTION_CHOICE,
      .offset = FIELD(format),
      .value = "FORMAT",
-     .help = "of the rows; without it the ending of -o decides:",
+     .help = "of the rows; without it the ending of -o decides; the last four are for other programs "
+             "(docs/formats.md):",
      .choices = formats},
     {.name = "summary",
      .type = OPTION_FLAG,
@@ -108,6 +110,15 @@ const struct option_group batch_groups[] = {
     {"", quiet_options, FIELD(common)},
     {0},
 };
+
+conus_format batch_format(const struct batch_settings *settings, const struct arguments *arguments)
+{
+    static const conus_format named[] = {CONUS_TSV,  CONUS_NDJSON,   CONUS_AFNI,
+                                         CONUS_BIDS, CONUS_SPIKEGLX, CONUS_OPEN_EPHYS};
+    bool is_ndjson = !output_is_stdout(settings->output) &&
+                     (path_ends(settings->output, ".ndjson") || path_ends(settings->output, ".jsonl"));
+    return option_given(arguments, "format") ? named[settings->format] : is_ndjson ? CONUS_NDJSON : CONUS_TSV;
+}
 
 static int parse_shard(struct shard *out, const char *text)
 {

@@ -14,7 +14,7 @@ struct batch_settings {
     struct context_settings context;
     const char *poses;
     const char *output;
-    size_t format;
+    size_t format; /* batch_format() */
     bool summary;
     const char *jobs;
     const char *shard;
@@ -29,6 +29,9 @@ struct shard {
 };
 
 extern const struct option_group batch_groups[]; /**< Of struct batch_settings. */
+
+/** The format of --format, else what the ending of --output says, else TSV. */
+conus_format batch_format(const struct batch_settings *settings, const struct arguments *arguments);
 
 /** Reads --shard, or takes it from Slurm's job array, saying so. Gives the exit code, having complained unless it is
  * 0. */

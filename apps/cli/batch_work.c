@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 void work_finish(struct work *work)
@@ -20,13 +21,12 @@ void work_finish(struct work *work)
     free(work->command_line);
 }
 
-static bool has_ending_of_ndjson(const char *path)
-{
-    return path && (path_ends(path, ".ndjson") || path_ends(path, ".jsonl"));
-}
-
 static bool check(const struct batch_settings *settings, const struct arguments *arguments)
 {
+    if (settings->summary && batch_format(settings, arguments) > CONUS_NDJSON) {
+        complain("--summary: other programs' formats have none, tsv and ndjson do");
+        return false;
+    }
     if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
         complain("--slices has no effect without --sampling slices");
         return false;
@@ -58,6 +58,12 @@ static int choose_poses(struct work *work)
     return EXIT_DONE;
 }
 
+static bool is_pipe(const char *path)
+{
+    struct stat info;
+    return output_is_stdout(path) || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
+}
+
 static int open_poses(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
@@ -66,12 +72,20 @@ static int open_poses(struct work *work)
     if (code) {
         return code;
     }
-    if (output_is_stdout(settings->poses) && (work->shard.count > 1 || settings->resume)) {
-        return complain_usage("%s needs a file of poses, not standard input",
-                              settings->resume ? "--resume" : "--shard");
+    if (work->shard.count > 1 && (work->format == CONUS_SPIKEGLX || work->format == CONUS_OPEN_EPHYS)) {
+        return complain_usage("--shard: a probe's string is one whole; --jobs answers many probes");
+    }
+    work->piped = is_pipe(settings->poses);
+    if (work->piped && (work->shard.count > 1 || settings->resume)) {
+        return complain_usage("%s needs a file of poses, not %s", settings->resume ? "--resume" : "--shard",
+                              output_is_stdout(settings->poses) ? "standard input" : "a pipe");
     }
     conus_status status = conus_pose_stream_open(&work->poses, settings->poses, &options);
-    return status ? complain_status(status) : choose_poses(work);
+    if (status) {
+        return complain_status(status);
+    }
+    code = settings_check_electrodes(work->format, conus_pose_stream_electrodes(work->poses), settings->poses);
+    return code ? code : choose_poses(work);
 }
 
 int work_pass_over(struct work *work, uint64_t poses)
@@ -127,7 +141,8 @@ int work_build(struct work *work)
         .angle = settings_angle(&settings->aim, &settings->engine),
         .report = {.rows = settings->summary ? CONUS_SUMMARIES : CONUS_ANSWERS,
                    .format = work->format,
-                   .space = (conus_space)settings->aim.space},
+                   .space = (conus_space)settings->aim.space,
+                   .electrodes = work->format == CONUS_BIDS ? conus_pose_stream_electrodes(work->poses) : NULL},
     };
     conus_status status = conus_selector_create(&work->selector, work->atlas, &engine);
     status = status ? status : conus_batch_create(&work->batch, work->selector, &options);
@@ -150,9 +165,7 @@ int work_init(struct work *out, const struct batch_settings *settings, const str
         return EXIT_USAGE;
     }
     out->output = output_is_stdout(settings->output) ? NULL : settings->output;
-    out->format = option_given(arguments, "format")   ? (settings->format ? CONUS_NDJSON : CONUS_TSV)
-                  : has_ending_of_ndjson(out->output) ? CONUS_NDJSON
-                                                      : CONUS_TSV;
+    out->format = batch_format(settings, arguments);
     out->command_line = arguments_text(arguments);
     out->sidecar = out->output ? batch_sidecar_path(out->output) : NULL;
     if (!out->command_line || (out->output && !out->sidecar)) {
@@ -174,12 +187,24 @@ int work_open(struct work *work)
 
 /* ---- What the output says about itself --------------------------------------------------------------------------- */
 
+/* What a format writes that is not in the sidecar: AFNI's has the name of the atlas's file, but not its folder. */
+static const char *file_in_rows(const struct work *work)
+{
+    const conus_volume_info *info = conus_atlas_volume(work->atlas, 0);
+    const char *path = info && work->format == CONUS_AFNI ? info->path : "";
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
 int work_identify(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
     const char *system = conus_pose_stream_coordsystem(work->poses);
-    const char *const sources[] = {work->pose_hash, conus_pose_stream_space(work->poses), work->coordsystem_hash, NULL};
-    int code = output_is_stdout(settings->poses) ? EXIT_DONE : batch_hash_file(work->pose_hash, settings->poses);
+    const char format[] = {(char)('0' + work->format), '\0'};
+    const char *const sources[] = {work->pose_hash,        conus_pose_stream_space(work->poses),
+                                   work->coordsystem_hash, format,
+                                   file_in_rows(work),     NULL};
+    int code = work->piped ? EXIT_DONE : batch_hash_file(work->pose_hash, settings->poses);
     code = code || !*system ? code : batch_hash_file(work->coordsystem_hash, system);
     return code ? code : batch_fingerprint(work->fingerprint, work->batch, work->atlas, settings, sources);
 }
@@ -200,6 +225,7 @@ int work_write_sidecar(struct work *work, struct batch_record *record)
     double angle = settings_angle(&work->settings->aim, &work->settings->engine);
     record->shard = work->shard;
     record->first = work->first;
+    record->heading = strlen(conus_batch_heading(work->batch));
     record->pose_file = work->settings->poses;
     record->pose_hash = work->pose_hash;
     record->coordsystem = conus_pose_stream_coordsystem(work->poses);

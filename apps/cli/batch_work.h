@@ -15,6 +15,7 @@ struct work {
     struct shard shard;
     uint64_t first, count; /**< Poses to answer; count UINT64_MAX = all from there on. */
     conus_pose_stream *poses;
+    bool piped; /**< They can be read only once: from standard input or a pipe that has a name. */
     conus_atlas *atlas;
     conus_selector *selector;
     conus_batch *batch;

@@ -144,29 +144,16 @@ static int complain_errno(const char *path, const char *action)
     return EXIT_DATA;
 }
 
-/* The rest of `in`, without its first line if that is a heading. */
-static bool copy(FILE *out, FILE *in, bool drop_heading)
+/* The rest of `in`. */
+static bool copy(FILE *out, FILE *in)
 {
     char chunk[1 << 16];
-    int c = '\n';
-    while (drop_heading && (c = getc(in)) != '\n' && c != EOF) {
-    }
     for (size_t n; (n = fread(chunk, 1, sizeof chunk, in)) > 0;) {
         if (fwrite(chunk, 1, n, out) != n) {
             return false;
         }
     }
     return !ferror(in);
-}
-
-static bool has_heading(const char *path)
-{
-    FILE *file = fopen(path, "re");
-    int c = file ? getc(file) : '{';
-    if (file) {
-        fclose(file);
-    }
-    return c != '{' && c != EOF;
 }
 
 static int copy_all(struct merge *merge)
@@ -179,7 +166,7 @@ static int copy_all(struct merge *merge)
     for (size_t i = 0; i < merge->count && copied; i++) {
         const char *path = merge->parts[i].path;
         FILE *in = fopen(path, "re");
-        copied = in && copy(out, in, i > 0 && has_heading(path));
+        copied = in && !fseeko(in, i > 0 ? (off_t)merge->parts[i].record.heading : 0, SEEK_SET) && copy(out, in);
         if (in) {
             fclose(in);
         }
@@ -197,7 +184,7 @@ static char *read_text(const char *path)
     size_t size = 0;
     FILE *in = fopen(path, "re");
     FILE *out = in ? open_memstream(&text, &size) : NULL;
-    bool copied = out && copy(out, in, false);
+    bool copied = out && copy(out, in);
     if (in) {
         fclose(in);
     }
@@ -262,6 +249,7 @@ static int work(struct merge *merge)
     code = code ? code : check_poses(merge);
     memcpy(merge->record.fingerprint, merge->parts[0].record.fingerprint, sizeof merge->record.fingerprint);
     merge->record.shard = (struct shard){0, 1};
+    merge->record.heading = merge->parts[0].record.heading;
     return code ? code : write_whole(merge);
 }
 

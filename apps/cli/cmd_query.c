@@ -89,8 +89,7 @@ struct query {
     const struct arguments *arguments;
     conus_format format;
     char *command_line;
-    char *electrodes; /* the text of the table, for its format */
-    char *sidecar;    /* path, NULL if there is none to write */
+    char *sidecar; /* path, NULL if there is none to write */
     struct output {
         const char *what, *path;
     } outputs[OUTPUT_COUNT];
@@ -114,7 +113,6 @@ static void query_finish(struct query *query)
     conus_pose_list_destroy(query->poses);
     conus_atlas_destroy(query->atlas);
     free(query->command_line);
-    free(query->electrodes);
     free(query->sidecar);
 }
 
@@ -144,10 +142,6 @@ static bool check_format(conus_format format, const struct query_settings *setti
     bool of_contacts = format == CONUS_BIDS || format == CONUS_SPIKEGLX || format == CONUS_OPEN_EPHYS;
     if (of_contacts && !settings->aim.pose) {
         complain("--format: this one is of contacts, --pose FILE names them");
-        return false;
-    }
-    if (format == CONUS_BIDS && output_is_stdout(settings->aim.pose)) {
-        complain("--format bids needs a file of electrodes, not standard input");
         return false;
     }
     return true;
@@ -205,21 +199,6 @@ static int load_poses(struct query *query)
     return count && aim->angle != 0
                ? complain_usage("--angle has no effect: every pose in %s has its own", settings_poses_name(aim->pose))
                : EXIT_DONE;
-}
-
-static int load_electrodes(struct query *query)
-{
-    const char *path = query->settings->aim.pose;
-    size_t size = 0;
-    FILE *file = query->format == CONUS_BIDS ? fopen(path, "re") : NULL;
-    bool read = query->format != CONUS_BIDS || (file && getdelim(&query->electrodes, &size, '\0', file) >= 0);
-    if (!read) {
-        complain("%s: cannot read: %s", path, strerror(errno));
-    }
-    if (file) {
-        fclose(file);
-    }
-    return read ? EXIT_DONE : EXIT_DATA;
 }
 
 /* A pose without an answer has a row that says why. */
@@ -319,12 +298,13 @@ static conus_status start(struct query *query)
     if (settings->common.verbose) {
         complain("engine: %s", conus_selector_engine(query->selector));
     }
+    const char *electrodes = query->format == CONUS_BIDS ? conus_pose_list_electrodes(query->poses) : NULL;
     const conus_report_options report = {.format = query->format,
                                          .space = (conus_space)settings->aim.space,
                                          .all_voxels = settings->voxels_of == 1,
                                          .no_voxels = !settings->voxels,
                                          .command = query->command_line,
-                                         .electrodes = query->electrodes};
+                                         .electrodes = electrodes};
     return conus_report_create(&query->report, query->selector, &report);
 }
 
@@ -439,7 +419,9 @@ static int work(struct query *query)
 {
     const struct query_settings *settings = query->settings;
     int code = settings->aim.pose ? load_poses(query) : EXIT_DONE;
-    code = code ? code : load_electrodes(query);
+    code = code
+               ? code
+               : settings_check_electrodes(query->format, conus_pose_list_electrodes(query->poses), settings->aim.pose);
     if (!code) {
         code = settings_load_atlas(&query->atlas, query->arguments->operands[0], &settings->atlas);
     }

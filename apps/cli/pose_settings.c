@@ -61,6 +61,16 @@ const char *settings_poses_name(const char *path)
     return output_is_stdout(path) ? "standard input" : path;
 }
 
+int settings_check_electrodes(conus_format format, const char *electrodes, const char *path)
+{
+    if (format != CONUS_BIDS || electrodes) {
+        return EXIT_DONE;
+    }
+    complain("%s: --format bids adds to a table of electrodes, with the columns name, x, y and z",
+             settings_poses_name(path));
+    return EXIT_DATA;
+}
+
 void settings_say_no_poses(const char *path, const struct common_settings *common)
 {
     if (!common->quiet) {

@@ -27,6 +27,10 @@ void settings_pose_text(char out[64], const struct pose_file_settings *settings)
 /** What messages call the file of poses @p path: itself, or "standard input". */
 const char *settings_poses_name(const char *path);
 
+/** Whether @p electrodes, the table that the poses came from (NULL = another format), is there for a @p format that
+ * adds columns to it. Gives the exit code, having complained unless it is 0. */
+int settings_check_electrodes(conus_format format, const char *electrodes, const char *path);
+
 /** Says, unless --quiet, that there is no pose in the file. */
 void settings_say_no_poses(const char *path, const struct common_settings *common);
 

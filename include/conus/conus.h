@@ -341,6 +341,9 @@ CONUS_API const char *conus_pose_stream_space(const conus_pose_stream *stream);
 /** Whether rows may have a time_s: false of a table without that column and of formats without times, and where
  * everything was read and no row has one. */
 CONUS_API bool conus_pose_stream_has_times(const conus_pose_stream *stream);
+/** The table of electrodes (BIDS) that was read, for conus_report_options.electrodes; NULL of other formats. Borrowed.
+ */
+CONUS_API const char *conus_pose_stream_electrodes(const conus_pose_stream *stream);
 /** Path of the *_coordsystem.json that says what the positions of electrodes (BIDS) are in; "" where there is none.
  * Borrowed. */
 CONUS_API const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream);
@@ -356,6 +359,8 @@ CONUS_CHECKED conus_status conus_pose_list_load(conus_pose_list **out, const cha
                                                 const conus_pose_options *options);
 CONUS_API size_t conus_pose_list_count(const conus_pose_list *list);
 CONUS_API const conus_pose_row *conus_pose_list_row(const conus_pose_list *list, size_t index);
+/** As conus_pose_stream_electrodes(). */
+CONUS_API const char *conus_pose_list_electrodes(const conus_pose_list *list);
 /** As conus_pose_stream_coordsystem(). */
 CONUS_API const char *conus_pose_list_coordsystem(const conus_pose_list *list);
 /** As conus_pose_stream_match(). */
@@ -633,8 +638,8 @@ CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const ch
 /** The whole text in the report's format. Borrowed until the next call on the report. */
 CONUS_CHECKED conus_status conus_report_text(conus_report *report, const char **text, size_t *size);
 /** The same for a report that goes on: the text of the answers since the last call, which are then forgotten. The
- * heading of TSV, or of a track's table, comes once, with the first call. Not for CONUS_JSON and what comes behind
- * CONUS_NDJSON, which are one whole. */
+ * heading of TSV and CONUS_BIDS, or of a track's table, comes once, with the first call. Not for CONUS_JSON and the
+ * strings of probes, which are one whole. */
 CONUS_CHECKED conus_status conus_report_take(conus_report *report, const char **text, size_t *size);
 /** The voxels met first (with all layers, and of a ball, all with their centre in it), nearest first, as TSV: query
  * pathway i j k x y z value distance_mm kind index. Borrowed likewise. */
@@ -692,7 +697,9 @@ typedef struct conus_batch_options {
                          gl engine there is one, the caller's.                                                    */
     uint32_t block;   /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block.         */
     double angle;     /**< Of poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0.     */
-    conus_report_options report; /**< Its format is CONUS_TSV or CONUS_NDJSON.                                   */
+    conus_report_options report; /**< Its format is neither CONUS_TABLE nor CONUS_JSON. A probe, CONUS_SPIKEGLX or
+                                      CONUS_OPEN_EPHYS, is one block of up to 65535 contacts, whatever block says,
+                                      and must be all that is in the stream.                                     */
 } conus_batch_options;
 
 /** A block of poses, answered. */

@@ -62,6 +62,15 @@ wait_for_lines() {
     nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv rows.tsv rows.json rows.ndjson rows.ndjson.json query.tsv query.json query.ndjson
 }
 
+@test "poses from a pipe that has a name are all answered, into a file, too" {
+    setup_ball 20000
+    batch -o rows.tsv
+    conus batch sphere.nii.gz --poses <(cat poses.tsv) --angle 12 -o piped.tsv
+    cmp rows.tsv piped.tsv
+    run -2 --separate-stderr conus batch sphere.nii.gz --poses <(cat poses.tsv) --angle 12 -o other.tsv --resume
+    check_message '--resume needs a file of poses, not a pipe'
+}
+
 @test "one SHA-256 for any number of threads and any size of blocks" {
     setup_ball 500
     batch --threads 1 -o rows.tsv

@@ -61,10 +61,82 @@ probe() {
 @test "formats of other programs say what they need" {
     probe
     fails 2 '--pose FILE names them' query slabs.nii.gz --point 0,0,0 --radius 1 --format spikeglx
-    fails 2 'not standard input' query slabs.nii.gz --pose - --radius 1 --format bids
     printf '0 0 0\n' >points.txt
     fails 3 'the columns name, x, y and z' query slabs.nii.gz --pose points.txt --radius 1 --format bids --quiet
     sed -i 's/size$/area/' probe.tsv
     fails 3 'a column area already' query slabs.nii.gz --pose probe.tsv --radius 1 --format bids --quiet
     fails 2 'none of its choices' track slabs.nii.gz --poses probe.tsv --format bids
+}
+
+# contacts N: probe.tsv of N contacts along +y through both slabs, some of which are nowhere.
+contacts() {
+    conus phantom slabs -o .
+    awk -v n="$1" 'BEGIN {
+        print "name\tx\ty\tz\tsize"
+        for (i = 0; i < n; i++)
+            printf "A%d\t%s\t%g\t%g\t%s\n", i, i % 7 == 3 ? "n/a" : i % 40 - 20, i % 29 - 14, i % 11 - 5, i % 5 ? 2 : "small"
+    }' >probe.tsv
+}
+
+@test "conus batch writes them as conus query does, with any threads, blocks and shards, and after a break" {
+    contacts 300
+    for format in afni bids spikeglx open-ephys; do
+        conus query slabs.nii.gz --pose probe.tsv --radius 4 --format $format --quiet -o "wanted.$format" 2>said || [ $? -eq 1 ]
+        conus batch slabs.nii.gz --poses probe.tsv --radius 4 --format $format --quiet >rows 2>said && return 1 || [ $? -eq 1 ]
+        cmp "wanted.$format" rows
+        [ ! -s said ]
+        conus batch slabs.nii.gz --poses - --radius 4 --format $format --quiet <probe.tsv | cmp - "wanted.$format"
+        for settings in "1 1" "2 7" "3 1000"; do
+            conus batch slabs.nii.gz --poses probe.tsv --radius 4 --format $format --quiet \
+                --threads "${settings% *}" --block "${settings#* }" | cmp - "wanted.$format"
+        done
+        run -1 conus batch slabs.nii.gz --poses probe.tsv --radius 4 --format $format --quiet -o "rows.$format" --resume
+        cmp "wanted.$format" "rows.$format"
+        run -1 conus batch slabs.nii.gz --poses probe.tsv --radius 4 --format $format --quiet -o "rows.$format" --resume
+        run -2 conus batch slabs.nii.gz --poses probe.tsv --radius 5 --format $format --quiet -o "rows.$format" --resume
+    done
+    for format in afni bids; do
+        for i in 0 1 2; do
+            conus batch slabs.nii.gz --poses probe.tsv --radius 4 --format $format --quiet --shard "$i/3" -o "$i.$format" || [ $? -eq 1 ]
+        done
+        answers merge 2.$format 0.$format 1.$format -o "merged.$format"
+        cmp "wanted.$format" "merged.$format"
+        [ "$(jq -r .Batch.errors "merged.$format.json")" -eq 43 ]
+    done
+    fails 2 '--shard: a probe' batch slabs.nii.gz --poses probe.tsv --radius 4 --format spikeglx --shard 0/2
+    fails 2 '--summary: other programs' batch slabs.nii.gz --poses probe.tsv --radius 4 --format bids --summary
+}
+
+@test "a batch in another program's format goes on where it was killed, and only as the same" {
+    contacts 40000
+    mv slabs.tsv labels.tsv
+    for format in afni bids; do
+        conus batch slabs.nii.gz --poses probe.tsv --radius 4 --labels labels.tsv --format $format --quiet -o "whole.$format" || [ $? -eq 1 ]
+        "$CONUS" batch slabs.nii.gz --poses probe.tsv --radius 4 --labels labels.tsv --format $format --quiet -o "rows.$format" 3>&- &
+        for _ in $(seq 1000); do
+            [ ! -e "rows.$format.journal" ] || [ "$(wc -l <"rows.$format.journal")" -lt 5 ] || break
+            sleep 0.01
+        done
+        kill -KILL $!
+        wait $! 2>/dev/null || true
+        [ ! -e "rows.$format" ]
+        conus batch slabs.nii.gz --poses probe.tsv --radius 4 --labels labels.tsv --format $format --quiet -o "rows.$format" --resume || [ $? -eq 1 ]
+        cmp "whole.$format" "rows.$format"
+    done
+    mv slabs.nii.gz other.nii.gz
+    for format in afni:2 bids:1; do # AFNI's rows have the file's name
+        run -"${format#*:}" conus batch other.nii.gz --poses probe.tsv --radius 4 --labels labels.tsv --format "${format%:*}" --quiet \
+            -o "rows.${format%:*}" --resume
+    done
+}
+
+@test "a probe of a batch is what fits into one block" {
+    contacts 70000
+    fails 2 'format: a probe is one whole, but these are contacts 1 to 65536, and there may be more' \
+        batch slabs.nii.gz --poses probe.tsv --radius 1 --format open-ephys --quiet -o probe.txt
+    [ ! -e probe.txt ]
+    printf '0 9 0\n' >points.txt
+    fails 3 'points.txt: --format bids adds to a table of electrodes' batch slabs.nii.gz --poses points.txt --radius 1 --format bids
+    sed -i '1s/size$/area/' probe.tsv
+    fails 3 'a column area already' batch slabs.nii.gz --poses probe.tsv --radius 1 --format bids --quiet
 }
