@@ -14,12 +14,14 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { SEED = 2010, THREAD_VARIANTS = 2, VARIANTS = 2 + THREAD_VARIANTS };
+enum { SEED = 2010 };
+enum { NO_ROWS, PLAIN, RAYS, RAYS_2, GL_ALONE, GL_BLOCKS, VARIANTS };
 
 struct scene {
     conus_atlas *atlas;
     conus_selector *selector; /* of the rays engine   */
     conus_selector *plain;    /* of plain_engine      */
+    conus_selector *gl;       /* NULL where there is no OpenGL */
     double angle;             /* radians              */
     char path[32];            /* of the poses         */
 };
@@ -105,12 +107,20 @@ static conus_status make_scene(struct scene *scene, const struct bench_options *
     return status ? status : make_plain(scene);
 }
 
+static conus_status make_gl(struct scene *scene, struct bench *bench)
+{
+    const conus_selector_options options = {.engine = CONUS_ENGINE_GL};
+    conus_status status = conus_selector_create(&scene->gl, scene->atlas, &options);
+    return status == CONUS_ERROR_GL ? bench_leave_out(bench, "batches by OpenGL") : status;
+}
+
 static void scene_finish(struct scene *scene)
 {
     if (scene->path[0]) {
         unlink(scene->path);
     }
     conus_selector_destroy(scene->plain);
+    conus_selector_destroy(scene->gl);
     conus_selector_destroy(scene->selector);
     conus_atlas_destroy(scene->atlas);
 }
@@ -118,14 +128,17 @@ static void scene_finish(struct scene *scene)
 /* ---- The contenders -----------------------------------------------------------------------------------------------
  */
 
-static conus_status contender_init(struct contender *out, const struct scene *scene, conus_selector *selector,
-                                   uint32_t threads)
+static conus_status contender_init(struct contender *out, const struct scene *scene, int variant)
 {
-    const conus_batch_options options = {
-        .threads = threads, .angle = scene->angle, .report = {.format = CONUS_TSV, .no_voxels = true}};
+    conus_selector *const selectors[VARIANTS] = {NULL,      scene->plain, scene->selector, scene->selector,
+                                                 scene->gl, scene->gl};
+    const conus_batch_options options = {.threads = variant == RAYS_2 ? 2 : 1,
+                                         .block = variant == GL_ALONE,
+                                         .angle = scene->angle,
+                                         .report = {.format = CONUS_TSV, .no_voxels = true}};
     out->scene = scene;
-    return threads ? conus_batch_create(&out->batch, selector, &options)
-                   : conus_pose_list_load(&out->list, scene->path, NULL);
+    return variant == NO_ROWS ? conus_pose_list_load(&out->list, scene->path, NULL)
+                              : conus_batch_create(&out->batch, selectors[variant], &options);
 }
 
 static void contender_finish(struct contender *contender)
@@ -191,34 +204,40 @@ static conus_status add_speed(struct bench *bench, const struct bench_variant *v
                : CONUS_OK;
 }
 
-static conus_status measure(struct bench *bench, struct contender *contenders)
+static conus_status measure(struct bench *bench, struct contender *contenders, size_t count)
 {
     static const char *const names[VARIANTS] = {"plain scalar traversal, no rows", "plain scalar traversal, batch",
-                                                "rays, batch, 1 thread", "rays, batch, 2 threads"};
+                                                "rays, batch, 1 thread",           "rays, batch, 2 threads",
+                                                "gl, batch, one cone at a time",   "gl, batch, blocks of 256 cones"};
     struct bench_variant variants[VARIANTS];
-    for (size_t i = 0; i < VARIANTS; i++) {
+    for (size_t i = 0; i < count; i++) {
         run(&contenders[i]);
         bool same = i == 0 ? !contenders[0].status : gives_the_same(&contenders[i], &contenders[1]);
         variants[i] = (struct bench_variant){.name = names[i], .run = run, .data = &contenders[i], .equal = same};
     }
-    conus_status status = bench_measure(bench, "batch", variants, VARIANTS, bench->options.poses, bench->options.angle);
-    status = status ? status : bench_ratio(bench, "plain_over_batch", &variants[0], &variants[2]);
-    status = status ? status : bench_ratio(bench, "batch_one_over_two_threads", &variants[2], &variants[3]);
-    return status ? status : add_speed(bench, &variants[3]);
+    conus_status status = bench_measure(bench, "batch", variants, count, bench->options.poses, bench->options.angle);
+    status = status ? status : bench_ratio(bench, "plain_over_batch", &variants[NO_ROWS], &variants[RAYS]);
+    status = status ? status : bench_ratio(bench, "batch_one_over_two_threads", &variants[RAYS], &variants[RAYS_2]);
+    if (!status && count > GL_BLOCKS) {
+        status = bench_ratio(bench, "gl_one_over_block", &variants[GL_ALONE], &variants[GL_BLOCKS]);
+    }
+    return status ? status : add_speed(bench, &variants[RAYS_2]);
 }
 
 conus_status bench_batch(struct bench *bench)
 {
-    static const uint32_t threads[VARIANTS] = {0, 1, 1, 2};
     struct scene scene = {0};
     struct contender contenders[VARIANTS] = {0};
     conus_status status = make_scene(&scene, &bench->options);
-    for (size_t i = 0; i < VARIANTS && !status; i++) {
-        status = contender_init(&contenders[i], &scene, i == 1 ? scene.plain : scene.selector, threads[i]);
+    status = status ? status : make_gl(&scene, bench);
+    size_t count = scene.gl ? VARIANTS : GL_ALONE;
+    for (size_t i = 0; i < count && !status; i++) {
+        status = contender_init(&contenders[i], &scene, (int)i);
     }
     if (!status) {
-        snprintf(bench->driver, sizeof bench->driver, "%s", conus_selector_engine(scene.selector));
-        status = measure(bench, contenders);
+        snprintf(bench->driver, sizeof bench->driver, "%s; %s", conus_selector_engine(scene.selector),
+                 conus_selector_engine(scene.gl));
+        status = measure(bench, contenders, count);
     }
     for (size_t i = 0; i < VARIANTS; i++) {
         contender_finish(&contenders[i]);

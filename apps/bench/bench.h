@@ -95,6 +95,7 @@ conus_status bench_batch(struct bench *bench);
 conus_status bench_colour(struct bench *bench);
 conus_status bench_hand(struct bench *bench);
 conus_status bench_volume(struct bench *bench);
+conus_status bench_volume_gl(struct bench *bench);
 conus_status bench_mesh(struct bench *bench);
 conus_status bench_torus(struct bench *bench);
 conus_status bench_torus_frame(struct bench *bench);

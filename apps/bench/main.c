@@ -20,6 +20,8 @@ enum { DEFAULT_POSES = 64, DEFAULT_SLICES = 362, DEFAULT_REPEATS = 9, CHECK_POSE
 /* The last three numbers are for when all are run: poses, rounds, and seconds for one measurement. */
 static const struct bench_scenario scenarios[] = {
     {"volume", "256 rays through a labelled volume: plain traversal against the rays engine", bench_volume, 64, 31, 10},
+    {"volume_gl", "256 rays through a labelled volume by OpenGL: the paper's slices against exact cells", bench_volume_gl,
+     64, 9, 10},
     {"census", "the voxels in cones of 5, 20 and 60 degrees: every one asked against the walk over rows", bench_census,
      8, 3, 10},
     {"batch", "poses as text in, rows as text out, on one thread and two, against plain traversal", bench_batch, 4000,
