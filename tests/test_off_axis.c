@@ -164,8 +164,8 @@ static void parts_of_a_picture_are_pictures(void **state)
         conus_pose pose;
         memcpy(pose.world_from_device, camera.world_from_camera, sizeof pose.world_from_device);
         for (size_t k = 0; k < 4; k++) {
-            double edge = (double)(at[k / 2] + k % 2);
-            frustum[k] = camera.slope[k / 2] * (2 * edge / ZOOM - 1);
+            size_t edge = at[k / 2] + k % 2;
+            frustum[k] = camera.slope[k / 2] * (2 * (double)edge / ZOOM - 1);
         }
         camera_from_frustum(&part, &pose, frustum);
         float *drawn = picture_draw(renderer, &part, &extra, false);

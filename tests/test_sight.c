@@ -112,7 +112,7 @@ static void the_last_view_is_kept(void **state)
     double eye[3], bad[3];
     bool is_well;
     assert_false(head_sight(&sight, &head, whole));
-    assert_non_null(strstr(head_text(&head, &is_well), "not tracked yet"));
+    assert_non_null(strstr(head_text(&head, &is_well), "no tracker"));
     place_on(eye, &head, 0.2, 0.9, 500);
     head_set_state(&head, STATION_SEEN);
     head_move(&head, eye, &head.screen);
@@ -134,7 +134,7 @@ static void the_last_view_is_kept(void **state)
     head_move(&head, eye, &head.screen);
     for (int s = STATION_WAITING; s < STATION_SEEN; s++) {
         head_set_state(&head, (enum station_state)s);
-        assert_non_null(strstr(head_text(&head, &is_well), "last view is kept"));
+        assert_non_null(strstr(head_text(&head, &is_well), "last view kept"));
         assert_false(is_well);
         assert_true(head_sight(&sight, &head, whole));
     }

@@ -3,13 +3,24 @@
 
 #include <string.h>
 
+static bool is_moved(const struct head *head, const double eye[3], const conus_pose *screen)
+{
+    bool moved = false;
+    for (int a = 0; a < 3; a++) {
+        moved = moved || head->eye[a] != eye[a];
+    }
+    for (int i = 0; i < 16; i++) {
+        moved = moved || head->screen.world_from_device[i] != screen->world_from_device[i];
+    }
+    return moved;
+}
+
 void head_move(struct head *head, const double eye[3], const conus_pose *screen)
 {
     conus_pose camera;
     double frustum[4];
     bool inside = conus_look_through(&camera, frustum, screen, head->size, eye);
-    bool moved = !head->known || memcmp(head->eye, eye, sizeof head->eye) != 0 ||
-                 memcmp(&head->screen, screen, sizeof *screen) != 0;
+    bool moved = !head->known || is_moved(head, eye, screen);
     head->number += inside != head->inside || (!inside && moved);
     head->inside = inside;
     if (!inside) {
@@ -51,16 +62,15 @@ bool head_sight(struct sight *out, const struct head *head, const double part[4]
 
 const char *head_text(const struct head *head, bool *is_well)
 {
-    static const char *const troubles[2][STATION_SEEN] = {
-        {"head: not tracked yet", "head: no pose of it yet", "head: lost", "head: no pose for half a second"},
-        {"head: not tracked, its last view is kept", "head: no pose of it, its last view is kept",
-         "head: lost, its last view is kept", "head: no pose for half a second, its last view is kept"}};
+    static const char *const troubles[] = {"no tracker", "no head yet", "head lost", "head silent"};
+    static const char *const kept[] = {"no tracker: last view kept", "no head yet: last view kept",
+                                       "head lost: last view kept", "head silent: last view kept"};
     *is_well = head->state == STATION_SEEN && !head->inside;
     if (!head->on) {
         return NULL;
     }
     if (head->state != STATION_SEEN) {
-        return troubles[head->known][head->state];
+        return (head->known ? kept : troubles)[head->state];
     }
-    return head->inside ? "head: not before the screen, its last view is kept" : "as the head sees it";
+    return head->inside ? "eye not before the screen: last view kept" : "as the head sees it";
 }

@@ -2,7 +2,7 @@
 #include "viewer/keep.h"
 
 #include <math.h>
-#include <string.h>
+#include <strings.h>
 
 static void toggle_help(struct window *window)
 {
@@ -170,7 +170,7 @@ static bool use_wand(struct window *window, const char *key)
     struct viewer *viewer = window->viewer;
     for (size_t i = 0; i < WAND_KEYS; i++) {
         const struct wand_key *wand = &wand_keys[i];
-        if (strcmp(wand->key, key) == 0 && viewer->pointer == POINT_BY_WAND) {
+        if (strcasecmp(wand->key, key) == 0 && viewer->pointer == POINT_BY_WAND) {
             if (!viewer->has_pose) {
                 viewer_place(viewer);
             } else if (wand->axis < 3) {
@@ -214,7 +214,7 @@ enum { KEYS = sizeof keys / sizeof keys[0] };
 bool keys_press(struct window *window, const char *key)
 {
     for (size_t i = 0; i < KEYS; i++) {
-        if (strcmp(keys[i].key, key) == 0) {
+        if (strcasecmp(keys[i].key, key) == 0) {
             keys[i].act(window);
             return true;
         }

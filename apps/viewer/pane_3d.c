@@ -266,6 +266,7 @@ void pane_3d(struct window *window)
     }
     ask_painter(window, window->moving);
     ui_clip(*box);
+    pane_compass(window);
     draw_names(window);
     draw_waiting(window);
     draw_head(window);

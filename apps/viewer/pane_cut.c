@@ -23,7 +23,7 @@ static double scale_of(const struct viewer *viewer, const struct ui_box *box)
 /* What a pane shows now. */
 struct frame {
     struct cut_pane *pane;
-    float title_width;
+    float title_width, title_height;
     uint32_t width, height;
     double centre[3], right[3], up[3], mm_per_pixel;
 };
@@ -138,14 +138,15 @@ static void draw_letters(const struct frame *frame)
     const double down[3] = {-frame->up[0], -frame->up[1], -frame->up[2]};
     struct {
         const double *towards;
-        float x, y;
-    } places[] = {{left, 0.02F, 0.5F}, {frame->right, 0.96F, 0.5F}, {frame->up, 0.5F, 0.02F}, {down, 0.5F, 0.93F}};
-    if (8 + frame->title_width > 0.5F * box->width - 6) { /* the title reaches there */
-        places[2].y = 1.6F * ui_line() / fmaxf(box->height, 1);
-    }
+        float x, y; /* parts of the room between the margins */
+    } places[] = {{left, 0, 0.5F}, {frame->right, 1, 0.5F}, {frame->up, 0.5F, 0}, {down, 0.5F, 1}};
+    const float margin = 7;
+    bool covered = 8 + frame->title_width > 0.5F * box->width - 2 * margin;
     for (int i = 0; i < 4; i++) {
         const char text[2] = {letter_towards(places[i].towards), '\0'};
-        const float at[2] = {box->x + places[i].x * box->width, box->y + places[i].y * box->height};
+        const float room[2] = {box->width - ui_text_width(text) - 2 * margin, box->height - ui_line() - 2 * margin};
+        float top = places[i].towards == frame->up && covered ? frame->title_height : margin;
+        const float at[2] = {box->x + margin + places[i].x * room[0], box->y + top + places[i].y * room[1]};
         ui_draw_text(at, light, text);
     }
 }
@@ -166,13 +167,21 @@ static void draw_title(const struct window *window, struct frame *frame, enum pl
     static const char *const names[] = {"axial", "coronal", "sagittal"};
     static const char axes[] = {'z', 'y', 'x'};
     const struct viewer *viewer = window->viewer;
+    const char *sides = plane == SAGITTAL ? "" : viewer->radiological ? "radiological" : "neurological";
+    const float at[2] = {frame->pane->box.x + 8, frame->pane->box.y + 6};
     char text[96];
-    snprintf(text, sizeof text, "%s  %c = %.1f mm%s", names[plane], axes[plane], viewer->crosshair[2 - (int)plane],
-             plane == SAGITTAL      ? ""
-             : viewer->radiological ? "  radiological"
-                                    : "  neurological");
-    frame->title_width = ui_text_width(text);
-    ui_draw_text((float[]){frame->pane->box.x + 8, frame->pane->box.y + 6}, light, text);
+    double depth = viewer->crosshair[2 - (int)plane];
+    snprintf(text, sizeof text, "%s  %c = %.1f mm", names[plane], axes[plane], fabs(depth) < 0.05 ? 0 : depth);
+    float first = ui_text_width(text);
+    float second = ui_text_width(sides);
+    bool fits = first + 12 + second < frame->pane->box.width - 16; /* else the sides stand below */
+    const float beside[2] = {fits ? at[0] + first + 12 : at[0], fits ? at[1] : at[1] + 1.2F * ui_line()};
+    frame->title_width = fits ? first + 12 + second : fmaxf(first, second);
+    frame->title_height = (fits ? 1.6F : 2.8F) * ui_line();
+    ui_draw_text(at, light, text);
+    if (*sides) {
+        ui_draw_text(beside, light, sides);
+    }
 }
 
 /* ---- The mouse --------------------------------------------------------------------------------------------------- */

@@ -15,6 +15,12 @@ static void draw_number(const char *format, double value)
     }
 }
 
+/* The share is there already. */
+static bool shows_score(const struct viewer *viewer)
+{
+    return viewer->options.score && strcmp(viewer->options.score, "share") != 0;
+}
+
 static void draw_result(struct window *window, const conus_result *result)
 {
     struct viewer *viewer = window->viewer;
@@ -39,7 +45,9 @@ static void draw_result(struct window *window, const conus_result *result)
     ui_bar(result->share, 40 * window->scale, colour);
     ui_same_line();
     ui_text("%.1f %%", 100 * result->share);
-    draw_number("%.3f", result->score);
+    if (shows_score(viewer)) {
+        draw_number("%.3f", result->score);
+    }
     draw_number("%.1f", result->distance);
     if (viewer->options.layers == CONUS_ALL_LAYERS) {
         draw_number("%.1f", result->path);
@@ -49,10 +57,17 @@ static void draw_result(struct window *window, const conus_result *result)
 
 static void draw_results(struct window *window)
 {
-    static const char *const columns[] = {"area", "share", "score", "mm", "inside mm"};
     const conus_selection *selection = viewer_selection(window->viewer);
     size_t count = conus_selection_count(selection);
-    size_t shown = window->viewer->options.layers == CONUS_ALL_LAYERS ? 5 : 4;
+    const char *columns[5] = {"area", "share"};
+    size_t shown = 2;
+    if (shows_score(window->viewer)) {
+        columns[shown++] = "score";
+    }
+    columns[shown++] = "mm";
+    if (window->viewer->options.layers == CONUS_ALL_LAYERS) {
+        columns[shown++] = "inside";
+    }
     if (ui_table("results", columns, shown, 14 * ui_line())) {
         for (size_t i = 0; i < count; i++) {
             draw_result(window, conus_selection_result(selection, i));

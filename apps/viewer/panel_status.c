@@ -1,32 +1,53 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "viewer/window.h"
 
+#include <ctype.h>
+#include <math.h>
+
 static void show_place(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    const double *at = window->hovers ? window->hovered_at : viewer->crosshair;
+    const double *given = window->hovers ? window->hovered_at : viewer->crosshair;
     char text[HOVER_TEXT];
+    double at[3];
+    for (int a = 0; a < 3; a++) {
+        at[a] = fabs(given[a]) < 0.05 ? 0 : given[a]; /* no -0.0 */
+    }
     window_hover_text(window, text);
     ui_text("%s %.1f, %.1f, %.1f mm RAS  %s", window->hovers ? "mouse" : "cross", at[0], at[1], at[2], text);
 }
 
-void panel_status(struct window *window)
+static void show_times(const struct window *window)
 {
     char device[160] = "";
     const struct viewer *viewer = window->viewer;
     if (viewer->painter) {
         painter_device(viewer->painter, device, sizeof device);
     }
-    ui_panel("status", window->status, UI_PLAIN);
-    ui_indent();
-    show_place(window);
     ui_same_line();
     ui_text("  |  frame %.1f ms, picture %.0f ms, selection %.3f ms  |  %s", window->frame_ms, window->painted_ms,
             viewer->select_ms, device);
+}
+
+void panel_status(struct window *window)
+{
+    ui_panel("status", window->status, UI_PLAIN);
+    ui_indent();
+    show_place(window);
+    if (!window->quiet_status) {
+        show_times(window);
+    }
     ui_same_line();
-    ui_text_coloured((ui_colour){255, 200, 90, 255}, "  %s", viewer->message);
+    ui_text_coloured((ui_colour){255, 200, 90, 255}, "  %s", window->viewer->message);
     ui_unindent();
     ui_panel_end();
+}
+
+/* Letters as on the keyboard: an l looks like an I. */
+static void show_key(const char *key)
+{
+    int first = key[1] ? key[0] : toupper((unsigned char)key[0]);
+    ui_text_coloured((ui_colour){255, 200, 90, 255}, "%c%s", first, key + 1);
 }
 
 void panel_help(struct window *window)
@@ -39,9 +60,9 @@ void panel_help(struct window *window)
              (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
              UI_IN_FRONT);
     for (size_t i = 0; keys_describe(i, &key, &meaning); i++) {
-        ui_text_coloured((ui_colour){255, 200, 90, 255}, "%s", key);
+        show_key(key);
         ui_same_line_at(80 * window->scale);
-        ui_text("%s", meaning);
+        ui_text_wrapped(meaning);
     }
     ui_separator();
     ui_text_wrapped(

@@ -166,7 +166,7 @@ static void edit_thresholds(struct viewer *viewer)
         if (info && info->maximum > info->minimum) {
             double threshold = info->threshold;
             ui_id(number);
-            ui_slider(object->name, &threshold, info->minimum, info->maximum, "from %.4g", false);
+            ui_slider(object->name, &threshold, info->minimum, info->maximum, "from %.6g", false);
             bool done = ui_edited();
             ui_id_end();
             if (done && threshold != info->threshold) {

@@ -210,6 +210,12 @@ static bool do_pointer(struct call *call)
     return false;
 }
 
+static bool do_quiet_status(struct call *call)
+{
+    call->window->quiet_status = true;
+    return true;
+}
+
 static bool do_wait(struct call *call)
 {
     double frames;
@@ -321,6 +327,7 @@ static const struct {
     {"fade", 1, 1, do_fade, "PART"},
     {"search", 0, 1, do_search, "[TEXT]"},
     {"choose", 1, 1, do_choose, "NAME"},
+    {"quiet-status", 0, 0, do_quiet_status, ""},
     {"wait", 1, 1, do_wait, "FRAMES"},
     {"pause", 1, 1, do_pause, "SECONDS"},
     {"settle", 0, 0, do_settle, ""},

@@ -340,7 +340,7 @@ bool ui_table(const char *id, const char *const *columns, size_t count, float he
     }
     ImGui::TableSetupScrollFreeze(0, 1);
     for (size_t i = 0; i < count; i++) {
-        ImGui::TableSetupColumn(columns[i]);
+        ImGui::TableSetupColumn(columns[i], i ? 0 : ImGuiTableColumnFlags_WidthStretch);
     }
     ImGui::TableHeadersRow();
     return true;

@@ -53,7 +53,8 @@ struct window {
     unsigned shown_version, shown_said; /**< Of the viewer, in the newest frame. */
     unsigned shown_head;                /**< Likewise. */
     bool show_help;
-    uint32_t hovered; /**< Object under the mouse. */
+    bool quiet_status; /**< The status line leaves out what differs from run to run: times and the device. */
+    uint32_t hovered;  /**< Object under the mouse. */
     double hovered_at[3];
     double hovered_value; /**< Of a pathway, there; NaN of an area. */
     bool keeps_picture;   /**< The next frame goes into a file.     */
@@ -104,6 +105,7 @@ bool keys_describe(size_t index, const char **key, const char **meaning);
 /* Panels and panes, one file each. */
 void pane_cut(struct window *window, enum plane plane);
 void pane_3d(struct window *window);
+void pane_compass(const struct window *window); /**< Over it: which way it looks. */
 void panel_areas(struct window *window);
 void panel_cone(struct window *window);
 void panel_results(struct window *window);

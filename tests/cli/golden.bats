@@ -1,0 +1,64 @@
+#!/usr/bin/env bats
+# The window as it was when somebody looked at it: tests/golden/window-*.txt are scripts, window-*.png what they showed.
+# CONUS_WRITE_GOLDEN=1 writes those anew that differ (scripts/golden).
+load helpers
+
+GOLDEN=$BATS_TEST_DIRNAME/../golden
+
+# The screen is larger than the windows, so that the mouse, in its middle, is not over them.
+setup_file() {
+    command -v Xvfb >/dev/null || return 0
+    Xvfb -displayfd 3 -screen 0 2400x1600x24 -nolisten tcp 3>"$BATS_FILE_TMPDIR/display" 2>/dev/null &
+    echo $! >"$BATS_FILE_TMPDIR/pid"
+    for _ in {1..100}; do
+        [ ! -s "$BATS_FILE_TMPDIR/display" ] || break
+        sleep 0.05
+    done
+    DISPLAY=:$(cat "$BATS_FILE_TMPDIR/display")
+    export DISPLAY
+}
+
+teardown_file() {
+    [ ! -f "$BATS_FILE_TMPDIR/pid" ] || kill "$(cat "$BATS_FILE_TMPDIR/pid")"
+}
+
+# looks_as NAME ATLAS [OPTION...]: the script NAME.txt shows NAME.png. A pixel differs where a channel does by more than
+# 0.05 of white, in linear light; one in 1000 may, since drivers differ at edges.
+looks_as() {
+    local name=$1 differing
+    shift
+    [ -x "${CONUS%/*}/conus-view" ] || skip "conus-view is not built"
+    [ -f "$BATS_FILE_TMPDIR/pid" ] || skip "no Xvfb"
+    run -0 --separate-stderr timeout 250 "$CONUS" view "$@" --script "$GOLDEN/$name.txt" --size 600x400 --scale 0.62 --quiet
+    [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
+    run --separate-stderr "$CONUS" diff --tolerance 0.05 "$name.png" "$GOLDEN/$name.png"
+    differing=${output%% *}
+    [ "${differing:-240000}" -gt 240 ] || return 0
+    [ -z "${CONUS_WRITE_GOLDEN:-}" ] || { cp "$name.png" "$GOLDEN/$name.png"; return; }
+    echo "$output$stderr"
+    cp "$name.png" "${TMPDIR:-/tmp}/$name-differs.png" && echo "it is ${TMPDIR:-/tmp}/$name-differs.png"
+    return 1
+}
+
+@test "surfaces and a pathway" {
+    conus phantom brain -o brain
+    mkdir surfaces
+    mv brain/*.gii surfaces
+    looks_as window-surfaces surfaces --pathway brain/brain-pathway.nii.gz
+}
+
+@test "voxels in all layers" {
+    conus phantom nested -o .
+    looks_as window-layers nested.nii.gz
+}
+
+@test "hidden, confirmed and searched over a context" {
+    conus phantom slabs -o .
+    sphere
+    looks_as window-hidden slabs.nii.gz --context sphere.nii.gz
+}
+
+@test "the last view of a head that is lost" {
+    conus phantom u-shape -o .
+    looks_as window-head u-shape.nii.gz
+}
