@@ -153,7 +153,7 @@ static int answer_all(const struct batch_settings *settings, const struct argume
     }
     int last = EXIT_DONE;
     shard_range(&first, &count, shard, jobs.count);
-    for (uint64_t i = first; i < first + count && !is_signal(last); i++) {
+    for (uint64_t i = first; i < first + count && jobs.jobs && !is_signal(last); i++) {
         struct batch_settings own = *settings;
         struct arguments aimed = *arguments;
         own.poses = jobs.jobs[i].poses;

@@ -74,13 +74,28 @@ setup_poses() {
     conus batch sphere.nii.gz --hemispheres split --poses poses.tsv -o rows.tsv --force
     ranks 2 sphere.nii.gz --hemispheres split --poses poses.tsv --block 2 -o ranks.tsv --force
     cmp rows.tsv ranks.tsv
-    ranks 1 sphere.nii.gz --poses poses.tsv -o alone.tsv --verbose 2>said
-    run ! grep 'in memory once' said
 }
 
-# setup_long: 3000 poses that take a while; `long` are the arguments that say so.
+@test "where an atlas cannot be shared, each rank has its own" {
+    setup_poses
+    ranks 1 sphere.nii.gz --poses poses.tsv -o alone.tsv --verbose 2>said
+    run ! grep 'in memory once' said
+    sphere --size 256
+    conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv
+    ranks 2 sphere.nii.gz --poses poses.tsv --block 8 -o shared.tsv --verbose 2>said
+    grep -q 'in memory once' said
+    (
+        ulimit -f 20000 # in KB, of memory that is a file, too
+        ranks 2 sphere.nii.gz --poses poses.tsv --block 8 -o own.tsv --verbose 2>said
+    )
+    run ! grep 'in memory once' said
+    cmp rows.tsv shared.tsv
+    cmp rows.tsv own.tsv
+}
+
+# setup_long: 1500 poses that take a while; `long` are the arguments that say so.
 setup_long() {
-    setup_poses 3000
+    setup_poses 1500
     long=(sphere.nii.gz --poses poses.tsv --resolution 128)
     conus batch "${long[@]}" -o rows.tsv
 }
