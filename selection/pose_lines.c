@@ -184,8 +184,9 @@ conus_status pose_lines_rest(struct bytes *out, struct pose_lines *lines, uint64
     conus_status status = CONUS_OK;
     for (size_t capacity = 0; !status && (lines->size || !lines->ended);) {
         if (bytes.size + lines->size > limit) {
-            status = fail(CONUS_ERROR_MEMORY, "more than %llu bytes, which is too much for poses that are read whole",
-                          (unsigned long long)limit);
+            status =
+                fail(CONUS_ERROR_MEMORY, "more than %llu bytes, allowed of a format that is read whole (--max-memory)",
+                     (unsigned long long)limit);
         }
         if (!status && bytes.size + lines->size > capacity) {
             capacity = 2 * (bytes.size + lines->size);

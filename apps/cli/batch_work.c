@@ -67,7 +67,8 @@ static bool is_pipe(const char *path)
 static int open_poses(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
-    const conus_pose_options options = settings_pose_options(&settings->file, settings->aim.space);
+    const conus_pose_options options =
+        settings_pose_options(&settings->file, settings->aim.space, settings->atlas.max_memory);
     int code = batch_shard(&work->shard, settings);
     if (code) {
         return code;

@@ -178,7 +178,8 @@ static bool check(const struct query_settings *settings, const struct arguments 
 static int load_poses(struct query *query)
 {
     const struct aim_settings *aim = &query->settings->aim;
-    const conus_pose_options options = settings_pose_options(&query->settings->file, aim->space);
+    const conus_pose_options options =
+        settings_pose_options(&query->settings->file, aim->space, query->settings->atlas.max_memory);
     conus_status status = conus_pose_list_load(&query->poses, aim->pose, &options);
     if (status) {
         return complain_status(status);

@@ -204,7 +204,8 @@ static int load_pose(conus_pose_row *out, const struct picture *picture, const c
 {
     const struct render_settings *settings = picture->settings;
     conus_pose_list *list = NULL;
-    const conus_pose_options options = settings_pose_options(&settings->file, settings->aim.space);
+    const conus_pose_options options =
+        settings_pose_options(&settings->file, settings->aim.space, settings->atlas.max_memory);
     conus_status status = conus_pose_list_load(&list, path, &options);
     if (status) {
         return complain_status(status);

@@ -344,7 +344,8 @@ static int load(struct sweep *sweep)
 {
     const struct sweep_settings *settings = sweep->settings;
     if (settings->aim.pose) {
-        const conus_pose_options options = settings_pose_options(&settings->file, settings->aim.space);
+        const conus_pose_options options =
+            settings_pose_options(&settings->file, settings->aim.space, settings->atlas.max_memory);
         conus_status status = conus_pose_list_load(&sweep->poses, settings->aim.pose, &options);
         if (status) {
             return complain_status(status);

@@ -368,7 +368,8 @@ static int open_poses(struct track *track)
     if (!track->settings->aim.pose) {
         return settings_start_station(&track->station, &track->settings->station);
     }
-    const conus_pose_options options = settings_pose_options(&track->settings->file, track->settings->aim.space);
+    const conus_pose_options options =
+        settings_pose_options(&track->settings->file, track->settings->aim.space, track->settings->atlas.max_memory);
     conus_status status = conus_pose_stream_open(&track->poses, track->settings->aim.pose, &options);
     if (!status && !conus_pose_stream_has_times(track->poses)) {
         complain("%s: no time_s in it, which every step needs", settings_poses_name(track->settings->aim.pose));

@@ -42,12 +42,13 @@ bool settings_check_pose_file(const struct arguments *arguments, const char *fil
     return true;
 }
 
-conus_pose_options settings_pose_options(const struct pose_file_settings *settings, size_t space)
+conus_pose_options settings_pose_options(const struct pose_file_settings *settings, size_t space, uint64_t max_memory)
 {
     return (conus_pose_options){.space = (conus_space)space,
                                 .axis = (conus_axis)settings->axis,
                                 .format = (conus_pose_format)settings->format,
-                                .along_shafts = settings->along_shafts};
+                                .along_shafts = settings->along_shafts,
+                                .max_memory = max_memory};
 }
 
 void settings_pose_text(char out[64], const struct pose_file_settings *settings)

@@ -60,7 +60,7 @@ const struct option atlas_options[] = {
      .type = OPTION_BYTES,
      .offset = FIELD(atlas_settings, max_memory),
      .value = "SIZE",
-     .help = "largest file or volume to accept, like 512M or 2G (default 8G)"},
+     .help = "largest file or volume to accept, like 512M or 2G (default 8G; 1G of poses that are read whole)"},
     {0},
 };
 

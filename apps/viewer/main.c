@@ -174,7 +174,8 @@ static int start_sources(struct window *window, const struct view_settings *sett
         station_on_pose(window->station, loop_wake);
     }
     if (!code && settings->poses) {
-        conus_status status = conus_pose_list_load(&window->replay.poses, settings->poses, NULL);
+        const conus_pose_options options = {.max_memory = settings->atlas.max_memory};
+        conus_status status = conus_pose_list_load(&window->replay.poses, settings->poses, &options);
         code = status ? complain_status(status) : EXIT_DONE;
         if (!code && !conus_pose_list_count(window->replay.poses)) {
             complain("%s: no poses in it to replay", settings->poses);

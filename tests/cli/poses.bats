@@ -205,6 +205,24 @@ same_answers() {
     fails 3 '--any-space takes them' batch "$aal" --poses "$SAMPLES/brainsight.txt"
 }
 
+@test "--max-memory holds for poses that are read whole, and only for them" {
+    sphere --size 16
+    printf 'name\tx\ty\tz\tsize\n' >many_electrodes.tsv
+    printf 'A%d\t0\t0\t0\t5\n' {1..3000} >>many_electrodes.tsv
+    cp "$SAMPLES"/{brainsight.txt,localite-trigger.xml,lines.mrk.json} .
+    for file in brainsight.txt localite-trigger.xml lines.mrk.json many_electrodes.tsv; do
+        while [ "$(wc -c <$file)" -le 33000 ]; do echo >>$file; printf '%8191s' >>$file; done
+        for command in "query --pose" "batch --poses" "sweep --pose" "track --poses" "render -o view.png --pose"; do
+            # shellcheck disable=SC2086 # words
+            fails 3 "$file: more than 32768 bytes, allowed of a format that is read whole (--max-memory)" \
+                $command $file sphere.nii.gz --max-memory 32K
+        done
+    done
+    fails 3 'standard input: more than 32768 bytes' query sphere.nii.gz --pose - --max-memory 32K <many_electrodes.tsv
+    { printf %b "$HEADER"; yes "$(printf %b "$FIRST")" | head -2000; } >poses.tsv
+    answers query sphere.nii.gz --pose poses.tsv --max-memory 32K --format tsv
+}
+
 @test "track follows the triggers that Localite noted" {
     sphere --size 16
     run -1 --separate-stderr "$CONUS" track sphere.nii.gz --poses "$SAMPLES/localite-trigger.xml" --format tsv
