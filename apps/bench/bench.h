@@ -30,6 +30,7 @@ struct bench {
     json_t *ratios;
     json_t *left_out; /**< {what: why} of what could not be run. */
     char driver[512]; /**< Engine or GL renderer in use.                                              */
+    const char *note; /**< What a reader of the figures must know; NULL = nothing. A literal. */
     bool one_thread;  /**< Set by a scenario whose variants all run on the calling thread: then its CPU
                            time is taken, which other programs on the machine hardly disturb.        */
 };
@@ -90,13 +91,17 @@ struct bench_scenario {
     double seconds;        /**< likewise, of one measurement       */
 };
 
+conus_status bench_brain_frames(struct bench *bench);
 conus_status bench_census(struct bench *bench);
 conus_status bench_batch(struct bench *bench);
+conus_status bench_accuracy(struct bench *bench);
+conus_status bench_bonsai(struct bench *bench);
 conus_status bench_colour(struct bench *bench);
 conus_status bench_hand(struct bench *bench);
 conus_status bench_volume(struct bench *bench);
 conus_status bench_volume_gl(struct bench *bench);
 conus_status bench_mesh(struct bench *bench);
+conus_status bench_startup(struct bench *bench);
 conus_status bench_torus(struct bench *bench);
 conus_status bench_torus_frame(struct bench *bench);
 conus_status bench_torus_gl(struct bench *bench); /**< Its part that needs OpenGL. */

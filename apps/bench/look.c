@@ -97,6 +97,18 @@ bool look_same_but_edges(const struct look *look, const struct look *rays)
     return bench_differences_pass(&differences, look->name, look_pixels(look)) && !look->status;
 }
 
+void shoot(void *data)
+{
+    struct shot *shot = data;
+    struct look *look = shot->look;
+    conus_status status = shot->draw(shot->scene, shot->way);
+    if (look && !status) {
+        status = look->engine->functions->look(look->engine, &look->scratch, &look->cones[shot->next++ % look->count]);
+    }
+    status = status ? status : shot->wait(shot->scene);
+    shot->status = shot->status ? shot->status : status;
+}
+
 /* ---- Engines --------------------------------------------------------------------------------------------------- */
 
 struct plain_engine {

@@ -36,6 +36,20 @@ size_t look_differences(const struct look *a, const struct look *b);
 /** Whether they name the same objects but for edges (edges.h); prints what differs. */
 bool look_same_but_edges(const struct look *look, const struct look *rays);
 
+/** A frame, and one selection while it is drawn. */
+struct shot {
+    conus_status (*draw)(void *scene, int way); /**< Has a frame drawn in one of its ways, without waiting for it. */
+    conus_status (*wait)(void *scene);          /**< Until it is there. */
+    void *scene;
+    int way;
+    struct look *look; /**< NULL = no selection. */
+    size_t next;       /**< Its next cone.       */
+    conus_status status;
+};
+
+/** The `run` of a variant whose data is a shot. The frame is over when picture and selection are both there. */
+void shoot(void *shot);
+
 /** Engines that need destroying, all on what they are given, which must outlive them. */
 
 /** Plain scalar traversal of the volumes, a voxel at a time (tests/oracle_traversal.h). */

@@ -41,6 +41,12 @@ static const struct bench_scenario scenarios[] = {
     {"peers_volume", "256 rays through a labelled volume: VTK's pickers and selector beside the rays engine",
      bench_peers_volume, 8, 5, 20},
     {"peers_colour", "a picture of a volume: VTK's volume mappers against the colour pass", bench_peers_colour, 1, 5, 30},
+    {"bonsai", "frames of 1 to 45 volumes of 256^3 bytes, without and with a selection in each, as the paper has it",
+     bench_bonsai, 1, 3, 20},
+    {"brain", "frames of the brain phantom, surfaces and volumes, without and with a selection in each",
+     bench_brain_frames, 1, 9, 20},
+    {"accuracy", "how wrong slices are: labels and thin tubes, over cones' angles", bench_accuracy, 64, 5, 2},
+    {"startup", "loading an atlas, making selectors, and the whole of conus query", bench_startup, 1, 15, 15},
     {"hand", "a trembling hand: how often --poses trials select the area that was meant", bench_hand, 64, 0, 0},
 };
 
@@ -56,6 +62,7 @@ static void print_help(void)
          "\noptions:\n"
          "  --atlas FILE   labelled volume, or a manifest (default " DEFAULT_ATLAS ")\n"
          "  --context FILE volume around the areas in pictures (default " DEFAULT_CONTEXT ")\n"
+         "  --bonsai FILE  the paper's volume, 256^3 bytes, raw or in a file of any format (else a stand-in is made)\n"
          "  --slices N     planes of a picture (default 362)\n"
          "  --angle A      full opening angle in degrees (default 5)\n"
          "  --poses N      cones per round (default 64; all: its own)\n"
@@ -105,6 +112,9 @@ static conus_status parse_option(struct arguments *out, int option)
     case 'c':
         options->context = optarg;
         return CONUS_OK;
+    case 'b':
+        options->bonsai = optarg;
+        return CONUS_OK;
     case 's':
         return parse_count("slices", optarg, &options->slices);
     case 'g':
@@ -145,13 +155,19 @@ static conus_status parse_scenario(struct arguments *out, const char *name)
 
 static conus_status parse(struct arguments *out, int argc, char **argv)
 {
-    static const struct option table[] = {
-        {"atlas", required_argument, NULL, 'a'},   {"context", required_argument, NULL, 'c'},
-        {"slices", required_argument, NULL, 's'},  {"angle", required_argument, NULL, 'g'},
-        {"poses", required_argument, NULL, 'p'},   {"repeats", required_argument, NULL, 'r'},
-        {"seconds", required_argument, NULL, 't'}, {"record", required_argument, NULL, 'o'},
-        {"check", no_argument, NULL, 'k'},         {"json", required_argument, NULL, 'j'},
-        {"help", no_argument, NULL, 'h'},          {NULL, 0, NULL, 0}};
+    static const struct option table[] = {{"atlas", required_argument, NULL, 'a'},
+                                          {"context", required_argument, NULL, 'c'},
+                                          {"slices", required_argument, NULL, 's'},
+                                          {"angle", required_argument, NULL, 'g'},
+                                          {"poses", required_argument, NULL, 'p'},
+                                          {"repeats", required_argument, NULL, 'r'},
+                                          {"seconds", required_argument, NULL, 't'},
+                                          {"record", required_argument, NULL, 'o'},
+                                          {"check", no_argument, NULL, 'k'},
+                                          {"json", required_argument, NULL, 'j'},
+                                          {"bonsai", required_argument, NULL, 'b'},
+                                          {"help", no_argument, NULL, 'h'},
+                                          {NULL, 0, NULL, 0}};
     opterr = 0;
     for (int option; (option = getopt_long(argc, argv, "h", table, NULL)) != -1;) {
         conus_status status = parse_option(out, option);
@@ -261,6 +277,7 @@ static int run(const struct arguments *arguments)
 
 int main(int argc, char **argv)
 {
+    setvbuf(stdout, NULL, _IOLBF, 0);
     struct arguments arguments = {.options = {.angle = 5, .slices = DEFAULT_SLICES}};
     conus_status status = parse(&arguments, argc, argv);
     if (status) {

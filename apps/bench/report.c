@@ -141,11 +141,12 @@ void report_print_holds(const json_t *root)
 json_t *report_settings(const struct bench *bench, double seconds, double load)
 {
     const struct bench_options *o = &bench->options;
-    return json_pack("{s:s, s:s, s:f, s:I, s:I, s:I, s:f, s:s, s:s, s:f, s:o, s:o}", "atlas", o->atlas, "context",
+    return json_pack("{s:s, s:s, s:f, s:I, s:I, s:I, s:f, s:s, s:s, s:s, s:f, s:o, s:o}", "atlas", o->atlas, "context",
                      o->context, "angle_deg", o->angle, "poses", (json_int_t)o->poses, "slices", (json_int_t)o->slices,
                      "repeats", (json_int_t)o->repeats, "seconds_per_measurement", o->seconds, "clock",
-                     bench->one_thread ? "CPU time of one thread" : "wall", "driver", bench->driver, "took_s", seconds,
-                     "load_start", number(load), "load_end", number(report_load()));
+                     bench->one_thread ? "CPU time of one thread" : "wall", "driver", bench->driver, "note",
+                     bench->note ? bench->note : "", "took_s", seconds, "load_start", number(load), "load_end",
+                     number(report_load()));
 }
 
 json_t *report_create(const struct bench *bench, const json_t *scenarios, double load)

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The paper's first experiment: the frame rate of 1,000 to 20,000 tori without and with a selection in every frame. */
 #include "apps/bench/bench.h"
+#include "apps/bench/frame.h"
 #include "apps/bench/look.h"
 #include "apps/bench/torus_pass.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { WIDTH = 1400, HEIGHT = 1050, CONES = 4, CHECK_PART = 10 };
-#define LEAST_COVERAGE 0.05
+enum { CONES = 4 };
 
 /* A frame alone, a frame and one selection, selections alone. */
 enum { FRAME, FRAME_AND, ALONE = FRAME_AND + TORUS_WAYS, VARIANTS = ALONE + TORUS_WAYS };
@@ -21,26 +21,16 @@ struct scene {
     struct look looks[TORUS_WAYS];
 };
 
-/* What a variant draws and asks. */
-struct frame {
-    struct scene *scene;
-    struct look *look; /* NULL = nothing */
-    size_t next;       /* cone */
-    conus_status status;
-};
-
-/* A selection is asked for while the frame is still being drawn, and the frame is over when both are there. */
-static void draw(void *data)
+static conus_status draw(void *data, int way)
 {
-    struct frame *frame = data;
-    struct torus_pass *pass = frame->scene->round.pass;
-    struct look *look = frame->look;
-    conus_status status = torus_pass_frame(pass, frame->scene->size, !look);
-    if (look && !status) {
-        status = look->engine->functions->look(look->engine, &look->scratch, &look->cones[frame->next++ % CONES]);
-        status = status ? status : torus_pass_wait(pass);
-    }
-    frame->status = frame->status ? frame->status : status;
+    struct scene *scene = data;
+    (void)way;
+    return torus_pass_frame(scene->round.pass, scene->size);
+}
+
+static conus_status wait_for(void *data)
+{
+    return torus_pass_wait(((struct scene *)data)->round.pass);
 }
 
 static bool has(const struct scene *scene, int way)
@@ -50,9 +40,7 @@ static bool has(const struct scene *scene, int way)
 
 static conus_status scene_init(struct scene *scene, const struct bench *bench, size_t tori, bool placed)
 {
-    uint32_t part = bench->options.check ? CHECK_PART : 1;
-    scene->size[0] = WIDTH / part;
-    scene->size[1] = HEIGHT / part;
+    frame_size(scene->size, bench->options.check);
     conus_status status = torus_round_init(&scene->round, tori, placed);
     if (!status) {
         torus_scene_cones(scene->cones, &scene->round.scene, CONES, bench->options.angle);
@@ -78,34 +66,34 @@ static void scene_finish(struct scene *scene)
 static conus_status check_frame(bool *equal, struct scene *scene)
 {
     double coverage = 0;
-    conus_status status = torus_pass_frame(scene->round.pass, scene->size, true);
+    conus_status status = torus_pass_frame(scene->round.pass, scene->size);
     status = status ? status : torus_pass_coverage(&coverage, scene->round.pass);
     printf("%zu tori cover %.0f %% of a frame\n", scene->round.scene.count, 100 * coverage);
-    *equal = !status && coverage >= LEAST_COVERAGE;
+    *equal = !status && coverage >= FRAME_COVERAGE;
     return status;
 }
 
 /* Of one number of tori; beyond the paper's, a frame and selections alone. Fills in those of `out` that there are. */
 static conus_status measure_scene(struct bench *bench, struct scene *scene, struct bench_variant out[VARIANTS])
 {
-    struct frame frames[1 + TORUS_WAYS] = {{.scene = scene}};
+    struct shot shots[1 + TORUS_WAYS] = {{.draw = draw, .wait = wait_for, .scene = scene}};
     struct bench_variant variants[VARIANTS];
     char names[TORUS_WAYS][144];
     int place[VARIANTS];
     size_t count = 0;
     bool shown;
     conus_status status = check_frame(&shown, scene);
-    variants[count] = (struct bench_variant){.name = "colour", .run = draw, .data = &frames[0], .equal = shown};
+    variants[count] = (struct bench_variant){.name = "colour", .run = shoot, .data = &shots[0], .equal = shown};
     place[count++] = FRAME;
     for (int way = 0; way < TORUS_WAYS; way++) {
         struct look *look = &scene->looks[way];
         if (has(scene, way)) {
             bool equal = look_same_but_edges(look, &scene->looks[TORUS_RAYS]);
-            frames[1 + way] = (struct frame){.scene = scene, .look = look};
+            shots[1 + way] = (struct shot){.draw = draw, .wait = wait_for, .scene = scene, .look = look};
             snprintf(names[way], sizeof names[way], "%s, in a frame", look->name);
             if (!scene->round.rays) {
                 variants[count] = (struct bench_variant){
-                    .name = names[way], .run = draw, .data = &frames[1 + way], .equal = shown && equal};
+                    .name = names[way], .run = shoot, .data = &shots[1 + way], .equal = shown && equal};
                 place[count++] = FRAME_AND + way;
             }
             variants[count] =

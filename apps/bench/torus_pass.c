@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "apps/bench/torus_pass.h"
 
+#include "apps/bench/frame.h"
 #include "apps/bench/look.h"
 #include "base/math3.h"
 #include "base/memory.h"
@@ -12,12 +13,6 @@
 #include <string.h>
 
 enum { PIXELS = TORUS_RESOLUTION * TORUS_RESOLUTION };
-
-/* 8 bits a channel, as screens have. */
-struct frame {
-    GLuint framebuffer, colour, depth;
-    uint32_t width, height;
-};
 
 struct torus_pass {
     struct gl_context *context;
@@ -184,6 +179,7 @@ void torus_pass_destroy(struct torus_pass *pass)
     }
     if (pass->context && !gl_context_use(pass->context, &previous)) {
         target_finish(&pass->buffer);
+        frame_finish(&pass->frame);
         gl_current_restore(&previous);
     }
     gl_context_destroy(pass->context); /* and what was made in it */
@@ -272,27 +268,6 @@ conus_status torus_pass_engine(struct engine **out, struct torus_pass *pass, boo
     return CONUS_OK;
 }
 
-/* Has the frame's size, if it had another. */
-static conus_status resize(struct frame *frame, const uint32_t size[2])
-{
-    if (frame->width == size[0] && frame->height == size[1]) {
-        return CONUS_OK;
-    }
-    GLsizei width = (GLsizei)size[0], height = (GLsizei)size[1];
-    glDeleteFramebuffers(1, &frame->framebuffer);
-    glDeleteTextures(1, &frame->colour);
-    glDeleteTextures(1, &frame->depth);
-    *frame = (struct frame){.width = size[0], .height = size[1]};
-    glCreateTextures(GL_TEXTURE_2D, 1, &frame->colour);
-    glTextureStorage2D(frame->colour, 1, GL_RGBA8, width, height);
-    glCreateTextures(GL_TEXTURE_2D, 1, &frame->depth);
-    glTextureStorage2D(frame->depth, 1, GL_DEPTH_COMPONENT24, width, height);
-    glCreateFramebuffers(1, &frame->framebuffer);
-    glNamedFramebufferTexture(frame->framebuffer, GL_COLOR_ATTACHMENT0, frame->colour, 0);
-    glNamedFramebufferTexture(frame->framebuffer, GL_DEPTH_ATTACHMENT, frame->depth, 0);
-    return gl_check("frame");
-}
-
 /* From beyond a corner of the cube, all of which is in view. */
 static void draw_frame(struct torus_pass *pass)
 {
@@ -305,11 +280,7 @@ static void draw_frame(struct torus_pass *pass)
         return;
     }
     clip_matrix(matrix, pose.world_from_device, slope);
-    target_bind(&pass->buffer); /* for its state */
-    glBindFramebuffer(GL_FRAMEBUFFER, pass->frame.framebuffer);
-    glViewport(0, 0, (GLsizei)pass->frame.width, (GLsizei)pass->frame.height);
-    glClearBufferfv(GL_COLOR, 0, (float[]){0, 0, 0, 0});
-    glClearBufferfv(GL_DEPTH, 0, (float[]){1});
+    frame_begin(&pass->frame, true);
     glUseProgram(pass->paint);
     glUniformMatrix4fv(pass->paint_matrix, 1, GL_FALSE, matrix);
     glUniform3f(pass->paint_eye, (float)eye[0], (float)eye[1], (float)eye[2]);
@@ -317,20 +288,17 @@ static void draw_frame(struct torus_pass *pass)
     glDrawElementsInstanced(GL_TRIANGLES, pass->index_count, GL_UNSIGNED_INT, NULL, pass->count);
 }
 
-conus_status torus_pass_frame(struct torus_pass *pass, const uint32_t size[2], bool finish)
+conus_status torus_pass_frame(struct torus_pass *pass, const uint32_t size[2])
 {
     struct gl_current previous;
     conus_status status = gl_context_use(pass->context, &previous);
     if (status) {
         return status;
     }
-    status = resize(&pass->frame, size);
+    status = frame_resize(&pass->frame, size);
     if (!status) {
         draw_frame(pass);
         glFlush();
-        if (finish) {
-            glFinish();
-        }
     }
     gl_current_restore(&previous);
     return status;
@@ -350,19 +318,11 @@ conus_status torus_pass_wait(struct torus_pass *pass)
 conus_status torus_pass_coverage(double *out, struct torus_pass *pass)
 {
     struct gl_current previous;
-    size_t pixels = (size_t)pass->frame.width * pass->frame.height, covered = 0;
-    uint8_t(*rgba)[4] = memory_raw(pixels, sizeof *rgba);
-    conus_status status = rgba ? gl_context_use(pass->context, &previous) : CONUS_ERROR_MEMORY;
+    conus_status status = gl_context_use(pass->context, &previous);
     if (!status) {
-        glGetTextureImage(pass->frame.colour, 0, GL_RGBA, GL_UNSIGNED_BYTE, (GLsizei)(4 * pixels), rgba);
-        status = gl_check("frame");
+        status = frame_coverage(out, &pass->frame);
         gl_current_restore(&previous);
     }
-    for (size_t i = 0; i < pixels && !status; i++) {
-        covered += rgba[i][3] != 0;
-    }
-    memory_free(rgba);
-    *out = (double)covered / (double)pixels;
     return status;
 }
 

@@ -18,9 +18,9 @@ void torus_pass_destroy(struct torus_pass *pass);
  * tori are instances of one draw call, or @p one_by_one. Destroy it before the pass. */
 conus_status torus_pass_engine(struct engine **out, struct torus_pass *pass, bool one_by_one);
 
-/** Draws a frame of @p size pixels, all tori in colour, lit per pixel, without culling, and waits for it only if
- * @p finish. The target is made anew when the size changes. */
-conus_status torus_pass_frame(struct torus_pass *pass, const uint32_t size[2], bool finish);
+/** Draws a frame of @p size pixels, all tori in colour, lit per pixel, without culling, and does not wait for it. The
+ * target is made anew when the size changes. */
+conus_status torus_pass_frame(struct torus_pass *pass, const uint32_t size[2]);
 
 /** Waits for all that has been drawn. */
 conus_status torus_pass_wait(struct torus_pass *pass);
