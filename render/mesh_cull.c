@@ -15,7 +15,7 @@ enum { TILE_LIMIT = 16, MESH = 1 };
 
 /* What waits: a mesh, or a cluster of one that was taken apart. */
 struct waiting {
-    double nearest; /* mm: no point of it is nearer to the apex */
+    double nearest; /* mm: no point of it is nearer to the apex; 0 where the order does not matter */
     uint32_t number;
     uint32_t is_mesh;
 };
@@ -30,6 +30,7 @@ struct mesh_cull {
     double slope, cosine, sine; /* of half the angle; 0, 1 and 0 of a cylinder */
     double width;               /* half the buffer's edge at the apex: 0, or a cylinder's radius */
     uint32_t resolution;
+    unsigned without;
     uint32_t tile_edge, tile_count;        /* pixels; tiles along an edge */
     double reach[TILE_LIMIT * TILE_LIMIT]; /* how far any of a tile's rays can get */
     double farthest;                       /* of them all */
@@ -122,8 +123,9 @@ static inline struct seen see(const struct mesh_cull *cull, double x, double y, 
 static inline bool is_in_pyramid(const struct mesh_cull *cull, const struct seen *ball)
 {
     double sideways = fmax(fabs(ball->x), fabs(ball->y));
-    return ball->depth > -ball->radius &&
-           (sideways - cull->width) * cull->cosine - ball->depth * cull->sine < ball->radius;
+    return (cull->without & MESH_CULL) ||
+           (ball->depth > -ball->radius &&
+            (sideways - cull->width) * cull->cosine - ball->depth * cull->sine < ball->radius);
 }
 
 static inline double nearest_of(const struct mesh_cull *cull, const struct seen *ball)
@@ -131,6 +133,12 @@ static inline double nearest_of(const struct mesh_cull *cull, const struct seen 
     double sideways = cull->width > 0 ? 0 : ball->x * ball->x + ball->y * ball->y; /* rays go there, or only ahead */
     double distance = sqrt(sideways + ball->depth * ball->depth);
     return fmax(distance - ball->radius - ROUNDING * (distance + ball->radius), 0);
+}
+
+/* What the heap goes by. */
+static inline double key_of(const struct mesh_cull *cull, double nearest)
+{
+    return cull->without & MESH_ORDER ? 0 : nearest;
 }
 
 /* Pixels whose centres lie where the ball may reach along one axis of the buffer; false if there are none. */
@@ -177,7 +185,7 @@ static bool is_open(const struct mesh_cull *cull, const struct seen *ball, doubl
 {
     struct tiles tiles;
     if (!find_tiles(&tiles, cull, ball)) {
-        return false;
+        return cull->without & MESH_CULL;
     }
     for (uint32_t j = tiles.low[1]; j <= tiles.high[1]; j++) {
         for (uint32_t i = tiles.low[0]; i <= tiles.high[0]; i++) {
@@ -199,7 +207,7 @@ static void gather_meshes(struct mesh_cull *cull)
         struct seen ball =
             see(cull, clusters->ball[0][i], clusters->ball[1][i], clusters->ball[2][i], clusters->ball[3][i]);
         if (is_in_pyramid(cull, &ball)) {
-            cull->heap[cull->count++] = (struct waiting){nearest_of(cull, &ball), (uint32_t)i, MESH};
+            cull->heap[cull->count++] = (struct waiting){key_of(cull, nearest_of(cull, &ball)), (uint32_t)i, MESH};
         }
     }
     for (size_t i = cull->count / 2; i > 0; i--) {
@@ -219,6 +227,7 @@ void mesh_cull_begin(struct mesh_cull *cull, const struct mesh_view *view)
     cull->cosine = 1 / sqrt(1 + view->slope * view->slope);
     cull->sine = view->slope * cull->cosine;
     cull->resolution = view->resolution;
+    cull->without = view->without;
     cull->tile_edge = (view->resolution + TILE_LIMIT - 1) / TILE_LIMIT;
     cull->tile_count = (view->resolution + cull->tile_edge - 1) / cull->tile_edge;
     gather_meshes(cull);
@@ -226,6 +235,7 @@ void mesh_cull_begin(struct mesh_cull *cull, const struct mesh_view *view)
 
 void mesh_cull_hide(struct mesh_cull *cull, const double *distances)
 {
+    distances = cull->without & MESH_OCCLUSION ? NULL : distances;
     uint32_t n = cull->resolution;
     uint32_t tiles = cull->tile_count * cull->tile_count;
     for (uint32_t t = 0; t < tiles; t++) {
@@ -256,9 +266,15 @@ static void push_clusters(struct mesh_cull *cull, uint32_t mesh)
         struct seen ball = see_cluster(cull, (uint32_t)i);
         double nearest = nearest_of(cull, &ball);
         if (is_in_pyramid(cull, &ball) && is_open(cull, &ball, nearest)) {
-            push(cull, (struct waiting){nearest, (uint32_t)i, 0});
+            push(cull, (struct waiting){key_of(cull, nearest), (uint32_t)i, 0});
         }
     }
+}
+
+/* How near what comes up is, of which the heap need not know. */
+static double nearest_again(const struct mesh_cull *cull, const struct waiting *next, const struct seen *ball)
+{
+    return cull->without & MESH_ORDER ? nearest_of(cull, ball) : next->nearest;
 }
 
 size_t mesh_cull_batch(const uint32_t **out, struct mesh_cull *cull, size_t triangles)
@@ -274,12 +290,12 @@ size_t mesh_cull_batch(const uint32_t **out, struct mesh_cull *cull, size_t tria
             const double *const *ball = (const double *const *)clusters->ball;
             struct seen seen =
                 see(cull, ball[0][next.number], ball[1][next.number], ball[2][next.number], ball[3][next.number]);
-            if (is_open(cull, &seen, next.nearest)) {
+            if (is_open(cull, &seen, nearest_again(cull, &next, &seen))) {
                 push_clusters(cull, next.number);
             }
         } else {
             struct seen seen = see_cluster(cull, next.number);
-            if (is_open(cull, &seen, next.nearest)) {
+            if (is_open(cull, &seen, nearest_again(cull, &next, &seen))) {
                 cull->batch[count++] = next.number;
                 given += clusters->cluster[next.number].count;
             }

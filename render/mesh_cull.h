@@ -8,12 +8,20 @@
 
 #include "render/clusters.h"
 
+/** What a look can do without, for comparison; the answers are the same. */
+enum mesh_step {
+    MESH_CULL = 1,     /**< Leaving out what is outside the pyramid, or touches no pixel's centre. */
+    MESH_ORDER = 2,    /**< Taking the nearest first.                                              */
+    MESH_OCCLUSION = 4 /**< Leaving out what lies behind what has been shown.                      */
+};
+
 /** Where the buffer looks from (Eq. 1, Eq. 3): either slope or radius is 0. */
 struct mesh_view {
     const double *world_from_device; /**< [16] rigid; looks down its -z.                          */
     double slope;                    /**< Tangent of half the opening angle.                      */
     double radius;                   /**< Of a cylinder's parallel rays: half the buffer's edge, mm. */
     uint32_t resolution;             /**< n                                                       */
+    unsigned without;                /**< Of enum mesh_step; 0 = nothing.                         */
 };
 
 struct mesh_cull;

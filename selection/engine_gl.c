@@ -212,7 +212,7 @@ static conus_status look_at_volumes(struct gl_engine *gl, const struct view *vie
 
 static struct mesh_view mesh_view_of(const struct cone *cone)
 {
-    return (struct mesh_view){cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, cone->resolution};
+    return (struct mesh_view){cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, cone->resolution, 0};
 }
 
 /* Behind look_at_volumes(): what the volumes show limits how far the meshes are looked for. */

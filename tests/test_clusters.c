@@ -147,7 +147,7 @@ static size_t check_look(struct mesh_cull *cull, const struct clusters *clusters
                          const struct cone *cone)
 {
     static struct look look;
-    const struct mesh_view view = {cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, N};
+    const struct mesh_view view = {cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, N, 0};
     size_t given = 0;
     const uint32_t *batch;
     find_truth(&look, scene, cone);

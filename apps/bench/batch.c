@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whole batches: poses as text in, rows as text out. */
 #include "apps/bench/bench.h"
+#include "apps/bench/look.h"
 
 #include "base/buffer.h"
 #include "base/file.h"
@@ -23,7 +24,9 @@ struct scene {
     conus_selector *plain;    /* of plain_engine      */
     conus_selector *gl;       /* NULL where there is no OpenGL */
     double angle;             /* radians              */
-    char path[32];            /* of the poses         */
+    char path[96];            /* of the poses         */
+    conus_atlas *surfaces;    /* made of the atlas's areas, where they are asked for */
+    conus_selector *surface;
 };
 
 struct contender {
@@ -37,74 +40,56 @@ struct contender {
 /* ---- The scene ----------------------------------------------------------------------------------------------------
  */
 
-/* Round the head, 200 to 300 mm from its middle, aiming at points of its inner half, as in the scenario "volume". */
-static conus_status write_poses(struct scene *scene, size_t count)
+/* As cones_round_grid() has them: a place and a point that the device looks at. */
+static conus_status write_poses(struct scene *scene, const struct bench *bench, const conus_volume_info *info)
 {
-    const conus_volume_info *info = &scene->atlas->volumes[0].info;
+    size_t count = bench->options.poses;
     struct buffer text = {0};
-    uint64_t random = SEED;
+    struct cone *cones = memory_zeroed(count, sizeof *cones);
+    if (!cones) {
+        return CONUS_ERROR_MEMORY;
+    }
+    cones_round_grid(cones, count, info, bench->options.angle, SEED);
     buffer_text(&text, "x\ty\tz\ttx\tty\ttz\n");
     for (size_t i = 0; i < count; i++) {
-        double centre[3], from[3], target[3];
-        for (int a = 0; a < 3; a++) {
-            centre[a] = 0.5 * (double)(info->dim[a] - 1);
-            target[a] = centre[a] + bench_random(&random, -0.25, 0.25) * (double)info->dim[a];
-        }
-        mat4_point(centre, info->world_from_voxel, centre);
-        mat4_point(target, info->world_from_voxel, target);
-        double z = bench_random(&random, -1, 1);
-        double turn = bench_random(&random, 0, 2 * MATH3_PI);
-        const double outward[3] = {sqrt(1 - z * z) * cos(turn), sqrt(1 - z * z) * sin(turn), z};
-        vec3_add_scaled(from, centre, bench_random(&random, 200, 300), outward);
-        buffer_format(&text, "%.3f\t%.3f\t%.3f\t%.3f\t%.3f\t%.3f\n", from[0], from[1], from[2], target[0], target[1],
+        const double *m = cones[i].pose.world_from_device;
+        double target[3];
+        vec3_add_scaled(target, m + 12, -200, m + 8);
+        buffer_format(&text, "%.3f\t%.3f\t%.3f\t%.3f\t%.3f\t%.3f\n", m[12], m[13], m[14], target[0], target[1],
                       target[2]);
     }
-    snprintf(scene->path, sizeof scene->path, "bench-poses-%ld.tsv", (long)getpid());
+    snprintf(scene->path, sizeof scene->path, "%s/poses-%ld.tsv", bench->folder, (long)getpid());
     conus_status status = buffer_status(&text);
     status = status ? status : file_write_soon(scene->path, text.data, text.size);
     buffer_finish(&text);
+    memory_free(cones);
     return status;
-}
-
-/* An engine that walks from cell to cell. */
-struct plain_engine {
-    struct engine base;
-    const conus_atlas *atlas;
-};
-
-static conus_status look_plainly(struct engine *engine, struct evidence *out, const struct cone *cone)
-{
-    oracle_look(out, ((struct plain_engine *)engine)->atlas, cone);
-    return CONUS_OK;
-}
-
-static void destroy_plain(struct engine *engine)
-{
-    memory_free(engine);
 }
 
 /* The selector takes over the plain engine in the place of its own. */
 static conus_status make_plain(struct scene *scene)
 {
-    static const struct engine_functions functions = {.look = look_plainly, .destroy = destroy_plain};
+    struct engine *engine = NULL;
     conus_status status = conus_selector_create(&scene->plain, scene->atlas, NULL);
-    struct plain_engine *engine = status ? NULL : memory_zeroed(1, sizeof *engine);
-    if (!engine) {
-        return CONUS_ERROR_MEMORY;
+    status = status ? status : plain_engine_create(&engine, scene->atlas);
+    if (!status) {
+        engine_destroy(scene->plain->engine);
+        scene->plain->engine = engine;
     }
-    *engine = (struct plain_engine){{&functions, "plain"}, scene->atlas};
-    engine_destroy(scene->plain->engine);
-    scene->plain->engine = &engine->base;
-    return CONUS_OK;
+    return status;
 }
 
-static conus_status make_scene(struct scene *scene, const struct bench_options *options)
+/* The labelled volume, and poses around it. */
+static conus_status make_scene(struct scene *scene, const struct bench *bench)
 {
-    conus_status status = conus_atlas_load(&scene->atlas, options->atlas, NULL);
-    status = status ? status : write_poses(scene, options->poses);
+    conus_status status = conus_atlas_load(&scene->atlas, bench->options.atlas, NULL);
+    if (!status && !atlas_parcellation(scene->atlas)) {
+        status = fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", bench->options.atlas);
+    }
+    status = status ? status : write_poses(scene, bench, &scene->atlas->volumes[0].info);
     status = status ? status : conus_selector_create(&scene->selector, scene->atlas, NULL);
-    scene->angle = radians_from_degrees(options->angle);
-    return status ? status : make_plain(scene);
+    scene->angle = radians_from_degrees(bench->options.angle);
+    return status;
 }
 
 static conus_status make_gl(struct scene *scene, struct bench *bench)
@@ -122,23 +107,25 @@ static void scene_finish(struct scene *scene)
     conus_selector_destroy(scene->plain);
     conus_selector_destroy(scene->gl);
     conus_selector_destroy(scene->selector);
+    conus_selector_destroy(scene->surface);
+    conus_atlas_destroy(scene->surfaces);
     conus_atlas_destroy(scene->atlas);
 }
 
 /* ---- The contenders -----------------------------------------------------------------------------------------------
  */
 
-static conus_status contender_init(struct contender *out, const struct scene *scene, int variant)
+/* @p selector NULL = only the plain traversal. */
+static conus_status contender_init(struct contender *out, const struct scene *scene, conus_selector *selector,
+                                   uint32_t threads, bool one_by_one)
 {
-    conus_selector *const selectors[VARIANTS] = {NULL,      scene->plain, scene->selector, scene->selector,
-                                                 scene->gl, scene->gl};
-    const conus_batch_options options = {.threads = variant == RAYS_2 ? 2 : 1,
-                                         .block = variant == GL_ALONE,
+    const conus_batch_options options = {.threads = threads,
+                                         .block = one_by_one,
                                          .angle = scene->angle,
                                          .report = {.format = CONUS_TSV, .no_voxels = true}};
     out->scene = scene;
-    return variant == NO_ROWS ? conus_pose_list_load(&out->list, scene->path, NULL)
-                              : conus_batch_create(&out->batch, selectors[variant], &options);
+    return selector ? conus_batch_create(&out->batch, selector, &options)
+                    : conus_pose_list_load(&out->list, scene->path, NULL);
 }
 
 static void contender_finish(struct contender *contender)
@@ -195,13 +182,9 @@ static bool gives_the_same(const struct contender *contender, const struct conte
 /* ---- Measuring ----------------------------------------------------------------------------------------------------
  */
 
-static conus_status add_speed(struct bench *bench, const struct bench_variant *variant)
+static conus_status add_speed(struct bench *bench, const char *key, const struct bench_variant *variant)
 {
-    double speed = 1000 / variant->median_ms;
-    printf("batch_cones_per_s = %.0f (%s)\n", speed, variant->name);
-    return json_object_set_new(bench->ratios, "batch_cones_per_s", variant->equal ? json_real(speed) : json_null())
-               ? fail(CONUS_ERROR_MEMORY, "out of memory")
-               : CONUS_OK;
+    return bench_value(bench, key, 1000 / variant->median_ms, variant->equal);
 }
 
 static conus_status measure(struct bench *bench, struct contender *contenders, size_t count)
@@ -221,18 +204,20 @@ static conus_status measure(struct bench *bench, struct contender *contenders, s
     if (!status && count > GL_BLOCKS) {
         status = bench_ratio(bench, "gl_one_over_block", &variants[GL_ALONE], &variants[GL_BLOCKS]);
     }
-    return status ? status : add_speed(bench, &variants[RAYS_2]);
+    return status ? status : add_speed(bench, "batch_cones_per_s", &variants[RAYS_2]);
 }
 
 conus_status bench_batch(struct bench *bench)
 {
     struct scene scene = {0};
     struct contender contenders[VARIANTS] = {0};
-    conus_status status = make_scene(&scene, &bench->options);
+    conus_status status = make_scene(&scene, bench);
+    status = status ? status : make_plain(&scene);
     status = status ? status : make_gl(&scene, bench);
+    conus_selector *const selectors[VARIANTS] = {NULL, scene.plain, scene.selector, scene.selector, scene.gl, scene.gl};
     size_t count = scene.gl ? VARIANTS : GL_ALONE;
     for (size_t i = 0; i < count && !status; i++) {
-        status = contender_init(&contenders[i], &scene, (int)i);
+        status = contender_init(&contenders[i], &scene, selectors[i], i == RAYS_2 ? 2 : 1, i == GL_ALONE);
     }
     if (!status) {
         snprintf(bench->driver, sizeof bench->driver, "%s; %s", conus_selector_engine(scene.selector),
@@ -240,6 +225,60 @@ conus_status bench_batch(struct bench *bench)
         status = measure(bench, contenders, count);
     }
     for (size_t i = 0; i < VARIANTS; i++) {
+        contender_finish(&contenders[i]);
+    }
+    scene_finish(&scene);
+    return status;
+}
+
+/* ---- On surfaces --------------------------------------------------------------------------------------------------
+ */
+
+/* The areas' surfaces, as `conus mesh` makes them, in a folder of their own. */
+static conus_status make_surfaces(struct scene *scene, const struct bench *bench)
+{
+    char folder[96], program[320] = "";
+    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 32);
+    char *slash = length > 0 ? strrchr(program, '/') : NULL;
+    if (slash) {
+        snprintf(slash, (size_t)(program + sizeof program - slash), "/../cli/conus-mesh"); /* where the build puts it */
+    }
+    if (slash && access(program, X_OK) == 0) {
+        setenv("CONUS_MESH", program, 0);
+    }
+    setenv("XDG_CACHE_HOME", bench->folder, 1);
+    snprintf(folder, sizeof folder, "%s/surfaces", bench->folder);
+    conus_status status = conus_atlas_write_meshes(scene->atlas, folder, NULL);
+    status = status ? status : conus_atlas_load(&scene->surfaces, folder, NULL);
+    return status ? status : conus_selector_create(&scene->surface, scene->surfaces, NULL);
+}
+
+conus_status bench_batch_mesh(struct bench *bench)
+{
+    enum { ONE, TWO, VOLUME, WAYS };
+    static const char *const names[WAYS] = {"surfaces, rays, batch, 1 thread", "surfaces, rays, batch, 2 threads",
+                                            "volume, rays, batch, 1 thread"};
+    struct scene scene = {0};
+    struct contender contenders[WAYS] = {0};
+    struct bench_variant variants[WAYS];
+    conus_status status = make_scene(&scene, bench);
+    status = status ? status : make_surfaces(&scene, bench);
+    for (size_t i = 0; i < WAYS && !status; i++) {
+        conus_selector *selector = i == VOLUME ? scene.selector : scene.surface;
+        status = contender_init(&contenders[i], &scene, selector, i == TWO ? 2 : 1, false);
+        variants[i] = (struct bench_variant){.name = names[i], .run = run, .data = &contenders[i]};
+        if (!status) {
+            run(&contenders[i]);
+            variants[i].equal = gives_the_same(&contenders[i], &contenders[ONE]);
+            variants[i].other_by_design = i == VOLUME; /* surfaces cut corners */
+        }
+    }
+    if (!status) {
+        snprintf(bench->driver, sizeof bench->driver, "%s", conus_selector_engine(scene.surface));
+        status = bench_measure(bench, "batch_mesh", variants, WAYS, bench->options.poses, bench->options.angle);
+    }
+    status = status ? status : add_speed(bench, "batch_mesh_cones_per_s", &variants[TWO]);
+    for (size_t i = 0; i < WAYS; i++) {
         contender_finish(&contenders[i]);
     }
     scene_finish(&scene);

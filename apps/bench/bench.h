@@ -94,6 +94,7 @@ struct bench_scenario {
 conus_status bench_brain_frames(struct bench *bench);
 conus_status bench_census(struct bench *bench);
 conus_status bench_batch(struct bench *bench);
+conus_status bench_batch_mesh(struct bench *bench); /**< On surfaces made of the atlas. */
 conus_status bench_accuracy(struct bench *bench);
 conus_status bench_bonsai(struct bench *bench);
 conus_status bench_colour(struct bench *bench);
@@ -101,6 +102,7 @@ conus_status bench_hand(struct bench *bench);
 conus_status bench_volume(struct bench *bench);
 conus_status bench_volume_gl(struct bench *bench);
 conus_status bench_mesh(struct bench *bench);
+conus_status bench_steps(struct bench *bench);
 conus_status bench_startup(struct bench *bench);
 conus_status bench_torus(struct bench *bench);
 conus_status bench_torus_frame(struct bench *bench);

@@ -5,8 +5,6 @@
 #include "base/math3.h"
 #include "base/memory.h"
 
-#include <string.h>
-
 struct slicing_vertex {
     float x, y, depth, plane; /* in camera space */
 };
