@@ -8,7 +8,10 @@
 #include <string.h>
 
 /* Fine distances are counted up to FINE_LEVELS in PLANES bits; farther away whole bricks are counted. */
-enum { PLANES = 4, FINE_LEVELS = (1 << PLANES) - 1, FAR_BRICKS = 32, BRICK_WORDS = LEAP_BRICK };
+enum { PLANES = 4, FINE_LEVELS = (1 << PLANES) - 1, FAR_BRICKS = 32 };
+
+/* Distances are counted in bricks of 8 x 8 x 8, with the margin. */
+enum { BRICK = 8, BRICK_WORDS = BRICK, BRICK_LINES = BRICK / LEAP_EDGE };
 
 /* A brick as bits: word k % 8, bit i % 8 + 8 (j % 8). */
 struct bits {
@@ -18,6 +21,7 @@ struct bits {
 /* What making a map needs besides. Bricks here have an empty border of one brick all around, so that every brick has
  * its neighbours. */
 struct workshop {
+    size_t bricks[3]; /* without that border */
     ptrdiff_t stride[3];
     size_t brick_count;
     struct bits *grown;  /* the occupied voxels, dilated so far */
@@ -28,9 +32,7 @@ struct workshop {
 
 void leap_map_finish(struct leap_map *map)
 {
-    if (!map->is_borrowed) {
-        memory_free(map->codes);
-    }
+    memory_free(map->block);
     *map = (struct leap_map){0};
 }
 
@@ -47,8 +49,9 @@ static conus_status workshop_init(struct workshop *shop, const struct leap_map *
     size_t count = 1;
     *shop = (struct workshop){0};
     for (int a = 0; a < 3; a++) {
+        shop->bricks[a] = map->lines[a] / BRICK_LINES;
         shop->stride[a] = (ptrdiff_t)count;
-        if (!memory_multiply(count, map->bricks[a] + 2, &count)) {
+        if (!memory_multiply(count, shop->bricks[a] + 2, &count)) {
             return fail(CONUS_ERROR_MEMORY, "out of memory");
         }
     }
@@ -69,7 +72,7 @@ static size_t shop_brick(const struct workshop *shop, size_t i, size_t j, size_t
 static uint64_t row_bits16(const uint16_t *objects, size_t count)
 {
     uint64_t bits = 0;
-    if (count == LEAP_BRICK) {
+    if (count == BRICK) {
         uint64_t halves[2];
         memcpy(halves, objects, sizeof halves);
         if (!(halves[0] | halves[1])) {
@@ -95,12 +98,18 @@ static uint64_t row_bits32(const uint32_t *objects, size_t count)
 static void mark_row(struct workshop *shop, const struct volume *volume, size_t j, size_t k, size_t voxel)
 {
     size_t dim = volume->info.dim[0];
-    struct bits *brick = &shop->grown[shop_brick(shop, 0, j / LEAP_BRICK, k / LEAP_BRICK)];
-    for (size_t i = 0; i < dim; i += LEAP_BRICK, brick++) {
-        size_t count = dim - i < LEAP_BRICK ? dim - i : LEAP_BRICK;
-        uint64_t bits = volume->objects16 ? row_bits16(volume->objects16 + voxel + i, count)
-                                          : row_bits32(volume->objects32 + voxel + i, count);
-        brick->word[k % LEAP_BRICK] |= bits << (LEAP_BRICK * (j % LEAP_BRICK));
+    size_t y = j + LEAP_MARGIN;
+    size_t z = k + LEAP_MARGIN;
+    struct bits *brick = &shop->grown[shop_brick(shop, 0, y / BRICK, z / BRICK)];
+    for (size_t x = 0; x < dim + LEAP_MARGIN; x += BRICK, brick++) { /* voxel i is at x = i + LEAP_MARGIN */
+        size_t skipped = x ? 0 : LEAP_MARGIN;
+        size_t first = voxel + x + skipped - LEAP_MARGIN;
+        size_t count = dim + LEAP_MARGIN - x < BRICK ? dim + LEAP_MARGIN - x - skipped : BRICK - skipped;
+        uint64_t bits = volume->objects16 ? row_bits16(volume->objects16 + first, count)
+                                          : row_bits32(volume->objects32 + first, count);
+        if (bits) {
+            brick->word[z % BRICK] |= bits << (skipped + BRICK * (y % BRICK));
+        }
     }
 }
 
@@ -108,15 +117,14 @@ static void mark_row(struct workshop *shop, const struct volume *volume, size_t 
 static void extend_box(struct leap_map *map, const size_t brick[3], size_t k, uint64_t word)
 {
     uint64_t columns = word;
-    for (int shift = 32; shift >= LEAP_BRICK; shift /= 2) {
+    for (int shift = 32; shift >= BRICK; shift /= 2) {
         columns |= columns >> shift;
     }
     columns &= 0xff;
-    const size_t low[3] = {(size_t)__builtin_ctzll(columns), (size_t)__builtin_ctzll(word) / LEAP_BRICK, k};
-    const size_t high[3] = {63 - (size_t)__builtin_clzll(columns), (63 - (size_t)__builtin_clzll(word)) / LEAP_BRICK,
-                            k};
+    const size_t low[3] = {(size_t)__builtin_ctzll(columns), (size_t)__builtin_ctzll(word) / BRICK, k};
+    const size_t high[3] = {63 - (size_t)__builtin_clzll(columns), (63 - (size_t)__builtin_clzll(word)) / BRICK, k};
     for (int a = 0; a < 3; a++) {
-        double base = (double)(brick[a] * LEAP_BRICK);
+        double base = (double)(brick[a] * BRICK) - LEAP_MARGIN;
         map->first[a] = fmin(map->first[a], base + (double)low[a]);
         map->last[a] = fmax(map->last[a], base + (double)high[a]);
     }
@@ -128,10 +136,10 @@ static void find_box(struct leap_map *map, const struct workshop *shop)
         map->first[a] = (double)map->dim[a];
         map->last[a] = -1;
     }
-    size_t count = map->bricks[0] * map->bricks[1] * map->bricks[2];
+    size_t count = shop->bricks[0] * shop->bricks[1] * shop->bricks[2];
     for (size_t b = 0; b < count; b++) {
-        const size_t brick[3] = {b % map->bricks[0], b / map->bricks[0] % map->bricks[1],
-                                 b / map->bricks[0] / map->bricks[1]};
+        const size_t brick[3] = {b % shop->bricks[0], b / shop->bricks[0] % shop->bricks[1],
+                                 b / shop->bricks[0] / shop->bricks[1]};
         const struct bits *bits = &shop->grown[shop_brick(shop, brick[0], brick[1], brick[2])];
         for (size_t k = 0; k < BRICK_WORDS; k++) {
             if (bits->word[k]) {
@@ -150,14 +158,14 @@ static void mark_occupied(struct workshop *shop, const struct volume *volume)
     }
 }
 
-/* Calls step for every row of bricks along i, that is for bricks first .. first + map->bricks[0] - 1. */
+/* Calls step for every row of bricks along i, that is for bricks first .. first + shop->bricks[0] - 1. */
 typedef void row_step(struct workshop *shop, size_t first, size_t count);
 
-static void for_rows(struct workshop *shop, const struct leap_map *map, row_step *step)
+static void for_rows(struct workshop *shop, row_step *step)
 {
-    for (size_t k = 0; k < map->bricks[2]; k++) {
-        for (size_t j = 0; j < map->bricks[1]; j++) {
-            step(shop, shop_brick(shop, 0, j, k), map->bricks[0]);
+    for (size_t k = 0; k < shop->bricks[2]; k++) {
+        for (size_t j = 0; j < shop->bricks[1]; j++) {
+            step(shop, shop_brick(shop, 0, j, k), shop->bricks[0]);
         }
     }
 }
@@ -221,17 +229,17 @@ static void grow_row_along_k(struct workshop *shop, size_t first, size_t count)
     }
 }
 
-static void count_fine_distances(struct workshop *shop, const struct leap_map *map)
+static void count_fine_distances(struct workshop *shop)
 {
-    for_rows(shop, map, count_row);
+    for_rows(shop, count_row);
     for (int level = 1; level < FINE_LEVELS; level++) {
-        for_rows(shop, map, grow_row_along_i);
-        for_rows(shop, map, grow_row_along_j);
-        for_rows(shop, map, grow_row_along_k);
+        for_rows(shop, grow_row_along_i);
+        for_rows(shop, grow_row_along_j);
+        for_rows(shop, grow_row_along_k);
         struct bits *grown = shop->other;
         shop->other = shop->grown;
         shop->grown = grown;
-        for_rows(shop, map, count_row);
+        for_rows(shop, count_row);
     }
 }
 
@@ -273,14 +281,14 @@ static void relax_row_backwards(struct workshop *shop, size_t first, size_t coun
     }
 }
 
-static void count_brick_distances(struct workshop *shop, const struct leap_map *map)
+static void count_brick_distances(struct workshop *shop)
 {
     memset(shop->distance, FAR_BRICKS, shop->brick_count);
-    for_rows(shop, map, mark_distance_row);
-    for_rows(shop, map, relax_row);
-    for (size_t k = map->bricks[2]; k-- > 0;) {
-        for (size_t j = map->bricks[1]; j-- > 0;) {
-            relax_row_backwards(shop, shop_brick(shop, 0, j, k), map->bricks[0]);
+    for_rows(shop, mark_distance_row);
+    for_rows(shop, relax_row);
+    for (size_t k = shop->bricks[2]; k-- > 0;) {
+        for (size_t j = shop->bricks[1]; j-- > 0;) {
+            relax_row_backwards(shop, shop_brick(shop, 0, j, k), shop->bricks[0]);
         }
     }
 }
@@ -297,14 +305,40 @@ static void make_spread(uint64_t spread[256])
     }
 }
 
-static void write_fine_codes(uint8_t *codes, const struct bits planes[PLANES], const uint64_t spread[256])
+/* Eight codes along i. */
+static uint64_t fine_codes(const struct bits planes[PLANES], int row, const uint64_t spread[256])
 {
-    for (int row = 0; row < BRICK_WORDS * LEAP_BRICK; row++) {
-        uint64_t eight = 0;
-        for (int p = 0; p < PLANES; p++) {
-            eight += spread[planes[p].word[row / LEAP_BRICK] >> LEAP_BRICK * (row % LEAP_BRICK) & 0xff] << p;
+    uint64_t eight = 0;
+    for (int p = 0; p < PLANES; p++) {
+        eight += spread[planes[p].word[row / BRICK] >> BRICK * (row % BRICK) & 0xff] << p;
+    }
+    return eight;
+}
+
+/* The first line of codes of the brick's half along each axis that a bit of `part` says. */
+static uint8_t *line_of(const struct leap_map *map, const size_t brick[3], int part)
+{
+    size_t at[3];
+    for (int a = 0; a < 3; a++) {
+        at[a] = BRICK_LINES * brick[a] + (size_t)(part >> a & 1);
+    }
+    return map->codes + LEAP_LINE * (at[0] + map->lines[0] * (at[1] + map->lines[1] * at[2]));
+}
+
+static void write_fine_codes(const struct leap_map *map, const size_t brick[3], const struct bits planes[PLANES],
+                             const uint64_t spread[256])
+{
+    for (int part = 0; part < 8; part += 2) {
+        uint8_t *codes = line_of(map, brick, part);
+        for (int at = 0; at < LEAP_LINE; at += LEAP_EDGE) {
+            int y = at / LEAP_EDGE % LEAP_EDGE + (part & 2) * 2;
+            int z = at / LEAP_EDGE / LEAP_EDGE + (part & 4);
+            uint64_t eight = fine_codes(planes, y + BRICK * z, spread);
+            uint8_t bytes[BRICK];
+            memcpy(bytes, &eight, sizeof bytes);
+            memcpy(codes + at, bytes, LEAP_EDGE);
+            memcpy(codes + LEAP_LINE + at, bytes + LEAP_EDGE, LEAP_EDGE);
         }
-        memcpy(codes + (ptrdiff_t)row * LEAP_BRICK, &eight, sizeof eight);
     }
 }
 
@@ -313,18 +347,17 @@ static void write_codes(struct leap_map *map, const struct workshop *shop)
 {
     uint64_t spread[256];
     make_spread(spread);
-    uint8_t *codes = map->codes;
-    for (size_t brick = 0; brick < map->bricks[0] * map->bricks[1] * map->bricks[2]; brick++) {
-        size_t i = brick % map->bricks[0];
-        size_t j = brick / map->bricks[0] % map->bricks[1];
-        size_t b = shop_brick(shop, i, j, brick / map->bricks[0] / map->bricks[1]);
-        int far = 1 + LEAP_BRICK * (shop->distance[b] - 1);
-        if (far > FINE_LEVELS) {
-            memset(codes, far < UINT8_MAX ? far : UINT8_MAX, LEAP_BRICK_VOXELS);
-        } else {
-            write_fine_codes(codes, shop->planes + b * PLANES, spread);
+    for (size_t b = 0; b < shop->bricks[0] * shop->bricks[1] * shop->bricks[2]; b++) {
+        const size_t brick[3] = {b % shop->bricks[0], b / shop->bricks[0] % shop->bricks[1],
+                                 b / shop->bricks[0] / shop->bricks[1]};
+        size_t at = shop_brick(shop, brick[0], brick[1], brick[2]);
+        int far = 1 + BRICK * (shop->distance[at] - 1);
+        for (int part = 0; part < 8 && far > FINE_LEVELS; part++) {
+            memset(line_of(map, brick, part), far < UINT8_MAX ? far : UINT8_MAX, LEAP_LINE);
         }
-        codes += LEAP_BRICK_VOXELS;
+        if (far <= FINE_LEVELS) {
+            write_fine_codes(map, brick, shop->planes + at * PLANES, spread);
+        }
     }
 }
 
@@ -337,14 +370,12 @@ static_assert(sizeof(struct leap_map) <= LEAPS_HEAD, "the map fits in front of i
 /* Everything but the codes; gives the bytes that these need. */
 static size_t measure(struct leap_map *map, const struct volume *volume)
 {
-    size_t count = 1;
     *map = (struct leap_map){0};
     for (int a = 0; a < 3; a++) {
         map->dim[a] = volume->info.dim[a];
-        map->bricks[a] = (map->dim[a] + LEAP_BRICK - 1) / LEAP_BRICK;
-        count *= map->bricks[a]; /* at most the number of voxels, which was checked */
+        map->lines[a] = (map->dim[a] + 2 * (size_t)LEAP_MARGIN + BRICK - 1) / BRICK * BRICK_LINES;
     }
-    return (count + 1) * LEAP_BRICK_VOXELS;
+    return leap_map_codes(map); /* not much more than the number of voxels, which was checked */
 }
 
 /* Fills the codes and the box of a measured map. */
@@ -355,8 +386,8 @@ static conus_status fill(struct leap_map *map, const struct volume *volume)
     if (!status) {
         mark_occupied(&shop, volume);
         find_box(map, &shop);
-        count_brick_distances(&shop, map);
-        count_fine_distances(&shop, map);
+        count_brick_distances(&shop);
+        count_fine_distances(&shop);
         write_codes(map, &shop);
     }
     workshop_finish(&shop);
@@ -380,7 +411,6 @@ conus_status leap_map_write(void *memory, const struct volume *volume)
     map.codes = (uint8_t *)memory + LEAPS_HEAD;
     conus_status status = fill(&map, volume);
     map.codes = NULL;
-    map.is_borrowed = true;
     memset(memory, 0, LEAPS_HEAD);
     memcpy(memory, &map, sizeof map);
     return status;
@@ -395,8 +425,10 @@ conus_status leap_map_init(struct leap_map *out, const struct volume *volume)
         out->codes = (uint8_t *)volume->leaps + LEAPS_HEAD; /* is only read */
         return CONUS_OK;
     }
-    map.codes = memory_raw(size, 1);
-    conus_status status = map.codes ? fill(&map, volume) : CONUS_ERROR_MEMORY;
+    map.block = memory_raw(size / LEAP_LINE + 1, LEAP_LINE);
+    map.codes =
+        (uint8_t *)(((uintptr_t)map.block + LEAP_LINE - 1) / LEAP_LINE * LEAP_LINE); /* on the processor's lines */
+    conus_status status = map.block ? fill(&map, volume) : CONUS_ERROR_MEMORY;
     if (status) {
         leap_map_finish(&map);
         return status;

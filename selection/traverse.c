@@ -140,28 +140,30 @@ struct traverse_contact traverse_one(const struct leap_map *map, const struct tr
     struct traverse_place at;
     bool inside = traverse_enter(map, ray, &at);
     while (inside && at.t <= limit) {
-        size_t i = (size_t)at.cell[0];
-        size_t j = (size_t)at.cell[1];
-        size_t k = (size_t)at.cell[2];
-        uint8_t code = map->codes[leap_map_at(map, i, j, k)];
+        uint8_t code = traverse_code(map, &at);
         if (!code) {
-            return (struct traverse_contact){.t = at.t, .voxel = i + map->dim[0] * (j + map->dim[1] * k)};
+            return (struct traverse_contact){.t = at.t, .voxel = traverse_voxel(map, &at)};
         }
         inside = traverse_leap(map, ray, code - 1, &at);
     }
     return (struct traverse_contact){.t = INFINITY, .voxel = UINT64_MAX};
 }
 
+void traverse_bundle_ray(const struct leap_map *map, struct traverse_bundle *bundle, size_t i)
+{
+    struct traverse_ray ray;
+    double direction[3] = {bundle->direction[0][i], bundle->direction[1][i], bundle->direction[2][i]};
+    mat4_direction(direction, bundle->index_from_world, direction);
+    traverse_ray_init(&ray, bundle->start, direction);
+    struct traverse_contact contact = traverse_one(map, &ray, bundle->limit[i]);
+    bundle->t[i] = contact.t;
+    bundle->voxel[i] = contact.voxel;
+}
+
 static void walk_one_by_one(const struct leap_map *map, struct traverse_bundle *bundle)
 {
     for (size_t i = 0; i < bundle->count; i++) {
-        struct traverse_ray ray;
-        double direction[3] = {bundle->direction[0][i], bundle->direction[1][i], bundle->direction[2][i]};
-        mat4_direction(direction, bundle->index_from_world, direction);
-        traverse_ray_init(&ray, bundle->start, direction);
-        struct traverse_contact contact = traverse_one(map, &ray, bundle->limit[i]);
-        bundle->t[i] = contact.t;
-        bundle->voxel[i] = contact.voxel;
+        traverse_bundle_ray(map, bundle, i);
     }
 }
 
@@ -179,7 +181,7 @@ static bool has_avx512(void)
 
 static bool has_avx2(void)
 {
-    return __builtin_cpu_supports("avx2");
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
 }
 #endif
 
@@ -222,12 +224,12 @@ static void pad(struct traverse_bundle *bundle)
 void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct leap_map *map, const struct volume *volume,
                           struct traverse_bundle *bundle)
 {
-    bool is_near = true;
+    bool is_near = leap_map_codes(map) <= TRAVERSE_CODES;
     bundle->index_from_world = volume->voxel_from_world;
     mat4_point(bundle->start, bundle->index_from_world, bundle->origin);
     for (int a = 0; a < 3; a++) {
         bundle->start_cell[a] = traverse_cell(bundle->start[a]);
-        is_near = is_near && fabs(bundle->start[a]) < TRAVERSE_FAR && (double)map->dim[a] < TRAVERSE_FAR;
+        is_near = is_near && fabs(bundle->start[a]) < TRAVERSE_FAR && map->dim[a] <= TRAVERSE_EDGE;
     }
     size_t count = bundle->count;
     if (is_near && count > 0) {

@@ -12,6 +12,8 @@
 #include "selection/layers.h"
 #include "selection/leap_map.h"
 
+#include <stdalign.h>
+
 /** A ray, prepared. An axis along which it does not move has direction 0, inverse infinity, sign 1, and the centre of
  * its cell for origin. */
 struct traverse_ray {
@@ -26,6 +28,20 @@ struct traverse_place {
     double cell[3];
     double t;
 };
+
+/** The map's code there. */
+static inline uint8_t traverse_code(const struct leap_map *map, const struct traverse_place *place)
+{
+    const double *cell = place->cell;
+    return map->codes[leap_map_at(map, (size_t)cell[0], (size_t)cell[1], (size_t)cell[2])];
+}
+
+/** The voxel there, its linear index. */
+static inline size_t traverse_voxel(const struct leap_map *map, const struct traverse_place *place)
+{
+    const double *cell = place->cell;
+    return (size_t)cell[0] + map->dim[0] * ((size_t)cell[1] + map->dim[1] * (size_t)cell[2]);
+}
 
 /** The first voxel with an object. */
 struct traverse_contact {
@@ -56,22 +72,27 @@ conus_status traverse_pierce(struct layers *out, const struct leap_map *map, con
 
 enum { TRAVERSE_BUNDLE = 256, TRAVERSE_LANES = 16 };
 
-/** Origins farther away than so many voxels need traverse_one(). */
+/** Origins farther away than so many voxels, grids with more voxels along an edge and maps with more codes need
+ * traverse_one(). */
 #define TRAVERSE_FAR 0x1p25
+enum { TRAVERSE_EDGE = 1 << 20, TRAVERSE_CODES = INT32_MAX };
 
 /** Rays with one origin, neighbours side by side: what a kernel walks at once. The caller fills in the first three, and
  * the origin. */
 struct traverse_bundle {
-    size_t count;                         /**< Of rays, at most TRAVERSE_BUNDLE.                        */
-    double direction[3][TRAVERSE_BUNDLE]; /**< In the world, unit length.                               */
-    double limit[TRAVERSE_BUNDLE];        /**< Give up beyond, mm.                                      */
-    double origin[3];                     /**< In the world.                                            */
-    const double *index_from_world;       /**< Of the volume, a matrix, and                             */
-    double start[3];                      /**< the origin in its index space, and                       */
-    double start_cell[3];                 /**< its cell: traverse_bundle_walk() sets all three.             */
-    double t[TRAVERSE_BUNDLE];            /**< Out: as in struct traverse_contact.                      */
+    size_t count;                                     /**< Of rays, at most TRAVERSE_BUNDLE.                        */
+    alignas(64) double direction[3][TRAVERSE_BUNDLE]; /**< In the world, unit length.                               */
+    double limit[TRAVERSE_BUNDLE];                    /**< Give up beyond, mm.                                      */
+    double origin[3];                                 /**< In the world.                                            */
+    const double *index_from_world;                   /**< Of the volume, a matrix, and                             */
+    double start[3];                                  /**< the origin in its index space, and                       */
+    double start_cell[3];                  /**< its cell: traverse_bundle_walk() sets all three.             */
+    alignas(64) double t[TRAVERSE_BUNDLE]; /**< Out: as in struct traverse_contact.                      */
     uint64_t voxel[TRAVERSE_BUNDLE];
 };
+
+/** Walks ray @p i alone. */
+void traverse_bundle_ray(const struct leap_map *map, struct traverse_bundle *bundle, size_t i);
 
 /** One way to walk bundles. Kernels need `count` to be a multiple of TRAVERSE_LANES and near origins;
  * traverse_bundle_walk() sees to both. */

@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define LANES 4
+#define LANES 8
 #define KERNEL traverse_walk_avx2
 #include "selection/traverse_lanes.h"

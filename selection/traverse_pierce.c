@@ -23,11 +23,8 @@ conus_status traverse_pierce(struct layers *out, const struct leap_map *map, con
     struct traverse_place at;
     bool inside = traverse_enter(map, ray, &at);
     while (inside && !status) {
-        size_t i = (size_t)at.cell[0];
-        size_t j = (size_t)at.cell[1];
-        size_t k = (size_t)at.cell[2];
-        uint8_t code = map->codes[leap_map_at(map, i, j, k)];
-        size_t voxel = i + map->dim[0] * (j + map->dim[1] * k);
+        uint8_t code = traverse_code(map, &at);
+        size_t voxel = traverse_voxel(map, &at);
         uint32_t object = code ? 0 : volume_object(volume, voxel);
         if (object != piece.object) {
             status = change(out, &piece, object, at.t, voxel);

@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define LANES 2
+#define LANES 4
 #define KERNEL traverse_walk_plain
 #include "selection/traverse_lanes.h"

@@ -228,6 +228,69 @@ static void extreme_views_equal_the_plain_traversal(void **state)
     }
 }
 
+/* Specks of dust, so that every ray passes many of them closely. */
+static void sprinkle(struct volume *volume, uint64_t *random)
+{
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        uint16_t object = test_random(random, 0, 1) < 0.02 ? 1 : 0;
+        if (volume->objects16) {
+            volume->objects16[v] = object;
+        } else {
+            volume->objects32[v] = object;
+        }
+    }
+}
+
+/* Along an axis of the grid, almost, from a place between two layers of cells, almost: the least of tilts and offsets
+ * decides which cells are met. */
+static conus_pose shallow_pose(uint64_t *random, const struct volume *volume)
+{
+    int along = (int)test_random(random, 0, 3);
+    double side = test_random(random, 0, 1) < 0.5 ? -1 : 1;
+    double from[3], to[3];
+    conus_pose pose;
+    for (int a = 0; a < 3; a++) {
+        double size = (double)volume->info.dim[a];
+        from[a] = floor(test_random(random, 0, size)) - 0.5 + pow(10, test_random(random, -12, -1));
+        to[a] = from[a] + pow(10, test_random(random, -12, -1)) * size;
+        if (a == along) {
+            from[a] = size / 2 + side * size * test_random(random, 0, 2);
+            to[a] = from[a] - side * size;
+        }
+    }
+    mat4_point(from, volume->info.world_from_voxel, from);
+    mat4_point(to, volume->info.world_from_voxel, to);
+    assert_ok(conus_pose_toward(&pose, from, to, NULL));
+    return pose;
+}
+
+static void look_shallowly(struct engine *engine, const conus_atlas *atlas, void *data)
+{
+    struct poses *poses = data;
+    uint64_t random = poses->random;
+    for (int pose = 0; pose < poses->count; pose++) {
+        struct cone cone = {.angle = pow(10, test_random(&random, -9, -1)),
+                            .resolution = pose % 2 ? 15 : 16,
+                            .pose = shallow_pose(&random, &atlas->volumes[0])};
+        poses->hits += compare_with_oracle(engine, atlas, &cone);
+    }
+}
+
+static void shallow_rays_equal_the_plain_traversal(void **state)
+{
+    (void)state;
+    uint64_t random = 9;
+    struct poses poses = {.count = 20};
+    for (int scene = 0; scene < 40; scene++) {
+        conus_atlas *atlas = scene_atlas(&random, 100, 0);
+        sprinkle(&atlas->volumes[0], &random);
+        poses.random = (uint64_t)scene;
+        for_kernels(atlas, look_shallowly, &poses);
+        conus_atlas_destroy(atlas);
+    }
+    assert_true(poses.hits > 100000);
+}
+
 /* Eq. 7 from its words: on each plane of the volume's depth range in front of the device, in turn. */
 static uint32_t first_on_slices(const struct volume *volume, const struct cone *cone, uint32_t pixel, uint32_t count)
 {
@@ -315,6 +378,7 @@ int main(void)
         cmocka_unit_test(first_contact_is_the_nearest_cell),
         cmocka_unit_test(moving_everything_changes_nothing),
         cmocka_unit_test(extreme_views_equal_the_plain_traversal),
+        cmocka_unit_test(shallow_rays_equal_the_plain_traversal),
         cmocka_unit_test(slices_meet_what_lies_on_their_planes),
         cmocka_unit_test(creation_survives_every_failing_allocation),
     };
