@@ -106,6 +106,11 @@ static void keep_picture(struct window *window)
     window->keeps_picture = true; /* once the frame is drawn */
 }
 
+static void fill_screen(struct window *window)
+{
+    window_fill_screen(window, !window->alone);
+}
+
 static void enlarge(struct window *window)
 {
     window->enlarged = window->enlarged < PANE_COUNT - 1 ? window->enlarged + 1 : -1;
@@ -208,6 +213,7 @@ static const struct {
     {"o", keep_session, "save the session: conus-DATE-TIME.json, in the folder where conus was started"},
     {"p", keep_picture, "save what the window shows: conus-DATE-TIME.png, there, too"},
     {"tab", enlarge, "one pane after the other fills the window"},
+    {"f11", fill_screen, "3-D alone, over the whole screen, and back"},
 };
 enum { KEYS = sizeof keys / sizeof keys[0] };
 

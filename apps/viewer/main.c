@@ -23,7 +23,7 @@ struct view_settings {
     const char *context, *transfer, *script, *session;
     uint32_t size[2];
     double scale;
-    bool hidden, safe_colours;
+    bool hidden, safe_colours, full_screen;
 };
 
 static const struct option own_options[] = {
@@ -70,6 +70,10 @@ static const struct option own_options[] = {
      .type = OPTION_FLAG,
      .offset = offsetof(struct view_settings, safe_colours),
      .help = "colours for any colour vision, instead of the atlas's own"},
+    {.name = "full-screen",
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct view_settings, full_screen),
+     .help = "start with the 3-D pane alone, over the screen that the window was on (F11)"},
     {.name = "hidden",
      .type = OPTION_FLAG,
      .offset = offsetof(struct view_settings, hidden),
@@ -150,6 +154,7 @@ static int run_window(struct window *window, const struct view_settings *setting
     viewer.safe_colours = settings->safe_colours;
     set_head(&viewer.head, &settings->station);
     window->viewer = &viewer;
+    window_fill_screen(window, settings->full_screen);
     viewer.pointer = window->station ? POINT_BY_TRACKER : window->replay.poses ? POINT_BY_REPLAY : POINT_BY_MOUSE;
     if (window->replay.poses) {
         replay_show(&window->replay, &viewer, 0);

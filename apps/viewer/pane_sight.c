@@ -6,28 +6,6 @@
 #include <GLFW/glfw3.h>
 #include <string.h>
 
-/* The screen that the window's middle is on, by its place and size. */
-static bool find_screen(int screen[4], const int window[4])
-{
-    int count;
-    GLFWmonitor **monitors = glfwGetMonitors(&count);
-    for (int i = count - 1; i >= 0; i--) { /* or else the first */
-        const GLFWvidmode *mode = glfwGetVideoMode(monitors[i]);
-        int x, y;
-        glfwGetMonitorPos(monitors[i], &x, &y);
-        int across = window[0] + window[2] / 2 - x;
-        int down = window[1] + window[3] / 2 - y;
-        if (mode && (i == 0 || (across >= 0 && across < mode->width && down >= 0 && down < mode->height))) {
-            screen[0] = x;
-            screen[1] = y;
-            screen[2] = mode->width;
-            screen[3] = mode->height;
-            return true;
-        }
-    }
-    return false;
-}
-
 /* Left, right, lower and upper edge of a box of the window, in parts of the screen. */
 static void find_part(double part[4], const struct window *window, const struct ui_box *box)
 {
@@ -35,7 +13,7 @@ static void find_part(double part[4], const struct window *window, const struct 
     int screen[4];
     glfwGetWindowPos(window->handle, &place[0], &place[1]);
     glfwGetWindowSize(window->handle, &place[2], &place[3]);
-    if (!find_screen(screen, place)) {
+    if (!window_screen(window, screen)) {
         memcpy(part, (double[]){0, 1, 0, 1}, 4 * sizeof *part);
         return;
     }

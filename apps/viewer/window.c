@@ -80,8 +80,8 @@ static void press_named(GLFWwindow *handle, int key, int scancode, int action, i
         int key;
         const char *name;
     } names[] = {{GLFW_KEY_ENTER, "enter"}, {GLFW_KEY_KP_ENTER, "enter"}, {GLFW_KEY_SPACE, "space"},
-                 {GLFW_KEY_TAB, "tab"},     {GLFW_KEY_UP, "up"},          {GLFW_KEY_DOWN, "down"},
-                 {GLFW_KEY_LEFT, "left"},   {GLFW_KEY_RIGHT, "right"}};
+                 {GLFW_KEY_TAB, "tab"},     {GLFW_KEY_F11, "f11"},        {GLFW_KEY_UP, "up"},
+                 {GLFW_KEY_DOWN, "down"},   {GLFW_KEY_LEFT, "left"},      {GLFW_KEY_RIGHT, "right"}};
     struct window *window = glfwGetWindowUserPointer(handle);
     (void)scancode;
     (void)mods;
@@ -155,6 +155,10 @@ static void put(struct window *window, const struct place *place)
 
 void window_place(const struct window *window, struct place *out)
 {
+    if (window->alone) {
+        *out = window->before;
+        return;
+    }
     *out = (struct place){.known = true};
     glfwGetWindowSize(window->handle, &out->width, &out->height);
     glfwGetWindowPos(window->handle, &out->x, &out->y);
@@ -234,12 +238,16 @@ void window_lay_out(struct window *window)
             window->panes[p] = (struct ui_box){left, 0, 2 * half_width, 2 * half_height};
         }
     }
+    if (window->alone) {
+        window->panes[PANE_3D] = (struct ui_box){0, 0, width, (float)window->height};
+    }
 }
 
 static bool is_shown(const struct window *window, int pane)
 {
     const struct ui_box *box = &window->panes[pane];
-    return (window->enlarged < 0 || window->enlarged == pane) && box->width >= 2 && box->height >= 2;
+    bool chosen = window->alone ? pane == PANE_3D : window->enlarged < 0 || window->enlarged == pane;
+    return chosen && box->width >= 2 && box->height >= 2;
 }
 
 static void draw_panels(struct window *window)
@@ -247,8 +255,11 @@ static void draw_panels(struct window *window)
     window->hovers = false;
     window->hovered = 0;
     window->hovered_value = NAN;
-    panel_areas(window);
-    panel_results(window);
+    if (!window->alone) {
+        panel_areas(window);
+        panel_results(window);
+        panel_status(window);
+    }
     for (int p = 0; p < PLANE_COUNT; p++) {
         if (is_shown(window, p)) {
             pane_cut(window, (enum plane)p);
@@ -257,7 +268,6 @@ static void draw_panels(struct window *window)
     if (is_shown(window, PANE_3D)) {
         pane_3d(window);
     }
-    panel_status(window);
     if (window->show_help) {
         panel_help(window);
     }

@@ -37,7 +37,9 @@ struct window {
     float scale;
     int width, height;
     struct ui_box left, right, status, panes[PANE_COUNT];
-    int enlarged; /**< The pane that fills the middle, or -1. */
+    int enlarged;        /**< The pane that fills the middle, or -1. */
+    bool alone;          /**< The 3-D pane fills the whole screen.   */
+    struct place before; /**< Where the window was before that.      */
     struct cut_pane cuts[PLANE_COUNT];
     struct texture painted, device_view;
     struct sight sight;    /**< Of the 3-D pane, in this frame.    */
@@ -70,6 +72,11 @@ void window_place(const struct window *window, struct place *out);
 void window_close(struct window *window);
 /** Asks for another size; the screen may give another one, some frames later. */
 void window_resize(struct window *window, int width, int height);
+/** The screen (GLFWmonitor) that the window's middle is on, and its x, y, width and height; NULL where none is known.
+ */
+void *window_screen(const struct window *window, int screen[4]);
+/** Lets the 3-D pane fill the screen that the window is on, without panels, or brings the window back. */
+void window_fill_screen(struct window *window, bool fill);
 /** Lays everything out for the window's size now. */
 void window_lay_out(struct window *window);
 

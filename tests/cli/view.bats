@@ -154,6 +154,39 @@ END
     [ "$(jq .by_head two.json)" = null ]
 }
 
+@test "3-D alone fills the screen, and goes back" {
+    need_window
+    conus phantom nested -o .
+    view nested.nii.gz <<'END'
+screen 0 200 0 0 0 0 1280 800
+head 300 900 60
+angle 6
+key f11
+wait 5
+settle
+screenshot full.png
+point 0.5 0.5
+results middle.tsv
+save full.json
+key F11
+wait 5
+settle
+screenshot back.png
+END
+    conus query nested.nii.gz --origin 300,900,60 --toward 0,200,0 --angle 6 --format tsv | diff middle.tsv -
+    printf 'key f11\nwait 5\nsettle\nscreenshot back2.png\n' >script
+    run -0 timeout 60 "$CONUS" view nested.nii.gz --script script --quiet --size 1000x640 --full-screen
+    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+full, back, again = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8) for name in ("full", "back", "back2"))
+assert full.shape[:2] == (800, 1280), full.shape
+assert full[400, 5][:3].mean() > 150 and full[400, 1275][:3].mean() > 150 # no panels
+assert back.shape[:2] == again.shape[:2] == (640, 1000), back.shape
+assert 20 < back[600, 30][:3].mean() < 60
+END
+}
+
 # The same eye and screen, twice as large and 10 mm lower in the tracker's frame.
 @test "a tracker moves the head, and loses it" {
     need_window
