@@ -7,19 +7,11 @@ GOLDEN=$BATS_TEST_DIRNAME/../golden
 
 # The screen is larger than the windows, so that the mouse, in its middle, is not over them.
 setup_file() {
-    command -v Xvfb >/dev/null || return 0
-    Xvfb -displayfd 3 -screen 0 2400x1600x24 -nolisten tcp 3>"$BATS_FILE_TMPDIR/display" 2>/dev/null &
-    echo $! >"$BATS_FILE_TMPDIR/pid"
-    for _ in {1..100}; do
-        [ ! -s "$BATS_FILE_TMPDIR/display" ] || break
-        sleep 0.05
-    done
-    DISPLAY=:$(cat "$BATS_FILE_TMPDIR/display")
-    export DISPLAY
+    start_screen 2400x1600
 }
 
 teardown_file() {
-    [ ! -f "$BATS_FILE_TMPDIR/pid" ] || kill "$(cat "$BATS_FILE_TMPDIR/pid")"
+    stop_screen
 }
 
 # looks_as NAME ATLAS [OPTION...]: the script NAME.txt shows NAME.png. A pixel differs where a channel does by more than
@@ -27,8 +19,7 @@ teardown_file() {
 looks_as() {
     local name=$1 differing
     shift
-    [ -x "${CONUS%/*}/conus-view" ] || skip "conus-view is not built"
-    [ -f "$BATS_FILE_TMPDIR/pid" ] || skip "no Xvfb"
+    need_window
     run -0 --separate-stderr timeout 250 "$CONUS" view "$@" --script "$GOLDEN/$name.txt" --size 600x400 --scale 0.62 --quiet
     [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
     run --separate-stderr "$CONUS" diff --tolerance 0.05 "$name.png" "$GOLDEN/$name.png"

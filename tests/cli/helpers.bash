@@ -71,3 +71,27 @@ need_aal() {
 sphere() {
     conus phantom sphere -o . "$@"
 }
+
+# start_screen WxH: a display without a screen for the tests of a file, if there is Xvfb. It does not begin anew when its
+# last window closes: one that opens meanwhile would find no display.
+start_screen() {
+    command -v Xvfb >/dev/null || return 0
+    Xvfb -displayfd 3 -screen 0 "$1x24" -noreset -nolisten tcp 3>"$BATS_FILE_TMPDIR/display" 2>/dev/null &
+    echo $! >"$BATS_FILE_TMPDIR/screen"
+    for _ in {1..400}; do
+        [ ! -s "$BATS_FILE_TMPDIR/display" ] || break
+        sleep 0.05
+    done
+    DISPLAY=:$(cat "$BATS_FILE_TMPDIR/display")
+    export DISPLAY
+}
+
+stop_screen() {
+    [ ! -f "$BATS_FILE_TMPDIR/screen" ] || kill "$(cat "$BATS_FILE_TMPDIR/screen")"
+}
+
+# need_window: or the test is skipped.
+need_window() {
+    [ -x "${CONUS%/*}/conus-view" ] || skip "conus-view is not built"
+    [ -f "$BATS_FILE_TMPDIR/screen" ] || skip "no Xvfb"
+}

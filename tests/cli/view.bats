@@ -3,24 +3,11 @@
 load helpers
 
 setup_file() {
-    command -v Xvfb >/dev/null || return 0
-    Xvfb -displayfd 3 -screen 0 1280x800x24 -nolisten tcp 3>"$BATS_FILE_TMPDIR/display" 2>/dev/null &
-    echo $! >"$BATS_FILE_TMPDIR/pid"
-    for _ in {1..100}; do
-        [ ! -s "$BATS_FILE_TMPDIR/display" ] || break
-        sleep 0.05
-    done
-    DISPLAY=:$(cat "$BATS_FILE_TMPDIR/display")
-    export DISPLAY
+    start_screen 1280x800
 }
 
 teardown_file() {
-    [ ! -f "$BATS_FILE_TMPDIR/pid" ] || kill "$(cat "$BATS_FILE_TMPDIR/pid")"
-}
-
-need_window() {
-    [ -x "${CONUS%/*}/conus-view" ] || skip "conus-view is not built"
-    [ -f "$BATS_FILE_TMPDIR/pid" ] || skip "no Xvfb"
+    stop_screen
 }
 
 # view ATLAS [OPTION...] <SCRIPT: succeeds without a word.
