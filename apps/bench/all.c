@@ -9,7 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { TIME_LIMIT = 300 }; /* seconds, of one scenario */
+enum { TIME_LIMIT = 900 }; /* seconds, of one scenario */
 
 /* ---- The process of a scenario ---------------------------------------------------------------------------------- */
 

@@ -65,7 +65,8 @@ static double median(const double *sorted, size_t count)
 /* Times of one variant: of every round its first run, and the one that counts. */
 struct times {
     double *cold, *warm;
-    bool has_cold; /* apart from the other */
+    double *cpu;   /* of all threads, of the one that counts */
+    bool has_cold; /* apart from the other                   */
 };
 
 /* Fills in the variant's numbers; returns how far apart the middle half of its times is, as a part of the median. */
@@ -73,6 +74,7 @@ static double summarise(struct bench_variant *variant, const struct times *times
 {
     qsort(times->warm, rounds, sizeof *times->warm, compare_times);
     qsort(times->cold, rounds, sizeof *times->cold, compare_times);
+    qsort(times->cpu, rounds, sizeof *times->cpu, compare_times);
     variant->median_ms = median(times->warm, rounds);
     variant->min_ms = times->warm[0];
     variant->p90_ms = times->warm[(rounds - 1) * 9 / 10];
@@ -103,11 +105,12 @@ static conus_status add_run(struct bench *bench, const char *scenario, struct be
 {
     double spread = summarise(variant, times, rounds);
     json_t *cold = times->has_cold ? json_real(variant->cold_ms) : json_null();
-    json_t *run = json_pack("{s:s, s:s, s:I, s:f, s:f, s:f, s:f, s:o, s:f, s:I, s:b, s:b, s:s}", "scenario", scenario,
-                            "variant", variant->name, "count", (json_int_t)per, "angle_deg", angle_deg, "median_ms",
-                            variant->median_ms, "min_ms", variant->min_ms, "p90_ms", variant->p90_ms, "cold_ms", cold,
-                            "spread", spread, "repeats", (json_int_t)rounds, "equal", variant->equal, "other_by_design",
-                            variant->other_by_design, "clock", clock_name(bench));
+    json_t *run =
+        json_pack("{s:s, s:s, s:I, s:f, s:f, s:f, s:f, s:o, s:f, s:f, s:I, s:b, s:b, s:s}", "scenario", scenario,
+                  "variant", variant->name, "count", (json_int_t)per, "angle_deg", angle_deg, "median_ms",
+                  variant->median_ms, "min_ms", variant->min_ms, "p90_ms", variant->p90_ms, "cold_ms", cold, "cpu_ms",
+                  median(times->cpu, rounds), "spread", spread, "repeats", (json_int_t)rounds, "equal", variant->equal,
+                  "other_by_design", variant->other_by_design, "clock", clock_name(bench));
     int error = !run || (variant->more && json_object_update(run, variant->more));
     json_decref(variant->more);
     variant->more = NULL;
@@ -121,23 +124,28 @@ static conus_status add_run(struct bench *bench, const char *scenario, struct be
 
 /* ---- Measuring ------------------------------------------------------------------------------------------------- */
 
-static double time_once(const struct bench *bench, const struct bench_variant *variant)
+static double time_once(const struct bench *bench, const struct bench_variant *variant, double *cpu)
 {
     if (variant->prepare) {
         variant->prepare(variant->data);
     }
+    double cpu_start = clock_ms(CLOCK_PROCESS_CPUTIME_ID);
     double start = bench_now(bench);
     variant->run(variant->data);
-    return bench_now(bench) - start;
+    double time = bench_now(bench) - start;
+    *cpu = clock_ms(CLOCK_PROCESS_CPUTIME_ID) - cpu_start;
+    return time;
 }
 
 static void take_round(const struct bench *bench, const struct bench_variant *variant, struct times *times,
                        size_t round, size_t per)
 {
-    double first = time_once(bench, variant); /* its neighbours emptied the caches */
+    double cpu;
+    double first = time_once(bench, variant, &cpu); /* its neighbours emptied the caches */
     bool again = first < LONG_RUN && !bench->options.check;
     times->cold[round] = first / (double)per;
-    times->warm[round] = (again ? time_once(bench, variant) : first) / (double)per;
+    times->warm[round] = (again ? time_once(bench, variant, &cpu) : first) / (double)per;
+    times->cpu[round] = cpu / (double)per;
     times->has_cold = again;
 }
 
@@ -166,11 +174,12 @@ conus_status bench_measure(struct bench *bench, const char *scenario, struct ben
                            size_t per, double angle_deg)
 {
     size_t repeats = bench->options.repeats;
-    double *room = memory_raw(2 * count * repeats, sizeof *room);
+    double *room = memory_raw(3 * count * repeats, sizeof *room);
     struct times *times = memory_zeroed(count, sizeof *times);
     conus_status status = room && times ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t v = 0; v < count && !status; v++) {
-        times[v] = (struct times){.cold = room + 2 * v * repeats, .warm = room + (2 * v + 1) * repeats};
+        double *own = room + 3 * v * repeats;
+        times[v] = (struct times){.cold = own, .warm = own + repeats, .cpu = own + 2 * repeats};
     }
     size_t rounds = status ? 0 : take_rounds(bench, variants, count, times, per);
     for (size_t v = 0; v < count && !status; v++) {

@@ -301,15 +301,17 @@ static void scene_finish(struct scene *scene)
 /* ---- Answers ----------------------------------------------------------------------------------------------------- */
 
 /* Whether rays give the same picture with and without skipping, and slices one that is as good as the same. */
-static conus_status compare_pictures(bool equal[PICTURES], struct scene *scene)
+static conus_status compare_pictures(bool equal[PICTURES], double *sliced_ms, struct scene *scene)
 {
     float *pictures[PICTURES] = {NULL};
     size_t count = (size_t)scene->view.width * scene->view.height * 4;
     conus_status status = CONUS_OK;
+    double start = bench_wall();
     for (int way = 0; way < PICTURES && !status; way++) {
         pictures[way] = memory_raw(count, sizeof *pictures[way]);
         status = pictures[way] ? draw_frame(scene, way) : CONUS_ERROR_MEMORY;
         status = status ? status : frame_read(&scene->frame, pictures[way]);
+        *sliced_ms = way == SLICED ? 1e3 * (bench_wall() - start) : *sliced_ms;
     }
     if (!status) {
         double coverage = 0, rms = picture_rms(pictures[SLICED], pictures[ALL_SAMPLES], count);
@@ -359,13 +361,11 @@ static conus_status measure(struct bench *bench, struct scene *scene, struct ben
     struct shot shots[FRAMES];
     char names[FRAMES][80];
     bool equal[PICTURES] = {false};
-    conus_status status = compare_pictures(equal, scene);
-    double start = bench_wall();
-    shots[0] = (struct shot){.draw = draw_frame, .wait = wait_for, .scene = scene, .way = SLICED};
-    shoot(&shots[0]);
-    int frames = 1e3 * (bench_wall() - start) > SLOW_MS ? SLOW_FRAMES : FRAMES;
+    double sliced_ms = 0;
+    conus_status status = compare_pictures(equal, &sliced_ms, scene);
+    size_t frames = sliced_ms > SLOW_MS ? SLOW_FRAMES : FRAMES;
     fill_in_looks(variants, scene);
-    for (int f = 0; f < frames; f++) {
+    for (size_t f = 0; f < frames; f++) {
         struct look *look = kinds[f].look < 0 ? NULL : &scene->looks[kinds[f].look];
         shots[f] =
             (struct shot){.draw = draw_frame, .wait = wait_for, .scene = scene, .way = kinds[f].way, .look = look};
@@ -373,9 +373,9 @@ static conus_status measure(struct bench *bench, struct scene *scene, struct ben
         variants[LOOKS + f] =
             (struct bench_variant){.name = names[f], .run = shoot, .data = &shots[f], .equal = equal[kinds[f].way]};
     }
-    size_t count = (size_t)(LOOKS + frames);
+    size_t count = LOOKS + frames;
     status = status ? status : bench_measure(bench, "bonsai", variants, count, 1, bench->options.angle);
-    for (int f = 0; f < frames; f++) {
+    for (size_t f = 0; f < frames; f++) {
         status = status ? status : shots[f].status;
     }
     return status;

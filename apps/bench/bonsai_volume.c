@@ -25,7 +25,7 @@ static conus_status read_context(uint8_t *voxels, const char *path)
     if (volume && volume->voxel_count != VOXELS) {
         status = fail(CONUS_ERROR_DATA, "%s: %zu voxels, the paper's volume has %d", path, volume->voxel_count, VOXELS);
     }
-    for (size_t i = 0; !status && i < VOXELS; i++) {
+    for (size_t i = 0; volume && !status && i < VOXELS; i++) {
         voxels[i] = (uint8_t)volume->values[i];
     }
     conus_atlas_destroy(atlas);
