@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <vtkActor.h>
-#include <vtkCellArray.h>
 #include <vtkCellLocator.h>
 #include <vtkCellPicker.h>
 #include <vtkGenericCell.h>
 #include <vtkNew.h>
-#include <vtkPoints.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkStaticCellLocator.h>
 
@@ -32,37 +30,20 @@ struct peer_surface {
 namespace
 {
 
-vtkSmartPointer<vtkPolyData> merge(std::vector<uint32_t> &object_of_cell, const mesh_object *objects, size_t count)
+std::vector<uint32_t> objects_of_cells(const mesh_object *objects, size_t count)
 {
-    vtkNew<vtkPoints> points;
-    vtkNew<vtkCellArray> cells;
-    points->SetDataTypeToFloat();
+    std::vector<uint32_t> out;
     for (size_t i = 0; i < count; i++) {
-        const struct mesh *mesh = objects[i].mesh;
-        const vtkIdType first = points->GetNumberOfPoints();
-        for (size_t v = 0; mesh && v < mesh->vertex_count; v++) {
-            double place[3] = {mesh->positions[3 * v], mesh->positions[3 * v + 1], mesh->positions[3 * v + 2]};
-            if (objects[i].world_from_mesh) {
-                mat4_point(place, objects[i].world_from_mesh, place);
-            }
-            points->InsertNextPoint(place);
-        }
-        for (size_t t = 0; mesh && t < mesh->triangle_count; t++) {
-            const uint32_t *corner = mesh->triangles + 3 * t;
-            cells->InsertNextCell({first + corner[0], first + corner[1], first + corner[2]});
-            object_of_cell.push_back(static_cast<uint32_t>(i) + 1);
-        }
+        out.insert(out.end(), objects[i].mesh ? objects[i].mesh->triangle_count : 0, static_cast<uint32_t>(i) + 1);
     }
-    auto surface = vtkSmartPointer<vtkPolyData>::New();
-    surface->SetPoints(points);
-    surface->SetPolys(cells);
-    return surface;
+    return out;
 }
 
 std::unique_ptr<peer_surface> make(const mesh_object *objects, size_t count, double reach)
 {
     auto out = std::make_unique<peer_surface>();
-    out->surface = merge(out->object_of_cell, objects, count);
+    out->surface = peers::make_surface(objects, count);
+    out->object_of_cell = objects_of_cells(objects, count);
     out->range[0] = reach * 1e-4;
     out->range[1] = reach;
     vtkNew<vtkPolyDataMapper> mapper;
@@ -113,7 +94,9 @@ void pick(peer_surface &surface, uint32_t *objects, const cone &cone, peer_locat
     vtkCellPicker *picker = surface.pickers[kind];
     peers::look_along(surface.renderer, cone.pose.world_from_device, cone.angle, surface.range);
     for (uint32_t i = 0; i < PEER_RESOLUTION * PEER_RESOLUTION; i++) {
-        const bool found = picker->Pick(i % PEER_RESOLUTION + 0.5, i / PEER_RESOLUTION + 0.5, 0, surface.renderer);
+        const uint32_t column = i % PEER_RESOLUTION;
+        const uint32_t row = i / PEER_RESOLUTION;
+        const bool found = picker->Pick(column + 0.5, row + 0.5, 0, surface.renderer);
         objects[i] = found ? surface.object_of_cell[static_cast<size_t>(picker->GetCellId())] : 0;
     }
 }

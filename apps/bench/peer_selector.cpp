@@ -50,7 +50,8 @@ void add_actors(peer_selector &selector, const mesh_object *objects, size_t coun
         vtkSmartPointer<vtkPolyDataMapper> &mapper = mappers[objects[i].mesh];
         if (!mapper) {
             mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
-            mapper->SetInputData(peers::make_surface(objects[i].mesh, nullptr));
+            const mesh_object unplaced = {objects[i].mesh, nullptr};
+            mapper->SetInputData(peers::make_surface(&unplaced, 1));
         }
         vtkNew<vtkActor> actor;
         actor->SetMapper(mapper);
@@ -65,8 +66,7 @@ void add_composite(peer_selector &selector, const mesh_object *objects, size_t c
     vtkNew<vtkMultiBlockDataSet> blocks;
     for (size_t i = 0; i < count; i++) {
         if (objects[i].mesh) {
-            blocks->SetBlock(static_cast<unsigned>(i),
-                             peers::make_surface(objects[i].mesh, objects[i].world_from_mesh));
+            blocks->SetBlock(static_cast<unsigned>(i), peers::make_surface(&objects[i], 1));
         }
     }
     vtkNew<vtkCompositePolyDataMapper2> mapper;

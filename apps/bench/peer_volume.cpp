@@ -113,8 +113,10 @@ void pick(peer_labels &labels, peer_contact *contacts, const cone &cone, peer_pi
     picker->SetVolumeOpacityIsovalue(isovalue);
     peers::look_along(labels.renderer, cone.pose.world_from_device, cone.angle, range);
     for (uint32_t i = 0; i < size[0] * size[1]; i++) {
+        const uint32_t column = i % size[0];
+        const uint32_t row = i / size[0];
         contacts[i] = nothing;
-        if (picker->Pick(i % size[0] + 0.5, i / size[0] + 0.5, 0, labels.renderer)) {
+        if (picker->Pick(column + 0.5, row + 0.5, 0, labels.renderer)) {
             const double *place = picker->GetPickPosition();
             const int *index = picker->GetPointIJK();
             const size_t at[3] = {static_cast<size_t>(index[0]), static_cast<size_t>(index[1]),

@@ -70,25 +70,25 @@ void peers::look_along(vtkRenderer *renderer, const double world_from_camera[16]
     camera->SetClippingRange(range[0], range[1]);
 }
 
-vtkSmartPointer<vtkPolyData> peers::make_surface(const struct mesh *mesh, const double *world_from_mesh)
+vtkSmartPointer<vtkPolyData> peers::make_surface(const mesh_object *objects, size_t count)
 {
     vtkNew<vtkPoints> points;
-    points->SetDataTypeToFloat();
-    points->SetNumberOfPoints(static_cast<vtkIdType>(mesh->vertex_count));
-    for (size_t i = 0; i < mesh->vertex_count; i++) {
-        const float *p = mesh->positions + 3 * i;
-        double place[3] = {p[0], p[1], p[2]};
-        if (world_from_mesh) {
-            mat4_point(place, world_from_mesh, place);
-        }
-        points->SetPoint(static_cast<vtkIdType>(i), place);
-    }
     vtkNew<vtkCellArray> cells;
-    cells->AllocateExact(static_cast<vtkIdType>(mesh->triangle_count),
-                         static_cast<vtkIdType>(3 * mesh->triangle_count));
-    for (size_t i = 0; i < mesh->triangle_count; i++) {
-        const uint32_t *corner = mesh->triangles + 3 * i;
-        cells->InsertNextCell({corner[0], corner[1], corner[2]});
+    points->SetDataTypeToFloat();
+    for (size_t i = 0; i < count; i++) {
+        const struct mesh *mesh = objects[i].mesh;
+        const vtkIdType first = points->GetNumberOfPoints();
+        for (size_t v = 0; mesh && v < mesh->vertex_count; v++) {
+            double place[3] = {mesh->positions[3 * v], mesh->positions[3 * v + 1], mesh->positions[3 * v + 2]};
+            if (objects[i].world_from_mesh) {
+                mat4_point(place, objects[i].world_from_mesh, place);
+            }
+            points->InsertNextPoint(place);
+        }
+        for (size_t t = 0; mesh && t < mesh->triangle_count; t++) {
+            const uint32_t *corner = mesh->triangles + 3 * t;
+            cells->InsertNextCell({first + corner[0], first + corner[1], first + corner[2]});
+        }
     }
     auto surface = vtkSmartPointer<vtkPolyData>::New();
     surface->SetPoints(points);

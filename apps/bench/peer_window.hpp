@@ -29,7 +29,8 @@ vtkSmartPointer<vtkRenderWindow> make_window(vtkRenderer *renderer, const uint32
 /* Puts the renderer's camera at a pose; `angle` is vertical, in radians. */
 void look_along(vtkRenderer *renderer, const double world_from_camera[16], double angle, const double range[2]);
 
-vtkSmartPointer<vtkPolyData> make_surface(const mesh *mesh, const double *world_from_mesh);
+/* All triangles of the objects, in their order, at their places. */
+vtkSmartPointer<vtkPolyData> make_surface(const mesh_object *objects, size_t count);
 
 /* Runs `work` and turns what it throws into a status. */
 template <typename Work> conus_status guarded(Work &&work)

@@ -208,15 +208,15 @@ static conus_status make_ways(struct bench *bench, struct scene *scene, struct w
     return status;
 }
 
-static conus_status ratio(struct bench *bench, const char *peer, const char *transfer,
-                          const struct bench_variant *above, const struct bench_variant *below)
+static conus_status ratio(struct bench *bench, const char *peer, const char *suffix, const struct bench_variant *above,
+                          const struct bench_variant *below)
 {
     char key[64];
-    snprintf(key, sizeof key, "%s_over_skipping_%s", peer, transfer);
+    snprintf(key, sizeof key, "%s_over_skipping%s", peer, suffix);
     return bench_ratio(bench, key, above, below);
 }
 
-static conus_status measure(struct bench *bench, struct way ways[WAYS], const char *transfer)
+static conus_status measure(struct bench *bench, struct way ways[WAYS], const char *suffix)
 {
     static const char *const peers[WAYS] = {NULL, "vtkgpu", "vtkgpu_shaded", "vtkfixed", "vtkfixed_shaded"};
     struct bench_variant variants[WAYS];
@@ -232,13 +232,13 @@ static conus_status measure(struct bench *bench, struct way ways[WAYS], const ch
         status = ways[w].status;
     }
     for (size_t w = 1; w < WAYS && !status; w++) {
-        status = ratio(bench, peers[w], transfer, &variants[w], &variants[0]);
+        status = ratio(bench, peers[w], suffix, &variants[w], &variants[0]);
     }
     return status;
 }
 
-/* Everything with one transfer function. */
-static conus_status run(struct bench *bench, const char *transfer)
+/* Everything with one transfer function; `suffix` tells its ratios apart. */
+static conus_status run(struct bench *bench, const char *transfer, const char *suffix)
 {
     struct scene scene = {0};
     struct way ways[WAYS] = {
@@ -254,7 +254,7 @@ static conus_status run(struct bench *bench, const char *transfer)
         snprintf(bench->driver, sizeof bench->driver, "%s; %s", peer_version(), device);
         status = make_ways(bench, &scene, ways, transfer);
     }
-    status = status ? status : measure(bench, ways, transfer);
+    status = status ? status : measure(bench, ways, suffix);
     for (size_t w = 0; w < WAYS; w++) {
         peer_picture_destroy(ways[w].peer);
         memory_free(ways[w].rgba);
@@ -267,7 +267,7 @@ conus_status bench_peers_colour(struct bench *bench)
 {
     setenv("LP_NUM_THREADS", "0", 0); /* Mesa's llvmpipe stays on this thread, whose time is taken */
     conus_status status = peer_check_display();
-    status = status ? status : run(bench, "brain");
-    status = status ? status : run(bench, "surface");
+    status = status ? status : run(bench, "brain", "");
+    status = status ? status : run(bench, "surface", "_surface");
     return status == CONUS_ERROR_GL ? bench_leave_out(bench, "peers_colour") : status;
 }

@@ -9,8 +9,12 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <time.h>
 
 enum { TORI = 20000, CONES = 4, WAYS_LIMIT = 9, LARGE_WIDTH = 1400, LARGE_HEIGHT = 1050 };
+
+/* The first way that needs a display. */
+enum { SELECTOR_WAY = 6 };
 
 /* What programs look at their scene with, in whose middle 16 x 16 pixels are asked about. */
 #define LARGE_DEGREES 30.0
@@ -21,6 +25,8 @@ struct scene {
     struct mesh_object *areas;  /* [tori.count] the atlas's, with triangles of their own */
     conus_atlas *atlas;
     struct engine *rays;
+    struct mesh_rays *placed_rays;
+    struct engine *rays_on_placed;          /* which share the torus's triangles, as VTK's actors do */
     struct cone wide[CONES], narrow[CONES]; /* what 16 x 16 pixels show of a window of their size, and of a large one */
     struct peer_selector *small, *large, *composite;
     struct peer_surface *surface;
@@ -58,9 +64,10 @@ static const struct engine_functions functions = {.look = look_as_peer};
 
 /* Something of VTK's that is made before anything can be asked. */
 struct preparation {
-    const char *what;
     struct scene *scene;
     conus_status (*make)(struct scene *scene);
+    json_t *more; /* of its run */
+    double cpu_ms;
     conus_status status;
 };
 
@@ -120,25 +127,47 @@ static conus_status make_rays(struct scene *scene)
     return engine_rays_create(&scene->rays, scene->atlas, &(struct engine_options){0});
 }
 
+static conus_status make_placed_rays(struct scene *scene)
+{
+    engine_destroy(scene->rays_on_placed);
+    mesh_rays_destroy(scene->placed_rays);
+    scene->rays_on_placed = NULL;
+    scene->placed_rays = NULL;
+    conus_status status = mesh_rays_create(&scene->placed_rays, scene->placed, scene->tori.count);
+    status = status ? status : mesh_engine_create(&scene->rays_on_placed, scene->placed_rays, 0);
+    if (!status) {
+        snprintf(scene->rays_on_placed->name, sizeof scene->rays_on_placed->name, "rays, one torus placed");
+    }
+    return status;
+}
+
 static void prepare(void *data)
 {
     struct preparation *preparation = data;
+    struct timespec before, after;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &before);
     conus_status status = preparation->make(preparation->scene);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &after);
     preparation->status = status ? status : preparation->status;
+    preparation->cpu_ms =
+        1e3 * (double)(after.tv_sec - before.tv_sec) + 1e-6 * (double)(after.tv_nsec - before.tv_nsec);
+    json_object_set_new(preparation->more, "cpu_ms", json_real(preparation->cpu_ms));
 }
 
-/* Makes it and tells how long that took: once, by the clock on the wall, since some of it uses all processors. */
+/* Makes it and tells how long that took: once, by the clock on the wall, and the CPU time of all processors. */
 static conus_status make_timed(struct bench *bench, struct scene *scene, const char *what,
                                conus_status (*make)(struct scene *scene))
 {
-    struct preparation preparation = {.what = what, .scene = scene, .make = make};
-    struct bench_variant variant = {.name = what, .run = prepare, .data = &preparation, .equal = true};
+    struct preparation preparation = {.scene = scene, .make = make, .more = json_object()};
+    struct bench_variant variant = {
+        .name = what, .run = prepare, .data = &preparation, .equal = true, .more = preparation.more};
     size_t repeats = bench->options.repeats;
     bench->options.repeats = 1;
     bench->one_thread = false;
     conus_status status = bench_measure(bench, "peers_mesh", &variant, 1, 1, 0);
     bench->options.repeats = repeats;
     bench->one_thread = true;
+    printf("%s: %.0f ms of CPU time\n", what, preparation.cpu_ms);
     return preparation.status ? preparation.status : status;
 }
 
@@ -168,6 +197,7 @@ static conus_status scene_init(struct bench *bench, struct scene *scene)
     status = status ? status : torus_scene_atlas(&scene->atlas, &scene->tori);
     status = status ? status : make_objects(scene);
     status = status ? status : make_timed(bench, scene, "making the rays engine", make_rays);
+    status = status ? status : make_timed(bench, scene, "making rays on placed tori", make_placed_rays);
     status = status ? status : make_timed(bench, scene, "merging for locators", make_surface);
     status = status ? status : make_timed(bench, scene, "building vtkCellLocator", build_locator);
     return status ? status : make_timed(bench, scene, "building vtkStaticCellLocator", build_static);
@@ -188,6 +218,8 @@ static void scene_finish(struct scene *scene)
     peer_selector_destroy(scene->large);
     peer_selector_destroy(scene->composite);
     peer_surface_destroy(scene->surface);
+    engine_destroy(scene->rays_on_placed);
+    mesh_rays_destroy(scene->placed_rays);
     engine_destroy(scene->rays);
     conus_atlas_destroy(scene->atlas);
     memory_free(scene->placed);
@@ -201,7 +233,8 @@ static void scene_finish(struct scene *scene)
 struct contest {
     struct scene *scene;
     const struct cone *cones;
-    struct peer peers[WAYS_LIMIT]; /* but of the rays */
+    struct engine *engines[WAYS_LIMIT];
+    struct peer peers[WAYS_LIMIT]; /* where the engine is one */
     struct look looks[WAYS_LIMIT];
     struct bench_variant variants[WAYS_LIMIT];
     size_t count;
@@ -210,12 +243,11 @@ struct contest {
 static struct peer *add_peer(struct contest *contest, enum kind kind, const char *what)
 {
     struct peer *peer = &contest->peers[contest->count];
-    snprintf(contest->looks[contest->count].name, sizeof contest->looks->name, "%zu tori, %s",
-             contest->scene->tori.count, what);
+    snprintf(peer->engine.name, sizeof peer->engine.name, "%s", what);
     peer->engine.functions = &functions;
     peer->kind = kind;
     peer->surface = contest->scene->surface;
-    contest->count++;
+    contest->engines[contest->count++] = &peer->engine;
     return peer;
 }
 
@@ -237,8 +269,7 @@ static conus_status measure(struct bench *bench, struct contest *contest)
     conus_status status = CONUS_OK;
     for (size_t w = 0; w < contest->count && !status; w++) {
         struct look *look = &contest->looks[w];
-        struct engine *engine = w ? &contest->peers[w].engine : contest->scene->rays;
-        status = look_init(look, engine, contest->cones, CONES);
+        status = look_init(look, contest->engines[w], contest->cones, CONES);
         if (!status) {
             contest->variants[w] = (struct bench_variant){.name = look->name, .run = look_all, .data = look};
             contest->variants[w].equal = look_same_but_edges(look, &contest->looks[0]);
@@ -248,6 +279,7 @@ static conus_status measure(struct bench *bench, struct contest *contest)
     return status ? status : bench_measure(bench, "peers_mesh", contest->variants, contest->count, CONES, angle);
 }
 
+/* Over the rays engine. */
 static conus_status ratio(struct bench *bench, const struct contest *contest, size_t above, const char *key)
 {
     return bench_ratio(bench, key, &contest->variants[above], &contest->variants[0]);
@@ -263,8 +295,8 @@ static void contest_finish(struct contest *contest)
 /* Cones of 5 degrees; the selector's window has 16 x 16 pixels. */
 static conus_status measure_wide(struct bench *bench, struct scene *scene)
 {
-    struct contest contest = {.scene = scene, .cones = scene->wide};
-    add_peer(&contest, LOCATOR, "rays engine");
+    struct contest contest = {
+        .scene = scene, .cones = scene->wide, .engines = {scene->rays, scene->rays_on_placed}, .count = 2};
     add_locator(&contest, LOCATOR, PEER_CELL_LOCATOR, "vtkCellLocator");
     add_locator(&contest, LOCATOR, PEER_STATIC_LOCATOR, "vtkStaticCellLocator");
     add_locator(&contest, PICKER, PEER_CELL_LOCATOR, "vtkCellPicker, vtkCellLocator");
@@ -275,13 +307,16 @@ static conus_status measure_wide(struct bench *bench, struct scene *scene)
         add_selector(&contest, scene->composite, false, "vtkHardwareSelector, composite");
     }
     conus_status status = measure(bench, &contest);
-    status = status ? status : ratio(bench, &contest, 1, "vtkcelllocator_over_rays");
-    status = status ? status : ratio(bench, &contest, 2, "vtkstaticlocator_over_rays");
-    status = status ? status : ratio(bench, &contest, 3, "vtkcellpicker_over_rays");
+    status = status ? status : ratio(bench, &contest, 2, "vtkcelllocator_over_rays");
+    status = status ? status : ratio(bench, &contest, 3, "vtkstaticlocator_over_rays");
+    status = status ? status : ratio(bench, &contest, 4, "vtkcellpicker_over_rays");
     if (scene->small) {
-        status = status ? status : ratio(bench, &contest, 5, "vtkselector_over_rays");
-        status = status ? status : ratio(bench, &contest, 6, "vtkselector_cells_over_rays");
-        status = status ? status : ratio(bench, &contest, 7, "vtkselector_composite_over_rays");
+        status = status ? status : ratio(bench, &contest, SELECTOR_WAY, "vtkselector_over_rays");
+        status = status ? status : ratio(bench, &contest, SELECTOR_WAY + 1, "vtkselector_cells_over_rays");
+        status = status ? status : ratio(bench, &contest, SELECTOR_WAY + 2, "vtkselector_composite_over_rays");
+        status = status ? status
+                        : bench_ratio(bench, "vtkselector_over_rays_placed", &contest.variants[SELECTOR_WAY],
+                                      &contest.variants[1]);
     }
     contest_finish(&contest);
     return status;
@@ -290,8 +325,7 @@ static conus_status measure_wide(struct bench *bench, struct scene *scene)
 /* What 16 x 16 pixels in the middle of a large window show. */
 static conus_status measure_narrow(struct bench *bench, struct scene *scene)
 {
-    struct contest contest = {.scene = scene, .cones = scene->narrow};
-    add_peer(&contest, LOCATOR, "rays engine");
+    struct contest contest = {.scene = scene, .cones = scene->narrow, .engines = {scene->rays}, .count = 1};
     add_selector(&contest, scene->large, true, "vtkHardwareSelector, 1400 x 1050, actors");
     conus_status status = measure(bench, &contest);
     status = status ? status : ratio(bench, &contest, 1, "vtkselector_window_over_rays");
