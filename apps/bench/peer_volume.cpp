@@ -33,19 +33,16 @@ namespace
 constexpr uint32_t size[2] = {PEER_RESOLUTION, PEER_RESOLUTION};
 constexpr double range[2] = {1, 2000}; /* mm before the eye */
 
+/* A mask: VTK's pickers interpolate values, and between labels there are others. */
 vtkSmartPointer<vtkImageData> image_of(const struct volume &volume)
 {
     auto image = vtkSmartPointer<vtkImageData>::New();
     const size_t *dim = volume.info.dim;
     image->SetDimensions(static_cast<int>(dim[0]), static_cast<int>(dim[1]), static_cast<int>(dim[2]));
-    image->AllocateScalars(VTK_UNSIGNED_SHORT, 1);
-    auto *values = static_cast<uint16_t *>(image->GetScalarPointer());
+    image->AllocateScalars(VTK_UNSIGNED_CHAR, 1);
+    auto *values = static_cast<unsigned char *>(image->GetScalarPointer());
     for (size_t i = 0; i < volume.voxel_count; i++) {
-        const uint32_t object = volume_object(&volume, i);
-        if (object > std::numeric_limits<uint16_t>::max()) {
-            throw std::runtime_error("more than 65535 objects");
-        }
-        values[i] = static_cast<uint16_t>(object);
+        values[i] = volume_object(&volume, i) != 0;
     }
     return image;
 }

@@ -83,9 +83,8 @@ struct peer_contact {
 
 struct peer_labels;
 
-/** Shows the numbers of @p volume's objects (at most 65,535) as a volume whose background is clear and whose objects
- * have
- * @p opacity per mm. @p window: whether it is to be drawn, too. */
+/** Shows the voxels of all objects of @p volume, clear elsewhere and with @p opacity per mm; whose a voxel is that VTK
+ * names, the labels tell. @p window: whether it is to be drawn, too. Eyes are within 2 m. */
 conus_status peer_labels_create(struct peer_labels **out, const struct volume *volume, double opacity, bool window);
 void peer_labels_destroy(struct peer_labels *labels); /**< NULL is fine. */
 

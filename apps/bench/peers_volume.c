@@ -157,7 +157,7 @@ static conus_status run(struct bench *bench, struct scene *scene)
         {.name = "rays engine", .kind = RAYS},
         {.name = "vtkVolumePicker", .kind = PICKER, .picker = PEER_VOLUME_PICKER, .isovalue = 0.05},
         {.name = "vtkCellPicker", .kind = PICKER, .picker = PEER_CELL_PICKER, .isovalue = 0.05},
-        {.name = "vtkCellPicker, isovalue 0.95", .kind = PICKER, .picker = PEER_CELL_PICKER, .isovalue = 0.95},
+        {.name = "vtkCellPicker, isovalue 0.75", .kind = PICKER, .picker = PEER_CELL_PICKER, .isovalue = 0.75},
         {.name = "vtkHardwareSelector, voxels", .kind = SELECTOR}};
     conus_status status = CONUS_OK;
     for (size_t w = 0; w < WAYS && !status; w++) {
