@@ -114,7 +114,7 @@ void draw(peer_picture &picture)
 void read(peer_picture &picture, float *rgba)
 {
     vtkNew<vtkFloatArray> pixels;
-    picture.window->Render();
+    picture.window->MakeCurrent();
     picture.window->GetRGBAPixelData(0, 0, picture.size[0] - 1, picture.size[1] - 1, 0, pixels);
     picture.window->ReleaseCurrent();
     std::memcpy(rgba, pixels->GetPointer(0), sizeof(float) * static_cast<size_t>(pixels->GetNumberOfValues()));

@@ -126,7 +126,7 @@ void peer_picture_destroy(struct peer_picture *picture); /**< NULL is fine. */
 
 conus_status peer_picture_draw(struct peer_picture *picture);
 
-/** Pixels of R, G, B times A, and A, bottom row first. */
+/** What was drawn last: pixels of R, G, B times A, and A, bottom row first. */
 conus_status peer_picture_read(struct peer_picture *picture, float *rgba);
 
 #ifdef __cplusplus
