@@ -194,6 +194,7 @@ static conus_status make_ways(struct bench *bench, struct scene *scene, struct w
     const struct colour_pass *pass = &scene->renderer->colour;
     struct slices slices = colour_pass_slices(pass, &scene->camera, (uint32_t)bench->options.slices);
     conus_status status = CONUS_OK;
+    printf("%s: a sample every %.3f mm\n", transfer, slices.spacing);
     for (size_t w = 0; w < WAYS && !status; w++) {
         struct way *way = &ways[w];
         snprintf(way->name, sizeof way->name, "%s: %s", transfer, way->what);

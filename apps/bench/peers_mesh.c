@@ -9,7 +9,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 enum { TORI = 20000, CONES = 4, WAYS_LIMIT = 9, LARGE_WIDTH = 1400, LARGE_HEIGHT = 1050 };
 
@@ -66,8 +65,6 @@ static const struct engine_functions functions = {.look = look_as_peer};
 struct preparation {
     struct scene *scene;
     conus_status (*make)(struct scene *scene);
-    json_t *more; /* of its run */
-    double cpu_ms;
     conus_status status;
 };
 
@@ -144,30 +141,22 @@ static conus_status make_placed_rays(struct scene *scene)
 static void prepare(void *data)
 {
     struct preparation *preparation = data;
-    struct timespec before, after;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &before);
     conus_status status = preparation->make(preparation->scene);
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &after);
     preparation->status = status ? status : preparation->status;
-    preparation->cpu_ms =
-        1e3 * (double)(after.tv_sec - before.tv_sec) + 1e-6 * (double)(after.tv_nsec - before.tv_nsec);
-    json_object_set_new(preparation->more, "cpu_ms", json_real(preparation->cpu_ms));
 }
 
-/* Makes it and tells how long that took: once, by the clock on the wall, and the CPU time of all processors. */
+/* Makes it and tells how long that took: once, by the clock on the wall, since some of it uses all processors. */
 static conus_status make_timed(struct bench *bench, struct scene *scene, const char *what,
                                conus_status (*make)(struct scene *scene))
 {
-    struct preparation preparation = {.scene = scene, .make = make, .more = json_object()};
-    struct bench_variant variant = {
-        .name = what, .run = prepare, .data = &preparation, .equal = true, .more = preparation.more};
+    struct preparation preparation = {.scene = scene, .make = make};
+    struct bench_variant variant = {.name = what, .run = prepare, .data = &preparation, .equal = true};
     size_t repeats = bench->options.repeats;
     bench->options.repeats = 1;
     bench->one_thread = false;
     conus_status status = bench_measure(bench, "peers_mesh", &variant, 1, 1, 0);
     bench->options.repeats = repeats;
     bench->one_thread = true;
-    printf("%s: %.0f ms of CPU time\n", what, preparation.cpu_ms);
     return preparation.status ? preparation.status : status;
 }
 
