@@ -55,14 +55,14 @@ static void every_round_runs_all_cold_and_warm(void **state)
         {.name = "two", .run = run, .data = &counts[1], .more = json_pack("{s:i}", "wrong", 4)}};
     assert_ok(bench_measure(&bench, "test", variants, 2, 5, 20));
     for (int v = 0; v < 2; v++) {
-        assert_int_equal(counts[v].run, 6);
+        assert_int_equal(counts[v].run, 3 * (1 + 3));
         assert_true(variants[v].min_ms <= variants[v].median_ms && variants[v].median_ms <= variants[v].p90_ms);
         assert_true(variants[v].cold_ms >= 0);
         assert_int_equal(json_integer_value(run_at(&bench, (size_t)v, "repeats")), 3);
         assert_string_equal(json_string_value(run_at(&bench, (size_t)v, "variant")), variants[v].name);
         assert_true(json_number_value(run_at(&bench, (size_t)v, "angle_deg")) == 20);
     }
-    assert_int_equal(counts[0].prepared, 6);
+    assert_int_equal(counts[0].prepared, 3 * (1 + 3));
     assert_int_equal(json_integer_value(run_at(&bench, 0, "count")), 7);
     assert_int_equal(json_integer_value(run_at(&bench, 1, "count")), 5);
     assert_int_equal(json_integer_value(run_at(&bench, 1, "wrong")), 4);
@@ -216,6 +216,8 @@ static void what_one_scenario_does_is_its_own(void **state)
     assert_string_equal(json_string_value(json_object_get(bench.left_out, "refuses")), "no such thing");
     assert_string_equal(json_string_value(json_object_get(bench.left_out, "crashes")), "it was ended by signal 9");
     assert_string_equal(json_string_value(json_object_get(bench.left_out, "a part")), "no GL");
+    assert_int_equal(bench.crashed, 1);
+    assert_int_equal(faults(&bench), 1);
     assert_int_equal(json_array_size(bench.runs), 2);
     assert_int_equal(json_integer_value(run_at(&bench, 0, "count")), 11);
     assert_int_equal(json_integer_value(run_at(&bench, 0, "repeats")), 2);

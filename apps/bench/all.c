@@ -136,6 +136,7 @@ conus_status bench_all(struct bench *bench, json_t *settings, const struct bench
         if (error) {
             (void)fail(CONUS_ERROR_ARGUMENT, "%s", error);
         }
+        bench->crashed += !result;
         status = !result || error ? bench_leave_out(bench, scenarios[i].name)
                                   : take(bench, settings, scenarios[i].name, result);
         fprintf(stderr, "[%zu/%zu] %s: %.0f s\n", i + 1, count, scenarios[i].name, bench_wall() - start);

@@ -12,6 +12,10 @@
 /* Milliseconds from which on it makes no difference what a run found in the caches. */
 #define LONG_RUN 250.0
 
+/* Milliseconds up to which other programs on the machine may spoil a run altogether, so that it is made AGAIN. */
+#define SHORT_RUN 50.0
+enum { AGAIN = 3 };
+
 static double clock_ms(clockid_t clock)
 {
     struct timespec now;
@@ -137,16 +141,30 @@ static double time_once(const struct bench *bench, const struct bench_variant *v
     return time;
 }
 
+/* The median of three more runs, with the processor time of one of them. */
+static double time_again(const struct bench *bench, const struct bench_variant *variant, double *cpu)
+{
+    double runs[AGAIN];
+    for (int i = 0; i < AGAIN; i++) {
+        runs[i] = time_once(bench, variant, cpu);
+    }
+    qsort(runs, AGAIN, sizeof *runs, compare_times);
+    return median(runs, AGAIN);
+}
+
 static void take_round(const struct bench *bench, const struct bench_variant *variant, struct times *times,
                        size_t round, size_t per)
 {
     double cpu;
     double first = time_once(bench, variant, &cpu); /* its neighbours emptied the caches */
-    bool again = first < LONG_RUN && !bench->options.check;
+    double warm = first;
+    times->has_cold = first < LONG_RUN && !bench->options.check;
+    if (times->has_cold) {
+        warm = first < SHORT_RUN ? time_again(bench, variant, &cpu) : time_once(bench, variant, &cpu);
+    }
     times->cold[round] = first / (double)per;
-    times->warm[round] = (again ? time_once(bench, variant, &cpu) : first) / (double)per;
+    times->warm[round] = warm / (double)per;
     times->cpu[round] = cpu / (double)per;
-    times->has_cold = again;
 }
 
 static size_t queries_in(const struct bench_variant *variant, size_t per)

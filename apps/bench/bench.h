@@ -29,6 +29,7 @@ struct bench {
     json_t *runs;
     json_t *ratios;
     json_t *left_out; /**< {what: why} of what could not be run. */
+    size_t crashed;   /**< Scenarios among these whose process ended without a word. */
     char driver[512]; /**< Engine or GL renderer in use.                                              */
     const char *note; /**< What a reader of the figures must know; NULL = nothing. A literal. */
     bool one_thread;  /**< Set by a scenario whose variants all run on the calling thread: then its CPU
@@ -51,9 +52,9 @@ struct bench_variant {
 };
 
 /** Times the variants in turn, options.repeats times or as long as options.seconds allows, and adds them to the runs.
- * What is timed is the second of two runs on end, as in a batch that goes on; of a run that takes longer than caches
- * matter, the first. Times are those of one run divided by @p per (queries in a run, say); @p angle_deg 0 where there
- * is no cone. */
+ * What is timed is a run behind another of its own, as in a batch that goes on: of short ones the median of three, of
+ * one that takes longer than caches matter the first. Times are those of one run divided by @p per (queries in a run,
+ * say); @p angle_deg 0 where there is no cone. */
 conus_status bench_measure(struct bench *bench, const char *scenario, struct bench_variant *variants, size_t count,
                            size_t per, double angle_deg);
 

@@ -158,10 +158,11 @@ json_t *report_create(const struct bench *bench, const json_t *scenarios, double
     strftime(when, sizeof when, "%Y-%m-%dT%H:%M:%SZ", gmtime(&now));
     json_t *settings =
         json_pack("{s:b, s:s, s:O}", "check", bench->options.check, "written", when, "scenarios", scenarios);
-    return json_pack("{s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:O, s:O, s:o, s:O}", "version", conus_version(), "machine",
-                     machine, "driver", bench->driver, "versions", versions(), "load_start", number(load), "load_end",
-                     number(report_load()), "settings", settings, "runs", bench->runs, "ratios", bench->ratios, "holds",
-                     held(bench->ratios), "left_out", bench->left_out);
+    return json_pack("{s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:O, s:O, s:o, s:O, s:I}", "version", conus_version(),
+                     "machine", machine, "driver", bench->driver, "versions", versions(), "load_start", number(load),
+                     "load_end", number(report_load()), "settings", settings, "runs", bench->runs, "ratios",
+                     bench->ratios, "holds", held(bench->ratios), "left_out", bench->left_out, "crashed",
+                     (json_int_t)bench->crashed);
 }
 
 conus_status report_write(const json_t *root, const char *path)
@@ -216,6 +217,10 @@ size_t report_check(const json_t *root)
     json_array_foreach(runs, index, run)
     {
         wrong += check_run(run);
+    }
+    if (json_integer_value(json_object_get(root, "crashed"))) {
+        fprintf(stderr, "check: a scenario crashed: see \"left_out\"\n");
+        wrong++;
     }
     if (!json_array_size(runs)) {
         fprintf(stderr, "check: nothing was run\n");
