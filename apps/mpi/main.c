@@ -15,7 +15,6 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { BLOCKS_PER_PIECE = 16, DEFAULT_BLOCK = 256 };
 
@@ -34,7 +33,6 @@ struct run {
     struct progress progress;
     uint64_t first, left; /* poses to answer; left UINT64_MAX = all from there on */
     uint64_t piece_poses; /* in a whole piece */
-    bool is_stopped;
 
     char *text; /* of the piece */
     size_t capacity;
@@ -51,20 +49,14 @@ static int agree(int code)
 
 /* ---- Pieces ------------------------------------------------------------------------------------------------------ */
 
-static void stop(struct run *run, int code)
-{
-    ordered_file_stop(&run->file, code);
-    run->is_stopped = true;
-}
-
 /* Sees to what must be seen to every now and then; whether to go on. */
 static bool tend(struct run *run)
 {
-    run->is_stopped = run->is_stopped || ordered_file_tend(&run->file);
+    bool go_on = ordered_file_tend(&run->file);
     if (run->cluster->rank == 0) {
         progress_update(&run->progress, run->kept.poses, run->kept.errors);
     }
-    return !run->is_stopped;
+    return go_on;
 }
 
 static bool collect(void *user, const conus_batch_block *block)
@@ -76,7 +68,7 @@ static bool collect(void *user, const conus_batch_block *block)
         char *text = realloc(run->text, capacity);
         if (!text) {
             complain("not enough memory");
-            stop(run, EXIT_DATA);
+            ordered_file_stop(&run->file, EXIT_DATA);
             return false;
         }
         run->text = text;
@@ -106,21 +98,18 @@ static int answer_piece(struct run *run, uint64_t pass, uint64_t poses)
 static void answer_pieces(struct run *run)
 {
     uint64_t passed = 0; /* poses of the file that this rank has behind it */
-    for (bool ended = false; !ended && tend(run);) {
-        uint64_t number = ordered_file_take(&run->file);
+    uint64_t number;
+    for (bool ended = false; !ended && ordered_file_take(&run->file, &number);) {
         uint64_t before = number * run->piece_poses;
         uint64_t left = before < run->left ? run->left - before : 0;
         uint64_t poses = left < run->piece_poses ? left : run->piece_poses;
         int code = answer_piece(run, poses ? run->first + before - passed : 0, poses);
         if (code) {
-            stop(run, code);
-        }
-        if (run->is_stopped) { /* the piece may not be whole */
-            return;
+            ordered_file_stop(&run->file, code);
         }
         passed = run->first + before + run->piece.poses;
         ended = run->piece.poses < run->piece_poses;
-        ordered_file_write(&run->file, number, &run->piece);
+        ordered_file_write(&run->file, number, &run->piece, ended);
     }
 }
 
@@ -182,12 +171,6 @@ static void start_progress(struct run *run)
     }
 }
 
-static void rest(void)
-{
-    static const struct timespec moment = {.tv_nsec = 1000000};
-    nanosleep(&moment, NULL);
-}
-
 /* All of it; on rank 0 also the last words. */
 static int answer_all(struct run *run)
 {
@@ -199,18 +182,14 @@ static int answer_all(struct run *run)
     }
     interrupt_catch(NULL); /* nothing waits for poses: they are files */
     answer_pieces(run);
-    ordered_file_end(&run->file);
-    while (leads && !run->file.is_over && tend(run)) {
-        rest();
-    }
-    int code = ordered_file_look(&run->file);
     if (leads) {
+        ordered_file_wait(&run->file);
         progress_finish(&run->progress, run->kept.poses, run->kept.errors);
     }
-    if (leads && code >= 128) { /* first, since the others may be there no more */
-        batch_output_interrupted(&run->work, run->kept.poses, code - 128);
+    if (leads && run->file.stop >= 128) { /* first, since the others may be there no more */
+        batch_output_interrupted(&run->work, run->kept.poses, run->file.stop - 128);
     }
-    code = agree(ordered_file_close(&run->file) ? code : EXIT_DATA);
+    int code = agree(ordered_file_close(&run->file));
     if (leads && !code) {
         if (!run->kept.poses && run->work.shard.count == 1) {
             settings_say_no_poses(run->work.settings->poses, &run->work.settings->common);

@@ -9,25 +9,54 @@
 #include <string.h>
 #include <time.h>
 
-enum { CHUNK = 1 << 30, RING = 1024 };
+enum { CHUNK = 1 << 30, LEAST_SLOTS = 1024 };
+enum tag { TO_OFFICE = 1, FROM_OFFICE };
 
-/* All numbers, so that they travel as one array; behind them the ring of entries. Piece n has slot n % RING, which is
- * free once that of piece n - RING is in the journal. */
-enum shared { STOP, ENDED, NEXT_TO_TAKE, NEXT_TO_WRITE, BYTES, NOTED, SHARED_COUNT };
-enum slot { FILLED, POSES, ERRORS, SIZE, CRC, SLOT_COUNT }; /* FILLED is the number of the piece and 1 */
+/* What is said to rank 0, and the numbers that come with it; what it says. */
+enum request { TAKE, ANSWERED, ANSWERED_LAST, WRITTEN, STOP, END };
+enum { KIND, NUMBER, POSES, ERRORS, SIZE, CRC, REQUEST_SIZE };
+enum reply { GRANTED, PLACED, STOPPED, FAREWELL };
+enum { PLACE = 1, NEXT, HAS_NEXT, REPLY_SIZE };
 
-static const double seconds_between_looks = 0.01;
+/* A piece on its way into the journal: answered by `rank`, then with its place, then written. */
+struct slot {
+    enum { SLOT_FREE, SLOT_ANSWERED, SLOT_PLACED, SLOT_WRITTEN } state;
+    int rank;
+    bool is_last; /* of its rank */
+    uint64_t place;
+    struct batch_entry entry;
+};
 
-static bool check(const struct ordered_file *file, int error, const char *action)
+/* Pieces below `noted` are in the journal, those below `placed` have their place, those below `taken` a rank. Piece n
+ * has slot n % slots. */
+struct ordered_office {
+    struct batch_file *kept; /* NULL once its journal could not be written */
+    uint64_t noted, placed, taken;
+    uint64_t size; /* of the file, with all that have a place */
+    int ranks, ended;
+    bool *has_ended; /* by rank */
+    size_t slot_count;
+    struct slot *slots;
+};
+
+static void rest(void)
+{
+    static const struct timespec moment = {.tv_nsec = 100000};
+    nanosleep(&moment, NULL);
+}
+
+static bool check(const struct ordered_file *file, int error)
 {
     char text[MPI_MAX_ERROR_STRING];
     int length;
     if (error) {
         MPI_Error_string(error, text, &length);
-        complain("%s: cannot %s: %s", file->path, action, text);
+        complain("%s: cannot write: %s", file->path, text);
     }
     return !error;
 }
+
+/* ---- The file ---------------------------------------------------------------------------------------------------- */
 
 /* MPI counts in int. */
 static int write_at(MPI_File file, uint64_t at, const char *text, size_t size)
@@ -49,167 +78,348 @@ static int write_at(MPI_File file, uint64_t at, const char *text, size_t size)
     return error;
 }
 
+static void office_destroy(struct ordered_office *office)
+{
+    if (office) {
+        free(office->has_ended);
+        free(office->slots);
+        free(office);
+    }
+}
+
+static struct ordered_office *office_create(struct batch_file *kept, uint64_t size)
+{
+    struct ordered_office *office = calloc(1, sizeof *office);
+    if (!office) {
+        return NULL;
+    }
+    office->kept = kept;
+    office->size = size;
+    MPI_Comm_size(MPI_COMM_WORLD, &office->ranks);
+    office->slot_count = LEAST_SLOTS + 2 * (size_t)office->ranks;
+    office->slots = calloc(office->slot_count, sizeof *office->slots);
+    office->has_ended = calloc((size_t)office->ranks, sizeof *office->has_ended);
+    if (!office->slots || !office->has_ended) {
+        office_destroy(office);
+        return NULL;
+    }
+    return office;
+}
+
 int ordered_file_open(struct ordered_file *out, const char *path, uint64_t size, struct batch_file *kept)
 {
-    struct ordered_file file = {.path = path, .kept = kept};
+    struct ordered_file file = {.path = path, .office = kept ? office_create(kept, size) : NULL};
     char *part = NULL;
-    size_t numbers = kept ? SHARED_COUNT + RING * SLOT_COUNT : 0;
-    MPI_Comm_size(MPI_COMM_WORLD, &file.ranks);
-    MPI_Win_allocate((MPI_Aint)(numbers * sizeof *file.memory), sizeof *file.memory, MPI_INFO_NULL, MPI_COMM_WORLD,
-                     &file.memory, &file.window);
-    if (kept) {
-        MPI_Win_lock(MPI_LOCK_EXCLUSIVE, 0, 0, file.window);
-        memset(file.memory, 0, numbers * sizeof *file.memory);
-        file.memory[BYTES] = size;
-        MPI_Win_unlock(0, file.window);
-    }
-    int error = asprintf(&part, "%s.part", path) < 0 ? MPI_ERR_NO_MEM : MPI_SUCCESS;
+    int error = asprintf(&part, "%s.part", path) < 0 || (kept && !file.office) ? MPI_ERR_NO_MEM : MPI_SUCCESS;
     int code = error;
-    MPI_Allreduce(&error, &code, 1, MPI_INT, MPI_MAX,
-                  MPI_COMM_WORLD); /* after which no rank begins too early, either */
+    MPI_Allreduce(&error, &code, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
     if (!code) {
         error = MPI_File_open(MPI_COMM_WORLD, part, MPI_MODE_WRONLY, MPI_INFO_NULL, &file.file);
         MPI_Allreduce(&error, &code, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
     }
     free(part);
     if (code) {
-        check(&file, error, "write");
-        MPI_Win_free(&file.window);
+        check(&file, error);
+        office_destroy(file.office);
         return EXIT_DATA;
     }
     *out = file;
     return EXIT_DONE;
 }
 
-static uint64_t fetch(struct ordered_file *file, enum shared what, MPI_Op operation, uint64_t operand)
+/* ---- Rank 0 ------------------------------------------------------------------------------------------------------ */
+
+static struct slot *slot_of(struct ordered_office *office, uint64_t number)
 {
-    uint64_t before = 0;
-    MPI_Win_lock(MPI_LOCK_SHARED, 0, 0, file->window);
-    MPI_Fetch_and_op(&operand, &before, MPI_UINT64_T, 0, what, operation, file->window);
-    MPI_Win_unlock(0, file->window);
-    return before;
+    return &office->slots[number % office->slot_count];
 }
 
-uint64_t ordered_file_take(struct ordered_file *file)
+static void reply(int rank, enum reply kind, uint64_t place, const uint64_t *next)
 {
-    return fetch(file, NEXT_TO_TAKE, MPI_SUM, 1);
+    const uint64_t message[REPLY_SIZE] = {kind, place, next ? *next : 0, next != NULL};
+    MPI_Send(message, REPLY_SIZE, MPI_UINT64_T, rank, FROM_OFFICE, MPI_COMM_WORLD);
 }
 
-void ordered_file_stop(struct ordered_file *file, int code)
+/* The first reason is told, a higher one replaces it here. */
+static void stop_all(struct ordered_file *file, int code)
 {
-    fetch(file, STOP, MPI_MAX, (uint64_t)code);
-}
-
-/* On rank 0: takes the entry that is next in the journal off the ring; false while that is not there. */
-static bool take_entry(struct ordered_file *file, struct batch_entry *out)
-{
-    MPI_Win_lock(MPI_LOCK_EXCLUSIVE, 0, 0, file->window);
-    uint64_t number = file->memory[NOTED];
-    const uint64_t *slot = file->memory + SHARED_COUNT + number % RING * SLOT_COUNT;
-    bool is_there = slot[FILLED] == number + 1;
-    if (is_there) {
-        *out = (struct batch_entry){slot[POSES], slot[ERRORS], slot[SIZE], (uint32_t)slot[CRC]};
-        file->memory[NOTED]++;
+    struct ordered_office *office = file->office;
+    for (int rank = 1; rank < office->ranks && !file->stop; rank++) {
+        if (!office->has_ended[rank]) {
+            reply(rank, STOPPED, (uint64_t)code, NULL);
+        }
     }
-    MPI_Win_unlock(0, file->window);
-    return is_there;
+    file->stop = code > file->stop ? code : file->stop;
+}
+
+static void note_end(struct ordered_file *file, int rank)
+{
+    file->office->has_ended[rank] = true;
+    file->office->ended++;
+    reply(rank, FAREWELL, 0, NULL);
+}
+
+static void note_answer(struct ordered_file *file, int rank, const uint64_t request[REQUEST_SIZE])
+{
+    *slot_of(file->office, request[NUMBER]) = (struct slot){
+        .state = SLOT_ANSWERED,
+        .rank = rank,
+        .is_last = request[KIND] == ANSWERED_LAST,
+        .entry = {request[POSES], request[ERRORS], request[SIZE], (uint32_t)request[CRC]},
+    };
+}
+
+static void handle(struct ordered_file *file, int rank, const uint64_t request[REQUEST_SIZE])
+{
+    struct ordered_office *office = file->office;
+    uint64_t next = office->taken;
+    switch ((enum request)request[KIND]) {
+    case TAKE:
+        if (!file->stop) {
+            office->taken++;
+            reply(rank, GRANTED, 0, &next);
+        }
+        break;
+    case ANSWERED:
+    case ANSWERED_LAST:
+        note_answer(file, rank, request);
+        break;
+    case WRITTEN:
+        slot_of(office, request[NUMBER])->state = SLOT_WRITTEN;
+        break;
+    case STOP:
+        stop_all(file, (int)request[NUMBER]);
+        break;
+    case END:
+        note_end(file, rank);
+        break;
+    }
+}
+
+/* Gives places to pieces in their order, and with each its rank the next one to answer. Pieces that are answered are at
+ * most one per rank, so that all have slots. */
+static void place_pieces(struct ordered_file *file)
+{
+    struct ordered_office *office = file->office;
+    struct slot *slot = slot_of(office, office->placed);
+    while (!file->stop && slot->state == SLOT_ANSWERED &&
+           office->placed - office->noted < office->slot_count - (size_t)office->ranks) {
+        uint64_t next = office->taken;
+        slot->state = SLOT_PLACED;
+        slot->place = office->size;
+        office->size += slot->entry.size;
+        office->placed++;
+        if (slot->rank) {
+            office->taken += !slot->is_last;
+            reply(slot->rank, PLACED, slot->place, slot->is_last ? NULL : &next);
+        }
+        slot = slot_of(office, office->placed);
+    }
 }
 
 static void fill_journal(struct ordered_file *file)
 {
-    struct batch_entry entry;
-    while (file->kept && take_entry(file, &entry)) {
-        int code = entry.poses ? batch_file_note(file->kept, &entry) : EXIT_DONE;
+    struct ordered_office *office = file->office;
+    struct slot *slot = slot_of(office, office->noted);
+    while (office->kept && slot->state == SLOT_WRITTEN) {
+        int code = slot->entry.poses ? batch_file_note(office->kept, &slot->entry) : EXIT_DONE;
         if (code) {
-            ordered_file_stop(file, code);
+            office->kept = NULL;
+            stop_all(file, code);
             return;
         }
+        slot->state = SLOT_FREE;
+        office->noted++;
+        slot = slot_of(office, office->noted);
     }
 }
 
-/* Sees to signals and the journal, and reads what all share. */
-static void look(struct ordered_file *file, uint64_t shared[SHARED_COUNT])
+static void serve(struct ordered_file *file)
 {
-    if (interrupt_signal()) {
+    MPI_Status status;
+    int is_there;
+    for (;;) {
+        uint64_t request[REQUEST_SIZE];
+        MPI_Iprobe(MPI_ANY_SOURCE, TO_OFFICE, MPI_COMM_WORLD, &is_there, &status);
+        if (!is_there) {
+            break;
+        }
+        MPI_Recv(request, REQUEST_SIZE, MPI_UINT64_T, status.MPI_SOURCE, TO_OFFICE, MPI_COMM_WORLD, &status);
+        handle(file, status.MPI_SOURCE, request);
+    }
+    fill_journal(file);
+    place_pieces(file);
+}
+
+/* ---- The other ranks --------------------------------------------------------------------------------------------- */
+
+static void say(enum request kind, uint64_t number, const struct batch_entry *entry)
+{
+    static const struct batch_entry none;
+    const struct batch_entry *e = entry ? entry : &none;
+    const uint64_t request[REQUEST_SIZE] = {kind, number, e->poses, e->errors, e->size, e->crc};
+    MPI_Send(request, REQUEST_SIZE, MPI_UINT64_T, 0, TO_OFFICE, MPI_COMM_WORLD);
+}
+
+/* Hears what rank 0 has said, if it has; that all are to stop is noted. */
+static bool hear(struct ordered_file *file, uint64_t message[REPLY_SIZE])
+{
+    int is_there;
+    MPI_Iprobe(0, FROM_OFFICE, MPI_COMM_WORLD, &is_there, MPI_STATUS_IGNORE);
+    if (!is_there) {
+        return false;
+    }
+    MPI_Recv(message, REPLY_SIZE, MPI_UINT64_T, 0, FROM_OFFICE, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    if (message[KIND] == STOPPED) {
+        file->stop = (int)message[PLACE];
+    }
+    return true;
+}
+
+/* ---- All ranks --------------------------------------------------------------------------------------------------- */
+
+void ordered_file_stop(struct ordered_file *file, int code)
+{
+    if (file->office) {
+        stop_all(file, code);
+    } else if (!file->stop) {
+        say(STOP, (uint64_t)code, NULL);
+        file->stop = code;
+    }
+}
+
+static void see_to_signals(struct ordered_file *file)
+{
+    if (interrupt_signal() && !file->stop) {
         ordered_file_stop(file, 128 + interrupt_signal());
     }
-    MPI_Win_lock(MPI_LOCK_EXCLUSIVE, 0, 0, file->window);
-    MPI_Get(shared, SHARED_COUNT, MPI_UINT64_T, 0, 0, SHARED_COUNT, MPI_UINT64_T, file->window);
-    MPI_Win_unlock(0, file->window);
-    fill_journal(file); /* behind the look: who has ended has written */
-    file->stop = (int)shared[STOP];
-    file->is_over = shared[ENDED] == (uint64_t)file->ranks;
-    file->looked = MPI_Wtime();
 }
 
-int ordered_file_look(struct ordered_file *file)
+bool ordered_file_tend(struct ordered_file *file)
 {
-    uint64_t shared[SHARED_COUNT];
-    look(file, shared);
-    return file->stop;
+    uint64_t message[REPLY_SIZE];
+    see_to_signals(file);
+    if (file->office) {
+        serve(file);
+    } else {
+        hear(file, message); /* nothing has been asked: it can only be STOPPED */
+    }
+    return !file->stop;
 }
 
-int ordered_file_tend(struct ordered_file *file)
+/* Waits for what rank 0 has been asked; false when all are to stop. */
+static bool wait_for_reply(struct ordered_file *file, uint64_t message[REPLY_SIZE])
 {
-    return MPI_Wtime() - file->looked < seconds_between_looks ? file->stop : ordered_file_look(file);
+    while (!file->stop) {
+        if (hear(file, message)) {
+            return !file->stop;
+        }
+        rest();
+        see_to_signals(file);
+    }
+    return false;
 }
 
-static void rest(void)
+bool ordered_file_take(struct ordered_file *file, uint64_t *number)
 {
-    static const struct timespec moment = {.tv_nsec = 200000};
-    nanosleep(&moment, NULL);
-}
-
-/* Waits until it is the turn of piece `number` and its slot is free; then nobody else changes NEXT_TO_WRITE and BYTES.
- * False when all are to stop. */
-static bool wait_for_turn(struct ordered_file *file, uint64_t number, uint64_t shared[SHARED_COUNT])
-{
-    for (;;) {
-        look(file, shared);
-        if (file->stop) {
+    uint64_t message[REPLY_SIZE];
+    if (file->stop) {
+        return false;
+    }
+    if (file->office) {
+        *number = file->office->taken++;
+        return true;
+    }
+    if (!file->has_next) {
+        say(TAKE, 0, NULL);
+        if (!wait_for_reply(file, message)) {
             return false;
         }
-        if (shared[NEXT_TO_WRITE] == number && number - shared[NOTED] < RING) {
-            return true;
-        }
+        file->next = message[NEXT];
+    }
+    file->has_next = false;
+    *number = file->next;
+    return true;
+}
+
+/* Rank 0 asks itself. */
+static bool find_own_place(struct ordered_file *file, uint64_t number, const struct batch_entry *entry, uint64_t *place)
+{
+    struct slot *slot = slot_of(file->office, number);
+    *slot = (struct slot){.state = SLOT_ANSWERED, .entry = *entry};
+    while (ordered_file_tend(file) && slot->state == SLOT_ANSWERED) {
+        rest();
+    }
+    *place = slot->place;
+    return !file->stop;
+}
+
+static bool find_place(struct ordered_file *file, uint64_t number, const struct batch_entry *entry, bool is_last,
+                       uint64_t *place)
+{
+    uint64_t message[REPLY_SIZE];
+    if (file->office) {
+        return find_own_place(file, number, entry, place);
+    }
+    say(is_last ? ANSWERED_LAST : ANSWERED, number, entry);
+    if (!wait_for_reply(file, message)) {
+        return false;
+    }
+    *place = message[PLACE];
+    file->next = message[NEXT];
+    file->has_next = message[HAS_NEXT];
+    return true;
+}
+
+void ordered_file_write(struct ordered_file *file, uint64_t number, const conus_batch_block *piece, bool is_last)
+{
+    const struct batch_entry entry = batch_entry_of(piece);
+    uint64_t place;
+    if (file->stop || !find_place(file, number, &entry, is_last, &place)) {
+        return;
+    }
+    if (!check(file, write_at(file->file, place, piece->text, piece->size))) {
+        ordered_file_stop(file, EXIT_DATA);
+    } else if (file->office) {
+        slot_of(file->office, number)->state = SLOT_WRITTEN;
+    } else {
+        say(WRITTEN, number, NULL);
+    }
+}
+
+void ordered_file_wait(struct ordered_file *file)
+{
+    const struct ordered_office *office = file->office;
+    while (ordered_file_tend(file) && (office->ended < office->ranks - 1 || office->noted < office->placed)) {
         rest();
     }
 }
 
-static void put(struct ordered_file *file, const uint64_t *numbers, int count, size_t at)
+/* After which nobody says anything more. */
+static void take_leave(struct ordered_file *file)
 {
-    MPI_Win_lock(MPI_LOCK_EXCLUSIVE, 0, 0, file->window);
-    MPI_Put(numbers, count, MPI_UINT64_T, 0, (MPI_Aint)at, count, MPI_UINT64_T, file->window);
-    MPI_Win_unlock(0, file->window);
-}
-
-void ordered_file_write(struct ordered_file *file, uint64_t number, const conus_batch_block *piece)
-{
-    uint64_t shared[SHARED_COUNT];
-    const struct batch_entry entry = batch_entry_of(piece);
-    if (!wait_for_turn(file, number, shared)) {
+    uint64_t message[REPLY_SIZE] = {STOPPED};
+    if (file->office) {
+        while (file->office->ended < file->office->ranks - 1) {
+            serve(file);
+            rest();
+        }
         return;
     }
-    const uint64_t next[] = {number + 1, shared[BYTES] + piece->size};
-    put(file, next, 2, NEXT_TO_WRITE);
-    if (!check(file, write_at(file->file, shared[BYTES], piece->text, piece->size), "write")) {
-        ordered_file_stop(file, EXIT_DATA);
-        return;
+    say(END, 0, NULL);
+    while (message[KIND] != FAREWELL) {
+        if (!hear(file, message)) {
+            rest();
+        }
     }
-    const uint64_t slot[SLOT_COUNT] = {number + 1, entry.poses, entry.errors, entry.size, entry.crc};
-    put(file, slot, SLOT_COUNT, SHARED_COUNT + number % RING * SLOT_COUNT);
 }
 
-void ordered_file_end(struct ordered_file *file)
+int ordered_file_close(struct ordered_file *file)
 {
-    fetch(file, ENDED, MPI_SUM, 1);
-}
-
-bool ordered_file_close(struct ordered_file *file)
-{
+    take_leave(file);
     int error = MPI_File_sync(file->file);
     int closed = MPI_File_close(&file->file);
-    bool whole = check(file, error ? error : closed, "write");
-    MPI_Win_free(&file->window);
-    return whole;
+    bool whole = check(file, error ? error : closed);
+    office_destroy(file->office);
+    return whole || file->stop ? file->stop : EXIT_DATA;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Pieces of work for all ranks, and one file to which their results go in the pieces' order. What all share lies on
- * rank 0, in a window of memory that each locks for itself: the number of the next piece to hand out, where the piece
- * that is next in the file begins, and what has been written but is not in the journal yet, which rank 0 keeps. No rank
- * holds more than one finished piece. */
+ * Pieces of work for all ranks, and one file to which their results go in the pieces' order. Rank 0 hands out the
+ * pieces' numbers and the places of their rows in the file, and keeps the journal. The others ask it by messages, which
+ * it answers between its own blocks: that needs nothing of MPI but messages, and no rank that dies holds a lock. No
+ * rank holds more than one finished piece. */
 #ifndef CONUS_MPI_ORDERED_FILE_H
 #define CONUS_MPI_ORDERED_FILE_H
 
@@ -11,43 +11,39 @@
 
 #include <mpi.h>
 
+struct ordered_office; /* what rank 0 has */
+
 struct ordered_file {
-    MPI_Win window;
-    uint64_t *memory; /**< The window's, on rank 0. */
     MPI_File file;
-    const char *path;        /**< What the file becomes, for messages. */
-    struct batch_file *kept; /**< On rank 0: the journal and what it counts; else NULL. */
-    int ranks;
-    double looked; /**< When ordered_file_look() was called last, seconds. */
-    int stop;      /**< What it found. */
-    bool is_over;  /**< No rank has a piece any more, and all are in the journal. */
+    const char *path;              /**< What the file becomes, for messages. */
+    struct ordered_office *office; /**< NULL on other ranks than 0. */
+    int stop;                      /**< Why all are to stop, 0 to go on: an exit code, 128 and more of a signal. */
+    bool has_next;                 /**< `next` is the number of a piece that is this rank's to answer. */
+    uint64_t next;
 };
 
-/** Goes on behind the @p size bytes that are in the file @p part; all ranks at once. @p kept is rank 0's, opened. Gives
- * the exit code, having complained unless it is 0; then there is nothing to close. */
+/** Goes on behind the @p size bytes that are in the part of the file @p path; all ranks at once. @p kept is rank 0's,
+ * opened; NULL on others. Gives the exit code, having complained unless it is 0; then there is nothing to close. */
 int ordered_file_open(struct ordered_file *out, const char *path, uint64_t size, struct batch_file *kept);
 
-/** The number of a piece that nobody has had, from 0. */
-uint64_t ordered_file_take(struct ordered_file *file);
+/** The number of a piece that nobody has had, from 0; false when all are to stop. */
+bool ordered_file_take(struct ordered_file *file, uint64_t *number);
 
-/** Fills in the journal, on rank 0, and lets all stop if there was a signal. Gives why all are to stop, 0 to go on: an
- * exit code, 128 and more of a signal. */
-int ordered_file_look(struct ordered_file *file);
+/** To be called between blocks: sees to signals, messages and the journal. False when all are to stop. */
+bool ordered_file_tend(struct ordered_file *file);
 
-/** The same at most every few milliseconds: to be called all the time. */
-int ordered_file_tend(struct ordered_file *file);
-
-/** Lets all stop for that reason, if they do not for a higher number already. */
+/** Lets all stop for the reason @p code. */
 void ordered_file_stop(struct ordered_file *file, int code);
 
-/** Writes piece @p number once all before it have their place: every number that was taken must be written, unless all
- * stop, which is when it gives up. */
-void ordered_file_write(struct ordered_file *file, uint64_t number, const conus_batch_block *piece);
+/** Writes piece @p number once all before it have their place; not if all are to stop, when it may not be whole. With
+ * @p is_last this rank takes no more. */
+void ordered_file_write(struct ordered_file *file, uint64_t number, const conus_batch_block *piece, bool is_last);
 
-/** Tells that this rank has no piece and takes no more. */
-void ordered_file_end(struct ordered_file *file);
+/** On rank 0, which has no piece any more: waits until the others have none and all are in the journal, or until all
+ * are to stop. */
+void ordered_file_wait(struct ordered_file *file);
 
-/** Closes it; all ranks at once. False where a rank could not. */
-bool ordered_file_close(struct ordered_file *file);
+/** Closes it; all ranks at once. Gives why all were to stop, or the exit code of what went wrong. */
+int ordered_file_close(struct ordered_file *file);
 
 #endif

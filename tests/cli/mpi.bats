@@ -249,3 +249,26 @@ read_children() {
     grep -q '^conus: ' said
     [ "$(grep '^conus: ' said)" = "$(grep '^conus: ' also)" ]
 }
+
+# pretend_nodes: `mpi` starts ranks on the nodes a, b and c, which are this machine.
+pretend_nodes() {
+    printf '#!/bin/sh\nshift\nexec sh -c "$*"\n' >agent # for ssh HOST COMMAND
+    chmod +x agent
+    export OMPI_MCA_plm_rsh_agent=$PWD/agent
+    mpi=(timeout 120 mpirun --oversubscribe --allow-run-as-root --mca btl 'tcp,self' --mca btl_tcp_if_include lo)
+    mpi+=(-host 'a:8,b:8,c:8' --map-by node)
+    "${mpi[@]}" -n 3 true 3>&- || skip "this mpirun cannot pretend to have several nodes"
+}
+
+@test "on several nodes, each with its atlas, by TCP" {
+    setup_poses
+    pretend_nodes
+    printf '1\t1\tx\t4\t5\t6\n' >>poses.tsv
+    conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv || [ $? -eq 1 ]
+    for n in 3 5; do
+        ranks "$n" sphere.nii.gz --poses poses.tsv --block 8 -o "ranks$n.tsv" && return 1 || [ $? -eq 1 ]
+        cmp rows.tsv "ranks$n.tsv"
+    done
+    ranks 4 none.nii.gz --poses poses.tsv -o none.tsv 2>said && return 1 || [ $? -eq 3 ]
+    [ "$(grep -c '^conus: ' said)" -eq 1 ]
+}
