@@ -52,6 +52,39 @@ bool text_field(struct text *rest, char separator, bool *more, struct text *fiel
     return true;
 }
 
+/* Bytes before the mark that closes a text behind its opening one; text.size if there is none. */
+static size_t quoted_length(struct text text)
+{
+    size_t end = 0;
+    while (end < text.size && (text.data[end] != '"' || (end + 1 < text.size && text.data[end + 1] == '"'))) {
+        end += text.data[end] == '"' ? 2 : 1;
+    }
+    return end < text.size ? end : text.size;
+}
+
+bool text_quoted_field(struct text *rest, char separator, bool *more, struct text *field, enum text_quotes *quotes)
+{
+    struct text ahead = *rest;
+    while (ahead.size && *ahead.data == ' ') {
+        ahead = (struct text){ahead.data + 1, ahead.size - 1};
+    }
+    *quotes = TEXT_PLAIN;
+    if (!*more || !ahead.size || *ahead.data != '"') {
+        bool taken = text_field(rest, separator, more, field);
+        *field = taken ? text_trim(*field) : *field;
+        return taken;
+    }
+    ahead = (struct text){ahead.data + 1, ahead.size - 1};
+    size_t length = quoted_length(ahead);
+    bool closed = length < ahead.size;
+    *field = (struct text){ahead.data, length};
+    *rest = (struct text){ahead.data + length + closed, ahead.size - length - closed};
+    struct text behind;
+    (void)text_field(rest, separator, more, &behind);
+    *quotes = !closed ? TEXT_UNCLOSED : text_trim(behind).size ? TEXT_FOLLOWED : TEXT_QUOTED;
+    return true;
+}
+
 static bool is_space(char c)
 {
     return c == ' ' || (c >= '\t' && c <= '\r');

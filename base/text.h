@@ -25,6 +25,18 @@ bool text_line(struct text *rest, struct text *line);
  * "a,,b" has an empty field in the middle, and "a," an empty one at the end. Start with *more = true. */
 bool text_field(struct text *rest, char separator, bool *more, struct text *field);
 
+/** How text_quoted_field() found a field to be written. */
+enum text_quotes {
+    TEXT_PLAIN,
+    TEXT_QUOTED,
+    TEXT_FOLLOWED, /**< There is more behind the closing mark, which is left out. */
+    TEXT_UNCLOSED
+};
+
+/** text_field() of fields that may stand in quotation marks and then hold separators, and doubled marks. @p field is
+ * without the white space around it and the outer marks; doubled ones stay. */
+bool text_quoted_field(struct text *rest, char separator, bool *more, struct text *field, enum text_quotes *quotes);
+
 /** Takes the next run without white space off @p rest. False when only white space is left. */
 bool text_word(struct text *rest, struct text *word);
 

@@ -44,34 +44,6 @@ static bool next_line(struct text *rest, size_t *number, struct text *line)
     return false;
 }
 
-/* Takes a field off `rest`, without white space around it. A field in quotation marks may hold separators, and doubled
- * marks; it is returned without the outer ones. False: nothing left, or (*closed false) no closing mark. */
-static bool next_field(struct text *rest, char separator, bool *more, struct text *field, bool *closed)
-{
-    struct text ahead = *rest;
-    while (ahead.size && *ahead.data == ' ') {
-        ahead = (struct text){ahead.data + 1, ahead.size - 1};
-    }
-    *closed = true;
-    if (!*more || !ahead.size || *ahead.data != '"') {
-        bool taken = text_field(rest, separator, more, field);
-        *field = taken ? text_trim(*field) : *field;
-        return taken;
-    }
-    size_t end = 1;
-    while (end < ahead.size && (ahead.data[end] != '"' || (end + 1 < ahead.size && ahead.data[end + 1] == '"'))) {
-        end += ahead.data[end] == '"' ? 2 : 1;
-    }
-    *closed = end < ahead.size;
-    if (!*closed) {
-        return false;
-    }
-    *field = (struct text){ahead.data + 1, end - 1};
-    *rest = (struct text){ahead.data + end + 1, ahead.size - end - 1};
-    struct text behind;
-    return text_field(rest, separator, more, &behind);
-}
-
 static void match_column(struct header *header, int ranks[COLUMN_COUNT], struct text field, int at)
 {
     for (int column = 0; column < COLUMN_COUNT; column++) {
@@ -101,8 +73,8 @@ static bool read_header(struct header *header, struct text line)
         ranks[column] = SYNONYM_COUNT;
     }
     struct text field;
-    bool closed;
-    for (bool more = true; next_field(&line, header->separator, &more, &field, &closed);) {
+    enum text_quotes quotes;
+    for (bool more = true; text_quoted_field(&line, header->separator, &more, &field, &quotes);) {
         if (header->count < FIELD_LIMIT) {
             match_column(header, ranks, field, header->count++);
         }
@@ -115,10 +87,12 @@ static conus_status read_cells(struct text cells[COLUMN_COUNT], const struct hea
                                const char *where)
 {
     bool more = true;
-    bool closed;
+    bool closed = true;
+    enum text_quotes quotes;
     struct text field;
     int count = 0;
-    for (; next_field(&line, header->separator, &more, &field, &closed); count++) {
+    for (; text_quoted_field(&line, header->separator, &more, &field, &quotes); count++) {
+        closed = closed && quotes != TEXT_UNCLOSED;
         bool absent = text_equal(field, "n/a");
         for (int column = 0; column < COLUMN_COUNT; column++) {
             if (header->at[column] == count && !absent) {

@@ -16,7 +16,7 @@ static void default_up(double up[3], const double d[3])
 
 static conus_status check_direction(const double d[3], const char *what)
 {
-    if (!vec3_is_finite(d) || !(vec3_length(d) > 0)) {
+    if (!vec3_is_finite(d) || (d[0] == 0 && d[1] == 0 && d[2] == 0)) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: %g,%g,%g, allowed are finite numbers that are not all 0", what, d[0],
                     d[1], d[2]);
     }
@@ -142,8 +142,9 @@ conus_status conus_pose_from_quaternion(conus_pose *out, const double origin[3],
         return status;
     }
     if (!(length > NEARLY_ZERO) || !isfinite(length)) {
-        return fail(CONUS_ERROR_ARGUMENT, "quaternion: %g,%g,%g,%g, allowed are finite numbers that are not all 0",
-                    wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "quaternion: %g,%g,%g,%g, allowed are finite numbers of a length from 1e-9 to 1e154", wxyz[0],
+                    wxyz[1], wxyz[2], wxyz[3]);
     }
     double w = wxyz[0] / length;
     double x = wxyz[1] / length;

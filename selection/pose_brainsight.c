@@ -115,6 +115,7 @@ static conus_status begin_section(struct reading *reading, struct text header)
 {
     struct text field;
     size_t index = 0;
+    const char *twice = NULL;
     reading->kind = KINDS;
     for (int i = 0; i < COLUMNS; i++) {
         reading->at[i] = NO_COLUMN;
@@ -125,10 +126,14 @@ static conus_status begin_section(struct reading *reading, struct text header)
             reading->kind = text_equal(field, kinds[i].column) ? (enum kind)i : reading->kind;
         }
         for (int i = 0; i < COLUMNS; i++) {
-            if (text_equal(field, names[i]) && reading->at[i] == NO_COLUMN) {
+            if (text_equal(field, names[i])) {
+                twice = reading->at[i] == NO_COLUMN ? twice : names[i];
                 reading->at[i] = index;
             }
         }
+    }
+    if (reading->kind != KINDS && twice) {
+        return fail(CONUS_ERROR_DATA, "line %zu: a column %s twice", reading->line, twice);
     }
     return reading->kind == KINDS ? CONUS_OK : check_columns(reading);
 }
@@ -175,8 +180,7 @@ static conus_status read_numbers(double *out, const struct text *fields, int fir
 {
     for (int i = first; i < first + count; i++) {
         if (!text_to_double(fields[i], &out[i - first]) || !isfinite(out[i - first])) {
-            return fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is not a finite number", names[i], pose_quote(fields[i]),
-                        fields[i].data);
+            return pose_no_number(names[i], fields[i]);
         }
     }
     return CONUS_OK;

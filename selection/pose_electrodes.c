@@ -41,16 +41,19 @@ static bool is_absent(struct text field)
     return !field.size || text_equal(field, "n/a");
 }
 
-static void read_header(struct reading *reading, struct text line)
+/* Sets *twice where a column that is read is there twice. */
+static void read_header(struct reading *reading, struct text line, bool *twice)
 {
     struct text field;
+    *twice = false;
     for (int i = 0; i < COLUMNS; i++) {
         reading->at[i] = NO_COLUMN;
     }
     reading->field_count = 0;
     for (bool more = true; text_field(&line, '\t', &more, &field); reading->field_count++) {
         for (int i = 0; i < COLUMNS; i++) {
-            if (reading->at[i] == NO_COLUMN && text_equal(text_trim(field), names[i])) {
+            if (text_equal(text_trim(field), names[i])) {
+                *twice = *twice || reading->at[i] != NO_COLUMN;
                 reading->at[i] = reading->field_count;
             }
         }
@@ -74,7 +77,8 @@ static bool has_direction(struct text line)
 bool pose_electrodes_header(struct text line)
 {
     struct reading reading;
-    read_header(&reading, line);
+    bool twice;
+    read_header(&reading, line, &twice);
     bool all = !has_direction(line);
     for (int i = NAME; i <= Z; i++) {
         all = all && reading.at[i] != NO_COLUMN;
@@ -107,8 +111,7 @@ static conus_status read_position(double out[3], const struct text *fields)
             return fail(CONUS_ERROR_DATA, "%s: not known (n/a)", names[X + i]);
         }
         if (!text_to_double(field, &out[i]) || !isfinite(out[i])) {
-            return fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is not a finite number", names[X + i], pose_quote(field),
-                        field.data);
+            return pose_no_number(names[X + i], field);
         }
     }
     return CONUS_OK;
@@ -173,8 +176,10 @@ static conus_status read_table(struct reading *reading, struct text text)
         if (begun) {
             status = read_contact(reading, line, number);
         } else if (pose_electrodes_header(line)) {
-            read_header(reading, line);
+            bool twice;
+            read_header(reading, line, &twice);
             begun = true;
+            status = twice ? fail(CONUS_ERROR_DATA, "header: a column name, x, y, z or group twice") : CONUS_OK;
         } else {
             status = fail(CONUS_ERROR_DATA, "header: the columns name, x, y and z, separated by tabs, are needed");
         }

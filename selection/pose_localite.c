@@ -65,9 +65,7 @@ static conus_status read_number(double *out, const struct xml_event *event, cons
 {
     const char *value = xml_attribute(event, name);
     struct text text = text_from(value ? value : "");
-    return text_to_double(text, out) && isfinite(*out)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is not a finite number", name, pose_quote(text), text.data);
+    return text_to_double(text, out) && isfinite(*out) ? CONUS_OK : pose_no_number(name, text);
 }
 
 /* dataRC: row R, column C of world_from_device. */

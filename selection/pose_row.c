@@ -25,6 +25,13 @@ const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint
     return bad;
 }
 
+conus_status pose_no_number(const char *what, struct text field)
+{
+    bool has_comma = field.size && memchr(field.data, ',', field.size);
+    return fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is not a finite number%s", what, pose_quote(field), field.data,
+                has_comma ? "; decimals are written with a point" : "");
+}
+
 void pose_flip_point(double p[3])
 {
     p[0] = 0 - p[0]; /* makes no "-0" of 0 */

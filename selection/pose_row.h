@@ -48,6 +48,9 @@ const char *pose_axis_name(conus_axis axis);
 /** A pose that is only a position. */
 conus_status pose_of_point(conus_pose *out, const double point[3]);
 
+/** CONUS_ERROR_DATA: @p what, "column x" say, holds @p field, which is no number. */
+conus_status pose_no_number(const char *what, struct text field);
+
 /** @p size for a message: at most POSE_QUOTE_LIMIT. */
 int pose_quote(struct text field);
 

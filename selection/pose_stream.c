@@ -80,6 +80,31 @@ static conus_pose_format guess(struct text text, bool all, size_t *used)
     return all ? CONUS_POSES_TABLE : CONUS_POSES_AUTO;
 }
 
+/* What the first bytes show not to be a text, as it is said to the user; NULL if nothing. */
+static const char *kind_of_bytes(struct text text)
+{
+    static const struct {
+        const char *bytes, *kind;
+    } kinds[] = {
+        {"\x1f\x8b", "packed by gzip: unpack it, or let gzip -dc write it to standard input"},
+        {"\xfd"
+         "7zXZ",
+         "packed by xz: unpack it, or let xz -dc write it to standard input"},
+        {"BZh", "packed by bzip2: unpack it, or let bzip2 -dc write it to standard input"},
+        {"\x28\xb5\x2f\xfd", "packed by zstd: unpack it, or let zstd -dc write it to standard input"},
+        {"PK\x03\x04", "a zip file or a spreadsheet: unpack it, or export it as text with tabs or commas"},
+        {"\xd0\xcf\x11\xe0", "a spreadsheet: export it as text with tabs or commas"},
+        {"\xff\xfe", "UTF-16 text: save it as UTF-8"},
+        {"\xfe\xff", "UTF-16 text: save it as UTF-8"},
+    };
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        if (text_starts(text, kinds[i].bytes)) {
+            return kinds[i].kind;
+        }
+    }
+    return NULL;
+}
+
 /* Looks no farther than it must, so that it finds the same however the text comes in. */
 static conus_status find_format(conus_pose_stream *stream)
 {
@@ -95,8 +120,9 @@ static conus_status find_format(conus_pose_stream *stream)
             status = pose_lines_fill(lines, lines->size + 1);
         }
     }
-    if (!status && lines->size >= 2 && memcmp(lines->data, "\x1f\x8b", 2) == 0) {
-        return fail(CONUS_ERROR_DATA, "packed by gzip: unpack it, or let gzip -dc write it to standard input");
+    const char *kind = status ? NULL : kind_of_bytes((struct text){lines->data, lines->size});
+    if (kind) {
+        return fail(CONUS_ERROR_DATA, "%s", kind);
     }
     if (!status && used && memchr(lines->data, '\0', used)) {
         status = fail(CONUS_ERROR_DATA, "a zero byte: not a text of poses");
@@ -348,14 +374,15 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
     memory_free(stream);
 }
 
-static conus_status row_from_line(conus_pose_row *row, struct text *id, const conus_pose_stream *stream,
+static conus_status row_from_line(conus_pose_row *row, struct pose_name *name, const conus_pose_stream *stream,
                                   const struct pose_line *line)
 {
     if (line->too_long) {
         return fail(CONUS_ERROR_DATA, "a line of more than %d bytes", POSE_LINE_LIMIT);
     }
-    return stream->format == CONUS_POSES_POINTS ? pose_point_row(row, id, line->text, &stream->options)
-                                                : pose_table_row(row, id, &stream->table, line->text, &stream->options);
+    return stream->format == CONUS_POSES_POINTS
+               ? pose_point_row(row, name, line->text, &stream->options)
+               : pose_table_row(row, name, &stream->table, line->text, &stream->options);
 }
 
 /* Gives the row its strings, which live until the next block. */
@@ -377,9 +404,10 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
         return status;
     }
     conus_pose_row row = pose_row_at(line.number);
-    struct text id = {"", 0};
-    conus_status bad = row_from_line(&row, &id, stream, &line);
-    status = keep_strings(&row, stream, id, bad ? conus_message() : NULL);
+    struct pose_name name;
+    name.text = (struct text){"", 0};
+    conus_status bad = row_from_line(&row, &name, stream, &line);
+    status = keep_strings(&row, stream, name.text, bad ? conus_message() : NULL);
     *out = row;
     return status;
 }

@@ -6,6 +6,8 @@
 #include "selection/cone.h"
 #include "selection/pose_row.h"
 
+#include <stdio.h>
+
 enum { MATRIX_NUMBERS = 16 };
 
 /* The columns that a row may have; m00..m33 are row-major. */
@@ -108,8 +110,14 @@ static conus_status check_header(const struct pose_table *table)
 static conus_status add_column(struct pose_table *table, struct text field)
 {
     enum column column = 0;
-    while (column < COLUMNS && !text_equal_ignoring_case(text_trim(field), names[column])) {
+    while (column < COLUMNS && !text_equal_ignoring_case(field, names[column])) {
         column++;
+    }
+    double number;
+    if (!field.size || text_to_double(field, &number)) {
+        return fail(CONUS_ERROR_DATA,
+                    "header: \"%.*s\" is no name of a column, but the first line of a table has names",
+                    pose_quote(field), field.data);
     }
     if (column == COLUMNS) {
         return fail(CONUS_ERROR_DATA,
@@ -125,20 +133,36 @@ static conus_status add_column(struct pose_table *table, struct text field)
     return CONUS_OK;
 }
 
+/* In a table with commas a mark in the middle is what is left of a field that goes on from line to line. */
+static conus_status check_quotes(const struct pose_table *table, struct text field, enum text_quotes quotes)
+{
+    if (quotes == TEXT_UNCLOSED) {
+        return fail(CONUS_ERROR_DATA, "a quotation mark that is not closed in its line: \"%.*s", pose_quote(field),
+                    field.data);
+    }
+    bool stray = quotes == TEXT_PLAIN && table->separator != '\t' && field.size && memchr(field.data, '"', field.size);
+    return !stray && quotes != TEXT_FOLLOWED
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "a quotation mark inside a field: %.*s", pose_quote(field), field.data);
+}
+
 conus_status pose_table_header(struct pose_table *out, struct text line, conus_axis axis)
 {
-    struct pose_table table = {.separator = memchr(line.data, '\t', line.size) ? '\t' : ','};
+    struct pose_table table = {.separator = memchr(line.data, '\t', line.size)  ? '\t'
+                                            : memchr(line.data, ',', line.size) ? ','
+                                                                                : ';'};
     struct text field;
-    if (!text_is_utf8(line)) {
-        return fail(CONUS_ERROR_DATA, "header: not UTF-8 text");
+    enum text_quotes quotes;
+    conus_status status = text_is_utf8(line) ? CONUS_OK : fail(CONUS_ERROR_DATA, "header: not UTF-8 text");
+    if (!status && !memchr(line.data, table.separator, line.size)) {
+        status = fail(CONUS_ERROR_DATA, "header: \"%.*s\": no tab, comma or semicolon is between names of columns",
+                      pose_quote(line), line.data);
     }
-    for (bool more = true; text_field(&line, table.separator, &more, &field);) {
-        conus_status status = add_column(&table, field);
-        if (status) {
-            return status;
-        }
+    for (bool more = true; !status && text_quoted_field(&line, table.separator, &more, &field, &quotes);) {
+        status = check_quotes(&table, field, quotes);
+        status = status ? status : add_column(&table, field);
     }
-    conus_status status = check_header(&table);
+    status = status ? status : check_header(&table);
     status = status ? status : check_axis(&table, axis);
     *out = status ? *out : table;
     return status;
@@ -200,12 +224,24 @@ static conus_status read_value(double *out, enum column column, struct text fiel
         return CONUS_OK;
     }
     if (!text_to_double(field, out) || !isfinite(*out)) {
-        return fail(CONUS_ERROR_DATA, "column %s: \"%.*s\" is not a finite number", names[column], pose_quote(field),
-                    field.data);
+        char what[32];
+        snprintf(what, sizeof what, "column %s", names[column]);
+        return pose_no_number(what, field);
     }
     bool is_error = column == ERROR_DEG || column == ERROR_MM;
     return is_error && *out < 0 ? fail(CONUS_ERROR_DATA, "column %s: %g, allowed are 0 and more", names[column], *out)
                                 : CONUS_OK;
+}
+
+/* A name without its doubled marks. */
+static struct text name_in(char out[POSE_NAME_SIZE], struct text field)
+{
+    size_t size = 0;
+    for (size_t i = 0; i < field.size && size < POSE_NAME_SIZE; i++) {
+        out[size++] = field.data[i];
+        i += field.data[i] == '"'; /* and the one behind it */
+    }
+    return (struct text){out, size};
 }
 
 static conus_status read_field(double values[COLUMNS], struct text *id, enum column column, struct text field)
@@ -217,15 +253,18 @@ static conus_status read_field(double values[COLUMNS], struct text *id, enum col
     return column == TRIGGER ? read_trigger(&values[TRIGGER], field) : read_value(&values[column], column, field);
 }
 
-static conus_status read_values(double values[COLUMNS], struct text *id, const struct pose_table *table,
+static conus_status read_values(double values[COLUMNS], struct pose_name *name, const struct pose_table *table,
                                 struct text line)
 {
     struct text field;
+    enum text_quotes quotes;
     size_t count = 0;
     conus_status status = CONUS_OK;
-    for (bool more = true; text_field(&line, table->separator, &more, &field); count++) {
+    for (bool more = true; text_quoted_field(&line, table->separator, &more, &field, &quotes); count++) {
+        status = status ? status : check_quotes(table, field, quotes);
         if (count < table->field_count && !status) {
-            status = read_field(values, id, table->of_field[count], text_trim(field));
+            field = quotes == TEXT_QUOTED && table->of_field[count] == ID ? name_in(name->own, field) : field;
+            status = read_field(values, &name->text, table->of_field[count], field);
         }
     }
     return count == table->field_count || status
@@ -251,12 +290,12 @@ static conus_status check_angle(double *out, double degrees)
     return cone_check(&cone);
 }
 
-conus_status pose_table_row(conus_pose_row *row, struct text *id, const struct pose_table *table, struct text line,
-                            const conus_pose_options *options)
+conus_status pose_table_row(conus_pose_row *row, struct pose_name *name, const struct pose_table *table,
+                            struct text line, const conus_pose_options *options)
 {
     double values[COLUMNS] = {[TIME] = NAN, [ERROR_DEG] = NAN, [ERROR_MM] = NAN};
     conus_status status = check_text(line);
-    status = status ? status : read_values(values, id, table, line);
+    status = status ? status : read_values(values, name, table, line);
     status = status ? status : pose_from_values(&row->pose, table, values, options);
     if (!status && table->has[ANGLE] && !isnan(values[ANGLE])) {
         status = check_angle(&row->angle, values[ANGLE]);
@@ -285,7 +324,7 @@ static bool read_point(double point[3], struct text *name, struct text line)
     for (int i = 0; i < 3; i++) {
         word = next_field(&line, commas);
         if (!text_to_double(word, &point[i]) || !isfinite(point[i])) {
-            (void)fail(CONUS_ERROR_DATA, "%c: \"%.*s\" is not a finite number", "xyz"[i], pose_quote(word), word.data);
+            (void)pose_no_number((const char[]){"xyz"[i], '\0'}, word);
             return false;
         }
     }
@@ -308,11 +347,12 @@ bool pose_is_point(struct text line)
     return read_point(point, &name, line);
 }
 
-conus_status pose_point_row(conus_pose_row *row, struct text *id, struct text line, const conus_pose_options *options)
+conus_status pose_point_row(conus_pose_row *row, struct pose_name *name, struct text line,
+                            const conus_pose_options *options)
 {
     double point[3];
     conus_status status = check_text(line);
-    if (status || !read_point(point, id, line)) {
+    if (status || !read_point(point, &name->text, line)) {
         return CONUS_ERROR_DATA;
     }
     if (options->space == CONUS_LPS) {

@@ -239,7 +239,9 @@ static struct cell get_unoccluded(const conus_report *report, const struct repor
 
 static const struct report_column report_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", get_query, false},
-    {"kind", NULL, "area, pathway, or unassigned: the part of the cone that met nothing", get_kind, false},
+    {"kind", NULL,
+     "area, pathway, or unassigned: the part of the cone that met nothing; error: no answer, and name says why",
+     get_kind, false},
     {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway", get_index, false},
     {"name", NULL, "name of the area or pathway", get_name, false},
     {"abbreviation", NULL, "abbreviation in the label table", get_abbreviation, false},

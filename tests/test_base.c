@@ -38,6 +38,32 @@ static void empty_fields_are_fields(void **state)
     assert_false(text_field(&rest, '\t', &more, &field));
 }
 
+/* Fields between marks may hold separators and doubled marks; what is wrong with the marks is told, and no byte lost.
+ */
+static void quoted_fields_are_fields(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *field;
+        enum text_quotes quotes;
+    } wanted[] = {{"a", TEXT_PLAIN},    {"b,c", TEXT_QUOTED}, {"", TEXT_QUOTED}, {"d \"\"e\"\"", TEXT_QUOTED},
+                  {"f", TEXT_FOLLOWED}, {"5\"", TEXT_PLAIN},  {"", TEXT_PLAIN},  {"open, to the end", TEXT_UNCLOSED}};
+    struct text rest = text_from(" a ,\"b,c\",  \"\"  ,\"d \"\"e\"\"\",\"f\"g,5\",,\"open, to the end");
+    struct text field;
+    enum text_quotes quotes;
+    bool more = true;
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
+        assert_true(text_quoted_field(&rest, ',', &more, &field, &quotes));
+        assert_true(text_equal(field, wanted[i].field));
+        assert_int_equal(quotes, wanted[i].quotes);
+    }
+    assert_false(text_quoted_field(&rest, ',', &more, &field, &quotes));
+    rest = text_from("\"\"\""); /* a doubled mark, and none that closes */
+    more = true;
+    assert_true(text_quoted_field(&rest, ',', &more, &field, &quotes));
+    assert_int_equal(quotes, TEXT_UNCLOSED);
+}
+
 static void distances_ignore_case(void **state)
 {
     (void)state;
@@ -301,6 +327,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lines_end_in_any_way),
         cmocka_unit_test(empty_fields_are_fields),
+        cmocka_unit_test(quoted_fields_are_fields),
         cmocka_unit_test(distances_ignore_case),
         cmocka_unit_test(numbers_are_read_to_the_bit),
         cmocka_unit_test(numbers_are_read_whole_or_not),

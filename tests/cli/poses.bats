@@ -71,7 +71,7 @@ answered() {
     printf %b '\xef\xbb\xbf'"$HEADER$FIRST$LAST" >poses.tsv
     answered poses.tsv 0
     printf '\xff\xfex\0,\0y\0,\0z\0\n\0' >poses.csv
-    fails 3 'poses.csv: a zero byte: not a text of poses' query sphere.nii.gz --pose poses.csv
+    fails 3 'poses.csv: UTF-16 text: save it as UTF-8' query sphere.nii.gz --pose poses.csv
 }
 
 @test "hostile: names that repeat" {
@@ -102,6 +102,99 @@ answered() {
     [[ "${stderr_lines[1]}" == *'poses.tsv:4: pose matrix: columns 0 and 1 are not orthonormal'* ]]
     [[ "${stderr_lines[2]}" == *'poses.tsv:5: pose matrix: last row 0 0 1 1'* ]]
     [[ "${stderr_lines[3]}" == *'poses.tsv:6: pose matrix: left-handed'* ]]
+}
+
+@test "hostile: quotation marks, as spreadsheets and R write them" {
+    {
+        printf '"query_id","x","y","z","dx","dy","dz"\n"first",0,"0","100",0,0,"-1"\n'
+        printf '"open,0,0,100,0,0,-1\n'
+        printf 'broken",0,0,100,0,0,-1\n'
+        printf '"a"b,0,0,100,0,0,-1\n"last",100,0,0,-1,0,0\n'
+    } >poses.csv
+    answered poses.csv 1
+    [[ "${stderr_lines[0]}" == *'poses.csv:3: a quotation mark that is not closed in its line: "open,0'* ]]
+    [[ "${stderr_lines[1]}" == *'poses.csv:4: a quotation mark inside a field: broken"' ]]
+    [[ "${stderr_lines[2]}" == *'poses.csv:5: a quotation mark inside a field: a' ]]
+    printf 'query_id;x;y;z;dx;dy;dz\n"a;b ""c""";0;0;100;0;0;-1\n' >poses.csv
+    answers query sphere.nii.gz --pose poses.csv --format tsv
+    [ "$(cell query 1)/$(cell name 1)" = 'a;b "c"/Sphere' ]
+    printf %b "$HEADER"'5" left\t0\t0\t100\t0\t0\t-1\n' >poses.tsv
+    answers query sphere.nii.gz --pose poses.tsv --format tsv
+    [ "$(cell query 1)/$(cell name 1)" = '5" left/Sphere' ]
+}
+
+@test "hostile: numbers as other programs and countries write them" {
+    {
+        printf %b "$HEADER$FIRST"
+        for number in 1,5 0x10 1e400 '1.5 mm' 1_000 −1 --1 '' n/a 1e; do
+            printf 'bad\t%s\t0\t100\t0\t0\t-1\n' "$number"
+        done
+        printf 'last\t+100.\t 0 \t-0\t-1e0\t.0\t1e-400\n'
+    } >poses.tsv
+    answered poses.tsv 1
+    [ "${#stderr_lines[@]}" -eq 10 ]
+    [[ "${stderr_lines[0]}" == *'poses.tsv:3: column x: "1,5" is not a finite number; decimals are written with a point' ]]
+    printf 'query_id;x;y;z;dx;dy;dz\nfirst;0;0;100;0;0;-1\nbad;1,5;0;100;0;0;-1\nlast;100;0;0;-1;0;0\n' >poses.csv
+    answered poses.csv 1
+    check_message 'poses.csv:3: column x: "1,5" is not a finite number; decimals'
+}
+
+@test "hostile: angles, directions and rotations that are none, and lengths at the end of what numbers can be" {
+    sphere --size 16
+    {
+        printf 'query_id\tx\ty\tz\tqw\tqx\tqy\tqz\tangle\n'
+        printf 'first\t0\t0\t100\t1e-8\t0\t0\t0\t5\n'
+        for rest in '0\t0\t0\t0\t5' '1e-200\t0\t0\t0\t5' '1e300\t1e300\t0\t0\t5' '1\t0\t0\t0\t-5' '1\t0\t0\t0\t180' '1\t0\t0\t0\t0' '1\t0\t0\t0\t1e9'; do
+            printf "bad\t0\t0\t100\t$rest\n"
+        done
+        printf 'last\t0\t0\t100\t1e150\t0\t0\t0\tn/a\n'
+    } >poses.tsv
+    run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose poses.tsv --angle 5 --format tsv
+    conus batch sphere.nii.gz --poses poses.tsv --angle 5 | diff - <(echo "$output")
+    [ "$(awk -F'\t' '$1 == "bad" { print $2 }' <<<"$output" | uniq -c | tr -d ' ')" = 7error ]
+    diff <(grep ^first <<<"$output") <(grep ^last <<<"$output" | sed 's/^last/first/')
+    [[ "${stderr_lines[1]}" == *'poses.tsv:4: quaternion: 1e-200,0,0,0, allowed are finite numbers of a length from 1e-9 to 1e154' ]]
+    printf %b "$HEADER"'bad\t0\t0\t100\t1e-320\t0\t0\nbad\t0\t0\t100\t1e308\t1e308\t1e308\nbad\t0\t0\t100\t0\t-0\t0\n' >poses.tsv
+    run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose poses.tsv --format tsv
+    [ "$(grep -c 'too long or too short a vector' <<<"$stderr")/$(grep -c 'not all 0' <<<"$stderr")" = 2/1 ]
+}
+
+@test "hostile: files that are no text, or no table, are told by what they are" {
+    sphere --size 16
+    printf %b "$HEADER$FIRST" >poses.tsv
+    { printf '\xff\xfe'; sed 's/./&\x00/g' poses.tsv; } >utf16.tsv
+    fails 3 'utf16.tsv: UTF-16 text: save it as UTF-8' query sphere.nii.gz --pose utf16.tsv
+    sed 's/./&\x00/g' poses.tsv >bare16.tsv
+    fails 3 'bare16.tsv: a zero byte' query sphere.nii.gz --pose bare16.tsv
+    printf '\xfd7zXZ\0' >file.xz
+    fails 3 'file.xz: packed by xz: unpack it' batch sphere.nii.gz --poses file.xz
+    printf 'BZh91AY&SY' >file.bz2
+    fails 3 'packed by bzip2' sweep sphere.nii.gz --pose file.bz2
+    printf '(\xb5/\xfd' >file.zst
+    fails 3 'standard input: packed by zstd' track sphere.nii.gz --poses - <file.zst
+    printf 'PK\003\004' >file.xlsx
+    fails 3 'a zip file or a spreadsheet: unpack it, or export it as text' query sphere.nii.gz --pose file.xlsx
+    printf '\320\317\021\340' >file.xls
+    fails 3 'a spreadsheet: export it as text' query sphere.nii.gz --pose file.xls
+    printf 'query_id x y z dx dy dz\nfirst 0 0 100 0 0 -1\n' >blank.txt
+    fails 3 'header: "query_id x y z dx dy dz": no tab, comma or semicolon' query sphere.nii.gz --pose blank.txt
+    sed 's/$/\t/' poses.tsv >trailing.tsv
+    fails 3 'header: "" is no name of a column' query sphere.nii.gz --pose trailing.tsv
+    tail -n 1 poses.tsv | cut -f 2- >headless.tsv
+    fails 3 'header: "0" is no name of a column, but the first line of a table has names' \
+        query sphere.nii.gz --pose headless.tsv --poses-format table
+    printf 'x\tX\ty\tz\tdx\tdy\tdz\n0\t1\t0\t100\t0\t0\t-1\n' >twice.tsv
+    fails 3 'header: column "x" twice' query sphere.nii.gz --pose twice.tsv
+    printf 'name\tx\ty\tz\tx\nA1\t0\t0\t0\t50\n' >twice_electrodes.tsv
+    fails 3 'header: a column name, x, y, z or group twice' query sphere.nii.gz --pose twice_electrodes.tsv --radius 2 --quiet
+    sed 's/Loc. Y/Loc. X/' "$SAMPLES/brainsight.txt" >twice.txt
+    fails 3 'a column Loc. X twice' query sphere.nii.gz --pose twice.txt
+}
+
+@test "hostile: a header again in the middle, as of files that were joined" {
+    { printf %b "$HEADER$FIRST"; printf %b "$HEADER"; printf %b "$LAST"; } >poses.tsv
+    answered poses.tsv 1
+    check_message 'poses.tsv:3: column x: "x" is not a finite number'
 }
 
 @test "a file without poses is answered, without rows; one that says nothing is an error" {
