@@ -35,6 +35,8 @@ static const struct bench_scenario scenarios[] = {
      bench_layers, 16, 5, 20},
     {"gl_layers", "256 rays into 20,000 tori by OpenGL: what is visible and all layers", bench_gl_layers, 16, 5, 20},
     {"steps", "the gl engine's mesh pass with and without each of its steps, on 20,000 tori", bench_steps, 4, 3, 15},
+    {"leaps", "256 rays through a labelled volume by both engines, with and without leaping over what is empty",
+     bench_leaps, 64, 9, 10},
     {"mesh", "256 rays at an atlas's surfaces (else the brain phantom's), one at a time or in packets", bench_mesh, 64,
      9, 10},
     {"colour", "a picture: blended slices against ray casting without and with skipping", bench_colour, 1, 5, 40},
