@@ -3,6 +3,8 @@
 
 #include "atlas/palette.h"
 #include "atlas/space.h"
+#include "atlas/volume_sample.h"
+#include "base/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
 
@@ -356,6 +358,18 @@ static const struct volume *grey_volume(const conus_atlas *atlas, size_t index)
 {
     bool is_grey = index < atlas->volume_count && atlas->volumes[index].values;
     return is_grey ? &atlas->volumes[index] : NULL;
+}
+
+double conus_atlas_value(const conus_atlas *atlas, size_t index, const double point[3])
+{
+    const struct volume *volume = grey_volume(atlas, index);
+    double at[3];
+    size_t voxel;
+    if (!volume || !volume_find_voxel(&voxel, volume, point)) {
+        return NAN;
+    }
+    mat4_point(at, volume->voxel_from_world, point);
+    return volume_trilinear(volume, at);
 }
 
 conus_status conus_atlas_histogram(uint64_t *counts, size_t bins, const conus_atlas *atlas, size_t index)

@@ -27,6 +27,15 @@ void parcellation_finish(struct parcellation *parts)
     notes_finish(&parts->notes);
 }
 
+void load_progress_tell(struct load_progress *progress, const char *path, size_t files)
+{
+    const conus_load_options *options = progress->options;
+    if (options->progress) {
+        options->progress(options->progress_user, path, progress->done, progress->total);
+    }
+    progress->done += files;
+}
+
 static conus_status set_source(struct parcellation *parts, const char *format, const char *where)
 {
     struct buffer source = {0};
@@ -240,7 +249,10 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     if (file_is_folder(path)) {
         return load_folder(out, path, options);
     }
-    return first_character(path) == '{' ? load_json(out, path, options)
-           : mesh_file_is(path)         ? surface_load(out, path, options)
-                                        : load_volume(out, path, options);
+    if (first_character(path) == '{') {
+        return load_json(out, path, options);
+    }
+    struct load_progress progress = {.options = options, .total = 1};
+    load_progress_tell(&progress, path, 1);
+    return mesh_file_is(path) ? surface_load(out, path, options) : load_volume(out, path, options);
 }

@@ -7,6 +7,15 @@
 #include "base/buffer.h"
 #include "loaders/label_files.h"
 
+/** How far loading is, for who wants to know. */
+struct load_progress {
+    const conus_load_options *options;
+    size_t done, total; /**< Files. */
+};
+
+/** Now @p path is read, and with it @p files of the total. */
+void load_progress_tell(struct load_progress *progress, const char *path, size_t files);
+
 /** What a parcellation is made of, until atlas_create() has it. */
 struct parcellation {
     struct volume_file file;

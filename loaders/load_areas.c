@@ -207,6 +207,7 @@ struct surfaces {
     enum mesh_space space;
     uint64_t max_memory;
     struct notes *notes;
+    struct load_progress *progress;
 };
 
 static void surfaces_finish(struct surfaces *surfaces)
@@ -323,6 +324,7 @@ static conus_status read_foreign(struct surfaces *surfaces, struct area_plan *pl
     if (!n) {
         return CONUS_OK;
     }
+    load_progress_tell(surfaces->progress, surfaces->foreign[0], n);
     conus_status status = mesh_foreign_read(surfaces->received, surfaces->foreign, n, &options, surfaces->notes);
     surfaces->foreign_count = status ? 0 : n;
     n = 0;
@@ -343,6 +345,7 @@ static conus_status read_areas(struct surfaces *surfaces, struct area_plan *plan
         char key[48];
         struct planned_area *area = &plan->areas[i];
         if (!area->is_part && !is_foreign(area)) {
+            load_progress_tell(surfaces->progress, area->path, 1);
             status = read_own(surfaces, area, &surfaces->meshes[i]);
         }
         snprintf(key, sizeof key, "areas[%zu]", area->entry);
@@ -356,6 +359,7 @@ static conus_status read_all(struct surfaces *surfaces, struct area_plan *plan)
     conus_status status = read_foreign(surfaces, plan, true);
     status = status ? status : read_foreign(surfaces, plan, false);
     for (size_t i = 0; !status && i < plan->sheet_count; i++) {
+        load_progress_tell(surfaces->progress, plan->sheets[i].path, 1);
         status = cut_sheet(surfaces, plan, i);
     }
     return status ? fail_in(status, "areas") : read_areas(surfaces, plan);
@@ -546,11 +550,21 @@ static conus_status grow_tree(struct area_plan *plan, conus_atlas *atlas)
     return status ? status : refuse_cycles(atlas);
 }
 
+size_t area_plan_files(const struct area_plan *plan)
+{
+    size_t files = plan->sheet_count;
+    for (size_t i = 0; i < plan->count; i++) {
+        files += !plan->areas[i].is_part;
+    }
+    return files;
+}
+
 conus_status area_plan_load(struct area_plan *plan, conus_atlas *atlas, const struct manifest *manifest,
-                            const conus_load_options *options)
+                            const conus_load_options *options, struct load_progress *progress)
 {
     struct notes notes = {0};
-    struct surfaces surfaces = {.space = manifest->space, .max_memory = options->max_memory, .notes = &notes};
+    struct surfaces surfaces = {
+        .space = manifest->space, .max_memory = options->max_memory, .notes = &notes, .progress = progress};
     conus_status status = surfaces_init(&surfaces, plan->count);
     status = status ? status : read_all(&surfaces, plan);
     status = status ? status : gather_notes(&atlas->notes, plan, &notes);

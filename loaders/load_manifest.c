@@ -22,6 +22,7 @@ struct loading {
     conus_atlas *atlas;
     struct volume_file series; /* kept for the pathways that follow, if any of them is of it */
     const char *series_name;   /* as the manifest writes it; NULL without one */
+    struct load_progress progress;
 };
 
 /* Puts manifest and key in front of the message. What a manifest asks for in vain is its fault, not the caller's. */
@@ -46,7 +47,7 @@ static char *source_path(const struct loading *loading, const struct manifest_vo
 
 /* ---- Areas --------------------------------------------------------------------------------------------------- */
 
-static conus_status read_parcellation(struct parcellation *parts, const struct loading *loading)
+static conus_status read_parcellation(struct parcellation *parts, struct loading *loading)
 {
     const struct manifest_parcellation *from = &loading->manifest->parcellation;
     conus_load_options options = *loading->options;
@@ -54,7 +55,10 @@ static conus_status read_parcellation(struct parcellation *parts, const struct l
     char *path = source_path(loading, &from->source);
     conus_status status = path && (labels || !from->labels || options.labels) ? CONUS_OK : CONUS_ERROR_MEMORY;
     options.labels = labels ? labels : options.labels;
-    status = status ? status : parcellation_read(parts, path, &options);
+    if (!status) {
+        load_progress_tell(&loading->progress, path, 1);
+        status = parcellation_read(parts, path, &options);
+    }
     memory_free(path);
     memory_free(labels);
     if (status == CONUS_ERROR_ARGUMENT && !loading->options->labels) { /* as in fail_at() */
@@ -80,17 +84,32 @@ static conus_status create_atlas(struct loading *loading, struct area_plan *plan
     return status;
 }
 
+/* Parcellation, pathways, context. Volumes of one file count each: they are unpacked one by one. */
+static size_t files_besides(const struct manifest *manifest)
+{
+    size_t files = manifest->parcellation.source.file ? 1 : 0;
+    files += manifest->context.source.file ? 1 : 0;
+    for (size_t i = 0; i < manifest->pathway_count; i++) {
+        files += manifest->pathways[i].names ? manifest->pathways[i].name_count : 1;
+    }
+    return files;
+}
+
 static conus_status load_areas(struct loading *loading)
 {
     struct area_plan plan = {0};
     struct notes notes = {0};
     conus_status status = area_plan_make(&plan, loading->manifest, loading->path, &notes);
+    size_t planned = area_plan_files(&plan);
+    loading->progress.total = files_besides(loading->manifest) + planned;
     status = status ? status : create_atlas(loading, &plan);
+    loading->progress.total -= planned - area_plan_files(&plan); /* the parcellation may have them */
     status = status ? status : notes_move(&loading->atlas->notes, &notes);
     if (!status && path_base(loading->path)[0]) {
         status = atlas_add_file(loading->atlas, loading->path, loading->file);
     }
-    status = status ? status : area_plan_load(&plan, loading->atlas, loading->manifest, loading->options);
+    status = status ? status
+                    : area_plan_load(&plan, loading->atlas, loading->manifest, loading->options, &loading->progress);
     area_plan_finish(&plan);
     notes_finish(&notes);
     return status ? fail_in(status, loading->path) : CONUS_OK;
@@ -103,6 +122,7 @@ static conus_status add_volume(struct loading *loading, const struct manifest_pa
                                struct volume_file *file, size_t volume, const char *name, struct notes *notes)
 {
     double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
+    load_progress_tell(&loading->progress, file->path, 1);
     conus_status status = volume_file_select(file, volume);
     return status ? status : pathway_add(loading->atlas, file, threshold, name, notes);
 }
@@ -224,6 +244,7 @@ static conus_status add_fsl(struct loading *loading, const struct manifest_pathw
     struct fsl_choice choice = {0};
     char *xml = file_beside(loading->path, pathway->fsl);
     conus_status status = xml ? choose_fsl(&choice, loading, pathway, xml) : CONUS_ERROR_MEMORY;
+    loading->progress.total += choice.atlas.labels.count - 1; /* it counted as one so far */
     for (size_t i = 0; !status && i < choice.atlas.labels.count; i++) {
         const struct label *label = &choice.atlas.labels.entries[i];
         status = add_volume(loading, pathway, &choice.image, label->number - 1, label->name, &choice.notes);
@@ -243,6 +264,7 @@ static conus_status add_one(struct loading *loading, const struct manifest_pathw
     double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
     const conus_pathway_options options = {threshold, pathway->name, loading->options->max_memory};
     char *path = source_path(loading, &pathway->source);
+    load_progress_tell(&loading->progress, path ? path : "", 1);
     conus_status status = path ? conus_atlas_add_pathway(loading->atlas, path, &options) : CONUS_ERROR_MEMORY;
     memory_free(path);
     return status;
@@ -327,6 +349,7 @@ static conus_status set_context(struct loading *loading)
     }
     char *path = source_path(loading, &context->source);
     const conus_context_options options = {context->blocks, loading->options ? loading->options->max_memory : 0};
+    load_progress_tell(&loading->progress, path ? path : "", 1);
     conus_status status = path ? conus_atlas_set_context(loading->atlas, path, &options) : CONUS_ERROR_MEMORY;
     status = status || !context->transfer ? status : set_transfer(loading);
     memory_free(path);
@@ -341,7 +364,8 @@ conus_status manifest_load(conus_atlas **out, const char *path, const struct byt
     if (status) {
         return fail_in(status, path);
     }
-    struct loading loading = {.manifest = &manifest, .path = path, .file = file, .options = options};
+    struct loading loading = {
+        .manifest = &manifest, .path = path, .file = file, .options = options, .progress = {.options = options}};
     status = load_areas(&loading);
     status = status ? status : add_pathways(&loading);
     status = status ? status : set_context(&loading);

@@ -48,8 +48,11 @@ struct planned_area *area_plan_find(const struct area_plan *plan, uint32_t label
  * surface's. */
 conus_status area_plan_settle(struct area_plan *plan, struct parcellation *parts, enum manifest_preference preference);
 
+/** How many files area_plan_load() would read. */
+size_t area_plan_files(const struct area_plan *plan);
+
 /** Reads the surfaces and adds them to @p atlas, then the groups; links parents. */
 conus_status area_plan_load(struct area_plan *plan, conus_atlas *atlas, const struct manifest *manifest,
-                            const conus_load_options *options);
+                            const conus_load_options *options, struct load_progress *progress);
 
 #endif

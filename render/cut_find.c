@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What lies in the plane: grey values, objects, and the lines in which surfaces cut it. */
+#include "atlas/volume_sample.h"
 #include "base/math3.h"
 #include "render/cut.h"
 
@@ -79,42 +80,6 @@ static void find_stretch(struct stretch *out, const struct volume *volume, const
 
 /* ---- The context ------------------------------------------------------------------------------------------------- */
 
-/* A coordinate between two voxels: steps in the array to both, and how far it is to the second. */
-struct between {
-    size_t low, high;
-    double part;
-};
-
-static struct between between(double x, size_t dim, size_t step)
-{
-    double most = (double)dim - 1;
-    x = x > 0 ? x : 0;
-    x = x < most ? x : most;
-    size_t low = (size_t)x;
-    return (struct between){low * step, (low + 1 < dim ? low + 1 : low) * step, x - (double)low};
-}
-
-static double along(const float *row, const struct between *x)
-{
-    double low = (double)row[x->low];
-    return low + x->part * ((double)row[x->high] - low);
-}
-
-static double trilinear(const struct volume *volume, const double p[3])
-{
-    const size_t *dim = volume->info.dim;
-    struct between x = between(p[0], dim[0], 1);
-    struct between y = between(p[1], dim[1], dim[0]);
-    struct between z = between(p[2], dim[2], dim[0] * dim[1]);
-    const float *near = volume->values + z.low;
-    const float *far = volume->values + z.high;
-    double a = along(near + y.low, &x);
-    double b = along(far + y.low, &x);
-    a += y.part * (along(near + y.high, &x) - a);
-    b += y.part * (along(far + y.high, &x) - b);
-    return a + z.part * (b - a);
-}
-
 void cut_find_grey(struct cut *cut, const struct cut_view *view)
 {
     const struct volume *volume = atlas_context(cut->atlas);
@@ -132,7 +97,7 @@ void cut_find_grey(struct cut *cut, const struct cut_view *view)
         for (uint32_t column = stretch.first; column < stretch.first + stretch.count; column++) {
             double p[3];
             point_at(p, &stretch, &walk, column);
-            double grey = (trilinear(volume, p) - view->window[0]) * scale;
+            double grey = (volume_trilinear(volume, p) - view->window[0]) * scale;
             cut->grey[(size_t)width * row + column] = grey > 0 ? (uint8_t)(grey < 255 ? grey : 255) : 0;
         }
     }

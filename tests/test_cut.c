@@ -136,6 +136,24 @@ static void the_context_is_linear_between_black_and_white(void **state)
     conus_atlas_destroy(atlas);
 }
 
+static void values_are_linear_between_voxels(void **state)
+{
+    (void)state;
+    const conus_volume_info grid = picture_grid((size_t[]){20, 20, 20}, (double[]){2, 2, 2}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_nothing, NULL, grey_of);
+    size_t context = 0;
+    while (conus_atlas_volume(atlas, context)->role != CONUS_CONTEXT) {
+        assert_true(isnan(conus_atlas_value(atlas, context++, (double[]){0, 0, 0})));
+    }
+    for (double x = -18; x < 18; x += 0.7) {
+        assert_near(conus_atlas_value(atlas, context, (double[]){x, 0.3 * x, 1}), 10 * x, 1e-3);
+    }
+    assert_near(conus_atlas_value(atlas, context, (double[]){19.9, 0, 0}), 190, 1e-3); /* beside the last centre */
+    assert_true(isnan(conus_atlas_value(atlas, context, (double[]){20.1, 0, 0})));
+    assert_true(isnan(conus_atlas_value(atlas, context + 1, (double[]){0, 0, 0})));
+    conus_atlas_destroy(atlas);
+}
+
 static conus_selection *select_in(conus_atlas *atlas, const conus_selector_options *options, double degrees)
 {
     conus_selector *selector = NULL;
@@ -335,6 +353,7 @@ int main(void)
         cmocka_unit_test(hidden_objects_are_left_out),
         cmocka_unit_test(fill_and_outline),
         cmocka_unit_test(the_context_is_linear_between_black_and_white),
+        cmocka_unit_test(values_are_linear_between_voxels),
         cmocka_unit_test(a_cone_is_drawn_to_scale),
         cmocka_unit_test(hidden_areas_in_the_cone_are_hatched),
         cmocka_unit_test(a_cutter_draws_the_same_pictures),

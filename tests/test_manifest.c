@@ -250,6 +250,52 @@ static void a_scene_is_loaded_in_one_piece(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* What is heard while an atlas loads. */
+struct heard {
+    char files[16][64];
+    size_t count, done, total;
+};
+
+static void hear(void *user, const char *path, size_t done, size_t total)
+{
+    struct heard *heard = user;
+    assert_true(heard->count < 16);
+    assert_true(done >= heard->done && done < total);
+    snprintf(heard->files[heard->count++], sizeof heard->files[0], "%s", strrchr(path, '/') + 1);
+    heard->done = done;
+    heard->total = total;
+}
+
+static void progress_is_told_file_by_file(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    struct heard heard = {.count = 0};
+    const conus_load_options options = {.progress = hear, .progress_user = &heard};
+    const char *path =
+        write_manifest("{\"conus_atlas\": 1, \"parcellation\": \"slabs.nii.gz\","
+                       "\"pathways\": [{\"file\": \"sphere.nii.gz\", \"name\": \"Ball\"}, \"sphere.nii.gz\"],"
+                       "\"context\": \"slabs.nii.gz\"}");
+    assert_ok(conus_atlas_load(&atlas, path, &options));
+    assert_int_equal(heard.count, 4);
+    assert_int_equal(heard.total, 4);
+    assert_int_equal(heard.done, 3);
+    assert_string_equal(heard.files[0], "slabs.nii.gz");
+    assert_string_equal(heard.files[1], "sphere.nii.gz");
+    conus_atlas_destroy(atlas);
+    heard = (struct heard){.count = 0};
+    assert_ok(conus_atlas_load(&atlas, in("sphere.nii.gz"), &options));
+    assert_int_equal(heard.count, 1);
+    assert_int_equal(heard.total, 1);
+    conus_atlas_destroy(atlas);
+    heard = (struct heard){.count = 0};
+    assert_ok(conus_phantom_write("brain", in("brain"), NULL));
+    assert_ok(conus_atlas_load(&atlas, in("brain/brain.atlas.json"), &options)); /* surfaces, a pathway, a context */
+    assert_int_equal(heard.count, 13);
+    assert_int_equal(heard.done + 1, heard.total);
+    conus_atlas_destroy(atlas);
+}
+
 static void labels_of_the_command_line_come_first(void **state)
 {
     (void)state;
@@ -403,6 +449,7 @@ int main(void)
         cmocka_unit_test(every_prefix_is_refused),
         cmocka_unit_test(every_failing_allocation_is_reported),
         cmocka_unit_test(a_scene_is_loaded_in_one_piece),
+        cmocka_unit_test(progress_is_told_file_by_file),
         cmocka_unit_test(labels_of_the_command_line_come_first),
         cmocka_unit_test(a_failure_names_manifest_and_key),
         cmocka_unit_test(volumes_of_one_file_are_pathways_of_their_own),

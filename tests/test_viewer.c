@@ -34,17 +34,20 @@ static void the_mouse_meets_what_is_shown(void **state)
     (void)state;
     load(&viewer, "nested", "nested.nii.gz");
     for (int ball = 0; ball < 3; ball++) {
-        uint32_t met = viewer_pick(contact, &viewer, eye, back);
+        uint32_t met = 0;
+        assert_true(viewer_pick(&met, contact, &viewer, eye, back));
         assert_true(met > 0);
         assert_near(contact[1], 24 - 8 * ball, 1);
         assert_near(contact[0], 0, 1e-9);
         assert_true(isnan(viewer_value(&viewer, met, contact)));
         viewer_hide(&viewer, met, true);
     }
-    assert_int_equal(viewer_pick(contact, &viewer, eye, back), 0);
+    uint32_t met;
+    assert_false(viewer_pick(&met, contact, &viewer, eye, back));
     viewer_undo(&viewer);
-    assert_int_not_equal(viewer_pick(contact, &viewer, eye, back), 0);
-    assert_int_equal(viewer_pick(contact, &viewer, eye, (double[]){0, 1, 0}), 0);
+    assert_true(viewer_pick(&met, contact, &viewer, eye, back));
+    assert_false(viewer_pick(&met, contact, &viewer, eye, (double[]){0, 1, 0}));
+    assert_int_equal(met, 0);
     viewer_finish(&viewer);
 }
 
@@ -65,8 +68,9 @@ static void a_pathway_has_a_value(void **state)
     for (int k = -20; k <= 20 && !found; k++) {
         double contact[3];
         double from[3] = {middle[0], 200, middle[2] + 2 * k};
-        uint32_t met = viewer_pick(contact, &viewer, from, back);
-        if (met) {
+        uint32_t met;
+        viewer.fade = 1; /* no context */
+        if (viewer_pick(&met, contact, &viewer, from, back)) {
             found = true;
             assert_int_equal(met, pathway);
             double threshold = 16383.75;
@@ -170,11 +174,35 @@ static void the_window_finds_its_place_again(void **state)
     }
 }
 
+/* Opaque from 1 on, the brain phantom's context hides all in it; thinned, less and less. */
+static void an_opaque_context_is_met_before_what_it_hides(void **state)
+{
+    static const conus_transfer_point opaque[] = {
+        {0, {0, 0, 0, 0}}, {1, {0, 0, 0, 0}}, {1, {1, 1, 1, 0.9}}, {65535, {1, 1, 1, 0.9}}};
+    struct viewer viewer;
+    double bare[3];
+    double hidden[3];
+    uint32_t object;
+    (void)state;
+    load(&viewer, "brain", "brain.atlas.json");
+    const double from[3] = {viewer.centre[0] + 3, viewer.centre[1] + 200, viewer.centre[2] + 3};
+    viewer.fade = 1;
+    assert_true(viewer_pick(&object, bare, &viewer, from, back));
+    assert_true(object > 0);
+    viewer.fade = 0;
+    assert_true(painter_set_transfer(viewer.painter, opaque, 4));
+    assert_true(viewer_pick(&object, hidden, &viewer, from, back));
+    assert_int_equal(object, 0);
+    assert_true(hidden[1] > bare[1]);
+    viewer_finish(&viewer);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_mouse_meets_what_is_shown),
         cmocka_unit_test(a_pathway_has_a_value),
+        cmocka_unit_test(an_opaque_context_is_met_before_what_it_hides),
         cmocka_unit_test(a_node_is_shown_whole_in_part_or_not),
         cmocka_unit_test(colours_go_and_come_back),
         cmocka_unit_test(the_window_finds_its_place_again),

@@ -93,9 +93,43 @@ static int add_pathway(conus_atlas *atlas, const char *text, uint64_t max_memory
     return code;
 }
 
+/* The atlas's files and then those of the command line. */
+struct progress {
+    const struct atlas_settings *settings;
+    size_t total; /* of the atlas, as was heard last */
+    size_t more;
+};
+
+static void hear_progress(void *user, const char *path, size_t done, size_t total)
+{
+    struct progress *progress = user;
+    const struct atlas_settings *settings = progress->settings;
+    progress->total = total;
+    if (settings->progress) {
+        settings->progress(settings->progress_user, path, done, total + progress->more);
+    }
+}
+
+static int add_pathways(conus_atlas *atlas, const struct atlas_settings *settings, const struct progress *progress)
+{
+    int code = EXIT_DONE;
+    for (size_t i = 0; !code && i < settings->pathways.count; i++) {
+        const char *pathway = settings->pathways.items[i];
+        if (settings->progress) {
+            settings->progress(settings->progress_user, pathway, progress->total + i, progress->total + progress->more);
+        }
+        code = add_pathway(atlas, pathway, settings->max_memory);
+    }
+    return code;
+}
+
 int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings)
 {
-    const conus_load_options options = {.labels = settings->labels, .max_memory = settings->max_memory};
+    struct progress progress = {settings, 0, settings->pathways.count};
+    const conus_load_options options = {.labels = settings->labels,
+                                        .max_memory = settings->max_memory,
+                                        .progress = hear_progress,
+                                        .progress_user = &progress};
     conus_atlas *atlas = NULL;
     conus_status status = conus_atlas_load(&atlas, path, &options);
     status = status ? status : conus_atlas_set_hemispheres(atlas, (conus_hemispheres)settings->hemispheres);
@@ -103,12 +137,10 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
         conus_atlas_destroy(atlas);
         return complain_status(status);
     }
-    for (size_t i = 0; i < settings->pathways.count; i++) {
-        int code = add_pathway(atlas, settings->pathways.items[i], settings->max_memory);
-        if (code) {
-            conus_atlas_destroy(atlas);
-            return code;
-        }
+    int code = add_pathways(atlas, settings, &progress);
+    if (code) {
+        conus_atlas_destroy(atlas);
+        return code;
     }
     *out = atlas;
     return EXIT_DONE;

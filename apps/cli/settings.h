@@ -16,6 +16,8 @@ struct atlas_settings {
     struct option_list pathways;
     size_t hemispheres; /* conus_hemispheres */
     uint64_t max_memory;
+    conus_load_progress progress; /* no option: of programs that show it */
+    void *progress_user;
 };
 
 struct aim_settings {

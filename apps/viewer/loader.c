@@ -2,26 +2,52 @@
 #include "viewer/loader.h"
 
 #include <pthread.h>
-#include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct loader {
     pthread_t thread;
     struct loading what;
     conus_atlas *atlas;
-    atomic_bool done;
+    size_t total;         /* files but for the context; the thread's own */
+    pthread_mutex_t lock; /* guards what follows */
+    bool done;
+    struct loader_progress progress;
 };
+
+/* What is read is shown, so that who waits knows what for. */
+static void note(void *user, const char *path, size_t done, size_t total)
+{
+    struct loader *loader = user;
+    const char *slash = strrchr(path, '/');
+    loader->total = total;
+    total += loader->what.context != NULL;
+    pthread_mutex_lock(&loader->lock);
+    snprintf(loader->progress.file, sizeof loader->progress.file, "%s", slash && slash[1] ? slash + 1 : path);
+    loader->progress.part = done < total ? (double)done / (double)total : 1;
+    pthread_mutex_unlock(&loader->lock);
+}
 
 static void *load(void *user)
 {
     struct loader *loader = user;
     const struct loading *what = &loader->what;
-    int code = settings_load_atlas(&loader->atlas, what->path, what->settings);
+    struct atlas_settings settings = *what->settings;
+    settings.progress = note;
+    settings.progress_user = loader;
+    int code = settings_load_atlas(&loader->atlas, what->path, &settings);
+    if (!code && what->context) {
+        note(loader, what->context, loader->total, loader->total);
+    }
     if (!code && settings_load_context(loader->atlas, what->context, 0, what->settings)) {
         conus_atlas_destroy(loader->atlas);
         loader->atlas = NULL;
     }
-    atomic_store(&loader->done, true);
+    pthread_mutex_lock(&loader->lock);
+    loader->done = true;
+    pthread_mutex_unlock(&loader->lock);
+    what->wake();
     return NULL;
 }
 
@@ -32,8 +58,9 @@ bool loader_start(struct loader **out, const struct loading *what)
         return false;
     }
     loader->what = *what;
-    atomic_init(&loader->done, false);
+    pthread_mutex_init(&loader->lock, NULL);
     if (pthread_create(&loader->thread, NULL, load, loader)) {
+        pthread_mutex_destroy(&loader->lock);
         free(loader);
         return false;
     }
@@ -41,15 +68,26 @@ bool loader_start(struct loader **out, const struct loading *what)
     return true;
 }
 
+void loader_ask(struct loader *loader, struct loader_progress *out)
+{
+    pthread_mutex_lock(&loader->lock);
+    *out = loader->progress;
+    pthread_mutex_unlock(&loader->lock);
+}
+
 bool loader_done(struct loader *loader)
 {
-    return atomic_load(&loader->done);
+    pthread_mutex_lock(&loader->lock);
+    bool done = loader->done;
+    pthread_mutex_unlock(&loader->lock);
+    return done;
 }
 
 conus_atlas *loader_finish(struct loader *loader)
 {
     pthread_join(loader->thread, NULL);
     conus_atlas *atlas = loader->atlas;
+    pthread_mutex_destroy(&loader->lock);
     free(loader);
     return atlas;
 }

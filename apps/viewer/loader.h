@@ -11,10 +11,18 @@ struct loading {
     const char *path;
     const struct atlas_settings *settings;
     const char *context; /**< NULL = the atlas's own. */
+    void (*wake)(void);  /**< Called when it is done. */
+};
+
+/** How far it is. */
+struct loader_progress {
+    char file[96]; /**< That is read now; "" before the first.      */
+    double part;   /**< Of the files: 0 to 1; 0 while there is one. */
 };
 
 /** False without memory or threads. Strings of @p what must outlive the loader. */
 bool loader_start(struct loader **out, const struct loading *what);
+void loader_ask(struct loader *loader, struct loader_progress *out);
 bool loader_done(struct loader *loader);
 /** Waits, and ends the loader. NULL: there is no atlas, and it was said why. */
 conus_atlas *loader_finish(struct loader *loader);

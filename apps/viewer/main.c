@@ -9,9 +9,13 @@
 #include "viewer/window.h"
 
 #include <GLFW/glfw3.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Between two looks at how far loading is. */
+static const double progress_s = 0.1;
 
 enum { DEFAULT_WIDTH = 1500, DEFAULT_HEIGHT = 940 };
 
@@ -92,15 +96,32 @@ static const struct option_group groups[] = {
 
 /* ---- The loop ---------------------------------------------------------------------------------------------------- */
 
-static void draw_loading(struct window *window, double seconds)
+/* What is read, and a bar of the files that are. */
+static void draw_progress(const struct window *window, const struct loader_progress *progress, double seconds)
 {
+    static const ui_colour light = {235, 235, 240, 255};
+    static const ui_colour dim = {255, 255, 255, 25};
+    static const ui_colour full = {66, 150, 250, 255};
+    float line = ui_line();
+    float wide = fminf(420 * window->scale, 0.8F * (float)window->width);
+    struct ui_box bar = {((float)window->width - wide) / 2, (float)window->height / 2, wide, 0.4F * line};
+    char text[160];
+    snprintf(text, sizeof text, "reading %s   %.1f s", progress->file, seconds);
+    ui_draw_text((float[]){bar.x + 3, bar.y - 1.5F * line}, light, text);
+    ui_draw_box(bar, dim, 0);
+    bar.width *= (float)progress->part;
+    ui_draw_box(bar, full, 0);
+}
+
+static void draw_loading(struct window *window, struct loader *loader, double seconds)
+{
+    struct loader_progress progress;
+    loader_ask(loader, &progress);
     window_lay_out(window);
+    window_clear(window);
     ui_begin();
     ui_panel("loading", (struct ui_box){0, 0, (float)window->width, (float)window->height}, UI_PLAIN);
-    char text[64];
-    snprintf(text, sizeof text, "loading the atlas ... %.1f s", seconds);
-    ui_draw_text((float[]){(float)window->width / 2 - 80, (float)window->height / 2}, (ui_colour){235, 235, 240, 255},
-                 text);
+    draw_progress(window, &progress, seconds);
     ui_panel_end();
     ui_end();
     glfwSwapBuffers(window->handle);
@@ -110,18 +131,19 @@ static void draw_loading(struct window *window, double seconds)
 static conus_atlas *wait_for_atlas(struct window *window, const struct loading *what)
 {
     struct loader *loader = NULL;
-    conus_atlas *atlas = NULL;
     double begun = glfwGetTime();
     if (!loader_start(&loader, what)) {
         complain("not enough memory");
         return NULL;
     }
     while (!loader_done(loader) && !glfwWindowShouldClose(window->handle)) {
-        draw_loading(window, glfwGetTime() - begun);
-        glfwWaitEventsTimeout(0.03);
+        draw_loading(window, loader, glfwGetTime() - begun);
+        glfwWaitEventsTimeout(progress_s);
     }
-    atlas = loader_finish(loader);
-    return atlas;
+    if (glfwWindowShouldClose(window->handle)) { /* the file that is being read is read to its end */
+        glfwHideWindow(window->handle);
+    }
+    return loader_finish(loader);
 }
 
 static void set_head(struct head *head, const struct station_settings *settings)
@@ -135,7 +157,7 @@ static void set_head(struct head *head, const struct station_settings *settings)
 static int run_window(struct window *window, const struct view_settings *settings, const char *path,
                       struct script *script)
 {
-    const struct loading what = {path, &settings->atlas, settings->context};
+    const struct loading what = {path, &settings->atlas, settings->context, glfwPostEmptyEvent};
     struct viewer viewer;
     conus_atlas *atlas = wait_for_atlas(window, &what);
     if (!atlas) {

@@ -163,8 +163,10 @@ static void note_transfer(struct painter *painter, const conus_renderer *rendere
     const conus_transfer_point *points = conus_renderer_transfer(renderer, &count);
     count = count < TRANSFER_POINTS ? count : 0; /* a long table is not for editing by hand */
     pthread_mutex_lock(&painter->lock);
-    memcpy(painter->used, points ? points : painter->used, count * sizeof *points);
-    painter->used_count = count;
+    if (!painter->used_count) { /* else another one was set meanwhile */
+        memcpy(painter->used, points ? points : painter->used, count * sizeof *points);
+        painter->used_count = count;
+    }
     tell_window(painter);
 }
 
@@ -352,6 +354,8 @@ bool painter_set_transfer(struct painter *painter, const conus_transfer_point *p
     free(painter->points);
     painter->points = copy;
     painter->point_count = count;
+    painter->used_count = count < TRANSFER_POINTS ? count : 0;
+    memcpy(painter->used, points, painter->used_count * sizeof *points);
     pthread_cond_signal(&painter->wake);
     pthread_mutex_unlock(&painter->lock);
     return true;

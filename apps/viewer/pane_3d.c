@@ -189,12 +189,11 @@ static void hover(struct window *window)
     double eye[3];
     double direction[3];
     find_ray(eye, direction, window);
-    window->hovered = viewer_pick(window->hovered_at, viewer, eye, direction);
-    window->hovers = window->hovered;
-    if (window->hovers) {
+    window->hovers = viewer_pick(&window->hovered, window->hovered_at, viewer, eye, direction);
+    if (window->hovered) {
         window->hovered_value = viewer_value(viewer, window->hovered, window->hovered_at);
     }
-    if (window->hovers && (viewer->pointer != POINT_BY_MOUSE || viewer->frozen)) {
+    if (window->hovered && (viewer->pointer != POINT_BY_MOUSE || viewer->frozen)) {
         char tip[HOVER_TEXT];
         window_hover_text(window, tip);
         ui_tip(tip);

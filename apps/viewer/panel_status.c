@@ -3,6 +3,8 @@
 
 #include <ctype.h>
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 static void show_place(const struct window *window)
 {
@@ -14,6 +16,11 @@ static void show_place(const struct window *window)
         at[a] = fabs(given[a]) < 0.05 ? 0 : given[a]; /* no -0.0 */
     }
     window_hover_text(window, text);
+    double grey = conus_atlas_value(viewer->atlas, viewer_context(viewer), at);
+    size_t used = strlen(text);
+    if (isfinite(grey)) {
+        snprintf(text + used, sizeof text - used, "  grey %.4g", grey);
+    }
     ui_text("%s %.1f, %.1f, %.1f mm RAS  %s", window->hovers ? "mouse" : "cross", at[0], at[1], at[2], text);
 }
 

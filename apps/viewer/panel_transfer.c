@@ -18,15 +18,6 @@ enum { HEIGHT = 110, REACH = 9 };
 /* ---- The histogram ------------------------------------------------------------------------------------------------
  */
 
-static size_t context_volume(const conus_atlas *atlas)
-{
-    size_t i = 0;
-    while (i < conus_atlas_volume_count(atlas) && conus_atlas_volume(atlas, i)->role != CONUS_CONTEXT) {
-        i++;
-    }
-    return i;
-}
-
 /* Heights are logarithms: air and tissue differ a thousandfold. */
 static void count_values(struct transfer_editor *editor, const conus_atlas *atlas, size_t volume)
 {
@@ -50,7 +41,7 @@ static void count_values(struct transfer_editor *editor, const conus_atlas *atla
 static bool make_ready(struct viewer *viewer)
 {
     struct transfer_editor *editor = &viewer->transfer_editor;
-    size_t volume = context_volume(viewer->atlas);
+    size_t volume = viewer_context(viewer);
     if (editor->ready || !viewer->painter || volume == conus_atlas_volume_count(viewer->atlas)) {
         return editor->ready;
     }

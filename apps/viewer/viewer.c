@@ -39,14 +39,22 @@ static void find_ball(struct viewer *viewer)
     viewer->radius = fmax(0.72 * sqrt(square), 1); /* brains are round: corners of their boxes are empty */
 }
 
+size_t viewer_context(const struct viewer *viewer)
+{
+    size_t i = 0;
+    while (i < conus_atlas_volume_count(viewer->atlas) && conus_atlas_volume(viewer->atlas, i)->role != CONUS_CONTEXT) {
+        i++;
+    }
+    return i;
+}
+
 /* Once, and not for every cut. */
 static void find_window(struct viewer *viewer)
 {
-    for (size_t i = 0; i < conus_atlas_volume_count(viewer->atlas); i++) {
-        if (conus_atlas_volume(viewer->atlas, i)->role == CONUS_CONTEXT) {
-            conus_status status = conus_atlas_window(viewer->window, viewer->atlas, i);
-            viewer->window[1] = status ? 0 : viewer->window[1];
-        }
+    size_t context = viewer_context(viewer);
+    if (context < conus_atlas_volume_count(viewer->atlas) &&
+        conus_atlas_window(viewer->window, viewer->atlas, context)) {
+        viewer->window[0] = viewer->window[1] = 0;
     }
 }
 

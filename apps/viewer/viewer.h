@@ -146,9 +146,13 @@ void viewer_choose(struct viewer *viewer, uint32_t object);
 /** sRGB of an object, in the palette that is on. */
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object);
 
-/** What the ray from @p origin along @p direction meets first of all that is shown, 0 = nothing, and where. Pathways
- * count from their threshold on; the context does not count. */
-uint32_t viewer_pick(double contact[3], struct viewer *viewer, const double origin[3], const double direction[3]);
+/** What the ray from @p origin along @p direction meets first of all that the 3-D picture shows, and where. Pathways
+ * count from their threshold on. Where the context lets too little light through to see anything behind, it is met, and
+ * @p object is 0. False: nothing is met. */
+bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, const double origin[3],
+                 const double direction[3]);
+/** Index of the context volume, or the number of volumes where there is none. */
+size_t viewer_context(const struct viewer *viewer);
 /** The largest value of pathway @p object within a voxel of @p place; NaN of an area. */
 double viewer_value(struct viewer *viewer, uint32_t object, const double place[3]);
 

@@ -296,6 +296,13 @@ double window_rest(const struct window *window)
     return window->moving ? fmax(window->moving_until - times_now(), 1) / 1e3 : INFINITY;
 }
 
+void window_clear(const struct window *window)
+{
+    glViewport(0, 0, window->width, window->height);
+    glClearColor(0.13F, 0.135F, 0.15F, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+}
+
 void window_draw(struct window *window)
 {
     double begun = glfwGetTime();
@@ -308,9 +315,7 @@ void window_draw(struct window *window)
     if (window->width < 1 || window->height < 1) { /* minimised */
         return;
     }
-    glViewport(0, 0, window->width, window->height);
-    glClearColor(0.13F, 0.135F, 0.15F, 1);
-    glClear(GL_COLOR_BUFFER_BIT);
+    window_clear(window);
     ui_begin();
     draw_panels(window);
     ui_end();

@@ -83,6 +83,8 @@ void window_lay_out(struct window *window);
 /** What the 3-D pane is to show now. */
 void window_sight(const struct window *window, struct sight *out);
 
+/** Clears it to the colour of panels. */
+void window_clear(const struct window *window);
 /** Draws one frame of @p window->viewer. */
 void window_draw(struct window *window);
 /** Whether the next frame will show something else than the newest. */

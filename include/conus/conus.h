@@ -85,10 +85,16 @@ CONUS_API const char *conus_message(void);
 
 /* ---- Atlas ------------------------------------------------------------------------------------------------ */
 
+/** Hears what is read now, @p path, and how far loading is: @p done of @p total files are read. The total may change
+ * while files tell of others. Called on the thread that loads, before each file; @p path is valid until it returns. */
+typedef void (*conus_load_progress)(void *user, const char *path, size_t done, size_t total);
+
 typedef struct conus_load_options {
     const char *labels;  /**< Path of a label table that replaces what lies beside or inside the file; of a
                               surface, of labels of its vertices (.label.gii, .annot).                          */
     uint64_t max_memory; /**< Largest file, and largest volume unpacked, in bytes; 0 = 8 GiB.                   */
+    conus_load_progress progress; /**< NULL = nobody wants to know.                                             */
+    void *progress_user;
 } conus_load_options;
 
 /** Loads a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, or an FSL atlas XML of type Label;
@@ -213,6 +219,9 @@ CONUS_CHECKED conus_status conus_atlas_centre(double out[3], const conus_atlas *
 /** How many voxels of scalar or context volume @p index have values in each of @p bins equal parts of its range from
  * minimum to maximum. */
 CONUS_CHECKED conus_status conus_atlas_histogram(uint64_t *counts, size_t bins, const conus_atlas *atlas, size_t index);
+/** The value of scalar or context volume @p index at a world position, between its voxels' centres; NaN outside its
+ * cells, and where there is no such volume. */
+CONUS_API double conus_atlas_value(const conus_atlas *atlas, size_t index, const double point[3]);
 /** The grey values of scalar or context volume @p index that span its contrast, without a few extremes. */
 CONUS_CHECKED conus_status conus_atlas_window(double window[2], const conus_atlas *atlas, size_t index);
 

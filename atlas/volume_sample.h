@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Values between the centres of voxels. */
+#ifndef CONUS_ATLAS_VOLUME_SAMPLE_H
+#define CONUS_ATLAS_VOLUME_SAMPLE_H
+
+#include "atlas/volume.h"
+
+/** A coordinate between two voxels: steps in the array to both, and how far it is to the second. */
+struct volume_neighbours {
+    size_t low, high;
+    double part;
+};
+
+static inline struct volume_neighbours volume_find_neighbours(double x, size_t dim, size_t step)
+{
+    double most = (double)dim - 1;
+    x = x > 0 ? x : 0;
+    x = x < most ? x : most;
+    size_t low = (size_t)x;
+    return (struct volume_neighbours){low * step, (low + 1 < dim ? low + 1 : low) * step, x - (double)low};
+}
+
+static inline double volume_along(const float *row, const struct volume_neighbours *x)
+{
+    double low = (double)row[x->low];
+    return low + x->part * ((double)row[x->high] - low);
+}
+
+/** The value between the centres of the eight voxels around @p p, in index space; outside of them that of the border.
+ */
+static inline double volume_trilinear(const struct volume *volume, const double p[3])
+{
+    const size_t *dim = volume->info.dim;
+    struct volume_neighbours x = volume_find_neighbours(p[0], dim[0], 1);
+    struct volume_neighbours y = volume_find_neighbours(p[1], dim[1], dim[0]);
+    struct volume_neighbours z = volume_find_neighbours(p[2], dim[2], dim[0] * dim[1]);
+    const float *near = volume->values + z.low;
+    const float *far = volume->values + z.high;
+    double a = volume_along(near + y.low, &x);
+    double b = volume_along(far + y.low, &x);
+    a += y.part * (volume_along(near + y.high, &x) - a);
+    b += y.part * (volume_along(far + y.high, &x) - b);
+    return a + z.part * (b - a);
+}
+
+#endif
