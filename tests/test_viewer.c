@@ -197,12 +197,82 @@ static void an_opaque_context_is_met_before_what_it_hides(void **state)
     viewer_finish(&viewer);
 }
 
+static void a_place_has_a_voxel_and_the_crosshair_stays_near(void **state)
+{
+    struct viewer viewer;
+    long voxel[3];
+    (void)state;
+    load(&viewer, "slabs", "slabs.nii.gz");
+    const conus_volume_info *info = conus_atlas_volume(viewer.atlas, 0);
+    for (long k = 0; k < (long)info->dim[2]; k += 7) {
+        double at[3];
+        const long wanted[3] = {3, 5 + k / 2, k};
+        for (int a = 0; a < 3; a++) {
+            const double *m = info->world_from_voxel + a;
+            at[a] = m[0] * 3.2 + m[4] * ((double)wanted[1] - 0.3) + m[8] * (double)k + m[12];
+        }
+        assert_true(viewer_voxel(voxel, &viewer, at));
+        assert_memory_equal(voxel, wanted, sizeof wanted);
+    }
+    assert_false(viewer_voxel(voxel, &viewer, (double[]){1e4, 0, 0}));
+    viewer_cross(&viewer, (double[]){1, 1e9, -2});
+    assert_near(viewer.crosshair[0], 1, 0);
+    assert_near(viewer.crosshair[1], viewer.centre[1] + 1.5 * viewer.radius, 1e-9);
+    assert_near(viewer.crosshair[2], -2, 0);
+    viewer_finish(&viewer);
+}
+
+static void what_was_selected_is_a_table(void **state)
+{
+    struct viewer viewer;
+    char path[600];
+    char text[4096] = "";
+    (void)state;
+    load(&viewer, "slabs", "slabs.nii.gz");
+    viewer_aim_along(&viewer, eye, back);
+    snprintf(path, sizeof path, "%s", test_scratch("results.tsv"));
+    assert_ok(viewer_write_results(&viewer, path));
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    size_t size = fread(text, 1, sizeof text - 1, file);
+    fclose(file);
+    char *table = viewer_results_text(&viewer);
+    assert_true(size > 0);
+    assert_string_equal(table, text);
+    free(table);
+    viewer_finish(&viewer);
+}
+
+/* Of a file that is gone, and of one that is another, it is said once. */
+static void files_are_watched(void **state)
+{
+    struct viewer viewer;
+    char path[600];
+    char news[WATCH_NEWS];
+    (void)state;
+    load(&viewer, "slabs", "slabs.nii.gz");
+    snprintf(path, sizeof path, "%s", conus_atlas_volume(viewer.atlas, 0)->path);
+    assert_false(watch_look(viewer.watch, news));
+    assert_int_equal(unlink(path), 0);
+    assert_true(watch_look(viewer.watch, news));
+    assert_non_null(strstr(news, "slabs.nii.gz is gone from disk"));
+    assert_false(watch_look(viewer.watch, news));
+    assert_ok(conus_write_file(path, "other", 5));
+    assert_true(watch_look(viewer.watch, news));
+    assert_non_null(strstr(news, "slabs.nii.gz changed on disk"));
+    assert_false(watch_look(viewer.watch, news));
+    viewer_finish(&viewer);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_mouse_meets_what_is_shown),
         cmocka_unit_test(a_pathway_has_a_value),
         cmocka_unit_test(an_opaque_context_is_met_before_what_it_hides),
+        cmocka_unit_test(a_place_has_a_voxel_and_the_crosshair_stays_near),
+        cmocka_unit_test(what_was_selected_is_a_table),
+        cmocka_unit_test(files_are_watched),
         cmocka_unit_test(a_node_is_shown_whole_in_part_or_not),
         cmocka_unit_test(colours_go_and_come_back),
         cmocka_unit_test(the_window_finds_its_place_again),

@@ -2,13 +2,14 @@
 #include "viewer/loop.h"
 
 #include "cli/messages.h"
+#include "link/tell.h"
 #include "viewer/keep.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>
 #include <stdatomic.h>
 
-static const double longest_s = 5;     /* of a sleep that nothing ends */
+static const double longest_s = 2;     /* of a sleep that nothing ends; so often files are looked at */
 static const double watch_s = 0.2;     /* how often a tracker that says nothing is looked at */
 static const double blink_s = 0.2;     /* of the mark where text is typed */
 static const double patience_s = 0.02; /* of a script that waits for a file */
@@ -29,6 +30,28 @@ static void hear_tracker(struct window *window)
     bool aimed = station_step(window->station, window->viewer, &window->news);
     if (aimed && window->news.number != before) {
         times_add(&window->times, TIMED_LATENCY, 1e3 * window->news.age_s + window->viewer->select_ms);
+    }
+}
+
+/* Whoever is connected hears what is selected, by whatever moves the cone. */
+static void tell_others(struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    if (window->news.clients && viewer->answer && viewer->selector && window->told != viewer->answer_number) {
+        station_tell_selection(window->station, viewer->selector, viewer->atlas, viewer_selection(viewer));
+        window->told = viewer->answer_number;
+    }
+}
+
+static void watch_files(struct window *window)
+{
+    char news[WATCH_NEWS];
+    double now = times_now();
+    if (now - window->watched >= 1e3 * longest_s && window->viewer->watch) {
+        window->watched = now;
+        if (watch_look(window->viewer->watch, news)) {
+            viewer_say(window->viewer, "%s", news);
+        }
     }
 }
 
@@ -92,7 +115,9 @@ static bool go_round(struct window *window, struct script *script, int *code)
     wait_for_events(window, acts ? 0 : rest(window, script));
     if (window->station) {
         hear_tracker(window);
+        tell_others(window);
     }
+    watch_files(window);
     replay_step(&window->replay, window->viewer, glfwGetTime());
     if (!window_wants_frame(window) && !acts && !ui_wants_keys()) {
         return true;

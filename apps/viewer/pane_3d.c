@@ -8,10 +8,14 @@
 
 static const ui_colour light = {235, 235, 240, 255};
 static const ui_colour dark = {20, 20, 24, 255};
+static const ui_colour cross = {90, 220, 120, 160};
 static const ui_colour orange = {255, 150, 30, 255};
 
 /* What the mouse moves, and what a tracker or a replay moves, rests when it stood still for so long. */
 static const double view_rest_ms = 120, others_rest_ms = 300;
+
+static const double arm = 0.12; /* of the crosshair, in radii of the atlas */
+static const float click = 4;   /* pixels that the mouse may move and it is still one */
 
 enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the device's view */ };
 
@@ -137,6 +141,24 @@ static void draw_device_view(struct window *window)
     ui_draw_text((float[]){inset.x + edge - ui_text_width(caption), inset.y + edge + 4}, light, caption);
 }
 
+/* The crosshair's arms, along the axes. */
+static void draw_crosshair(const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    for (int a = 0; a < 3; a++) {
+        double from[3];
+        double to[3];
+        float ends[2][2];
+        memcpy(from, viewer->crosshair, sizeof from);
+        memcpy(to, viewer->crosshair, sizeof to);
+        from[a] -= arm * viewer->radius;
+        to[a] += arm * viewer->radius;
+        if (place_of(ends[0], window, from) && place_of(ends[1], window, to)) {
+            ui_draw_line(ends[0], ends[1], cross, 1);
+        }
+    }
+}
+
 static void draw_waiting(const struct window *window)
 {
     const struct ui_box *box = &window->panes[PANE_3D];
@@ -200,6 +222,25 @@ static void hover(struct window *window)
     }
 }
 
+/* A click that turned nothing sets the crosshair to what is under it. */
+static void use_click(struct window *window, const struct ui_mouse *mouse)
+{
+    struct viewer *viewer = window->viewer;
+    uint32_t object;
+    double at[3];
+    double eye[3];
+    double direction[3];
+    window->dragged = mouse->pressed[0] ? 0 : window->dragged + fabsf(mouse->moved_x) + fabsf(mouse->moved_y);
+    if (!mouse->released[0] || window->dragged >= click) {
+        return;
+    }
+    find_ray(eye, direction, window);
+    if (viewer_pick(&object, at, viewer, eye, direction)) {
+        viewer_cross(viewer, at);
+        viewer->chosen = object ? object : viewer->chosen;
+    }
+}
+
 /* Returns whether the view moves. Where the head moves it, the mouse does not. */
 static bool use_mouse(struct window *window)
 {
@@ -222,6 +263,7 @@ static bool use_mouse(struct window *window)
     if (mouse.wheel != 0) {
         orbit_zoom(&viewer->orbit, (double)mouse.wheel);
     }
+    use_click(window, &mouse);
     if (mouse.doubled) {
         viewer_confirm(viewer);
     }
@@ -266,6 +308,7 @@ void pane_3d(struct window *window)
     ask_painter(window, window->moving);
     ui_clip(*box);
     pane_compass(window);
+    draw_crosshair(window);
     draw_names(window);
     draw_waiting(window);
     draw_head(window);

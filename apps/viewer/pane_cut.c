@@ -238,10 +238,12 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
         viewer->magnification = fmin(fmax(viewer->magnification * pow(1.1, (double)mouse.wheel), 0.2), 50);
         viewer->version++;
     } else if (mouse.wheel != 0) {
-        viewer->crosshair[2 - (int)plane] += mouse.wheel > 0 ? 1 : -1;
+        double next[3] = {viewer->crosshair[0], viewer->crosshair[1], viewer->crosshair[2]};
+        next[2 - (int)plane] += mouse.wheel > 0 ? 1 : -1;
+        viewer_cross(viewer, next);
     }
     if (ui_surface_held() && mouse.down[0]) {
-        memcpy(viewer->crosshair, at, sizeof at);
+        viewer_cross(viewer, at);
         viewer->chosen = window->hovered ? window->hovered : viewer->chosen;
     } else if (ui_surface_held() && mouse.down[1] && viewer->pointer == POINT_BY_WAND) {
         use_wand(viewer, &mouse, at);

@@ -106,11 +106,31 @@ static void draw_tree(struct window *window, uint32_t parent)
     }
 }
 
+static void choose_first(struct viewer *viewer)
+{
+    uint32_t number = 1;
+    while (number <= viewer->object_count && !viewer_fits(viewer, number)) {
+        number++;
+    }
+    if (number <= viewer->object_count) {
+        viewer_choose(viewer, number);
+    }
+}
+
 static void draw_found(struct window *window)
 {
+    bool any = false;
     for (uint32_t number = 1; number <= window->viewer->object_count; number++) {
         if (viewer_fits(window->viewer, number)) {
             draw_area(window, number);
+            any = true;
+        }
+    }
+    if (!any) {
+        ui_text("nothing fits");
+        ui_same_line();
+        if (ui_small_button("clear")) {
+            window->viewer->search[0] = '\0';
         }
     }
 }
@@ -121,6 +141,9 @@ void panel_areas(struct window *window)
     ui_panel("Areas", window->left, 0);
     ui_width(window->left.width - 20);
     ui_type("##search", viewer->search, sizeof viewer->search, "search name or label");
+    if (ui_entered() && viewer->search[0]) {
+        choose_first(viewer);
+    }
     if (ui_button("show all")) {
         viewer_show_all(viewer);
     }

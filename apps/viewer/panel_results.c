@@ -2,7 +2,7 @@
 #include "viewer/window.h"
 
 #include <math.h>
-#include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 static void draw_number(const char *format, double value)
@@ -21,6 +21,17 @@ static bool shows_score(const struct viewer *viewer)
     return viewer->options.score && strcmp(viewer->options.score, "share") != 0;
 }
 
+/* Of the name: where it was met. */
+static void draw_tip(const conus_result *result)
+{
+    char tip[128];
+    if (result->object && result->pixels) {
+        snprintf(tip, sizeof tip, "met at %.1f, %.1f, %.1f mm, by %u pixels; click: crosshair there",
+                 result->contact[0], result->contact[1], result->contact[2], result->pixels);
+        ui_tip(tip);
+    }
+}
+
 static void draw_result(struct window *window, const conus_result *result)
 {
     struct viewer *viewer = window->viewer;
@@ -37,10 +48,11 @@ static void draw_result(struct window *window, const conus_result *result)
     } else if (ui_row(object->name, viewer->chosen == result->object)) {
         viewer->chosen = result->object;
         if (result->pixels) {
-            memcpy(viewer->crosshair, result->contact, sizeof viewer->crosshair);
+            viewer_cross(viewer, result->contact);
         }
         viewer->version++;
     }
+    draw_tip(result);
     ui_cell();
     ui_bar(result->share, 40 * window->scale, colour);
     ui_same_line();
@@ -103,8 +115,13 @@ void panel_results(struct window *window)
     }
     ui_tip("or Enter, or a double click on the brain");
     ui_same_line();
-    if (ui_button("copy")) {
-        window_copy(window);
+    if (ui_button("copy list")) {
+        window_copy(window, COPY_RESULTS);
+    }
+    ui_tip("what the cone meets, as a table to paste");
+    ui_same_line();
+    if (ui_button("copy confirmed")) {
+        window_copy(window, COPY_PINS);
     }
     ui_tip("what was confirmed, as a table to paste");
     if (viewer->pin_count) {

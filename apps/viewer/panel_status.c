@@ -3,8 +3,6 @@
 
 #include <ctype.h>
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 static void show_place(const struct window *window)
 {
@@ -16,12 +14,19 @@ static void show_place(const struct window *window)
         at[a] = fabs(given[a]) < 0.05 ? 0 : given[a]; /* no -0.0 */
     }
     window_hover_text(window, text);
+    long voxel[3];
     double grey = conus_atlas_value(viewer->atlas, viewer_context(viewer), at);
-    size_t used = strlen(text);
-    if (isfinite(grey)) {
-        snprintf(text + used, sizeof text - used, "  grey %.4g", grey);
+    ui_text("%s %.1f, %.1f, %.1f mm RAS", window->hovers ? "mouse" : "cross", at[0], at[1], at[2]);
+    if (viewer_voxel(voxel, viewer, at)) {
+        ui_same_line();
+        ui_text("voxel %ld, %ld, %ld", voxel[0], voxel[1], voxel[2]);
     }
-    ui_text("%s %.1f, %.1f, %.1f mm RAS  %s", window->hovers ? "mouse" : "cross", at[0], at[1], at[2], text);
+    if (isfinite(grey)) {
+        ui_same_line();
+        ui_text("grey %.4g", grey);
+    }
+    ui_same_line();
+    ui_text("%s", text);
 }
 
 static void show_times(const struct window *window)
@@ -73,8 +78,8 @@ void panel_help(struct window *window)
     }
     ui_separator();
     ui_text_wrapped(
-        "3-D: left button turns, right button moves, wheel comes nearer, double click confirms; where the mouse "
-        "points, the cone follows it from your eye.\n"
+        "3-D: left button turns, right button moves, wheel comes nearer, a click sets the crosshair, a double click "
+        "confirms; where the mouse points, the cone follows it from your eye.\n"
         "Flat panes: left button sets the crosshair, wheel goes through the cuts, Ctrl and wheel magnify; with "
         "the wand, right button puts the device there, with Shift it points there.");
     ui_panel_end();

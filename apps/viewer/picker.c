@@ -51,7 +51,8 @@ static double opacity_of(const struct veil *veil, double value)
 static double depth_of(const struct veil *veil, const double origin[3], const double along[3], double most, double left)
 {
     double light = 1;
-    for (double t = 0; t < most; t += 1) {
+    for (unsigned step = 0; step < most; step++) {
+        double t = step;
         const double place[3] = {origin[0] + t * along[0], origin[1] + t * along[1], origin[2] + t * along[2]};
         double value = conus_atlas_value(veil->atlas, veil->volume, place);
         light *= isfinite(value) ? pow(1 - fmin(opacity_of(veil, value), 1), veil->thinned) : 1;

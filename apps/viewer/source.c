@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "viewer/source.h"
 
-#include "link/tell.h"
-
 #include <math.h>
 
 static const double default_step_s = 0.1;
@@ -96,7 +94,6 @@ bool station_step(struct station *station, struct viewer *viewer, struct station
     bool is_new = news->state == STATION_SEEN && news->number != before;
     if (is_new) {
         viewer_aim(viewer, &news->pose);
-        station_tell_selection(station, viewer->selector, viewer->atlas, viewer_selection(viewer));
     }
     viewer->version += news->state != was;
     return is_new;

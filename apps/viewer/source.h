@@ -27,7 +27,7 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock);
 /** Seconds until it moves on; INFINITY while it does not play. */
 double replay_rest(const struct replay *replay, const struct viewer *viewer, double clock);
 
-/** Takes the newest pose of @p station, if the tracker points, and tells it what was selected; and that of the head, if
+/** Takes the newest pose of @p station, if the tracker points; and that of the head, if
  * one is named. Returns whether there
  * was a new one. */
 bool station_step(struct station *station, struct viewer *viewer, struct station_news *news);

@@ -224,6 +224,11 @@ void ui_tip(const char *text)
     }
 }
 
+bool ui_entered(void)
+{
+    return ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter));
+}
+
 bool ui_edited(void)
 {
     return ImGui::IsItemDeactivatedAfterEdit();

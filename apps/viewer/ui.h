@@ -75,6 +75,7 @@ void ui_text_number(const char *format, double value);
 void ui_text_wrapped(const char *text);
 /** A text over the widget before, where the mouse is on it. */
 void ui_tip(const char *text);
+bool ui_entered(void); /**< Whether Enter was pressed in the line before. */
 bool ui_edited(void);  /**< Whether the widget before was let go after a change. */
 bool ui_hovered(void); /**< Whether the mouse is on the widget before. */
 

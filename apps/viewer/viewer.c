@@ -67,12 +67,14 @@ conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *p
     viewer.hidden = calloc(viewer.object_count + 1, sizeof *viewer.hidden);
     viewer.fill = 0.45;
     viewer.options.log = log;
+    viewer.watch = watch_create(atlas);
     find_ball(&viewer);
     find_window(&viewer);
     viewer.magnification = 1;
     memcpy(viewer.crosshair, viewer.centre, sizeof viewer.crosshair);
     orbit_look_at(&viewer.orbit, viewer.centre, viewer.radius);
     if (!viewer.hidden || !painter_create(&viewer.painter, atlas, transfer, log, wake)) {
+        watch_destroy(viewer.watch);
         free(viewer.hidden);
         return CONUS_ERROR_MEMORY;
     }
@@ -90,6 +92,7 @@ void viewer_finish(struct viewer *viewer)
         free(viewer->undo[i]);
     }
     free(viewer->hidden);
+    watch_destroy(viewer->watch);
     conus_atlas_destroy(viewer->atlas);
     *viewer = (struct viewer){0};
 }
@@ -223,16 +226,32 @@ char *viewer_pins_text(const struct viewer *viewer)
     return text;
 }
 
+/* Of what was selected; the report is the caller's to destroy, also on failure. */
+static conus_status make_report(conus_report **report, struct viewer *viewer, const char **text, size_t *size)
+{
+    const conus_report_options options = {.format = CONUS_TSV};
+    conus_status status = make_selector(viewer);
+    status = status ? status : conus_report_create(report, viewer->selector, &options);
+    status = status || !viewer->answer ? status : conus_report_add(*report, "1", viewer_selection(viewer));
+    return status ? status : conus_report_text(*report, text, size);
+}
+
+char *viewer_results_text(struct viewer *viewer)
+{
+    conus_report *report = NULL;
+    const char *text;
+    size_t size;
+    char *copy = make_report(&report, viewer, &text, &size) ? NULL : strdup(text);
+    conus_report_destroy(report);
+    return copy;
+}
+
 conus_status viewer_write_results(struct viewer *viewer, const char *path)
 {
     conus_report *report = NULL;
-    const conus_report_options options = {.format = CONUS_TSV};
     const char *text;
     size_t size;
-    conus_status status = make_selector(viewer);
-    status = status ? status : conus_report_create(&report, viewer->selector, &options);
-    status = status || !viewer->answer ? status : conus_report_add(report, "1", viewer_selection(viewer));
-    status = status ? status : conus_report_text(report, &text, &size);
+    conus_status status = make_report(&report, viewer, &text, &size);
     status = status ? status : conus_write_file(path, text, size);
     conus_report_destroy(report);
     return status;
@@ -437,13 +456,60 @@ uint32_t viewer_find(const struct viewer *viewer, const char *text)
     return found;
 }
 
+void viewer_cross(struct viewer *viewer, const double at[3])
+{
+    static const double farthest = 1.5; /* radii from the middle, along each axis */
+    for (int a = 0; a < 3; a++) {
+        double most = farthest * viewer->radius;
+        viewer->crosshair[a] = viewer->centre[a] + fmin(fmax(at[a] - viewer->centre[a], -most), most);
+    }
+    viewer->version++;
+}
+
+/* Solves world_from_voxel v = at by Cramer's rule. */
+static bool find_voxel(double voxel[3], const double m[16], const double at[3])
+{
+    double d[3];
+    double minors[3][3];
+    for (int a = 0; a < 3; a++) {
+        d[a] = at[a] - m[12 + a];
+    }
+    for (int c = 0; c < 3; c++) {
+        const double *p = m + 4 * ((c + 1) % 3);
+        const double *q = m + 4 * ((c + 2) % 3);
+        for (int a = 0; a < 3; a++) {
+            int b = (a + 1) % 3;
+            int e = (a + 2) % 3;
+            minors[c][a] = p[b] * q[e] - p[e] * q[b];
+        }
+    }
+    double determinant = m[0] * minors[0][0] + m[1] * minors[0][1] + m[2] * minors[0][2];
+    for (int c = 0; c < 3 && determinant != 0; c++) {
+        voxel[c] = (d[0] * minors[c][0] + d[1] * minors[c][1] + d[2] * minors[c][2]) / determinant;
+    }
+    return determinant != 0;
+}
+
+bool viewer_voxel(long voxel[3], const struct viewer *viewer, const double at[3])
+{
+    double exact[3];
+    const conus_volume_info *info = conus_atlas_volume(viewer->atlas, 0); /* the parcellation is the first */
+    bool inside = info && find_voxel(exact, info->world_from_voxel, at);
+    for (int a = 0; a < 3 && inside; a++) {
+        double cell = floor(exact[a] + 0.5);
+        inside = cell >= 0 && cell < (double)info->dim[a];
+        voxel[a] = inside ? (long)cell : 0;
+    }
+    return inside;
+}
+
 void viewer_choose(struct viewer *viewer, uint32_t object)
 {
     double middle[3];
     viewer->chosen = object;
     viewer->version++;
     if (object && !conus_atlas_centre(middle, viewer->atlas, object)) {
-        memcpy(viewer->crosshair, middle, sizeof viewer->crosshair);
+        viewer_cross(viewer, middle);
     }
 }
 

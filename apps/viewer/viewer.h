@@ -9,6 +9,7 @@
 #include "viewer/head.h"
 #include "viewer/orbit.h"
 #include "viewer/painter.h"
+#include "viewer/watch.h"
 
 enum pointer { POINT_BY_MOUSE = 0, POINT_BY_WAND, POINT_BY_REPLAY, POINT_BY_TRACKER, POINTER_COUNT };
 enum shown { SHOWN_NOT = 0, SHOWN_IN_PART, SHOWN };
@@ -41,6 +42,7 @@ struct viewer {
     const char *atlas_path, *transfer;
     size_t object_count;
     double centre[3], radius; /**< A ball around the atlas, world mm. */
+    struct watch *watch;      /**< NULL without memory. */
 
     /* the cone */
     enum pointer pointer;
@@ -107,6 +109,8 @@ void viewer_pin(struct viewer *viewer, uint32_t object, double share, double dis
 const conus_selection *viewer_selection(const struct viewer *viewer);
 /** The pins as a table to paste, to be freed; NULL without memory. */
 char *viewer_pins_text(const struct viewer *viewer);
+/** What was selected, as a table, likewise. */
+char *viewer_results_text(struct viewer *viewer);
 
 /** What was selected, as conus query -o FILE.tsv writes it. */
 conus_status viewer_write_results(struct viewer *viewer, const char *path);
@@ -140,6 +144,10 @@ bool viewer_is_below(const struct viewer *viewer, uint32_t object, uint32_t ance
 enum shown viewer_shown(const struct viewer *viewer, uint32_t object);
 /** Whether @p object fits the search. */
 bool viewer_fits(const struct viewer *viewer, uint32_t object);
+/** Puts the crosshair there, but not far from the atlas. */
+void viewer_cross(struct viewer *viewer, const double at[3]);
+/** The voxel that a place is in, of the parcellation or else of the first volume; false outside of it, or without. */
+bool viewer_voxel(long voxel[3], const struct viewer *viewer, const double at[3]);
 /** Chooses an object; the crosshair goes to its middle. */
 void viewer_choose(struct viewer *viewer, uint32_t object);
 

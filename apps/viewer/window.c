@@ -103,6 +103,17 @@ static void press_character(GLFWwindow *handle, unsigned character)
     }
 }
 
+/* The window came to a screen of another density. */
+static void note_scale(GLFWwindow *handle, float x, float y)
+{
+    struct window *window = glfwGetWindowUserPointer(handle);
+    (void)y;
+    if (window && !window->scale_given && x > 0) {
+        window->next_scale = x;
+    }
+    touch(handle);
+}
+
 /* Before ui_create(), which calls what is there already. */
 static void hear_events(GLFWwindow *handle)
 {
@@ -117,6 +128,7 @@ static void hear_events(GLFWwindow *handle)
     glfwSetFramebufferSizeCallback(handle, touch_by_numbers);
     glfwSetWindowPosCallback(handle, touch_by_numbers); /* a tracked head sees another part */
     glfwSetWindowRefreshCallback(handle, touch);
+    glfwSetWindowContentScaleCallback(handle, note_scale);
 }
 
 /* ---- The window -------------------------------------------------------------------------------------------------- */
@@ -183,6 +195,7 @@ bool window_open(struct window *out, const struct place *place, double scale, bo
     glfwMakeContextCurrent(window.handle);
     glfwSwapInterval(1);
     glfwGetWindowContentScale(window.handle, &window.scale, &across);
+    window.scale_given = scale > 0;
     window.scale = scale > 0 ? (float)scale : window.scale;
     put(&window, place);
     hear_events(window.handle);
@@ -315,6 +328,11 @@ void window_draw(struct window *window)
     if (window->width < 1 || window->height < 1) { /* minimised */
         return;
     }
+    if (window->next_scale > 0 && ui_set_scale(window->next_scale)) {
+        window->scale = window->next_scale;
+        window_lay_out(window);
+    }
+    window->next_scale = 0;
     window_clear(window);
     ui_begin();
     draw_panels(window);
@@ -365,12 +383,16 @@ void window_hover_text(const struct window *window, char out[HOVER_TEXT])
     }
 }
 
-void window_copy(struct window *window)
+void window_copy(struct window *window, enum copied what)
 {
-    char *text = viewer_pins_text(window->viewer);
+    struct viewer *viewer = window->viewer;
+    char *text = what == COPY_PINS ? viewer_pins_text(viewer) : viewer_results_text(viewer);
+    size_t rows = what == COPY_PINS ? viewer->pin_count : conus_selection_count(viewer_selection(viewer));
     if (text) {
         glfwSetClipboardString(window->handle, text);
-        viewer_say(window->viewer, "copied %zu rows", window->viewer->pin_count);
+        viewer_say(viewer, "copied %zu rows", rows);
+    } else {
+        viewer_say(viewer, "not copied: not enough memory");
     }
     free(text);
 }

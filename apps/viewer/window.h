@@ -62,6 +62,11 @@ struct window {
     bool keeps_picture;   /**< The next frame goes into a file.     */
     uint32_t listed;      /**< What the list of areas was scrolled to last. */
     bool hovers;          /**< hovered_at holds. */
+    float dragged;        /**< Pixels that the mouse moved since it was pressed on the 3-D pane. */
+    unsigned told;        /**< The answer that whoever is connected was told last. */
+    double watched;       /**< When the atlas's files were looked at last, by times_now(). */
+    float next_scale;     /**< That the screen asks for; 0 = no other than before. */
+    bool scale_given;     /**< By the user: the screen is not asked. */
 };
 
 /** Opens a window at @p place, hidden where @p hidden, its widgets @p scale times as large as usual (0: as the screen
@@ -99,8 +104,9 @@ conus_status window_write(const struct window *window, const char *path);
 /** Name and, of a pathway, value of what is under the mouse. */
 void window_hover_text(const struct window *window, char out[HOVER_TEXT]);
 
-/** Puts what was confirmed on the clipboard. */
-void window_copy(struct window *window);
+enum copied { COPY_RESULTS = 0, COPY_PINS };
+/** Puts a table on the clipboard. */
+void window_copy(struct window *window, enum copied what);
 
 /** Puts bytes of sRGB, top row first, on the screen's texture; @p smooth: where it is enlarged, pixels run into each
  * other. */

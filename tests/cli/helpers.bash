@@ -76,7 +76,7 @@ sphere() {
 # last window closes: one that opens meanwhile would find no display.
 start_screen() {
     command -v Xvfb >/dev/null || return 0
-    Xvfb -displayfd 3 -screen 0 "$1x24" -noreset -nolisten tcp -noreset 3>"$BATS_FILE_TMPDIR/display" 2>/dev/null &
+    Xvfb -displayfd 3 -screen 0 "$1x24" -noreset -nolisten tcp 3>"$BATS_FILE_TMPDIR/display" 2>/dev/null &
     echo $! >"$BATS_FILE_TMPDIR/screen"
     for _ in {1..400}; do
         [ ! -s "$BATS_FILE_TMPDIR/display" ] || break

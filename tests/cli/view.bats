@@ -351,6 +351,58 @@ END
     [ "$(jq .frame_ms.count moved.json)" -ge 10 ]
 }
 
+# close_window ID: as a window manager does.
+close_window() {
+    /usr/bin/python3 - "$1" <<'END'
+import ctypes, sys
+class Message(ctypes.Structure):
+    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int),
+                ("display", ctypes.c_void_p), ("window", ctypes.c_ulong), ("message_type", ctypes.c_ulong),
+                ("format", ctypes.c_int), ("data", ctypes.c_long * 5), ("room", ctypes.c_long * 12)]
+x11 = ctypes.CDLL("libX11.so.6")
+x11.XOpenDisplay.restype = ctypes.c_void_p
+x11.XInternAtom.restype = ctypes.c_ulong
+x11.XInternAtom.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int]
+x11.XSendEvent.argtypes = [ctypes.c_void_p, ctypes.c_ulong, ctypes.c_int, ctypes.c_long, ctypes.c_void_p]
+x11.XSync.argtypes = [ctypes.c_void_p, ctypes.c_int]
+display = x11.XOpenDisplay(None)
+window = int(sys.argv[1])
+client_message = 33
+message = Message(client_message, 0, 1, display, window, x11.XInternAtom(display, b"WM_PROTOCOLS", 0), 32)
+message.data[0] = x11.XInternAtom(display, b"WM_DELETE_WINDOW", 0)
+x11.XSendEvent(display, window, 0, 0, ctypes.byref(message))
+x11.XSync(display, 0)
+END
+}
+
+@test "closed, the window remembers its size and place" {
+    need_window
+    command -v xdotool >/dev/null || skip "no xdotool"
+    conus phantom sphere -o .
+    export XDG_STATE_HOME=$PWD/state
+    for round in 1 2; do
+        timeout 60 "$CONUS" view sphere.nii.gz --quiet >said 2>&1 3>&- &
+        child=$!
+        for _ in {1..100}; do
+            window=$(xdotool search --name '^conus$' 2>/dev/null | head -1) && [ -n "$window" ] && break
+            sleep 0.1
+        done
+        sleep 1
+        if [ $round = 1 ]; then
+            xdotool windowsize "$window" 801 602 windowmove "$window" 31 22 sleep 0.5
+        else # as it was left
+            xdotool getwindowgeometry --shell "$window" >geometry
+        fi
+        close_window "$window"
+        wait $child
+        [ ! -s said ] || { cat said; return 1; }
+    done
+    [ "$(jq -c '[.width, .height, .x, .y]' state/conus/window.json)" = '[801,602,31,22]' ]
+    grep -qx 'WIDTH=801' geometry
+    grep -qx 'HEIGHT=602' geometry
+    grep -qx 'X=31' geometry
+}
+
 @test "sessions that do not fit are refused" {
     need_window
     sphere --size 16
