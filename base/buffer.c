@@ -37,7 +37,7 @@ static bool reserve(struct buffer *buffer, size_t more)
     return true;
 }
 
-void buffer_append(struct buffer *buffer, const void *bytes, size_t size)
+void buffer_append_more(struct buffer *buffer, const void *bytes, size_t size)
 {
     if (!reserve(buffer, size)) {
         return;

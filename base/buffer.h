@@ -10,6 +10,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 struct buffer {
     char *data; /**< `size` bytes and a final NUL; NULL when nothing was appended. */
@@ -20,7 +21,20 @@ struct buffer {
 
 void buffer_finish(struct buffer *buffer);
 
-void buffer_append(struct buffer *buffer, const void *bytes, size_t size);
+/** buffer_append() where there may be no room. */
+void buffer_append_more(struct buffer *buffer, const void *bytes, size_t size);
+
+static inline void buffer_append(struct buffer *buffer, const void *bytes, size_t size)
+{
+    if (size == 0 || buffer->failed || size >= buffer->capacity - buffer->size) {
+        buffer_append_more(buffer, bytes, size);
+        return;
+    }
+    memcpy(buffer->data + buffer->size, bytes, size);
+    buffer->size += size;
+    buffer->data[buffer->size] = '\0';
+}
+
 void buffer_text(struct buffer *buffer, const char *text);
 void buffer_format(struct buffer *buffer, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

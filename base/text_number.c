@@ -51,34 +51,62 @@ static uint64_t scale(double value, int power)
     return whole + (rest > unit / 2 || (rest == unit / 2 && whole % 2));
 }
 
+/* The decimal exponent of a value from 1e-4 to below 1e9, and 4: ten to it is at most the value, up to its rounding. */
+static int decade_of(double value)
+{
+    static const double powers[] = {1e-4, 1e-3, 1e-2, 1e-1, 1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
+    enum { LEAST = 1023 - 14, LOG_OF_2 = 1233, LOG_OF_LEAST = -878 }; /* 4096 times log10(2) and log10(2^-14 / 10^-4) */
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    int exponent = (int)(bits >> 52) - LEAST;
+    int decade = (exponent * LOG_OF_2 + LOG_OF_LEAST) >> 12; /* that of the power of two below */
+    return decade + (value >= powers[decade + 1]);
+}
+
+/* Nine digits, two at a time. */
+static void write_digits(char out[DIGITS], uint64_t digits)
+{
+    static const char pairs[] =
+        "00010203040506070809101112131415161718192021222324252627282930313233343536373839404142434"
+        "44546474849505152535455565758596061626364656667686970717273747576777879808182838485868788"
+        "8990919293949596979899";
+    for (int i = DIGITS - 2; i > 0; i -= 2) {
+        memcpy(out + i, pairs + 2 * (digits % 100), 2);
+        digits /= 100;
+    }
+    out[0] = (char)('0' + digits);
+}
+
 /* What %.9g gives, without its needless generality, for values from 1.01e-4 to below 999999999. */
 static size_t write_fixed(char *out, double value)
 {
-    static const double powers[] = {1e-4, 1e-3, 1e-2, 1e-1, 1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8};
-    int decade = 12; /* powers[decade] <= value, up to the rounding of the powers */
-    while (decade > 0 && value < powers[decade]) {
-        decade--;
-    }
-    int decimals = DIGITS - 1 - (decade - 4);
+    int decimals = DIGITS - 1 - (decade_of(value) - 4);
     uint64_t digits = scale(value, decimals);
     if (digits >= LIMIT && decimals > 0) {
         digits = scale(value, --decimals);
     }
-    for (; decimals > 0 && digits % 10 == 0; decimals--) {
-        digits /= 10;
+    char text[DIGITS];
+    int length = DIGITS;
+    write_digits(text, digits);
+    for (; decimals > 0 && text[length - 1] == '0'; decimals--) {
+        length--;
     }
-    size_t length = text_whole(out, digits / ten_to[decimals]);
-    if (decimals > 0) {
-        uint64_t fraction = digits % ten_to[decimals];
-        out[length] = '.';
-        for (int i = decimals; i > 0; i--) {
-            out[length + (size_t)i] = (char)('0' + fraction % 10);
-            fraction /= 10;
-        }
-        length += (size_t)decimals + 1;
+    int whole = length - decimals;
+    size_t size = 0;
+    if (whole <= 0) {
+        memcpy(out, "0.0000", 6);
+        size = 2 + (size_t)-whole;
+        whole = 0;
+    } else {
+        memcpy(out, text, (size_t)whole);
+        size = (size_t)whole;
+        out[size] = '.';
+        size += decimals > 0;
     }
-    out[length] = '\0';
-    return length;
+    memcpy(out + size, text + whole, (size_t)(length - whole));
+    size += (size_t)(length - whole);
+    out[size] = '\0';
+    return size;
 }
 
 size_t text_number_length(char out[TEXT_NUMBER_SIZE], double value)

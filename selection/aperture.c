@@ -8,7 +8,57 @@ void aperture_finish(struct aperture *aperture)
     memory_free(aperture->in_cone);
     memory_free(aperture->radius);
     memory_free(aperture->weight);
+    memory_free(aperture->inside);
+    memory_free(aperture->rays.pixel);
+    memory_free(aperture->rays.right);
+    memory_free(aperture->rays.up);
+    memory_free(aperture->rays.forward);
     *aperture = (struct aperture){0};
+}
+
+/* Lists the pixels of a block that are in the cone. */
+static void list_block(struct aperture *aperture, uint32_t column, uint32_t row)
+{
+    uint32_t n = aperture->resolution;
+    for (uint32_t k = 0; k < APERTURE_BLOCK * APERTURE_BLOCK; k++) {
+        uint32_t i = column + aperture_column(k);
+        uint32_t j = row + aperture_row(k);
+        if (i < n && j < n && aperture->in_cone[(size_t)j * n + i]) {
+            aperture->rays.pixel[aperture->rays.count++] = j * n + i;
+        }
+    }
+}
+
+static void list_pixels(struct aperture *aperture)
+{
+    uint32_t n = aperture->resolution;
+    size_t count = 0;
+    for (uint32_t row = 0; row < n; row += APERTURE_BLOCK) {
+        for (uint32_t column = 0; column < n; column += APERTURE_BLOCK) {
+            list_block(aperture, column, row);
+        }
+    }
+    for (uint32_t pixel = 0; pixel < n * n; pixel++) {
+        if (aperture->in_cone[pixel]) {
+            aperture->inside[count++] = pixel;
+        }
+    }
+}
+
+static void aim_rays(struct aperture *aperture, double slope)
+{
+    enum { AT_ONCE = 64 };
+    struct device_rays *rays = &aperture->rays;
+    for (size_t first = 0; first < rays->count; first += AT_ONCE) {
+        double u[AT_ONCE];
+        double v[AT_ONCE];
+        size_t count = rays->count - first < AT_ONCE ? rays->count - first : AT_ONCE;
+        for (size_t k = 0; k < count; k++) {
+            u[k] = cone_coordinate(rays->pixel[first + k] % aperture->resolution, aperture->resolution);
+            v[k] = cone_coordinate(rays->pixel[first + k] / aperture->resolution, aperture->resolution);
+        }
+        cone_device_rays(rays->right + first, rays->up + first, rays->forward + first, slope, u, v, count);
+    }
 }
 
 /* What the resolution and the shape decide. */
@@ -20,7 +70,13 @@ static conus_status make_pixels(struct aperture *aperture, const struct cone *co
     made.in_cone = memory_raw(pixels, sizeof *made.in_cone);
     made.radius = memory_raw(pixels, sizeof *made.radius);
     made.weight = memory_raw(pixels, sizeof *made.weight);
-    if (!made.in_cone || !made.radius || !made.weight) {
+    made.inside = memory_raw(pixels, sizeof *made.inside);
+    made.rays.pixel = memory_raw(pixels, sizeof *made.rays.pixel);
+    made.rays.right = memory_raw(pixels, sizeof *made.rays.right);
+    made.rays.up = memory_raw(pixels, sizeof *made.rays.up);
+    made.rays.forward = memory_raw(pixels, sizeof *made.rays.forward);
+    if (!made.in_cone || !made.radius || !made.weight || !made.inside || !made.rays.pixel || !made.rays.right ||
+        !made.rays.up || !made.rays.forward) {
         aperture_finish(&made);
         return CONUS_ERROR_MEMORY;
     }
@@ -30,7 +86,8 @@ static conus_status make_pixels(struct aperture *aperture, const struct cone *co
             made.radius[(size_t)j * n + i] = cone_radius(cone, i, j);
         }
     }
-    made.angle = -1; /* no cone's: the weights are to follow */
+    list_pixels(&made);
+    made.angle = -1; /* no cone's: weights and rays are to follow */
     aperture_finish(aperture);
     *aperture = made;
     return CONUS_OK;
@@ -60,6 +117,7 @@ conus_status aperture_prepare(struct aperture *aperture, const struct cone *cone
     }
     if (aperture->angle != cone->angle) {
         make_weights(aperture, cone);
+        aim_rays(aperture, cone_slope(cone));
     }
     return CONUS_OK;
 }

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { RESOLUTION_LIMIT = 1024 };
+enum { RESOLUTION_LIMIT = 1024, RAYS_AT_ONCE = 256 };
 
 static conus_status check_shape(const struct cone *cone)
 {
@@ -45,23 +45,46 @@ double cone_slope(const struct cone *cone)
     return cone->slope > 0 ? cone->slope : tan(cone->angle / 2);
 }
 
-void cone_rays(double *const out[3], const struct cone *cone, const double *u, const double *v, size_t count)
+void cone_device_rays(double *right, double *up, double *forward, double slope, const double *u, const double *v,
+                      size_t count)
+{
+    for (size_t ray = 0; ray < count; ray++) {
+        double x = u[ray] * slope;
+        double y = v[ray] * slope;
+        double scale = 1 / sqrt(x * x + y * y + 1);
+        right[ray] = x * scale;
+        up[ray] = y * scale;
+        forward[ray] = scale;
+    }
+}
+
+void cone_rays_from(double *const out[3], const struct cone *cone, const struct device_rays *rays, size_t first,
+                    size_t count)
 {
     double m[16]; /* on its own, or the compiler fears that the results overwrite it and does not vectorise */
-    double slope = cone_slope(cone);
-    double *x = out[0];
-    double *y = out[1];
-    double *z = out[2];
+    const double *right = rays->right + first;
+    const double *up = rays->up + first;
+    const double *forward = rays->forward + first;
     memcpy(m, cone->pose.world_from_device, sizeof m);
-    for (size_t ray = 0; ray < count; ray++) {
-        double right = u[ray] * slope;
-        double up = v[ray] * slope;
-        double scale = 1 / sqrt(right * right + up * up + 1);
-        right *= scale;
-        up *= scale;
-        x[ray] = m[0] * right + m[4] * up - m[8] * scale;
-        y[ray] = m[1] * right + m[5] * up - m[9] * scale;
-        z[ray] = m[2] * right + m[6] * up - m[10] * scale;
+    for (int a = 0; a < 3; a++) {
+        double *axis = out[a];
+        for (size_t ray = 0; ray < count; ray++) {
+            axis[ray] = m[a] * right[ray] + m[4 + a] * up[ray] - m[8 + a] * forward[ray];
+        }
+    }
+}
+
+void cone_rays(double *const out[3], const struct cone *cone, const double *u, const double *v, size_t count)
+{
+    double right[RAYS_AT_ONCE];
+    double up[RAYS_AT_ONCE];
+    double forward[RAYS_AT_ONCE];
+    const struct device_rays rays = {.right = right, .up = up, .forward = forward};
+    for (size_t first = 0; first < count; first += RAYS_AT_ONCE) {
+        double *const part[3] = {out[0] + first, out[1] + first, out[2] + first};
+        size_t some = count - first < RAYS_AT_ONCE ? count - first : RAYS_AT_ONCE;
+        cone_device_rays(right, up, forward, cone_slope(cone), u + first, v + first, some);
+        cone_rays_from(part, cone, &rays, 0, some);
     }
 }
 

@@ -6,15 +6,23 @@
 
 #include "base/status.h"
 
+/** Rays of a cone in the device's frame: (right, up, -forward) is a ray's unit direction. */
+struct device_rays {
+    size_t count;
+    uint32_t *pixel; /**< Which, row-major. */
+    double *right, *up, *forward;
+};
+
 struct cone {
     conus_pose pose;
     double angle;        /**< Full opening angle, radians, in (0, pi); 0 of a cylinder. */
     uint32_t resolution; /**< n */
     conus_aperture aperture;
-    double radius;      /**< Of a cylinder, mm; 0 of a cone.                                        */
-    double range[2];    /**< Nearest and farthest depth along the axis, mm; both 0 = everything.   */
-    double slope;       /**< tan(angle / 2), where it is known already, else 0.                    */
-    const bool *wanted; /**< [n*n] Pixels that are to be looked at; NULL = all.                   */
+    double radius;                  /**< Of a cylinder, mm; 0 of a cone.                                        */
+    double range[2];                /**< Nearest and farthest depth along the axis, mm; both 0 = everything.   */
+    double slope;                   /**< tan(angle / 2), where it is known already, else 0.                    */
+    const bool *wanted;             /**< [n*n] Pixels that are to be looked at; NULL = all.                   */
+    const struct device_rays *rays; /**< Their rays, neighbours one after the other, where they are known; else NULL. */
 };
 
 /** CONUS_ERROR_ARGUMENT with what is allowed, unless angle, resolution, radius and range are in their ranges. */
@@ -48,6 +56,14 @@ double cone_cross_section(const struct cone *cone);
 
 /** cone_ray() for @p count rays through the points (u, v) of the buffer: out[axis][ray]. The same bits, too. */
 void cone_rays(double *const out[3], const struct cone *cone, const double *u, const double *v, size_t count);
+
+/** The rays through @p count points (u, v) of the buffer of a cone with this cone_slope(), in the device's frame. */
+void cone_device_rays(double *right, double *up, double *forward, double slope, const double *u, const double *v,
+                      size_t count);
+
+/** Those of them from number @p first on, @p count of them, in the world, as cone_rays() gives them. */
+void cone_rays_from(double *const out[3], const struct cone *cone, const struct device_rays *rays, size_t first,
+                    size_t count);
 
 /** Distance of a pixel's centre from the buffer's, r = sqrt(u^2 + v^2), 1 at the circle's rim (Eq. 3). */
 double cone_radius(const struct cone *cone, uint32_t i, uint32_t j);

@@ -4,14 +4,13 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "render/slices.h"
+#include "selection/aperture.h"
 #include "selection/mesh_rays.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Pixels are taken in blocks of BLOCK x BLOCK, and in a block in tiles of 4 x 4, so that the 4, 8 or 16 rays that share
- * a vector are neighbours both ways. */
-enum { BLOCK = 16, TILE = 4 };
+enum { BLOCK = APERTURE_BLOCK };
 
 struct target {
     const struct volume *volume;
@@ -84,9 +83,8 @@ static void block_init(struct block *block, const struct cone *cone, uint32_t co
         coordinate[1][k] = cone_coordinate(row + k, cone->resolution);
     }
     for (uint32_t k = 0; k < BLOCK * BLOCK; k++) {
-        uint32_t tile = k / (TILE * TILE);
-        uint32_t i = tile % (BLOCK / TILE) * TILE + k % TILE;
-        uint32_t j = tile / (BLOCK / TILE) * TILE + k / TILE % TILE;
+        uint32_t i = aperture_column(k);
+        uint32_t j = aperture_row(k);
         bool is_mine = i < block_edge(cone) && j < block_edge(cone);
         if (is_mine && column + i < cone->resolution && row + j < cone->resolution &&
             is_wanted(cone, column + i, row + j)) {
@@ -99,6 +97,20 @@ static void block_init(struct block *block, const struct cone *cone, uint32_t co
     cone_rays(directions, cone, u, v, count);
     bundle->count = count;
     cone_origin(bundle->origin, cone, column, row);
+}
+
+/* Fills a block with the rays that are known from number `first` on. */
+static void block_take(struct block *block, const struct cone *cone, size_t first)
+{
+    struct traverse_bundle *bundle = &block->bundle;
+    double *const directions[3] = {bundle->direction[0], bundle->direction[1], bundle->direction[2]};
+    size_t left = cone->rays->count - first;
+    bundle->count = left < TRAVERSE_BUNDLE ? left : TRAVERSE_BUNDLE;
+    for (size_t ray = 0; ray < bundle->count; ray++) {
+        block->pixel[ray] = cone->rays->pixel[first + ray];
+    }
+    cone_rays_from(directions, cone, cone->rays, first, bundle->count);
+    cone_origin(bundle->origin, cone, 0, 0);
 }
 
 /* Eq. 7: the first of the planes, at depths along the axis, on which a ray meets an object's voxel. */
@@ -149,7 +161,7 @@ static void look_through(const struct rays_engine *engine, struct evidence *out,
     for (size_t i = 0; i < engine->target_count; i++) {
         const struct target *target = &engine->targets[i];
         for (size_t ray = 0; ray < bundle->count; ray++) {
-            bundle->limit[ray] = out->distance[block->pixel[ray]];
+            bundle->limit[ray] = i ? out->distance[block->pixel[ray]] : INFINITY;
         }
         if (engine->sampling == CONUS_SLICES) {
             walk_slices(target, bundle, cone);
@@ -196,18 +208,28 @@ static conus_status look_at_meshes(const struct rays_engine *engine, struct evid
     return status;
 }
 
+static conus_status look_through_block(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
+                                       struct block *block)
+{
+    look_through(engine, out, cone, block);
+    return engine->meshes ? look_at_meshes(engine, out, cone, block) : CONUS_OK;
+}
+
 static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     const struct rays_engine *rays = (const struct rays_engine *)engine;
-    evidence_clear(out);
     struct block block;
     conus_status status = CONUS_OK;
     uint32_t edge = block_edge(cone);
-    for (uint32_t row = 0; row < cone->resolution && !status; row += edge) {
+    evidence_clear(out);
+    for (size_t first = 0; cone->rays && first < cone->rays->count && !status; first += TRAVERSE_BUNDLE) {
+        block_take(&block, cone, first);
+        status = look_through_block(rays, out, cone, &block);
+    }
+    for (uint32_t row = 0; row < cone->resolution && !cone->rays && !status; row += edge) {
         for (uint32_t column = 0; column < cone->resolution && !status; column += edge) {
             block_init(&block, cone, column, row);
-            look_through(rays, out, cone, &block);
-            status = rays->meshes ? look_at_meshes(rays, out, cone, &block) : CONUS_OK;
+            status = look_through_block(rays, out, cone, &block);
         }
     }
     return status;

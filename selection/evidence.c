@@ -4,6 +4,7 @@
 #include "base/memory.h"
 
 #include <math.h>
+#include <string.h>
 
 conus_status evidence_init(struct evidence *out, uint32_t resolution)
 {
@@ -39,15 +40,21 @@ static void clear_pixel(struct evidence *evidence, size_t pixel)
 void evidence_clear(struct evidence *evidence)
 {
     size_t pixels = (size_t)evidence->resolution * evidence->resolution;
+    memset(evidence->object, 0, pixels * sizeof *evidence->object);
+    memset(evidence->voxel, 0xff, pixels * sizeof *evidence->voxel); /* EVIDENCE_NO_VOXEL */
     for (size_t i = 0; i < pixels; i++) {
-        clear_pixel(evidence, i);
+        evidence->distance[i] = INFINITY;
     }
 }
 
 void evidence_drop_blocked(struct evidence *evidence)
 {
     size_t pixels = (size_t)evidence->resolution * evidence->resolution;
-    for (size_t i = 0; i < pixels; i++) {
+    uint32_t most = 0;
+    for (size_t i = 0; i < pixels; i++) { /* without a branch, since mostly there are none */
+        most = evidence->object[i] > most ? evidence->object[i] : most;
+    }
+    for (size_t i = 0; i < pixels && most == VOLUME_BLOCKER; i++) {
         if (evidence->object[i] == VOLUME_BLOCKER) {
             clear_pixel(evidence, i);
         }

@@ -2,8 +2,11 @@
 /* Rows as text, for tables and for lines of JSON. */
 #include "selection/report.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
+
+enum { COLUMN_LIMIT = 64 }; /* more than any kind of report has */
 
 struct cell report_cell(const conus_report *report, const struct report_column *column, const struct report_row *row)
 {
@@ -60,15 +63,28 @@ void report_write_heading(struct buffer *out, const conus_report *report)
     buffer_text(out, "\n");
 }
 
-static void write_tsv_row(struct buffer *out, const conus_report *report, const struct report_row *row)
+/* The columns of a report, one after the other. */
+struct columns {
+    const struct report_column *column[COLUMN_LIMIT];
+    size_t count;
+};
+
+static void list_columns(struct columns *out, const conus_report *report)
 {
-    size_t tab = 0;
+    out->count = 0;
     for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
-        buffer_append(out, "\t", tab);
-        tab = 1;
-        report_write_cell(out, report_cell(report, column, row));
+        assert(out->count < COLUMN_LIMIT);
+        out->column[out->count++] = column;
     }
-    buffer_append(out, "\n", 1);
+}
+
+static void write_tsv_row(struct buffer *out, const conus_report *report, const struct columns *columns,
+                          const struct report_row *row)
+{
+    for (size_t i = 0; i < columns->count; i++) {
+        report_write_cell(out, report_cell(report, columns->column[i], row));
+        buffer_append(out, i + 1 < columns->count ? "\t" : "\n", 1);
+    }
 }
 
 /* As a JSON string; the text is UTF-8. */
@@ -120,6 +136,8 @@ bool report_is_shown(const conus_report *report, size_t row)
 
 void report_write_rows(struct buffer *out, const conus_report *report)
 {
+    struct columns columns;
+    list_columns(&columns, report);
     for (size_t i = 0; i < report->row_count; i++) {
         if (!report_is_shown(report, i)) {
             continue;
@@ -127,7 +145,7 @@ void report_write_rows(struct buffer *out, const conus_report *report)
         if (report->options.format == CONUS_NDJSON) {
             write_json_row(out, report, &report->rows[i]);
         } else {
-            write_tsv_row(out, report, &report->rows[i]);
+            write_tsv_row(out, report, &columns, &report->rows[i]);
         }
     }
 }

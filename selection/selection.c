@@ -234,11 +234,24 @@ static conus_status look_at_all(conus_selection *const *selections, size_t count
     return status;
 }
 
-static void set_wanted(conus_selection *const *selections, size_t count, bool inside_only)
+/* The rays of a selector's pixels are those of the last cone that it was made ready for. */
+static void set_wanted(conus_selection *const *selections, size_t count, const conus_selector *selector)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (selections[i] && selector->inside_only) {
+            struct cone *cone = &selections[i]->cone;
+            cone->wanted = selections[i]->in_cone;
+            cone->rays = count == 1 && cone->radius == 0 ? &selector->aperture.rays : NULL;
+        }
+    }
+}
+
+static void drop_wanted(conus_selection *const *selections, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         if (selections[i]) {
-            selections[i]->cone.wanted = inside_only ? selections[i]->in_cone : NULL;
+            selections[i]->cone.wanted = NULL;
+            selections[i]->cone.rays = NULL;
         }
     }
 }
@@ -248,7 +261,7 @@ conus_status selections_look(conus_selection *const *selections, size_t count, c
     struct engine *engine = selector->engine;
     bool has_range = selector->options.range[1] > 0; /* then what is first follows from all layers */
     bool together = count > 1 && engine->functions->look_many;
-    set_wanted(selections, count, selector->inside_only);
+    set_wanted(selections, count, selector);
     conus_status status = together && !has_range ? look_at_all(selections, count, engine) : CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
         conus_selection *selection = selections[i];
@@ -262,7 +275,7 @@ conus_status selections_look(conus_selection *const *selections, size_t count, c
             evidence_drop_blocked(&selection->evidence);
         }
     }
-    set_wanted(selections, count, false);
+    drop_wanted(selections, count);
     return status;
 }
 

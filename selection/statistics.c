@@ -14,7 +14,7 @@ enum { NO_PIXEL = UINT32_MAX };
 struct tallied {
     bool touched;
     uint32_t pixels;
-    uint32_t i, j; /* the pixel of its contact so far */
+    uint32_t pixel; /* of its contact so far */
     double weight;
     double radius;           /* r of that pixel */
     double contact_distance; /* and its distance */
@@ -77,8 +77,12 @@ static struct tallied *touch(struct tally *tally, uint32_t object)
 {
     struct tallied *tallied = &tally->objects[object];
     if (!tallied->touched) {
-        *tallied = (struct tallied){
-            .touched = true, .last_pixel = NO_PIXEL, .entry = INFINITY, .nearest = INFINITY, .maximum = -INFINITY};
+        *tallied = (struct tallied){.touched = true,
+                                    .radius = INFINITY,
+                                    .last_pixel = NO_PIXEL,
+                                    .entry = INFINITY,
+                                    .nearest = INFINITY,
+                                    .maximum = -INFINITY};
         tally->touched[tally->touched_count++] = object;
     }
     return tallied;
@@ -112,42 +116,49 @@ void evidence_position(double out[3], const struct evidence *evidence, const str
     vec3_add_scaled(out, out, evidence->distance[pixel], ray);
 }
 
-/* Eq. 11: smallest r, ties: nearest. */
-static bool is_better_contact(const struct tallied *object, double radius, double distance)
+/* Adds the pixels in the cone from number `first` on, as far as they met the same; gives the number behind them. The
+ * contact is at the smallest r, of equal ones at the nearest (Eq. 11). */
+static size_t add_run(struct tallied *object, const struct aperture *aperture, const struct evidence *evidence,
+                      size_t first)
 {
-    return !object->pixels || radius < object->radius ||
-           (radius == object->radius && distance < object->contact_distance);
-}
-
-static void add_pixel(struct tallied *object, const struct aperture *aperture, size_t pixel, double distance)
-{
-    double radius = aperture->radius[pixel];
-    if (is_better_contact(object, radius, distance)) {
-        object->i = (uint32_t)(pixel % aperture->resolution);
-        object->j = (uint32_t)(pixel / aperture->resolution);
-        object->radius = radius;
-        object->contact_distance = distance;
-    }
-    object->nearest = distance < object->nearest ? distance : object->nearest;
-    object->weight += aperture->weight[pixel];
-    object->pixels++;
+    const uint32_t *inside = aperture->inside;
+    const double *distances = evidence->distance;
+    uint32_t met = evidence->object[inside[first]];
+    uint32_t contact = object->pixel; /* what is added up is here, or it would go to memory and back each time */
+    double radius = object->radius;
+    double contact_distance = object->contact_distance;
+    double nearest = object->nearest;
+    double weight = object->weight;
+    size_t k = first;
+    do {
+        uint32_t pixel = inside[k++];
+        double r = aperture->radius[pixel];
+        double distance = distances[pixel];
+        if (r < radius || (r == radius && distance < contact_distance)) {
+            contact = pixel;
+            radius = r;
+            contact_distance = distance;
+        }
+        nearest = distance < nearest ? distance : nearest;
+        weight += aperture->weight[pixel];
+    } while (k < aperture->rays.count && evidence->object[inside[k]] == met);
+    object->pixel = contact;
+    object->radius = radius;
+    object->contact_distance = contact_distance;
+    object->nearest = nearest;
+    object->weight = weight;
+    object->pixels += (uint32_t)(k - first);
+    return k;
 }
 
 static void add_pixels(struct tally *tally, const struct gathering *gathering)
 {
     const struct evidence *evidence = gathering->evidence;
     const struct aperture *aperture = gathering->aperture;
-    size_t pixels = (size_t)evidence->resolution * evidence->resolution;
-    uint32_t met = 0;
-    struct tallied *object = touch(tally, 0);
-    for (size_t pixel = 0; pixel < pixels; pixel++) {
-        if (aperture->in_cone[pixel]) {
-            if (evidence->object[pixel] != met) {
-                met = evidence->object[pixel];
-                object = touch(tally, group_of(gathering, met));
-            }
-            add_pixel(object, aperture, pixel, evidence->distance[pixel]);
-        }
+    touch(tally, 0);
+    for (size_t k = 0; k < aperture->rays.count;) {
+        uint32_t met = evidence->object[aperture->inside[k]];
+        k = add_run(touch(tally, group_of(gathering, met)), aperture, evidence, k);
     }
 }
 
@@ -324,7 +335,8 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
         result.center_px = object->radius * cone->resolution / 2;
         result.offset = atan(object->radius * cone_slope(cone));
         result.distance = object->nearest;
-        evidence_position(result.contact, gathering->evidence, cone, object->i, object->j);
+        evidence_position(result.contact, gathering->evidence, cone, object->pixel % cone->resolution,
+                          object->pixel / cone->resolution);
     }
     if (number && gathering->near) {
         result.distance = object->nearest;

@@ -65,6 +65,35 @@ static void weights_sum_to_the_solid_angle(void **state)
     assert_near(sum, 4 * asin(sin(cone.angle / 2) * sin(cone.angle / 2)), 1e-5);
 }
 
+/* Each pixel in the cone once in both orders, its ray with the bits of cone_ray(). */
+static void check_rays(const struct aperture *aperture, const struct cone *cone)
+{
+    enum { AT_ONCE = 5 };
+    bool listed[40 * 40] = {false};
+    size_t count = aperture->rays.count;
+    double axes[3][AT_ONCE];
+    double *const out[3] = {axes[0], axes[1], axes[2]};
+    for (size_t k = 0; k < count; k++) {
+        uint32_t pixel = aperture->rays.pixel[k];
+        double ray[3];
+        assert_true(cone_has_pixel(cone, pixel % cone->resolution, pixel / cone->resolution) && !listed[pixel]);
+        assert_true(k == 0 || aperture->inside[k] > aperture->inside[k - 1]);
+        assert_true(
+            cone_has_pixel(cone, aperture->inside[k] % cone->resolution, aperture->inside[k] / cone->resolution));
+        listed[pixel] = true;
+        size_t first = k / AT_ONCE * AT_ONCE;
+        cone_rays_from(out, cone, &aperture->rays, first, count - first < AT_ONCE ? count - first : AT_ONCE);
+        cone_ray(ray, cone, pixel % cone->resolution, pixel / cone->resolution);
+        for (int a = 0; a < 3; a++) {
+            assert_true(axes[a][k - first] == ray[a]);
+        }
+    }
+    for (uint32_t pixel = 0; pixel < cone->resolution * cone->resolution; pixel++) {
+        count -= cone_has_pixel(cone, pixel % cone->resolution, pixel / cone->resolution);
+    }
+    assert_int_equal(count, 0);
+}
+
 static void check_aperture(struct aperture *aperture, const struct cone *cone)
 {
     double total = 0;
@@ -78,6 +107,7 @@ static void check_aperture(struct aperture *aperture, const struct cone *cone)
         total += cone_has_pixel(cone, i, j) ? cone_weight(cone, i, j) : 0;
     }
     assert_true(aperture->total_weight == total);
+    check_rays(aperture, cone);
 }
 
 static void apertures_follow_their_cones(void **state)
@@ -86,7 +116,7 @@ static void apertures_follow_their_cones(void **state)
     struct aperture aperture = {0};
     static const double angles[] = {20, 20, 35, 0, 20, 170};
     for (size_t i = 0; i < 4 * sizeof angles / sizeof angles[0]; i++) {
-        struct cone cone = looking_down(angles[i / 4], i % 3 ? 16 : 7);
+        struct cone cone = looking_down(angles[i / 4], i % 3 == 0 ? 7 : i % 3 == 1 ? 16 : 37);
         cone.aperture = i % 4 == 3 ? CONUS_SQUARE : CONUS_CIRCLE;
         check_aperture(&aperture, &cone);
         cone.slope = tan(cone.angle / 2);
