@@ -50,11 +50,11 @@ void evidence_clear(struct evidence *evidence)
 void evidence_drop_blocked(struct evidence *evidence)
 {
     size_t pixels = (size_t)evidence->resolution * evidence->resolution;
-    uint32_t most = 0;
+    bool any = false;
     for (size_t i = 0; i < pixels; i++) { /* without a branch, since mostly there are none */
-        most = evidence->object[i] > most ? evidence->object[i] : most;
+        any |= evidence->object[i] == VOLUME_BLOCKER;
     }
-    for (size_t i = 0; i < pixels && most == VOLUME_BLOCKER; i++) {
+    for (size_t i = 0; i < pixels && any; i++) {
         if (evidence->object[i] == VOLUME_BLOCKER) {
             clear_pixel(evidence, i);
         }
