@@ -244,7 +244,9 @@ static conus_status aim_cones(struct scene *scene, double angle_deg)
 
 static conus_status make_engines(struct scene *scene, const struct bench_options *options)
 {
-    static const char *const names[ENGINES] = {"gl, 72 slices", "gl, exact", "rays, exact", "rays, 72 slices"};
+    static const char *const names[ENGINES] = {"gl, ", "gl, exact", "rays, exact", "rays, "};
+    char planes[32];
+    snprintf(planes, sizeof planes, "%zu slices", options->slices / 5);
     conus_status status = atlas_create_empty(&scene->atlas, "bonsai");
     for (size_t i = 0; i < scene->copies && !status; i++) {
         status = add_copy(scene, i);
@@ -257,7 +259,8 @@ static conus_status make_engines(struct scene *scene, const struct bench_options
         status = is_gl ? engine_gl_create(&scene->engines[e], scene->atlas, &how)
                        : engine_rays_create(&scene->engines[e], scene->atlas, &how);
         status = status ? status : look_init(&scene->looks[e], scene->engines[e], scene->cones, CONES);
-        snprintf(scene->looks[e].name, sizeof scene->looks[e].name, "%zu copies, %s", scene->copies, names[e]);
+        snprintf(scene->looks[e].name, sizeof scene->looks[e].name, "%zu copies, %s%s", scene->copies, names[e],
+                 how.sampling == CONUS_SLICES ? planes : "");
     }
     return status;
 }
@@ -347,14 +350,23 @@ enum { LOOKS = RAYS_SLICES, FRAMES = 6, SLOW_FRAMES = 4, VARIANTS = LOOKS + FRAM
 #define SLOW_MS 2000.0
 
 static const struct {
-    int way, look; /* look: an engine, or -1 */
-    const char *name;
-} kinds[FRAMES] = {{SLICED, -1, "362 slices"},
+    int way, look;    /* look: an engine, or -1 */
+    const char *name; /* behind the number of slices, if they are SLICED */
+} kinds[FRAMES] = {{SLICED, -1, " slices"},
                    {SKIPPING, -1, "rays, skipping"},
                    {SKIPPING, GL_EXACT, "rays, skipping, and gl, exact"},
                    {SKIPPING, RAYS_EXACT, "rays, skipping, and rays, exact"},
-                   {SLICED, GL_SLICES, "362 slices and gl, 72 slices"},
+                   {SLICED, GL_SLICES, " slices and gl, a fifth of them"},
                    {ALL_SAMPLES, -1, "rays, all samples"}};
+
+static void name_frame(char *out, size_t size, const struct scene *scene, size_t kind)
+{
+    char slices[16] = "";
+    if (kinds[kind].way == SLICED) {
+        snprintf(slices, sizeof slices, "%u", scene->view.slices);
+    }
+    snprintf(out, size, "%zu copies, frame, %s%s", scene->copies, slices, kinds[kind].name);
+}
 
 static conus_status measure(struct bench *bench, struct scene *scene, struct bench_variant variants[VARIANTS])
 {
@@ -369,7 +381,7 @@ static conus_status measure(struct bench *bench, struct scene *scene, struct ben
         struct look *look = kinds[f].look < 0 ? NULL : &scene->looks[kinds[f].look];
         shots[f] =
             (struct shot){.draw = draw_frame, .wait = wait_for, .scene = scene, .way = kinds[f].way, .look = look};
-        snprintf(names[f], sizeof names[f], "%zu copies, frame, %s", scene->copies, kinds[f].name);
+        name_frame(names[f], sizeof names[f], scene, f);
         variants[LOOKS + f] =
             (struct bench_variant){.name = names[f], .run = shoot, .data = &shots[f], .equal = equal[kinds[f].way]};
     }

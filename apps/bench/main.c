@@ -15,7 +15,8 @@
 #define DEFAULT_CONTEXT "/usr/share/mricron/templates/ch2bet.nii.gz"
 
 enum { EXIT_CHECK = 1, EXIT_USAGE = 2, EXIT_DATA = 3 };
-enum { DEFAULT_POSES = 64, DEFAULT_SLICES = 362, DEFAULT_REPEATS = 9, CHECK_POSES = 4, CHECK_REPEATS = 1 };
+enum { DEFAULT_POSES = 64, DEFAULT_SLICES = 362, DEFAULT_REPEATS = 9 };
+enum { CHECK_POSES = 4, CHECK_SLICES = 45, CHECK_REPEATS = 1, CHECK_EDGE = 32 /* of the phantom */ };
 
 /* The last three numbers are for when all are run: poses, rounds, and seconds for one measurement. */
 static const struct bench_scenario scenarios[] = {
@@ -204,10 +205,11 @@ static conus_status fill_in(struct bench *bench, char *phantom, size_t size)
     bool check = options->check;
     snprintf(phantom, size, "%s/u-shape.nii.gz", bench->folder);
     options->poses = options->poses ? options->poses : check ? CHECK_POSES : DEFAULT_POSES;
+    options->slices = options->slices ? options->slices : check ? CHECK_SLICES : DEFAULT_SLICES;
     options->repeats = options->repeats ? options->repeats : check ? CHECK_REPEATS : DEFAULT_REPEATS;
     conus_status status = CONUS_OK;
     if (check) {
-        status = conus_phantom_write("u-shape", bench->folder, &(conus_phantom_options){.size = 32});
+        status = conus_phantom_write("u-shape", bench->folder, &(conus_phantom_options){.size = CHECK_EDGE});
     }
     options->atlas = options->atlas ? options->atlas : check ? phantom : DEFAULT_ATLAS;
     options->context = options->context ? options->context : check ? phantom : DEFAULT_CONTEXT;
@@ -283,7 +285,7 @@ static int run(const struct arguments *arguments)
 int main(int argc, char **argv)
 {
     setvbuf(stdout, NULL, _IOLBF, 0);
-    struct arguments arguments = {.options = {.angle = 5, .slices = DEFAULT_SLICES}};
+    struct arguments arguments = {.options = {.angle = 5}};
     conus_status status = parse(&arguments, argc, argv);
     if (status) {
         fprintf(stderr, "conus-bench: %s\n", conus_message());

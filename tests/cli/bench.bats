@@ -58,3 +58,29 @@ bench() {
     run -3 --separate-stderr bench volume --atlas missing.nii.gz
     [[ "$stderr" == "conus-bench: "*"missing.nii.gz"* ]]
 }
+
+@test "figures and tables of a JSON" {
+    local scripts=$BATS_TEST_DIRNAME/../../scripts
+    jq -n '{version: "0", machine: "m", driver: "d", load_start: 1, load_end: 2, settings: {check: false, scenarios: {}},
+        versions: {gl: "g", gl_renderer: "r", embree: "3", vtk: "none", compiler: "c", build: "b", kernel: "k"},
+        ratios: {naive_over_gl: 30, dda_over_simd: null, dda_over_simd_null_because: "the answers differ"},
+        holds: {naive_over_gl: {at_least: 25, met: true}}, left_out: {colour: "no file"},
+        runs: [("colour frame", "all drawn, in a frame", "gl engine") as $what | (1000, 20000) as $tori
+            | {scenario: "torus_frame", variant: "\($tori) tori, \($what)", count: 1, angle_deg: 5, median_ms: 0.5, min_ms: 0.25,
+               equal: true, other_by_design: false}]}' >some.json
+    run -0 "$scripts/bench-tables" some.json
+    [[ "$output" == *'| `naive_over_gl` | 30 | ≥ 25 | met |'* ]]
+    [[ "$output" == *'| `dda_over_simd` | the answers differ |  |  |'* ]]
+    [[ "$output" == *"Left out: colour: no file"* ]]
+    [[ "$output" == *"| 1000 tori, gl engine | 500 µs (250 µs) |"* ]]
+    command -v gnuplot >/dev/null || skip "there is no gnuplot"
+    run -0 "$scripts/bench-figures" some.json figures
+    for name in torus share objects; do
+        grep -q "</svg>" "figures/bench-$name.svg"
+    done
+    [[ "$output" == *"bench-bonsai.svg: left out, nothing was measured"* ]]
+    [ ! -e figures/bench-bonsai.svg ]
+    jq '.settings.check = true' some.json >check.json
+    run -1 "$scripts/bench-figures" check.json figures
+    [[ "$output" == *"is of a check"* ]]
+}
