@@ -272,3 +272,16 @@ pretend_nodes() {
     ranks 4 none.nii.gz --poses poses.tsv -o none.tsv 2>said && return 1 || [ $? -eq 3 ]
     [ "$(grep -c '^conus: ' said)" -eq 1 ]
 }
+
+@test "other programs' formats are those of conus batch" {
+    setup_poses
+    { printf 'name\tx\ty\tz\tsize\n'; awk 'BEGIN { for (i = 0; i < 700; i++) printf "A%d\t%s\t%d\t%d\t2\n", i, i % 9 ? i % 50 - 25 : "n/a", i % 41 - 20, i % 7 }'; } >probe.tsv
+    for format in bids afni spikeglx open-ephys; do
+        conus batch sphere.nii.gz --poses probe.tsv --radius 3 --quiet --format $format -o "rows.$format" || [ $? -eq 1 ]
+        ranks 2 sphere.nii.gz --poses probe.tsv --radius 3 --quiet --format $format --block 64 -o "ranks.$format" 2>said && return 1 || [ $? -eq 1 ]
+        cmp "rows.$format" "ranks.$format"
+    done
+    ranks 2 sphere.nii.gz --poses probe.tsv --radius 3 --quiet --format spikeglx --block 8 -o short.txt 2>said && return 1 || [ $? -eq 2 ]
+    grep -q 'a probe is one whole, but these are contacts 1 to 128' said
+    [ ! -e short.txt ]
+}
