@@ -203,7 +203,7 @@ static conus_status look_at_volumes(struct gl_engine *gl, const struct view *vie
         uint32_t pixel = gl->walked[r] % view->pixels;
         if (hits[r].identifier) {
             out->object[pixel] = hits[r].identifier;
-            out->distance[pixel] = hits[r].distance;
+            out->distance[pixel] = hits[r].distance + 0.0; /* -0 becomes 0 */
             out->voxel[pixel] = linear_index(gl->atlas, hits[r].identifier, hits[r].cell);
         }
     }
@@ -266,7 +266,8 @@ static conus_status take_pieces(void *user, const struct id_piece *pieces, uint3
     conus_status status = CONUS_OK;
     for (uint32_t i = 0; i < count && !status; i++) {
         const struct id_piece *piece = &pieces[i];
-        const conus_span span = {piercing->gl->walked[piece->ray], piece->identifier, piece->entry, piece->exit,
+        const conus_span span = {piercing->gl->walked[piece->ray], piece->identifier, piece->entry + 0.0,
+                                 piece->exit + 0.0, /* -0 becomes 0 */
                                  linear_index(piercing->gl->atlas, piece->identifier, piece->cell)};
         status = layers_add(piercing->out, &span);
     }

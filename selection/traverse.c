@@ -110,7 +110,7 @@ bool traverse_enter(const struct leap_map *map, const struct traverse_ray *ray, 
             out->cell[a] = face;
         }
     }
-    out->t = last.t;
+    out->t = last.t + 0.0; /* -0 becomes 0 */
     if (last.axis >= 0 && last.t < INFINITY) {
         catch_up(map, ray, last, out->cell);
     }
@@ -127,7 +127,7 @@ bool traverse_leap(const struct leap_map *map, const struct traverse_ray *ray, d
             first = (struct crossing){.t = t, .axis = a};
         }
     }
-    place->t = first.t;
+    place->t = first.t + 0.0; /* -0 becomes 0 */
     place->cell[first.axis] += (radius + 1) * ray->sign[first.axis];
     if (first.t < INFINITY) {
         catch_up(map, ray, first, place->cell);

@@ -22,8 +22,13 @@
 /* A ray is out when it is past the middle of a cell beside the box. Where that is does not matter, as long as it is
  * within that cell and not near its faces: it is empty, and the map has a code for it. */
 #define PAST_BOX 0.75
+/* A ray is beyond its limit so many cells, along its fastest axis, behind it: farther than the error. What counts is
+ * the exact t in deliver(). */
+#define PAST_LIMIT 0.25
 /* The largest error with which what is out and what is not can be told apart, cells. */
 #define SLOW 0.125
+/* Rays at more cells per mm, or at fewer than one by as many, are for double. */
+#define FASTEST 0x1p60
 
 enum { PACKETS = TRAVERSE_BUNDLE / LANES };
 
@@ -65,12 +70,14 @@ static void walk_init(struct walk *walk, const struct leap_map *map, struct trav
 /* Half a packet, as traverse_ray_init() makes rays. */
 struct half {
     doubles origin[3], direction[3], inverse[3], sign[3];
+    doubles fastest; /* of the magnitudes of the direction */
 };
 
 static INLINE void aim(struct half *out, const struct traverse_bundle *bundle, size_t first)
 {
     const double *m = bundle->index_from_world;
     doubles world[3];
+    out->fastest = all_doubles(0);
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
         world[a] = doubles_at(bundle->direction[a] + first);
@@ -84,6 +91,8 @@ static INLINE void aim(struct half *out, const struct traverse_bundle *bundle, s
         out->direction[a] = choose_doubles(moves, direction, all_doubles(0));
         out->inverse[a] = choose_doubles(moves, inverse, all_doubles(INFINITY));
         out->sign[a] = choose_doubles(moves & less_doubles(direction, all_doubles(0)), all_doubles(-1), all_doubles(1));
+        doubles speed = magnitude_of_doubles(out->direction[a]);
+        out->fastest = choose_doubles(less_doubles(out->fastest, speed), speed, out->fastest);
     }
 }
 
@@ -104,7 +113,7 @@ static INLINE doubles entry_of(const struct half *rays, const struct leap_map *m
 /* When they are past it or their limit, counted from t. */
 static INLINE doubles stop_of(const struct half *rays, const struct leap_map *map, doubles limit, doubles t)
 {
-    doubles stop = (limit - t) * (1 + 0x1p-20) + 0x1p-20; /* a bit farther: what counts is the exact t in deliver() */
+    doubles stop = (limit - t) + PAST_LIMIT / rays->fastest;
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
         doubles past = choose_doubles(less_doubles(all_doubles(0), rays->sign[a]), all_doubles(map->last[a] + PAST_BOX),
@@ -140,34 +149,23 @@ static INLINE halves find_cells(doubles cell[3], const struct half *rays, const 
     return inside | one_of_halves(near);
 }
 
-static INLINE doubles fastest_of(const struct half *rays)
-{
-    doubles fastest = all_doubles(0);
-    EACH_AXIS
-    for (int a = 0; a < 3; a++) {
-        doubles speed = magnitude_of_doubles(rays->direction[a]);
-        fastest = choose_doubles(less_doubles(fastest, speed), speed, fastest);
-    }
-    return fastest;
-}
-
 /* Notes the rays from t on. Where one moves so slowly along an axis that the error in when it crosses a face takes it
  * far along the others, it must not cross any there until it stops; then it does not move, for singles. Else it is
  * unclear. */
 static INLINE halves keep_rays(struct walk *walk, size_t slot, const struct half *rays, doubles t, doubles stop)
 {
-    halves clear = at_most_doubles(t, t);
-    doubles fastest = fastest_of(rays);
+    halves clear =
+        less_doubles(rays->fastest, all_doubles(FASTEST)) & less_doubles(all_doubles(1 / FASTEST), rays->fastest);
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
         doubles x = rays->origin[a] + t * rays->direction[a];
-        doubles error = walk->error * (1 + fastest * magnitude_of_doubles(rays->inverse[a]));
+        doubles error = walk->error * (1 + rays->fastest * magnitude_of_doubles(rays->inverse[a]));
         doubles inverse = rays->inverse[a];
         halves fast = less_doubles(error, all_doubles(SLOW));
         if (!all_halves(fast)) {
             doubles way =
                 magnitude_of_doubles(x - nearest_doubles(x)) + stop * magnitude_of_doubles(rays->direction[a]);
-            halves stays = ~fast & less_doubles(way, all_doubles(0.5 - DOUBLE_ERROR));
+            halves stays = ~fast & less_doubles(way, all_doubles(0.5 - walk->error));
             inverse = choose_doubles(stays, all_doubles(INFINITY), inverse);
             clear &= fast | stays;
         }

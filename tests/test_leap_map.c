@@ -1,4 +1,4 @@
-/* SPD(long)random_size(&random, volume.info.dim[a]) - 1-License-Identifier: BSD-3-Clause */
+/* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/memory.h"
 #include "selection/leap_map.h"
 #include "test.h"
