@@ -12,7 +12,7 @@
 /* While the view moves a picture shall take no longer; and no coarser than that many pixels of the pane per pixel. */
 static const double quick_ms = 60;
 /* Pictures shall not hold up the window, where both share processors: above 0, "nicer" than it. */
-static const int niceness = 5;
+static const int niceness = 2;
 enum { COARSEST = 5, MESSAGE_SIZE = 512, LEVELS = 4096, TRANSFER_POINTS = 64 };
 
 /* How fine pictures of one painting become, one after the other. */

@@ -8,17 +8,22 @@
 
 static const char *const names[TIMED_KINDS] = {"frame_ms", "period_ms", "selection_ms", "latency_ms", "picture_ms"};
 
-double times_now(void)
+static double ms_of(clockid_t clock)
 {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(clock, &now);
     return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
+}
+
+double times_now(void)
+{
+    return ms_of(CLOCK_MONOTONIC);
 }
 
 void times_start(struct times *times, double started)
 {
     memset(times, 0, sizeof *times);
-    times->started = started;
+    times->started = times->written = started;
 }
 
 void times_add(struct times *times, enum timed kind, double milliseconds)
@@ -67,7 +72,12 @@ conus_status times_write(struct times *times, const char *path)
     if (!out) {
         return CONUS_ERROR_MEMORY;
     }
-    fprintf(out, "{\"first_frame_ms\": %.1f, \"first_picture_ms\": %.1f", times->first_frame, times->first_picture);
+    double now = times_now();
+    double used = ms_of(CLOCK_PROCESS_CPUTIME_ID);
+    fprintf(out, "{\"first_frame_ms\": %.1f, \"first_picture_ms\": %.1f,\n \"wall_ms\": %.1f, \"cpu_ms\": %.1f",
+            times->first_frame, times->first_picture, now - times->written, used - times->used);
+    times->written = now;
+    times->used = used;
     for (int kind = 0; kind < TIMED_KINDS; kind++) {
         write_kind(out, times, (enum timed)kind);
     }

@@ -21,6 +21,7 @@ struct times {
     size_t counts[TIMED_KINDS];              /**< Of all that were added.            */
     double started, frame_started;           /**< Clock, ms: of the program, of the newest frame (0 = none yet). */
     double first_frame, first_picture;       /**< ms from the start; 0 = not yet.    */
+    double written, used;                    /**< Clock and processor time, ms, when they were written last. */
 };
 
 /** ms of a clock that never goes back. */
@@ -34,7 +35,8 @@ void times_begin_frame(struct times *times);
 /** The window sleeps: the next frame does not follow from the one before. */
 void times_rest(struct times *times);
 
-/** Writes count, median, 90th percentile and maximum of each since the last time, as JSON, and starts anew. */
+/** Writes count, median, 90th percentile and maximum of each since the last time, as JSON, and starts anew; with
+ * how long that was, and the processor time that the program took meanwhile. */
 conus_status times_write(struct times *times, const char *path);
 
 #endif
