@@ -10,11 +10,15 @@
 #include "base/memory.h"
 #include "render/renderer.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { CONES = 4, SEED = 45, CHECK_EDGE = 48 };
+
+/* Of each copy, in both engines with slices and without, on a driver that has textures in memory, too. */
+enum { BYTES_PER_VOXEL = 8 };
 
 /* From copy to copy, in edges of one. */
 #define SPACING 1.1
@@ -420,6 +424,38 @@ static conus_status run_copies(struct bench *bench, const struct bonsai *bonsai,
     return status;
 }
 
+/* Bytes that programs may still take; as many as there can be where the system does not say. */
+static uint64_t available_memory(void)
+{
+    static const char key[] = "MemAvailable:";
+    char line[128];
+    uint64_t bytes = UINT64_MAX;
+    FILE *file = fopen("/proc/meminfo", "r");
+    while (file && fgets(line, sizeof line, file)) {
+        if (strncmp(line, key, sizeof key - 1) == 0) {
+            bytes = strtoull(line + sizeof key - 1, NULL, 10) * 1024;
+        }
+    }
+    if (file) {
+        fclose(file);
+    }
+    return bytes;
+}
+
+static conus_status run_if_there_is_room(struct bench *bench, const struct bonsai *bonsai, size_t copies)
+{
+    uint64_t needed = (uint64_t)BYTES_PER_VOXEL * copies * bonsai->edge * bonsai->edge * bonsai->edge;
+    uint64_t available = available_memory();
+    char what[64];
+    if (needed <= available) {
+        return run_copies(bench, bonsai, copies);
+    }
+    snprintf(what, sizeof what, "bonsai, %zu copies", copies);
+    (void)fail(CONUS_ERROR_MEMORY, "it takes about %" PRIu64 " MiB of memory, there are %" PRIu64, needed >> 20,
+               available >> 20);
+    return bench_leave_out(bench, what);
+}
+
 conus_status bench_bonsai(struct bench *bench)
 {
     static const size_t counts[] = {1, 5, 15, 45};
@@ -431,7 +467,7 @@ conus_status bench_bonsai(struct bench *bench)
     bench->note = bonsai.is_papers ? "the paper's volume" : "a stand-in for the paper's volume";
     printf("volume: %s\n", bench->note);
     for (size_t i = 0; i < count && !status; i++) {
-        status = run_copies(bench, &bonsai, counts[i]);
+        status = run_if_there_is_room(bench, &bonsai, counts[i]);
     }
     bonsai_finish(&bonsai);
     return status;
