@@ -93,10 +93,10 @@ setup_poses() {
     cmp rows.tsv own.tsv
 }
 
-# setup_long: 1500 poses that take a while; `long` are the arguments that say so.
+# setup_long N: 1000 poses that take a while, N x N pixels each; `long` are the arguments that say so.
 setup_long() {
-    setup_poses 1500
-    long=(sphere.nii.gz --poses poses.tsv --resolution 128)
+    setup_poses 1000
+    long=(sphere.nii.gz --poses poses.tsv --resolution "$1")
     conus batch "${long[@]}" -o rows.tsv
 }
 
@@ -132,7 +132,7 @@ read_children() {
 }
 
 @test "killed and resumed, with any number of ranks and by conus batch: the file of one run" {
-    setup_long
+    setup_long 128
     start 4 -o killed.tsv
     wait_for_lines 5
     read_children
@@ -165,7 +165,7 @@ read_children() {
 }
 
 @test "conus batch killed, and resumed on ranks" {
-    setup_long
+    setup_long 128
     "$CONUS" batch "${long[@]}" --block 10 -o killed.tsv 3>&- &
     pid=$!
     wait_for_lines 30
@@ -174,12 +174,25 @@ read_children() {
     cmp rows.tsv killed.tsv
 }
 
-@test "SIGINT ends it with a word on how to go on" {
-    setup_long
+# said_how_to_go_on: once.
+said_how_to_go_on() {
+    local wanted='^conus: interrupted after [0-9]* poses; go on with: conus-mpi batch .* -o killed.tsv --resume$'
+    [ "$(grep -c "$wanted" said)" -eq 1 ] || { cat said; return 1; }
+}
+
+@test "SIGTERM to a rank and SIGINT to mpirun end it with a word on how to go on" {
+    setup_long 320 # mpirun takes a while to pass it on
     start 2 -o killed.tsv
     wait_for_lines 5
+    read_children
+    stop TERM "${children[1]}"
+    said_how_to_go_on
+    local lines
+    lines=$(wc -l <killed.tsv.journal)
+    start 2 -o killed.tsv --resume
+    wait_for_lines $((lines + 3))
     stop INT "$pid"
-    [ "$(grep -c '^conus: interrupted after [0-9]* poses; go on with: conus-mpi batch .* -o killed.tsv --resume' said)" -eq 1 ]
+    said_how_to_go_on
     ranks 2 "${long[@]}" -o killed.tsv --resume
     cmp rows.tsv killed.tsv
 }
@@ -252,7 +265,14 @@ read_children() {
 
 # pretend_nodes: `mpi` starts ranks on the nodes a, b and c, which are this machine.
 pretend_nodes() {
-    printf '#!/bin/sh\nshift\nexec sh -c "$*"\n' >agent # for ssh HOST COMMAND
+    cat >agent <<'END'
+#!/bin/sh
+# What mpirun calls in the place of ssh HOST COMMAND...; nodes do not share temporary files.
+host=$1
+shift
+mkdir -p "nodes/$host"
+TMPDIR=$PWD/nodes/$host exec sh -c "$*"
+END
     chmod +x agent
     export OMPI_MCA_plm_rsh_agent=$PWD/agent
     mpi=(timeout 120 mpirun --oversubscribe --allow-run-as-root --mca btl 'tcp,self' --mca btl_tcp_if_include lo)
