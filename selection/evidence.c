@@ -50,9 +50,9 @@ void evidence_clear(struct evidence *evidence)
 void evidence_drop_blocked(struct evidence *evidence)
 {
     size_t pixels = (size_t)evidence->resolution * evidence->resolution;
-    bool any = false;
+    uint32_t any = 0;
     for (size_t i = 0; i < pixels; i++) { /* without a branch, since mostly there are none */
-        any |= evidence->object[i] == VOLUME_BLOCKER;
+        any |= evidence->object[i] == VOLUME_BLOCKER ? 1 : 0;
     }
     for (size_t i = 0; i < pixels && any; i++) {
         if (evidence->object[i] == VOLUME_BLOCKER) {

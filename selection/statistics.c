@@ -134,11 +134,10 @@ static size_t add_run(struct tallied *object, const struct aperture *aperture, c
         uint32_t pixel = inside[k++];
         double r = aperture->radius[pixel];
         double distance = distances[pixel];
-        if (r < radius || (r == radius && distance < contact_distance)) {
-            contact = pixel;
-            radius = r;
-            contact_distance = distance;
-        }
+        bool better = (r < radius) | ((r == radius) & (distance < contact_distance));
+        contact = better ? pixel : contact;
+        radius = better ? r : radius;
+        contact_distance = better ? distance : contact_distance;
         nearest = distance < nearest ? distance : nearest;
         weight += aperture->weight[pixel];
     } while (k < aperture->rays.count && evidence->object[inside[k]] == met);
