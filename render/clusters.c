@@ -294,9 +294,14 @@ void clusters_drop_triangles(struct clusters *clusters)
 
 const struct cluster *clusters_find(const struct clusters *clusters, uint32_t triangle)
 {
-    size_t low = 0;
-    size_t high = clusters->first_cluster[clusters->mesh_count];
+    size_t end = clusters->first_cluster[clusters->mesh_count];
+    size_t low = triangle / CLUSTER_TRIANGLES; /* not beyond it, and seldom far before it */
+    size_t step = 1;
     assert(triangle < clusters->triangle_count);
+    for (; end - low > step && clusters->cluster[low + step].first <= triangle; step *= 2) {
+        low += step;
+    }
+    size_t high = end - low > step ? low + step : end;
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
         if (clusters->cluster[middle].first <= triangle) {

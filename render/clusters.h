@@ -8,7 +8,7 @@
 
 #include "atlas/mesh.h"
 
-enum { CLUSTER_TRIANGLES = 64 };
+enum { CLUSTER_TRIANGLES = 16 };
 
 /** At most CLUSTER_TRIANGLES neighbours of one mesh and a ball around them. */
 struct cluster {

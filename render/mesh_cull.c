@@ -32,6 +32,7 @@ struct mesh_cull {
     uint32_t resolution;
     unsigned without;
     uint32_t tile_edge, tile_count;        /* pixels; tiles along an edge */
+    double side[TILE_LIMIT];               /* of tiles of one pixel: how far to the side their rays are at depth 1 */
     double reach[TILE_LIMIT * TILE_LIMIT]; /* how far any of a tile's rays can get */
     double farthest;                       /* of them all */
     struct waiting *heap;                  /* a binary heap, nearest on top; room for every mesh and cluster */
@@ -107,6 +108,17 @@ static struct waiting pop(struct mesh_cull *cull)
     return top;
 }
 
+/* fmax() and fmin() are calls, for the sake of numbers that are none. */
+static inline double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+static inline double smaller(double a, double b)
+{
+    return a < b ? a : b;
+}
+
 /* ---- Balls against the pyramid -------------------------------------------------------------------------------- */
 
 /* A ball in the device's frame: to its right, up and forward. */
@@ -122,7 +134,7 @@ static inline struct seen see(const struct mesh_cull *cull, double x, double y, 
 
 static inline bool is_in_pyramid(const struct mesh_cull *cull, const struct seen *ball)
 {
-    double sideways = fmax(fabs(ball->x), fabs(ball->y));
+    double sideways = larger(fabs(ball->x), fabs(ball->y));
     return (cull->without & MESH_CULL) ||
            (ball->depth > -ball->radius &&
             (sideways - cull->width) * cull->cosine - ball->depth * cull->sine < ball->radius);
@@ -132,7 +144,7 @@ static inline double nearest_of(const struct mesh_cull *cull, const struct seen 
 {
     double sideways = cull->width > 0 ? 0 : ball->x * ball->x + ball->y * ball->y; /* rays go there, or only ahead */
     double distance = sqrt(sideways + ball->depth * ball->depth);
-    return fmax(distance - ball->radius - ROUNDING * (distance + ball->radius), 0);
+    return larger(distance - ball->radius - ROUNDING * (distance + ball->radius), 0);
 }
 
 /* What the heap goes by. */
@@ -157,8 +169,8 @@ static bool find_pixels(uint32_t *first, uint32_t *last, const struct mesh_cull 
     }
     low = ((low / (low < 0 ? near : far) + 1) * n - 1) / 2 - MARGIN;
     high = ((high / (high > 0 ? near : far) + 1) * n - 1) / 2 + MARGIN;
-    low = fmax(ceil(low), 0);
-    high = fmin(floor(high), n - 1);
+    low = larger(ceil(low), 0);
+    high = smaller(floor(high), n - 1);
     if (!(low <= high)) {
         return false;
     }
@@ -180,6 +192,28 @@ static bool find_tiles(struct tiles *out, const struct mesh_cull *cull, const st
     return true;
 }
 
+/* Whether the ray of the pixel (i, j) passes the ball, or so near that a driver may think so, and gets there. */
+static bool is_met(const struct mesh_cull *cull, const struct seen *ball, uint32_t i, uint32_t j)
+{
+    double right = cull->side[i];
+    double up = cull->side[j];
+    double far = ball->depth + ball->radius;
+    double pixel = 2 * (cull->width + cull->slope * far) / cull->resolution;
+    double reach = ball->radius + 2 * MARGIN * pixel + ROUNDING * far;
+    double square = 1, along = ball->depth;
+    double off[3] = {ball->x - right, ball->y - up, 0};
+    if (cull->width <= 0) { /* the cross product, in which nothing cancels, instead of a difference of squares */
+        square += right * right + up * up;
+        along += right * ball->x + up * ball->y;
+        off[0] = ball->y - ball->depth * up;
+        off[1] = ball->depth * right - ball->x;
+        off[2] = up * ball->x - right * ball->y;
+    }
+    double inside = reach * reach - vec3_dot(off, off) / square;
+    double known = cull->reach[j * cull->tile_count + i];
+    return inside >= 0 && along / sqrt(square) - sqrt(inside) - ROUNDING * far <= known;
+}
+
 /* Whether some ray through the ball's tiles gets as far as the ball. */
 static bool is_open(const struct mesh_cull *cull, const struct seen *ball, double nearest)
 {
@@ -187,9 +221,11 @@ static bool is_open(const struct mesh_cull *cull, const struct seen *ball, doubl
     if (!find_tiles(&tiles, cull, ball)) {
         return cull->without & MESH_CULL;
     }
+    bool is_whole =
+        cull->tile_edge > 1 || ball->depth <= ball->radius || (cull->without & MESH_CULL); /* by tiles only */
     for (uint32_t j = tiles.low[1]; j <= tiles.high[1]; j++) {
         for (uint32_t i = tiles.low[0]; i <= tiles.high[0]; i++) {
-            if (cull->reach[j * cull->tile_count + i] >= nearest) {
+            if (cull->reach[j * cull->tile_count + i] >= nearest && (is_whole || is_met(cull, ball, i, j))) {
                 return true;
             }
         }
@@ -230,6 +266,10 @@ void mesh_cull_begin(struct mesh_cull *cull, const struct mesh_view *view)
     cull->without = view->without;
     cull->tile_edge = (view->resolution + TILE_LIMIT - 1) / TILE_LIMIT;
     cull->tile_count = (view->resolution + cull->tile_edge - 1) / cull->tile_edge;
+    for (uint32_t i = 0; i < cull->tile_count; i++) {
+        double place = (2.0 * i + 1) / view->resolution - 1; /* Eq. 3 */
+        cull->side[i] = place * (view->radius > 0 ? view->radius : view->slope);
+    }
     gather_meshes(cull);
 }
 
@@ -244,12 +284,12 @@ void mesh_cull_hide(struct mesh_cull *cull, const double *distances)
     for (uint32_t j = 0; j < n && distances; j++) {
         for (uint32_t i = 0; i < n; i++) {
             double *reach = &cull->reach[j / cull->tile_edge * cull->tile_count + i / cull->tile_edge];
-            *reach = fmax(*reach, distances[(size_t)j * n + i]);
+            *reach = larger(*reach, distances[(size_t)j * n + i]);
         }
     }
     cull->farthest = 0;
     for (uint32_t t = 0; t < tiles; t++) {
-        cull->farthest = fmax(cull->farthest, cull->reach[t]);
+        cull->farthest = larger(cull->farthest, cull->reach[t]);
     }
 }
 

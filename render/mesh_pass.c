@@ -14,13 +14,17 @@
 enum { POSITION_UNIT, CORNER_UNIT };
 enum { PIXEL_BUFFER, HIT_BUFFER };
 enum { FIRST_ROOM = 6, ROOM_STEP = 8 };
-enum { BATCH = 4096 }; /* triangles; Mesa 22.3's llvmpipe takes thrice the time for each in batches of 16384 */
+/* Triangles. On a GPU each batch is waited for; on the CPU waiting costs nothing, so fewer are drawn that batches
+ * before them hide. */
+enum { BATCH = 4096, SOFTWARE_BATCH = 1024, PIERCE_BATCH = 65536, FIRST_HITS = 1024 };
 
-enum { FIRST_HITS = 1024, PIERCE_BATCH = 65536 };
+/* llvmpipe keeps triangles until it rasterises, in memory that it gives back to the system afterwards: thousands of
+ * them cost it two to three times as much each as hundreds, by page faults. So it is told to begin after that many. */
+enum { SOFTWARE_PORTION = 1024 };
 
 /* Looks are under way side by side as long as what they are culled with takes no more than so many bytes, and are drawn
  * and read at once as long as their pixels do not. */
-enum { SLOT_LIMIT = 256, SLOT_MEMORY = 1 << 26, PIXEL_MEMORY = 1 << 24 };
+enum { SLOT_LIMIT = 256, SLOT_MEMORY = 1 << 28, PIXEL_MEMORY = 1 << 24 };
 
 /* A look under way. */
 struct slot {
@@ -45,6 +49,7 @@ struct mesh_pass {
     struct clusters clusters;
     struct slot slots[SLOT_LIMIT]; /* the first slot_count have a cull; one always has */
     size_t slot_count, slot_limit;
+    size_t batch, portion;          /* triangles that are settled, and that are drawn, at once */
     struct mesh_program first, all; /* all: made when it is needed for the first time */
     GLuint vertices, position_buffer, corner_buffer, positions, corners;
     struct target target; /* without pixels: what is drawn goes to the buffer */
@@ -185,6 +190,8 @@ static conus_status reserve(struct mesh_pass *pass, const struct mesh *const *me
     }
     memcpy(copy, meshes, count * sizeof(void *));
     pass->meshes = copy;
+    pass->batch = gl_is_software() ? SOFTWARE_BATCH : BATCH;
+    pass->portion = gl_is_software() ? SOFTWARE_PORTION : SIZE_MAX;
     conus_status status = clusters_init(&pass->clusters, meshes, count);
     if (!status) {
         size_t fitting = SLOT_MEMORY / mesh_cull_size(&pass->clusters);
@@ -380,17 +387,24 @@ static void use_program(const struct mesh_program *program, const struct mesh_vi
 /* Draws with the program in use. */
 static void draw(const struct mesh_pass *pass, const uint32_t *batch, size_t count)
 {
-    for (size_t i = 0; i < count; i++) {
-        const struct cluster *cluster = &pass->clusters.cluster[batch[i]];
-        pass->draw_counts[i] = (GLsizei)(3 * cluster->count);
-        pass->draw_offsets[i] = (const void *)((uintptr_t)cluster->first * 3 * sizeof(uint32_t));
-    }
     target_bind(&pass->target);
     glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
     glBindTextureUnit(POSITION_UNIT, pass->positions);
     glBindTextureUnit(CORNER_UNIT, pass->corners);
     glBindVertexArray(pass->vertices);
-    glMultiDrawElements(GL_TRIANGLES, pass->draw_counts, GL_UNSIGNED_INT, pass->draw_offsets, (GLsizei)count);
+    for (size_t i = 0, portion; i < count; i += portion) {
+        size_t triangles = 0;
+        for (portion = 0; i + portion < count && triangles < pass->portion; portion++) {
+            const struct cluster *cluster = &pass->clusters.cluster[batch[i + portion]];
+            pass->draw_counts[portion] = (GLsizei)(3 * cluster->count);
+            pass->draw_offsets[portion] = (const void *)((uintptr_t)cluster->first * 3 * sizeof(uint32_t));
+            triangles += cluster->count;
+        }
+        glMultiDrawElements(GL_TRIANGLES, pass->draw_counts, GL_UNSIGNED_INT, pass->draw_offsets, (GLsizei)portion);
+        if (pass->portion < SIZE_MAX) {
+            glFlush();
+        }
+    }
 }
 
 /* Looks that are still to be begun. */
@@ -399,7 +413,7 @@ struct queue {
 };
 
 /* Gives the slot its look's next batch, or the first one of the next look; false when there is none. */
-static bool feed(struct slot *slot, struct queue *queue)
+static bool feed(struct slot *slot, struct queue *queue, size_t batch)
 {
     while (!slot->count && (slot->look || queue->next < queue->end)) {
         if (!slot->look) {
@@ -407,7 +421,7 @@ static bool feed(struct slot *slot, struct queue *queue)
             mesh_cull_begin(slot->cull, &slot->look->view);
         }
         mesh_cull_hide(slot->cull, slot->look->pixels.distances);
-        slot->count = mesh_cull_batch(&slot->batch, slot->cull, BATCH);
+        slot->count = mesh_cull_batch(&slot->batch, slot->cull, batch);
         slot->attempts = 0;
         slot->look = slot->count ? slot->look : NULL;
     }
@@ -418,7 +432,7 @@ static bool feed(struct slot *slot, struct queue *queue)
 static size_t feed_all(struct mesh_pass *pass, size_t slots, struct queue *queue)
 {
     for (size_t i = 0; i < slots;) {
-        if (feed(&pass->slots[i], queue)) {
+        if (feed(&pass->slots[i], queue, pass->batch)) {
             i++;
         } else {
             struct slot idle = pass->slots[i];

@@ -215,7 +215,19 @@ static struct mesh_view mesh_view_of(const struct cone *cone)
     return (struct mesh_view){cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, cone->resolution, 0};
 }
 
-/* Behind look_at_volumes(): what the volumes show limits how far the meshes are looked for. */
+/* To the rays of pixels that are not wanted. */
+static void set_distances(struct evidence *out, const struct cone *cone, double distance)
+{
+    size_t pixels = (size_t)cone->resolution * cone->resolution;
+    for (size_t pixel = 0; cone->wanted && pixel < pixels; pixel++) {
+        if (!cone->wanted[pixel]) {
+            out->distance[pixel] = distance;
+        }
+    }
+}
+
+/* Behind look_at_volumes(): what the volumes show limits how far the meshes are looked for; and where nothing is
+ * wanted, nothing is. */
 static conus_status look_at_meshes(struct gl_engine *gl, const struct view *view)
 {
     for (size_t c = 0; c < view->count; c++) {
@@ -224,8 +236,13 @@ static conus_status look_at_meshes(struct gl_engine *gl, const struct view *view
                                            (const double(*)[3])gl->directions + c * view->pixels, out->object,
                                            out->distance, out->voxel};
         gl->looks[c] = (struct mesh_look){mesh_view_of(view->cones[c]), pixels};
+        set_distances(out, view->cones[c], 0);
     }
-    return mesh_pass_look(gl->mesh_pass, gl->looks, view->count);
+    conus_status status = mesh_pass_look(gl->mesh_pass, gl->looks, view->count);
+    for (size_t c = 0; c < view->count; c++) {
+        set_distances(view->out[c], view->cones[c], INFINITY);
+    }
+    return status;
 }
 
 static conus_status look_many(struct engine *engine, struct evidence *const *out, const struct cone *const *cones,

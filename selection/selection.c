@@ -218,8 +218,8 @@ size_t selections_at_once(const conus_selector *selector)
 /* What is visible, of all selections (NULL is passed over) at once. */
 static conus_status look_at_all(conus_selection *const *selections, size_t count, struct engine *engine)
 {
-    struct evidence **evidence = memory_raw(count, sizeof *evidence);
-    const struct cone **cones = memory_raw(count, sizeof *cones);
+    struct evidence **evidence = memory_raw(count, sizeof(void *));
+    const struct cone **cones = memory_raw(count, sizeof(void *));
     conus_status status = evidence && cones ? CONUS_OK : CONUS_ERROR_MEMORY;
     size_t given = 0;
     for (size_t i = 0; i < count && !status; i++) {

@@ -243,22 +243,19 @@ static void many_looks_are_what_they_are_alone(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Pixels that are not wanted are nobody's. */
-static void only_wanted_pixels_are_looked_at(void **state)
+/* Pixels that are not wanted are nobody's, and the others are as they are among them. */
+static void compare_wanted(uint64_t *random, const conus_atlas *atlas)
 {
-    (void)state;
-    uint64_t random = 64;
-    conus_atlas *atlas = scene_atlas(&random, 30, 1);
     struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
     for (int round = 0; round < 20; round++) {
-        struct cone cone = scene_cone(&random, atlas);
+        struct cone cone = scene_cone(random, atlas);
         static bool wanted[64 * 64];
         struct evidence all, some;
         assert_ok(evidence_init(&all, cone.resolution));
         assert_ok(evidence_init(&some, cone.resolution));
         assert_ok(pair.gl->functions->look(pair.gl, &all, &cone));
         for (size_t i = 0; i < (size_t)cone.resolution * cone.resolution; i++) {
-            wanted[i] = round && test_random(&random, 0, 1) < 0.5; /* or none */
+            wanted[i] = round && test_random(random, 0, 1) < 0.5; /* or none */
             if (!wanted[i]) {
                 all.object[i] = 0;
                 all.distance[i] = INFINITY;
@@ -272,7 +269,18 @@ static void only_wanted_pixels_are_looked_at(void **state)
         evidence_finish(&some);
     }
     gl_pair_destroy(&pair);
-    conus_atlas_destroy(atlas);
+}
+
+static void only_wanted_pixels_are_looked_at(void **state)
+{
+    (void)state;
+    uint64_t random = 64;
+    conus_atlas *voxels = scene_atlas(&random, 30, 1);
+    conus_atlas *mixed = mixed_atlas(&random);
+    compare_wanted(&random, voxels);
+    compare_wanted(&random, mixed);
+    conus_atlas_destroy(voxels);
+    conus_atlas_destroy(mixed);
 }
 
 struct attempt {
