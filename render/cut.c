@@ -13,22 +13,36 @@ struct opacities {
     double of[3][2];
 };
 
-static bool has_meshes(const conus_atlas *atlas)
+static double size_of(const conus_atlas *atlas, uint32_t number)
 {
+    return fabs(atlas_object_mesh(atlas, number)->shape.volume_mm3);
+}
+
+static void list_surfaces(struct cut *cut)
+{
+    const conus_atlas *atlas = cut->atlas;
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
-        if (atlas_object_mesh(atlas, number)) {
-            return true;
+        if (!atlas_object_mesh(atlas, number)) {
+            continue;
         }
+        size_t at = cut->surface_count++;
+        for (; at > 0 && size_of(atlas, cut->surfaces[at - 1]) < size_of(atlas, number); at--) {
+            cut->surfaces[at] = cut->surfaces[at - 1];
+        }
+        cut->surfaces[at] = number;
     }
-    return false;
 }
 
 conus_status cut_init(struct cut *out, const conus_atlas *atlas)
 {
-    struct cut cut = {.atlas = atlas, .hidden = memory_zeroed(atlas->object_count + 1, sizeof *cut.hidden)};
-    if (!cut.hidden) {
+    struct cut cut = {.atlas = atlas,
+                      .hidden = memory_zeroed(atlas->object_count + 1, sizeof *cut.hidden),
+                      .surfaces = memory_zeroed(atlas->object_count + 1, sizeof *cut.surfaces)};
+    if (!cut.hidden || !cut.surfaces) {
+        cut_finish(&cut);
         return CONUS_ERROR_MEMORY;
     }
+    list_surfaces(&cut);
     *out = cut;
     return CONUS_OK;
 }
@@ -39,7 +53,8 @@ static void free_pixels(struct cut *cut)
     memory_free(cut->objects);
     memory_free(cut->grey);
     memory_free(cut->contours);
-    cut->rgba = cut->grey = NULL;
+    memory_free(cut->flips);
+    cut->rgba = cut->grey = cut->flips = NULL;
     cut->objects = cut->contours = NULL;
     cut->pixel_room = 0;
 }
@@ -48,6 +63,7 @@ void cut_finish(struct cut *cut)
 {
     free_pixels(cut);
     memory_free(cut->hidden);
+    memory_free(cut->surfaces);
     *cut = (struct cut){0};
 }
 
@@ -56,14 +72,15 @@ static conus_status make_room(struct cut *cut, size_t pixels)
     if (pixels <= cut->pixel_room) {
         return CONUS_OK;
     }
-    bool contours = has_meshes(cut->atlas);
+    bool contours = cut->surface_count > 0;
     free_pixels(cut);
     cut->has_grey = cut->has_objects = false;
     cut->rgba = memory_raw(pixels, 4);
     cut->objects = memory_raw(pixels, sizeof *cut->objects);
     cut->grey = memory_raw(pixels, 1);
     cut->contours = contours ? memory_raw(pixels, sizeof *cut->contours) : NULL;
-    if (!cut->rgba || !cut->objects || !cut->grey || (contours && !cut->contours)) {
+    cut->flips = contours ? memory_raw(pixels, 1) : NULL;
+    if (!cut->rgba || !cut->objects || !cut->grey || (contours && !(cut->contours && cut->flips))) {
         free_pixels(cut);
         return CONUS_ERROR_MEMORY;
     }

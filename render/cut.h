@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * A flat cut through an atlas, drawn on the CPU: the context in grey, areas filled and outlined, meshes as their
- * contours, pathways over them, and the cut through a cone. Labels are looked up, never interpolated.
+ * contours and filled where they are closed, pathways over them, and the cut through a cone. Labels are looked up,
+ * never interpolated.
  *
  * A cut keeps what it found: the next one looks at voxels and triangles again only where they lie elsewhere, or other
  * objects are hidden. */
@@ -42,9 +43,12 @@ struct cut {
     uint8_t *rgba;     /**< [height width 4] sRGB and opacity 255, top row first.                               */
     uint32_t *objects; /**< [height width] The area or pathway that a pixel's centre is in; 0 = none.            */
 
-    uint8_t *grey;       /**< [height width] Of the context.                                                      */
-    uint32_t *contours;  /**< [height width] The object whose surface the plane cuts there; NULL without meshes.  */
-    size_t pixel_room;   /**< Of each of these arrays.                                                            */
+    uint8_t *grey;      /**< [height width] Of the context.                                                      */
+    uint32_t *contours; /**< [height width] The object whose surface the plane cuts there; NULL without meshes.  */
+    uint8_t *flips;     /**< [height width] Of one surface: whether a row goes in or out there; NULL likewise.   */
+    size_t pixel_room;  /**< Of each of these arrays.                                                            */
+    uint32_t *surfaces; /**< Objects with a mesh, the large ones first: they may hold others.                    */
+    size_t surface_count;
     bool *hidden;        /**< [object_count + 1] When objects were found.                                         */
     double window[2];    /**< Of grey.                                                                            */
     struct cut_place of; /**< Where grey and objects were found.                                                  */

@@ -179,27 +179,45 @@ static void pass(double out[2], const struct pane *pane, const double a[3], cons
     out[1] = vec3_dot(at, pane->down) + 0.5 * pane->height;
 }
 
-static void cut_triangle(uint32_t *contours, const struct pane *pane, const struct mesh *mesh, const uint32_t *triangle,
-                         uint32_t object)
+/* Where the line from one end to the other passes the middle of a row, all to the right of it change sides. */
+static void flip_rows(struct cut *cut, const struct pane *pane, const double from[2], const double to[2])
+{
+    double top = fmax(ceil(fmin(from[1], to[1]) - 0.5), 0);
+    double bottom = fmin(floor(fmax(from[1], to[1]) - 0.5), (double)pane->height - 1);
+    for (long row = (long)top; row <= (long)bottom; row++) {
+        double y = (double)row + 0.5;
+        if ((from[1] <= y) != (to[1] <= y)) {
+            double x = from[0] + (to[0] - from[0]) * ((y - from[1]) / (to[1] - from[1]));
+            double column = fmax(ceil(x - 0.5), 0);
+            if (column < pane->width) {
+                cut->flips[(size_t)pane->width * (size_t)row + (size_t)column] ^= 1;
+            }
+        }
+    }
+}
+
+/* Ends are found by the order of the edge's corners, so that triangles that share an edge share the end. */
+static bool cut_triangle(double ends[2][2], const struct pane *pane, const struct mesh *mesh, const uint32_t *triangle)
 {
     double corner[3][3];
     double depth[3];
-    double ends[3][2] = {{0}};
     int found = 0;
     for (int k = 0; k < 3; k++) {
         to_offset(corner[k], pane, mesh->positions + 3 * (size_t)triangle[k]);
         depth[k] = vec3_dot(corner[k], pane->forward);
     }
     if ((depth[0] < 0) == (depth[1] < 0) && (depth[0] < 0) == (depth[2] < 0)) {
-        return;
+        return false;
     }
     for (int k = 0; k < 3; k++) {
         int next = (k + 1) % 3;
-        if ((depth[k] < 0) != (depth[next] < 0)) {
-            pass(ends[found++], pane, corner[k], corner[next], depth[k] / (depth[k] - depth[next]));
+        int a = triangle[k] < triangle[next] ? k : next;
+        int b = a == k ? next : k;
+        if ((depth[a] < 0) != (depth[b] < 0)) {
+            pass(ends[found++], pane, corner[a], corner[b], depth[a] / (depth[a] - depth[b]));
         }
     }
-    draw_line(contours, pane, ends[0], ends[1], object);
+    return true;
 }
 
 /* Whether the plane passes the surface's box. */
@@ -214,18 +232,60 @@ static bool is_near(const struct pane *pane, const struct mesh_shape *shape)
     return fabs(middle) <= reach * (1 + 1e-9) + 1e-9;
 }
 
-static void find_contours(struct cut *cut, const struct cut_view *view)
+static void fill_rows(struct cut *cut, uint32_t object)
+{
+    uint32_t width = cut->of.width;
+    for (uint32_t row = 0; row < cut->of.height; row++) {
+        const uint8_t *flips = cut->flips + (size_t)width * row;
+        uint32_t *objects = cut->objects + (size_t)width * row;
+        const uint8_t *first = memchr(flips, 1, width);
+        bool inside = false;
+        for (size_t column = first ? (size_t)(first - flips) : width; column < width; column++) {
+            inside = inside != (flips[column] != 0);
+            objects[column] = inside ? object : objects[column];
+        }
+    }
+}
+
+static void find_surface(struct cut *cut, const struct pane *pane, const struct mesh *mesh, uint32_t object)
+{
+    size_t pixels = (size_t)pane->width * pane->height;
+    if (mesh->shape.closed) {
+        memset(cut->flips, 0, pixels);
+    }
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        double ends[2][2] = {{0}};
+        if (cut_triangle(ends, pane, mesh, mesh->triangles + 3 * t)) {
+            draw_line(cut->contours, pane, ends[0], ends[1], object);
+            if (mesh->shape.closed) {
+                flip_rows(cut, pane, ends[0], ends[1]);
+            }
+        }
+    }
+    if (mesh->shape.closed) {
+        fill_rows(cut, object);
+    }
+}
+
+static void find_surfaces(struct cut *cut, const struct cut_view *view)
 {
     struct pane pane;
     pane_init(&pane, &view->place);
     memset(cut->contours, 0, (size_t)pane.width * pane.height * sizeof *cut->contours);
-    for (uint32_t number = 1; number <= cut->atlas->object_count; number++) {
+    for (size_t i = 0; i < cut->surface_count; i++) {
+        uint32_t number = cut->surfaces[i];
         const struct mesh *mesh = atlas_object_mesh(cut->atlas, number);
-        if (!mesh || cut->hidden[number] || !is_near(&pane, &mesh->shape)) {
-            continue;
+        if (!cut->hidden[number] && is_near(&pane, &mesh->shape)) {
+            find_surface(cut, &pane, mesh, number);
         }
-        for (size_t t = 0; t < mesh->triangle_count; t++) {
-            cut_triangle(cut->contours, &pane, mesh, mesh->triangles + 3 * t, number);
+    }
+}
+
+static void find_volumes(struct cut *cut, const struct cut_view *view, conus_role role)
+{
+    for (size_t v = 0; v < cut->atlas->volume_count; v++) {
+        if (cut->atlas->volumes[v].info.role == role) {
+            find_in_volume(cut, view, &cut->atlas->volumes[v]);
         }
     }
 }
@@ -233,12 +293,9 @@ static void find_contours(struct cut *cut, const struct cut_view *view)
 void cut_find_objects(struct cut *cut, const struct cut_view *view)
 {
     memset(cut->objects, 0, (size_t)view->place.width * view->place.height * sizeof *cut->objects);
-    for (size_t v = 0; v < cut->atlas->volume_count; v++) {
-        if (cut->atlas->volumes[v].info.role != CONUS_CONTEXT) {
-            find_in_volume(cut, view, &cut->atlas->volumes[v]);
-        }
-    }
+    find_volumes(cut, view, CONUS_PARCELLATION);
     if (cut->contours) {
-        find_contours(cut, view);
+        find_surfaces(cut, view);
     }
+    find_volumes(cut, view, CONUS_SCALAR);
 }

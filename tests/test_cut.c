@@ -316,6 +316,60 @@ static conus_atlas *load_brain(void)
     return atlas;
 }
 
+/* How often the ray along +x from `at` passes the mesh, odd: inside (Moeller and Trumbore). */
+static bool is_inside(const struct mesh *mesh, const double at[3])
+{
+    bool inside = false;
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        double p[3][2];
+        double x[3];
+        for (int k = 0; k < 3; k++) {
+            const float *corner = mesh->positions + 3 * (size_t)mesh->triangles[3 * t + (size_t)k];
+            x[k] = (double)corner[0] - at[0];
+            p[k][0] = (double)corner[1] - at[1];
+            p[k][1] = (double)corner[2] - at[2];
+        }
+        double a = p[1][0] * p[2][1] - p[1][1] * p[2][0];
+        double b = p[2][0] * p[0][1] - p[2][1] * p[0][0];
+        double c = p[0][0] * p[1][1] - p[0][1] * p[1][0];
+        bool passes = (a > 0) == (b > 0) && (b > 0) == (c > 0);
+        inside = inside != (passes && (a * x[0] + b * x[1] + c * x[2]) / (a + b + c) > 0);
+    }
+    return inside;
+}
+
+static void closed_surfaces_are_filled(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = load_brain();
+    const conus_cut_view view = {.width = SIDE,
+                                 .height = SIDE,
+                                 .centre = {0.31, -7.13, 11.7},
+                                 .right = {0, 1, 0},
+                                 .up = {0, 0, 1},
+                                 .mm_per_pixel = 2.9};
+    unsigned met = 0;
+    uint64_t random = 5;
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+    for (int i = 0; i < 60; i++) {
+        unsigned x = pick(&random, SIDE);
+        unsigned y = pick(&random, SIDE);
+        const double at[3] = {0.31, -7.13 + 2.9 * (x - 30.0), 11.7 + 2.9 * (30.0 - y)};
+        uint32_t found = picture.objects[y * SIDE + x];
+        for (uint32_t number = 1; number <= atlas->object_count; number++) {
+            const struct mesh *mesh = atlas_object_mesh(atlas, number);
+            bool above = found && !atlas_object_mesh(atlas, found); /* the pathway */
+            if (mesh && mesh->shape.closed && !above) {
+                assert_int_equal(found == number, is_inside(mesh, at)); /* no two of them overlap */
+            }
+        }
+        met += found > 0;
+    }
+    assert_in_range(met, 10, 55);
+    conus_atlas_destroy(atlas);
+}
+
 static void a_cutter_draws_the_same_pictures(void **state)
 {
     (void)state;
@@ -356,6 +410,7 @@ int main(void)
         cmocka_unit_test(values_are_linear_between_voxels),
         cmocka_unit_test(a_cone_is_drawn_to_scale),
         cmocka_unit_test(hidden_areas_in_the_cone_are_hatched),
+        cmocka_unit_test(closed_surfaces_are_filled),
         cmocka_unit_test(a_cutter_draws_the_same_pictures),
         cmocka_unit_test(what_cannot_be_drawn_is_refused),
         cmocka_unit_test(every_failing_allocation_is_survived),

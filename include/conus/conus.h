@@ -792,8 +792,8 @@ typedef struct conus_view {
  * Channels R, G, B, A: float, linear light, premultiplied; A is 1. */
 CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view);
 
-/** A flat cut through an atlas: the context in grey, areas filled and outlined, surfaces as their contours, pathways
- * over them. Labels are looked up, never interpolated. */
+/** A flat cut through an atlas: the context in grey, areas filled and outlined, surfaces as their contours, filled where
+ * they are closed, pathways over them. Labels are looked up, never interpolated. */
 typedef struct conus_cut_view {
     double centre[3];       /**< World position of the picture's middle.                                         */
     double right[3], up[3]; /**< Unit vectors, perpendicular; both 0 = +x and +y: axial, neurological.           */
