@@ -193,6 +193,28 @@ static void move_entries(conus_selection *selection)
     }
 }
 
+/* What is first of the layers. Of pieces that begin at one place, as where a ray touches cells at an edge, it is what
+ * is met there without layers: that heeds the order of the cells. */
+static conus_status find_first(conus_selection *selection, struct engine *engine)
+{
+    struct evidence *first = &selection->evidence;
+    struct evidence met;
+    conus_status status = evidence_init(&met, selection->cone.resolution);
+    if (status) {
+        return status;
+    }
+    layers_first(first, &selection->layers);
+    status = engine->functions->look(engine, &met, &selection->cone);
+    for (size_t p = 0; p < (size_t)met.resolution * met.resolution && !status; p++) {
+        if (met.distance[p] == first->distance[p]) {
+            first->object[p] = met.object[p];
+            first->voxel[p] = met.voxel[p];
+        }
+    }
+    evidence_finish(&met);
+    return status;
+}
+
 /* All layers, and with a range what is first of what is in it. */
 static conus_status pierce(conus_selection *selection, struct engine *engine)
 {
@@ -203,7 +225,7 @@ static conus_status pierce(conus_selection *selection, struct engine *engine)
     if (!status && cone_has_range(&selection->cone)) {
         layers_clip(layers, &selection->cone);
         move_entries(selection);
-        layers_first(&selection->evidence, layers);
+        status = find_first(selection, engine);
     }
     layers_drop_blockers(layers);
     return status;

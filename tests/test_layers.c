@@ -250,6 +250,39 @@ static void every_failing_allocation_is_survived(void **state)
     conus_atlas_destroy(attempt.atlas);
 }
 
+/* Areas all over the grid, another one in each cell. */
+static void fill_grid(conus_atlas *atlas)
+{
+    struct volume *volume = &atlas->volumes[0];
+    for (size_t v = 0; v < volume->voxel_count && atlas->area_count; v++) {
+        uint16_t number = (uint16_t)(1 + v * 7 % 11 % atlas->area_count);
+        volume->objects16[v] = number;
+    }
+}
+
+/* Property: a range of all depths changes nothing, to the bit, also from corners and faces of cells. */
+static void a_range_of_everything_changes_nothing(void **state)
+{
+    (void)state;
+    uint64_t random = 43;
+    for (int k = 0; k < 150; k++) {
+        conus_atlas *atlas = scene_atlas(&random, 12, 1);
+        struct cone cone = scene_cone(&random, atlas);
+        fill_grid(atlas);
+        const conus_selector_options open = {.resolution = cone.resolution};
+        const conus_selector_options range = {.resolution = cone.resolution, .range = {0, 1e7}};
+        conus_selection *wanted = select_with(atlas, &open, &cone);
+        conus_selection *got = select_with(atlas, &range, &cone);
+        size_t pixels = (size_t)cone.resolution * cone.resolution;
+        assert_memory_equal(got->evidence.object, wanted->evidence.object, pixels * sizeof *got->evidence.object);
+        assert_memory_equal(got->evidence.distance, wanted->evidence.distance, pixels * sizeof(double));
+        assert_memory_equal(got->evidence.voxel, wanted->evidence.voxel, pixels * sizeof *got->evidence.voxel);
+        conus_selection_destroy(wanted);
+        conus_selection_destroy(got);
+        conus_atlas_destroy(atlas);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -258,6 +291,7 @@ int main(void)
         cmocka_unit_test(a_range_cuts_pieces_and_drops_the_rest),
         cmocka_unit_test(what_blocks_is_dropped),
         cmocka_unit_test(the_first_piece_is_what_is_visible),
+        cmocka_unit_test(a_range_of_everything_changes_nothing),
         cmocka_unit_test(ranges_that_meet_add_up),
         cmocka_unit_test(a_cylinder_has_parallel_rays),
         cmocka_unit_test(shapes_out_of_range_are_refused),
