@@ -10,10 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { TORI = 20000, CONES = 4, WAYS_LIMIT = 9, LARGE_WIDTH = 1400, LARGE_HEIGHT = 1050 };
-
-/* The first way that needs a display. */
-enum { SELECTOR_WAY = 6 };
+enum { TORI = 20000, CONES = 4, WAYS_LIMIT = 10, LARGE_WIDTH = 1400, LARGE_HEIGHT = 1050 };
 
 /* What programs look at their scene with, in whose middle 16 x 16 pixels are asked about. */
 #define LARGE_DEGREES 30.0
@@ -27,7 +24,7 @@ struct scene {
     struct mesh_rays *placed_rays;
     struct engine *rays_on_placed;          /* which share the torus's triangles, as VTK's actors do */
     struct cone wide[CONES], narrow[CONES]; /* what 16 x 16 pixels show of a window of their size, and of a large one */
-    struct peer_selector *small, *large, *composite;
+    struct peer_selector *small, *own, *large, *composite;
     struct peer_surface *surface;
 };
 
@@ -88,6 +85,11 @@ static const uint32_t large_size[2] = {LARGE_WIDTH, LARGE_HEIGHT};
 static conus_status make_small(struct scene *scene)
 {
     return remake_selector(&scene->small, scene, scene->placed, PEER_ACTORS, small_size, scene->wide);
+}
+
+static conus_status make_own(struct scene *scene)
+{
+    return remake_selector(&scene->own, scene, scene->areas, PEER_ACTORS, small_size, scene->wide);
 }
 
 static conus_status make_large(struct scene *scene)
@@ -198,12 +200,14 @@ static conus_status windows_init(struct bench *bench, struct scene *scene)
     conus_status status = peer_check_display();
     status = status ? status : make_timed(bench, scene, "actors, 16 x 16, first frame", make_small);
     status = status ? status : make_timed(bench, scene, "actors, 1400 x 1050, first frame", make_large);
-    return status ? status : make_timed(bench, scene, "composite, 16 x 16, first frame", make_composite);
+    status = status ? status : make_timed(bench, scene, "composite, 16 x 16, first frame", make_composite);
+    return status ? status : make_timed(bench, scene, "actors of own triangles, first frame", make_own);
 }
 
 static void scene_finish(struct scene *scene)
 {
     peer_selector_destroy(scene->small);
+    peer_selector_destroy(scene->own);
     peer_selector_destroy(scene->large);
     peer_selector_destroy(scene->composite);
     peer_surface_destroy(scene->surface);
@@ -268,10 +272,10 @@ static conus_status measure(struct bench *bench, struct contest *contest)
     return status ? status : bench_measure(bench, "peers_mesh", contest->variants, contest->count, CONES, angle);
 }
 
-/* Over the rays engine. */
-static conus_status ratio(struct bench *bench, const struct contest *contest, size_t above, const char *key)
+static conus_status ratio(struct bench *bench, const struct contest *contest, size_t above, size_t below,
+                          const char *key)
 {
-    return bench_ratio(bench, key, &contest->variants[above], &contest->variants[0]);
+    return bench_ratio(bench, key, &contest->variants[above], &contest->variants[below]);
 }
 
 static void contest_finish(struct contest *contest)
@@ -281,11 +285,38 @@ static void contest_finish(struct contest *contest)
     }
 }
 
+/* The ways of measure_wide(). */
+enum way {
+    RAYS,
+    RAYS_PLACED,
+    CELL_LOCATOR,
+    STATIC_LOCATOR,
+    CELL_PICKER,
+    STATIC_PICKER,
+    ACTORS, /* from here on a display is needed */
+    ACTORS_CELLS,
+    ACTORS_OWN,
+    COMPOSITE
+};
+
+/* Each over rays at what it has in memory: one torus for all places, or triangles for each. */
+static const struct {
+    enum way above, below;
+    const char *key;
+} ratios[] = {{CELL_LOCATOR, RAYS, "vtkcelllocator_over_rays"},
+              {STATIC_LOCATOR, RAYS, "vtkstaticlocator_over_rays"},
+              {CELL_PICKER, RAYS, "vtkcellpicker_over_rays"},
+              {ACTORS, RAYS_PLACED, "vtkselector_over_rays"},
+              {ACTORS_CELLS, RAYS_PLACED, "vtkselector_cells_over_rays"},
+              {ACTORS_OWN, RAYS, "vtkselector_own_over_rays"},
+              {COMPOSITE, RAYS, "vtkselector_composite_over_rays"}};
+enum { RATIOS = sizeof ratios / sizeof ratios[0], RATIOS_WITHOUT_DISPLAY = 3 };
+
 /* Cones of 5 degrees; the selector's window has 16 x 16 pixels. */
 static conus_status measure_wide(struct bench *bench, struct scene *scene)
 {
     struct contest contest = {
-        .scene = scene, .cones = scene->wide, .engines = {scene->rays, scene->rays_on_placed}, .count = 2};
+        .scene = scene, .cones = scene->wide, .engines = {scene->rays, scene->rays_on_placed}, .count = CELL_LOCATOR};
     add_locator(&contest, LOCATOR, PEER_CELL_LOCATOR, "vtkCellLocator");
     add_locator(&contest, LOCATOR, PEER_STATIC_LOCATOR, "vtkStaticCellLocator");
     add_locator(&contest, PICKER, PEER_CELL_LOCATOR, "vtkCellPicker, vtkCellLocator");
@@ -293,19 +324,12 @@ static conus_status measure_wide(struct bench *bench, struct scene *scene)
     if (scene->small) {
         add_selector(&contest, scene->small, true, "vtkHardwareSelector, actors");
         add_selector(&contest, scene->small, false, "vtkHardwareSelector, actors and cells");
+        add_selector(&contest, scene->own, true, "vtkHardwareSelector, actors of own triangles");
         add_selector(&contest, scene->composite, false, "vtkHardwareSelector, composite");
     }
     conus_status status = measure(bench, &contest);
-    status = status ? status : ratio(bench, &contest, 2, "vtkcelllocator_over_rays");
-    status = status ? status : ratio(bench, &contest, 3, "vtkstaticlocator_over_rays");
-    status = status ? status : ratio(bench, &contest, 4, "vtkcellpicker_over_rays");
-    if (scene->small) {
-        status = status ? status : ratio(bench, &contest, SELECTOR_WAY, "vtkselector_over_rays");
-        status = status ? status : ratio(bench, &contest, SELECTOR_WAY + 1, "vtkselector_cells_over_rays");
-        status = status ? status : ratio(bench, &contest, SELECTOR_WAY + 2, "vtkselector_composite_over_rays");
-        status = status ? status
-                        : bench_ratio(bench, "vtkselector_over_rays_placed", &contest.variants[SELECTOR_WAY],
-                                      &contest.variants[1]);
+    for (size_t i = 0; i < (scene->small ? RATIOS : RATIOS_WITHOUT_DISPLAY) && !status; i++) {
+        status = ratio(bench, &contest, ratios[i].above, ratios[i].below, ratios[i].key);
     }
     contest_finish(&contest);
     return status;
@@ -317,7 +341,7 @@ static conus_status measure_narrow(struct bench *bench, struct scene *scene)
     struct contest contest = {.scene = scene, .cones = scene->narrow, .engines = {scene->rays}, .count = 1};
     add_selector(&contest, scene->large, true, "vtkHardwareSelector, 1400 x 1050, actors");
     conus_status status = measure(bench, &contest);
-    status = status ? status : ratio(bench, &contest, 1, "vtkselector_window_over_rays");
+    status = status ? status : ratio(bench, &contest, 1, 0, "vtkselector_window_over_rays");
     contest_finish(&contest);
     return status;
 }
