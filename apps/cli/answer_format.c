@@ -75,15 +75,9 @@ bool answer_sidecar(char **out, conus_format format, const char *output)
     return true;
 }
 
-bool answer_check_files(const conus_atlas *atlas, const char *path, const struct atlas_settings *settings,
-                        const char *poses, const char *coordsystem, const char *output, const char *sidecar)
+bool answer_check_files(const conus_atlas *atlas, const struct input *inputs, const char *output, const char *sidecar)
 {
     const char *const outputs[] = {output, sidecar};
-    const struct input inputs[] = {{"the atlas", path},
-                                   {"the label table", settings->labels},
-                                   {"the file of poses", poses},
-                                   {"the coordinate system", coordsystem},
-                                   {0}};
     for (size_t i = 0; i < 2; i++) {
         const char *input = output_is_stdout(outputs[i]) ? NULL : settings_input(atlas, inputs, outputs[i]);
         if (input) {

@@ -20,10 +20,9 @@ conus_format answer_format(const struct arguments *arguments, const struct answe
  * write. False without memory. */
 bool answer_sidecar(char **out, conus_format format, const char *output);
 
-/** Whether neither the answer in @p output nor its @p sidecar would overwrite what is read, the atlas @p path, the file
- * of @p poses and its @p coordsystem among it; complains if so. */
-bool answer_check_files(const conus_atlas *atlas, const char *path, const struct atlas_settings *settings,
-                        const char *poses, const char *coordsystem, const char *output, const char *sidecar);
+/** Whether neither the answer in @p output nor its @p sidecar would overwrite what is read, the atlas's files or one of
+ * @p inputs (as of settings_input()); complains if so. */
+bool answer_check_files(const conus_atlas *atlas, const struct input *inputs, const char *output, const char *sidecar);
 
 /** Writes the report's sidecar to @p path, unless that is NULL. Gives the exit code, having complained unless it is 0.
  */

@@ -31,8 +31,8 @@ static bool check(const struct batch_settings *settings, const struct arguments 
         complain("--slices has no effect without --sampling slices");
         return false;
     }
-    if ((settings->force || settings->resume) && !settings->output) {
-        complain("--%s has no effect without --output", settings->force ? "force" : "resume");
+    if ((settings->force || settings->resume) && output_is_stdout(settings->output)) {
+        complain("--%s has no effect without a file for --output", settings->force ? "force" : "resume");
         return false;
     }
     return settings_check_score(&settings->engine, false) &&
@@ -58,7 +58,7 @@ static int choose_poses(struct work *work)
     return EXIT_DONE;
 }
 
-static bool is_pipe(const char *path)
+bool work_is_pipe(const char *path)
 {
     struct stat info;
     return output_is_stdout(path) || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
@@ -76,7 +76,7 @@ static int open_poses(struct work *work)
     if (work->shard.count > 1 && (work->format == CONUS_SPIKEGLX || work->format == CONUS_OPEN_EPHYS)) {
         return complain_usage("--shard: a probe's string is one whole; --jobs answers many probes");
     }
-    work->piped = is_pipe(settings->poses);
+    work->piped = work_is_pipe(settings->poses);
     if (work->piped && (work->shard.count > 1 || settings->resume)) {
         return complain_usage("%s needs a file of poses, not %s", settings->resume ? "--resume" : "--shard",
                               output_is_stdout(settings->poses) ? "standard input" : "a pipe");
@@ -105,6 +105,7 @@ static int check_files(const struct work *work)
                                    {"the list of areas", settings_level_file(&settings->engine)},
                                    {"the file of poses", settings->poses},
                                    {"the coordinate system", conus_pose_stream_coordsystem(work->poses)},
+                                   {"the table of batches", settings->jobs},
                                    {0}};
     const char *input = work->output ? settings_input(work->atlas, inputs, work->sidecar) : NULL;
     int code = input ? complain_usage("--output would overwrite %s %s", input, work->sidecar) : EXIT_DONE;
@@ -173,7 +174,8 @@ int work_init(struct work *out, const struct batch_settings *settings, const str
         complain("not enough memory");
         return EXIT_DATA;
     }
-    return EXIT_DONE;
+    int code = out->output ? output_check_file(out->output) : EXIT_DONE;
+    return code || !out->sidecar ? code : output_check_file(out->sidecar);
 }
 
 int work_open(struct work *work)

@@ -97,7 +97,7 @@ static int check_set(const struct merge *merge)
     for (size_t i = 0; i < merge->count; i++) {
         const struct part *part = &merge->parts[i];
         if (strcmp(part->record.fingerprint, first->record.fingerprint) != 0 ||
-            part->record.shard.count != first->record.shard.count) {
+            part->record.shard.count != first->record.shard.count || part->record.heading != first->record.heading) {
             complain("%s and %s are not shards of one batch: settings, poses, atlas, version or the number of shards "
                      "differ",
                      first->path, part->path);
@@ -216,23 +216,31 @@ static int write_whole(struct merge *merge)
 /* ---- The command --------------------------------------------------------------------------------------------------
  */
 
+/* Whether what is written at `path` would be a shard, or what describes it. */
+static bool is_of(const struct part *part, const char *path)
+{
+    return paths_equal(path, part->path) || paths_equal(path, part->sidecar);
+}
+
 static int check_paths(const struct merge *merge)
 {
     const char *output = merge->settings->output;
     if (output_is_stdout(output)) {
         return complain_usage("--output: a file is needed, \"-\" is none");
     }
-    for (size_t i = 0; i < merge->count; i++) {
+    int code = output_check_file(output);
+    code = code ? code : output_check_file(merge->sidecar);
+    for (size_t i = 0; i < merge->count && !code; i++) {
         const struct part *part = &merge->parts[i];
-        if (paths_equal(output, part->path) || paths_equal(merge->sidecar, part->sidecar)) {
+        if (is_of(part, output) || is_of(part, merge->sidecar)) {
             return complain_usage("--output would overwrite the shard %s", part->path);
         }
     }
-    if (!merge->settings->force && (access(output, F_OK) == 0 || access(merge->sidecar, F_OK) == 0)) {
+    if (!code && !merge->settings->force && (access(output, F_OK) == 0 || access(merge->sidecar, F_OK) == 0)) {
         return complain_usage("%s: there is a file already; --force replaces it",
                               access(output, F_OK) == 0 ? output : merge->sidecar);
     }
-    return EXIT_DONE;
+    return code;
 }
 
 static int work(struct merge *merge)

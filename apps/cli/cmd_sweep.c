@@ -361,13 +361,23 @@ static int load(struct sweep *sweep)
     return settings_match_poses(sweep->poses, settings->aim.pose, sweep->atlas, &settings->file, &settings->common);
 }
 
+static bool check_files(const struct sweep *sweep)
+{
+    const struct sweep_settings *settings = sweep->settings;
+    const struct input inputs[] = {{"the atlas", sweep->arguments->operands[0]},
+                                   {"the label table", settings->atlas.labels},
+                                   {"the list of areas", settings_level_file(&settings->engine)},
+                                   {"the file of poses", settings->aim.pose},
+                                   {"the coordinate system", conus_pose_list_coordsystem(sweep->poses)},
+                                   {0}};
+    return answer_check_files(sweep->atlas, inputs, settings->answer.output, sweep->sidecar);
+}
+
 static int work(struct sweep *sweep)
 {
     const struct sweep_settings *settings = sweep->settings;
     int code = load(sweep);
-    if (code ||
-        !answer_check_files(sweep->atlas, sweep->arguments->operands[0], &settings->atlas, settings->aim.pose,
-                            conus_pose_list_coordsystem(sweep->poses), settings->answer.output, sweep->sidecar)) {
+    if (code || !check_files(sweep)) {
         return code ? code : EXIT_USAGE;
     }
     conus_status status = start(sweep);

@@ -378,6 +378,19 @@ static int open_poses(struct track *track)
     return status ? complain_status(status) : EXIT_DONE;
 }
 
+static bool check_files(const struct track *track)
+{
+    const struct track_settings *settings = track->settings;
+    const struct input inputs[] = {{"the atlas", track->arguments->operands[0]},
+                                   {"the label table", settings->atlas.labels},
+                                   {"the list of areas", settings_level_file(&settings->engine)},
+                                   {"the file of poses", settings->aim.pose},
+                                   {"the coordinate system", conus_pose_stream_coordsystem(track->poses)},
+                                   {"the tracker's matrix", settings->station.world_from_tracker},
+                                   {0}};
+    return answer_check_files(track->atlas, inputs, settings->answer.output, track->sidecar);
+}
+
 static int work(struct track *track)
 {
     const struct track_settings *settings = track->settings;
@@ -388,9 +401,7 @@ static int work(struct track *track)
     if (!code) {
         code = settings_load_context(track->atlas, settings->context.path, settings->context.blocks, &settings->atlas);
     }
-    if (code ||
-        !answer_check_files(track->atlas, track->arguments->operands[0], &settings->atlas, settings->aim.pose,
-                            conus_pose_stream_coordsystem(track->poses), settings->answer.output, track->sidecar)) {
+    if (code || !check_files(track)) {
         return code ? code : EXIT_USAGE;
     }
     code = track->station ? EXIT_DONE

@@ -47,6 +47,19 @@ int output_finish(int code)
     return code;
 }
 
+int output_check_file(const char *path)
+{
+    struct stat info;
+    if (lstat(path, &info) || S_ISREG(info.st_mode)) {
+        return EXIT_DONE;
+    }
+    complain("%s: cannot write: is a %s, which a file would replace", path,
+             S_ISDIR(info.st_mode)   ? "folder"
+             : S_ISLNK(info.st_mode) ? "link"
+                                     : "device or pipe");
+    return EXIT_DATA;
+}
+
 bool path_ends(const char *path, const char *ending)
 {
     size_t length = strlen(path);

@@ -16,6 +16,10 @@ int output_write(const char *path, const char *text, size_t size);
  * or something was wrong before. */
 int output_finish(int code);
 
+/** Whether a file that is renamed to @p path replaces nothing but a file, no device, pipe, folder or link. Gives the
+ * exit code, having complained unless it is 0. */
+int output_check_file(const char *path);
+
 /** Whether @p path ends in @p ending (".png"), in any case. */
 bool path_ends(const char *path, const char *ending);
 

@@ -233,7 +233,7 @@ static int lead(void *user, const struct batch_settings *settings, const struct 
     struct batch_settings own = *settings;
     char text[64];
     struct shard shard;
-    if (!settings->output || output_is_stdout(settings->output) || output_is_stdout(settings->poses)) {
+    if (!settings->output || output_is_stdout(settings->output) || work_is_pipe(settings->poses)) {
         return complain_usage("conus-mpi batch needs files for --poses and --output");
     }
     int code = batch_shard(&shard, settings);

@@ -139,7 +139,11 @@ wait_for_lines() {
     fails 3 'are both shard 1 of 3' merge rows.0.tsv rows.1.tsv rows.2.tsv again.tsv -o merged.tsv
     batch --shard 1/3 -o other.tsv --resolution 8
     fails 3 'are not shards of one batch' merge rows.0.tsv other.tsv rows.2.tsv -o merged.tsv
+    cp rows.1.tsv odd.tsv
+    sed 's/"heading": [0-9]*/"heading": 0/' rows.1.json >odd.json
+    fails 3 'are not shards of one batch' merge rows.0.tsv odd.tsv rows.2.tsv -o merged.tsv
     fails 2 'would overwrite the shard rows.0.tsv' merge rows.0.tsv rows.1.tsv rows.2.tsv -o rows.0.tsv
+    fails 2 'would overwrite the shard rows.1.tsv' merge rows.0.tsv rows.1.tsv rows.2.tsv -o rows.1.json --force
     sed -i '$s/unassigned/Unassigned/' rows.2.tsv
     fails 3 'rows.2.tsv: is not the file that rows.2.json describes' merge rows.0.tsv rows.1.tsv rows.2.tsv -o merged.tsv
     rm again.json
@@ -172,7 +176,9 @@ wait_for_lines() {
     fails 2 '--threads' batch sphere.nii.gz --poses poses.tsv --threads 0
     fails 2 '--block' batch sphere.nii.gz --poses poses.tsv --block 100000
     fails 2 '--poses FILE is missing' batch sphere.nii.gz
-    fails 2 '--resume has no effect without --output' batch sphere.nii.gz --poses poses.tsv --resume
+    fails 2 '--resume has no effect without a file for --output' batch sphere.nii.gz --poses poses.tsv --resume
+    fails 2 '--resume has no effect without a file for --output' batch sphere.nii.gz --poses poses.tsv --resume -o -
+    fails 2 '--force has no effect without a file for --output' batch sphere.nii.gz --poses poses.tsv --force -o -
     fails 2 '--force and --resume exclude each other' batch sphere.nii.gz --poses poses.tsv -o a.tsv --force --resume
     fails 2 'would overwrite the atlas' batch sphere.nii.gz --poses poses.tsv -o sphere.nii.gz --force
     fails 2 'would overwrite the file of poses' batch sphere.nii.gz --poses poses.tsv -o poses.tsv --force
@@ -183,6 +189,23 @@ wait_for_lines() {
         mv rows.tsv.$ending poses.tsv
     done
     nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv
+}
+
+@test "only files are replaced: no device, pipe, folder or link" {
+    setup_ball 3
+    batch --shard 0/1 -o whole.tsv
+    mkfifo pipe.tsv rows.json
+    mkdir folder.tsv
+    ln -s whole.tsv link.tsv
+    for name in pipe folder link; do
+        local kind="is a ${name/pipe/device or pipe}, which a file would replace"
+        fails 3 "$name.tsv: cannot write: $kind" batch sphere.nii.gz --poses poses.tsv -o $name.tsv --force
+        fails 3 "$name.tsv: cannot write: $kind" merge whole.tsv -o $name.tsv --force
+    done
+    fails 3 'rows.json: cannot write: is a device or pipe' batch sphere.nii.gz --poses poses.tsv -o rows.tsv --force
+    fails 3 'rows.json: cannot write: is a device or pipe' merge whole.tsv -o rows.tsv --force
+    [ -p pipe.tsv ] && [ -d folder.tsv ] && [ -L link.tsv ] && [ -p rows.json ]
+    nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv whole.tsv whole.json
 }
 
 @test "nothing is overwritten without --force" {
@@ -424,6 +447,8 @@ pipe_in() {
     rm a.tsv a.json b.tsv b.json c.tsv c.json
     answers batch --jobs jobs.tsv --angle 12 --shard 1/3
     [ -e b.tsv ] && [ ! -e a.tsv ] && [ ! -e c.tsv ]
+    printf 'atlas\tposes\toutput\nsphere.nii.gz\tposes.tsv\town.tsv\n' >own.tsv
+    fails 2 '--output would overwrite the table of batches own.tsv' batch --jobs own.tsv --force
     fails 2 'exclude each other' batch sphere.nii.gz --jobs jobs.tsv
     fails 2 '--jobs and --poses exclude each other' batch --jobs jobs.tsv --poses poses.tsv
     fails 2 'ATLAS is missing' batch --poses poses.tsv

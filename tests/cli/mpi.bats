@@ -52,6 +52,9 @@ setup_poses() {
     [ "$(grep -c '^conus: ' said)" -eq 1 ]
     ranks 2 sphere.nii.gz --poses poses.tsv 2>said && return 1 || [ $? -eq 2 ]
     grep -q 'conus-mpi batch needs files for --poses and --output' said
+    mkfifo pipe.tsv
+    ranks 2 sphere.nii.gz --poses pipe.tsv -o rows.tsv 2>said && return 1 || [ $? -eq 2 ]
+    grep -q 'conus-mpi batch needs files for --poses and --output' said
     ranks 2 --poses poses.tsv 2>said && return 1 || [ $? -eq 2 ]
     [ "$(grep -c '^conus: ATLAS is missing; conus-mpi batch --help shows how' said)" -eq 1 ]
     rm said
