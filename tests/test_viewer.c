@@ -264,6 +264,77 @@ static void files_are_watched(void **state)
     viewer_finish(&viewer);
 }
 
+/* The phantom's pathway twice, with a context. */
+static void load_two_pathways(struct viewer *out)
+{
+    const conus_pathway_options second = {.name = "Second", .threshold = 100};
+    conus_atlas *atlas = NULL;
+    char folder[512];
+    char path[600];
+    snprintf(folder, sizeof folder, "%s", test_scratch("phantom"));
+    assert_ok(conus_phantom_write("brain", folder, NULL));
+    snprintf(path, sizeof path, "%s/brain.atlas.json", folder);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    snprintf(path, sizeof path, "%s/brain-pathway.nii.gz", folder);
+    assert_ok(conus_atlas_add_pathway(atlas, path, &second));
+    assert_ok(viewer_create(out, atlas, "phantom", NULL, NULL, NULL));
+}
+
+/* A threshold that is no number cannot be set: what was set before it goes back. */
+static void settings_of_the_atlas_are_all_set_or_none(void **state)
+{
+    struct viewer viewer;
+    double thresholds[16] = {0};
+    struct atlas_edits edits = {
+        .thresholds = thresholds, .safe_colours = true, .sets_transfer = true, .point_count = 1};
+    (void)state;
+    load_two_pathways(&viewer);
+    const uint32_t last = (uint32_t)viewer.object_count;
+    const double before = viewer_pathway(&viewer, last - 1)->threshold;
+    const uint64_t voxels = conus_atlas_object(viewer.atlas, last - 1)->voxels;
+    assert_null(viewer_pathway(&viewer, last - 2));
+    assert_null(viewer_pathway(&viewer, last + 1));
+    thresholds[last - 1] = 2 * before;
+    thresholds[last] = NAN;
+    assert_int_equal(viewer_set_up(&viewer, &edits), CONUS_ERROR_ARGUMENT);
+    assert_true(viewer_pathway(&viewer, last - 1)->threshold == before);
+    assert_int_equal(conus_atlas_object(viewer.atlas, last - 1)->voxels, voxels);
+    assert_true(viewer_pathway(&viewer, last)->threshold == 100);
+    assert_false(viewer.safe_colours);
+    assert_false(viewer.transfer_editor.edited);
+    thresholds[last] = 200;
+    assert_ok(viewer_set_up(&viewer, &edits));
+    assert_true(viewer_pathway(&viewer, last - 1)->threshold == 2 * before);
+    assert_true(conus_atlas_object(viewer.atlas, last - 1)->voxels < voxels);
+    assert_true(viewer_pathway(&viewer, last)->threshold == 200);
+    assert_true(viewer.safe_colours && viewer.transfer_editor.edited);
+    viewer_finish(&viewer);
+}
+
+/* Changes of the atlas start another painter, which draws with the same points. */
+static void edited_points_outlive_other_changes(void **state)
+{
+    struct viewer viewer;
+    conus_transfer_point used[EDITOR_POINTS];
+    struct atlas_edits edits = {
+        .sets_transfer = true, .point_count = 2, .points = {{10, {0.5, 0.25, 0, 0.01}}, {20, {1, 1, 1, 0.2}}}};
+    (void)state;
+    load_two_pathways(&viewer);
+    assert_ok(viewer_set_up(&viewer, &edits));
+    viewer_set_threshold(&viewer, (uint32_t)viewer.object_count, 300);
+    viewer_use_safe_colours(&viewer, true);
+    assert_int_equal(painter_transfer(viewer.painter, used, EDITOR_POINTS), 2);
+    for (size_t i = 0; i < 2; i++) {
+        assert_true(used[i].value == edits.points[i].value);
+        assert_true(used[i].rgba[3] == edits.points[i].rgba[3]);
+    }
+    edits.safe_colours = true;
+    edits.point_count = 0;
+    assert_ok(viewer_set_up(&viewer, &edits));
+    assert_false(viewer.transfer_editor.edited);
+    viewer_finish(&viewer);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -275,6 +346,8 @@ int main(void)
         cmocka_unit_test(files_are_watched),
         cmocka_unit_test(a_node_is_shown_whole_in_part_or_not),
         cmocka_unit_test(colours_go_and_come_back),
+        cmocka_unit_test(settings_of_the_atlas_are_all_set_or_none),
+        cmocka_unit_test(edited_points_outlive_other_changes),
         cmocka_unit_test(the_window_finds_its_place_again),
         cmocka_unit_test(a_device_without_a_pose_is_put_in_front),
     };

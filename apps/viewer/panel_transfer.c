@@ -123,11 +123,7 @@ static void edit_transfer(struct viewer *viewer)
     }
     if (held && editor->held < editor->count && (mouse.moved_x != 0 || mouse.moved_y != 0)) {
         drag(editor, &box, &mouse);
-        if (!viewer->painter || !painter_set_transfer(viewer->painter, editor->points, editor->count)) {
-            viewer_say(viewer, "not enough memory");
-        }
-        viewer->scene_number++;
-        viewer->version++;
+        viewer_use_transfer(viewer);
     }
     editor->held = held ? editor->held : EDITOR_POINTS;
     ui_tip("drag the points: right is brighter, up is more opaque");
@@ -137,23 +133,11 @@ static void edit_transfer(struct viewer *viewer)
 /* ---- Pathways -----------------------------------------------------------------------------------------------------
  */
 
-static const conus_volume_info *volume_of_pathway(const conus_atlas *atlas, size_t ordinal)
-{
-    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
-        const conus_volume_info *info = conus_atlas_volume(atlas, i);
-        if (info->role == CONUS_SCALAR && --ordinal == 0) {
-            return info;
-        }
-    }
-    return NULL;
-}
-
 static void edit_thresholds(struct viewer *viewer)
 {
     for (uint32_t number = 1; number <= viewer->object_count; number++) {
         const conus_object *object = conus_atlas_object(viewer->atlas, number);
-        const conus_volume_info *info =
-            object->kind == CONUS_PATHWAY ? volume_of_pathway(viewer->atlas, object->label) : NULL;
+        const conus_volume_info *info = viewer_pathway(viewer, number);
         if (info && info->maximum > info->minimum) {
             double threshold = info->threshold;
             ui_id(number);

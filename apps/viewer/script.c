@@ -187,6 +187,19 @@ static bool do_choose(struct call *call)
     return object;
 }
 
+static bool do_threshold(struct call *call)
+{
+    struct viewer *viewer = call->window->viewer;
+    uint32_t object = viewer_find(viewer, call->words[1]);
+    const conus_volume_info *info = viewer_pathway(viewer, object);
+    double threshold;
+    bool fine = info && numbers(&threshold, call, 1, 1) && threshold >= info->minimum && threshold <= info->maximum;
+    if (fine) {
+        viewer_set_threshold(viewer, object, threshold);
+    }
+    return fine;
+}
+
 static bool do_fade(struct call *call)
 {
     double fade;
@@ -327,6 +340,7 @@ static const struct {
     {"fade", 1, 1, do_fade, "PART"},
     {"search", 0, 1, do_search, "[TEXT]"},
     {"choose", 1, 1, do_choose, "NAME"},
+    {"threshold", 2, 2, do_threshold, "PATHWAY VALUE"},
     {"quiet-status", 0, 0, do_quiet_status, ""},
     {"wait", 1, 1, do_wait, "FRAMES"},
     {"pause", 1, 1, do_pause, "SECONDS"},

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "viewer/session.h"
 
+#include <float.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdarg.h>
@@ -194,6 +195,32 @@ static json_t *pins_of(const struct viewer *viewer)
     return pins;
 }
 
+static json_t *thresholds_of(const struct viewer *viewer)
+{
+    json_t *list = json_array();
+    for (uint32_t number = 1; number <= viewer->object_count; number++) {
+        const conus_volume_info *info = viewer_pathway(viewer, number);
+        if (info) {
+            json_array_append_new(list,
+                                  json_pack("{s: s, s: f}", "pathway", conus_atlas_object(viewer->atlas, number)->name,
+                                            "threshold", info->threshold));
+        }
+    }
+    return list;
+}
+
+/* Null where the context is drawn as it came. */
+static json_t *transfer_of(const struct transfer_editor *editor)
+{
+    json_t *list = editor->edited ? json_array() : json_null();
+    for (size_t i = 0; editor->edited && i < editor->count; i++) {
+        const conus_transfer_point *point = &editor->points[i];
+        json_array_append_new(list, json_pack("[f, f, f, f, f]", point->value, point->rgba[0], point->rgba[1],
+                                              point->rgba[2], point->rgba[3]));
+    }
+    return list;
+}
+
 bool session_save(const struct window *window, const char *path, char why[SESSION_REASON])
 {
     const struct viewer *viewer = window->viewer;
@@ -209,6 +236,9 @@ bool session_save(const struct window *window, const char *path, char why[SESSIO
     }
     json_object_set_new(root, "hidden", hidden_labels(viewer));
     json_object_set_new(root, "confirmed", pins_of(viewer));
+    json_object_set_new(root, "thresholds", thresholds_of(viewer));
+    json_object_set_new(root, "transfer", transfer_of(&viewer->transfer_editor));
+    json_object_set_new(root, "safe_colours", json_boolean(viewer->safe_colours));
     char *text = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
     json_decref(root);
     conus_status status = text ? conus_write_file(path, text, strlen(text)) : CONUS_ERROR_MEMORY;
@@ -285,29 +315,131 @@ static void read_pins(struct viewer *viewer, const json_t *root)
     }
 }
 
-static bool read_session(struct window *window, const json_t *root, char why[SESSION_REASON])
+static bool read_threshold(double *out, const json_t *entry, const char *wanted, const conus_volume_info *info,
+                           char why[SESSION_REASON])
 {
-    struct viewer *viewer = window->viewer;
+    const char *name = json_string_value(json_object_get(entry, "pathway"));
+    const struct field field = {.low = fmin(info->minimum, info->threshold),
+                                .high = fmax(info->maximum, info->threshold)};
+    if (!name || strcmp(name, wanted) != 0) {
+        return refuse(why, "session: thresholds: that of \"%s\" is needed, not of \"%s\"", wanted, name ? name : "");
+    }
+    return read_number(out, json_object_get(entry, "threshold"), &field) ||
+           refuse(why, "session: thresholds: %s: a number from %g to %g is needed", name, field.low, field.high);
+}
+
+/* One for each pathway, in the atlas's order. Fills [object_count + 1]. */
+static bool read_thresholds(double *out, const struct viewer *viewer, const json_t *list, char why[SESSION_REASON])
+{
+    size_t count = 0;
+    for (uint32_t number = 1; number <= viewer->object_count; number++) {
+        const conus_volume_info *info = viewer_pathway(viewer, number);
+        if (info && !read_threshold(&out[number], json_array_get(list, count++),
+                                    conus_atlas_object(viewer->atlas, number)->name, info, why)) {
+            return false;
+        }
+    }
+    return (json_is_array(list) && json_array_size(list) == count) ||
+           refuse(why, "session: thresholds: a list of %zu, one for each pathway, is needed", count);
+}
+
+static bool read_point(conus_transfer_point *out, const json_t *entry, double least)
+{
+    bool fine = json_is_array(entry) && json_array_size(entry) == 5;
+    const struct field value = {.low = least, .high = FLT_MAX};
+    const struct field part = {.low = 0, .high = 1};
+    fine = fine && read_number(&out->value, json_array_get(entry, 0), &value);
+    for (size_t i = 0; fine && i < 4; i++) {
+        fine = read_number(&out->rgba[i], json_array_get(entry, i + 1), &part);
+    }
+    return fine;
+}
+
+static bool read_transfer(struct atlas_edits *out, const struct viewer *viewer, const json_t *list,
+                          char why[SESSION_REASON])
+{
+    size_t count = json_array_size(list);
+    out->sets_transfer = true;
+    if (json_is_null(list)) {
+        return true;
+    }
+    if (viewer_context(viewer) == conus_atlas_volume_count(viewer->atlas)) {
+        return refuse(why, "session: transfer: there is no context here, open it with --context");
+    }
+    bool fine = json_is_array(list) && count >= 1 && count <= EDITOR_POINTS;
+    for (size_t i = 0; fine && i < count; i++) {
+        fine = read_point(&out->points[i], json_array_get(list, i), i ? out->points[i - 1].value : -FLT_MAX);
+    }
+    out->point_count = count;
+    return fine || refuse(why,
+                          "session: transfer: 1 to %d points are needed, each a grey value not less than the one "
+                          "before, red, green, blue and opacity from 0 to 1",
+                          EDITOR_POINTS);
+}
+
+/* What the session does not say stays as it is. */
+static bool read_atlas_edits(struct atlas_edits *out, double *thresholds, const struct viewer *viewer,
+                             const json_t *root, char why[SESSION_REASON])
+{
+    const json_t *list = json_object_get(root, "thresholds");
+    const json_t *transfer = json_object_get(root, "transfer");
+    const json_t *safe = json_object_get(root, "safe_colours");
+    *out = (struct atlas_edits){.thresholds = list ? thresholds : NULL,
+                                .safe_colours = safe ? json_is_true(safe) : viewer->safe_colours};
+    if (safe && !json_is_boolean(safe)) {
+        return refuse(why, "session: safe_colours: true or false is needed");
+    }
+    return (!list || read_thresholds(thresholds, viewer, list, why)) &&
+           (!transfer || read_transfer(out, viewer, transfer, why));
+}
+
+static bool read_state(struct state *out, const json_t *root, size_t object_count, char why[SESSION_REASON])
+{
     struct field fields[FIELD_LIMIT];
-    struct state state = {0};
-    size_t count = list_fields(fields, &state) - (json_object_get(root, "by_head") ? 0 : HEAD_FIELDS);
-    const char *score = known_score(json_string_value(json_object_get(root, "score")));
+    size_t count = list_fields(fields, out) - (json_object_get(root, "by_head") ? 0 : HEAD_FIELDS);
     if (json_integer_value(json_object_get(root, "conus_session")) != SESSION_VERSION) {
         return refuse(why, "no session of this version of conus view");
     }
-    if ((size_t)json_integer_value(json_object_get(root, "objects")) != viewer->object_count) {
+    if ((size_t)json_integer_value(json_object_get(root, "objects")) != object_count) {
         return refuse(why, "session: of an atlas with %lld areas and pathways, this one has %zu",
-                      (long long)json_integer_value(json_object_get(root, "objects")), viewer->object_count);
+                      (long long)json_integer_value(json_object_get(root, "objects")), object_count);
     }
     for (size_t i = 0; i < count; i++) {
         if (!read_field(root, &fields[i], why)) {
             return false;
         }
     }
+    return true;
+}
+
+/* The atlas first, since that may fail. */
+static bool set_up(struct viewer *viewer, const struct atlas_edits *settings, char why[SESSION_REASON])
+{
+    return !viewer_set_up(viewer, settings) || refuse(why, "session: not enough memory");
+}
+
+static bool read_session(struct window *window, const json_t *root, char why[SESSION_REASON])
+{
+    struct viewer *viewer = window->viewer;
+    struct state state = {0};
+    struct atlas_edits settings;
+    const char *score = known_score(json_string_value(json_object_get(root, "score")));
+    if (!read_state(&state, root, viewer->object_count, why)) {
+        return false;
+    }
+    if (!score) {
+        return refuse(why, "session: score: unknown");
+    }
     bool *hidden = calloc(viewer->object_count + 1, sizeof *hidden);
-    if (!hidden || !score || !read_hidden(hidden, root, viewer->object_count, why)) {
+    double *thresholds = calloc(viewer->object_count + 1, sizeof *thresholds);
+    bool fine = hidden && thresholds
+                    ? read_hidden(hidden, root, viewer->object_count, why) &&
+                          read_atlas_edits(&settings, thresholds, viewer, root, why) && set_up(viewer, &settings, why)
+                    : refuse(why, "session: not enough memory");
+    free(thresholds);
+    if (!fine) {
         free(hidden);
-        return score ? false : refuse(why, "session: score: unknown");
+        return false;
     }
     put_state(window, &state);
     viewer->options.score = score;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A session as JSON (docs/viewer.md): where the cone is and how it looks, what is hidden, where the panes look.
- */
+/** @file A session as JSON (docs/viewer.md): where the cone is and how it looks, what is hidden, where the panes look,
+ * thresholds, the context's transfer function, colours. */
 #ifndef CONUS_VIEWER_SESSION_H
 #define CONUS_VIEWER_SESSION_H
 

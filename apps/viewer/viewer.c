@@ -273,7 +273,11 @@ conus_status viewer_write_picture(const struct viewer *viewer, const struct sigh
                              .selection = viewer_selection(viewer),
                              .fade = viewer->fade};
     conus_status status = conus_renderer_create(&renderer, viewer->atlas, &options);
+    const struct transfer_editor *editor = &viewer->transfer_editor;
     status = status ? status : conus_renderer_hide(renderer, viewer->hidden);
+    if (!status && editor->edited) {
+        status = conus_renderer_set_transfer(renderer, editor->points, editor->count);
+    }
     status = status ? status : conus_render(&image, renderer, &view);
     status = status ? status : conus_image_write(image, path);
     conus_image_destroy(image);
@@ -281,59 +285,13 @@ conus_status viewer_write_picture(const struct viewer *viewer, const struct sigh
     return status;
 }
 
-static void tell_painter(struct viewer *viewer)
+void viewer_tell_painter(struct viewer *viewer)
 {
     if (!viewer->painter || !painter_hide(viewer->painter, viewer->hidden, viewer->object_count + 1)) {
         viewer_say(viewer, "not enough memory");
     }
     viewer->scene_number++;
     viewer->version++;
-}
-
-/* The painter reads the atlas, and so do selectors: they rest while it changes. */
-static void rest(struct viewer *viewer)
-{
-    painter_destroy(viewer->painter);
-    conus_selector_destroy(viewer->selector);
-    conus_selector_destroy(viewer->picker);
-    answer_drop(viewer->answer);
-    viewer->painter = NULL;
-    viewer->selector = viewer->picker = NULL;
-    viewer->answer = NULL;
-    viewer->answer_number++;
-    viewer->atlas_number++;
-}
-
-static void go_on(struct viewer *viewer)
-{
-    struct painter *painter = NULL;
-    if (painter_create(&painter, viewer->atlas, viewer->transfer, viewer->options.log, viewer->wake)) {
-        viewer->painter = painter;
-        viewer->transfer_editor.ready = false;
-    }
-    tell_painter(viewer);
-    viewer_reselect(viewer);
-}
-
-void viewer_set_threshold(struct viewer *viewer, uint32_t object, double threshold)
-{
-    rest(viewer);
-    if (conus_atlas_set_threshold(viewer->atlas, object, threshold)) {
-        viewer_say(viewer, "%s", conus_message());
-    }
-    go_on(viewer);
-}
-
-void viewer_use_safe_colours(struct viewer *viewer, bool safe)
-{
-    rest(viewer);
-    if (safe) {
-        conus_atlas_use_safe_colours(viewer->atlas);
-    } else {
-        conus_atlas_use_own_colours(viewer->atlas);
-    }
-    viewer->safe_colours = safe;
-    go_on(viewer);
 }
 
 /* ---- What is shown ---------------------------------------------------------------------------------------------- */
@@ -382,7 +340,7 @@ void viewer_hide(struct viewer *viewer, uint32_t object, bool hide)
             viewer->hidden[number] = hide;
         }
     }
-    tell_painter(viewer);
+    viewer_tell_painter(viewer);
 }
 
 void viewer_isolate(struct viewer *viewer, uint32_t object)
@@ -391,14 +349,14 @@ void viewer_isolate(struct viewer *viewer, uint32_t object)
     for (uint32_t number = 1; number <= viewer->object_count; number++) {
         viewer->hidden[number] = !viewer_is_below(viewer, number, object);
     }
-    tell_painter(viewer);
+    viewer_tell_painter(viewer);
 }
 
 void viewer_show_all(struct viewer *viewer)
 {
     remember(viewer);
     memset(viewer->hidden, 0, (viewer->object_count + 1) * sizeof *viewer->hidden);
-    tell_painter(viewer);
+    viewer_tell_painter(viewer);
 }
 
 void viewer_set_hidden(struct viewer *viewer, bool *hidden)
@@ -406,7 +364,7 @@ void viewer_set_hidden(struct viewer *viewer, bool *hidden)
     remember(viewer);
     free(viewer->hidden);
     viewer->hidden = hidden;
-    tell_painter(viewer);
+    viewer_tell_painter(viewer);
 }
 
 void viewer_undo(struct viewer *viewer)
@@ -417,7 +375,7 @@ void viewer_undo(struct viewer *viewer)
     }
     free(viewer->hidden);
     viewer->hidden = viewer->undo[--viewer->undo_count];
-    tell_painter(viewer);
+    viewer_tell_painter(viewer);
 }
 
 static bool contains(const char *text, const char *part)

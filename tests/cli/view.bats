@@ -88,6 +88,85 @@ END
     conus query slabs.nii.gz --origin 3,90,2 --toward 3,0,2 --angle 23 --layers all --format tsv | diff left.tsv -
 }
 
+@test "a session keeps thresholds, the context's transfer function and colours" {
+    need_window
+    conus phantom brain -o .
+    local aim='--origin 0,150,0 --toward 0,0,0 --angle 30 --layers all'
+    view brain.atlas.json <<'END'
+aim 0 150 0 0 0 0
+angle 30
+key l
+results before.tsv
+save before.json
+threshold Arc 32000.5
+results changed.tsv
+key c
+save one.json
+open before.json
+results again.tsv
+save again.json
+END
+    sed 's/"name": "Arc"/"name": "Arc", "threshold": 32000.5/' brain.atlas.json >higher.atlas.json
+    conus query brain.atlas.json $aim --format tsv --quiet | diff before.tsv -
+    conus query higher.atlas.json $aim --format tsv --quiet | diff changed.tsv -
+    run -1 cmp -s before.tsv changed.tsv
+    diff before.tsv again.tsv
+    diff before.json again.json
+    [ "$(jq -c '[.thresholds, .transfer, .safe_colours]' one.json)" = \
+        '[[{"pathway":"Arc","threshold":32000.5}],null,true]' ]
+    sed 's/"transfer": null/"transfer": [[0, 0, 0, 0, 0], [100.5, 1, 0.5, 0.25, 0.3]]/' one.json >edited.json
+    # edited points stay when what is seen is otherwise changed, and go with a session that has none
+    view brain.atlas.json --session edited.json <<'END'
+results left.tsv
+save two.json
+picture edited.png 120 90
+key c
+key c
+picture again.png 120 90
+threshold Arc 20000
+open one.json
+save three.json
+picture one.png 120 90
+END
+    diff changed.tsv left.tsv
+    diff <(jq -S . edited.json) <(jq -S . two.json)
+    diff one.json three.json
+    cmp edited.png again.png
+    run -1 cmp -s edited.png one.png
+    # of an older program: what it does not say stays
+    jq 'del(.thresholds, .transfer, .safe_colours)' before.json >old.json
+    printf 'threshold Arc 32000.5\nkey c\nopen old.json\nsave kept.json\n' | view brain.atlas.json
+    diff <(jq -S '.thresholds, .safe_colours' one.json) <(jq -S '.thresholds, .safe_colours' kept.json)
+}
+
+@test "settings of the atlas that do not fit are refused, in one line" {
+    need_window
+    conus phantom brain -o .
+    printf 'angle 20\nsave fine.json\n' | view brain.atlas.json
+    refused() { # FILTER MESSAGE
+        jq ".angle_deg = 33 | .safe_colours = true | $1" fine.json >bad.json
+        run -3 --separate-stderr timeout 60 "$CONUS" view brain.atlas.json --session bad.json --script /dev/null --quiet
+        check_message "$2"
+    }
+    refused '.thresholds[0].pathway = "Fornix"' 'thresholds: that of "Arc" is needed, not of "Fornix"'
+    refused '.thresholds[0].threshold = -1' 'thresholds: Arc: a number from 0 to '
+    refused '.thresholds[0].threshold = "1"' 'thresholds: Arc: a number from 0 to '
+    refused '.thresholds = []' 'thresholds: that of "Arc" is needed'
+    refused '.thresholds += .thresholds' 'thresholds: a list of 1, one for each pathway, is needed'
+    refused '.thresholds = 5' 'thresholds: that of "Arc" is needed'
+    refused '.safe_colours = 1' 'safe_colours: true or false is needed'
+    refused '.transfer = []' 'transfer: 1 to 32 points are needed'
+    refused '.transfer = [range(33) | [., 0, 0, 0, 0]]' 'transfer: 1 to 32 points are needed'
+    refused '.transfer = [[0, 0, 0, 0, 1.5]]' 'transfer: 1 to 32 points are needed'
+    refused '.transfer = [[0, 0, 0, 0]]' 'transfer: 1 to 32 points are needed'
+    refused '.transfer = [[5, 0, 0, 0, 0], [4, 0, 0, 0, 0]]' 'transfer: 1 to 32 points are needed'
+    conus phantom slabs -o . --size 16
+    echo 'save slabs.json' | view slabs.nii.gz
+    jq '.transfer = [[0, 0, 0, 0, 0]]' slabs.json >bad.json
+    run -3 --separate-stderr timeout 60 "$CONUS" view slabs.nii.gz --session bad.json --script /dev/null --quiet
+    check_message 'transfer: there is no context here, open it with --context'
+}
+
 @test "a pin of what was hidden keeps its lack of a contact" {
     need_window
     conus phantom slabs -o . --size 16
