@@ -145,7 +145,8 @@ static void values_are_linear_between_voxels(void **state)
     while (conus_atlas_volume(atlas, context)->role != CONUS_CONTEXT) {
         assert_true(isnan(conus_atlas_value(atlas, context++, (double[]){0, 0, 0})));
     }
-    for (double x = -18; x < 18; x += 0.7) {
+    for (int step = 0; step < 52; step++) {
+        double x = -18 + 0.7 * step;
         assert_near(conus_atlas_value(atlas, context, (double[]){x, 0.3 * x, 1}), 10 * x, 1e-3);
     }
     assert_near(conus_atlas_value(atlas, context, (double[]){19.9, 0, 0}), 190, 1e-3); /* beside the last centre */

@@ -792,8 +792,8 @@ typedef struct conus_view {
  * Channels R, G, B, A: float, linear light, premultiplied; A is 1. */
 CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view);
 
-/** A flat cut through an atlas: the context in grey, areas filled and outlined, surfaces as their contours, filled where
- * they are closed, pathways over them. Labels are looked up, never interpolated. */
+/** A flat cut through an atlas: the context in grey, areas filled and outlined, surfaces as their contours, filled
+ * where they are closed, pathways over them. Labels are looked up, never interpolated. */
 typedef struct conus_cut_view {
     double centre[3];       /**< World position of the picture's middle.                                         */
     double right[3], up[3]; /**< Unit vectors, perpendicular; both 0 = +x and +y: axial, neurological.           */
@@ -812,9 +812,9 @@ typedef struct conus_cut_view {
 CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const conus_atlas *atlas,
                                      const conus_cut_view *view);
 
-/** Draws one cut after the other, as windows do: the same pictures as conus_cut(), but voxels and surfaces are looked at
- * again only where a view lies elsewhere, or hides other objects. Another selection over the same place costs little.
- * The atlas must not change; after conus_atlas_set_threshold() or other colours, make another cutter. */
+/** Draws one cut after the other, as windows do: the same pictures as conus_cut(), but voxels and surfaces are looked
+ * at again only where a view lies elsewhere, or hides other objects. Another selection over the same place costs
+ * little. The atlas must not change; after conus_atlas_set_threshold() or other colours, make another cutter. */
 CONUS_CHECKED conus_status conus_cutter_create(conus_cutter **out, const conus_atlas *atlas);
 CONUS_API void conus_cutter_destroy(conus_cutter *cutter);
 CONUS_CHECKED conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view);
