@@ -5,8 +5,10 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <nettle/sha2.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -91,7 +93,7 @@ bool file_write_fully(int descriptor, const void *data, size_t size)
 
 static conus_status write_directly(const char *path, const void *data, size_t size)
 {
-    int descriptor = open(path, O_WRONLY | O_CLOEXEC);
+    int descriptor = open(path, O_WRONLY | O_APPEND | O_CLOEXEC);
     if (descriptor < 0) {
         return fail_errno(path, "open");
     }
@@ -135,13 +137,8 @@ static conus_status write_and_rename(const char *path, const char *temporary, co
     return CONUS_OK;
 }
 
-static conus_status write_file(const char *path, const void *data, size_t size, unsigned how)
+static conus_status replace_file(const char *path, const void *data, size_t size, unsigned how)
 {
-    struct stat info;
-    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
-        return S_ISDIR(info.st_mode) ? fail(CONUS_ERROR_IO, "%s: cannot write: is a folder", path)
-                                     : write_directly(path, data, size);
-    }
     size_t length = strlen(path) + 32;
     char *temporary = memory_raw(length, 1);
     if (!temporary) {
@@ -151,6 +148,36 @@ static conus_status write_file(const char *path, const void *data, size_t size, 
     conus_status status = write_and_rename(path, temporary, data, size, how);
     memory_free(temporary);
     return status;
+}
+
+/* An open file's name in /dev or /proc: what is there belongs to whoever opened it. */
+static bool is_open_file(const char *path)
+{
+    return strncmp(path, "/dev/", strlen("/dev/")) == 0 || strncmp(path, "/proc/", strlen("/proc/")) == 0;
+}
+
+/* The file that a link leads to is replaced, not the link. */
+static conus_status write_through(const char *link, const void *data, size_t size, unsigned how)
+{
+    if (is_open_file(link)) {
+        return write_directly(link, data, size);
+    }
+    char path[PATH_MAX];
+    return realpath(link, path) ? replace_file(path, data, size, how) : fail_errno(link, "write");
+}
+
+static conus_status write_file(const char *path, const void *data, size_t size, unsigned how)
+{
+    struct stat info;
+    bool exists = stat(path, &info) == 0;
+    if (exists && S_ISDIR(info.st_mode)) {
+        return fail(CONUS_ERROR_IO, "%s: cannot write: is a folder", path);
+    }
+    if (exists && !S_ISREG(info.st_mode)) {
+        return write_directly(path, data, size);
+    }
+    bool through = !(how & WRITE_NEW) && lstat(path, &info) == 0 && S_ISLNK(info.st_mode);
+    return through ? write_through(path, data, size, how) : replace_file(path, data, size, how);
 }
 
 conus_status file_write(const char *path, const void *data, size_t size)

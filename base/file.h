@@ -22,7 +22,8 @@ void bytes_finish(struct bytes *bytes);
 conus_status file_read(struct bytes *out, const char *path, uint64_t limit);
 
 /** Writes @p size bytes so that @p path appears whole or not at all: a temporary file beside it, flushed to the disk
- * and renamed. Anything that is not a regular file (a pipe, /dev/stdout) is written directly. */
+ * and renamed. Anything that is not a regular file (a pipe, a terminal) is written directly, /dev/stdout behind what is
+ * there; of a link the file that it leads to is replaced, and a link that leads nowhere is an error. */
 conus_status file_write(const char *path, const void *data, size_t size);
 
 /** The same without waiting for the disk, for many files that are cheap to make again: a crash of the whole machine in

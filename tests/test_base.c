@@ -6,10 +6,13 @@
 #include "base/text.h"
 #include "test.h"
 
+#include <fcntl.h>
 #include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 static void lines_end_in_any_way(void **state)
 {
@@ -282,6 +285,47 @@ static void files_appear_whole(void **state)
     assert_fails(file_write("/nowhere/at all", "x", 1), CONUS_ERROR_IO);
 }
 
+static void check_file(const char *path, const char *text)
+{
+    struct bytes bytes = {0};
+    assert_ok(file_read(&bytes, path, 100));
+    assert_int_equal(bytes.size, strlen(text));
+    assert_memory_equal(bytes.data, text, bytes.size);
+    bytes_finish(&bytes);
+}
+
+static void links_are_written_through(void **state)
+{
+    (void)state;
+    const char *path = test_scratch("led-to.txt");
+    const char *link = test_scratch("link.txt");
+    struct stat info;
+    assert_ok(file_write(path, "one", 3));
+    assert_int_equal(symlink("led-to.txt", link), 0);
+    assert_ok(file_write(link, "three", 5));
+    check_file(path, "three");
+    assert_fails(file_write_new(link, "four", 4), CONUS_ERROR_IO);
+    assert_int_equal(unlink(path), 0);
+    assert_fails(file_write(link, "two", 3), CONUS_ERROR_IO);
+    assert_int_equal(lstat(link, &info), 0);
+    assert_true(S_ISLNK(info.st_mode));
+    assert_int_equal(unlink(link), 0);
+}
+
+static void open_files_are_written_to(void **state)
+{
+    (void)state;
+    const char *path = test_scratch("open.txt");
+    char open_file[64];
+    assert_ok(file_write(path, "one, ", 5));
+    int descriptor = open(path, O_WRONLY | O_CLOEXEC);
+    assert_true(descriptor >= 0);
+    snprintf(open_file, sizeof open_file, "/dev/fd/%d", descriptor);
+    assert_ok(file_write(open_file, "two", 3));
+    close(descriptor);
+    check_file(path, "one, two");
+}
+
 static void sha256_of_abc(void **state)
 {
     (void)state;
@@ -339,6 +383,8 @@ int main(void)
         cmocka_unit_test(any_bytes_become_clean_utf8),
         cmocka_unit_test(inverse_undoes_an_affine),
         cmocka_unit_test(files_appear_whole),
+        cmocka_unit_test(links_are_written_through),
+        cmocka_unit_test(open_files_are_written_to),
         cmocka_unit_test(sha256_of_abc),
         cmocka_unit_test(buffers_remember_failure),
         cmocka_unit_test(messages_are_one_line),
