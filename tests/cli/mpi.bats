@@ -5,7 +5,8 @@ load helpers
 # OpenMPI forgets memory of parts that it unloads, so that LeakSanitizer, where there is one, would end it with a code of
 # its own.
 export ASAN_OPTIONS=detect_leaks=0
-mpi=(mpirun --oversubscribe --allow-run-as-root)
+# Ranks that are to end may take their time to say something: a second, as OpenMPI has it, is little on a busy machine.
+mpi=(mpirun --oversubscribe --allow-run-as-root --mca odls_base_sigkill_timeout 20)
 
 # ranks N ARGUMENT...: conus-mpi batch on N ranks.
 ranks() {

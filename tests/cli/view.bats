@@ -427,7 +427,7 @@ END
     wait $child
     # the frames of the script's own commands, and what events come when a window appears; 2 s at any pace would be dozens
     [ "$(jq .frame_ms.count still.json)" -lt 15 ]
-    [ "$(jq .frame_ms.count moved.json)" -ge 10 ]
+    [ "$(jq .frame_ms.count moved.json)" -ge 4 ] # of ten moves; a busy machine draws some together
 }
 
 # close_window ID: as a window manager does.
@@ -629,19 +629,18 @@ END
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"
     conus phantom sphere -o .
-    printf 'pointer wand\nwait 250\nresults wand.tsv\nsave wand.json\n' >script
+    printf '%s\n' 'pointer wand' settle 'screenshot ready.png' 'until done' 'results wand.tsv' 'save wand.json' >script
     timeout 60 "$CONUS" view sphere.nii.gz --script script --size 1000x640 3>&- &
     child=$!
-    for _ in {1..100}; do
-        window=$(xdotool search --name '^conus$' 2>/dev/null | head -1) && [ -n "$window" ] && break
-        sleep 0.1
-    done
-    sleep 0.7
+    while [ ! -e ready.png ]; do sleep 0.1; done
+    window=$(xdotool search --name '^conus$' 2>/dev/null | head -1)
     for step in 0 1 2; do # in the axial pane, above its middle: in front of the sphere
-        xdotool mousemove --window "$window" $((540 + step)) 60 2>/dev/null || break
+        xdotool mousemove --window "$window" $((540 + step)) 60
         sleep 0.1
     done
     xdotool mousedown 3 sleep 0.2 mouseup 3
+    sleep 0.5
+    touch done
     wait $child
     grep -q Sphere wand.tsv
     grep -q '"has_pose": 1' wand.json
