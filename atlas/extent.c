@@ -9,6 +9,8 @@ struct box {
     double low[3], high[3];
 };
 
+static const struct box empty_box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+
 static void add_point(struct box *box, const double p[3])
 {
     for (int a = 0; a < 3; a++) {
@@ -17,60 +19,89 @@ static void add_point(struct box *box, const double p[3])
     }
 }
 
-/* The lowest and highest indices of voxels that hold an object; false if none does. */
-static bool find_voxels(size_t low[3], size_t high[3], const struct volume *volume)
+enum { AT_ONCE = 32 };
+
+/* Whether voxels from `first` on, AT_ONCE of them, hold an object; without a branch for each. */
+static bool is_occupied(const struct volume *volume, size_t first)
+{
+    uint32_t any = 0;
+    if (volume->objects16) {
+        for (size_t v = first; v < first + AT_ONCE; v++) {
+            any |= volume->objects16[v];
+        }
+    } else {
+        for (size_t v = first; v < first + AT_ONCE; v++) {
+            any |= volume->objects32[v];
+        }
+    }
+    return any;
+}
+
+/* The first and last voxel with an object of those from `from` to before `to`; false if there is none. */
+static bool find_ends(size_t *first, size_t *last, const struct volume *volume, size_t from, size_t to)
+{
+    while (from + AT_ONCE <= to && !is_occupied(volume, from)) {
+        from += AT_ONCE;
+    }
+    while (from < to && !volume_object(volume, from)) {
+        from++;
+    }
+    while (from + AT_ONCE <= to && !is_occupied(volume, to - AT_ONCE)) {
+        to -= AT_ONCE;
+    }
+    while (from < to && !volume_object(volume, to - 1)) {
+        to--;
+    }
+    *first = from;
+    *last = to - 1;
+    return from < to;
+}
+
+/* Around the centres of all voxels with an object: along a row a coordinate is extreme at one of the ends. */
+static struct box centres_of(const struct volume *volume)
 {
     const size_t *dim = volume->info.dim;
-    bool found = false;
-    for (size_t v = 0; v < volume->voxel_count; v++) {
-        if (volume_object(volume, v)) {
-            const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
-            for (int a = 0; a < 3; a++) {
-                low[a] = found && low[a] < at[a] ? low[a] : at[a];
-                high[a] = found && high[a] > at[a] ? high[a] : at[a];
+    struct box box = empty_box;
+    for (size_t row = 0; row < dim[1] * dim[2]; row++) {
+        size_t ends[2];
+        size_t start = row * dim[0];
+        if (find_ends(&ends[0], &ends[1], volume, start, start + dim[0])) {
+            const size_t j = row % dim[1];
+            const size_t k = row / dim[1];
+            for (int end = 0; end < 2; end++) {
+                const double index[3] = {(double)(ends[end] - start), (double)j, (double)k};
+                double centre[3];
+                mat4_point(centre, volume->info.world_from_voxel, index);
+                add_point(&box, centre);
             }
-            found = true;
         }
     }
-    return found;
+    return box;
 }
 
+/* Its cells: each reaches half a voxel along every index from its centre. */
 static void add_volume(struct box *box, const struct volume *volume)
 {
-    size_t low[3];
-    size_t high[3];
-    if (!find_voxels(low, high, volume)) {
-        return;
-    }
-    for (unsigned n = 0; n < 8; n++) {
-        double corner[3];
-        for (unsigned a = 0; a < 3; a++) {
-            corner[a] = n >> a & 1 ? (double)high[a] + 0.5 : (double)low[a] - 0.5;
-        }
-        mat4_point(corner, volume->info.world_from_voxel, corner);
-        add_point(box, corner);
-    }
-}
-
-static void add_mesh(struct box *box, const struct mesh *mesh)
-{
-    for (size_t v = 0; v < mesh->vertex_count; v++) {
-        const double p[3] = {(double)mesh->positions[3 * v], (double)mesh->positions[3 * v + 1],
-                             (double)mesh->positions[3 * v + 2]};
-        add_point(box, p);
+    const double *m = volume->info.world_from_voxel;
+    struct box centres = centres_of(volume);
+    for (int a = 0; a < 3; a++) {
+        double reach = (fabs(m[a]) + fabs(m[4 + a]) + fabs(m[8 + a])) / 2;
+        box->low[a] = fmin(box->low[a], centres.low[a] - reach);
+        box->high[a] = fmax(box->high[a], centres.high[a] + reach);
     }
 }
 
 conus_status conus_atlas_bounds(const conus_atlas *atlas, double low[3], double high[3])
 {
-    struct box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    struct box box = empty_box;
     for (size_t i = 0; i < atlas->volume_count; i++) {
         if (atlas->volumes[i].info.role != CONUS_CONTEXT && volume_is_met(&atlas->volumes[i])) {
             add_volume(&box, &atlas->volumes[i]);
         }
     }
     for (size_t i = 0; i < atlas->mesh_count; i++) {
-        add_mesh(&box, &atlas->meshes[i]);
+        add_point(&box, atlas->meshes[i].shape.low);
+        add_point(&box, atlas->meshes[i].shape.high);
     }
     if (!(box.low[0] <= box.high[0])) {
         return fail(CONUS_ERROR_DATA, "the atlas has nothing in it");

@@ -4,49 +4,7 @@
 #include "base/memory.h"
 #include "selection/selection.h"
 
-static void extend(double box[2][3], const double point[3])
-{
-    for (int a = 0; a < 3; a++) {
-        box[0][a] = fmin(box[0][a], point[a]);
-        box[1][a] = fmax(box[1][a], point[a]);
-    }
-}
-
-static void extend_by_volume(double box[2][3], const conus_volume_info *info)
-{
-    for (int corner = 0; corner < 8; corner++) {
-        double point[3];
-        for (int a = 0; a < 3; a++) {
-            point[a] = corner >> a & 1 ? (double)info->dim[a] - 0.5 : -0.5;
-        }
-        mat4_point(point, info->world_from_voxel, point);
-        extend(box, point);
-    }
-}
-
-static void extend_by_mesh(double box[2][3], const struct mesh *mesh)
-{
-    for (size_t i = 0; i < mesh->vertex_count; i++) {
-        const float *p = mesh->positions + 3 * i;
-        extend(box, (double[]){p[0], p[1], p[2]});
-    }
-}
-
-static void find_box(double box[2][3], const conus_atlas *atlas)
-{
-    for (int a = 0; a < 3; a++) {
-        box[0][a] = INFINITY;
-        box[1][a] = -INFINITY;
-    }
-    for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (atlas->volumes[i].info.role != CONUS_CONTEXT) {
-            extend_by_volume(box, &atlas->volumes[i].info);
-        }
-    }
-    for (size_t i = 0; i < atlas->mesh_count; i++) {
-        extend_by_mesh(box, &atlas->meshes[i]);
-    }
-}
+#include <string.h>
 
 conus_status selector_prepare_border(conus_selector *selector)
 {
@@ -67,8 +25,8 @@ conus_status selector_prepare_ranking(conus_selector *selector)
     if (selector->ranking.info.needs_layers && selector->options.layers != CONUS_ALL_LAYERS) {
         return fail(CONUS_ERROR_ARGUMENT, "score: %s needs all layers", selector->ranking.formula.text);
     }
-    if (selector->ranking.needs_box) {
-        find_box(selector->box, selector->atlas);
+    if (selector->ranking.needs_box && conus_atlas_bounds(selector->atlas, selector->box[0], selector->box[1])) {
+        memset(selector->box, 0, sizeof selector->box); /* an empty atlas: nothing is met */
     }
     return selector_prepare_border(selector);
 }

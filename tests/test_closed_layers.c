@@ -204,6 +204,25 @@ static void mean_paths_converge(void **state)
     assert_true(mean_path_error(4, 128) < 0.022);
 }
 
+/* A ball of 20 mm, 60 mm below, in a cylinder of 17 mm: the rays of the middle enter first and leave last, at 40 and
+ * 80 mm; those at the rim, with which the pixels begin and end, from 49.5 to 70.5. */
+static void entry_and_exit_are_the_outermost(void **state)
+{
+    (void)state;
+    for (int i = 0; i < GRIDS; i++) {
+        struct view view = open_phantom("sphere", &grids[i]);
+        struct cone cone = cone_along((double[]){0, 0, 60}, (double[]){0, 0, -1}, 1, 17);
+        cone.angle = 0;
+        cone.radius = 17;
+        conus_selection *selection = look(&view, &cone);
+        const conus_result *ball = conus_selection_result(selection, 0);
+        assert_near(ball->entry, 40, view.slack);
+        assert_near(ball->exit, 80, view.slack);
+        conus_selection_destroy(selection);
+        close_view(&view);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -212,6 +231,7 @@ int main(void)
         cmocka_unit_test(a_range_leaves_a_part_of_a_slab),
         cmocka_unit_test(a_torus_is_pierced_twice),
         cmocka_unit_test(mean_paths_converge),
+        cmocka_unit_test(entry_and_exit_are_the_outermost),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -318,17 +318,112 @@ static void without_errors_there_is_one_answer(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Part of a circle of radius 1 that lies on the near side of a line at the distance u from its centre. */
+static double part_of_circle(double u)
+{
+    return fabs(u) >= 1 ? u > 0 : 0.5 + (u * sqrt(1 - u * u) + asin(u)) / MATH3_PI;
+}
+
+/* Its standard deviation where u is normal around 0, by the midpoint rule. */
+static double deviation_of_part(double sigma)
+{
+    double sum = 0;
+    const double step = 1e-4;
+    for (int i = -80000; i < 80000; i++) {
+        double x = (i + 0.5) * step;
+        double off = part_of_circle(sigma * x) - 0.5;
+        sum += off * off * exp(-x * x / 2) / sqrt(2 * MATH3_PI) * step;
+    }
+    return sqrt(sum);
+}
+
+/* The axis meets the plane 100 mm below at a normal distance from the edge: 2 mm of shift, and 0.02 of tilt there, too,
+ * are 2 sqrt(2) mm; the circle's radius is 100 tan 5 degrees. Its 208 pixels are not quite a circle. */
 static void shares_are_means(void **state)
 {
     (void)state;
     conus_pose pose = down_from(0, 0, 100);
     conus_atlas *atlas = half_spaces(0);
     const conus_jitter_options options = {.shift = 2, .tilt = 0.02, .samples = 4096};
-    conus_jitter *jitter = jitter_of(atlas, NULL, &pose, 10, &options);
+    const conus_selector_options fine = {.resolution = 64};
+    conus_jitter *jitter = jitter_of(atlas, &fine, &pose, 10, &options);
+    double wanted = deviation_of_part(2 * sqrt(2) / (100 * tan(radians_from_degrees(5))));
     check_rows(jitter, false);
-    assert_near(find(jitter, 1)->share, 0.5, 0.003);
-    assert_in_range((uint64_t)(1000 * find(jitter, 1)->share_deviation), 100, 200);
+    assert_near(find(jitter, 1)->share, 0.5, 0.0005);
+    assert_near(find(jitter, 1)->share_deviation, wanted, 0.01 * wanted);
     assert_near(find(jitter, 1)->share_deviation, find(jitter, 2)->share_deviation, 1e-9);
+    conus_jitter_destroy(jitter);
+    conus_atlas_destroy(atlas);
+}
+
+/* ---- Samples, one by one ---- */
+
+enum { FEW = 32 };
+
+/* What each of FEW samples says of object 1. */
+struct samples {
+    double share[FEW];
+    double hit[FEW];
+};
+
+static void look_at_samples(struct samples *out, const conus_atlas *atlas, const conus_pose *pose, double degrees,
+                            const conus_jitter_options *options)
+{
+    conus_selector *selector = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    *out = (struct samples){0};
+    for (uint32_t i = 0; i < FEW; i++) {
+        conus_selection *selection = NULL;
+        conus_pose moved;
+        double errors[JITTER_DIMENSIONS];
+        jitter_sample(errors, i);
+        jitter_pose(&moved, pose, options, errors);
+        assert_ok(conus_select(&selection, selector, &moved, radians_from_degrees(degrees)));
+        for (size_t r = 0; r < conus_selection_count(selection); r++) {
+            const conus_result *result = conus_selection_result(selection, r);
+            if (result->object == 1) {
+                out->share[i] = result->share;
+                out->hit[i] = result->rank == 1;
+            }
+        }
+        conus_selection_destroy(selection);
+    }
+    conus_selector_destroy(selector);
+}
+
+/* The variance of a population of which these are a sample: over n - 1, as Bessel has it. */
+static double sample_variance(const double *values, int n)
+{
+    double mean = 0;
+    double sum = 0;
+    for (int i = 0; i < n; i++) {
+        mean += values[i] / n;
+    }
+    for (int i = 0; i < n; i++) {
+        sum += (values[i] - mean) * (values[i] - mean);
+    }
+    return sum / (n - 1);
+}
+
+/* The deviation of shares is the sample's; the error of a hit is that of a mean of 16 values, each the mean of the
+ * FEW / 16 samples of its set. With so few of them n for n - 1 is 1.6 and 3.2 % off. */
+static void deviation_and_error_are_those_of_samples(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = half_spaces(1);
+    const conus_pose pose = down_from(0, 0, 100);
+    const conus_jitter_options options = {.shift = 3, .tilt = 0.02, .samples = FEW};
+    struct samples samples;
+    double sets[JITTER_SETS] = {0};
+    conus_jitter *jitter = jitter_of(atlas, NULL, &pose, 10, &options);
+    look_at_samples(&samples, atlas, &pose, 10, &options);
+    for (int i = 0; i < FEW; i++) {
+        sets[i * JITTER_SETS / FEW] += samples.hit[i] * JITTER_SETS / FEW;
+    }
+    const conus_chance *row = find(jitter, 1);
+    assert_true(row->hit > 0.2 && row->hit < 0.95);
+    assert_near(row->share_deviation, sqrt(sample_variance(samples.share, FEW)), 1e-12);
+    assert_near(row->hit_error, sqrt(sample_variance(sets, JITTER_SETS) / JITTER_SETS), 1e-12);
     conus_jitter_destroy(jitter);
     conus_atlas_destroy(atlas);
 }
@@ -445,6 +540,7 @@ int main(void)
         cmocka_unit_test(the_error_falls_faster_than_by_chance),
         cmocka_unit_test(without_errors_there_is_one_answer),
         cmocka_unit_test(shares_are_means),
+        cmocka_unit_test(deviation_and_error_are_those_of_samples),
         cmocka_unit_test(both_engines_say_the_same),
         cmocka_unit_test(all_layers_know_what_is_hidden),
         cmocka_unit_test(limits_are_named),

@@ -164,9 +164,10 @@ static void each_is_what_it_says(void **state)
     assert_near(score_of(&view, "unoccluded", 1), (double)u.pixels / u.pierced, 1e-12);
     assert_near(score_of(&view, "mrtk", 2),
                 -(0.25 * vec3_length(contact) / 1000 + 1.0 * degrees_from_radians(ball.offset)), 1e-12);
-    /* The grid is a cube of 64 mm around 0: it begins 28 mm below the apex. */
-    double far = sqrt(35.0 * 35 + 34.0 * 34 + 92.0 * 92);
-    assert_near(score_of(&view, "nearness", 2), 1 - (ball.distance - 28) / (far - 28), 1e-12);
+    /* The phantom's shapes, not the grid that they are painted in, reach from (-22, -6, -18) to (22, 6, 18): they begin
+     * 42 mm below the apex at (3, -2, 60). */
+    double far = sqrt(25.0 * 25 + 8.0 * 8 + 78.0 * 78);
+    assert_near(score_of(&view, "nearness", 2), 1 - (ball.distance - 42) / (far - 42), 1e-12);
     close_view(&view);
 }
 
