@@ -30,7 +30,31 @@ static exr_result_t write_header(exr_context_t file, const conus_image *image)
     return code ? code : exr_write_header(file);
 }
 
-static exr_result_t write_chunk(exr_context_t file, exr_encode_pipeline_t *pipeline, const conus_image *image, int row)
+typedef exr_result_t (*compress_function)(exr_encode_pipeline_t *pipeline);
+
+/* The library's own compression, but a chunk that became no smaller is stored as it is: one of just its own size, which
+ * the library 3.1.5 leaves packed, every reader takes for that. */
+static exr_result_t compress_if_smaller(exr_encode_pipeline_t *pipeline)
+{
+    exr_result_t code = (*(compress_function *)pipeline->encoding_user_data)(pipeline);
+    if (!code && pipeline->compressed_bytes >= pipeline->packed_bytes) {
+        memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes);
+        pipeline->compressed_bytes = pipeline->packed_bytes;
+    }
+    return code;
+}
+
+static exr_result_t choose_routines(exr_context_t file, exr_encode_pipeline_t *pipeline, compress_function *compress)
+{
+    exr_result_t code = exr_encoding_choose_default_routines(file, 0, pipeline);
+    *compress = pipeline->compress_fn;
+    pipeline->encoding_user_data = compress;
+    pipeline->compress_fn = compress_if_smaller;
+    return code;
+}
+
+static exr_result_t write_chunk(exr_context_t file, exr_encode_pipeline_t *pipeline, compress_function *compress,
+                                const conus_image *image, int row)
 {
     exr_chunk_info_t chunk;
     exr_result_t code = exr_write_scanline_chunk_info(file, 0, row, &chunk);
@@ -46,7 +70,7 @@ static exr_result_t write_chunk(exr_context_t file, exr_encode_pipeline_t *pipel
         coded->user_line_stride = (int32_t)(image->width * sizeof *pixels);
     }
     if (!code && row == 0) {
-        code = exr_encoding_choose_default_routines(file, 0, pipeline);
+        code = choose_routines(file, pipeline, compress);
     }
     return code ? code : exr_encoding_run(file, 0, pipeline);
 }
@@ -54,10 +78,11 @@ static exr_result_t write_chunk(exr_context_t file, exr_encode_pipeline_t *pipel
 static exr_result_t write_pixels(exr_context_t file, const conus_image *image)
 {
     exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
+    compress_function compress = NULL;
     int32_t lines = 0;
     exr_result_t code = exr_get_scanlines_per_chunk(file, 0, &lines);
     for (int row = 0; !code && row < (int)image->height; row += lines) {
-        code = write_chunk(file, &pipeline, image, row);
+        code = write_chunk(file, &pipeline, &compress, image, row);
     }
     exr_encoding_destroy(file, &pipeline);
     return code;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file OpenEXR's C++ library as the independent reader of deep images and encoder of manifests. What cannot be read
- * is said on stderr. */
+/** @file OpenEXR's C++ library as the independent reader of images, flat and deep, and encoder of manifests. What
+ * cannot be read is said on stderr. */
 #ifndef CONUS_TESTS_EXR_ORACLE_H
 #define CONUS_TESTS_EXR_ORACLE_H
 
@@ -9,6 +9,10 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** The bits of a channel of type UINT or FLOAT of a flat file of this size, row by row; free() it. NULL where the file
+ * is none, or of another size, or has no such channel. */
+uint32_t *exr_flat_read(const char *path, const char *channel, uint32_t width, uint32_t height);
 
 struct exr_deep; /* a deep file that was read */
 
