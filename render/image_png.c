@@ -14,7 +14,6 @@
 
 enum {
     MAX_RATIO = 1032, /* of deflate */
-    MAX_CHUNK = 1 << 24,
     SAMPLES = 1 << 16,
 };
 
@@ -200,7 +199,7 @@ static bool read_head(struct job *job)
         return false;
     }
     png_set_user_limits(job->png, IMAGE_MAX_SIDE, IMAGE_MAX_SIDE);
-    png_set_chunk_malloc_max(job->png, MAX_CHUNK);
+    png_set_keep_unknown_chunks(job->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1); /* else libpng makes room as they claim */
     png_set_read_fn(job->png, job, read_bytes);
     png_read_info(job->png, job->info);
     uint64_t unpacked = (uint64_t)png_get_rowbytes(job->png, job->info) * png_get_image_height(job->png, job->info);

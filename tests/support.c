@@ -28,9 +28,14 @@ void test_status(conus_status got, conus_status wanted, const char *what, const 
 
 static atomic_long fail_at = -1; /* several threads may allocate */
 static atomic_bool has_failed;
+static atomic_size_t largest; /* 0 = any */
 
-static bool must_fail(void)
+static bool must_fail(size_t size)
 {
+    if (largest && size > largest) {
+        has_failed = true;
+        return true;
+    }
     long left = fail_at;
     while (left > 0) {
         if (atomic_compare_exchange_weak(&fail_at, &left, left - 1)) {
@@ -54,22 +59,28 @@ void *__wrap_realloc(void *block, size_t size);
 
 void *__wrap_malloc(size_t size)
 {
-    return must_fail() ? NULL : __real_malloc(size);
+    return must_fail(size) ? NULL : __real_malloc(size);
 }
 
 void *__wrap_calloc(size_t count, size_t size)
 {
-    return must_fail() ? NULL : __real_calloc(count, size);
+    return must_fail(count * size) ? NULL : __real_calloc(count, size);
 }
 
 void *__wrap_realloc(void *block, size_t size)
 {
-    return must_fail() ? NULL : __real_realloc(block, size);
+    return must_fail(size) ? NULL : __real_realloc(block, size);
 }
 
 void test_fail_allocation(long n)
 {
     fail_at = n;
+    has_failed = false;
+}
+
+void test_limit_allocations(size_t size)
+{
+    largest = size;
     has_failed = false;
 }
 

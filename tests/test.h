@@ -36,6 +36,9 @@ void test_fail_allocation(long n);
 /** True when an allocation was made to fail since the last test_fail_allocation(). */
 bool test_allocation_failed(void);
 
+/** Makes every allocation of more than @p size bytes fail from now on; 0 ends it. */
+void test_limit_allocations(size_t size);
+
 /** Runs @p attempt with the n-th allocation failing for n = 0, 1, 2, ... until it succeeds without a failure: each
  * time it must return CONUS_ERROR_MEMORY, or CONUS_OK if it can do without. @p attempt cleans up after itself. */
 void test_every_allocation(conus_status (*attempt)(void *data), void *data);

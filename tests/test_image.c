@@ -303,6 +303,42 @@ static void every_prefix_is_refused(void **state)
     conus_image_destroy(image);
 }
 
+static void put_chunk_head(uint8_t *out, uint32_t size, const char *name)
+{
+    for (int i = 0; i < 4; i++) {
+        out[i] = (uint8_t)(size >> (24 - 8 * i));
+        out[4 + i] = (uint8_t)name[i];
+    }
+}
+
+/* A PNG of 41 bytes whose second chunk claims to be long: no room is made for what is not there. libpng itself takes
+ * 512 MiB for an sPLT that claims them. The limit holds libpng's own state and zlib's. */
+static void a_chunk_takes_no_more_memory_than_it_has(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"sPLT", "tEXt", "zTXt", "iTXt", "iCCP", "eXIf", "pCAL", "sCAL", "hIST",
+                                        "gAMA", "cHRM", "bKGD", "tRNS", "PLTE", "IDAT", "abCd", "ABCD"};
+    enum { HEAD = 33, ALL = 41, ROOM = 1 << 18 };
+    conus_image *image = one_row(4);
+    conus_image *back = NULL;
+    struct bytes bytes;
+    assert_ok(image_format_png(&bytes, image));
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        for (uint32_t size = 1u << 20; size < 1u << 31; size += size - 1) {
+            uint8_t short_file[ALL];
+            memcpy(short_file, bytes.data, HEAD);
+            put_chunk_head(short_file + HEAD, size, names[i]);
+            test_limit_allocations(ROOM);
+            conus_status status = image_parse_png(&back, short_file, ALL);
+            test_limit_allocations(0);
+            assert_fails(status, CONUS_ERROR_DATA);
+        }
+    }
+    assert_null(back);
+    bytes_finish(&bytes);
+    conus_image_destroy(image);
+}
+
 static conus_status exr_round_trip(void *data)
 {
     struct bytes bytes = {0};
@@ -449,6 +485,7 @@ int main(void)
         cmocka_unit_test(comparison_finds_the_worst_pixel),
         cmocka_unit_test(what_cannot_be_compared_is_named),
         cmocka_unit_test(every_prefix_is_refused),
+        cmocka_unit_test(a_chunk_takes_no_more_memory_than_it_has),
         cmocka_unit_test(every_failing_allocation_is_survived),
         cmocka_unit_test(what_cannot_be_read_is_unsupported),
         cmocka_unit_test(another_reader_sees_the_same),
