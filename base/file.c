@@ -40,7 +40,8 @@ static bool read_fully(int descriptor, uint8_t *data, size_t size, size_t *got)
     return true;
 }
 
-static conus_status read_descriptor(struct bytes *out, const char *path, int descriptor, uint64_t limit)
+/* The first `most` bytes of a regular file of at most `limit`. */
+static conus_status read_descriptor(struct bytes *out, const char *path, int descriptor, uint64_t limit, size_t most)
 {
     struct stat info;
     if (fstat(descriptor, &info)) {
@@ -54,11 +55,12 @@ static conus_status read_descriptor(struct bytes *out, const char *path, int des
         return fail(CONUS_ERROR_MEMORY, "%s: file of %lld bytes, allowed are %llu (--max-memory)", path,
                     (long long)info.st_size, (unsigned long long)limit);
     }
-    struct bytes bytes = {.data = memory_raw((size_t)info.st_size, 1)};
+    size_t size = (uint64_t)info.st_size < most ? (size_t)info.st_size : most;
+    struct bytes bytes = {.data = memory_raw(size, 1)};
     if (!bytes.data) {
         return fail_in(CONUS_ERROR_MEMORY, path);
     }
-    if (!read_fully(descriptor, bytes.data, (size_t)info.st_size, &bytes.size)) {
+    if (!read_fully(descriptor, bytes.data, size, &bytes.size)) {
         bytes_finish(&bytes);
         return fail_errno(path, "read");
     }
@@ -66,15 +68,25 @@ static conus_status read_descriptor(struct bytes *out, const char *path, int des
     return CONUS_OK;
 }
 
-conus_status file_read(struct bytes *out, const char *path, uint64_t limit)
+static conus_status read_path(struct bytes *out, const char *path, uint64_t limit, size_t most)
 {
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0) {
         return fail_errno(path, "open");
     }
-    conus_status status = read_descriptor(out, path, descriptor, limit);
+    conus_status status = read_descriptor(out, path, descriptor, limit, most);
     close(descriptor);
     return status;
+}
+
+conus_status file_read(struct bytes *out, const char *path, uint64_t limit)
+{
+    return read_path(out, path, limit, SIZE_MAX);
+}
+
+conus_status file_read_head(struct bytes *out, const char *path, size_t most)
+{
+    return read_path(out, path, UINT64_MAX, most);
 }
 
 bool file_write_fully(int descriptor, const void *data, size_t size)

@@ -21,6 +21,9 @@ void bytes_finish(struct bytes *bytes);
  * Errors: CONUS_ERROR_IO (message with the path) when it cannot be read, CONUS_ERROR_MEMORY above the limit. */
 conus_status file_read(struct bytes *out, const char *path, uint64_t limit);
 
+/** Reads the first @p most bytes of the regular file @p path, or fewer where it ends earlier. */
+conus_status file_read_head(struct bytes *out, const char *path, size_t most);
+
 /** Writes @p size bytes so that @p path appears whole or not at all: a temporary file beside it, flushed to the disk
  * and renamed. Anything that is not a regular file (a pipe, a terminal) is written directly, /dev/stdout behind what is
  * there; of a link the file that it leads to is replaced, and a link that leads nowhere is an error. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "loaders/fsl_atlas.h"
 
+#include "base/math3.h"
 #include "base/memory.h"
 #include "base/xml.h"
 #include "loaders/label_parse.h"
@@ -12,9 +13,10 @@ enum { IMAGE_LIMIT = 64 };
 
 struct parsing {
     struct fsl_atlas atlas;
-    struct notes *notes;
+    size_t capacity; /* of atlas.points */
     bool in_label;
     uint32_t index; /* of the label that is open */
+    struct fsl_point point;
 };
 
 void fsl_atlas_finish(struct fsl_atlas *atlas)
@@ -25,6 +27,7 @@ void fsl_atlas_finish(struct fsl_atlas *atlas)
     }
     memory_free(atlas->images);
     memory_free(atlas->type);
+    memory_free(atlas->points);
     label_table_finish(&atlas->labels);
     *atlas = (struct fsl_atlas){0};
 }
@@ -43,6 +46,19 @@ static conus_status add_images(struct fsl_atlas *atlas)
     return CONUS_OK;
 }
 
+/* What is no number is no point: only a check is lost. */
+static struct fsl_point read_point(const struct xml_event *event)
+{
+    static const char *const axes[] = {"x", "y", "z"};
+    struct fsl_point point = {.given = true};
+    for (int i = 0; i < 3; i++) {
+        const char *value = xml_attribute(event, axes[i]);
+        point.given = point.given && value && text_to_double(text_from(value), &point.at[i]);
+    }
+    point.given = point.given && vec3_is_finite(point.at);
+    return point;
+}
+
 static conus_status start(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
@@ -54,6 +70,7 @@ static conus_status start(void *user, const struct xml_event *event)
         char where[32];
         snprintf(where, sizeof where, "line %zu", event->line);
         parsing->in_label = true;
+        parsing->point = read_point(event);
         return label_cell_number(&parsing->index, text_from(index ? index : ""), where);
     }
     return CONUS_OK;
@@ -73,16 +90,23 @@ static conus_status set_type(struct fsl_atlas *atlas, struct text text)
                 shown.size < 60 ? (int)shown.size : 60, shown.size ? shown.data : "");
 }
 
-/* Until the type is known the labels keep their index plus one, so that none is 0. */
+/* The labels keep their index plus one, so that none is 0. */
 static conus_status end_label(struct parsing *parsing, const struct xml_event *event)
 {
-    struct label *label = NULL;
+    struct fsl_atlas *atlas = &parsing->atlas;
+    void *points = atlas->points;
     parsing->in_label = false;
     if (parsing->index == UINT32_MAX) {
         return fail(CONUS_ERROR_DATA, "line %zu: index 4294967295 is beyond a volume's number", event->line);
     }
-    label = label_table_add(&parsing->atlas.labels, parsing->index + 1);
-    return label ? label_set_text(&label->name, event->text) : CONUS_ERROR_MEMORY;
+    bool fits = memory_reserve(&points, &parsing->capacity, atlas->labels.count + 1, sizeof *atlas->points);
+    atlas->points = points;
+    struct label *label = fits ? label_table_add(&atlas->labels, parsing->index + 1) : NULL;
+    if (!label) {
+        return CONUS_ERROR_MEMORY;
+    }
+    atlas->points[atlas->labels.count - 1] = parsing->point;
+    return label_set_text(&label->name, event->text);
 }
 
 static conus_status end(void *user, const struct xml_event *event)
@@ -102,34 +126,14 @@ static conus_status end(void *user, const struct xml_event *event)
     return strcmp(event->name, "label") == 0 && parsing->in_label ? end_label(parsing, event) : CONUS_OK;
 }
 
-/* Type Label: index is the voxel value itself. */
-static conus_status number_labels(struct fsl_atlas *atlas, struct notes *notes)
+conus_status fsl_atlas_parse(struct fsl_atlas *out, struct text text)
 {
-    struct label_table indexed = atlas->labels;
-    conus_status status = CONUS_OK;
-    if (!atlas->is_label) {
-        return CONUS_OK;
-    }
-    atlas->labels = (struct label_table){0};
-    for (size_t i = 0; i < indexed.count; i++) {
-        struct label label = indexed.entries[i];
-        indexed.entries[i] = (struct label){0};
-        label.number--;
-        status = label_keep(&atlas->labels, &label, status, notes);
-    }
-    label_table_finish(&indexed);
-    return status;
-}
-
-conus_status fsl_atlas_parse(struct fsl_atlas *out, struct text text, struct notes *notes)
-{
-    struct parsing parsing = {.notes = notes};
+    struct parsing parsing = {0};
     struct xml_handler handler = {start, end, &parsing, false};
     conus_status status = xml_parse(&handler, text);
     if (!status && !parsing.atlas.type) {
         status = fail(CONUS_ERROR_DATA, "no <type>: Label, Probabilistic or Statistic is needed");
     }
-    status = status ? status : number_labels(&parsing.atlas, notes);
     if (status) {
         fsl_atlas_finish(&parsing.atlas);
         return status;

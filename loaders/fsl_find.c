@@ -14,11 +14,10 @@
 
 enum { XML_LIMIT = 4 << 20 };
 
-struct finding {
+struct search {
     enum fsl_use use;
-    struct fsl_atlas atlas;
-    char *path; /* of the XML, once it is found */
-    struct notes *notes;
+    fsl_visit visit;
+    void *user;
 };
 
 static bool same_image(const char *written, const char *relative)
@@ -45,50 +44,32 @@ static bool names_volume(const struct fsl_atlas *atlas, enum fsl_use use, const 
     return false;
 }
 
-/* Takes the atlas over if it is the one. */
-static conus_status consider(struct finding *finding, struct fsl_atlas *atlas, struct notes *notes, const char *path,
-                             const char *relative)
-{
-    if (!names_volume(atlas, finding->use, relative)) {
-        return CONUS_OK;
-    }
-    conus_status status = label_table_sort(&atlas->labels, notes);
-    status = status ? status : notes_move(finding->notes, notes);
-    finding->path = status ? NULL : memory_text(path, strlen(path));
-    if (!finding->path) {
-        return CONUS_ERROR_MEMORY;
-    }
-    finding->atlas = *atlas;
-    *atlas = (struct fsl_atlas){0};
-    return CONUS_OK;
-}
-
 /* XMLs of any kind may lie there: what is no atlas, or damaged, or out of reach speaks of another image. */
-static conus_status try_xml(struct finding *finding, const char *path, const char *relative)
+static conus_status try_xml(const struct search *search, const char *path, const char *relative)
 {
     struct bytes bytes = {0};
     struct fsl_atlas atlas = {0};
-    struct notes notes = {0};
     conus_status status = CONUS_OK;
     if (file_exists(path) && !file_read(&bytes, path, XML_LIMIT)) {
         struct text text = label_text_of(bytes.data, bytes.size);
-        status = text_equal(xml_root(text), "atlas") ? fsl_atlas_parse(&atlas, text, &notes) : CONUS_OK;
+        status = text_equal(xml_root(text), "atlas") ? fsl_atlas_parse(&atlas, text) : CONUS_OK;
         status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
-        status = status ? status : consider(finding, &atlas, &notes, path, relative);
+        if (!status && names_volume(&atlas, search->use, relative)) {
+            status = search->visit(search->user, &atlas, path);
+        }
     }
     fsl_atlas_finish(&atlas);
-    notes_finish(&notes);
     bytes_finish(&bytes);
     return status;
 }
 
-static conus_status search_in(struct finding *finding, const char *folder, const char *relative)
+static conus_status search_in(const struct search *search, const char *folder, const char *relative)
 {
     struct names names = {0};
     conus_status status = names_list(&names, folder, ".xml");
-    for (size_t i = 0; !status && !finding->path && i < names.count; i++) {
+    for (size_t i = 0; !status && i < names.count; i++) {
         char *path = file_beside(folder, names.names[i]);
-        status = path ? try_xml(finding, path, relative) : CONUS_ERROR_MEMORY;
+        status = path ? try_xml(search, path, relative) : CONUS_ERROR_MEMORY;
         memory_free(path);
     }
     names_finish(&names);
@@ -96,7 +77,7 @@ static conus_status search_in(struct finding *finding, const char *folder, const
 }
 
 /* In the folder above, where the volume is "folder/name". */
-static conus_status search_above(struct finding *finding, const char *folder, const char *relative)
+static conus_status search_above(const struct search *search, const char *folder, const char *relative)
 {
     char real[PATH_MAX];
     struct buffer above = {0};
@@ -108,28 +89,40 @@ static conus_status search_above(struct finding *finding, const char *folder, co
     buffer_format(&below, "%s/%s", path_base(real), relative);
     conus_status status = buffer_status(&above);
     status = status ? status : buffer_status(&below);
-    status = status ? status : search_in(finding, above.data, below.data);
+    status = status ? status : search_in(search, above.data, below.data);
     buffer_finish(&above);
     buffer_finish(&below);
     return status;
 }
 
-conus_status fsl_atlas_find(struct fsl_atlas *out, char **path, const char *volume_path, enum fsl_use use,
-                            struct notes *notes)
+conus_status fsl_atlas_each(const char *volume_path, enum fsl_use use, fsl_visit visit, void *user)
 {
-    struct finding finding = {.use = use, .notes = notes};
+    const struct search search = {use, visit, user};
     const char *base = path_base(volume_path);
     char *name = memory_text(base, volume_stem_length(base));
     char *folder = path_folder(volume_path);
-    conus_status status = name && folder ? search_in(&finding, folder, name) : CONUS_ERROR_MEMORY;
-    if (!status && !finding.path) {
-        status = search_above(&finding, folder, name);
-    }
+    conus_status status = name && folder ? search_in(&search, folder, name) : CONUS_ERROR_MEMORY;
+    status = status ? status : search_above(&search, folder, name);
     memory_free(name);
     memory_free(folder);
-    if (!status) {
-        *out = finding.atlas;
-        *path = finding.path;
+    return status;
+}
+
+conus_status fsl_image_find(char **out, const char *xml_path, const char *image)
+{
+    static const char *const endings[] = {"", ".nii.gz", ".nii", ".hdr", ".hdr.gz", ".mgz"};
+    char *path = file_beside(xml_path, image + strspn(image, "/"));
+    conus_status status = path ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < sizeof endings / sizeof endings[0]; i++) {
+        struct buffer candidate = {0};
+        buffer_format(&candidate, "%s%s", path, endings[i]);
+        status = buffer_status(&candidate);
+        if (!status && file_exists(candidate.data)) {
+            *out = candidate.data;
+            break;
+        }
+        buffer_finish(&candidate);
     }
+    memory_free(path);
     return status;
 }

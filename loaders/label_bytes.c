@@ -91,13 +91,21 @@ const struct label_format *label_format_of(struct text text)
     return format ? format : label_format_of_rows(text);
 }
 
+/* Two formats have more to say where it is known what for. */
+static conus_status parse_for(struct label_table *out, const struct label_format *format, struct text text,
+                              const struct label_use *use, struct notes *notes)
+{
+    if (format == &label_format_workbench) {
+        return label_workbench_parse(out, text, use->info ? use->info->volume : 0, notes);
+    }
+    return format == &label_format_fsl ? label_fsl_parse(out, text, use, notes) : format->parse(out, text, notes);
+}
+
 conus_status label_text_parse(struct label_table *out, const struct label_format *format, struct text text,
-                              size_t volume, struct notes *notes)
+                              const struct label_use *use, struct notes *notes)
 {
     struct label_table table = {0};
-    bool by_volume = format == &label_format_workbench;
-    conus_status status =
-        by_volume ? label_workbench_parse(&table, text, volume, notes) : format->parse(&table, text, notes);
+    conus_status status = parse_for(&table, format, text, use, notes);
     status = status ? status : label_table_sort(&table, notes);
     if (status) {
         label_table_finish(&table);
@@ -108,7 +116,7 @@ conus_status label_text_parse(struct label_table *out, const struct label_format
 }
 
 conus_status label_bytes_parse(struct label_table *out, const char **format, const uint8_t *data, size_t size,
-                               struct notes *notes)
+                               const struct label_use *use, struct notes *notes)
 {
     struct text text = label_text_of(data, size);
     conus_status status;
@@ -125,7 +133,7 @@ conus_status label_bytes_parse(struct label_table *out, const char **format, con
         return fail(CONUS_ERROR_DATA, "not a label table of a known format (known: " KNOWN ")");
     }
     struct label_table table = {0};
-    status = label_text_parse(&table, found, text, 0, notes);
+    status = label_text_parse(&table, found, text, use, notes);
     if (!status && !table.count) {
         label_table_finish(&table);
         return fail(CONUS_ERROR_DATA, "%s: no label but 0", found->name);

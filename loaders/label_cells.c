@@ -106,17 +106,57 @@ char label_hemisphere_of(struct text cell)
     return 0;
 }
 
-bool label_is_background(struct text name)
+static bool is_letter(char c)
 {
-    static const char *const words[] = {"unknown", "unclassified", "background", "clear",   "clear label",
-                                        "none",    "unlabeled",    "unlabelled", "outside", "exterior",
-                                        "empty",   "null",         "???",        "*.*.*",   "0"};
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
-        if (text_equal_ignoring_case(name, words[i])) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c & 0x80);
+}
+
+static bool has_number(struct text name)
+{
+    for (size_t i = 0; i < name.size; i++) {
+        if (name.data[i] >= '1' && name.data[i] <= '9') {
             return true;
         }
     }
     return false;
+}
+
+/* The next run of letters off `rest`; bytes of other alphabets are letters. False if none is left. */
+static bool next_letters(struct text *rest, struct text *word)
+{
+    size_t start = 0;
+    while (start < rest->size && !is_letter(rest->data[start])) {
+        start++;
+    }
+    size_t end = start;
+    while (end < rest->size && is_letter(rest->data[end])) {
+        end++;
+    }
+    *word = (struct text){rest->data + start, end - start};
+    *rest = (struct text){rest->data + end, rest->size - end};
+    return word->size > 0;
+}
+
+/* A name is that of no area if its first word says that nothing is there, or if it has neither a word nor a number. */
+bool label_is_background(struct text name)
+{
+    static const char *const absent[] = {
+        "air",        "background", "bg",          "clear",        "empty",     "exterior", "na",
+        "nan",        "nil",        "no",          "non",          "none",      "not",      "null",
+        "nothing",    "outside",    "unassigned",  "unclassified", "undefined", "unknown",  "unlabeled",
+        "unlabelled", "unnamed",    "unsegmented", "unspecified",  "void",
+    };
+    struct text word;
+    struct text rest = name;
+    if (!next_letters(&rest, &word)) {
+        return !has_number(name);
+    }
+    for (size_t i = 0; i < sizeof absent / sizeof absent[0]; i++) {
+        if (text_equal_ignoring_case(word, absent[i])) {
+            return true;
+        }
+    }
+    return text_equal_ignoring_case(name, "n/a");
 }
 
 conus_status label_keep(struct label_table *table, struct label *label, conus_status status, struct notes *notes)

@@ -6,20 +6,23 @@
 #define CONUS_LOADERS_LABEL_FILES_H
 
 #include "atlas/labels.h"
+#include "loaders/label_use.h"
 #include "loaders/volume_file.h"
 
-/** Parses a label table of any known format; *format is its name in words ("ITK-SNAP labels"), static.
+/** Parses a label table of any known format for @p use; *format is its name in words ("ITK-SNAP labels"), static.
  * @p out is sorted, and the caller's to finish. CONUS_ERROR_DATA when the bytes are of no known format or damaged. */
 conus_status label_bytes_parse(struct label_table *out, const char **format, const uint8_t *data, size_t size,
-                               struct notes *notes);
+                               const struct label_use *use, struct notes *notes);
 
-/** Reads the label table @p path (and, for a table without colours, X.lut beside it). */
-conus_status label_file_read(struct label_table *out, const char **format, const char *path, struct notes *notes);
+/** Reads the label table @p path (and, for a table without colours, X.lut beside it). @p use may be NULL. */
+conus_status label_file_read(struct label_table *out, const char **format, const char *path,
+                             const struct label_use *use, struct notes *notes);
 
-/** Finds the table of @p volume: inside the file, then beside it, in the documented order. @p source becomes words for
- * it ("MRIcron text in aal.nii.txt", "none found"), the caller's to memory_free(); no table is no error: an empty
+/** Finds the table of @p volume, whose labels are @p voxels (NULL: numbers are not checked): inside the file, then
+ * beside it, in the documented order. Tables that contradict each other are CONUS_ERROR_DATA. @p source becomes words
+ * for it ("MRIcron text in aal.nii.txt", "none found"), the caller's to memory_free(); no table is no error: an empty
  * @p out. A table inside or beside the file that is damaged is an error only if nothing else is found; else a note. */
 conus_status label_table_of_volume(struct label_table *out, char **source, const struct volume_file *volume,
-                                   struct notes *notes);
+                                   const uint32_t *voxels, struct notes *notes);
 
 #endif

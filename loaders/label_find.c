@@ -53,22 +53,26 @@ static conus_status colour_from(struct label_table *table, const char *path, boo
     return CONUS_OK;
 }
 
-static conus_status read_table(struct label_table *out, const char **format, const char *path, struct notes *notes)
+static conus_status read_table(struct label_table *out, const char **format, const char *path,
+                               const struct label_use *wanted, struct notes *notes)
 {
+    struct label_use use = wanted ? *wanted : (struct label_use){0};
     struct bytes bytes = {0};
     conus_status status = file_read(&bytes, path, LABEL_FILE_LIMIT);
     if (status) {
         return status;
     }
-    status = label_bytes_parse(out, format, bytes.data, bytes.size, notes);
+    use.path = path;
+    status = label_bytes_parse(out, format, bytes.data, bytes.size, &use, notes);
     bytes_finish(&bytes);
     return status ? fail_in(status, path) : CONUS_OK;
 }
 
-conus_status label_file_read(struct label_table *out, const char **format, const char *path, struct notes *notes)
+conus_status label_file_read(struct label_table *out, const char **format, const char *path,
+                             const struct label_use *use, struct notes *notes)
 {
     struct label_table table = {0};
-    conus_status status = read_table(&table, format, path, notes);
+    conus_status status = read_table(&table, format, path, use, notes);
     if (!status && !has_colours(&table)) {
         const char *dot = strrchr(path_base(path), '.');
         char *lut = join(path, dot ? (size_t)(dot - path) : strlen(path), ".lut");
@@ -103,32 +107,45 @@ static conus_status complain(struct label_search *search, conus_status status)
     return buffer_status(&search->complaint);
 }
 
-conus_status label_search_bytes(struct label_search *search, const char *name, bool inside, struct text text)
+/* What is no table is worth a word only where a table would stand, and none has been found. */
+static conus_status note_unknown(struct label_search *search, const char *name, bool inside)
 {
+    const char *dot = strrchr(name, '.');
+    bool expected = !inside && !(dot && strcasecmp(dot, ".json") == 0); /* BIDS has a .json beside every image */
+    return expected && !search->found
+               ? notes_add(search->notes, "%s is not a label table of a known format: passed over", name)
+               : CONUS_OK;
+}
+
+conus_status label_search_bytes(struct label_search *search, const char *path, bool inside, struct text text)
+{
+    struct label_offer offer = {0};
+    struct label_use use = search->use;
+    const char *name = path_base(path);
     const struct label_format *format = label_format_of(text);
     if (!format) {
-        const char *dot = strrchr(name, '.');
-        bool expected = !inside && !(dot && strcasecmp(dot, ".json") == 0); /* BIDS has a .json beside every image */
-        return expected ? notes_add(search->notes, "%s is not a label table of a known format: passed over", name)
-                        : CONUS_OK;
+        return note_unknown(search, name, inside);
     }
-    conus_status status = label_text_parse(&search->table, format, text, search->volume->info.volume, search->notes);
+    use.path = path;
+    conus_status status = label_text_parse(&offer.table, format, text, &use, &offer.notes);
     if (status) {
+        notes_finish(&offer.notes);
         return complain(search, fail_in(status, name));
     }
-    if (!search->table.count) {
-        label_table_finish(&search->table);
-        return notes_add(search->notes, "%s in %s has no label but 0: passed over", format->name, name);
+    if (!offer.table.count) {
+        notes_finish(&offer.notes);
+        label_table_finish(&offer.table);
+        return search->found ? CONUS_OK
+                             : notes_add(search->notes, "%s in %s has no label but 0: passed over", format->name, name);
     }
-    search->found = true;
-    buffer_format(&search->source, "%s %s %s", format->name, inside ? "inside" : "in", name);
-    return buffer_status(&search->source);
+    buffer_format(&offer.source, "%s %s %s", format->name, inside ? "inside" : "in", name);
+    return label_search_offer(search, &offer);
 }
 
 conus_status label_search_file(struct label_search *search, const char *path)
 {
     struct bytes bytes = {0};
-    if (search->found || !file_exists(path)) {
+    if (!file_exists(path)) {
         return CONUS_OK;
     }
     conus_status status = file_read(&bytes, path, LABEL_FILE_LIMIT);
@@ -136,7 +153,7 @@ conus_status label_search_file(struct label_search *search, const char *path)
         return complain(search, status);
     }
     if (!label_is_lut(bytes.data, bytes.size)) {
-        status = label_search_bytes(search, path_base(path), false, label_text_of(bytes.data, bytes.size));
+        status = label_search_bytes(search, path, false, label_text_of(bytes.data, bytes.size));
     }
     bytes_finish(&bytes);
     return status;
@@ -152,11 +169,11 @@ static conus_status search_extension(struct label_search *search, int code, cons
 {
     const struct volume_file *volume = search->volume;
     conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && !search->found && i < volume->extension_count; i++) {
+    for (size_t i = 0; !status && i < volume->extension_count; i++) {
         const struct volume_extension *extension = &volume->extensions[i];
         struct text text = label_text_of(extension->data, extension->size);
         if (extension->code == code && mentions(text, mark)) {
-            status = label_search_bytes(search, path_base(volume->path), true, text);
+            status = label_search_bytes(search, volume->path, true, text);
         }
     }
     return status;
@@ -169,10 +186,10 @@ static conus_status search_inside(struct label_search *search)
     conus_status status = search_extension(search, EXTENSION_WORKBENCH, "<LabelTable");
     status = status ? status : search_extension(search, EXTENSION_AFNI, "LABEL_DTABLE");
     status = status ? status : search_extension(search, EXTENSION_AFNI, "ATLAS_LABEL_TABLE");
-    if (status || search->found || !text.size) {
+    if (status || !text.size) {
         return status;
     }
-    return label_search_bytes(search, path_base(search->volume->path), true, text);
+    return label_search_bytes(search, search->volume->path, true, text);
 }
 
 static conus_status search_beside(struct label_search *search)
@@ -181,7 +198,7 @@ static conus_status search_beside(struct label_search *search)
                                           ".ctbl",    ".niml.lt", ".csv", ".nii.lut", ".lut"};
     const char *path = search->volume->path;
     conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && !search->found && i < sizeof endings / sizeof endings[0]; i++) {
+    for (size_t i = 0; !status && i < sizeof endings / sizeof endings[0]; i++) {
         char *beside = join(path, volume_stem_length(path), endings[i]);
         status = beside ? label_search_file(search, beside) : CONUS_ERROR_MEMORY;
         memory_free(beside);
@@ -239,12 +256,14 @@ static conus_status settle(struct label_search *search)
 }
 
 conus_status label_table_of_volume(struct label_table *out, char **source, const struct volume_file *volume,
-                                   struct notes *notes)
+                                   const uint32_t *voxels, struct notes *notes)
 {
-    struct label_search search = {.volume = volume, .notes = notes};
+    struct label_search search = {.volume = volume,
+                                  .use = {.info = &volume->info, .voxels = voxels, .max_memory = volume->max_memory},
+                                  .notes = notes};
     conus_status status = search_inside(&search);
     status = status ? status : search_beside(&search);
-    status = status || search.found ? status : label_search_folder(&search);
+    status = status ? status : label_search_folder(&search);
     status = status ? status : settle(&search);
     status = status ? status : colour_beside(&search);
     char *words = status ? NULL : memory_text(search.source.data, search.source.size);

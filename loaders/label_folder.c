@@ -50,23 +50,25 @@ static conus_status search_inherited(struct label_search *search, const char *fo
     return status;
 }
 
-static conus_status search_fsl(struct label_search *search)
+static conus_status offer_atlas(void *user, struct fsl_atlas *atlas, const char *path)
 {
-    struct fsl_atlas atlas = {0};
-    char *path = NULL;
-    conus_status status = fsl_atlas_find(&atlas, &path, search->volume->path, FSL_LABELS, search->notes);
-    if (!status && path && atlas.labels.count) {
-        buffer_format(&search->source, "FSL atlas XML in %s", path_base(path));
-        status = buffer_status(&search->source);
-        search->found = !status;
-        search->table = atlas.labels;
-        atlas.labels = (struct label_table){0};
+    struct label_search *search = user;
+    struct label_offer offer = {0};
+    struct label_use use = search->use;
+    use.path = path;
+    conus_status status = fsl_atlas_number(atlas, &use, &offer.notes);
+    if (status || !atlas->labels.count) {
+        notes_finish(&offer.notes);
+        return status;
     }
-    memory_free(path);
-    fsl_atlas_finish(&atlas);
-    return status;
+    buffer_format(&offer.source, "FSL atlas XML in %s", path_base(path));
+    offer.proved = atlas->proved;
+    offer.table = atlas->labels;
+    atlas->labels = (struct label_table){0};
+    return label_search_offer(search, &offer);
 }
 
+/* Of all volumes in the folder: asked only where nothing else is. */
 static conus_status search_fixed(struct label_search *search)
 {
     static const char *const names[] = {"structures.json", "FreeSurferColorLUT.txt"};
@@ -84,7 +86,7 @@ conus_status label_search_folder(struct label_search *search)
     char *folder = path_folder(search->volume->path);
     conus_status status = folder ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = status || search->found ? status : search_inherited(search, folder);
-    status = status || search->found ? status : search_fsl(search);
+    status = status ? status : fsl_atlas_each(search->volume->path, FSL_LABELS, offer_atlas, search);
     status = status || search->found ? status : search_fixed(search);
     memory_free(folder);
     return status;

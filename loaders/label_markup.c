@@ -89,18 +89,12 @@ static conus_status parse_workbench(struct label_table *out, struct text text, s
     return label_workbench_parse(out, text, 0, notes);
 }
 
-static conus_status parse_fsl(struct label_table *out, struct text text, struct notes *notes)
+conus_status label_fsl_parse(struct label_table *out, struct text text, const struct label_use *use,
+                             struct notes *notes)
 {
     struct fsl_atlas atlas = {0};
-    conus_status status = fsl_atlas_parse(&atlas, text, notes);
-    if (!status && !atlas.is_label) {
-        status = notes_add(notes,
-                           "%s: its labels count from 0, the values of its summary images from 1: \"%s\" is label "
-                           "%u",
-                           atlas.type,
-                           atlas.labels.count && atlas.labels.entries[0].name ? atlas.labels.entries[0].name : "",
-                           atlas.labels.count ? atlas.labels.entries[0].number : 0);
-    }
+    conus_status status = fsl_atlas_parse(&atlas, text);
+    status = status ? status : fsl_atlas_number(&atlas, use, notes);
     if (!status) {
         *out = atlas.labels; /* it was empty */
         atlas.labels = (struct label_table){0};
@@ -109,16 +103,23 @@ static conus_status parse_fsl(struct label_table *out, struct text text, struct 
     return status;
 }
 
+static conus_status parse_fsl(struct label_table *out, struct text text, struct notes *notes)
+{
+    static const struct label_use no_volume;
+    return label_fsl_parse(out, text, &no_volume, notes);
+}
+
 const struct label_format label_format_workbench = {"Workbench label table", parse_workbench};
+const struct label_format label_format_fsl = {"FSL atlas XML", parse_fsl};
 
 const struct label_format *label_format_of_markup(struct text text)
 {
-    static const struct label_format fsl = {"FSL atlas XML", parse_fsl};
     static const struct {
         const char *root;
         const struct label_format *format;
     } roots[] = {
-        {"atlas", &fsl},
+        {"atlas", &label_format_fsl},
+        {"CaretExtension", &label_format_workbench},
         {"CaretVolumeExtension", &label_format_workbench},
         {"LabelTable", &label_format_workbench},
         {"AFNI_attributes", &label_format_afni},

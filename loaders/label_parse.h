@@ -5,6 +5,7 @@
 
 #include "atlas/labels.h"
 #include "base/xml.h"
+#include "loaders/label_use.h"
 
 /** A format of label tables. */
 struct label_format {
@@ -30,23 +31,27 @@ bool label_is_lut(const uint8_t *data, size_t size);
 /** Colours the entries of @p table with numbers below 256. */
 void label_lut_apply(struct label_table *table, const uint8_t *lut);
 
-/** Parses @p text as @p format into a sorted table, which may turn out empty. @p volume: which of a 4-D file, where
- * the format has a table for each. */
+/** Parses @p text as @p format into a sorted table, which may turn out empty. */
 conus_status label_text_parse(struct label_table *out, const struct label_format *format, struct text text,
-                              size_t volume, struct notes *notes);
+                              const struct label_use *use, struct notes *notes);
 
 extern const struct label_format label_format_workbench;
 extern const struct label_format label_format_afni;
+extern const struct label_format label_format_fsl;
 
 /** Workbench's table of volume @p volume of a 4-D file; label_format_workbench takes the first. */
 conus_status label_workbench_parse(struct label_table *out, struct text text, size_t volume, struct notes *notes);
+
+/** An FSL atlas XML's, numbered as for @p use (fsl_atlas.h); label_format_fsl goes by its type. */
+conus_status label_fsl_parse(struct label_table *out, struct text text, const struct label_use *use,
+                             struct notes *notes);
 
 /** Appends @p label, if filling it gave @p status CONUS_OK; else returns @p status. Its strings are taken over in any
  * case. Label 0 is background and dropped, with a note where its name does not say so: a table that counts from 0
  * names every area wrongly. */
 conus_status label_keep(struct label_table *table, struct label *label, conus_status status, struct notes *notes);
 
-/** Whether @p name is one of the usual words for what is no area ("unknown", "???"). */
+/** Whether @p name says that what is called so is no area: "unknown", "Air", "*.*.*". */
 bool label_is_background(struct text name);
 
 /** Number and colour of Workbench's and GIFTI's <Label Key= Red= Green= Blue=>; its name is the element's text. */

@@ -5,18 +5,33 @@
 
 #include "atlas/labels.h"
 #include "base/buffer.h"
+#include "loaders/label_use.h"
 #include "loaders/volume_file.h"
 
 struct label_search {
     const struct volume_file *volume;
+    struct label_use use; /**< path: of the table that is being read.                 */
     struct notes *notes;
     struct label_table table;
-    bool found;              /**< table is filled; the later steps do nothing.           */
+    bool found;              /**< table is filled; later ones are only compared with it. */
+    bool proved;             /**< ... and its numbers are those of the volume.           */
     struct buffer source;    /**< "MRIcron text in aal.nii.txt".                         */
     struct buffer complaint; /**< The first candidate that was damaged: an error only if nothing else is found. */
 };
 
 void label_search_finish(struct label_search *search);
+
+/** A table that was read, and what was noted on the way. */
+struct label_offer {
+    struct label_table table;
+    struct notes notes;
+    struct buffer source;
+    bool proved;
+};
+
+/** Uses the table of @p offer if it is the first, or if only its numbers are proved. One that contradicts the table in
+ * use is CONUS_ERROR_DATA, one that differs a note. Finishes @p offer. */
+conus_status label_search_offer(struct label_search *search, struct label_offer *offer);
 
 /** Tries @p text, called @p name in messages, which lies inside the volume's file or in a file of its own. */
 conus_status label_search_bytes(struct label_search *search, const char *name, bool inside, struct text text);

@@ -54,7 +54,8 @@ static conus_status read_override(struct parcellation *parts, const char *path)
 {
     const char *format = NULL;
     struct label_table table = {0};
-    conus_status status = label_file_read(&table, &format, path, &parts->notes);
+    const struct label_use use = {&parts->file.info, parts->labels, NULL, parts->file.max_memory};
+    conus_status status = label_file_read(&table, &format, path, &use, &parts->notes);
     status = status ? status : set_source(parts, format, path);
     if (status) {
         label_table_finish(&table);
@@ -63,25 +64,6 @@ static conus_status read_override(struct parcellation *parts, const char *path)
     label_table_finish(&parts->table);
     parts->table = table;
     return CONUS_OK;
-}
-
-conus_status fsl_image_find(char **out, const char *xml_path, const char *image)
-{
-    static const char *const endings[] = {"", ".nii.gz", ".nii", ".hdr", ".hdr.gz", ".mgz"};
-    char *path = file_beside(xml_path, image + strspn(image, "/"));
-    conus_status status = path ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < sizeof endings / sizeof endings[0]; i++) {
-        struct buffer candidate = {0};
-        buffer_format(&candidate, "%s%s", path, endings[i]);
-        status = buffer_status(&candidate);
-        if (!status && file_exists(candidate.data)) {
-            *out = candidate.data;
-            break;
-        }
-        buffer_finish(&candidate);
-    }
-    memory_free(path);
-    return status;
 }
 
 /* Opens `image` of the atlas and keeps it if its voxels are smaller than those of what is there. */
@@ -132,7 +114,7 @@ static conus_status open_finest(struct parcellation *parts, const struct fsl_atl
 static conus_status load_fsl(struct parcellation *parts, const char *path, struct text text, uint64_t max_memory)
 {
     struct fsl_atlas atlas = {0};
-    conus_status status = fsl_atlas_parse(&atlas, text, &parts->notes);
+    conus_status status = fsl_atlas_parse(&atlas, text);
     if (status) {
         return fail_in(status, path);
     }
@@ -143,7 +125,11 @@ static conus_status load_fsl(struct parcellation *parts, const char *path, struc
                       path, atlas.type);
     }
     status = status ? status : open_finest(parts, &atlas, path, max_memory);
-    status = status ? status : label_table_sort(&atlas.labels, &parts->notes);
+    status = status ? status : volume_file_labels(&parts->labels, &parts->file);
+    if (!status) {
+        const struct label_use use = {&parts->file.info, parts->labels, path, max_memory};
+        status = fsl_atlas_number(&atlas, &use, &parts->notes);
+    }
     status = status ? status : set_source(parts, "FSL atlas XML", path_base(path));
     if (!status) {
         parts->table = atlas.labels;
@@ -185,7 +171,7 @@ conus_status parcellation_read(struct parcellation *out, const char *path, const
     bool markup = first_character(path) == '<';
     conus_status status = markup ? load_markup(out, path, options->max_memory)
                                  : volume_file_open(&out->file, path, options->max_memory, &out->notes);
-    status = status ? status : volume_file_labels(&out->labels, &out->file);
+    status = status || markup ? status : volume_file_labels(&out->labels, &out->file);
     if (status) {
         return status;
     }
@@ -193,7 +179,7 @@ conus_status parcellation_read(struct parcellation *out, const char *path, const
     if (options->labels) {
         return read_override(out, options->labels);
     }
-    return markup ? CONUS_OK : label_table_of_volume(&out->table, &out->source, &out->file, &out->notes);
+    return markup ? CONUS_OK : label_table_of_volume(&out->table, &out->source, &out->file, out->labels, &out->notes);
 }
 
 conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts)

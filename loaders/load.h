@@ -49,8 +49,4 @@ conus_status manifest_of_surfaces(struct buffer *out, const char *folder);
  * file), or there is one, the whole. */
 conus_status surface_load(conus_atlas **out, const char *path, const conus_load_options *options);
 
-/** Path of @p image as the FSL atlas @p xml_path writes it: from the XML's folder, mostly without ending; NULL in *out
- * if there is no such file, else the caller's to memory_free(). */
-conus_status fsl_image_find(char **out, const char *xml_path, const char *image);
-
 #endif

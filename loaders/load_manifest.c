@@ -209,7 +209,7 @@ static conus_status read_fsl(struct fsl_choice *choice, const struct loading *lo
     struct bytes bytes = {0};
     conus_status status = file_read(&bytes, xml, XML_LIMIT);
     if (!status) {
-        status = fsl_atlas_parse(&choice->atlas, label_text_of(bytes.data, bytes.size), &loading->atlas->notes);
+        status = fsl_atlas_parse(&choice->atlas, label_text_of(bytes.data, bytes.size));
         status = status ? fail_in(status, xml) : CONUS_OK;
     }
     if (!status && choice->atlas.is_label) {

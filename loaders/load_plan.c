@@ -248,7 +248,7 @@ static conus_status find_matches(struct matches *matches, const struct manifest_
     memory_free(pattern);
     if (!status && area->labels) {
         char *labels = file_beside(path, area->labels);
-        status = labels ? label_file_read(&matches->table, &format, labels, notes) : CONUS_ERROR_MEMORY;
+        status = labels ? label_file_read(&matches->table, &format, labels, NULL, notes) : CONUS_ERROR_MEMORY;
         memory_free(labels);
     }
     return status;
@@ -412,7 +412,7 @@ static conus_status open_globe(struct globe *globe, const struct manifest_area *
     conus_status status = globe->folder ? CONUS_OK : CONUS_ERROR_MEMORY;
     buffer_format(&table, "%s/structures.json", status ? "" : globe->folder);
     status = status ? status : buffer_status(&table);
-    status = status ? status : label_file_read(&globe->structures, &format, table.data, notes);
+    status = status ? status : label_file_read(&globe->structures, &format, table.data, NULL, notes);
     status = status ? status : find_globe_meshes(globe);
     buffer_finish(&table);
     if (!status) {

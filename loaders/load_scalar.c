@@ -8,6 +8,7 @@
 #include "loaders/load.h"
 
 #include <string.h>
+#include <strings.h>
 
 /* The value that means "certainly". Probabilities are stored as 0..1, as percent, or over the whole range of an
  * unsigned integer; what fits none of these is measured by its own largest value. */
@@ -76,27 +77,60 @@ static conus_status name_by_file(struct buffer *out, const conus_volume_info *in
     return buffer_status(out);
 }
 
+/* What FSL atlas XMLs call a volume. */
+struct title {
+    const conus_volume_info *info;
+    struct buffer *name;
+    struct buffer from; /* the XML */
+};
+
+static const char *name_in(const struct fsl_atlas *atlas, size_t volume)
+{
+    for (size_t i = 0; i < atlas->labels.count; i++) {
+        if (atlas->labels.entries[i].number - 1 == volume) {
+            return atlas->labels.entries[i].name;
+        }
+    }
+    return NULL;
+}
+
+static conus_status take_title(void *user, struct fsl_atlas *atlas, const char *path)
+{
+    struct title *title = user;
+    const char *name = name_in(atlas, title->info->volume);
+    if (!name) {
+        return CONUS_OK;
+    }
+    if (!title->from.size) {
+        buffer_text(title->name, name);
+        buffer_text(&title->from, path_base(path));
+        return buffer_status(title->name);
+    }
+    return strcasecmp(name, title->name->data) == 0
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA,
+                      "%s: two FSL atlas XMLs contradict each other: volume %zu is \"%s\" in %s, \"%s\" in %s; name it "
+                      "(--pathway FILE,name=NAME)",
+                      title->info->path, title->info->volume, title->name->data, title->from.data, name,
+                      path_base(path));
+}
+
 /* The name that is wanted, else what an FSL atlas XML calls this volume, else the file's name. */
 static conus_status choose_name(struct buffer *out, const char *wanted, const conus_volume_info *info,
                                 struct notes *notes)
 {
-    struct fsl_atlas atlas = {0};
-    char *path = NULL;
+    struct title title = {.info = info, .name = out};
     if (wanted && wanted[0]) {
         buffer_text(out, wanted);
         return buffer_status(out);
     }
-    conus_status status = fsl_atlas_find(&atlas, &path, info->path, FSL_VOLUMES, notes);
-    const struct label *label = status || !path ? NULL : label_table_find(&atlas.labels, (uint32_t)info->volume + 1);
-    if (label && label->name) {
-        buffer_text(out, label->name);
-        status = notes_add(notes, "pathway %s: named by %s", label->name, path_base(path));
-        status = status ? status : buffer_status(out);
-    } else if (!status) {
-        status = name_by_file(out, info);
+    conus_status status = fsl_atlas_each(info->path, FSL_VOLUMES, take_title, &title);
+    status = status ? status : buffer_status(&title.from);
+    if (!status) {
+        status = title.from.size ? notes_add(notes, "pathway %s: named by %s", out->data, title.from.data)
+                                 : name_by_file(out, info);
     }
-    memory_free(path);
-    fsl_atlas_finish(&atlas);
+    buffer_finish(&title.from);
     return status;
 }
 

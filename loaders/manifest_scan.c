@@ -42,7 +42,7 @@ static conus_status has_table(bool *out, const struct volume_file *file)
     struct notes notes = {0};
     char *source = NULL;
     *out = false;
-    conus_status status = label_table_of_volume(&table, &source, file, &notes);
+    conus_status status = label_table_of_volume(&table, &source, file, NULL, &notes);
     for (size_t i = 0; !status && i < table.count; i++) {
         *out = *out || table.entries[i].name;
     }

@@ -106,7 +106,8 @@ static conus_status look_at_xml(struct draft *draft, const char *name)
     conus_status status = path ? file_read(&bytes, path, XML_LIMIT) : CONUS_ERROR_MEMORY;
     struct text text = status ? (struct text){0} : label_text_of(bytes.data, bytes.size);
     if (!status && text.size && text_equal(xml_root(text), "atlas")) {
-        status = fsl_atlas_parse(&atlas, text, &notes);
+        status = fsl_atlas_parse(&atlas, text);
+        status = status ? status : fsl_atlas_number(&atlas, &(struct label_use){0}, &notes);
         status = status ? fail_in(status, path) : take_fsl(draft, name, &atlas);
     }
     fsl_atlas_finish(&atlas);

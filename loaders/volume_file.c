@@ -12,7 +12,10 @@
 #include <strings.h>
 
 static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
-enum { HEAD_LIMIT = 1 << 26 }; /* of the header file of a pair */
+enum {
+    HEAD_LIMIT = 1 << 26,  /* of the header file of a pair */
+    HEADER_READ = 1 << 16, /* of a file of which the header alone is wanted; packed, it takes less */
+};
 
 /* A file of which some bytes are wanted, packed or not. */
 struct stored {
@@ -412,6 +415,25 @@ static conus_status open_wanted(struct volume_file *out, const char *path, struc
     }
     opening_finish(o);
     return status;
+}
+
+conus_status volume_file_header(conus_volume_info *out, const char *path)
+{
+    struct stored stored = {0};
+    struct bytes head = {0};
+    struct notes notes = {0};
+    struct volume_header header = {0};
+    conus_status status = file_read_head(&stored.bytes, path, HEADER_READ);
+    stored.packed = !status && gzip_is(stored.bytes.data, stored.bytes.size);
+    status = status ? status : stored_head(&head, &stored, NIFTI_HEAD_SIZE);
+    status = status ? status : parse_head(&header, &head, stored.packed, &notes);
+    if (!status) {
+        *out = header.info;
+    }
+    bytes_finish(&head);
+    notes_finish(&notes);
+    stored_finish(&stored);
+    return status ? fail_in(status, path) : CONUS_OK;
 }
 
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes)

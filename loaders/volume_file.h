@@ -37,6 +37,9 @@ struct volume_file {
  * @p notes. Errors carry path, field, value found and what is allowed. */
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes);
 
+/** Reads only the header of @p path: dimensions, transform, datatype; out->path is NULL. */
+conus_status volume_file_header(conus_volume_info *out, const char *path);
+
 /** Reads @p path as above, but takes it whole for a name: volume 0, and the others for volume_file_select(). They are
  * unpacked together and kept, unless that takes more than @p max_memory (0 = 8 GiB): then each is read when selected.
  */

@@ -11,8 +11,9 @@
 
 conus_status parsed_from(struct parsed *out, const char *text)
 {
+    static const struct label_use use;
     *out = (struct parsed){0};
-    return label_bytes_parse(&out->table, &out->format, (const uint8_t *)text, strlen(text), &out->notes);
+    return label_bytes_parse(&out->table, &out->format, (const uint8_t *)text, strlen(text), &use, &out->notes);
 }
 
 void parsed_finish(struct parsed *parsed)
@@ -72,7 +73,8 @@ static void read_or_refuse(const char *text, size_t size)
     assert_non_null(exact);
     memcpy(exact, text, size);
     struct parsed parsed = {0};
-    conus_status status = label_bytes_parse(&parsed.table, &parsed.format, exact, size, &parsed.notes);
+    static const struct label_use use;
+    conus_status status = label_bytes_parse(&parsed.table, &parsed.format, exact, size, &use, &parsed.notes);
     if (status) {
         assert_fails(status, CONUS_ERROR_DATA);
         assert_null(parsed.format);

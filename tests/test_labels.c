@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+static const struct label_use no_use;
+
 static const struct sample samples[] = {
     {"MRIcron text",
      "1 Precentral_L 2001\r\n2 Precentral_R 2002\r\n3 A 2101\r\n4 B 2102\r\n5 C 2111\r\n6 D 2112\r\n7 E 2201\r\n"
@@ -121,7 +123,7 @@ static void what_is_no_table_is_refused(void **state)
                    "UTF-16");
     struct parsed parsed = {0};
     uint8_t zeros[512] = {0};
-    assert_fails(label_bytes_parse(&parsed.table, &parsed.format, zeros, sizeof zeros, &parsed.notes),
+    assert_fails(label_bytes_parse(&parsed.table, &parsed.format, zeros, sizeof zeros, &no_use, &parsed.notes),
                  CONUS_ERROR_DATA);
 }
 
@@ -158,7 +160,7 @@ static void a_lut_gives_colours_only(void **state)
     struct parsed parsed = {0};
     uint8_t lut[768] = {0};
     lut[7] = 10, lut[256 + 7] = 20, lut[512 + 7] = 30;
-    assert_ok(label_bytes_parse(&parsed.table, &parsed.format, lut, sizeof lut, &parsed.notes));
+    assert_ok(label_bytes_parse(&parsed.table, &parsed.format, lut, sizeof lut, &no_use, &parsed.notes));
     assert_string_equal(parsed.format, "MRIcron colours");
     const struct label *seven = label_table_find(&parsed.table, 7);
     assert_non_null(seven);
@@ -194,7 +196,7 @@ static void real_tables_are_read(void **state)
     };
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         struct parsed parsed = {0};
-        assert_ok(label_file_read(&parsed.table, &parsed.format, test_shared(files[i].path), &parsed.notes));
+        assert_ok(label_file_read(&parsed.table, &parsed.format, test_shared(files[i].path), NULL, &parsed.notes));
         assert_string_equal(parsed.format, files[i].format);
         assert_true(!files[i].count || files[i].count == parsed.table.count);
         assert_string_equal(parsed.table.entries[0].name, files[i].first);
@@ -209,7 +211,7 @@ static void a_lut_beside_an_override_colours_it(void **state)
 {
     (void)state;
     struct parsed parsed = {0};
-    assert_ok(label_file_read(&parsed.table, &parsed.format, test_mricron("aal.nii.txt"), &parsed.notes));
+    assert_ok(label_file_read(&parsed.table, &parsed.format, test_mricron("aal.nii.txt"), NULL, &parsed.notes));
     assert_int_equal(parsed.table.count, 116);
     assert_string_equal(parsed.table.entries[115].name, "Vermis_10");
     assert_true(parsed.table.entries[0].has_rgb);

@@ -18,7 +18,14 @@
 
 static const struct sample samples[] = {
     {"Workbench label table",
-     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<CaretVolumeExtension Version=\"1.0\"><VolumeInformation Index=\"0\">"
+     /* as Workbench writes it, and with the root element that other programs give it */
+     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<CaretExtension><Date><![CDATA[2026-01-02T03:04:05]]></Date>"
+     "<VolumeInformation Index=\"0\">" WORKBENCH_LABELS
+     "<StudyMetaDataLinkSet></StudyMetaDataLinkSet><VolumeType><![CDATA[Label]]></VolumeType></VolumeInformation>"
+     "</CaretExtension>",
+     "7 Caudate & Putamen #ff8000"},
+    {"Workbench label table",
+     "<CaretVolumeExtension Version=\"1.0\"><VolumeInformation Index=\"0\">"
      "<MetaData/>" WORKBENCH_LABELS "<VolumeType>Label</VolumeType></VolumeInformation></CaretVolumeExtension>",
      "7 Caudate & Putamen #ff8000"},
     {"Workbench label table", "<LabelTable><Label Index=\"3\">old</Label></LabelTable>", "3 old"},
@@ -135,12 +142,14 @@ static void afni_tables_written_by_hand_are_read(void **state)
 static void each_volume_of_workbench_has_its_own_table(void **state)
 {
     (void)state;
-    static const char text[] = "<CaretVolumeExtension><VolumeInformation Index=\"0\">" WORKBENCH_LABELS
+    static const char text[] = "<CaretExtension><VolumeInformation Index=\"0\">" WORKBENCH_LABELS
                                "</VolumeInformation><VolumeInformation Index=\"1\"><LabelTable><Label Key=\"9\">nine"
-                               "</Label></LabelTable></VolumeInformation></CaretVolumeExtension>";
+                               "</Label></LabelTable></VolumeInformation></CaretExtension>";
     struct parsed parsed = {0};
+    const conus_volume_info info = {.volume = 1};
+    const struct label_use second = {.info = &info};
     const struct label_format *format = label_format_of(text_from(text));
-    assert_ok(label_text_parse(&parsed.table, format, text_from(text), 1, &parsed.notes));
+    assert_ok(label_text_parse(&parsed.table, format, text_from(text), &second, &parsed.notes));
     assert_string_equal(parsed_text(&parsed.table), "9 nine");
     parsed_finish(&parsed);
 }
@@ -166,7 +175,8 @@ static void fsl_atlases_name_their_images(void **state)
         struct notes notes = {0};
         struct fsl_atlas atlas = {0};
         assert_ok(file_read(&bytes, test_shared(files[i].path), 1 << 20));
-        assert_ok(fsl_atlas_parse(&atlas, label_text_of(bytes.data, bytes.size), &notes));
+        assert_ok(fsl_atlas_parse(&atlas, label_text_of(bytes.data, bytes.size)));
+        assert_ok(fsl_atlas_number(&atlas, &(struct label_use){0}, &notes));
         assert_int_equal(atlas.is_label, files[i].is_label);
         assert_int_equal(atlas.image_count, files[i].images);
         assert_int_equal(atlas.labels.count, files[i].labels);

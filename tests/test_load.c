@@ -158,9 +158,9 @@ static void tables_inside_the_file_come_first(void **state)
     make_folder("inside");
     write_text(in("v.txt"), "1 beside\n2 b\n");
     assert_ok(write_volume(in("v.nii"), 1, 30,
-                           "<CaretVolumeExtension><VolumeInformation Index=\"0\"><LabelTable>"
+                           "<CaretExtension><VolumeInformation Index=\"0\"><LabelTable>"
                            "<Label Key=\"1\">one</Label></LabelTable></VolumeInformation>"
-                           "</CaretVolumeExtension>"));
+                           "</CaretExtension>"));
     assert_source(in("v.nii"), "Workbench label table inside v.nii", "one");
     assert_ok(write_volume(in("v.nii"), 1, 4,
                            "<?xml version='1.0' ?><AFNI_attributes><AFNI_atr atr_name="

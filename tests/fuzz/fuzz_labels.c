@@ -24,7 +24,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct label_table table = {0};
     struct notes notes = {0};
     const char *format = NULL;
-    conus_status status = label_bytes_parse(&table, &format, data, size, &notes);
+    static const struct label_use use;
+    conus_status status = label_bytes_parse(&table, &format, data, size, &use, &notes);
     if (status ? table.count || format : !table.count || !format) {
         abort();
     }
