@@ -107,16 +107,27 @@ static uint8_t *pass_place(struct walk *walk, size_t size)
     return walk->mode == MEASURE ? NULL : walk->memory + at;
 }
 
+/* Whether there is something. Not as a bool, which damage could make neither. */
+static bool pass_whether(struct walk *walk, const void *thing)
+{
+    uint8_t is_there = thing ? 1 : 0;
+    pass(walk, &is_there, sizeof is_there);
+    return is_there;
+}
+
 /* An array that stays in the block; `array` is the address of a pointer. Whether there is one is passed, too. */
 static void pass_array(struct walk *walk, void *array, size_t count, size_t size)
 {
     void *given;
+    size_t bytes;
     memcpy(&given, array, sizeof given);
-    bool is_there = given;
-    pass(walk, &is_there, sizeof is_there);
-    uint8_t *place = is_there ? pass_place(walk, count * size) : NULL;
+    bool is_there = pass_whether(walk, given);
+    if (!walk->status && !memory_multiply(count, size, &bytes)) {
+        walk->status = fail_damaged();
+    }
+    uint8_t *place = is_there && !walk->status ? pass_place(walk, bytes) : NULL;
     if (place && walk->mode == PACK) {
-        memcpy(place, given, count * size);
+        memcpy(place, given, bytes);
     } else if (walk->mode == ATTACH) {
         memcpy(array, &place, sizeof place);
     }
@@ -145,14 +156,22 @@ static void *room(struct walk *walk, void *things, size_t count, size_t size)
 
 static void pass_leaps(struct walk *walk, struct volume *volume, const struct volume *source)
 {
-    bool is_there = volume_is_met(source);
-    pass(walk, &is_there, sizeof is_there);
-    uint8_t *place = is_there ? pass_place(walk, leap_map_size(volume)) : NULL;
+    bool is_there = pass_whether(walk, volume_is_met(source) ? source : NULL);
+    uint8_t *place = is_there && !walk->status ? pass_place(walk, leap_map_size(volume)) : NULL;
     if (place && walk->mode == PACK) {
         walk->status = leap_map_write(place, source);
     } else if (walk->mode == ATTACH) {
         volume->leaps = place;
     }
+}
+
+/* Each voxel has a value or an object of some bytes in the block. */
+static bool fits_block(const struct volume *volume, const struct walk *walk)
+{
+    const size_t *dim = volume->info.dim;
+    size_t count;
+    return dim[0] && dim[1] && dim[2] && memory_multiply(dim[0], dim[1], &count) &&
+           memory_multiply(count, dim[2], &count) && count == volume->voxel_count && count <= walk->size;
 }
 
 /* Into a volume of zeros when attaching, else from a copy. */
@@ -168,6 +187,9 @@ static void pass_volume(struct walk *walk, struct volume *volume)
     plain.leaps = NULL;
     plain.is_borrowed = true;
     pass(walk, &plain, sizeof plain);
+    if (!walk->status && walk->mode == ATTACH && !fits_block(&plain, walk)) {
+        walk->status = fail_damaged();
+    }
     if (walk->status) {
         return;
     }
@@ -351,8 +373,8 @@ conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atla
 static bool is_whole(const struct head *head, const uint8_t *memory, size_t size)
 {
     return memcmp(head->magic, magic, sizeof magic) == 0 && head->layout == layout_of_structures() &&
-           head->size <= size && head->small_end >= sizeof *head && round_up(head->small_end) <= head->size &&
-           crc_of(memory, head->small_end) == head->crc;
+           head->size <= size && head->small_end >= sizeof *head && head->small_end <= head->size &&
+           round_up(head->small_end) <= head->size && crc_of(memory, head->small_end) == head->crc;
 }
 
 conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t size)

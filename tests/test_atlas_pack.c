@@ -292,6 +292,41 @@ static void what_is_no_packed_atlas_is_refused(void **state)
     drop(block);
 }
 
+/* Every byte of the head with every other value; and numbers near the largest there is in each eight bytes, which wrap
+ * around where they are rounded up. */
+static void a_damaged_head_is_refused(void **state)
+{
+    (void)state;
+    enum { HEAD = 56 };
+    uint64_t random = 8;
+    conus_atlas *attached = NULL;
+    conus_atlas *atlas = mixed_atlas(&random, 1);
+    struct block block = pack(atlas);
+    mprotect(block.memory, block.size, PROT_READ | PROT_WRITE);
+    for (size_t i = 0; i < HEAD; i++) {
+        uint8_t right = block.memory[i];
+        for (int wrong = 1; wrong < 256; wrong++) {
+            block.memory[i] = (uint8_t)(right ^ wrong);
+            assert_fails(conus_atlas_attach(&attached, block.memory, block.size), CONUS_ERROR_DATA);
+        }
+        block.memory[i] = right;
+    }
+    for (size_t i = 0; i < HEAD; i += sizeof(uint64_t)) {
+        uint64_t right;
+        memcpy(&right, block.memory + i, sizeof right);
+        for (uint64_t less = 0; less <= 128; less++) {
+            memcpy(block.memory + i, &(uint64_t){UINT64_MAX - less}, sizeof right);
+            assert_fails(conus_atlas_attach(&attached, block.memory, block.size), CONUS_ERROR_DATA);
+        }
+        memcpy(block.memory + i, &right, sizeof right);
+    }
+    assert_null(attached);
+    assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
+    conus_atlas_destroy(attached);
+    conus_atlas_destroy(atlas);
+    drop(block);
+}
+
 struct attempt {
     conus_atlas *atlas;
     struct block block;
@@ -335,6 +370,7 @@ int main(void)
         cmocka_unit_test(changes_are_made_to_copies),
         cmocka_unit_test(an_attached_atlas_can_grow),
         cmocka_unit_test(what_is_no_packed_atlas_is_refused),
+        cmocka_unit_test(a_damaged_head_is_refused),
         cmocka_unit_test(both_survive_every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
