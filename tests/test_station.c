@@ -4,13 +4,15 @@
 #include "test.h"
 
 #include <arpa/inet.h>
+#include <errno.h>
 #include <math.h>
 #include <poll.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
-enum { ROOM = 4096 };
+enum { ROOM = 4096, PLACES = 4 /* for peers */ };
 
 static const double turned[16] = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 10, -20, 30, 1};
 static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -50,10 +52,15 @@ static void send_pose(int peer, const char *tool, const double matrix[16])
     send_all(peer, bytes, igtl_write_transform(bytes, sizeof bytes, tool, 2, matrix));
 }
 
+static void moment(void)
+{
+    usleep(5000);
+}
+
 static struct station_news wait_for(struct station *station, uint64_t after)
 {
     struct station_news news;
-    assert_true(station_wait(station, after, 10, &news));
+    assert_true(station_wait(station, after, 600, &news));
     return news;
 }
 
@@ -133,11 +140,10 @@ static struct station_news wait_for_head(struct station *station, enum station_s
 {
     struct station_news news;
     station_ask(station, &news);
-    for (int i = 0; i < 1000 && news.head.state != state; i++) {
-        usleep(5000);
+    while (news.head.state != state) {
+        moment();
         station_ask(station, &news);
     }
-    assert_int_equal(news.head.state, state);
     return news;
 }
 
@@ -145,12 +151,11 @@ static struct station_news wait_for_head(struct station *station, enum station_s
 static struct station_news see_head(struct station *station, int peer, const double matrix[16])
 {
     struct station_news news = {0};
-    for (int i = 0; i < 100 && news.head.state != STATION_SEEN; i++) {
+    while (news.head.state != STATION_SEEN) {
         send_pose(peer, "Glasses", matrix);
-        usleep(50000);
+        moment();
         station_ask(station, &news);
     }
-    assert_int_equal(news.head.state, STATION_SEEN);
     return news;
 }
 
@@ -246,6 +251,127 @@ static void nonsense_ends_one_connection_only(void **state)
     assert_int_equal(news.dropped, 3);
     close(good);
     station_stop(station);
+}
+
+/* Whether the other side has closed it. */
+static bool is_closed(int peer)
+{
+    uint8_t byte;
+    ssize_t size = recv(peer, &byte, 1, MSG_DONTWAIT);
+    return size == 0 || (size < 0 && errno != EAGAIN);
+}
+
+/* A pose that may meet a closed door. */
+static void try_pose(int peer, const char *tool)
+{
+    uint8_t bytes[ROOM];
+    ssize_t sent = send(peer, bytes, igtl_write_transform(bytes, sizeof bytes, tool, 2, turned), MSG_NOSIGNAL);
+    (void)sent;
+}
+
+/* Comes again until it is let in and heard, while peers[0] goes on sending. */
+static int be_heard(struct station *station, int talker)
+{
+    struct station_news news = {0};
+    int newcomer = connect_to(station);
+    try_pose(newcomer, "Pointer");
+    for (int i = 0; i < 10000 && !news.number; i++) {
+        if (is_closed(newcomer)) {
+            close(newcomer);
+            newcomer = connect_to(station);
+            try_pose(newcomer, "Pointer");
+        }
+        send_pose(talker, "Noise", turned);
+        moment();
+        station_ask(station, &news);
+    }
+    assert_int_equal(news.number, 1);
+    return newcomer;
+}
+
+/* Four that say nothing do not keep a tracker out: the one that is silent longest goes, and no other. */
+static void idle_peers_give_way(void **state)
+{
+    (void)state;
+    struct station *station = start(&(struct station_options){.tool = "Pointer"});
+    struct station_news news = {0};
+    int peers[PLACES];
+    for (unsigned p = 0; p < PLACES; p++) {
+        peers[p] = connect_to(station);
+        while (news.clients <= p) { /* so that they come in this order */
+            moment();
+            station_ask(station, &news);
+        }
+    }
+    int newcomer = be_heard(station, peers[0]);
+    while (!is_closed(peers[1])) {
+        moment();
+    }
+    assert_false(is_closed(peers[0]));
+    assert_false(is_closed(peers[2]));
+    assert_false(is_closed(peers[3]));
+    assert_false(is_closed(newcomer));
+    station_ask(station, &news);
+    assert_int_equal(news.clients, PLACES);
+    assert_int_equal(news.dropped, 0);
+    for (int p = 0; p < PLACES; p++) {
+        close(peers[p]);
+    }
+    close(newcomer);
+    station_stop(station);
+}
+
+static double clock_s(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* Sends from all until one is shown out; whether that was the newcomer. @p pause becomes the longest time, s, in which
+ * nothing was sent. */
+static bool newcomer_is_shown_out(const int peers[PLACES], int newcomer, double *pause)
+{
+    bool is_out = false;
+    double sent = clock_s();
+    *pause = 0;
+    for (;;) {
+        for (int p = 0; p < PLACES; p++) {
+            is_out = is_out || is_closed(peers[p]);
+            try_pose(peers[p], "Pointer");
+        }
+        *pause = fmax(*pause, clock_s() - sent);
+        sent = clock_s();
+        if (is_out || is_closed(newcomer)) {
+            return !is_out;
+        }
+        moment();
+    }
+}
+
+/* Of four that send, none gives way to one more; once again where this thread was not let run for that long. */
+static void peers_that_send_keep_their_places(void **state)
+{
+    (void)state;
+    double pause;
+    bool is_out = false;
+    while (!is_out) {
+        struct station *station = start(&(struct station_options){0});
+        int peers[PLACES];
+        for (int p = 0; p < PLACES; p++) {
+            peers[p] = connect_to(station);
+            send_pose(peers[p], "Pointer", turned);
+        }
+        wait_for(station, PLACES - 1);
+        int newcomer = connect_to(station);
+        is_out = newcomer_is_shown_out(peers, newcomer, &pause);
+        assert_true(is_out || pause > 0.3);
+        for (int p = 0; p < PLACES; p++) {
+            close(peers[p]);
+        }
+        close(newcomer);
+        station_stop(station);
+    }
 }
 
 static void a_flood_leaves_the_newest_pose(void **state)
@@ -351,6 +477,8 @@ int main(void)
         cmocka_unit_test(a_lost_head_is_none),
         cmocka_unit_test(lost_and_stale_tools_are_no_poses),
         cmocka_unit_test(nonsense_ends_one_connection_only),
+        cmocka_unit_test(idle_peers_give_way),
+        cmocka_unit_test(peers_that_send_keep_their_places),
         cmocka_unit_test(a_flood_leaves_the_newest_pose),
         cmocka_unit_test(what_is_told_arrives),
         cmocka_unit_test(as_a_client_it_comes_again),

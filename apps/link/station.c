@@ -22,7 +22,8 @@ static const double stale_after_s = 0.5;
 
 /* One that is connected. */
 struct peer {
-    int socket; /* -1 = none */
+    int socket;      /* -1 = none */
+    double heard_ms; /* when it last sent something, or came */
     struct igtl_reader reader;
     uint8_t out[OUTGOING]; /* what is being sent, */
     size_t out_size, sent;
@@ -229,6 +230,7 @@ static void receive(struct station *station, struct peer *peer)
     uint8_t bytes[CHUNK];
     ssize_t size = recv(peer->socket, bytes, sizeof bytes, MSG_DONTWAIT);
     if (size > 0) {
+        peer->heard_ms = now_ms();
         if (!igtl_read(&peer->reader, bytes, (size_t)size, hear, station)) {
             part(station, peer, true);
         }
@@ -260,23 +262,48 @@ static void prepare(struct station *station, struct peer *peer)
     pthread_mutex_unlock(&station->lock);
 }
 
+static struct peer *find_free(struct station *station)
+{
+    for (int p = 0; p < PEERS; p++) {
+        if (station->peers[p].socket < 0) {
+            return &station->peers[p];
+        }
+    }
+    return NULL;
+}
+
+/* Where all places are taken, the one that is silent longest goes. One that sends keeps its place, however many come.
+ */
+static struct peer *make_room(struct station *station)
+{
+    struct peer *silent = &station->peers[0];
+    for (int p = 1; p < PEERS; p++) {
+        silent = station->peers[p].heard_ms < silent->heard_ms ? &station->peers[p] : silent;
+    }
+    if (now_ms() - silent->heard_ms <= 1e3 * stale_after_s) {
+        return NULL;
+    }
+    part(station, silent, false);
+    return silent;
+}
+
 static void welcome(struct station *station, int socket)
 {
     int yes = 1;
-    for (int p = 0; p < PEERS; p++) {
-        struct peer *peer = &station->peers[p];
-        if (peer->socket < 0) {
-            setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-            peer->socket = socket;
-            if (station->options.host) { /* servers of tracking data want to be asked */
-                size_t size = igtl_write_start(peer->out, sizeof peer->out, "STT_TDATA", REQUEST_MS);
-                size += igtl_write_start(peer->out + size, sizeof peer->out - size, "STT_QTDATA", REQUEST_MS);
-                peer->out_size = size;
-            }
-            return;
-        }
+    struct peer *peer = find_free(station);
+    peer = peer ? peer : make_room(station);
+    if (!peer) {
+        close(socket);
+        return;
     }
-    close(socket);
+    setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+    peer->socket = socket;
+    peer->heard_ms = now_ms();
+    if (station->options.host) { /* servers of tracking data want to be asked */
+        size_t size = igtl_write_start(peer->out, sizeof peer->out, "STT_TDATA", REQUEST_MS);
+        size += igtl_write_start(peer->out + size, sizeof peer->out - size, "STT_QTDATA", REQUEST_MS);
+        peer->out_size = size;
+    }
 }
 
 /* A connection that we make; waits a little at most, on the station's own thread. */
@@ -314,6 +341,7 @@ static bool is_stopped(struct station *station)
     return stop;
 }
 
+/* Whoever has sent something is heard before a newcomer asks for a place. */
 static void serve(struct station *station)
 {
     struct pollfd polled[PEERS + 2] = {{.fd = station->wake, .events = POLLIN},
@@ -329,12 +357,6 @@ static void serve(struct station *station)
     if (polled[0].revents && read(station->wake, &ticks, sizeof ticks) < 0) {
         return;
     }
-    if (polled[1].revents & POLLIN) {
-        int socket = accept4(station->listener, NULL, NULL, SOCK_CLOEXEC);
-        if (socket >= 0) {
-            welcome(station, socket);
-        }
-    }
     for (int p = 0; p < PEERS; p++) {
         struct peer *peer = &station->peers[p];
         if (peer->socket >= 0 && peer->socket == polled[2 + p].fd && polled[2 + p].revents & POLLOUT) {
@@ -343,6 +365,12 @@ static void serve(struct station *station)
         if (peer->socket >= 0 && peer->socket == polled[2 + p].fd &&
             polled[2 + p].revents & (POLLIN | POLLHUP | POLLERR)) {
             receive(station, peer);
+        }
+    }
+    if (polled[1].revents & POLLIN) {
+        int socket = accept4(station->listener, NULL, NULL, SOCK_CLOEXEC);
+        if (socket >= 0) {
+            welcome(station, socket);
         }
     }
 }
