@@ -39,14 +39,9 @@ hash_of() {
     sha256sum <"$1"
 }
 
-# wait_for_lines N FILE: until FILE has N lines, or ten seconds have passed.
+# wait_for_lines N FILE: until FILE, which process $pid writes, has N lines.
 wait_for_lines() {
-    for _ in $(seq 1000); do
-        [ -e "$2" ] && [ "$(wc -l <"$2")" -ge "$1" ] && return 0
-        sleep 0.01
-    done
-    echo "$2 never got $1 lines"
-    return 1
+    wait_until "$pid" has_lines "$@"
 }
 
 @test "the rows are those of conus query" {
@@ -379,7 +374,7 @@ pipe_in() {
 @test "a reader that goes ends a batch that waits for a silent pipe" {
     setup_ball 2000
     mkfifo silent rows
-    timeout 60 "$CONUS" batch sphere.nii.gz --poses silent --angle 12 --threads 2 >rows 2>said 3>&- &
+    timeout $HANG "$CONUS" batch sphere.nii.gz --poses silent --angle 12 --threads 2 >rows 2>said 3>&- &
     pid=$!
     head -n 1 rows >first &
     exec 5>silent

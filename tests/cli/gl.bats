@@ -67,3 +67,14 @@ load helpers
     answers query sphere.nii.gz $aim
     has 'engine rays, '
 }
+
+@test "leaks are looked for, and drivers' memory is not taken for an old glibc's" {
+    local program
+    for program in "$CONUS" "${CONUS%/*}/conus-view"; do
+        [ -x "$program" ] || continue
+        grep -aq __asan_init "$program" || skip "built without AddressSanitizer"
+        ASAN_OPTIONS=help=1 "$program" --version 2>flags >/dev/null
+        [ "$(grep -A 1 -x '[[:space:]]*intercept_tls_get_addr' flags | grep -c 'Current Value: false')" -eq 1 ]
+        [ "$(grep -A 1 -x '[[:space:]]*detect_leaks' flags | grep -c 'Current Value: true')" -eq 1 ]
+    done
+}

@@ -20,7 +20,7 @@ looks_as() {
     local name=$1 differing
     shift
     need_window
-    run -0 --separate-stderr timeout 250 "$CONUS" view "$@" --script "$GOLDEN/$name.txt" --size 600x400 --scale 0.62 --quiet
+    run -0 --separate-stderr timeout $HANG "$CONUS" view "$@" --script "$GOLDEN/$name.txt" --size 600x400 --scale 0.62 --quiet
     [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
     run --separate-stderr "$CONUS" diff --tolerance 0.05 "$name.png" "$GOLDEN/$name.png"
     differing=${output%% *}

@@ -3,9 +3,83 @@ bats_require_minimum_version 1.5.0
 : "${CONUS:?is the path of the conus program}"
 TEMPLATES=${CONUS_TEMPLATES:-/usr/share/mricron/templates}
 
+# Seconds after which what hangs is ended: nothing else takes so long, however busy the machine is.
+HANG=900
+
 setup() {
     mkdir "$BATS_TEST_TMPDIR/work"
     cd "$BATS_TEST_TMPDIR/work" || return
+}
+
+teardown() {
+    end_children
+}
+
+# background COMMAND...: starts it as process $child, which does not outlive the test.
+background() {
+    "$@" <&0 3>&- &
+    child=$!
+    children+=("$child")
+}
+
+end_children() {
+    for child in "${children[@]}"; do
+        ! runs "$child" || kill "$child" || true
+        wait "$child" 2>/dev/null || true
+    done
+    children=()
+}
+
+# runs PID: whether it does, and is not only waiting to be reaped.
+runs() {
+    grep -q '^State:[[:space:]]*[^Z]' "/proc/$1/status" 2>/dev/null
+}
+
+# wait_until PID COMMAND...: until COMMAND succeeds, which process PID shall bring about before it ends.
+wait_until() {
+    local pid=$1
+    shift
+    until "$@"; do
+        runs "$pid" || "$@" || { echo "process $pid ended before: $*"; return 1; }
+        sleep 0.02
+    done
+}
+
+# has_lines N FILE
+has_lines() {
+    [ -e "$2" ] && [ "$(wc -l <"$2")" -ge "$1" ]
+}
+
+# is_conus PID: whether it has become that.
+is_conus() {
+    [ "$(cat "/proc/$1/comm")" = "${CONUS##*/}" ]
+}
+
+# catches_signals PID: whether it is a conus that has seen to SIGINT.
+catches_signals() {
+    local mask
+    mask=$(sed -n 's/^SigCgt:[[:space:]]*/0x/p' "/proc/$1/status")
+    is_conus "$1" && [ $((mask >> 1 & 1)) -eq 1 ]
+}
+
+# free_port: one that nobody listens on, and from which no connection starts by itself.
+free_port() {
+    /usr/bin/python3 - <<'END'
+import random, socket
+while True:
+    port = random.SystemRandom().randrange(10000, 32000)
+    try:
+        socket.socket().bind(("", port))
+    except OSError:
+        continue
+    print(port)
+    break
+END
+}
+
+# listens PORT: whether a process of this machine does.
+listens() {
+    grep -qsE "^ *[0-9]+: [0-9A-F]+:$(printf %04X "$1") [0-9A-F]+:0000 0A " /proc/net/tcp /proc/net/tcp6
 }
 
 conus() {
@@ -78,10 +152,7 @@ start_screen() {
     command -v Xvfb >/dev/null || return 0
     Xvfb -displayfd 3 -screen 0 "$1x24" -noreset -nolisten tcp 3>"$BATS_FILE_TMPDIR/display" 2>/dev/null &
     echo $! >"$BATS_FILE_TMPDIR/screen"
-    for _ in {1..400}; do
-        [ ! -s "$BATS_FILE_TMPDIR/display" ] || break
-        sleep 0.05
-    done
+    wait_until $! test -s "$BATS_FILE_TMPDIR/display"
     DISPLAY=:$(cat "$BATS_FILE_TMPDIR/display")
     export DISPLAY
 }

@@ -111,22 +111,18 @@ start() {
     pid=$!
 }
 
-# wait_for_lines N: until the journal has N lines, or twenty seconds have passed.
+# wait_for_lines N: until the journal has N lines.
 wait_for_lines() {
-    for _ in $(seq 2000); do
-        [ -e killed.tsv.journal ] && [ "$(wc -l <killed.tsv.journal)" -ge "$1" ] && return 0
-        sleep 0.01
-    done
-    echo "never got $1 lines"
-    cat said
-    return 1
+    wait_until "$pid" has_lines "$1" killed.tsv.journal || { cat said; return 1; }
 }
 
-# stop SIGNAL PID...: until all has ended; it must not have been a success.
+# stop CODE SIGNAL PID...: until all has ended, with that code (mpirun's is that of a rank).
 stop() {
-    kill "-$1" "${@:2}"
-    wait "$pid" 2>/dev/null && return 1
-    flock --timeout 20 killed.tsv.journal true
+    local code=0
+    kill "-$2" "${@:3}"
+    wait "$pid" 2>/dev/null || code=$?
+    [ "$code" -eq "$1" ] || { echo "ended with $code"; return 1; }
+    flock --timeout $HANG killed.tsv.journal true
 }
 
 # read_children: the ranks.
@@ -139,7 +135,7 @@ read_children() {
     start 4 -o killed.tsv
     wait_for_lines 5
     read_children
-    stop KILL "$pid" "${children[@]}" # all of it
+    stop 137 KILL "$pid" "${children[@]}" # all of it
     [ ! -e killed.tsv ]
     ranks 2 "${long[@]}" -o killed.tsv 2>again && return 1 || [ $? -eq 2 ]
     grep -q 'killed.tsv: an unfinished batch is there; --resume goes on, --force begins anew' again
@@ -150,7 +146,7 @@ read_children() {
     start 3 -o killed.tsv --resume
     wait_for_lines $((lines + 5))
     read_children
-    stop KILL "${children[1]}" # a rank
+    stop 137 KILL "${children[1]}" # a rank
     cp killed.tsv.part part
     cp killed.tsv.journal journal
     ranks 2 "${long[@]}" -o killed.tsv --resume
@@ -172,7 +168,7 @@ read_children() {
     "$CONUS" batch "${long[@]}" --block 10 -o killed.tsv 3>&- &
     pid=$!
     wait_for_lines 30
-    stop KILL "$pid"
+    stop 137 KILL "$pid"
     ranks 3 "${long[@]}" --block 7 -o killed.tsv --resume
     cmp rows.tsv killed.tsv
 }
@@ -189,13 +185,13 @@ said_how_to_go_on() {
     start 2 -o killed.tsv
     wait_for_lines 5
     read_children
-    stop TERM "${children[1]}"
+    stop 143 TERM "${children[1]}"
     said_how_to_go_on
     local lines
     lines=$(wc -l <killed.tsv.journal)
     start 2 -o killed.tsv --resume
     wait_for_lines $((lines + 3))
-    stop INT "$pid"
+    stop 130 INT "$pid"
     said_how_to_go_on
     ranks 2 "${long[@]}" -o killed.tsv --resume
     cmp rows.tsv killed.tsv
@@ -279,7 +275,7 @@ TMPDIR=$PWD/nodes/$host exec sh -c "$*"
 END
     chmod +x agent
     export OMPI_MCA_plm_rsh_agent=$PWD/agent
-    mpi=(timeout 120 mpirun --oversubscribe --allow-run-as-root --mca btl 'tcp,self' --mca btl_tcp_if_include lo)
+    mpi=(timeout $HANG mpirun --oversubscribe --allow-run-as-root --mca btl 'tcp,self' --mca btl_tcp_if_include lo)
     mpi+=(-host 'a:8,b:8,c:8' --map-by node)
     "${mpi[@]}" -n 3 true 3>&- || skip "this mpirun cannot pretend to have several nodes"
 }

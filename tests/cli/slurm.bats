@@ -3,9 +3,8 @@
 load helpers
 
 write_configuration() {
-    local host port
+    local host
     host=$(hostname -s)
-    port=$((20000 + $$ % 20000 * 2))
     cat <<END
 ClusterName=test
 SlurmctldHost=$host(127.0.0.1)
@@ -22,8 +21,8 @@ StateSaveLocation=$slurm/state
 SlurmdSpoolDir=$slurm/spool
 SlurmctldPidFile=$slurm/slurmctld.pid
 SlurmdPidFile=$slurm/slurmd.pid
-SlurmctldPort=$port
-SlurmdPort=$((port + 1))
+SlurmctldPort=$(free_port)
+SlurmdPort=$(free_port)
 SlurmctldLogFile=$slurm/slurmctld.log
 SlurmdLogFile=$slurm/slurmd.log
 ReturnToService=2
@@ -51,16 +50,11 @@ slurm_up() {
     export SLURM_CONF=$slurm/slurm.conf
     write_configuration >"$SLURM_CONF"
     slurmctld 3>&- && slurmd 3>&- || skip "Slurm does not start"
-    for _ in $(seq 60); do
-        sinfo -h 2>/dev/null | grep -q idle && return 0
+    local begun=$SECONDS
+    until sinfo -h 2>/dev/null | grep -q idle; do
+        [ $((SECONDS - begun)) -lt $HANG ] || skip "Slurm's node does not come up"
         sleep 0.5
     done
-    skip "Slurm's node does not come up"
-}
-
-# runs PID: whether it does, and is not only waiting to be reaped.
-runs() {
-    grep -q '^State:[[:space:]]*[^Z]' "/proc/$1/status" 2>/dev/null
 }
 
 # They write to the folder until they have ended.
@@ -70,8 +64,7 @@ teardown() {
         local pid
         pid=$(cat "slurm/$daemon.pid")
         kill "$pid" || continue
-        for _ in $(seq 200); do
-            runs "$pid" || break
+        while runs "$pid"; do
             sleep 0.05
         done
     done
@@ -95,7 +88,7 @@ teardown() {
     awk '$0 == "```sh sbatch" { inside = 1; next } /^```/ { inside = 0 } inside' "$BATS_TEST_DIRNAME/../../docs/batch.md" |
         sed 's/array=0-7/array=0-3/; s/cpus-per-task=4/cpus-per-task=1/' >array.sh
     grep -q '^#SBATCH --array=0-3' array.sh
-    timeout 120 sbatch --wait array.sh
+    timeout $HANG sbatch --wait array.sh
     grep -h 'note: shard 3/4, from SLURM_ARRAY_TASK_ID=3' slurm-*_3.out
     conus merge rows.[0-3].tsv -o rows.tsv
     cmp whole.tsv rows.tsv

@@ -17,18 +17,25 @@ example() {
     local name=$1
     shift
     [ -x "$BATS_FILE_TMPDIR/$name" ] || skip "no openigtlink-examples"
-    timeout 20 "$BATS_FILE_TMPDIR/$name" "$@" >"$name.out" 2>&1 3>&- &
-    peer=$!
-}
-
-# port: one that is free now.
-free_port() {
-    /usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
+    background timeout $HANG "$BATS_FILE_TMPDIR/$name" "$@" >"$name.out" 2>&1
+    peer=$child
 }
 
 end_peer() {
     kill "$peer" 2>/dev/null || true
     wait "$peer" 2>/dev/null || true
+}
+
+# start_track OPTION...: conus track in the background, process $track, until it is ready to be ended by a signal.
+start_track() {
+    background env --default-signal=INT "$CONUS" track sphere.nii.gz "$@" >steps.tsv
+    track=$child
+    wait_until "$track" catches_signals "$track"
+}
+
+end_track() {
+    kill -INT "$track"
+    wait "$track"
 }
 
 # followed: steps.tsv has more than five steps, each with its time after the one before.
@@ -40,11 +47,10 @@ followed() {
 @test "the protocol's own client drives conus track" {
     sphere
     port=$(free_port)
-    "$CONUS" track sphere.nii.gz --listen "$port" --seconds 3 --selected --format tsv --quiet >steps.tsv 3>&- &
-    track=$!
-    sleep 0.5
+    start_track --listen "$port" --selected --format tsv --quiet
     example TrackerClient localhost "$port" 30
-    wait $track
+    wait_until "$track" has_lines 8 steps.tsv
+    end_track
     end_peer
     followed
 }
@@ -57,7 +63,9 @@ followed() {
         TrackerServer) example $server "$port" 30 ;;
         *) example $server "$port" ;;
         esac
-        "$CONUS" track sphere.nii.gz --connect "localhost:$port" --seconds 3 --selected --format tsv --quiet >steps.tsv
+        start_track --connect "localhost:$port" --selected --format tsv --quiet
+        wait_until "$peer" has_lines 8 steps.tsv
+        end_track
         end_peer
         followed || { echo "$server"; cat steps.tsv "$server.out"; return 1; }
     done
@@ -68,7 +76,7 @@ followed() {
     port=$(free_port)
     cat >send.py <<'END'
 # A tracker that looks at the sphere, and passes on what it is told to the protocol's own receiver.
-import socket, struct, sys, time
+import select, socket, struct, sys
 def crc(data):
     value = 0
     for byte in data:
@@ -81,34 +89,29 @@ def message(kind, body):
 pose = struct.pack(">12f", 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 90)
 conus = socket.create_connection(("127.0.0.1", int(sys.argv[1])))
 receiver = socket.create_connection(("127.0.0.1", int(sys.argv[2])))
-end = time.time() + 1.5
-conus.settimeout(0.2)
 told = b""
-while time.time() < end:
+passed_on = set()
+while not passed_on >= {b"STRING", b"POINT"}:
     conus.sendall(message(b"TRANSFORM", pose))
-    try:
+    while select.select([conus], [], [], 0.02)[0]:
         told += conus.recv(65536)
-    except socket.timeout:
-        pass
     while len(told) >= 58 and len(told) >= 58 + struct.unpack(">Q", told[42:50])[0]: # the receiver wants whole ones
         size = 58 + struct.unpack(">Q", told[42:50])[0]
         receiver.sendall(told[:size])
+        passed_on.add(told[2:14].rstrip(b"\0"))
         told = told[size:]
-    time.sleep(0.02)
 receiver.close()
 END
     other=$(free_port)
     example ReceiveServer "$other"
-    sleep 0.3
-    "$CONUS" track sphere.nii.gz --listen "$port" --seconds 3 --quiet --format tsv >steps.tsv 3>&- &
-    track=$!
-    sleep 0.5
-    timeout 20 /usr/bin/python3 send.py "$port" "$other"
-    wait $track
+    wait_until "$peer" listens "$other"
+    start_track --listen "$port" --quiet --format tsv
+    timeout $HANG /usr/bin/python3 send.py "$port" "$other"
+    for word in STRING Sphere POINT; do
+        wait_until "$peer" grep -aq "$word" ReceiveServer.out
+    done
+    end_track
     end_peer
-    grep -aq 'STRING' ReceiveServer.out
-    grep -aq 'Sphere' ReceiveServer.out
-    grep -aq 'POINT' ReceiveServer.out
 }
 
 @test "what does not go together is said" {
@@ -127,11 +130,16 @@ END
     sphere --size 16
     port=$(free_port)
     for signal in INT TERM; do
-        env --default-signal=INT "$CONUS" track sphere.nii.gz --listen "$port" -o $signal.tsv --quiet 3>&- &
-        track=$!
-        sleep 1
-        kill -$signal $track
-        wait $track
+        start_track --listen "$port" -o $signal.tsv --quiet
+        kill -$signal "$track"
+        wait "$track"
         head -1 $signal.tsv | grep -q time_s
     done
+}
+
+@test "--seconds ends it without a signal" {
+    sphere --size 16
+    port=$(free_port)
+    answers track sphere.nii.gz --listen "$port" --seconds 0.2 -o steps.tsv --quiet
+    [ "$(wc -l <steps.tsv)" -eq 1 ]
 }

@@ -60,11 +60,11 @@ skips() {
     "$CONUS" track sphere.nii.gz --poses - --format ndjson <poses >answers &
     exec 5>poses 6<answers
     printf 'time_s\tx\ty\tz\ttx\tty\ttz\n0\t0\t0\t90\t0\t0\t0\n' >&5
-    read -r -t 20 line <&6
+    read -r -t $HANG line <&6
     [[ "$line" == '{"query":"1","kind":"area","index":1,'*'"time_s":0,"selected":1,"confirmed":0}' ]]
-    read -r -t 20 line <&6
+    read -r -t $HANG line <&6
     printf '1700000000.125\t0\t0\t90\t0\t0\t0\n' >&5
-    read -r -t 20 line <&6
+    read -r -t $HANG line <&6
     [[ "$line" == *'"time_s":1700000000.125,'* ]]
     exec 5>&-
     wait $!
@@ -80,7 +80,7 @@ skips() {
         env --default-signal=INT "$CONUS" track sphere.nii.gz --poses - -o "$signal.tsv" <silent 3>&- &
         exec 5>silent
         { cat hand.tsv; printf '0.3\t0\t0'; } >&5
-        sleep 1
+        wait_until $! catches_signals $! # it has read the heading by then, and all that came with it
         kill -"$signal" $!
         wait $!
         exec 5>&-
@@ -88,7 +88,7 @@ skips() {
     done
     awk 'NR == 1; NR == 2 { for (i = 0; i < 300000; i++) print }' hand.tsv >long.tsv
     env --default-signal=INT "$CONUS" track sphere.nii.gz --poses long.tsv -o long.steps.tsv 3>&- &
-    sleep 0.5
+    wait_until $! is_conus $!
     kill -INT $!
     wait $! && return 1 || [ $? -eq 130 ]
     [ ! -e long.steps.tsv ]

@@ -13,8 +13,44 @@ teardown_file() {
 # view ATLAS [OPTION...] <SCRIPT: succeeds without a word.
 view() {
     cat >script
-    run -0 --separate-stderr timeout 120 "$CONUS" view "$@" --script script --quiet --size 1000x640
+    run -0 --separate-stderr timeout $HANG "$CONUS" view "$@" --script script --quiet --size 1000x640
     [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
+}
+
+# live ATLAS [OPTION...]: a window that does what `tell` says, and waits between that. It is process $child, its window $window.
+live() {
+    need_window
+    command -v xdotool >/dev/null || skip "no xdotool"
+    mkfifo commands
+    exec 4<>commands # to read, too, so that opening it waits for nobody
+    background timeout $HANG "$CONUS" view "$@" --script commands --quiet --size 1000x640 4>&-
+    looks=0
+    tell settle
+    look true
+    window=$(xdotool search --name '^conus$')
+}
+
+tell() {
+    printf '%s\n' "$@" >&4
+}
+
+# leave: the script has ended, and all of it was done.
+leave() {
+    exec 4>&-
+    wait "$child"
+}
+
+# look FILTER: whether FILTER of jq is true of the window's session, after the frames that what xdotool did may take.
+look() {
+    looks=$((looks + 1))
+    tell 'wait 8' "save look$looks.json"
+    wait_until "$child" test -e "look$looks.json"
+    jq -e "$1" "look$looks.json" >/dev/null
+}
+
+# find_window: that of process $child, which has been started.
+find_window() {
+    window=$(xdotool search --onlyvisible --name '^conus$' 2>/dev/null)
 }
 
 @test "it starts, shows four panes and panels, and ends" {
@@ -145,7 +181,7 @@ END
     printf 'angle 20\nsave fine.json\n' | view brain.atlas.json
     refused() { # FILTER MESSAGE
         jq ".angle_deg = 33 | .safe_colours = true | $1" fine.json >bad.json
-        run -3 --separate-stderr timeout 60 "$CONUS" view brain.atlas.json --session bad.json --script /dev/null --quiet
+        run -3 --separate-stderr timeout $HANG "$CONUS" view brain.atlas.json --session bad.json --script /dev/null --quiet
         check_message "$2"
     }
     refused '.thresholds[0].pathway = "Fornix"' 'thresholds: that of "Arc" is needed, not of "Fornix"'
@@ -163,7 +199,7 @@ END
     conus phantom slabs -o . --size 16
     echo 'save slabs.json' | view slabs.nii.gz
     jq '.transfer = [[0, 0, 0, 0, 0]]' slabs.json >bad.json
-    run -3 --separate-stderr timeout 60 "$CONUS" view slabs.nii.gz --session bad.json --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session bad.json --script /dev/null --quiet
     check_message 'transfer: there is no context here, open it with --context'
 }
 
@@ -241,7 +277,7 @@ screenshot back.png
 END
     conus query nested.nii.gz --origin 300,900,60 --toward 0,200,0 --angle 6 --format tsv | diff middle.tsv -
     printf 'key f11\nwait 5\nsettle\nscreenshot back2.png\n' >script
-    run -0 timeout 60 "$CONUS" view nested.nii.gz --script script --quiet --size 1000x640 --full-screen
+    run -0 timeout $HANG "$CONUS" view nested.nii.gz --script script --quiet --size 1000x640 --full-screen
     /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
     /usr/bin/python3 - <<'END'
 import OpenImageIO as oiio
@@ -273,44 +309,30 @@ def message(*place):
     body = struct.pack(">12f", 1, 0, 0, 0, 1, 0, 0, 0, 1, *place)
     return struct.pack(">H12s20sIIQQ", 1, b"TRANSFORM", b"GlassesToTracker", 0, 0, len(body), crc(body)) + body
 seen, lost = message(53, 1800, 110), message(0, 0, 0)
-for _ in range(200):
-    try:
-        conus = socket.create_connection(("127.0.0.1", int(sys.argv[1])))
-        break
-    except OSError:
-        time.sleep(0.1)
-for step in range(1500):
-    gone = os.path.exists("left.json")
-    try:
-        conus.sendall(lost if gone else seen)
-    except OSError:
-        break # the window is closed
-    if step == 50:
-        open("ready", "w")
-    if gone and not os.path.exists("lost"):
-        time.sleep(1)
-        conus.sendall(lost)
-        open("lost", "w")
+conus = socket.create_connection(("127.0.0.1", int(sys.argv[1])))
+while not os.path.exists("left.json"):
+    conus.sendall(seen)
     time.sleep(0.02)
+conus.sendall(lost)
+conus.shutdown(socket.SHUT_WR)
+while conus.recv(65536): # until the other side has read it all, and leaves
+    pass
+open("lost", "w")
 END
-    port=$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
-    /usr/bin/python3 send.py "$port" 3>&- &
-    child=$!
-    view nested.nii.gz --listen "$port" --head Glasses --eye 7,0,0 --screen-mm 2560x1600 --screen-pose screen.txt \
-        --enlarge 2 --world-from-tracker world.txt <<'END'
-until ready
-wait 2
-angle 6
-point 0.5 0.5
-results head.tsv
-picture seen.png 207 307
-save left.json
-until lost
-wait 2
-picture lost.png 207 307
-save lost.json
-END
-    wait $child
+    port=$(free_port)
+    live nested.nii.gz --listen "$port" --head Glasses --eye 7,0,0 --screen-mm 2560x1600 --screen-pose screen.txt \
+        --enlarge 2 --world-from-tracker world.txt
+    local view=$child
+    background /usr/bin/python3 send.py "$port" 4>&-
+    local sender=$child
+    child=$view
+    until look '.eye == [30, 900, 60]'; do
+        runs "$sender"
+    done
+    tell 'angle 6' 'point 0.5 0.5' 'results head.tsv' 'picture seen.png 207 307' 'save left.json'
+    wait_until "$sender" test -e lost
+    tell 'wait 2' 'picture lost.png 207 307' 'save lost.json'
+    leave
     conus query nested.nii.gz --origin 30,900,60 --toward 6.5,200,6.5 --angle 6 --format tsv | cut -f 1-9 >wanted
     cut -f 1-9 head.tsv | diff - wanted
     conus diff seen.png lost.png
@@ -354,36 +376,28 @@ END
 
 @test "the mouse points, turns and confirms" {
     need_window
-    command -v xdotool >/dev/null || skip "no xdotool"
     conus phantom sphere -o .
-    printf 'until ready\nsave before.json\nuntil done\nresults mouse.tsv\nsave mouse.json\n' >script
-    timeout 60 "$CONUS" view sphere.nii.gz --script script --size 1000x640 3>&- &
-    child=$!
-    for _ in {1..100}; do
-        window=$(xdotool search --name '^conus$' 2>/dev/null | head -1) && [ -n "$window" ] && break
-        sleep 0.1
+    live sphere.nii.gz
+    local step=0
+    look '.has_pose == 0 and .confirmed == []'
+    until look '.has_pose == 1'; do # over the middle of the 3-D pane
+        step=$((step + 1))
+        xdotool mousemove --window "$window" $((340 + step % 20)) 155
     done
-    sleep 1
-    touch ready
-    for step in {0..20}; do # over the middle of the 3-D pane
-        xdotool mousemove --window "$window" $((360 - step)) $((150 + step / 4))
-        sleep 0.05
+    tell 'results mouse.tsv'
+    until look '.confirmed[0].object == 1'; do # two clicks are a double one where two frames are quick enough
+        xdotool click --repeat 2 --delay 10 1
     done
-    xdotool click --repeat 2 --delay 80 1
-    sleep 0.3
+    local before
+    before=$(jq '.orbit[4]' "look$looks.json")
     xdotool mousedown 1
-    for step in {0..10}; do
-        xdotool mousemove --window "$window" $((340 + 4 * step)) 155
-        sleep 0.05
+    until look ".orbit[4] != $before"; do
+        step=$((step + 1))
+        xdotool mousemove --window "$window" $((340 + 4 * (step % 10))) 155
     done
     xdotool mouseup 1
-    sleep 0.3
-    touch done
-    wait $child
-    grep -q Sphere mouse.tsv                              # points
-    [ "$(jq '.confirmed[0].object' mouse.json)" = 1 ]     # confirms
-    [ "$(jq '.confirmed | length' before.json)" = 0 ]
-    [ "$(jq '.orbit[4]' mouse.json)" != "$(jq '.orbit[4]' before.json)" ] # turns
+    leave
+    grep -q Sphere mouse.tsv
 }
 
 @test "what a script cannot do is said with its line" {
@@ -392,7 +406,7 @@ END
     local text code
     while IFS='|' read -r command text; do
         printf '\n%s\n' "$command" >script
-        run -3 --separate-stderr timeout 60 "$CONUS" view sphere.nii.gz --script script --quiet
+        run -3 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --script script --quiet
         [[ "$stderr" == *"script:2: $text"* ]] || { echo "said: $stderr"; echo "wanted: $text"; return 1; }
     done <<'END'
 dance|unknown command "dance"
@@ -413,21 +427,27 @@ END
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"
     conus phantom sphere -o .
-    printf '%s\n' 'aim 60 0 6 0 0 6' settle 'times start.json' 'pause 2' 'times still.json' 'screenshot ready.png' \
-        'until moved' 'times moved.json' >script
-    timeout 60 "$CONUS" view sphere.nii.gz --script script --size 1000x640 3>&- &
-    child=$!
-    while [ ! -e ready.png ]; do sleep 0.1; done
-    window=$(xdotool search --name '^conus$' 2>/dev/null | head -1)
-    for step in {0..9}; do
-        xdotool mousemove --window "$window" $((340 + 4 * step)) 155
+    printf '%s\n' 'pointer mouse' 'aim 0 90 0 0 180 0' settle 'times start.json' 'pause 2' 'times still.json' \
+        'screenshot ready.png' 'until moved' >script
+    port=$(free_port)
+    background timeout $HANG "$CONUS" view sphere.nii.gz --script script --size 1000x640 --listen "$port" --quiet
+    local view=$child step=0
+    wait_until "$view" test -e ready.png
+    find_window
+    # who is connected hears what the cone meets: the sphere once the mouse is over it, and a frame was drawn for that
+    exec 5<>"/dev/tcp/127.0.0.1/$port"
+    background cat <&5 >told
+    until grep -aq Sphere told; do
+        runs "$view"
+        step=$((step + 1))
+        xdotool mousemove --window "$window" $((340 + step % 20)) 155
         sleep 0.05
     done
+    exec 5>&-
     touch moved
-    wait $child
+    wait "$view"
     # the frames of the script's own commands, and what events come when a window appears; 2 s at any pace would be dozens
     [ "$(jq .frame_ms.count still.json)" -lt 15 ]
-    [ "$(jq .frame_ms.count moved.json)" -ge 4 ] # of ten moves; a busy machine draws some together
 }
 
 # close_window ID: as a window manager does.
@@ -459,27 +479,26 @@ END
     command -v xdotool >/dev/null || skip "no xdotool"
     conus phantom sphere -o .
     export XDG_STATE_HOME=$PWD/state
-    for round in 1 2; do
-        timeout 60 "$CONUS" view sphere.nii.gz --quiet >said 2>&1 3>&- &
-        child=$!
-        for _ in {1..100}; do
-            window=$(xdotool search --name '^conus$' 2>/dev/null | head -1) && [ -n "$window" ] && break
-            sleep 0.1
-        done
-        sleep 1
-        if [ $round = 1 ]; then
-            xdotool windowsize "$window" 801 602 windowmove "$window" 31 22 sleep 0.5
-        else # as it was left
-            xdotool getwindowgeometry --shell "$window" >geometry
-        fi
-        close_window "$window"
-        wait $child
-        [ ! -s said ] || { cat said; return 1; }
-    done
+    background timeout $HANG "$CONUS" view sphere.nii.gz --quiet >said 2>&1
+    wait_until "$child" find_window
+    xdotool windowsize "$window" 801 602 windowmove "$window" 31 22
+    close_window "$window" # events come in the order of what was asked of the screen
+    wait "$child"
+    [ ! -s said ] || { cat said; return 1; }
     [ "$(jq -c '[.width, .height, .x, .y]' state/conus/window.json)" = '[801,602,31,22]' ]
-    grep -qx 'WIDTH=801' geometry
-    grep -qx 'HEIGHT=602' geometry
-    grep -qx 'X=31' geometry
+    background timeout $HANG "$CONUS" view sphere.nii.gz --quiet >said 2>&1
+    wait_until "$child" find_window
+    wait_until "$child" is_at '801x602+31+22'
+    close_window "$window"
+    wait "$child"
+    [ ! -s said ] || { cat said; return 1; }
+}
+
+# is_at WxH+X+Y: whether $window is there, and so large.
+is_at() {
+    local WIDTH HEIGHT X Y
+    eval "$(xdotool getwindowgeometry --shell "$window" | grep -E '^(WIDTH|HEIGHT|X|Y)=')"
+    [ "${WIDTH}x$HEIGHT+$X+$Y" = "$1" ]
 }
 
 @test "sessions that do not fit are refused" {
@@ -487,13 +506,13 @@ END
     sphere --size 16
     conus phantom slabs -o . --size 16
     echo 'save slabs.json' | view slabs.nii.gz
-    run -3 --separate-stderr timeout 60 "$CONUS" view sphere.nii.gz --session slabs.json --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --session slabs.json --script /dev/null --quiet
     check_message 'of an atlas with 2 areas and pathways, this one has 1'
     sed 's/"angle_deg": [0-9.]*/"angle_deg": 1e9/' slabs.json >bad.json
-    run -3 --separate-stderr timeout 60 "$CONUS" view slabs.nii.gz --session bad.json --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session bad.json --script /dev/null --quiet
     check_message 'angle_deg: 1 numbers from 0.01 to 179.99 are needed'
     head -c 200 slabs.json >half.json
-    run -3 --separate-stderr timeout 60 "$CONUS" view slabs.nii.gz --session half.json --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session half.json --script /dev/null --quiet
     check_message 'half.json: line'
 }
 
@@ -508,7 +527,7 @@ END
     need_window
     sphere --size 16
     printf 'aim 0 0 90 0 0 0\nwait 5\nresults tiny.tsv\n' >script
-    run -0 timeout 60 "$CONUS" view sphere.nii.gz --script script --quiet --size 1x1
+    run -0 timeout $HANG "$CONUS" view sphere.nii.gz --script script --quiet --size 1x1
     grep -q Sphere tiny.tsv
 }
 
@@ -516,7 +535,7 @@ END
     need_window
     echo nonsense >none.nii
     export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn
-    run -3 --separate-stderr timeout 60 "$CONUS" view none.nii --script /dev/null
+    run -3 --separate-stderr timeout $HANG "$CONUS" view none.nii --script /dev/null
     check_message 'none.nii'
 }
 
@@ -562,39 +581,25 @@ END
 @test "files that go away while it is open" {
     need_window
     conus phantom slabs -o . --size 32
-    mkfifo script
-    timeout 60 "$CONUS" view slabs.nii.gz --script script --size 600x400 >said 2>&1 3>&- &
-    child=$!
-    {
-        echo 'settle'
-        echo 'screenshot before.png'
-        echo 'wait 1'
-        while [ ! -e before.png ]; do sleep 0.05; done
-        rm slabs.*
-        printf '%s\n' 'aim 3 90 2 3 0 2' 'choose "Slab anterior"' 'key i' 'settle' 'results after.tsv' 'picture after.png 64 64'
-    } >script
-    wait $child
+    live slabs.nii.gz 2>said
+    rm slabs.*
+    tell 'aim 3 90 2 3 0 2' 'choose "Slab anterior"' 'key i' settle 'results after.tsv' 'picture after.png 64 64'
+    leave
     [ ! -s said ]
     grep -q 'Slab' after.tsv
 }
 
 @test "unmapped and made tiny from outside" {
     need_window
-    command -v xdotool >/dev/null || skip "no xdotool"
     conus phantom sphere -o .
-    printf 'wait 250\naim 0 90 0 0 0 0\nresults outside.tsv\n' >script
-    timeout 60 "$CONUS" view sphere.nii.gz --script script --size 1000x640 3>&- &
-    child=$!
-    for _ in {1..100}; do
-        window=$(xdotool search --name '^conus$' 2>/dev/null | head -1) && [ -n "$window" ] && break
-        sleep 0.1
-    done
+    live sphere.nii.gz
     for size in '1 1' '300 900' '3 500' '1000 640'; do
         # shellcheck disable=SC2086 # two words
-        xdotool windowunmap "$window" windowsize "$window" $size windowmap "$window" 2>/dev/null || break
-        sleep 0.1
+        xdotool windowunmap "$window" windowsize "$window" $size windowmap "$window"
+        look true
     done
-    wait $child
+    tell 'aim 0 90 0 0 0 0' 'results outside.tsv'
+    leave
     grep -q Sphere outside.tsv
 }
 
@@ -627,23 +632,17 @@ END
 
 @test "the right button in a cut puts the wand there" {
     need_window
-    command -v xdotool >/dev/null || skip "no xdotool"
     conus phantom sphere -o .
-    printf '%s\n' 'pointer wand' settle 'screenshot ready.png' 'until done' 'results wand.tsv' 'save wand.json' >script
-    timeout 60 "$CONUS" view sphere.nii.gz --script script --size 1000x640 3>&- &
-    child=$!
-    while [ ! -e ready.png ]; do sleep 0.1; done
-    window=$(xdotool search --name '^conus$' 2>/dev/null | head -1)
-    for step in 0 1 2; do # in the axial pane, above its middle: in front of the sphere
-        xdotool mousemove --window "$window" $((540 + step)) 60
-        sleep 0.1
-    done
-    xdotool mousedown 3 sleep 0.2 mouseup 3
-    sleep 0.5
-    touch done
-    wait $child
+    live sphere.nii.gz
+    tell 'pointer wand'
+    xdotool mousemove --window "$window" 540 60 # in the axial pane, above its middle: in front of the sphere
+    look '.has_pose == 0'
+    xdotool mousedown 3
+    until look '.has_pose == 1'; do :; done
+    xdotool mouseup 3
+    tell 'results wand.tsv'
+    leave
     grep -q Sphere wand.tsv
-    grep -q '"has_pose": 1' wand.json
 }
 
 @test "other colours and back, and a larger scale" {
