@@ -82,10 +82,12 @@ static void consider(struct likeness *best, const char *name, struct text text)
     }
 }
 
-static conus_status fail_unknown(const conus_atlas *atlas, struct text text)
+/* @p count: of the objects that were looked through, areas or all. */
+static conus_status fail_unknown(const conus_atlas *atlas, size_t count, struct text text)
 {
     struct likeness best = {0};
-    for (size_t i = 0; i < atlas->area_count; i++) {
+    const char *kind = count > atlas->area_count ? "area or pathway" : "area";
+    for (size_t i = 0; i < count; i++) {
         if (atlas_is_paired(atlas, (uint32_t)i + 1)) {
             continue;
         }
@@ -93,22 +95,24 @@ static conus_status fail_unknown(const conus_atlas *atlas, struct text text)
         consider(&best, atlas->objects[i].abbreviation, text);
     }
     if (!best.name) {
-        return fail(CONUS_ERROR_ARGUMENT, "no area has the name, abbreviation or label \"%.*s\"", shown_size(text),
+        return fail(CONUS_ERROR_ARGUMENT, "no %s has the name, abbreviation or label \"%.*s\"", kind, shown_size(text),
                     text.data);
     }
-    return fail(CONUS_ERROR_ARGUMENT, "no area has the name, abbreviation or label \"%.*s\"; did you mean \"%s\"?%s",
-                shown_size(text), text.data, best.name,
+    return fail(CONUS_ERROR_ARGUMENT, "no %s has the name, abbreviation or label \"%.*s\"; did you mean \"%s\"?%s",
+                kind, shown_size(text), text.data, best.name,
                 strchr(best.name, ',') ? " Names with commas are put in double quotes" : "");
 }
 
-static bool is_pathway(const conus_atlas *atlas, struct text text)
+/* The number of the first pathway that goes by the text, 0 if there is none. */
+static uint32_t find_pathway(const conus_atlas *atlas, struct text text,
+                             bool (*matches)(const conus_object *object, struct text text))
 {
     for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
-        if (is_called(&atlas->objects[i], text)) {
-            return true;
+        if (matches(&atlas->objects[i], text)) {
+            return (uint32_t)i + 1;
         }
     }
-    return false;
+    return 0;
 }
 
 /* Whether `name` is `text` and then `side`. */
@@ -186,7 +190,8 @@ static conus_status refuse_changed(const conus_atlas *atlas, struct text text)
     return CONUS_OK;
 }
 
-conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text)
+/* Sets *out to 0 where no area goes by the name, and nothing says why not. */
+static conus_status find_area(uint32_t *out, const conus_atlas *atlas, struct text text)
 {
     struct matches found = match(atlas, text, is_called);
     if (!found.count) {
@@ -196,16 +201,47 @@ conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text
         return fail_ambiguous(text, &found);
     }
     conus_status status = found.count ? CONUS_OK : refuse_changed(atlas, text);
-    if (status) {
-        return status;
+    if (!status) {
+        *out = found.first;
     }
-    if (!found.count && is_pathway(atlas, text)) {
+    return status;
+}
+
+conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text)
+{
+    uint32_t found = 0;
+    conus_status status = find_area(&found, atlas, text);
+    if (!status && !found && find_pathway(atlas, text, is_called)) {
         return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is a pathway, which is no part of the area tree", shown_size(text),
                     text.data);
     }
-    if (!found.count) {
-        return fail_unknown(atlas, text);
+    if (!status && !found) {
+        return fail_unknown(atlas, atlas->area_count, text);
     }
-    *out = found.first;
-    return CONUS_OK;
+    if (!status) {
+        *out = found;
+    }
+    return status;
+}
+
+conus_status object_find(uint32_t *out, const conus_atlas *atlas, struct text text)
+{
+    uint32_t found = find_pathway(atlas, text, is_called);
+    conus_status status = found ? CONUS_OK : find_area(&found, atlas, text);
+    if (!status && !found) {
+        found = find_pathway(atlas, text, is_called_ignoring_case);
+    }
+    if (!status && !found) {
+        return fail_unknown(atlas, atlas->object_count, text);
+    }
+    if (!status) {
+        *out = found;
+    }
+    return status;
+}
+
+conus_status conus_atlas_find(uint32_t *out, const conus_atlas *atlas, const char *name)
+{
+    struct text text = text_from(name);
+    return text.size ? object_find(out, atlas, text) : fail(CONUS_ERROR_ARGUMENT, "name: empty, one is needed");
 }

@@ -12,6 +12,9 @@
  * reported as their pair do not count; the message then names that, or the halves of an area that was cut in two. */
 conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text);
 
+/** The number of the one pathway called @p text (not empty) or else, as area_find() has it, of the one area. */
+conus_status object_find(uint32_t *out, const conus_atlas *atlas, struct text text);
+
 /** The halves of the one area that was called @p text before it was cut in two; false if there is none. */
 bool area_find_halves(uint32_t out[2], const conus_atlas *atlas, struct text text);
 

@@ -479,7 +479,21 @@ const struct volume *atlas_object_volume(const conus_atlas *atlas, uint32_t numb
 const struct mesh *atlas_object_mesh(const conus_atlas *atlas, uint32_t number)
 {
     struct object_place place = atlas->places[number - 1];
+    return place.is_mesh && !place.is_hidden ? &atlas->meshes[place.index] : NULL;
+}
+
+const struct mesh *atlas_stored_mesh(const conus_atlas *atlas, uint32_t number)
+{
+    struct object_place place = atlas->places[number - 1];
     return place.is_mesh ? &atlas->meshes[place.index] : NULL;
+}
+
+bool atlas_is_below(const conus_atlas *atlas, uint32_t number, uint32_t ancestor)
+{
+    while (number && number != ancestor) {
+        number = atlas->objects[number - 1].parent;
+    }
+    return number;
 }
 
 size_t conus_atlas_object_count(const conus_atlas *atlas)

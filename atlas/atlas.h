@@ -6,12 +6,14 @@
 #include "atlas/labels.h"
 #include "atlas/mesh.h"
 #include "atlas/volume.h"
+#include "base/buffer.h"
 #include "base/file.h"
 #include "base/notes.h"
 
 /** Where an object lies: in which of the atlas's meshes or volumes. An index beyond these: it has no shape. */
 struct object_place {
     bool is_mesh;
+    bool is_hidden; /**< conus_atlas_set_hidden() says so. */
     size_t index;
     uint8_t own_rgb[3]; /**< The object's colour while the atlas has safe ones. */
 };
@@ -100,10 +102,29 @@ const char *atlas_path(const conus_atlas *atlas);
 /** The parcellation's volume, or NULL. */
 const struct volume *atlas_parcellation(const conus_atlas *atlas);
 
-/** The volume that holds object @p number; NULL if that is a mesh or has no shape. */
+/** The volume that holds object @p number, hidden or not; NULL if that is a mesh or has no shape. */
 const struct volume *atlas_object_volume(const conus_atlas *atlas, uint32_t number);
 
-/** The mesh that is object @p number; NULL if that lies in a volume. */
+/** The mesh that is object @p number; NULL if that lies in a volume, has no shape, or is hidden. */
 const struct mesh *atlas_object_mesh(const conus_atlas *atlas, uint32_t number);
+
+/** The same of a hidden one, too. */
+const struct mesh *atlas_stored_mesh(const conus_atlas *atlas, uint32_t number);
+
+/** Whether there is a mesh that is not hidden. */
+bool atlas_has_meshes(const conus_atlas *atlas);
+
+/** Whether something is hidden. */
+bool atlas_has_hidden(const conus_atlas *atlas);
+
+/** Appends what is hidden, the same text for the same objects: "areas 1-4,7; pathways 2", by label and ordinal.
+ * Nothing where nothing is. */
+void atlas_list_hidden(struct buffer *out, const conus_atlas *atlas);
+
+/** Appends it for people: "only Hippocampus_L", "all but A, B and 3 more"; nothing where nothing is hidden. */
+void atlas_describe_shown(struct buffer *out, const conus_atlas *atlas);
+
+/** Whether @p number is @p ancestor or below it in the area tree. */
+bool atlas_is_below(const conus_atlas *atlas, uint32_t number, uint32_t ancestor);
 
 #endif

@@ -99,9 +99,12 @@ conus_status conus_atlas_bounds(const conus_atlas *atlas, double low[3], double 
             add_volume(&box, &atlas->volumes[i]);
         }
     }
-    for (size_t i = 0; i < atlas->mesh_count; i++) {
-        add_point(&box, atlas->meshes[i].shape.low);
-        add_point(&box, atlas->meshes[i].shape.high);
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, number);
+        if (mesh) {
+            add_point(&box, mesh->shape.low);
+            add_point(&box, mesh->shape.high);
+        }
     }
     if (!(box.low[0] <= box.high[0])) {
         return fail(CONUS_ERROR_DATA, "the atlas has nothing in it");
@@ -118,30 +121,38 @@ struct moment {
     double sum[3], weight;
 };
 
-static bool is_below(const conus_atlas *atlas, uint32_t object, uint32_t ancestor)
+static void add_voxel(struct moment *moment, const size_t dim[3], size_t voxel)
 {
-    while (object && object != ancestor) {
-        object = atlas->objects[object - 1].parent;
+    const double p[3] = {(double)(voxel % dim[0]), (double)(voxel / dim[0] % dim[1]),
+                         (double)(voxel / dim[0] / dim[1])};
+    vec3_add_scaled(moment->sum, moment->sum, 1, p);
+    moment->weight++;
+}
+
+static void add_hidden_voxels(struct moment *moment, const conus_atlas *atlas, const struct volume *volume,
+                              uint32_t object)
+{
+    for (size_t i = 0; i < volume->hidden_run_count; i++) {
+        const struct hidden_run *run = &volume->hidden_runs[i];
+        size_t count = atlas_is_below(atlas, run->object, object) ? run->count : 0;
+        for (size_t v = run->first; v < run->first + count; v++) {
+            add_voxel(moment, volume->info.dim, v);
+        }
     }
-    return object;
 }
 
 static void add_voxels(struct moment *moment, const conus_atlas *atlas, const struct volume *volume, uint32_t object)
 {
-    const size_t *dim = volume->info.dim;
     uint32_t last = 0; /* neighbours are mostly of one object */
     bool is_mine = false;
     for (size_t v = 0; v < volume->voxel_count; v++) {
         uint32_t here = volume_object(volume, v);
         if (here != last) {
             last = here;
-            is_mine = here && here != VOLUME_BLOCKER && is_below(atlas, here, object);
+            is_mine = here && here != VOLUME_BLOCKER && atlas_is_below(atlas, here, object);
         }
         if (is_mine) {
-            const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
-            const double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
-            vec3_add_scaled(moment->sum, moment->sum, 1, p);
-            moment->weight++;
+            add_voxel(moment, volume->info.dim, v);
         }
     }
 }
@@ -179,8 +190,9 @@ conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t 
     for (size_t i = 0; i < atlas->volume_count; i++) {
         struct moment voxels = {0};
         const struct volume *volume = &atlas->volumes[i];
-        if (volume->info.role != CONUS_CONTEXT && volume_is_met(volume)) {
+        if (volume->info.role != CONUS_CONTEXT) {
             add_voxels(&voxels, atlas, volume, (uint32_t)number);
+            add_hidden_voxels(&voxels, atlas, volume, (uint32_t)number);
         }
         if (voxels.weight > 0) {
             vec3_scale(voxels.sum, voxels.sum, 1 / voxels.weight);
@@ -190,8 +202,8 @@ conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t 
         }
     }
     for (uint32_t object = 1; object <= atlas->object_count; object++) {
-        const struct mesh *mesh = atlas_object_mesh(atlas, object);
-        if (mesh && is_below(atlas, object, (uint32_t)number)) {
+        const struct mesh *mesh = atlas_stored_mesh(atlas, object);
+        if (mesh && atlas_is_below(atlas, object, (uint32_t)number)) {
             add_triangles(&all, mesh);
         }
     }

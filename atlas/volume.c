@@ -11,6 +11,7 @@ static void free_arrays(struct volume *volume)
     memory_free(volume->objects16);
     memory_free(volume->objects32);
     memory_free(volume->values);
+    memory_free(volume->hidden_runs);
 }
 
 void volume_finish(struct volume *volume)
@@ -40,9 +41,11 @@ conus_status volume_own(struct volume *volume)
     own.leaps = NULL;
     own.objects32 = NULL;
     own.values = NULL;
+    own.hidden_runs = NULL;
     if (!copy_array(&own.objects16, volume->objects16, volume->voxel_count, sizeof *own.objects16) ||
         !copy_array(&own.objects32, volume->objects32, volume->voxel_count, sizeof *own.objects32) ||
-        !copy_array(&own.values, volume->values, volume->voxel_count, sizeof *own.values)) {
+        !copy_array(&own.values, volume->values, volume->voxel_count, sizeof *own.values) ||
+        !copy_array(&own.hidden_runs, volume->hidden_runs, volume->hidden_run_count, sizeof *own.hidden_runs)) {
         free_arrays(&own);
         return CONUS_ERROR_MEMORY;
     }

@@ -9,16 +9,25 @@
  * object that is equally near comes first. */
 #define VOLUME_BLOCKER UINT32_MAX
 
+/** Voxels of one hidden object, one after the other. */
+struct hidden_run {
+    size_t first, count;
+    uint32_t object;
+};
+
 struct volume {
     conus_volume_info info;
     char *path; /**< Owned; info.path points to it.                                           */
     double voxel_from_world[16];
-    size_t voxel_count;  /**< dim[0] dim[1] dim[2]; i runs fastest.                                     */
-    uint16_t *objects16; /**< Object number per voxel, 0 = none. One of the two, by the number of       */
-    uint32_t *objects32; /**< objects; a context volume that blocks nothing has neither.                */
-    float *values;       /**< Scaled value per voxel; NULL for a parcellation.                          */
-    bool is_borrowed;    /**< The arrays are not the volume's own, and not to be written.               */
-    const void *leaps;   /**< What selection/leap_map.h made of borrowed objects, in their memory; NULL = nothing. */
+    size_t voxel_count;             /**< dim[0] dim[1] dim[2]; i runs fastest.                                     */
+    uint16_t *objects16;            /**< Object number per voxel, 0 = none. One of the two, by the number of       */
+    uint32_t *objects32;            /**< objects; a context volume that blocks nothing has neither.                */
+    float *values;                  /**< Scaled value per voxel; NULL for a parcellation.                          */
+    bool is_hidden;                 /**< It is a pathway that is hidden.                                           */
+    struct hidden_run *hidden_runs; /**< What the objects of a parcellation do not say any more, since it is hidden. */
+    size_t hidden_run_count;
+    bool is_borrowed;  /**< The arrays are not the volume's own, and not to be written.               */
+    const void *leaps; /**< What selection/leap_map.h made of borrowed objects, in their memory; NULL = nothing. */
 };
 
 void volume_finish(struct volume *volume);
@@ -32,7 +41,7 @@ conus_status volume_own(struct volume *volume);
 /** Whether rays meet anything in it. */
 static inline bool volume_is_met(const struct volume *volume)
 {
-    return volume->objects16 || volume->objects32;
+    return (volume->objects16 || volume->objects32) && !volume->is_hidden;
 }
 
 /** Linear index of the voxel whose cell holds the world position @p point (Eq. 5); false outside the grid. */
@@ -42,6 +51,15 @@ bool volume_find_voxel(size_t *voxel, const struct volume *volume, const double 
 static inline uint32_t volume_object(const struct volume *volume, size_t voxel)
 {
     return volume->objects16 ? volume->objects16[voxel] : volume->objects32[voxel];
+}
+
+static inline void volume_set_object(struct volume *volume, size_t voxel, uint32_t object)
+{
+    if (volume->objects16) {
+        volume->objects16[voxel] = (uint16_t)object;
+    } else {
+        volume->objects32[voxel] = object;
+    }
 }
 
 /** Tells the processor that volume_object() will be asked about @p voxel, wherever that is. */

@@ -78,8 +78,9 @@ static conus_status write_own_meshes(struct writing *work)
     const conus_atlas *atlas = work->atlas;
     conus_status status = CONUS_OK;
     for (uint32_t i = 0; !status && i < atlas->area_count; i++) {
-        if (atlas->places[i].is_mesh) {
-            status = write_mesh(work, i + 1, &atlas->meshes[atlas->places[i].index]);
+        const struct mesh *mesh = atlas_object_mesh(atlas, i + 1);
+        if (mesh) {
+            status = write_mesh(work, i + 1, mesh);
         }
     }
     return status;
@@ -101,10 +102,13 @@ static conus_status write_surfaces(struct writing *work, struct notes *notes)
 /* Counts the areas that get a file; a note counts the others. */
 static conus_status count_files(struct writing *work, struct notes *notes)
 {
+    size_t empty = 0;
     for (size_t i = 0; i < work->atlas->area_count; i++) {
-        work->total += work->atlas->objects[i].voxels > 0 || work->atlas->objects[i].triangles > 0;
+        const conus_object *area = &work->atlas->objects[i];
+        bool hidden = work->atlas->places[i].is_hidden;
+        work->total += !hidden && (area->voxels > 0 || area->triangles > 0);
+        empty += !hidden && !area->voxels && !area->triangles;
     }
-    size_t empty = work->atlas->area_count - work->total;
     return empty ? notes_add(notes, "%zu areas without voxels get no mesh", empty) : CONUS_OK;
 }
 

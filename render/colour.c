@@ -131,7 +131,7 @@ static uint32_t pathway_at(const conus_atlas *atlas, const double world[3])
         const size_t *dim = volume->info.dim;
         double p[3];
         mat4_point(p, volume->voxel_from_world, world);
-        bool inside = volume->info.role == CONUS_SCALAR;
+        bool inside = volume->info.role == CONUS_SCALAR && volume_is_met(volume);
         for (int a = 0; a < 3; a++) {
             inside = inside && p[a] >= -0.5 && p[a] < (double)dim[a] - 0.5;
         }
@@ -204,7 +204,8 @@ static conus_status upload_objects(struct colour_pass *pass, const conus_atlas *
 {
     const struct volume *pathway = NULL;
     for (size_t i = 0; i < atlas->volume_count && !pathway; i++) {
-        pathway = atlas->volumes[i].info.role == CONUS_SCALAR ? &atlas->volumes[i] : NULL;
+        const struct volume *volume = &atlas->volumes[i];
+        pathway = volume->info.role == CONUS_SCALAR && volume_is_met(volume) ? volume : NULL;
     }
     if (!pathway) {
         const struct volume *parcellation = atlas_parcellation(atlas);
@@ -221,8 +222,9 @@ static conus_status upload_objects(struct colour_pass *pass, const conus_atlas *
 static conus_status add_mesh_content(struct colour_pass *pass, const conus_atlas *atlas)
 {
     size_t vertices = 0;
-    for (size_t i = 0; i < atlas->mesh_count; i++) {
-        vertices += atlas->meshes[i].vertex_count;
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, number);
+        vertices += mesh ? mesh->vertex_count : 0;
     }
     size_t step = vertices / MESH_POINTS + 1;
     double(*points)[3] =
@@ -231,10 +233,11 @@ static conus_status add_mesh_content(struct colour_pass *pass, const conus_atlas
         return CONUS_ERROR_MEMORY;
     }
     pass->content = points;
-    for (size_t i = 0; i < atlas->mesh_count; i++) {
-        for (size_t v = 0; v < atlas->meshes[i].vertex_count; v += step) {
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, number);
+        for (size_t v = 0; mesh && v < mesh->vertex_count; v += step) {
             for (size_t a = 0; a < 3; a++) {
-                points[pass->content_count][a] = (double)atlas->meshes[i].positions[3 * v + a];
+                points[pass->content_count][a] = (double)mesh->positions[3 * v + a];
             }
             pass->content_count++;
         }
@@ -244,7 +247,7 @@ static conus_status add_mesh_content(struct colour_pass *pass, const conus_atlas
 
 static conus_status upload_meshes(struct colour_pass *pass, const conus_atlas *atlas, uint64_t *memory_left)
 {
-    if (!atlas->mesh_count) {
+    if (!atlas_has_meshes(atlas)) {
         return CONUS_OK;
     }
     conus_status status = mesh_layer_create(&pass->meshes, atlas, memory_left);

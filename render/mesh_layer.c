@@ -77,9 +77,10 @@ struct sizes {
 static conus_status check_sizes(struct sizes *out, const conus_atlas *atlas, uint64_t *memory_left)
 {
     struct sizes sizes = {0};
-    for (size_t i = 0; i < atlas->mesh_count; i++) {
-        sizes.vertices += atlas->meshes[i].vertex_count;
-        sizes.indices += 3 * atlas->meshes[i].triangle_count;
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, number);
+        sizes.vertices += mesh ? mesh->vertex_count : 0;
+        sizes.indices += mesh ? 3 * mesh->triangle_count : 0;
     }
     uint64_t size = sizes.vertices * (uint64_t)sizeof(struct vertex) + sizes.indices * UINT64_C(4);
     if (size > *memory_left || sizes.vertices > INT32_MAX || sizes.indices > INT32_MAX) {

@@ -35,9 +35,9 @@ static_assert(sizeof "conus-atlas " CONUS_VERSION <= sizeof magic, "name and ver
 
 static uint64_t layout_of_structures(void)
 {
-    const size_t sizes[] = {sizeof(struct head),    sizeof(conus_atlas),         sizeof(struct volume),
-                            sizeof(conus_object),   sizeof(struct object_place), sizeof(struct mesh),
-                            sizeof(struct leap_map)};
+    const size_t sizes[] = {sizeof(struct head),     sizeof(conus_atlas),         sizeof(struct volume),
+                            sizeof(conus_object),    sizeof(struct object_place), sizeof(struct mesh),
+                            sizeof(struct leap_map), sizeof(struct hidden_run)};
     uint64_t layout = 0;
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         layout = 1000003 * layout + sizes[i];
@@ -184,6 +184,7 @@ static void pass_volume(struct walk *walk, struct volume *volume)
     plain.objects16 = NULL;
     plain.objects32 = NULL;
     plain.values = NULL;
+    plain.hidden_runs = NULL;
     plain.leaps = NULL;
     plain.is_borrowed = true;
     pass(walk, &plain, sizeof plain);
@@ -201,6 +202,7 @@ static void pass_volume(struct walk *walk, struct volume *volume)
     pass_array(walk, &volume->objects16, volume->voxel_count, sizeof *volume->objects16);
     pass_array(walk, &volume->objects32, volume->voxel_count, sizeof *volume->objects32);
     pass_array(walk, &volume->values, volume->voxel_count, sizeof *volume->values);
+    pass_array(walk, &volume->hidden_runs, volume->hidden_run_count, sizeof *volume->hidden_runs);
     pass_leaps(walk, volume, walk->mode == ATTACH ? volume : &source);
 }
 

@@ -438,7 +438,7 @@ static conus_status fill(struct gl_engine *gl, const struct engine_options *opti
     }
     uint64_t memory_left = memory_limit;
     status = upload_volumes(gl, &memory_left);
-    status = !status && gl->atlas->mesh_count ? upload_meshes(gl, &memory_left) : status;
+    status = !status && atlas_has_meshes(gl->atlas) ? upload_meshes(gl, &memory_left) : status;
     gl_current_restore(&previous);
     return status;
 }

@@ -289,7 +289,7 @@ static conus_status pierce(struct engine *engine, struct layers *out, const stru
 
 static conus_status add_meshes(struct rays_engine *engine, const conus_atlas *atlas)
 {
-    if (!atlas->mesh_count) {
+    if (!atlas_has_meshes(atlas)) {
         return CONUS_OK;
     }
     struct mesh_object *objects = memory_zeroed(atlas->object_count, sizeof *objects);

@@ -17,14 +17,18 @@ struct mask {
 
 static conus_status find_pathway(const struct volume **out, const conus_atlas *atlas, const char *what)
 {
-    size_t count = atlas->object_count - atlas->area_count;
+    size_t count = 0;
+    for (uint32_t number = (uint32_t)atlas->area_count + 1; number <= atlas->object_count; number++) {
+        bool shown = !atlas->places[number - 1].is_hidden;
+        *out = shown ? atlas_object_volume(atlas, number) : *out;
+        count += shown;
+    }
     if (count == 0) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: there is no pathway", what);
     }
     if (count > 1) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: found %zu pathways, name one of them", what, count);
     }
-    *out = atlas_object_volume(atlas, (uint32_t)atlas->object_count);
     return CONUS_OK;
 }
 
@@ -33,6 +37,9 @@ static conus_status find_volume(const struct volume **out, const conus_atlas *at
     const conus_object *object = conus_atlas_object(atlas, options->object);
     if (options->object && !object) {
         return fail(CONUS_ERROR_ARGUMENT, "object: %u, allowed is up to %zu", options->object, atlas->object_count);
+    }
+    if (conus_atlas_is_hidden(atlas, options->object)) {
+        return fail(CONUS_ERROR_ARGUMENT, "object: %s is hidden", object->name);
     }
     if (object && object->kind == CONUS_PATHWAY) {
         *out = atlas_object_volume(atlas, options->object);
@@ -54,15 +61,6 @@ static conus_status find_volume(const struct volume **out, const conus_atlas *at
     return *out ? CONUS_OK : find_pathway(out, atlas, "mask of an atlas without labelled voxels");
 }
 
-/* Whether `number` is `ancestor` or below it. */
-static bool is_below(const conus_atlas *atlas, uint32_t number, uint32_t ancestor)
-{
-    while (number && number != ancestor) {
-        number = atlas->objects[number - 1].parent;
-    }
-    return number;
-}
-
 static conus_status choose_objects(struct mask *mask, uint32_t object)
 {
     bool found = mask->content == CONUS_MASK_OF_REGION;
@@ -71,7 +69,7 @@ static conus_status choose_objects(struct mask *mask, uint32_t object)
         return CONUS_ERROR_MEMORY;
     }
     for (uint32_t number = 1; number <= mask->atlas->object_count; number++) {
-        if (!object || is_below(mask->atlas, number, object)) {
+        if (!object || atlas_is_below(mask->atlas, number, object)) {
             mask->wanted[number] = true;
             found = found || atlas_object_volume(mask->atlas, number) == mask->volume;
         }

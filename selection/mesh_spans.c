@@ -29,10 +29,10 @@ struct chain {
 void mesh_spans_init(struct mesh_spans *out, const conus_atlas *atlas)
 {
     double reach = 0;
-    for (size_t i = 0; i < atlas->mesh_count; i++) {
-        const struct mesh_shape *shape = &atlas->meshes[i].shape;
-        for (int a = 0; a < 3; a++) {
-            reach = fmax(reach, fmax(fabs(shape->low[a]), fabs(shape->high[a])));
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, number);
+        for (int a = 0; a < 3 && mesh; a++) {
+            reach = fmax(reach, fmax(fabs(mesh->shape.low[a]), fabs(mesh->shape.high[a])));
         }
     }
     *out = (struct mesh_spans){.atlas = atlas, .slack = SLACK * reach};

@@ -93,6 +93,18 @@ static conus_status add_volume(conus_image *image, const conus_volume_info *info
     return status;
 }
 
+static conus_status add_hidden(conus_image *image, const conus_atlas *atlas)
+{
+    struct buffer text = {0};
+    atlas_list_hidden(&text, atlas);
+    conus_status status = buffer_status(&text);
+    if (!status && text.size) {
+        status = image_add_text(image, "conus:hidden", text.data);
+    }
+    buffer_finish(&text);
+    return status;
+}
+
 conus_status picture_add_volumes(conus_image *image, const conus_atlas *atlas, bool context)
 {
     conus_status status = CONUS_OK;
@@ -102,7 +114,7 @@ conus_status picture_add_volumes(conus_image *image, const conus_atlas *atlas, b
             status = add_volume(image, info, i);
         }
     }
-    return status;
+    return status ? status : add_hidden(image, atlas);
 }
 
 /* The names of the objects in the cone, so that the numbers in the image can be read without the atlas. */

@@ -143,6 +143,16 @@ static json_t *json_from_files(const conus_atlas *atlas)
     return whole_or_null(files, whole);
 }
 
+/* What is hidden, if anything is. */
+static bool add_hidden(json_t *root, const conus_atlas *atlas)
+{
+    struct buffer text = {0};
+    atlas_list_hidden(&text, atlas);
+    bool whole = !buffer_status(&text) && (!text.size || put(root, "hidden", json_string(text.data)));
+    buffer_finish(&text);
+    return whole;
+}
+
 static json_t *json_from_atlas(const conus_atlas *atlas)
 {
     json_t *volumes = json_array();
@@ -156,10 +166,10 @@ static json_t *json_from_atlas(const conus_atlas *atlas)
     }
     static const char *const hemispheres[] = {"as-is", "split", "merged"};
     json_t *labels = json_from_text(conus_atlas_label_source(atlas));
-    return whole_or_null(json_pack("{s: o, s: s, s: o, s: o, s: o}", "labels", labels, "hemispheres",
-                                   hemispheres[atlas->hemispheres], "volumes", volumes, "files", json_from_files(atlas),
-                                   "notes", notes),
-                         whole);
+    json_t *root =
+        json_pack("{s: o, s: s, s: o, s: o, s: o}", "labels", labels, "hemispheres", hemispheres[atlas->hemispheres],
+                  "volumes", volumes, "files", json_from_files(atlas), "notes", notes);
+    return whole_or_null(root, add_hidden(root, atlas) && whole);
 }
 
 /* The constants of a track (Eq. 12), if it is one. */
@@ -266,9 +276,7 @@ static json_t *json_from_labels(const conus_atlas *atlas)
     for (size_t i = 0; i < atlas->area_count; i++) {
         char label[16];
         snprintf(label, sizeof label, "%u", atlas->objects[i].label);
-        whole =
-            (atlas_object_mesh(atlas, (uint32_t)i + 1) || put(labels, label, json_from_text(atlas->objects[i].name))) &&
-            whole;
+        whole = (atlas->places[i].is_mesh || put(labels, label, json_from_text(atlas->objects[i].name))) && whole;
     }
     return whole_or_null(labels, whole);
 }

@@ -251,7 +251,15 @@ void report_write_sources(struct buffer *out, const conus_report *report)
         buffer_format(out, "atlas %s, placed by %s\n", file_of(atlas_path(atlas)),
                       parcellation ? parcellation->info.transform : "the coordinates in its mesh files");
     }
+    if (atlas_has_hidden(atlas)) {
+        buffer_text(out, "shown: ");
+        atlas_describe_shown(out, atlas);
+        buffer_text(out, "\n");
+    }
     for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
+        if (atlas->places[number - 1].is_hidden) {
+            continue;
+        }
         const conus_volume_info *info = &atlas_object_volume(atlas, (uint32_t)number)->info;
         buffer_format(out, "pathway %s: values from ", conus_atlas_object(atlas, number)->name);
         buffer_number(out, info->threshold);

@@ -70,7 +70,7 @@ static conus_status measure_objects(conus_selector *selector)
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
         const conus_object *object = &atlas->objects[number - 1];
         bool open = object->triangles && object->volume_mm3 == 0; /* has no volume, nor has what it is a part of */
-        if (!lies_in_mesh(selector, number)) {
+        if (!atlas->places[number - 1].is_hidden && !lies_in_mesh(selector, number)) {
             selector->whole[level_group(selector->level)[number]] += open ? NAN : object->volume_mm3;
         }
     }

@@ -123,6 +123,35 @@ static int add_pathways(conus_atlas *atlas, const struct atlas_settings *setting
     return code;
 }
 
+/* The option's lists as one; NULL if it was not given, or without memory. */
+static char *join_lists(const struct option_list *lists)
+{
+    char *joined = NULL;
+    size_t size = 0;
+    FILE *out = lists->count ? open_memstream(&joined, &size) : NULL;
+    for (size_t i = 0; out && i < lists->count; i++) {
+        fprintf(out, "%s%s", i ? "," : "", lists->items[i]);
+    }
+    if (out) {
+        fclose(out);
+    }
+    return joined;
+}
+
+static int show(conus_atlas *atlas, const struct atlas_settings *settings)
+{
+    char *only = join_lists(&settings->only);
+    char *hide = join_lists(&settings->hide);
+    bool failed = (settings->only.count && !only) || (settings->hide.count && !hide);
+    conus_status status = failed ? CONUS_ERROR_MEMORY : conus_atlas_show(atlas, only, hide);
+    free(only);
+    free(hide);
+    if (failed) {
+        complain("not enough memory");
+    }
+    return failed ? EXIT_DATA : status ? complain_status(status) : EXIT_DONE;
+}
+
 int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings)
 {
     struct progress progress = {settings, 0, settings->pathways.count};
@@ -138,6 +167,7 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
         return complain_status(status);
     }
     int code = add_pathways(atlas, settings, &progress);
+    code = code || !(settings->only.count + settings->hide.count) ? code : show(atlas, settings);
     if (code) {
         conus_atlas_destroy(atlas);
         return code;

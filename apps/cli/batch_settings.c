@@ -104,6 +104,7 @@ const struct option_group batch_groups[] = {
     {"", shape_options, FIELD(engine)},
     {"", slices_options, FIELD(engine)},
     {"What it may find", atlas_options, FIELD(atlas)},
+    {"", shown_options, FIELD(atlas)},
     {"", context_options, FIELD(context)},
     {"What is written", output_options, 0},
     {"How it runs", run_options, 0},

@@ -73,6 +73,7 @@ static const struct option_group groups[] = {
     {"How it looks", engine_options, offsetof(struct query_settings, engine)},
     {"", slices_options, offsetof(struct query_settings, engine)},
     {"What it may find", atlas_options, offsetof(struct query_settings, atlas)},
+    {"", shown_options, offsetof(struct query_settings, atlas)},
     {"", context_options, offsetof(struct query_settings, context)},
     {"What is written", query_answer_options, offsetof(struct query_settings, answer)},
     {"", output_options, 0},
@@ -494,7 +495,7 @@ const struct command cmd_query = {
     .form = "(--origin X,Y,Z (--toward X,Y,Z | --direction X,Y,Z) | --pose FILE)",
     .description = "Looks from a device's position through N x N pixels into the atlas and reports every area and\n"
                    "pathway that a pixel of the cone meets first: its share of the cone, its pixels, its nearest\n"
-                   "contact and where it is, in mm. With --layers all it reports everything in the cone, hidden or\n"
+                   "contact and where it is, in mm. With --layers all it reports everything in the cone, occluded or\n"
                    "not; with --point in place of a cone, what is within --radius mm of a point.",
     .examples = "  conus query aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
                 "  conus query aal.nii.gz --pose poses.tsv --angle 5 -o answers.tsv\n"

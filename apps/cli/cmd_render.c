@@ -111,6 +111,7 @@ static const struct option_group groups[] = {
     {"", shape_options, offsetof(struct render_settings, engine)},
     {"How it looks", engine_options, offsetof(struct render_settings, engine)},
     {"Atlas", atlas_options, offsetof(struct render_settings, atlas)},
+    {"", shown_options, offsetof(struct render_settings, atlas)},
     {"", quiet_options, offsetof(struct render_settings, common)},
     {0},
 };

@@ -56,6 +56,7 @@ static const struct option_group groups[] = {
     {"How it looks", engine_options, FIELD(engine)},
     {"", slices_options, FIELD(engine)},
     {"What it may find", atlas_options, FIELD(atlas)},
+    {"", shown_options, FIELD(atlas)},
     {"", context_options, FIELD(context)},
     {"What is written", answer_options, FIELD(answer)},
     {"", quiet_options, FIELD(common)},
@@ -419,7 +420,7 @@ const struct command cmd_sweep = {
     .operands = {"ATLAS"},
     .form = "(--origin X,Y,Z (--toward X,Y,Z | --direction X,Y,Z) | --pose FILE)",
     .description =
-        "Opens a cone from 0 to --angle and says at which angle it admits each area, hidden ones, too, and how\n"
+        "Opens a cone from 0 to --angle and says at which angle it admits each area, occluded ones, too, and how\n"
         "much further it must open for the next. Or, with --angles, gives the shares at each angle; or, with\n"
         "--jitter, the probability of each area to be the one hit when the pose is not exactly known.",
     .examples = "  conus sweep aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 40\n"

@@ -136,6 +136,7 @@ static const struct option_group groups[] = {
     {"", slices_options, FIELD(engine)},
     {"What it remembers", history_options, 0},
     {"What it may find", atlas_options, FIELD(atlas)},
+    {"", shown_options, FIELD(atlas)},
     {"", context_options, FIELD(context)},
     {"What is written", answer_options, FIELD(answer)},
     {"", output_options, 0},

@@ -64,6 +64,23 @@ const struct option atlas_options[] = {
     {0},
 };
 
+const struct option shown_options[] = {
+    {.name = "only",
+     .type = OPTION_LIST,
+     .offset = FIELD(atlas_settings, only),
+     .value = "NAME,...",
+     .help = "only these areas and pathways, by name, abbreviation or label, with what is below them in the area tree; "
+             "all others are as if they were not there; a name with a comma in double quotes, @FILE for a file with "
+             "one name per line; may be repeated"},
+    {.name = "hide",
+     .type = OPTION_LIST,
+     .offset = FIELD(atlas_settings, hide),
+     .value = "NAME,...",
+     .help = "without these areas and pathways, named likewise: not hit, not drawn, and they block nothing; may be "
+             "repeated"},
+    {0},
+};
+
 const struct option context_options[] = {
     {.name = "context",
      .type = OPTION_TEXT,

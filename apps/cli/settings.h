@@ -15,6 +15,7 @@ struct atlas_settings {
     const char *labels;
     struct option_list pathways;
     size_t hemispheres; /* conus_hemispheres */
+    struct option_list only, hide;
     uint64_t max_memory;
     conus_load_progress progress; /* no option: of programs that show it */
     void *progress_user;
@@ -46,6 +47,7 @@ extern const struct option context_options[]; /**< context_settings: --context, 
 extern const struct option quiet_options[];   /**< common_settings: --help, --version, --quiet, --verbose */
 extern const struct option plain_options[];   /**< common_settings: --help, --version */
 extern const struct option atlas_options[];   /**< atlas_settings */
+extern const struct option shown_options[];   /**< atlas_settings: --only, --hide */
 extern const struct option aim_options[];     /**< aim_settings: where from and where to */
 extern const struct option angle_options[];   /**< aim_settings: --angle, --space */
 extern const struct option engine_options[];  /**< engine_settings, without --slices */

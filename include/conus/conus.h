@@ -138,7 +138,8 @@ typedef enum conus_hemispheres {
 
 /** Changes how the atlas has left and right areas, once, before a selector or renderer is made; a note says what was
  * done. Splitting takes the plane x = 0 for the midline and changes the numbers of objects. Merging adds areas that the
- * pairs are reported as. docs/model.md, Eq. 10, has the rules. CONUS_ERROR_DATA where nothing can be split or merged,
+ * pairs are reported as. docs/model.md, Eq. 10, has the rules. CONUS_ERROR_ARGUMENT where something is hidden,
+ * CONUS_ERROR_DATA where nothing can be split or merged,
  * CONUS_ERROR_UNSUPPORTED for splitting meshes. The atlas is unchanged on failure. */
 CONUS_CHECKED conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus_hemispheres hemispheres);
 
@@ -176,6 +177,18 @@ CONUS_API uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number);
  * CONUS_ERROR_ARGUMENT, with the closest one in the message, if there is none, and if there are several. */
 CONUS_CHECKED conus_status conus_atlas_find(uint32_t *out, const conus_atlas *atlas, const char *name);
 
+/* What is hidden is as if it had never been loaded: not hit, not drawn, and it blocks nothing. Shown objects keep their
+ * numbers, volumes and fractions. Selectors, renderers and cutters that were made before must be made anew. */
+
+/** Shows all objects, or only those that @p only names, and of these hides those that @p hide names. Both are lists,
+ * separated by commas, of names, abbreviations and labels; an area stands for all below it in the area tree. A name
+ * with a comma stands in double quotes, @FILE for a file with one name per line. NULL = no list.
+ * CONUS_ERROR_ARGUMENT, with the closest name in the message, for what is no object, and where nothing is left. */
+CONUS_CHECKED conus_status conus_atlas_show(conus_atlas *atlas, const char *only, const char *hide);
+/** Hides the objects that @p hidden [object count + 1] says, by number, and shows all others; NULL shows all. */
+CONUS_CHECKED conus_status conus_atlas_set_hidden(conus_atlas *atlas, const bool *hidden);
+CONUS_API bool conus_atlas_is_hidden(const conus_atlas *atlas, size_t number);
+
 typedef enum conus_role { CONUS_PARCELLATION = 1, CONUS_SCALAR, CONUS_CONTEXT } conus_role;
 
 typedef struct conus_volume_info {
@@ -200,7 +213,8 @@ typedef struct conus_volume_info {
 CONUS_API size_t conus_atlas_volume_count(const conus_atlas *atlas);
 CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, size_t index);
 
-/** Paths of the other files that an atlas is made of: a manifest, surfaces, labels of their vertices. */
+/** Paths of the other files that an atlas is made of: a manifest, surfaces, labels of their vertices, lists of what is
+ * shown. */
 CONUS_API size_t conus_atlas_file_count(const conus_atlas *atlas);
 CONUS_API const char *conus_atlas_file(const conus_atlas *atlas, size_t index);
 
@@ -210,9 +224,11 @@ CONUS_API void conus_atlas_use_safe_colours(conus_atlas *atlas);
 /** Gives them back those that they had. */
 CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
 
-/** The box, in world mm, around all voxels and triangles of areas and pathways. CONUS_ERROR_DATA if there are none. */
+/** The box, in world mm, around all voxels and triangles of areas and pathways that are not hidden. CONUS_ERROR_DATA if
+ * there are none. */
 CONUS_CHECKED conus_status conus_atlas_bounds(const conus_atlas *atlas, double low[3], double high[3]);
-/** The mean position, in world mm, of the voxels or triangles of an object and of those below it in the area tree.
+/** The mean position, in world mm, of the voxels or triangles of an object and of those below it in the area tree,
+ * hidden or not.
  * CONUS_ERROR_DATA if there are none. */
 CONUS_CHECKED conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t number);
 
@@ -438,7 +454,7 @@ typedef struct conus_result {
     double contact[3]; /**< World position of its contact (Eq. 11); NaN if no pixel met it first.               */
 
     /* With CONUS_ALL_LAYERS (Eq. 10); else 0, and NaN where 0 would say something. */
-    uint32_t pierced;     /**< Pixels of the cone whose ray passes it, hidden or not.                           */
+    uint32_t pierced;     /**< Pixels of the cone whose ray passes it, occluded or not.                         */
     double entry, exit;   /**< Nearest entry and farthest exit of any of these rays, mm from the apex.          */
     double path;          /**< Mean length of these rays inside it, mm.                                         */
     uint64_t voxels;      /**< Its voxels whose centre is in the cone.                                          */
@@ -452,7 +468,7 @@ typedef struct conus_result {
 } conus_result;
 
 /** Results by rank, unassigned last (there even if nothing is unassigned). With CONUS_ALL_LAYERS objects that are
- * hidden, or too thin for any ray but with a voxel's centre in the cone, have results of 0 pixels. */
+ * occluded, or too thin for any ray but with a voxel's centre in the cone, have results of 0 pixels. */
 CONUS_API size_t conus_selection_count(const conus_selection *selection);
 CONUS_API const conus_result *conus_selection_result(const conus_selection *selection, size_t index);
 
@@ -548,7 +564,7 @@ typedef struct conus_admission {
     bool is_surface; /**< It is a mesh's; else a voxel's centre.                                                 */
 } conus_admission;
 
-/** Finds when a cone at @p pose that grows to the full opening @p widest, in (0, pi), admits each object. Hidden
+/** Finds when a cone at @p pose that grows to the full opening @p widest, in (0, pi), admits each object. Occluded
  * objects count, and the selector's range and level. CONUS_ERROR_ARGUMENT for a selector with a square aperture or a
  * radius. */
 CONUS_CHECKED conus_status conus_sweep_create(conus_sweep **out, const conus_selector *selector, const conus_pose *pose,
@@ -676,7 +692,7 @@ typedef struct conus_grid_options {
                           it only chooses the grid, and must be a pathway.                                      */
 } conus_grid_options;
 
-/** The voxels with their centre in a selection's cone, cylinder or ball (Eq. 10), hidden or not, on the grid of the
+/** The voxels with their centre in a selection's cone, cylinder or ball (Eq. 10), occluded or not, on the grid of the
  * parcellation, or else of the pathway. CONUS_ERROR_ARGUMENT where there is no such grid or object. */
 CONUS_CHECKED conus_status conus_selection_grid(conus_grid **out, const conus_selection *selection,
                                                 const conus_grid_options *options);
@@ -814,7 +830,8 @@ CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const con
 
 /** Draws one cut after the other, as windows do: the same pictures as conus_cut(), but voxels and surfaces are looked
  * at again only where a view lies elsewhere, or hides other objects. Another selection over the same place costs
- * little. The atlas must not change; after conus_atlas_set_threshold() or other colours, make another cutter. */
+ * little. The atlas must not change; after conus_atlas_set_threshold(), conus_atlas_set_hidden() or other colours, make
+ * another cutter. */
 CONUS_CHECKED conus_status conus_cutter_create(conus_cutter **out, const conus_atlas *atlas);
 CONUS_API void conus_cutter_destroy(conus_cutter *cutter);
 CONUS_CHECKED conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view);

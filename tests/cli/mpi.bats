@@ -46,6 +46,16 @@ setup_poses() {
     cmp rows.tsv ranks.tsv
 }
 
+@test "all ranks hide the same" {
+    setup_poses 60
+    conus phantom nested -o .
+    conus batch nested.nii.gz --hide 'Shell outer' --poses poses.tsv -o rows.tsv
+    ranks 3 nested.nii.gz --hide 'Shell outer' --poses poses.tsv --block 8 -o ranks.tsv
+    cmp rows.tsv ranks.tsv
+    ! grep -q 'Shell outer' ranks.tsv
+    diff <(grep -v CommandLine rows.json) <(grep -v CommandLine ranks.json)
+}
+
 @test "what is wrong is said once, and nothing is left" {
     setup_poses
     ranks 3 sphere.nii.gz --poses none.tsv -o rows.tsv 2>said && return 1 || [ $? -eq 3 ]
