@@ -146,12 +146,84 @@ static void the_last_view_is_kept(void **state)
     assert_false(head.on);
 }
 
+/* What was in the middle goes with the mouse, pixel by pixel, and the view does not turn. */
+static void what_is_held_goes_with_the_mouse(void **state)
+{
+    (void)state;
+    uint64_t seed = 11;
+    for (int round = 0; round < 50; round++) {
+        struct orbit orbit = make_orbit(&seed);
+        const struct orbit before = orbit;
+        const double moved[2] = {test_random(&seed, -200, 200), test_random(&seed, -200, 200)};
+        struct sight sight;
+        double at[2];
+        orbit_pan(&orbit, moved[0], moved[1], pane[1]);
+        sight_of_orbit(&sight, &orbit, pane);
+        assert_true(sight_project(at, &sight, pane, before.centre));
+        assert_near(at[0], pane[0] / 2 + moved[0], 1e-6);
+        assert_near(at[1], pane[1] / 2 + moved[1], 1e-6);
+        assert_true(orbit.azimuth == before.azimuth && orbit.elevation == before.elevation);
+    }
+}
+
+/* By 3.5 radians for a pane's height; what is nearer than the middle goes down with the mouse. */
+static void the_view_turns_about_the_middle(void **state)
+{
+    (void)state;
+    for (int way = 0; way < 4; way++) {
+        static const double moves[4][2] = {{8, 0}, {-8, 0}, {0, 8}, {0, -8}};
+        struct orbit orbit;
+        conus_pose before, after;
+        struct sight sight;
+        double at[2], near[3], turned = 0;
+        orbit_look_at(&orbit, (double[]){1, 2, 3}, 90);
+        orbit.elevation = 0; /* where both ways turn by the angle itself */
+        orbit_camera(&before, &orbit);
+        for (int a = 0; a < 3; a++) {
+            near[a] = orbit.centre[a] + 20 * before.world_from_device[8 + a];
+        }
+        orbit_turn(&orbit, moves[way][0], moves[way][1], pane[1]);
+        orbit_camera(&after, &orbit);
+        sight_of_orbit(&sight, &orbit, pane);
+        assert_true(sight_project(at, &sight, pane, near));
+        for (int a = 0; a < 3; a++) {
+            turned += before.world_from_device[8 + a] * after.world_from_device[8 + a];
+            assert_near(after.world_from_device[12 + a],
+                        orbit.centre[a] + orbit.distance * after.world_from_device[8 + a], 1e-9);
+        }
+        assert_near(acos(turned), 3.5 * 8 / pane[1], 1e-9);
+        assert_int_equal(fabs(at[0] - pane[0] / 2) > 0.1, moves[way][0] != 0);
+        assert_int_equal(at[1] - pane[1] / 2 > 0.1, moves[way][1] > 0);
+        assert_int_equal(at[1] - pane[1] / 2 < -0.1, moves[way][1] < 0);
+    }
+}
+
+/* A click of the wheel leaves 9 tenths of the way; nobody comes nearer than 1 mm or goes farther than 100 m. */
+static void the_wheel_comes_nearer(void **state)
+{
+    (void)state;
+    struct orbit orbit;
+    orbit_look_at(&orbit, (double[]){1, 2, 3}, 90);
+    const double before = orbit.distance;
+    orbit_zoom(&orbit, 2);
+    assert_near(orbit.distance, 0.81 * before, 1e-9);
+    orbit_zoom(&orbit, -2);
+    assert_near(orbit.distance, before, 1e-9);
+    orbit_zoom(&orbit, 1e4);
+    assert_near(orbit.distance, 1, 0);
+    orbit_zoom(&orbit, -1e4);
+    assert_near(orbit.distance, 1e5, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_drawn_is_met_by_the_mouse),
         cmocka_unit_test(the_pane_is_its_part_of_the_screen),
         cmocka_unit_test(the_last_view_is_kept),
+        cmocka_unit_test(what_is_held_goes_with_the_mouse),
+        cmocka_unit_test(the_view_turns_about_the_middle),
+        cmocka_unit_test(the_wheel_comes_nearer),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -271,7 +271,6 @@ static void draw_panels(struct window *window)
     if (!window->alone) {
         panel_areas(window);
         panel_results(window);
-        panel_status(window);
     }
     for (int p = 0; p < PLANE_COUNT; p++) {
         if (is_shown(window, p)) {
@@ -280,6 +279,9 @@ static void draw_panels(struct window *window)
     }
     if (is_shown(window, PANE_3D)) {
         pane_3d(window);
+    }
+    if (!window->alone) { /* after the panes, which find what is under the mouse */
+        panel_status(window);
     }
     if (window->show_help) {
         panel_help(window);

@@ -645,6 +645,35 @@ END
     grep -q Sphere wand.tsv
 }
 
+# status_of NAME X Y PNG: the status line while the mouse is there over the axial pane of a sphere of that name.
+status_of() {
+    rm -f commands look*.json
+    printf 'index\tname\n1\t%s\n' "$1" >sphere.tsv
+    live sphere.nii.gz
+    tell quiet-status 'angle 5' 'pointer wand'
+    xdotool mousemove --window "$window" "$2" "$3"
+    look true
+    tell "screenshot $4"
+    leave
+}
+
+@test "the status line names the place under the mouse and the area there" {
+    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    need_window
+    sphere
+    status_of Sphere 560 150 sphere.png
+    status_of Sphere 560 150 again.png
+    status_of Sphere 575 150 beside.png
+    status_of Ball 560 150 ball.png
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+line = {name: oiio.ImageBuf(name + ".png").get_pixels(oiio.UINT8)[-24:] for name in ("sphere", "again", "beside", "ball")}
+assert (line["sphere"] == line["again"]).all()
+assert (line["sphere"] != line["beside"]).any() # the place
+assert (line["sphere"] != line["ball"]).any()   # the name
+END
+}
+
 @test "other colours and back, and a larger scale" {
     need_window
     conus phantom slabs -o .
