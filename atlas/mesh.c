@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "atlas/mesh.h"
 
+#include "atlas/mesh_closed.h"
 #include "base/math3.h"
 #include "base/memory.h"
-
-#include <stdlib.h>
 
 #define COORDINATE_LIMIT 1e9F
 
@@ -90,117 +89,22 @@ static size_t drop_flat_triangles(struct mesh *mesh)
     return dropped;
 }
 
-/* The edges of a mesh, by their lower vertex: the higher one, and whether the triangle passes the edge downwards. */
-struct edges {
-    uint32_t *start; /* [vertex_count + 1] of each vertex's part of items */
-    uint64_t *items; /* [3 triangle_count] 2 higher vertex + downwards    */
-};
-
-static void edge_of(uint32_t *low, uint64_t *item, const struct mesh *mesh, size_t corner)
-{
-    uint32_t from = mesh->triangles[corner];
-    uint32_t to = mesh->triangles[corner % 3 == 2 ? corner - 2 : corner + 1];
-    *low = from < to ? from : to;
-    *item = from < to ? 2 * (uint64_t)to : 2 * (uint64_t)from + 1;
-}
-
-/* Counting sort. start[v + 1] first counts, then is where vertex v's next item goes, and in the end where they end. */
-static void gather_edges(struct edges *edges, const struct mesh *mesh)
-{
-    size_t count = 3 * mesh->triangle_count;
-    uint32_t *next = edges->start + 1;
-    uint32_t low;
-    uint64_t item;
-    uint32_t sum = 0;
-    for (size_t i = 0; i < count; i++) {
-        edge_of(&low, &item, mesh, i);
-        next[low]++;
-    }
-    for (size_t v = 0; v < mesh->vertex_count; v++) {
-        uint32_t here = next[v];
-        next[v] = sum;
-        sum += here;
-    }
-    for (size_t i = 0; i < count; i++) {
-        edge_of(&low, &item, mesh, i);
-        edges->items[next[low]++] = item;
-    }
-}
-
-static int compare_items(const void *a, const void *b)
-{
-    uint64_t x = *(const uint64_t *)a;
-    uint64_t y = *(const uint64_t *)b;
-    return (x > y) - (x < y);
-}
-
-static void sort_items(uint64_t *items, size_t count)
-{
-    enum { FEW = 24 };
-    if (count > FEW) {
-        qsort(items, count, sizeof *items, compare_items);
-        return;
-    }
-    for (size_t i = 1; i < count; i++) {
-        uint64_t item = items[i];
-        size_t at = i;
-        for (; at && items[at - 1] > item; at--) {
-            items[at] = items[at - 1];
-        }
-        items[at] = item;
-    }
-}
-
-/* Whether each edge is there once upwards, once downwards. */
-static bool are_pairs(uint64_t *items, size_t count)
-{
-    bool pairs = count % 2 == 0;
-    sort_items(items, count);
-    for (size_t i = 0; pairs && i < count; i += 2) {
-        pairs = items[i] % 2 == 0 && items[i + 1] == items[i] + 1 && (i + 2 == count || items[i + 2] > items[i + 1]);
-    }
-    return pairs;
-}
-
-static conus_status find_closed(bool *closed, const struct mesh *mesh)
-{
-    struct edges edges = {.start = memory_zeroed(mesh->vertex_count + 1, sizeof *edges.start),
-                          .items = memory_raw(3 * mesh->triangle_count, sizeof *edges.items)};
-    bool enough = edges.start && edges.items;
-    *closed = enough && mesh->triangle_count <= UINT32_MAX / 3; /* else there are more edges than can be told apart */
-    if (*closed) {
-        gather_edges(&edges, mesh);
-    }
-    for (size_t v = 0; *closed && v < mesh->vertex_count; v++) {
-        *closed = are_pairs(edges.items + edges.start[v], edges.start[v + 1] - edges.start[v]);
-    }
-    memory_free(edges.start);
-    memory_free(edges.items);
-    return enough ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
-static conus_status note_open(const struct mesh *mesh, struct notes *notes)
-{
-    bool closed;
-    conus_status status = find_closed(&closed, mesh);
-    if (!status && !closed) {
-        status = notes_add(notes, "%s: the surface is not closed", mesh->path ? mesh->path : "mesh");
-    }
-    return status;
-}
-
 conus_status mesh_check(struct mesh *mesh, struct notes *notes)
 {
+    const char *path = mesh->path ? mesh->path : "mesh";
     conus_status status = mesh_check_numbers(mesh);
+    status = status ? status : mesh_is_closed(&mesh->shape.closed, mesh);
     size_t flat = status ? 0 : drop_flat_triangles(mesh);
     if (!status && !mesh->triangle_count) {
         status = fail(CONUS_ERROR_DATA, "no triangle with an area: nothing that a ray could meet");
     }
     if (!status && flat) {
-        status =
-            notes_add(notes, "%s: %zu triangles without area were left out", mesh->path ? mesh->path : "mesh", flat);
+        status = notes_add(notes, "%s: %zu triangles without area were left out", path, flat);
     }
-    return status ? status : note_open(mesh, notes);
+    if (!status && !mesh->shape.closed) {
+        status = notes_add(notes, "%s: the surface is not closed", path);
+    }
+    return status;
 }
 
 /* Volume and centroid as sums over tetrahedra from a point inside the bounds, so that far from the origin no digits
@@ -238,8 +142,9 @@ static void integrate(struct mesh_shape *out, const struct mesh *mesh)
 
 conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh)
 {
-    struct mesh_shape shape = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0, {0}, false};
-    conus_status status = find_closed(&shape.closed, mesh);
+    struct mesh_shape shape = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
+    shape.closed = mesh->shape.closed;
+    conus_status status = shape.closed ? CONUS_OK : mesh_is_closed(&shape.closed, mesh);
     if (status) {
         return status;
     }

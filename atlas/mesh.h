@@ -10,8 +10,7 @@ struct mesh_shape {
     double low[3], high[3]; /**< Bounds of the vertices that triangles use.                                  */
     double volume_mm3;      /**< Signed: positive where the triangles face outwards (divergence theorem).    */
     double centroid[3];     /**< Of the enclosed volume where closed, else of the surface.                   */
-    bool closed;            /**< Every edge is shared by exactly two triangles that pass it in opposite
-                                 directions.                                                                 */
+    bool closed;            /**< mesh_is_closed(), triangles without area that were left out included.       */
 };
 
 struct mesh {
@@ -22,7 +21,7 @@ struct mesh {
     size_t triangle_count;
     bool is_borrowed;        /**< The two arrays are not the mesh's own, not to be written, and 16 bytes behind each
                                   may be read.                                                                  */
-    struct mesh_shape shape; /**< Of a mesh in an atlas: atlas_add_mesh() fills it in.                          */
+    struct mesh_shape shape; /**< mesh_check() fills in whether it is closed, atlas_add_mesh() all of it.       */
 };
 
 void mesh_finish(struct mesh *mesh);
@@ -37,7 +36,7 @@ conus_status mesh_check(struct mesh *mesh, struct notes *notes);
 /** The part of mesh_check() that makes a mesh safe to use: numbers and indices. */
 conus_status mesh_check_numbers(const struct mesh *mesh);
 
-/** Measures a checked mesh. CONUS_ERROR_MEMORY without memory for its edges. */
+/** Measures a checked mesh; what is closed by mesh->shape stays so. CONUS_ERROR_MEMORY without memory for its edges. */
 conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh);
 
 /** Distance along a ray to the plane of @p triangle, held within the triangle's reach along the ray: for a ray that

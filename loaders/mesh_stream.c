@@ -112,7 +112,8 @@ conus_status mesh_take_frame(struct mesh *out, const struct mesh_frame *frame, c
     mesh.path = memory_text(path, strlen(path));
     status = mesh.path ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
-        status = frame->kind == MESH_FRAME_CHECKED ? mesh_check_numbers(&mesh) : mesh_check(&mesh, notes);
+        mesh.shape.closed = frame->kind == MESH_FRAME_CHECKED;
+        status = mesh.shape.closed ? mesh_check_numbers(&mesh) : mesh_check(&mesh, notes);
     }
     if (status) {
         mesh_finish(&mesh);

@@ -53,8 +53,9 @@ static void free_pixels(struct cut *cut)
     memory_free(cut->objects);
     memory_free(cut->grey);
     memory_free(cut->contours);
-    memory_free(cut->flips);
-    cut->rgba = cut->grey = cut->flips = NULL;
+    memory_free(cut->turns);
+    cut->rgba = cut->grey = NULL;
+    cut->turns = NULL;
     cut->objects = cut->contours = NULL;
     cut->pixel_room = 0;
 }
@@ -79,8 +80,8 @@ static conus_status make_room(struct cut *cut, size_t pixels)
     cut->objects = memory_raw(pixels, sizeof *cut->objects);
     cut->grey = memory_raw(pixels, 1);
     cut->contours = contours ? memory_raw(pixels, sizeof *cut->contours) : NULL;
-    cut->flips = contours ? memory_raw(pixels, 1) : NULL;
-    if (!cut->rgba || !cut->objects || !cut->grey || (contours && !(cut->contours && cut->flips))) {
+    cut->turns = contours ? memory_zeroed(pixels, sizeof *cut->turns) : NULL;
+    if (!cut->rgba || !cut->objects || !cut->grey || (contours && !(cut->contours && cut->turns))) {
         free_pixels(cut);
         return CONUS_ERROR_MEMORY;
     }

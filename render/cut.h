@@ -45,8 +45,9 @@ struct cut {
 
     uint8_t *grey;      /**< [height width] Of the context.                                                      */
     uint32_t *contours; /**< [height width] The object whose surface the plane cuts there; NULL without meshes.  */
-    uint8_t *flips;     /**< [height width] Of one surface: whether a row goes in or out there; NULL likewise.   */
-    size_t pixel_room;  /**< Of each of these arrays.                                                            */
+    int32_t *turns;    /**< [height width] Of the surface at hand: how often more it winds from there on; NULL likewise.
+                            0 between surfaces.                                                              */
+    size_t pixel_room; /**< Of each of these arrays.                                                            */
     uint32_t *surfaces; /**< Objects with a mesh, the large ones first: they may hold others.                    */
     size_t surface_count;
     bool *hidden;        /**< [object_count + 1] When objects were found.                                         */

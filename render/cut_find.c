@@ -179,31 +179,57 @@ static void pass(double out[2], const struct pane *pane, const double a[3], cons
     out[1] = vec3_dot(at, pane->down) + 0.5 * pane->height;
 }
 
-/* Where the line from one end to the other passes the middle of a row, all to the right of it change sides. */
-static void flip_rows(struct cut *cut, const struct pane *pane, const double from[2], const double to[2])
+/* Where `turns` are not 0. */
+struct turned {
+    size_t low[2], high[2]; /* column, row */
+};
+
+static void note_turn(struct turned *turned, size_t column, size_t row)
+{
+    const size_t at[2] = {column, row};
+    for (int a = 0; a < 2; a++) {
+        turned->low[a] = at[a] < turned->low[a] ? at[a] : turned->low[a];
+        turned->high[a] = at[a] > turned->high[a] ? at[a] : turned->high[a];
+    }
+}
+
+/* Where the line from one end to the other passes the middle of a row, the surface winds once more, or once less,
+ * around all that is to the right of it. */
+static void turn_rows(struct turned *turned, struct cut *cut, const struct pane *pane, const double from[2],
+                      const double to[2])
 {
     double top = fmax(ceil(fmin(from[1], to[1]) - 0.5), 0);
     double bottom = fmin(floor(fmax(from[1], to[1]) - 0.5), (double)pane->height - 1);
     for (long row = (long)top; row <= (long)bottom; row++) {
         double y = (double)row + 0.5;
-        if ((from[1] <= y) != (to[1] <= y)) {
+        int turn = (from[1] <= y) - (to[1] <= y);
+        if (turn) {
             double x = from[0] + (to[0] - from[0]) * ((y - from[1]) / (to[1] - from[1]));
             double column = fmax(ceil(x - 0.5), 0);
             if (column < pane->width) {
-                cut->flips[(size_t)pane->width * (size_t)row + (size_t)column] ^= 1;
+                cut->turns[(size_t)pane->width * (size_t)row + (size_t)column] += turn;
+                note_turn(turned, (size_t)column, (size_t)row);
             }
         }
     }
 }
 
-/* Ends are found by the order of the edge's corners, so that triangles that share an edge share the end. */
+/* Whether a is to come before b, which is so wherever the two are written. */
+static bool is_first(const float a[3], const float b[3])
+{
+    return a[0] != b[0] ? a[0] < b[0] : a[1] != b[1] ? a[1] < b[1] : a[2] < b[2];
+}
+
+/* The first end is where the triangle's outline comes through the plane, the second where it goes back. They are found
+ * by the order of the edge's corners, so that triangles that share an edge share the end. */
 static bool cut_triangle(double ends[2][2], const struct pane *pane, const struct mesh *mesh, const uint32_t *triangle)
 {
+    const float *position[3];
     double corner[3][3];
     double depth[3];
-    int found = 0;
     for (int k = 0; k < 3; k++) {
-        to_offset(corner[k], pane, mesh->positions + 3 * (size_t)triangle[k]);
+        position[k] = mesh->positions + 3 * (size_t)triangle[k];
+        to_offset(corner[k], pane, position[k]);
         depth[k] = vec3_dot(corner[k], pane->forward);
     }
     if ((depth[0] < 0) == (depth[1] < 0) && (depth[0] < 0) == (depth[2] < 0)) {
@@ -211,10 +237,10 @@ static bool cut_triangle(double ends[2][2], const struct pane *pane, const struc
     }
     for (int k = 0; k < 3; k++) {
         int next = (k + 1) % 3;
-        int a = triangle[k] < triangle[next] ? k : next;
+        int a = is_first(position[k], position[next]) ? k : next;
         int b = a == k ? next : k;
         if ((depth[a] < 0) != (depth[b] < 0)) {
-            pass(ends[found++], pane, corner[a], corner[b], depth[a] / (depth[a] - depth[b]));
+            pass(ends[depth[next] < 0], pane, corner[a], corner[b], depth[a] / (depth[a] - depth[b]));
         }
     }
     return true;
@@ -232,39 +258,35 @@ static bool is_near(const struct pane *pane, const struct mesh_shape *shape)
     return fabs(middle) <= reach * (1 + 1e-9) + 1e-9;
 }
 
-static void fill_rows(struct cut *cut, uint32_t object)
+/* Fills where the surface winds, and clears the turns. */
+static void fill_rows(struct cut *cut, const struct turned *turned, uint32_t object)
 {
-    uint32_t width = cut->of.width;
-    for (uint32_t row = 0; row < cut->of.height; row++) {
-        const uint8_t *flips = cut->flips + (size_t)width * row;
-        uint32_t *objects = cut->objects + (size_t)width * row;
-        const uint8_t *first = memchr(flips, 1, width);
-        bool inside = false;
-        for (size_t column = first ? (size_t)(first - flips) : width; column < width; column++) {
-            inside = inside != (flips[column] != 0);
-            objects[column] = inside ? object : objects[column];
+    for (size_t row = turned->low[1]; row <= turned->high[1] && row < cut->of.height; row++) {
+        int32_t *turns = cut->turns + cut->of.width * row;
+        uint32_t *objects = cut->objects + cut->of.width * row;
+        int32_t winding = 0;
+        for (size_t column = turned->low[0]; column < cut->of.width && (column <= turned->high[0] || winding);
+             column++) {
+            winding += turns[column];
+            turns[column] = 0;
+            objects[column] = winding ? object : objects[column];
         }
     }
 }
 
 static void find_surface(struct cut *cut, const struct pane *pane, const struct mesh *mesh, uint32_t object)
 {
-    size_t pixels = (size_t)pane->width * pane->height;
-    if (mesh->shape.closed) {
-        memset(cut->flips, 0, pixels);
-    }
+    struct turned turned = {{SIZE_MAX, SIZE_MAX}, {0, 0}};
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         double ends[2][2] = {{0}};
         if (cut_triangle(ends, pane, mesh, mesh->triangles + 3 * t)) {
             draw_line(cut->contours, pane, ends[0], ends[1], object);
             if (mesh->shape.closed) {
-                flip_rows(cut, pane, ends[0], ends[1]);
+                turn_rows(&turned, cut, pane, ends[0], ends[1]);
             }
         }
     }
-    if (mesh->shape.closed) {
-        fill_rows(cut, object);
-    }
+    fill_rows(cut, &turned, object);
 }
 
 static void find_surfaces(struct cut *cut, const struct cut_view *view)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "selection/mesh_spans.h"
 
+#include "base/math3.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -133,37 +134,152 @@ static void deal(struct mesh_spans *spans, size_t pixels)
 
 /* ---- Pairs -------------------------------------------------------------------------------------------------- */
 
-/* Whether two triangles have a corner in common. */
+static const float *corner_of(const struct mesh *mesh, uint32_t triangle, int k)
+{
+    return &mesh->positions[3 * (size_t)mesh->triangles[3 * (size_t)triangle + (size_t)k]];
+}
+
+/* Whether two triangles have a corner in common: one at the same place. */
 static bool are_neighbours(const struct mesh *mesh, uint32_t a, uint32_t b)
 {
-    const uint32_t *p = &mesh->triangles[3 * (size_t)a];
-    const uint32_t *q = &mesh->triangles[3 * (size_t)b];
-    for (int k = 0; k < 3; k++) {
-        if (p[k] == q[0] || p[k] == q[1] || p[k] == q[2]) {
+    for (int k = 0; k < 9; k++) {
+        const float *p = corner_of(mesh, a, k / 3);
+        const float *q = corner_of(mesh, b, k % 3);
+        if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2]) {
             return true;
         }
     }
     return false;
 }
 
-/* Whether b, behind a, may be the same point of the surface: at an edge or corner that both have. */
-static bool are_one(const struct chain *chain, const struct crossing *a, const struct crossing *b)
+/* On which side of the edge from a to b, both seen from where the ray begins, its line passes. Of the edge from b to a
+ * it is the other one, even where the line meets the edge: then it is moved by next to nothing, along x if that helps,
+ * else along y, else along z. */
+static bool is_left(const double direction[3], const double a[3], const double b[3])
 {
-    return b->t - a->t <= chain->slack && are_neighbours(chain->mesh, a->triangle, b->triangle);
+    double v[3];
+    vec3_cross(v, a, b);
+    double volume = vec3_dot(direction, v);
+    vec3_sub(v, b, a);
+    vec3_cross(v, direction, v);
+    return volume != 0 ? volume > 0 : v[0] != 0 ? v[0] > 0 : v[1] != 0 ? v[1] > 0 : v[2] > 0;
 }
 
-/* A ray at an edge or corner goes through all its triangles, but through the surface once. */
+/* Whether the ray's line passes a triangle: in double, and of two that share an edge exactly one. */
+static bool passes(const struct chain *chain, uint32_t triangle)
+{
+    uint32_t pixel = chain->crossings[0].pixel;
+    uint32_t n = chain->cone->resolution;
+    double origin[3];
+    double direction[3];
+    double p[3][3];
+    cone_origin(origin, chain->cone, pixel % n, pixel / n);
+    cone_ray(direction, chain->cone, pixel % n, pixel / n);
+    for (int k = 0; k < 3; k++) {
+        const float *corner = corner_of(chain->mesh, triangle, k);
+        for (int a = 0; a < 3; a++) {
+            p[k][a] = (double)corner[a] - origin[a];
+        }
+    }
+    bool left = is_left(direction, p[0], p[1]);
+    return is_left(direction, p[1], p[2]) == left && is_left(direction, p[2], p[0]) == left;
+}
+
+/* Whether two crossings may be the same point of the surface: at an edge or corner that both have. */
+static bool are_one(const struct chain *chain, const struct crossing *a, const struct crossing *b)
+{
+    return fabs(b->t - a->t) <= chain->slack && are_neighbours(chain->mesh, a->triangle, b->triangle);
+}
+
+/* From which crossing on those of crossing `at` may be found, all near to it. */
+static size_t first_near(const struct chain *chain, size_t at)
+{
+    size_t first = at;
+    while (first > 0 && chain->crossings[at].t - chain->crossings[first - 1].t <= chain->slack) {
+        first--;
+    }
+    return first;
+}
+
+/* A ray at an edge or corner may be found in all its triangles, but goes through the surface only in those that it
+ * passes, or once where it is found in others alone: all but these are repeated. */
 static bool is_repeated(const struct chain *chain, size_t at)
 {
     const struct crossing *crossing = &chain->crossings[at];
-    for (size_t i = at; i > 0 && crossing->t - chain->crossings[i - 1].t <= chain->slack; i--) {
-        const struct crossing *earlier = &chain->crossings[i - 1];
-        if (earlier->side == crossing->side && are_one(chain, earlier, crossing)) {
-            return true;
+    bool other = false;
+    for (size_t i = first_near(chain, at); i < chain->count && !other; i++) {
+        const struct crossing *near = &chain->crossings[i];
+        if (near->t - crossing->t > chain->slack) {
+            break;
+        }
+        other = i != at && near->side == crossing->side && are_one(chain, crossing, near) &&
+                (i < at || passes(chain, near->triangle));
+    }
+    return other && !passes(chain, crossing->triangle);
+}
+
+/* Where the point of the surface that a crossing is was found first. */
+static const struct crossing *first_found(const struct chain *chain, size_t at)
+{
+    const struct crossing *crossing = &chain->crossings[at];
+    for (size_t i = first_near(chain, at); i < at; i++) {
+        const struct crossing *earlier = &chain->crossings[i];
+        if (earlier->side == crossing->side && are_one(chain, earlier, crossing) && !passes(chain, earlier->triangle)) {
+            return earlier;
         }
     }
-    return false;
+    return crossing;
 }
+
+static conus_status add_piece(struct chain *chain, const struct crossing *at, double entry, double exit)
+{
+    return layers_add(chain->out, &(conus_span){at->pixel, at->object, entry, exit, at->triangle});
+}
+
+/* ---- Closed surfaces ------------------------------------------------------------------------------------------- */
+
+static bool begins_in_bounds(const struct chain *chain)
+{
+    const struct mesh_shape *shape = &chain->mesh->shape;
+    uint32_t pixel = chain->crossings[0].pixel;
+    double origin[3];
+    bool inside = true;
+    cone_origin(origin, chain->cone, pixel % chain->cone->resolution, pixel / chain->cone->resolution);
+    for (int a = 0; a < 3; a++) {
+        inside = inside && origin[a] >= shape->low[a] && origin[a] <= shape->high[a];
+    }
+    return inside;
+}
+
+/* How often a closed surface winds around where the ray begins: as often as ways out lie ahead, less ways in. */
+static int winding_at_start(const struct chain *chain)
+{
+    int winding = 0;
+    for (size_t i = 0; i < chain->count; i++) {
+        winding -= is_repeated(chain, i) ? 0 : chain->crossings[i].side;
+    }
+    return winding;
+}
+
+/* Pieces are where a closed surface winds around the ray's points. */
+static conus_status find_inside(struct chain *chain, int winding)
+{
+    conus_status status = winding ? add_piece(chain, &chain->crossings[0], 0, OPEN) : CONUS_OK;
+    for (size_t i = 0; i < chain->count && !status; i++) {
+        const struct crossing *crossing = &chain->crossings[i];
+        int next = is_repeated(chain, i) ? winding : winding + crossing->side;
+        if (winding == 0 && (next != 0 || crossing->side == 0)) {
+            const struct crossing *first = first_found(chain, i);
+            status = add_piece(chain, first, first->t, next ? OPEN : first->t);
+        } else if (winding != 0 && next == 0) {
+            chain->out->spans[chain->out->count - 1].exit = crossing->t;
+        }
+        winding = next;
+    }
+    return status;
+}
+
+/* ---- Surfaces with holes --------------------------------------------------------------------------------------- */
 
 /* 1 where the ray goes in, -1 where it comes out, 0 where it only touches. */
 static int direction_of(const struct chain *chain, const struct crossing *crossing)
@@ -187,25 +303,6 @@ static bool turn_graze(const struct chain *chain, size_t at)
     return false;
 }
 
-/* What a ray comes out of without having gone in surrounds the apex, if it is closed and reaches there. */
-static bool begins_inside(const struct chain *chain)
-{
-    const struct mesh_shape *shape = &chain->mesh->shape;
-    uint32_t pixel = chain->crossings[0].pixel;
-    double origin[3];
-    bool inside = shape->closed;
-    cone_origin(origin, chain->cone, pixel % chain->cone->resolution, pixel / chain->cone->resolution);
-    for (int a = 0; a < 3; a++) {
-        inside = inside && origin[a] >= shape->low[a] && origin[a] <= shape->high[a];
-    }
-    return inside;
-}
-
-static conus_status add_piece(struct chain *chain, const struct crossing *at, double entry, double exit)
-{
-    return layers_add(chain->out, &(conus_span){at->pixel, at->object, entry, exit, at->triangle});
-}
-
 /* The last piece that has no exit yet; NULL = none. */
 static conus_span *last_open(const struct chain *chain)
 {
@@ -215,11 +312,6 @@ static conus_span *last_open(const struct chain *chain)
         }
     }
     return NULL;
-}
-
-static conus_status enter(struct chain *chain, const struct crossing *at)
-{
-    return add_piece(chain, at, at->t, OPEN);
 }
 
 /* Brackets: an exit ends the last piece that is open, with all that lies in it. */
@@ -232,15 +324,25 @@ static conus_status leave(struct chain *chain, size_t index)
         chain->out->count = (size_t)(open - chain->out->spans) + 1;
         return CONUS_OK;
     }
-    if (turn_graze(chain, index)) {
-        return enter(chain, at);
-    }
-    if (begins_inside(chain)) {
-        chain->out->count = chain->first;
-        return add_piece(chain, &chain->crossings[0], 0, at->t);
-    }
-    return add_piece(chain, at, at->t, at->t);
+    return add_piece(chain, at, at->t, turn_graze(chain, index) ? OPEN : at->t);
 }
+
+static conus_status find_brackets(struct chain *chain)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < chain->count && !status; i++) {
+        const struct crossing *crossing = &chain->crossings[i];
+        int direction = direction_of(chain, crossing);
+        if (is_repeated(chain, i)) {
+            continue;
+        }
+        status =
+            direction < 0 ? leave(chain, i) : add_piece(chain, crossing, crossing->t, direction ? OPEN : crossing->t);
+    }
+    return status;
+}
+
+/* ---- All of them ------------------------------------------------------------------------------------------------- */
 
 /* Pieces that never ended have no length, and those that meet are one. */
 static void tidy(struct chain *chain)
@@ -260,24 +362,14 @@ static void tidy(struct chain *chain)
     chain->out->count = chain->first + kept;
 }
 
+/* A closed surface around an apex that is out of its bounds: something was missed, and brackets do what they can. */
 static conus_status pair_chain(struct chain *chain)
 {
-    conus_status status = CONUS_OK;
     chain->first = chain->out->count;
-    for (size_t i = 0; i < chain->count && !status; i++) {
-        const struct crossing *crossing = &chain->crossings[i];
-        int direction = direction_of(chain, crossing);
-        if (is_repeated(chain, i)) {
-            continue;
-        }
-        if (direction > 0) {
-            status = enter(chain, crossing);
-        } else if (direction < 0) {
-            status = leave(chain, i);
-        } else {
-            status = add_piece(chain, crossing, crossing->t, crossing->t);
-        }
-    }
+    bool closed = chain->mesh->shape.closed;
+    int winding = closed ? winding_at_start(chain) : 0;
+    closed = closed && (winding == 0 || begins_in_bounds(chain));
+    conus_status status = closed ? find_inside(chain, winding) : find_brackets(chain);
     tidy(chain);
     return status;
 }

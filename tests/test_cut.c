@@ -3,6 +3,7 @@
 #include "atlas/phantom.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "mesh_scene.h"
 #include "picture_scene.h"
 #include "scene.h"
 #include "test.h"
@@ -371,6 +372,32 @@ static void closed_surfaces_are_filled(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* One surface of two boxes that overlap from x = -2 to 2, with vertices of their own: inside, where one of them is,
+ * too. A third one, turned around, is a hole in the first. */
+static void what_overlaps_is_filled_once(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh a = mesh_scene_box((double[]){-10, -5, -5}, (double[]){2, 5, 5});
+    struct mesh b = mesh_scene_box((double[]){-2, -5, -5}, (double[]){10, 5, 5});
+    struct mesh hole = mesh_scene_box((double[]){-8, -2, -2}, (double[]){-5, 2, 2});
+    struct mesh both = mesh_scene_join(&a, &b);
+    mesh_scene_turn(&hole);
+    struct mesh all = mesh_scene_join(&both, &hole);
+    mesh_scene_add(atlas, &all);
+    const conus_cut_view view = {
+        .width = SIDE, .height = SIDE, .right = {1, 0, 0}, .up = {0, 1, 0}, .mm_per_pixel = 0.49};
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+    for (unsigned pixel = 0; pixel < SIDE * SIDE; pixel++) {
+        double x = 0.49 * (pixel % SIDE + 0.5 - SIDE / 2.0);
+        double y = 0.49 * (SIDE / 2.0 - 0.5 - pixel / SIDE);
+        bool in_hole = x > -8 && x < -5 && fabs(y) < 2;
+        assert_int_equal(picture.objects[pixel], fabs(x) < 10 && fabs(y) < 5 && !in_hole);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 static void a_cutter_draws_the_same_pictures(void **state)
 {
     (void)state;
@@ -412,6 +439,7 @@ int main(void)
         cmocka_unit_test(a_cone_is_drawn_to_scale),
         cmocka_unit_test(hidden_areas_in_the_cone_are_hatched),
         cmocka_unit_test(closed_surfaces_are_filled),
+        cmocka_unit_test(what_overlaps_is_filled_once),
         cmocka_unit_test(a_cutter_draws_the_same_pictures),
         cmocka_unit_test(what_cannot_be_drawn_is_refused),
         cmocka_unit_test(every_failing_allocation_is_survived),

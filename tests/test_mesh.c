@@ -91,6 +91,99 @@ static void a_turned_triangle_is_not_closed(void **state)
     mesh_finish(&mesh);
 }
 
+static void put(struct mesh *mesh, const float (*positions)[3], size_t vertices, const uint32_t (*triangles)[3],
+                size_t count)
+{
+    assert_ok(mesh_init(mesh, vertices, count));
+    memcpy(mesh->positions, positions, 3 * vertices * sizeof *mesh->positions);
+    memcpy(mesh->triangles, triangles, 3 * count * sizeof *mesh->triangles);
+}
+
+/* Checks and measures a mesh of these triangles; gives how many were left out. */
+static size_t examine(struct mesh_shape *shape, const float (*positions)[3], size_t vertices,
+                      const uint32_t (*triangles)[3], size_t count)
+{
+    struct mesh mesh;
+    struct notes notes = {0};
+    put(&mesh, positions, vertices, triangles, count);
+    assert_ok(mesh_check(&mesh, &notes));
+    assert_ok(mesh_measure(shape, &mesh));
+    size_t left_out = count - mesh.triangle_count;
+    assert_int_equal(notes.count, (left_out > 0) + !shape->closed);
+    notes_finish(&notes);
+    mesh_finish(&mesh);
+    return left_out;
+}
+
+/* A tetrahedron with the corner (0, 0, 6) written twice, once with a negative zero: volume 6 * 6 * 6 / 6. */
+static void vertices_at_equal_positions_are_one(void **state)
+{
+    (void)state;
+    static const float positions[5][3] = {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}, {0, 0, 6}, {-0.0F, 0, 6}};
+    static const uint32_t triangles[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 4, 2}, {1, 2, 3}};
+    struct mesh_shape shape;
+    assert_int_equal(examine(&shape, positions, 5, triangles, 4), 0);
+    assert_true(shape.closed);
+    assert_near(shape.volume_mm3, 36, 1e-12);
+    examine(&shape, positions, 5, triangles, 3); /* without one side */
+    assert_false(shape.closed);
+    static const float moved[5][3] = {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}, {0, 0, 6}, {0, 1e-6F, 6}};
+    examine(&shape, moved, 5, triangles, 4); /* not quite equal */
+    assert_false(shape.closed);
+}
+
+/* Two tetrahedra with the edge from (0, 0, 0) to (0, 0, 6) in common, on which lie four triangles. */
+static void an_edge_may_have_four_triangles(void **state)
+{
+    (void)state;
+    static const float positions[6][3] = {{0, 0, 0}, {0, 0, 6}, {6, 0, 0}, {0, 6, 0}, {-6, 0, 0}, {0, -6, 0}};
+    uint32_t triangles[8][3] = {{0, 3, 2}, {0, 2, 1}, {0, 1, 3}, {2, 3, 1}, {0, 5, 4}, {0, 4, 1}, {0, 1, 5}, {4, 5, 1}};
+    struct mesh_shape shape;
+    examine(&shape, positions, 6, (const uint32_t(*)[3])triangles, 8);
+    assert_true(shape.closed);
+    assert_near(shape.volume_mm3, 72, 1e-12);
+    examine(&shape, positions, 6, (const uint32_t(*)[3])triangles, 7);
+    assert_false(shape.closed);
+    for (int i = 4; i < 8; i++) { /* the second one turned: four triangles on the edge all the same */
+        uint32_t kept = triangles[i][0];
+        triangles[i][0] = triangles[i][1];
+        triangles[i][1] = kept;
+    }
+    examine(&shape, positions, 6, (const uint32_t(*)[3])triangles, 8);
+    assert_true(shape.closed);
+    assert_near(shape.volume_mm3, 0, 1e-12);
+    triangles[7][0] = 4; /* and one of its sides turned back */
+    triangles[7][1] = 5;
+    examine(&shape, positions, 6, (const uint32_t(*)[3])triangles, 8);
+    assert_false(shape.closed);
+}
+
+/* Vertex 4 lies in the middle of the edge from 0 to 1, and only a triangle without area joins the two sides there. */
+static void triangles_without_area_close_what_they_join(void **state)
+{
+    (void)state;
+    static const float positions[5][3] = {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}, {0, 0, 6}, {3, 0, 0}};
+    static const uint32_t triangles[6][3] = {{0, 2, 4}, {4, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 4, 1}};
+    struct mesh_shape shape;
+    assert_int_equal(examine(&shape, positions, 5, triangles, 6), 1);
+    assert_true(shape.closed);
+    assert_near(shape.volume_mm3, 36, 1e-12);
+    assert_int_equal(examine(&shape, positions, 5, triangles, 5), 0);
+    assert_false(shape.closed);
+}
+
+/* A triangle of one corner or two does not matter, wherever it is. */
+static void triangles_of_two_corners_change_nothing(void **state)
+{
+    (void)state;
+    static const float positions[5][3] = {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}, {0, 0, 6}, {6, 0, 0}};
+    static const uint32_t triangles[7][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {4, 2, 3},
+                                             {1, 4, 2}, {3, 3, 3}, {2, 2, 0}};
+    struct mesh_shape shape;
+    assert_int_equal(examine(&shape, positions, 5, triangles, 7), 3);
+    assert_true(shape.closed);
+}
+
 static void impossible_meshes_are_refused(void **state)
 {
     (void)state;
@@ -131,9 +224,16 @@ static void every_failing_allocation_is_clean(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_box_is_closed_and_measured),  cmocka_unit_test(mirrors_keep_triangles_outward),
-        cmocka_unit_test(open_and_flat_parts_are_noted), cmocka_unit_test(a_turned_triangle_is_not_closed),
-        cmocka_unit_test(impossible_meshes_are_refused), cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(a_box_is_closed_and_measured),
+        cmocka_unit_test(mirrors_keep_triangles_outward),
+        cmocka_unit_test(open_and_flat_parts_are_noted),
+        cmocka_unit_test(a_turned_triangle_is_not_closed),
+        cmocka_unit_test(vertices_at_equal_positions_are_one),
+        cmocka_unit_test(an_edge_may_have_four_triangles),
+        cmocka_unit_test(triangles_without_area_close_what_they_join),
+        cmocka_unit_test(triangles_of_two_corners_change_nothing),
+        cmocka_unit_test(impossible_meshes_are_refused),
+        cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

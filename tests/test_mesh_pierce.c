@@ -6,6 +6,7 @@
 #include "selection/selection.h"
 #include "test.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Single precision may put a ray on the other side of an edge that it passes within so much of the scene's size. */
@@ -33,7 +34,7 @@ struct compared {
     size_t rays, pieces, inside, at_edges;
 };
 
-/* The pieces of closed surfaces: where as many exits as lie ahead outnumber the entries ahead. */
+/* The pieces of closed surfaces: where the exits that lie ahead are not as many as the entries ahead. */
 static size_t oracle_pieces(conus_span *out, const struct crossing *crossings, size_t count)
 {
     size_t pieces = 0;
@@ -41,14 +42,14 @@ static size_t oracle_pieces(conus_span *out, const struct crossing *crossings, s
     for (size_t i = 0; i < count; i++) {
         depth -= crossings[i].side;
     }
-    if (depth > 0) {
+    if (depth != 0) {
         out[pieces++] = (conus_span){.entry = 0};
     }
     for (size_t i = 0; i < count; i++) {
         int next = depth + crossings[i].side;
-        if (depth <= 0 && next > 0) {
+        if (depth == 0 && next != 0) {
             out[pieces++] = (conus_span){.entry = crossings[i].t};
-        } else if (depth > 0 && next <= 0) {
+        } else if (depth != 0 && next == 0) {
             out[pieces - 1].exit = crossings[i].t;
         }
         depth = next;
@@ -196,6 +197,167 @@ static void a_cylinder_s_pieces_are_too(void **state)
     assert_true(tally.at_edges < tally.rays / 1000);
 }
 
+/* ---- Edges with four triangles, vertices written twice ------------------------------------------------------- */
+
+/* Solid angle of a triangle with unit corners, by L'Huilier's theorem for its sides, signed by its orientation. */
+static double solid_angle(double corner[3][3])
+{
+    double side[3], normal[3];
+    for (int k = 0; k < 3; k++) {
+        const double *a = corner[(k + 1) % 3], *b = corner[(k + 2) % 3];
+        vec3_cross(normal, a, b);
+        side[k] = atan2(vec3_length(normal), vec3_dot(a, b));
+    }
+    double half = (side[0] + side[1] + side[2]) / 2;
+    double product = tan(half / 2);
+    for (int k = 0; k < 3; k++) {
+        product *= tan((half - side[k]) / 2);
+    }
+    vec3_cross(normal, corner[1], corner[2]);
+    return copysign(4 * atan(sqrt(fmax(product, 0))), vec3_dot(corner[0], normal));
+}
+
+/* How often a closed surface winds around a point: all solid angles by 4 pi. */
+static bool is_wound(const struct mesh *mesh, const double point[3])
+{
+    double sum = 0;
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        double corner[3][3];
+        for (size_t k = 0; k < 3; k++) {
+            const float *p = &mesh->positions[3 * (size_t)mesh->triangles[3 * i + k]];
+            vec3_sub(corner[k], (const double[]){(double)p[0], (double)p[1], (double)p[2]}, point);
+            vec3_scale(corner[k], corner[k], 1 / vec3_length(corner[k]));
+        }
+        sum += solid_angle(corner);
+    }
+    double winding = sum / (4 * MATH3_PI);
+    assert_true(fabs(winding - nearbyint(winding)) < 1e-6);
+    return nearbyint(winding) != 0;
+}
+
+/* Every corner a vertex of its own, as STL files have it. */
+static struct mesh exploded(struct mesh *mesh)
+{
+    struct mesh out;
+    assert_ok(mesh_init(&out, 3 * mesh->triangle_count, mesh->triangle_count));
+    for (uint32_t i = 0; i < 3 * mesh->triangle_count; i++) {
+        memcpy(&out.positions[3 * (size_t)i], &mesh->positions[3 * (size_t)mesh->triangles[i]], 3 * sizeof(float));
+        out.triangles[i] = i;
+    }
+    mesh_finish(mesh);
+    return out;
+}
+
+/* Boxes of an atlas of cubes with edges of 4, of which many share an edge or a corner only; some are turned around. */
+static struct mesh cubes(uint64_t *random)
+{
+    struct mesh all = {0};
+    for (int i = 0; i < 27; i++) {
+        const double low[3] = {4 * (i % 3 - 1.5), 4 * (i / 3 % 3 - 1.5), 4 * (i / 9 - 1.5)};
+        if (all.triangle_count && test_random(random, 0, 1) < 0.6) {
+            continue;
+        }
+        struct mesh box = mesh_scene_box(low, (const double[]){low[0] + 4, low[1] + 4, low[2] + 4});
+        if (test_random(random, 0, 1) < 0.3) {
+            mesh_scene_turn(&box);
+        }
+        all = all.triangle_count ? mesh_scene_join(&all, &box) : box;
+    }
+    return test_random(random, 0, 1) < 0.5 ? exploded(&all) : all;
+}
+
+/* Whether a point lies in a plane of the cubes' sides. */
+static bool is_on_side(const double point[3])
+{
+    bool on = false;
+    for (int a = 0; a < 3; a++) {
+        on = on || fabs(remainder(point[a] - 2, 4)) < 1e-6;
+    }
+    return on;
+}
+
+/* Whether a place between two on a ray is inside, unless they are too near to tell. */
+static void assert_between(const struct mesh *mesh, const double origin[3], const double ray[3], double from, double to,
+                           bool inside)
+{
+    double place[3];
+    vec3_add_scaled(place, origin, 0.63 * from + 0.37 * to, ray);
+    if (to - from > 1e-3 && !is_on_side(place)) {
+        assert_int_equal(is_wound(mesh, place), inside);
+    }
+}
+
+static void check_rays(const conus_selection *selection, size_t *pieces)
+{
+    const struct mesh *mesh = atlas_object_mesh(selection->atlas, 1);
+    const struct cone *cone = &selection->cone;
+    const conus_span *spans = selection->layers.spans;
+    size_t s = 0;
+    for (uint32_t pixel = 0; pixel < cone->resolution * cone->resolution; pixel++) {
+        double origin[3], ray[3], last = 0;
+        cone_origin(origin, cone, pixel % cone->resolution, pixel / cone->resolution);
+        cone_ray(ray, cone, pixel % cone->resolution, pixel / cone->resolution);
+        assert_false(is_at_edge(mesh, origin, ray, 6));
+        for (; s < selection->layers.count && spans[s].pixel == pixel; s++) {
+            assert_between(mesh, origin, ray, last, spans[s].entry, false);
+            assert_between(mesh, origin, ray, spans[s].entry, spans[s].exit, true);
+            last = spans[s].exit;
+            ++*pieces;
+        }
+        assert_between(mesh, origin, ray, last, last + 100, false); /* 37 farther, out of all cubes */
+    }
+}
+
+static void pieces_are_where_the_surface_winds(void **state)
+{
+    (void)state;
+    uint64_t random = 78;
+    size_t pieces = 0;
+    for (int i = 0; i < 150; i++) {
+        conus_atlas *atlas = mesh_scene_atlas();
+        struct mesh mesh = cubes(&random);
+        mesh_scene_add(atlas, &mesh);
+        assert_true(atlas_object_mesh(atlas, 1)->shape.closed);
+        double origin[3], target[3];
+        random_point(&random, origin, i % 2 ? 5 : 20);
+        random_point(&random, target, 4);
+        struct cone cone = mesh_scene_cone(origin, target, i % 2 ? 100 : 30, 7);
+        conus_selection *selection = select_all(atlas, &cone);
+        check_rays(selection, &pieces);
+        conus_selection_destroy(selection);
+        conus_atlas_destroy(atlas);
+    }
+    assert_true(pieces > 1000);
+}
+
+/* Two tetrahedra with an edge along x in common. The ray runs along z, 1e-5 beside the edge: through the first one from
+ * -1e-5 to 1e-5 (its sides are z = y and z = -y there), into the second one at 2e-5 (z = 2y) and out of it at 5.7,
+ * where x + z = 6. Ways in that are so near to each other count twice all the same. */
+static void both_tetrahedra_at_an_edge_are_met(void **state)
+{
+    (void)state;
+    static const float positions[6][3] = {{-6, 0, 0}, {6, 0, 0}, {0, 6, -6}, {0, 6, 6}, {0, 3, 6}, {0, 0, 6}};
+    static const uint32_t triangles[8][3] = {{0, 3, 2}, {1, 2, 3}, {0, 1, 3}, {0, 2, 1},
+                                             {0, 5, 4}, {1, 4, 5}, {0, 1, 5}, {0, 4, 1}};
+    struct mesh mesh;
+    conus_atlas *atlas = mesh_scene_atlas();
+    assert_ok(mesh_init(&mesh, 6, 8));
+    memcpy(mesh.positions, positions, sizeof positions);
+    memcpy(mesh.triangles, triangles, sizeof triangles);
+    mesh_scene_add(atlas, &mesh);
+    assert_true(atlas_object_mesh(atlas, 1)->shape.closed);
+    struct cone cone = mesh_scene_cone((double[]){0.3, 1e-5, -3}, (double[]){0.3, 1e-5, 0}, 1, 1);
+    conus_selection *selection = select_all(atlas, &cone);
+    assert_int_equal(selection->layers.count, 2);
+    const conus_span *spans = selection->layers.spans;
+    assert_near(spans[0].entry, 3 - 1e-5, 1e-9);
+    assert_near(spans[0].exit, 3 + 1e-5, 1e-9);
+    assert_near(spans[1].entry, 3 + 2e-5, 1e-9);
+    assert_near(spans[1].exit, 3 + 5.7, 1e-9);
+    conus_selection_destroy(selection);
+    conus_atlas_destroy(atlas);
+}
+
 /* ---- Real shapes ------------------------------------------------------------------------------------------ */
 
 /* Of a surface with holes there are no pieces to compare with, but whether a ray crosses it, and where first. */
@@ -278,6 +440,53 @@ static void julich_brain_s_areas(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* The Allen atlas's meshes: every one bounds a solid, though most have edges with four triangles. From places inside
+ * and beside each of them. */
+static void compare_allen(uint64_t *random, const conus_atlas *atlas, uint32_t object, struct compared *tally)
+{
+    const struct mesh *mesh = atlas_object_mesh(atlas, object);
+    for (int k = 0; k < 2; k++) {
+        size_t vertex = mesh->triangles[3 * (size_t)test_random(random, 0, (double)mesh->triangle_count)];
+        double origin[3], target[3];
+        for (int a = 0; a < 3; a++) {
+            origin[a] = (double)mesh->positions[3 * vertex + (size_t)a] + test_random(random, -0.1, 0.1);
+            target[a] = test_random(random, mesh->shape.low[a], mesh->shape.high[a]);
+        }
+        struct cone cone = mesh_scene_cone(origin, target, 60, 8);
+        conus_selection *selection = select_all(atlas, &cone);
+        for (uint32_t pixel = 0; pixel < 64; pixel++) {
+            compare_object(selection, pixel, object, 10, tally);
+        }
+        conus_selection_destroy(selection);
+    }
+}
+
+static void allen_areas(void **state)
+{
+    (void)state;
+    uint64_t random = 76;
+    struct compared tally = {0};
+    conus_atlas *atlas = NULL;
+    if (!getenv("CONUS_MESH")) {
+        print_message("no conus-mesh\n");
+        skip();
+    }
+    assert_ok(conus_atlas_load(&atlas, test_shared("meshes/brainglobe-allen-ccf2017-subset"), NULL));
+    size_t meshes = 0;
+    for (uint32_t object = 1; object <= atlas->object_count; object++) {
+        if (atlas_object_mesh(atlas, object)) {
+            meshes++;
+            assert_true(atlas_object_mesh(atlas, object)->shape.closed);
+            compare_allen(&random, atlas, object, &tally);
+        }
+    }
+    print_message("Allen: %zu areas; %zu rays x areas, %zu pieces, %zu from an apex inside, %zu at edges\n", meshes,
+                  tally.rays, tally.pieces, tally.inside, tally.at_edges);
+    assert_int_equal(meshes, 55);
+    assert_true(tally.pieces > 300 && tally.inside > 1000);
+    conus_atlas_destroy(atlas);
+}
+
 /* ---- Failing ---------------------------------------------------------------------------------------------- */
 
 static conus_status create_and_pierce(void *data)
@@ -308,8 +517,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pieces_are_those_of_all_triangles_in_double),
         cmocka_unit_test(a_cylinder_s_pieces_are_too),
+        cmocka_unit_test(pieces_are_where_the_surface_winds),
+        cmocka_unit_test(both_tetrahedra_at_an_edge_are_met),
         cmocka_unit_test(the_brain_phantom_s_areas),
         cmocka_unit_test(julich_brain_s_areas),
+        cmocka_unit_test(allen_areas),
         cmocka_unit_test(every_failing_allocation_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -117,6 +117,37 @@ static void an_edge_counts_once(void **state)
                   PIECES({3, 20, 150}));
 }
 
+/* Every triangle of this sphere has vertices of its own. All of the south cap are found at the pole, and count once. */
+static void vertices_at_equal_positions_are_one_corner(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 10, RINGS, SECTORS);
+    struct mesh apart;
+    assert_ok(mesh_init(&apart, 3 * sphere.triangle_count, sphere.triangle_count));
+    for (uint32_t i = 0; i < 3 * sphere.triangle_count; i++) {
+        memcpy(&apart.positions[3 * (size_t)i], &sphere.positions[3 * (size_t)sphere.triangles[i]], 3 * sizeof(float));
+        apart.triangles[i] = i;
+    }
+    mesh_finish(&sphere);
+    mesh_scene_add(atlas, &apart);
+    struct mesh_spans spans;
+    struct layers layers = {0};
+    struct cone cone = mesh_scene_cone((double[]){0, 0, -30}, (double[]){0, 0, 100}, 1, 1);
+    mesh_spans_init(&spans, atlas);
+    for (uint32_t cap = 0; cap < SECTORS; cap++) {
+        assert_ok(mesh_spans_add(&spans, &(struct crossing){0, 1, cap, 1, 20 + 1e-9 * cap}));
+    }
+    assert_ok(mesh_spans_add(&spans, &(struct crossing){0, 1, NORTH, -1, 40}));
+    assert_ok(mesh_spans_pair(&layers, &spans, &cone));
+    assert_int_equal(layers.count, 1);
+    assert_near(layers.spans[0].entry, 20, 0);
+    assert_near(layers.spans[0].exit, 40, 0);
+    layers_finish(&layers);
+    mesh_spans_finish(&spans);
+    conus_atlas_destroy(atlas);
+}
+
 static void a_graze_has_no_length_whichever_way_round(void **state)
 {
     (void)state;
@@ -186,6 +217,7 @@ int main(void)
         cmocka_unit_test(nested_and_overlapping_shells_are_one),
         cmocka_unit_test(a_cavity_is_left_out),
         cmocka_unit_test(an_edge_counts_once),
+        cmocka_unit_test(vertices_at_equal_positions_are_one_corner),
         cmocka_unit_test(a_graze_has_no_length_whichever_way_round),
         cmocka_unit_test(a_piece_begins_at_an_apex_inside),
         cmocka_unit_test(what_has_no_partner_has_no_length),
