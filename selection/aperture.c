@@ -45,7 +45,7 @@ static void list_pixels(struct aperture *aperture)
     }
 }
 
-static void aim_rays(struct aperture *aperture, double slope)
+static void aim_rays(struct aperture *aperture, const struct cone *cone)
 {
     enum { AT_ONCE = 64 };
     struct device_rays *rays = &aperture->rays;
@@ -57,8 +57,14 @@ static void aim_rays(struct aperture *aperture, double slope)
             u[k] = cone_coordinate(rays->pixel[first + k] % aperture->resolution, aperture->resolution);
             v[k] = cone_coordinate(rays->pixel[first + k] / aperture->resolution, aperture->resolution);
         }
-        cone_device_rays(rays->right + first, rays->up + first, rays->forward + first, slope, u, v, count);
+        cone_device_rays(rays->right + first, rays->up + first, rays->forward + first, cone, u, v, count);
     }
+}
+
+/* Then the angle, too, decides which pixels are in it. */
+static bool is_wide_square(const struct cone *cone)
+{
+    return cone->aperture == CONUS_SQUARE && cone_is_wide(cone);
 }
 
 /* What the resolution and the shape decide. */
@@ -66,7 +72,7 @@ static conus_status make_pixels(struct aperture *aperture, const struct cone *co
 {
     uint32_t n = cone->resolution;
     size_t pixels = (size_t)n * n;
-    struct aperture made = {.resolution = n, .shape = cone->aperture};
+    struct aperture made = {.resolution = n, .shape = cone->aperture, .is_wide_square = is_wide_square(cone)};
     made.in_cone = memory_raw(pixels, sizeof *made.in_cone);
     made.radius = memory_raw(pixels, sizeof *made.radius);
     made.weight = memory_raw(pixels, sizeof *made.weight);
@@ -109,7 +115,8 @@ static void make_weights(struct aperture *aperture, const struct cone *cone)
 
 conus_status aperture_prepare(struct aperture *aperture, const struct cone *cone)
 {
-    if (aperture->resolution != cone->resolution || aperture->shape != cone->aperture) {
+    bool other = aperture->angle != cone->angle && (aperture->is_wide_square || is_wide_square(cone));
+    if (other || aperture->resolution != cone->resolution || aperture->shape != cone->aperture) {
         conus_status status = make_pixels(aperture, cone);
         if (status) {
             return status;
@@ -117,7 +124,7 @@ conus_status aperture_prepare(struct aperture *aperture, const struct cone *cone
     }
     if (aperture->angle != cone->angle) {
         make_weights(aperture, cone);
-        aim_rays(aperture, cone_slope(cone));
+        aim_rays(aperture, cone);
     }
     return CONUS_OK;
 }

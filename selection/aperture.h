@@ -27,6 +27,7 @@ struct aperture {
     uint32_t resolution; /**< n */
     conus_aperture shape;
     double angle;
+    bool is_wide_square;     /**< Its pixels are those of this angle only (Eq. 15).      */
     bool *in_cone;           /**< cone_has_pixel()                                       */
     double *radius;          /**< cone_radius()                                          */
     double *weight;          /**< cone_weight()                                          */

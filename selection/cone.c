@@ -5,6 +5,10 @@
 
 #include <string.h>
 
+/* Up to here the rays are a perspective picture's, on whose axis a pixel then covers three times the mean solid angle
+ * (Eq. 15). A billionth more, so that 120 degrees stay what they are, however they were rounded. */
+static const double perspective_limit = 2 * MATH3_PI / 3 + 1e-9;
+
 enum { RESOLUTION_LIMIT = 1024, RAYS_AT_ONCE = 256 };
 
 static conus_status check_shape(const struct cone *cone)
@@ -45,8 +49,18 @@ double cone_slope(const struct cone *cone)
     return cone->slope > 0 ? cone->slope : tan(cone->angle / 2);
 }
 
-void cone_device_rays(double *right, double *up, double *forward, double slope, const double *u, const double *v,
-                      size_t count)
+bool cone_is_wide(const struct cone *cone)
+{
+    return cone->angle > perspective_limit;
+}
+
+double cone_off_axis(const struct cone *cone, double radius)
+{
+    return cone_is_wide(cone) ? radius * (cone->angle / 2) : atan(radius * cone_slope(cone));
+}
+
+static void aim_in_perspective(double *right, double *up, double *forward, double slope, const double *u,
+                               const double *v, size_t count)
 {
     for (size_t ray = 0; ray < count; ray++) {
         double x = u[ray] * slope;
@@ -55,6 +69,29 @@ void cone_device_rays(double *right, double *up, double *forward, double slope, 
         right[ray] = x * scale;
         up[ray] = y * scale;
         forward[ray] = scale;
+    }
+}
+
+/* Eq. 15 */
+static void aim_evenly(double *right, double *up, double *forward, double half, const double *u, const double *v,
+                       size_t count)
+{
+    for (size_t ray = 0; ray < count; ray++) {
+        double r = sqrt(u[ray] * u[ray] + v[ray] * v[ray]);
+        double scale = r > 0 ? sin(r * half) / r : 0;
+        right[ray] = u[ray] * scale;
+        up[ray] = v[ray] * scale;
+        forward[ray] = cos(r * half);
+    }
+}
+
+void cone_device_rays(double *right, double *up, double *forward, const struct cone *cone, const double *u,
+                      const double *v, size_t count)
+{
+    if (cone_is_wide(cone)) {
+        aim_evenly(right, up, forward, cone->angle / 2, u, v, count);
+    } else {
+        aim_in_perspective(right, up, forward, cone_slope(cone), u, v, count);
     }
 }
 
@@ -83,7 +120,7 @@ void cone_rays(double *const out[3], const struct cone *cone, const double *u, c
     for (size_t first = 0; first < count; first += RAYS_AT_ONCE) {
         double *const part[3] = {out[0] + first, out[1] + first, out[2] + first};
         size_t some = count - first < RAYS_AT_ONCE ? count - first : RAYS_AT_ONCE;
-        cone_device_rays(right, up, forward, cone_slope(cone), u + first, v + first, some);
+        cone_device_rays(right, up, forward, cone, u + first, v + first, some);
         cone_rays_from(part, cone, &rays, 0, some);
     }
 }
@@ -108,8 +145,9 @@ void cone_origin(double out[3], const struct cone *cone, uint32_t i, uint32_t j)
 
 double cone_per_depth(const struct cone *cone, uint32_t i, uint32_t j)
 {
-    double slope = cone_slope(cone) * cone_radius(cone, i, j);
-    return sqrt(1 + slope * slope);
+    double radius = cone_radius(cone, i, j);
+    double slope = cone_slope(cone) * radius;
+    return cone_is_wide(cone) ? 1 / cos(cone_off_axis(cone, radius)) : sqrt(1 + slope * slope);
 }
 
 double cone_cross_section(const struct cone *cone)
@@ -129,14 +167,28 @@ double cone_radius(const struct cone *cone, uint32_t i, uint32_t j)
     return sqrt(u * u + v * v);
 }
 
+/* Whether a wide cone's ray at (u, v) is in the pyramid, whose sides are as far off the axis as the cone. */
+static bool is_in_pyramid(const struct cone *cone, double u, double v)
+{
+    double r = sqrt(u * u + v * v);
+    double off = cone_off_axis(cone, r);
+    return off < MATH3_PI / 2 && fmax(fabs(u), fabs(v)) * tan(off) <= r * cone_slope(cone);
+}
+
 bool cone_has_pixel(const struct cone *cone, uint32_t i, uint32_t j)
 {
-    return cone->aperture == CONUS_SQUARE || cone_radius(cone, i, j) <= 1;
+    if (cone->aperture == CONUS_SQUARE) {
+        return !cone_is_wide(cone) ||
+               is_in_pyramid(cone, cone_coordinate(i, cone->resolution), cone_coordinate(j, cone->resolution));
+    }
+    return cone_radius(cone, i, j) <= 1;
 }
 
 double cone_weight(const struct cone *cone, uint32_t i, uint32_t j)
 {
-    double slope = cone_slope(cone) * cone_radius(cone, i, j);
+    double radius = cone_radius(cone, i, j);
+    double slope = cone_slope(cone) * radius;
     double square = 1 + slope * slope;
-    return 1 / (square * sqrt(square));
+    double off = cone_off_axis(cone, radius);
+    return !cone_is_wide(cone) ? 1 / (square * sqrt(square)) : off > 0 ? sin(off) / off : 1;
 }

@@ -37,6 +37,12 @@ static inline double cone_coordinate(uint32_t i, uint32_t resolution)
 /** tan(angle / 2). */
 double cone_slope(const struct cone *cone);
 
+/** Whether the rays are spread evenly in angle, not as a perspective picture's (Eq. 15). */
+bool cone_is_wide(const struct cone *cone);
+
+/** Angle to the axis of the rays at the distance @p radius from the buffer's centre, radians. */
+double cone_off_axis(const struct cone *cone, double radius);
+
 /** Unit direction in world space of the ray of pixel column @p i, row @p j (Eq. 3). */
 void cone_ray(double out[3], const struct cone *cone, uint32_t i, uint32_t j);
 
@@ -57,9 +63,9 @@ double cone_cross_section(const struct cone *cone);
 /** cone_ray() for @p count rays through the points (u, v) of the buffer: out[axis][ray]. The same bits, too. */
 void cone_rays(double *const out[3], const struct cone *cone, const double *u, const double *v, size_t count);
 
-/** The rays through @p count points (u, v) of the buffer of a cone with this cone_slope(), in the device's frame. */
-void cone_device_rays(double *right, double *up, double *forward, double slope, const double *u, const double *v,
-                      size_t count);
+/** The rays through @p count points (u, v) of the buffer, in the device's frame, wherever the cone is. */
+void cone_device_rays(double *right, double *up, double *forward, const struct cone *cone, const double *u,
+                      const double *v, size_t count);
 
 /** Those of them from number @p first on, @p count of them, in the world, as cone_rays() gives them. */
 void cone_rays_from(double *const out[3], const struct cone *cone, const struct device_rays *rays, size_t first,
@@ -68,10 +74,12 @@ void cone_rays_from(double *const out[3], const struct cone *cone, const struct 
 /** Distance of a pixel's centre from the buffer's, r = sqrt(u^2 + v^2), 1 at the circle's rim (Eq. 3). */
 double cone_radius(const struct cone *cone, uint32_t i, uint32_t j);
 
-/** Whether the aperture lets the pixel through: r <= 1, or always for a square one (Eq. 3). */
+/** Whether the aperture lets the pixel through: r <= 1, or for a square one always (Eq. 3), but of a wide cone's only
+ * where its ray is in the pyramid (Eq. 15). */
 bool cone_has_pixel(const struct cone *cone, uint32_t i, uint32_t j);
 
-/** Weight of a pixel, proportional to its solid angle: (1 + tan^2(angle/2) r^2)^(-3/2) (Eq. 4). */
+/** Weight of a pixel, proportional to its solid angle: (1 + tan^2(angle/2) r^2)^(-3/2) (Eq. 4), of a wide cone
+ * sin(theta) / theta (Eq. 15). */
 double cone_weight(const struct cone *cone, uint32_t i, uint32_t j);
 
 #endif

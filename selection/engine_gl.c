@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "selection/evidence.h"
+#include "selection/engine_rays.h"
 
 #include "base/math3.h"
 #include "base/memory.h"
@@ -23,6 +23,7 @@ struct gl_engine {
     struct gl_context *context;
     struct id_pass *pass;        /* NULL where there are no volumes to select from */
     struct mesh_pass *mesh_pass; /* NULL where there are no meshes                 */
+    struct engine *wide;         /* what finds meshes in wide cones; NULL before the first one */
     double (*origins)[3];        /* [pixel_room] of all pixels of all cones in view */
     double (*directions)[3];
     uint32_t *walked;        /* [ray_count] those along which volumes are looked through, neighbours together */
@@ -46,6 +47,7 @@ static void destroy(struct engine *engine)
         gl_current_restore(&previous);
     }
     gl_context_destroy(gl->context);
+    engine_destroy(gl->wide);
     mesh_spans_finish(&gl->spans);
     memory_free(gl->origins);
     memory_free(gl->directions);
@@ -226,19 +228,41 @@ static void set_distances(struct evidence *out, const struct cone *cone, double 
     }
 }
 
-/* Behind look_at_volumes(): what the volumes show limits how far the meshes are looked for; and where nothing is
- * wanted, nothing is. */
-static conus_status look_at_meshes(struct gl_engine *gl, const struct view *view)
+/* Wide cones are no perspective picture, which is all that a driver can draw: there the rays engine finds the meshes
+ * (Eq. 15), with the same answers. */
+static conus_status prepare_wide(struct gl_engine *gl)
 {
-    for (size_t c = 0; c < view->count; c++) {
+    return gl->wide ? CONUS_OK : engine_rays_create_for_meshes(&gl->wide, gl->atlas);
+}
+
+/* Sets the looks of the cones that are not wide, and looks for meshes in those that are. */
+static conus_status prepare_looks(struct gl_engine *gl, const struct view *view, size_t *count)
+{
+    conus_status status = CONUS_OK;
+    *count = 0;
+    for (size_t c = 0; c < view->count && !status; c++) {
         struct evidence *out = view->out[c];
         const struct mesh_pixels pixels = {(const double(*)[3])gl->origins + c * view->pixels,
                                            (const double(*)[3])gl->directions + c * view->pixels, out->object,
                                            out->distance, out->voxel};
-        gl->looks[c] = (struct mesh_look){mesh_view_of(view->cones[c]), pixels};
-        set_distances(out, view->cones[c], 0);
+        if (cone_is_wide(view->cones[c])) {
+            status = prepare_wide(gl);
+            status = status ? status : engine_rays_look_on(gl->wide, out, view->cones[c]);
+        } else {
+            gl->looks[(*count)++] = (struct mesh_look){mesh_view_of(view->cones[c]), pixels};
+            set_distances(out, view->cones[c], 0);
+        }
     }
-    conus_status status = mesh_pass_look(gl->mesh_pass, gl->looks, view->count);
+    return status;
+}
+
+/* Behind look_at_volumes(): what the volumes show limits how far the meshes are looked for; and where nothing is
+ * wanted, nothing is. */
+static conus_status look_at_meshes(struct gl_engine *gl, const struct view *view)
+{
+    size_t count;
+    conus_status status = prepare_looks(gl, view, &count);
+    status = !status && count ? mesh_pass_look(gl->mesh_pass, gl->looks, count) : status;
     for (size_t c = 0; c < view->count; c++) {
         set_distances(view->out[c], view->cones[c], INFINITY);
     }
@@ -315,6 +339,10 @@ static conus_status take_hit(void *user, const struct mesh_pass_hit *hit)
 static conus_status pierce_meshes(struct gl_engine *gl, struct layers *out, const struct cone *cone)
 {
     const struct mesh_view view = mesh_view_of(cone);
+    if (cone_is_wide(cone)) {
+        conus_status status = prepare_wide(gl);
+        return status ? status : gl->wide->functions->pierce(gl->wide, out, cone);
+    }
     conus_status status = mesh_pass_pierce(gl->mesh_pass, &view, take_hit, gl);
     status = status ? status : mesh_spans_pair(out, &gl->spans, cone);
     gl->spans.count = 0;

@@ -215,13 +215,12 @@ static conus_status look_through_block(const struct rays_engine *engine, struct 
     return engine->meshes ? look_at_meshes(engine, out, cone, block) : CONUS_OK;
 }
 
-static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+conus_status engine_rays_look_on(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     const struct rays_engine *rays = (const struct rays_engine *)engine;
     struct block block;
     conus_status status = CONUS_OK;
     uint32_t edge = block_edge(cone);
-    evidence_clear(out);
     for (size_t first = 0; cone->rays && first < cone->rays->count && !status; first += TRAVERSE_BUNDLE) {
         block_take(&block, cone, first);
         status = look_through_block(rays, out, cone, &block);
@@ -233,6 +232,12 @@ static conus_status look(struct engine *engine, struct evidence *out, const stru
         }
     }
     return status;
+}
+
+static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+{
+    evidence_clear(out);
+    return engine_rays_look_on(engine, out, cone);
 }
 
 static conus_status pierce_volumes(const struct rays_engine *engine, struct layers *out, const struct cone *cone,
@@ -315,10 +320,11 @@ static conus_status add_target(struct rays_engine *engine, const struct volume *
     return status;
 }
 
+static const struct engine_functions functions = {.look = look, .pierce = pierce, .destroy = destroy};
+
 conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atlas,
                                      const struct engine_options *options, const struct traverse_kernel *kernel)
 {
-    static const struct engine_functions functions = {.look = look, .pierce = pierce, .destroy = destroy};
     struct rays_engine *engine = memory_zeroed(1, sizeof *engine + atlas->volume_count * sizeof engine->targets[0]);
     if (!engine) {
         return CONUS_ERROR_MEMORY;
@@ -345,4 +351,20 @@ conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atl
 conus_status engine_rays_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options)
 {
     return engine_rays_create_with(out, atlas, options, traverse_best_kernel());
+}
+
+conus_status engine_rays_create_for_meshes(struct engine **out, const conus_atlas *atlas)
+{
+    struct rays_engine *engine = memory_zeroed(1, sizeof *engine);
+    if (!engine) {
+        return CONUS_ERROR_MEMORY;
+    }
+    engine->base.functions = &functions;
+    conus_status status = add_meshes(engine, atlas);
+    if (status) {
+        destroy(&engine->base);
+        return status;
+    }
+    *out = &engine->base;
+    return CONUS_OK;
 }

@@ -154,6 +154,7 @@ conus_status picture_add_selection(conus_image *image, const conus_selection *se
         {"conus:radiusMm", cone->radius > 0 ? radius : NULL},
         {"conus:rangeMm", cone_has_range(cone) ? range : NULL},
         {"conus:aperture", cone->aperture == CONUS_SQUARE ? "square" : "circle"},
+        {"conus:spread", cone_is_wide(cone) ? "even" : NULL},
         {"conus:sampling", selection->sampling == CONUS_SLICES ? "slices" : "exact"},
         {"conus:engine", selection->engine},
     };

@@ -103,9 +103,10 @@ static json_t *json_from_query(const struct report_query *query)
         return json_pack("{s: o, s: [f, f, f], s: f}", "query", json_from_text(query->id), "point_ras", m[12], m[13],
                          m[14], "radius_mm", query->ball);
     }
-    return json_pack("{s: o, s: f, s: i, s: o}", "query", json_from_text(query->id), "angle_deg",
-                     degrees_from_radians(query->cone.angle), "cone_pixels", (int)query->cone_pixels,
-                     "world_from_device_ras", json_from_matrix(query->cone.pose.world_from_device));
+    json_t *cone = json_pack("{s: o, s: f, s: i, s: o}", "query", json_from_text(query->id), "angle_deg",
+                             degrees_from_radians(query->cone.angle), "cone_pixels", (int)query->cone_pixels,
+                             "world_from_device_ras", json_from_matrix(query->cone.pose.world_from_device));
+    return whole_or_null(cone, !cone_is_wide(&query->cone) || put(cone, "spread", json_string("even")));
 }
 
 static json_t *json_from_queries(const conus_report *report)
@@ -211,6 +212,8 @@ static json_t *json_from_settings(const conus_report *report)
             (options->radius == 0 || put(settings, "radius_mm", json_real(options->radius))) &&
             (options->range[1] == 0 ||
              put(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1])));
+    bool tells = options->radius == 0 && (report->is_begun || !report->query_count); /* no query tells it (Eq. 15) */
+    whole = (!tells || put(settings, "spread", json_string("even beyond 120 degrees"))) && whole;
     whole = (!report->level || put(settings, "level", json_from_text(report->level))) && whole;
     whole = (!report->level_area_count || put(settings, "level_areas", json_from_level_areas(report))) && whole;
     return whole_or_null(settings, whole && add_track(settings, report->options.tracker));

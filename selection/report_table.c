@@ -56,6 +56,7 @@ static void write_shape(struct buffer *out, const struct cone *cone)
         buffer_format(out, "%s %.4g mm", square ? "square rod of half width" : "cylinder of radius", cone->radius);
     } else {
         buffer_format(out, "%s of %.4g degrees", square ? "square pyramid" : "cone", degrees_from_radians(cone->angle));
+        buffer_text(out, cone_is_wide(cone) ? ", rays spread evenly," : "");
     }
     if (cone_has_range(cone)) {
         buffer_format(out, ", %.4g to %.4g mm deep,", cone->range[0], cone->range[1]);

@@ -260,7 +260,7 @@ static conus_status look_at_all(conus_selection *const *selections, size_t count
 static void set_wanted(conus_selection *const *selections, size_t count, const conus_selector *selector)
 {
     for (size_t i = 0; i < count; i++) {
-        if (selections[i] && selector->inside_only) {
+        if (selections[i] && (selector->inside_only || cone_is_wide(&selections[i]->cone))) {
             struct cone *cone = &selections[i]->cone;
             cone->wanted = selections[i]->in_cone;
             cone->rays = count == 1 && cone->radius == 0 ? &selector->aperture.rays : NULL;

@@ -332,7 +332,7 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
     result.share = object->weight / totals->weight;
     if (number && object->pixels) {
         result.center_px = object->radius * cone->resolution / 2;
-        result.offset = atan(object->radius * cone_slope(cone));
+        result.offset = cone_off_axis(cone, object->radius);
         result.distance = object->nearest;
         evidence_position(result.contact, gathering->evidence, cone, object->pixel % cone->resolution,
                           object->pixel / cone->resolution);

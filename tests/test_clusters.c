@@ -181,7 +181,7 @@ static void nothing_visible_is_culled(void **state)
             from[a] = test_random(&random, -60, 60);
             to[a] = test_random(&random, -30, 30);
         }
-        struct cone cone = {.angle = radians_from_degrees(test_random(&random, 1, pose % 3 ? 20 : 170)),
+        struct cone cone = {.angle = radians_from_degrees(test_random(&random, 1, pose % 3 ? 20 : 120)),
                             .resolution = N};
         assert_ok(conus_pose_toward(&cone.pose, from, to, NULL));
         if (pose % 4 == 1) {

@@ -16,7 +16,8 @@ load helpers
     need_aal
     local aim='--origin=-90,20,20 --toward=0,-10,10'
     for how in '--angle 20 --layers all' '--radius 4 --layers all' '--angle 12 --layers all --range 40,70' \
-        '--radius 2.5' '--angle 20 --range 90,140 --resolution 40' '--angle 8 --layers all --aperture square'; do
+        '--radius 2.5' '--angle 20 --range 90,140 --resolution 40' '--angle 8 --layers all --aperture square' \
+        '--angle 150 --layers all' '--angle 179 --range 20,70' '--angle 140 --aperture square'; do
         gl query "$aal" $aim $how --engine gl -o gl.tsv
         answers query "$aal" $aim $how --engine rays -o rays.tsv
         cmp gl.tsv rays.tsv
@@ -30,7 +31,7 @@ load helpers
         print "x\ty\tz\tdx\tdy\tdz\tangle"
         for (i = 0; i < 300; i++) {
             printf "%d\t%d\t60\t%g\t%g\t%d\t%s\n", i % 31 - 15, i % 17 - 8, sin(i) / 4, cos(i) / 4, i % 13 == 5 ? 0 : -1,
-                i % 19 == 2 ? "wide" : 3 + i % 40
+                i % 19 == 2 ? "wide" : i % 7 ? 3 + i % 40 : 118 + i % 61
         }
     }' >poses.tsv
     run ! conus batch sphere.nii.gz --poses poses.tsv -o rays.tsv

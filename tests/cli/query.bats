@@ -195,6 +195,32 @@ load helpers
     [ "$(cell pixels 1)" = 4096 ]
 }
 
+# Eq. 15: beyond 120 degrees. Of the pyramid of 170 degrees, the buffer's corners are not in it.
+@test "the answer says where rays are spread evenly in angle" {
+    sphere --size 32
+    local aim='--origin 0,0,100 --toward 0,0,0'
+    answers query sphere.nii.gz $aim --angle 120
+    [[ "$output" == "cone of 120 degrees from "* ]]
+    answers query sphere.nii.gz $aim --angle 120.1
+    [[ "$output" == "cone of 120.1 degrees, rays spread evenly, from "* ]]
+    answers query sphere.nii.gz $aim --angle 120 --format json
+    [[ "$output" != *'"spread"'* ]]
+    answers query sphere.nii.gz $aim --angle 150 --format json
+    [ "$(jq -r '.Queries[0].spread' <<<"$output")" = even ]
+    answers query sphere.nii.gz $aim --angle 170 --aperture square --format json
+    [ "$(jq '.Queries[0].cone_pixels' <<<"$output")" -lt 230 ]
+    answers query sphere.nii.gz $aim --angle 150 -o wide.tsv --image wide.exr
+    [ "$(jq -r '.Queries[0].spread' wide.json)" = even ]
+    grep -aq 'conus:spread' wide.exr
+    answers query sphere.nii.gz $aim --angle 120 --image narrow.exr -o narrow.tsv
+    run ! grep -aq 'conus:spread' narrow.exr
+    printf 'x\ty\tz\ttx\tty\ttz\tangle\n0\t0\t100\t0\t0\t0\t20\n0\t0\t30\t0\t0\t0\t150\n' >poses.tsv
+    answers batch sphere.nii.gz --poses poses.tsv -o rows.tsv
+    [ "$(jq -r '.Settings.spread' rows.json)" = 'even beyond 120 degrees' ]
+    answers query sphere.nii.gz --pose poses.tsv -o rows2.tsv
+    cmp rows.tsv rows2.tsv
+}
+
 @test "notes about the atlas go to stderr once, unless --quiet" {
     sphere --size 32
     rm sphere.tsv sphere.json
