@@ -44,6 +44,14 @@ bool freesurfer_is_surface(const uint8_t *data, size_t size)
     return size >= MAGIC_SIZE && data[0] == 0xff && data[1] == 0xff && data[2] >= 0xfd;
 }
 
+bool freesurfer_is_curvature(const uint8_t *data, size_t size)
+{
+    enum { PER_VERTEX = 11 }; /* behind the numbers of vertices and triangles; it is always 1 */
+    static const uint8_t one[4] = {0, 0, 0, 1};
+    return size >= PER_VERTEX + sizeof one && freesurfer_is_surface(data, size) && data[2] == 0xff &&
+           memcmp(data + PER_VERTEX, one, sizeof one) == 0;
+}
+
 /* The comment: a line, and mostly an empty one. */
 static bool skip_comment(struct cursor *cursor)
 {
@@ -186,6 +194,9 @@ static conus_status read_counts(struct cursor *cursor, int32_t *vertices, int32_
     const uint8_t *magic;
     if (!take(cursor, MAGIC_SIZE, &magic) || !freesurfer_is_surface(magic, MAGIC_SIZE)) {
         return fail(CONUS_ERROR_DATA, "not a FreeSurfer surface: it must begin with the bytes ff ff fe");
+    }
+    if (freesurfer_is_curvature(magic, MAGIC_SIZE + cursor->size)) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "FreeSurfer's values of vertices (ff ff ff), not a surface");
     }
     if (magic[2] != 0xfe) {
         return fail(CONUS_ERROR_UNSUPPORTED,

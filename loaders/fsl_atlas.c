@@ -67,11 +67,17 @@ static conus_status start(void *user, const struct xml_event *event)
     }
     if (strcmp(event->name, "label") == 0) {
         const char *index = xml_attribute(event, "index");
+        if (!index) {
+            return fail(CONUS_ERROR_DATA,
+                        "line %zu: a label without the attribute index: FSL's atlases have it, those of SPM and CAT12 "
+                        "an element instead; write their labels as a table with the columns index and name",
+                        event->line);
+        }
         char where[32];
         snprintf(where, sizeof where, "line %zu", event->line);
         parsing->in_label = true;
         parsing->point = read_point(event);
-        return label_cell_number(&parsing->index, text_from(index ? index : ""), where);
+        return label_cell_number(&parsing->index, text_from(index), where);
     }
     return CONUS_OK;
 }

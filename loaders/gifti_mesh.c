@@ -28,7 +28,10 @@ static conus_status find_triples(const struct gifti_array **out, const struct gi
     size_t count;
     const struct gifti_array *array = find(gifti, intent, 0, &count);
     if (!array) {
-        return fail(CONUS_ERROR_DATA, "no %s array: not a surface (which has POINTSET and TRIANGLE)", name);
+        const char *way = find(gifti, GIFTI_LABEL, 0, &count)
+                              ? ": these are labels of vertices, give them as --labels and their surface as ATLAS"
+                              : "";
+        return fail(CONUS_ERROR_DATA, "no %s array: not a surface (which has POINTSET and TRIANGLE)%s", name, way);
     }
     if (array->rank != 2 || array->dim[1] != 3) {
         return fail(CONUS_ERROR_DATA, "%s array: found %zu dimensions, Dim1 = %zu, allowed are 2 and 3", name,

@@ -4,6 +4,7 @@
 
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "loaders/file_kind.h"
 #include "loaders/folder.h"
 #include "loaders/label_parse.h"
 #include "loaders/label_search.h"
@@ -53,6 +54,14 @@ static conus_status colour_from(struct label_table *table, const char *path, boo
     return CONUS_OK;
 }
 
+/* What the file is if it is known to be no table; a message of the tables' parser says more about others. */
+static const struct file_kind *foreign_kind(const char *path, const struct bytes *bytes)
+{
+    bool table = label_is_lut(bytes->data, bytes->size) || label_format_of(label_text_of(bytes->data, bytes->size));
+    const struct file_kind *kind = table || !bytes->size ? NULL : file_kind_of_stored(path, bytes);
+    return kind && !file_kind_is_vague(kind) ? kind : NULL;
+}
+
 static conus_status read_table(struct label_table *out, const char **format, const char *path,
                                const struct label_use *wanted, struct notes *notes)
 {
@@ -63,7 +72,9 @@ static conus_status read_table(struct label_table *out, const char **format, con
         return status;
     }
     use.path = path;
-    status = label_bytes_parse(out, format, bytes.data, bytes.size, &use, notes);
+    const struct file_kind *kind = foreign_kind(path, &bytes);
+    status = kind ? file_kind_fail(path, &bytes, "a label table")
+                  : label_bytes_parse(out, format, bytes.data, bytes.size, &use, notes);
     bytes_finish(&bytes);
     return status ? fail_in(status, path) : CONUS_OK;
 }

@@ -7,6 +7,7 @@
 #include "base/buffer.h"
 #include "base/memory.h"
 #include "base/xml.h"
+#include "loaders/file_kind.h"
 #include "loaders/folder.h"
 #include "loaders/fsl_atlas.h"
 #include "loaders/label_parse.h"
@@ -15,6 +16,9 @@
 
 #include <stdio.h>
 #include <string.h>
+
+static const char atlas_needed[] = "a labelled volume (NIfTI-1, NIfTI-2, MGH), a surface, a folder of surfaces, a "
+                                   "manifest (with the key \"conus_atlas\") or an FSL atlas XML of type Label";
 
 enum { XML_LIMIT = 64 << 20, JSON_LIMIT = 64 << 20 };
 
@@ -152,25 +156,25 @@ static char first_character(const char *path)
     return text.size ? text.data[0] : '\0';
 }
 
-static conus_status load_markup(struct parcellation *parts, const char *path, uint64_t max_memory)
+static conus_status load_markup(struct parcellation *parts, const char *path, uint64_t max_memory, const char *needed)
 {
     struct bytes bytes = {0};
     conus_status status = file_read(&bytes, path, XML_LIMIT);
     struct text text = label_text_of(bytes.data, bytes.size);
     if (!status && !text_equal(xml_root(text), "atlas")) {
-        status = fail(CONUS_ERROR_DATA,
-                      "%s: neither a volume nor an FSL atlas XML (whose outermost element is <atlas>)", path);
+        status = file_kind_refuse(path, needed);
     }
     status = status ? status : load_fsl(parts, path, text, max_memory);
     bytes_finish(&bytes);
     return status;
 }
 
-conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options)
+conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options,
+                               const char *needed)
 {
     bool markup = first_character(path) == '<';
-    conus_status status = markup ? load_markup(out, path, options->max_memory)
-                                 : volume_file_open(&out->file, path, options->max_memory, &out->notes);
+    conus_status status = markup ? load_markup(out, path, options->max_memory, needed)
+                                 : volume_file_open_as(&out->file, path, options->max_memory, needed, &out->notes);
     status = status || markup ? status : volume_file_labels(&out->labels, &out->file);
     if (status) {
         return status;
@@ -190,7 +194,7 @@ conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts)
 static conus_status load_volume(conus_atlas **out, const char *path, const conus_load_options *options)
 {
     struct parcellation parts = {0};
-    conus_status status = parcellation_read(&parts, path, options);
+    conus_status status = parcellation_read(&parts, path, options, atlas_needed);
     status = status ? status : parcellation_atlas(out, &parts);
     parcellation_finish(&parts);
     return status;
@@ -202,8 +206,7 @@ static conus_status load_json(conus_atlas **out, const char *path, const conus_l
     conus_status status = file_read(&bytes, path, JSON_LIMIT);
     struct text text = label_text_of(bytes.data, bytes.size);
     if (!status && !manifest_is(text)) {
-        status =
-            fail(CONUS_ERROR_DATA, "%s: neither a volume nor a manifest (which has the key \"conus_atlas\")", path);
+        status = file_kind_refuse(path, atlas_needed);
     }
     status = status ? status : manifest_load(out, path, &bytes, options);
     bytes_finish(&bytes);

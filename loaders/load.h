@@ -25,8 +25,10 @@ struct parcellation {
     struct notes notes;
 };
 
-/** Reads a labelled volume or an FSL atlas XML. @p out (zeroed) is the caller's to finish, also on failure. */
-conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options);
+/** Reads a labelled volume or an FSL atlas XML; @p needed says in words what may stand here. @p out (zeroed) is the
+ * caller's to finish, also on failure. */
+conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options,
+                               const char *needed);
 void parcellation_finish(struct parcellation *parts);
 
 /** An atlas of it; the notes go there. */

@@ -49,6 +49,7 @@ static char *source_path(const struct loading *loading, const struct manifest_vo
 
 static conus_status read_parcellation(struct parcellation *parts, struct loading *loading)
 {
+    static const char needed[] = "a labelled volume (NIfTI-1, NIfTI-2 or MGH) or an FSL atlas XML of type Label";
     const struct manifest_parcellation *from = &loading->manifest->parcellation;
     conus_load_options options = *loading->options;
     char *labels = from->labels && !options.labels ? file_beside(loading->path, from->labels) : NULL;
@@ -57,7 +58,7 @@ static conus_status read_parcellation(struct parcellation *parts, struct loading
     options.labels = labels ? labels : options.labels;
     if (!status) {
         load_progress_tell(&loading->progress, path, 1);
-        status = parcellation_read(parts, path, &options);
+        status = parcellation_read(parts, path, &options, needed);
     }
     memory_free(path);
     memory_free(labels);
@@ -67,15 +68,24 @@ static conus_status read_parcellation(struct parcellation *parts, struct loading
     return status ? fail_in(status, "parcellation") : CONUS_OK;
 }
 
+static conus_status refuse_labels(const struct loading *loading)
+{
+    const char *labels = loading->options->labels;
+    bool made_up = !path_base(loading->path)[0];
+    return made_up ? fail(CONUS_ERROR_ARGUMENT,
+                          "--labels %s: a folder of surfaces is named by its files; a manifest ('conus manifest') can "
+                          "name them by a table (\"files\" with \"labels\")",
+                          labels)
+                   : fail(CONUS_ERROR_ARGUMENT, "--labels %s: the manifest has no parcellation that they could name",
+                          labels);
+}
+
 /* An atlas of the parcellation, if there is one, with all voxels that are no surface's. */
 static conus_status create_atlas(struct loading *loading, struct area_plan *plan)
 {
     struct parcellation parts = {0};
     if (!loading->manifest->parcellation.source.file) {
-        return loading->options->labels
-                   ? fail(CONUS_ERROR_ARGUMENT, "labels %s: the manifest has no parcellation that they could name",
-                          loading->options->labels)
-                   : atlas_create_empty(&loading->atlas, "the manifest");
+        return loading->options->labels ? refuse_labels(loading) : atlas_create_empty(&loading->atlas, "the manifest");
     }
     conus_status status = read_parcellation(&parts, loading);
     status = status ? status : area_plan_settle(plan, &parts, loading->manifest->prefer);

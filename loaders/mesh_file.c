@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "base/xml.h"
+#include "loaders/file_kind.h"
 #include "loaders/freesurfer.h"
 #include "loaders/gifti.h"
 #include "loaders/gzip.h"
@@ -100,8 +101,7 @@ static conus_status take_any(struct mesh *out, struct label *about, const struct
     if (freesurfer_is_surface(bytes->data, bytes->size)) {
         return freesurfer_surface_parse(out, bytes->data, bytes->size, options->space != MESH_SPACE_UNSTATED, notes);
     }
-    return fail(CONUS_ERROR_UNSUPPORTED,
-                "neither a GIFTI nor a FreeSurfer surface, nor named as VTK, VTP, PLY, STL or OBJ");
+    return file_kind_fail(path, bytes, "a surface (GIFTI, FreeSurfer, or named as VTK, VTP, PLY, STL or OBJ)");
 }
 
 /* Notes of the parsers do not know the path. */
@@ -202,6 +202,9 @@ static conus_status take_labels(struct vertex_labels *out, const struct bytes *b
     }
     conus_status status =
         freesurfer_annot_parse(&out->labels, &out->count, &out->table, bytes->data, bytes->size, notes);
+    if (status == CONUS_ERROR_DATA && file_kind_of(NULL, bytes)) { /* an annotation has no mark of its own */
+        return file_kind_fail(NULL, bytes, "labels of vertices (GIFTI labels or a FreeSurfer annotation)");
+    }
     return status == CONUS_ERROR_DATA ? fail_in(status, "not GIFTI, and as a FreeSurfer annotation") : status;
 }
 

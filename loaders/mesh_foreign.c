@@ -3,9 +3,11 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "loaders/file_kind.h"
 #include "loaders/mesh_cache.h"
 #include "loaders/mesh_child.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -78,6 +80,21 @@ static conus_status keep_mesh(struct reading *work, const struct mesh_frame *fra
     return status;
 }
 
+/* Lines (streamlines) come in files of VTK's, too, and leave no triangle. */
+static conus_status explain_failure(const struct reading *work)
+{
+    struct bytes bytes = {0};
+    char said[512];
+    snprintf(said, sizeof said, "%s", conus_message());
+    uint64_t limit = work->options->max_memory ? work->options->max_memory : default_memory;
+    bool lines = !file_read(&bytes, work->paths[work->done], limit) && file_kind_is_lines(&bytes);
+    bytes_finish(&bytes);
+    return lines ? fail(CONUS_ERROR_DATA,
+                        "this is a VTK file of lines (a tractogram), not a surface: make a volume of its "
+                        "density, for --pathway")
+                 : fail(CONUS_ERROR_DATA, "%s", said);
+}
+
 static conus_status take_frame(void *user, const struct mesh_frame *frame)
 {
     struct reading *work = user;
@@ -87,6 +104,9 @@ static conus_status take_frame(void *user, const struct mesh_frame *frame)
     conus_status status = frame->kind == MESH_FRAME_FAILURE ? fail(CONUS_ERROR_DATA, "%.*s", (int)frame->text.size,
                                                                    frame->text.size ? frame->text.data : "")
                                                             : keep_mesh(work, frame);
+    if (status == CONUS_ERROR_DATA) {
+        status = explain_failure(work);
+    }
     if (status) {
         work->failed_in_file = true;
         return fail_in(status, work->paths[work->done]);

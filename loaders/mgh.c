@@ -43,6 +43,13 @@ static conus_status read_type(struct volume_header *header, int type)
     }
 }
 
+bool mgh_is_of_vertices(const uint8_t *data, size_t size)
+{
+    enum { LEAST = 642 }; /* of FreeSurfer's coarsest sphere; a volume is no such row */
+    return size >= HEADER_SIZE && mgh_is(data, size) && read_int(data, 4) >= LEAST && read_int(data, 8) == 1 &&
+           read_int(data, 12) == 1;
+}
+
 static conus_status read_dim(struct volume_header *header, const uint8_t *data)
 {
     static const char *const names[4] = {"width", "height", "depth", "nframes"};
@@ -52,6 +59,12 @@ static conus_status read_dim(struct volume_header *header, const uint8_t *data)
         if (dim[i] < 1) {
             return fail(CONUS_ERROR_DATA, "%s: found %lld, allowed is 1 or more", names[i], (long long)dim[i]);
         }
+    }
+    if (mgh_is_of_vertices(data, HEADER_SIZE)) {
+        return fail(CONUS_ERROR_DATA,
+                    "%lld x 1 x 1 values of the vertices of a surface, not a volume: labels of vertices are read from "
+                    ".annot and .label.gii (--labels)",
+                    (long long)dim[0]);
     }
     return volume_header_set_dim(header, dim);
 }

@@ -193,7 +193,9 @@ static conus_status check_bitpix(const struct volume_header *header, int bitpix)
 static conus_status check_intent(const struct fields *f)
 {
     bool is_matrix = f->version == 2 && f->intent_code >= 3000 && f->intent_code < 3100;
-    return is_matrix ? fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d (a CIFTI matrix), allowed are volumes",
+    return is_matrix ? fail(CONUS_ERROR_UNSUPPORTED,
+                            "intent_code: found %d (a CIFTI matrix), allowed are volumes; 'wb_command "
+                            "-cifti-separate' writes them, and labels of vertices (.label.gii)",
                             f->intent_code)
                      : CONUS_OK;
 }

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "loaders/byte_order.h"
+#include "loaders/file_kind.h"
 #include "loaders/gzip.h"
 #include "loaders/mgh.h"
 #include "loaders/nifti.h"
@@ -12,6 +13,7 @@
 #include <strings.h>
 
 static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
+static const char default_needed[] = "a volume (NIfTI-1, NIfTI-2 or MGH)";
 enum {
     HEAD_LIMIT = 1 << 26,  /* of the header file of a pair */
     HEADER_READ = 1 << 16, /* of a file of which the header alone is wanted; packed, it takes less */
@@ -165,7 +167,8 @@ struct opening {
     struct volume_header header;
     struct notes notes;
     uint64_t limit;
-    bool chosen; /* the caller says which volume */
+    const char *needed; /* in the place where the file stands; NULL: default_needed */
+    bool chosen;        /* the caller says which volume */
     uint64_t volume;
     bool all; /* volumes are kept, not only the chosen one */
 };
@@ -177,36 +180,27 @@ static void opening_finish(struct opening *opening)
     notes_finish(&opening->notes);
 }
 
-static conus_status fail_unknown(const struct bytes *head, bool packed)
+static conus_status parse_head(struct volume_header *out, const struct stored *stored, const char *needed,
+                               struct notes *notes)
 {
-    char shown[17] = "";
-    for (size_t i = 0; i < head->size && i < 16; i++) {
-        bool printable = head->data[i] >= 0x20 && head->data[i] < 0x7f;
-        shown[i] = printable ? (char)head->data[i] : '.';
+    struct bytes head;
+    conus_status status = stored_head(&head, stored, NIFTI_HEAD_SIZE);
+    if (status) {
+        return status;
     }
-    return head->size ? fail(CONUS_ERROR_DATA, "content: found \"%s\", allowed are NIfTI-1, NIfTI-2 and MGH", shown)
-                      : fail(CONUS_ERROR_DATA, "content: the file %s, allowed are NIfTI-1, NIfTI-2 and MGH",
-                             packed ? "unpacks to nothing" : "is empty");
-}
-
-static conus_status parse_head(struct volume_header *out, const struct bytes *head, bool packed, struct notes *notes)
-{
-    if (nifti_is(head->data, head->size)) {
-        return nifti_header_parse(out, head->data, head->size, notes);
-    }
-    return mgh_is(head->data, head->size) ? mgh_header_parse(out, head->data, head->size, notes)
-                                          : fail_unknown(head, packed);
+    status = nifti_is(head.data, head.size) ? nifti_header_parse(out, head.data, head.size, notes)
+             : mgh_is(head.data, head.size) ? mgh_header_parse(out, head.data, head.size, notes)
+             : head.size || !stored->packed
+                 ? file_kind_fail(stored->path, &stored->bytes, needed)
+                 : fail(CONUS_ERROR_DATA, "content: the file unpacks to nothing; needed is %s", needed);
+    bytes_finish(&head);
+    return status;
 }
 
 /* Reads the header out of `stored`. */
 static conus_status read_header(struct opening *o, const struct stored *stored)
 {
-    struct bytes head;
-    conus_status status = stored_head(&head, stored, NIFTI_HEAD_SIZE);
-    if (!status) {
-        status = parse_head(&o->header, &head, stored->packed, &o->notes);
-        bytes_finish(&head);
-    }
+    conus_status status = parse_head(&o->header, stored, o->needed ? o->needed : default_needed, &o->notes);
     return status ? fail_in(status, stored->path) : CONUS_OK;
 }
 
@@ -420,17 +414,14 @@ static conus_status open_wanted(struct volume_file *out, const char *path, struc
 conus_status volume_file_header(conus_volume_info *out, const char *path)
 {
     struct stored stored = {0};
-    struct bytes head = {0};
     struct notes notes = {0};
     struct volume_header header = {0};
     conus_status status = file_read_head(&stored.bytes, path, HEADER_READ);
     stored.packed = !status && gzip_is(stored.bytes.data, stored.bytes.size);
-    status = status ? status : stored_head(&head, &stored, NIFTI_HEAD_SIZE);
-    status = status ? status : parse_head(&header, &head, stored.packed, &notes);
+    status = status ? status : parse_head(&header, &stored, default_needed, &notes);
     if (!status) {
         *out = header.info;
     }
-    bytes_finish(&head);
     notes_finish(&notes);
     stored_finish(&stored);
     return status ? fail_in(status, path) : CONUS_OK;
@@ -438,8 +429,14 @@ conus_status volume_file_header(conus_volume_info *out, const char *path)
 
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes)
 {
+    return volume_file_open_as(out, path, max_memory, default_needed, notes);
+}
+
+conus_status volume_file_open_as(struct volume_file *out, const char *path, uint64_t max_memory, const char *needed,
+                                 struct notes *notes)
+{
     char *name = NULL;
-    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY};
+    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY, .needed = needed};
     conus_status status = split_selector(&name, &opening.chosen, &opening.volume, path);
     status = status ? status : open_wanted(out, name, &opening, notes);
     memory_free(name);

@@ -37,6 +37,10 @@ struct volume_file {
  * @p notes. Errors carry path, field, value found and what is allowed. */
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes);
 
+/** Likewise, where other files than volumes would do as well: @p needed says in words which. */
+conus_status volume_file_open_as(struct volume_file *out, const char *path, uint64_t max_memory, const char *needed,
+                                 struct notes *notes);
+
 /** Reads only the header of @p path: dimensions, transform, datatype; out->path is NULL. */
 conus_status volume_file_header(conus_volume_info *out, const char *path);
 

@@ -278,7 +278,7 @@ static void an_override_replaces_every_table(void **state)
     atlas = NULL;
     write_text(labels, "<html></html>");
     assert_fails(conus_atlas_load(&atlas, in("v.nii"), &options), CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), "mine.txt: not a label table of a known format"));
+    assert_non_null(strstr(conus_message(), "mine.txt: this is a web page; needed is a label table"));
     options.labels = "no-such-file";
     assert_fails(conus_atlas_load(&atlas, in("v.nii"), &options), CONUS_ERROR_IO);
     assert_null(atlas);
@@ -310,7 +310,7 @@ static void an_fsl_atlas_loads_its_finest_image(void **state)
     assert_non_null(strstr(conus_message(), "none of its 1 images is there"));
     write_text(in("a.xml"), "<!DOCTYPE html><html>404</html>");
     assert_fails(conus_atlas_load(&atlas, in("a.xml"), NULL), CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), "neither a volume nor an FSL atlas XML"));
+    assert_non_null(strstr(conus_message(), "this is a web page; needed is a labelled volume"));
     assert_null(atlas);
 }
 

@@ -341,7 +341,7 @@ static void a_failure_names_manifest_and_key(void **state)
         {"{\"conus_atlas\": 1, \"parcellation\": \"test.atlas.json\"}",
          "test.atlas.json: parcellation: ", CONUS_ERROR_DATA},
         {"{\"conus_atlas\": true}", "test.atlas.json: conus_atlas: found true", CONUS_ERROR_DATA},
-        {"{\"areas\": 1}", "neither a volume nor a manifest (which has the key \"conus_atlas\")", CONUS_ERROR_DATA},
+        {"{\"areas\": 1}", "this is JSON of another kind; needed is a labelled volume", CONUS_ERROR_DATA},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_atlas *atlas = NULL;

@@ -144,8 +144,9 @@ static void errors_carry_the_path(void **state)
     const struct buffer text = {.data = (char *)"hello", .size = 5};
     const struct mesh_file_options small = {.max_memory = 4};
     const char *path = write_bytes("text.gii", &text);
-    assert_fails(mesh_file_read(&mesh, NULL, path, NULL, &notes), CONUS_ERROR_UNSUPPORTED);
+    assert_fails(mesh_file_read(&mesh, NULL, path, NULL, &notes), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), path));
+    assert_non_null(strstr(conus_message(), "found plain text, \"hello\"; needed is a surface (GIFTI, FreeSurfer"));
     assert_fails(mesh_file_read(&mesh, NULL, path, &small, &notes), CONUS_ERROR_MEMORY);
     assert_fails(mesh_file_read(&mesh, NULL, "absent.gii", NULL, &notes), CONUS_ERROR_IO);
 }
@@ -247,6 +248,9 @@ static void labels_without_memory_or_sense(void **state)
     test_every_allocation(attempt_labels, path);
     const struct buffer text = {.data = (char *)"hello", .size = 5};
     assert_fails(vertex_labels_read(&labels, write_bytes("text.annot", &text), NULL, &notes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "found plain text, \"hello\"; needed is labels of vertices (GIFTI labels"));
+    const struct buffer binary = {.data = (char *)"\0\0\1\2\3", .size = 5};
+    assert_fails(vertex_labels_read(&labels, write_bytes("short.annot", &binary), NULL, &notes), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "not GIFTI, and as a FreeSurfer annotation: "));
     buffer_finish(&bytes);
 }

@@ -200,6 +200,8 @@ static void hostile_files_are_one_line(void **state)
     static const char mni[] =
         "P 0.3 0.3 0.4 10 1 3\n 0 0 0\n 1 0 0\n 0 1 0\n\n 0 0 1\n 0 0 1\n 0 0 1\n\n 1\n 0 1 1 1 1\n";
     static const char points[] = "v 0 0 0\nv 1 0 0\n";
+    static const char lines[] = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 2 "
+                                "0 0\nLINES 1 4\n3 0 1 2\n";
     static const char not_a_number[] = "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     refuse("truncated.ply", binary_ply, sizeof binary_ply - 1, "VTK crashed");
     refuse("short.ply", ply, sizeof ply - 40, "VTK crashed");
@@ -214,6 +216,7 @@ static void hostile_files_are_one_line(void **state)
     refuse("empty.ply", "", 0, "the file is empty");
     refuse("words.vtk", "just words\n", 11, "neither VTK");
     refuse("points.obj", points, sizeof points - 1, "no triangle with an area");
+    refuse("lines.vtk", lines, sizeof lines - 1, "this is a VTK file of lines (a tractogram), not a surface");
     refuse("nan.obj", not_a_number, sizeof not_a_number - 1, "line 1: \"v 0 0 nan\", a vertex is three numbers");
     refuse("header.vtk", legacy51, 60, "Unrecognized keyword");
     refuse("short.vtk", legacy51, sizeof legacy51 - 30, "Unsupported data type");

@@ -418,9 +418,10 @@ static void other_files_are_refused(void **state)
         const char *content, *part;
     } cases[] = {
         {"", "content: the file is empty"},
-        {"x", "content: found \"x\""},
-        {"<!DOCTYPE html><html>", "content: found \"<!DOCTYPE html><\""},
-        {"1 Precentral_L\n", "content: found \"1 Precentral_L.\""},
+        {"x", "content: found plain text, \"x\""},
+        {"\1\2x", "content: found \"..x\"; needed is a volume (NIfTI-1, NIfTI-2 or MGH)"},
+        {"<!DOCTYPE html><html>", "this is a web page; needed is a volume"},
+        {"1 Precentral_L\n", "this is a label table: give it as --labels"},
         {"\x1f\x8b\x08", "content: the file unpacks to nothing"},
         {"\x1f\x8b\x08 not deflate at all", "gzip: damaged"},
     };

@@ -39,15 +39,15 @@ refuses() {
 
 @test "an empty file, text, HTML" {
     : >empty.nii
-    refuses 'content: the file is empty, allowed are' empty.nii
+    refuses 'content: the file is empty; needed is a labelled volume (NIfTI-1, NIfTI-2, MGH), a surface, a folder' empty.nii
     : >empty.nii.gz
-    refuses 'content: the file is empty, allowed are' empty.nii.gz
+    refuses 'content: the file is empty; needed is a labelled volume (NIfTI-1, NIfTI-2, MGH), a surface, a folder' empty.nii.gz
     gzip -c empty.nii >packed.nii.gz
-    refuses 'content: the file unpacks to nothing, allowed are' packed.nii.gz
+    refuses 'content: the file unpacks to nothing; needed is' packed.nii.gz
     echo 'just some text' >text.nii
-    refuses 'content: found "just some text.", allowed are NIfTI-1, NIfTI-2 and MGH' text.nii
+    refuses 'content: found plain text, "just some text."; needed is a labelled volume' text.nii
     echo '<!DOCTYPE html><html><body>404 Not Found</body></html>' >page.nii.gz
-    refuses 'neither a volume nor an FSL atlas XML' page.nii.gz
+    refuses 'this is a web page; needed is a labelled volume' page.nii.gz
 }
 
 @test "a truncated file, plain and packed" {

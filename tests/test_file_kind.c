@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a message says that a file is. Each sample begins as the format's specification says, or as its usual writer. */
+#include "loaders/file_kind.h"
+#include "nifti_builder.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define BYTES(text) text, sizeof text - 1
+
+static const struct {
+    const char *name;
+    const char *data;
+    size_t size;
+    const char *words; /* NULL: not known */
+    const char *way;   /* a part of it, NULL: none */
+} samples[] = {
+    {"a.trk", BYTES("TRACK\0\1\0"), "a TrackVis tractogram", "--pathway"},
+    {"a.trk", BYTES("\1\2\3"), "a tractogram", "--pathway"},
+    {"a.tck", BYTES("mrtrix tracks\ncount: 3\n"), "an MRtrix tractogram", "--pathway"},
+    {"a.trx", BYTES("PK\3\4\x14\0"), "a TRX tractogram", "--pathway"},
+    {"a.zip", BYTES("PK\3\4\x14\0"), "a ZIP archive", "unpack"},
+    {"a.vtk", BYTES("# vtk DataFile Version 3.0\nx\nASCII\n"), "a VTK file", "ATLAS"},
+    {"a.vtp", BYTES("<VTKFile type=\"PolyData\"><Piece NumberOfLines=\"3\" NumberOfPolys=\"0\">"),
+     "a VTK file of lines", "--pathway"},
+    {"a.vtp", BYTES("<VTKFile type=\"PolyData\"><Piece NumberOfLines=\"0\" NumberOfPolys=\"0\">"), "a surface",
+     "ATLAS"},
+    {"a.mif", BYTES("mrtrix image\ndim: 3"), "an MRtrix image", "mrconvert"},
+    {"a.nrrd", BYTES("NRRD0004\ntype: uchar\n"), "an NRRD volume", "NIfTI"},
+    {"a.mha", BYTES("ObjectType = Image\nNDims = 3\n"), "a MetaImage volume", "NIfTI"},
+    {"a.mhd", BYTES("NDims = 3\n"), "a MetaImage volume", "NIfTI"},
+    {"a.mnc", BYTES("CDF\1\0\0"), "a MINC-1 volume", "mnc2nii"},
+    {"a.mnc", BYTES("\x89HDF\r\n\x1a\n\0"), "an HDF5 file (a MINC-2 volume, say)", "mnc2nii"},
+    {"a+tlrc.HEAD", BYTES("\ntype = string-attribute\nname = HISTORY_NOTE\n"), "the header of an AFNI data set",
+     "3dAFNItoNIFTI"},
+    {"a+tlrc.BRIK.gz", BYTES("\1\2\3\4\5\6\7\0"), "the voxels of an AFNI data set", "3dAFNItoNIFTI"},
+    {"lh.aparc.annot", BYTES("\0\0\x27\x0a\0\0\0\0\0"), "a FreeSurfer annotation", "--labels"},
+    {"lh.x.label", BYTES("#!ascii label  , from subject\n3\n"), "a FreeSurfer label", ".annot"},
+    {"lh.curv", BYTES("\xff\xff\xff\0\0\2\x82\0\0\5\0\0\0\0\1\0\0\0\0"), "values of the vertices of a surface", NULL},
+    {"lh.pial",
+     BYTES("\xff\xff\xfe"
+           "created by\n\n"),
+     "a surface", "ATLAS"},
+    {"lh.asc", BYTES("#!ascii version of lh.pial\n"), "a FreeSurfer surface as text", "mris_convert"},
+    {"x.surf.gii", BYTES("<?xml version=\"1.0\"?><GIFTI><DataArray Intent=\"NIFTI_INTENT_POINTSET\"/>"), "a surface",
+     "ATLAS"},
+    {"x.label.gii", BYTES("<GIFTI><DataArray Intent=\"NIFTI_INTENT_LABEL\"/>"), "labels of the vertices of a surface",
+     "--labels"},
+    {"x.func.gii", BYTES("<GIFTI><DataArray Intent=\"NIFTI_INTENT_SHAPE\"/>"), "values of the vertices of a surface",
+     NULL},
+    {"x.mz3", BYTES("MZ\3\0\x0c\0\0\0"), "an MZ3 surface", "GIFTI"},
+    {"x.ply", BYTES("ply\nformat ascii 1.0\n"), "a PLY surface", "ATLAS"},
+    {"x.stl", BYTES("binary\0\1\2"), "an STL surface", "ATLAS"},
+    {"x.xml", BYTES("<atlas version=\"1.0\"><header><type>Label</type><label index=\"1\">"),
+     "an FSL atlas XML of type Label", "ATLAS or --labels"},
+    {"x.xml", BYTES("<atlas><header><type>Probabilistic</type>"), "an FSL atlas XML", "conus manifest"},
+    {"labels_x.xml", BYTES("<atlas version=\"2.0\"><data><label><index>4</index><name>A</name></label>"),
+     "an SPM or CAT12 atlas XML", "columns index and name"},
+    {"x.xml", BYTES("<LabelTable><Label Key=\"1\">A</Label></LabelTable>"), "a label table", "--labels"},
+    {"x.xml", BYTES("<other/>"), "XML of another kind", NULL},
+    {"x.nii.gz", BYTES("<!DOCTYPE html>\n<html><body>404"), "a web page", NULL},
+    {"x.txt", BYTES("1 Precentral_L\n2 Precentral_R\n"), "a label table", "--labels"},
+    {"x.tsv", BYTES("index\tname\n1\tA\n"), "a label table", "--labels"},
+    {"x.json", BYTES("{\"conus_atlas\": 1}"), "a manifest", "ATLAS"},
+    {"x.json", BYTES("{\"Name\": \"a sidecar\"}"), "JSON of another kind", NULL},
+    {"x.md", BYTES("A manifest has the key \"conus_atlas\".\n"), "plain text", NULL},
+    {"x.png", BYTES("\x89PNG\r\n\x1a\n\0\0"), "a PNG picture", NULL},
+    {"x.pdf", BYTES("%PDF-1.7\n"), "a PDF document", NULL},
+    {"x.nii", BYTES("version https://git-lfs.github.com/spec/v1\n"), "a Git LFS pointer, not the file itself", "fetch"},
+    {"x.bin", BYTES("\1\2\3\4"), NULL, NULL},
+};
+
+static void a_kind_is_told_by_content_and_ending(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof samples / sizeof samples[0]; i++) {
+        for (size_t size = samples[i].size; size + 1 > 0; size--) { /* every prefix, the whole first */
+            uint8_t *exact = malloc(size ? size : 1);
+            assert_non_null(exact);
+            memcpy(exact, samples[i].data, size);
+            const struct bytes head = {exact, size};
+            const struct file_kind *kind = file_kind_of(samples[i].name, &head);
+            if (size == samples[i].size) {
+                if (!kind != !samples[i].words || (kind && strcmp(kind->words, samples[i].words) != 0)) {
+                    fail_msg("%s: %s, not %s", samples[i].name, kind ? kind->words : "?", samples[i].words);
+                }
+                assert_int_equal(kind && kind->way, samples[i].way != NULL);
+                assert_true(!samples[i].way || strstr(kind->way, samples[i].way));
+            }
+            free(exact);
+        }
+    }
+}
+
+static void a_dicom_file_has_its_mark_behind_128_bytes(void **state)
+{
+    (void)state;
+    uint8_t data[132] = {0};
+    const struct bytes head = {data, sizeof data};
+    assert_null(file_kind_of("IM0001", &head));
+    memcpy(data + 128, "DICM", 4);
+    assert_string_equal(file_kind_of("IM0001", &head)->words, "a DICOM file");
+}
+
+static void lines_are_told_from_surfaces(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        bool lines;
+    } files[] = {
+        {"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n0 0 0 1 1 1\nLINES 1 3\n2 0 1\n",
+         true},
+        {"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nLINES 1 3\n2 0 1\nPOLYGONS 1 4\n3 0 1 2\n", false},
+        {"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nLINES 1 3\n2 0 1\nTRIANGLE_STRIPS 1 4\n", false},
+        {"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOLYGONS 1 4\n3 0 1 2\n", false},
+        {"<VTKFile><Piece NumberOfLines=\"1\" NumberOfPolys=\"0\"/></VTKFile>", true},
+        {"<VTKFile><Piece NumberOfLines=\"1\" NumberOfPolys=\"2\"/></VTKFile>", false},
+        {"\nLINES 1\n", false},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        const struct bytes bytes = {(uint8_t *)files[i].text, strlen(files[i].text)};
+        assert_int_equal(file_kind_is_lines(&bytes), files[i].lines);
+    }
+}
+
+static char folder[256];
+
+static const char *in(const char *name)
+{
+    static char paths[4][512];
+    static int turn;
+    char *path = paths[turn++ % 4];
+    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
+    return path;
+}
+
+static void write_text(const char *name, const char *text)
+{
+    assert_ok(conus_write_file(in(name), text, strlen(text)));
+}
+
+static void assert_message(conus_status status, const char *name, const char *message)
+{
+    assert_int_equal(status, CONUS_ERROR_DATA);
+    if (!strstr(conus_message(), name) || !strstr(conus_message(), message) || strchr(conus_message(), '\n')) {
+        fail_msg("not \"%s: %s\", but \"%s\"", name, message, conus_message());
+    }
+}
+
+static void refuse_atlas(const char *name, const char *message)
+{
+    conus_atlas *atlas = NULL;
+    assert_message(conus_atlas_load(&atlas, in(name), NULL), name, message);
+    assert_null(atlas);
+}
+
+static void refuse_labels(const char *atlas_name, const char *name, const char *message)
+{
+    conus_atlas *atlas = NULL;
+    char labels[512];
+    snprintf(labels, sizeof labels, "%s", in(name));
+    const conus_load_options options = {.labels = labels};
+    assert_message(conus_atlas_load(&atlas, in(atlas_name), &options), name, message);
+    assert_null(atlas);
+}
+
+static void write_volume(const char *name)
+{
+    struct nifti_builder file;
+    const int64_t dim[3] = {2, 1, 1};
+    nifti_begin(&file, 1, false, 2, dim);
+    nifti_voxel(&file, 1);
+    nifti_voxel(&file, 2);
+    assert_ok(conus_write_file(in(name), file.bytes.data, file.bytes.size));
+    buffer_finish(&file.bytes);
+}
+
+static const char atlas_needs[] =
+    "needed is a labelled volume (NIfTI-1, NIfTI-2, MGH), a surface, a folder of surfaces, "
+    "a manifest (with the key \"conus_atlas\") or an FSL atlas XML of type Label";
+
+static void each_place_says_what_it_takes(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    char message[512];
+    snprintf(folder, sizeof folder, "%s", test_scratch("places"));
+    mkdir(folder, 0777);
+    write_volume("v.nii");
+    write_text("a.trk", "TRACK");
+    write_text("a.nrrd", "NRRD0004\n");
+    write_text("a.txt", "1 A\n2 B\n");
+    write_text("a.md", "Read me first.\n");
+    write_text("lh.annot", "\1\2\3\4\5");
+    write_text("a.xml", "<atlas><type>Probabilistic</type></atlas>");
+    write_text("spm.xml",
+               "<atlas version=\"2.0\">\n<data><label><index>4</index><name>A</name></label></data></atlas>");
+    snprintf(message, sizeof message, "this is an NRRD volume: convert it to NIfTI (3D Slicer); %s", atlas_needs);
+    refuse_atlas("a.nrrd", message);
+    refuse_atlas("a.txt", "this is a label table: give it as --labels; needed is");
+    refuse_atlas("lh.annot", "this is a FreeSurfer annotation: give it as --labels, and the surface as ATLAS; needed");
+    refuse_atlas("a.md", "content: found plain text, \"Read me first..\"; needed is a labelled volume");
+    refuse_atlas("spm.xml",
+                 "line 2: a label without the attribute index: FSL's atlases have it, those of SPM and CAT12");
+    refuse_labels("v.nii", "spm.xml", "line 2: a label without the attribute index");
+    refuse_labels("v.nii", "v.nii",
+                  "this is a volume (NIfTI or MGH): give it as ATLAS, --pathway or --context; needed is "
+                  "a label table");
+    refuse_labels("v.nii", "lh.annot",
+                  "this is a FreeSurfer annotation: give it as --labels, and the surface as ATLAS");
+    refuse_labels("v.nii", "a.md", "not a label table of a known format (known: ");
+    assert_ok(conus_atlas_load(&atlas, in("v.nii"), NULL));
+    assert_message(conus_atlas_add_pathway(atlas, in("a.trk"), NULL), "a.trk",
+                   "needed is a volume (NIfTI-1, NIfTI-2 or MGH)");
+    assert_message(
+        conus_atlas_add_pathway(atlas, in("a.xml"), NULL), "a.xml",
+        "this is an FSL atlas XML: 'conus manifest FOLDER' makes pathways of its volumes; needed is a volume");
+    assert_message(conus_atlas_set_context(atlas, in("a.txt"), NULL), "a.txt", "needed is a volume (NIfTI-1, NIfTI-2");
+    conus_atlas_destroy(atlas);
+    write_text("m.atlas.json", "{\"conus_atlas\": 1, \"parcellation\": \"a.nrrd\"}");
+    refuse_atlas("m.atlas.json",
+                 "a.nrrd: this is an NRRD volume: convert it to NIfTI (3D Slicer); needed is a labelled "
+                 "volume (NIfTI-1, NIfTI-2 or MGH) or an FSL atlas XML of type Label");
+}
+
+/* FreeSurfer writes values of vertices as volumes of N x 1 x 1. */
+static void rows_of_vertices_are_no_volumes(void **state)
+{
+    (void)state;
+    uint8_t file[284 + 642] = {0, 0, 0, 1, 0, 0, 2, 0x82, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    snprintf(folder, sizeof folder, "%s", test_scratch("rows"));
+    mkdir(folder, 0777);
+    memset(file + 284, 1, 642);
+    assert_ok(conus_write_file(in("lh.aparc.mgh"), file, sizeof file));
+    refuse_atlas("lh.aparc.mgh", "642 x 1 x 1 values of the vertices of a surface, not a volume");
+    write_text("s.gii", "<GIFTI Version=\"1.0\" NumberOfDataArrays=\"0\"></GIFTI>");
+    refuse_atlas("s.gii", "no POINTSET array: not a surface");
+    conus_atlas *atlas = NULL;
+    file[7] = 0x81; /* 641 */
+    assert_ok(conus_write_file(in("row.mgh"), file, sizeof file - 1));
+    assert_ok(conus_atlas_load(&atlas, in("row.mgh"), NULL));
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_kind_is_told_by_content_and_ending),
+        cmocka_unit_test(a_dicom_file_has_its_mark_behind_128_bytes),
+        cmocka_unit_test(lines_are_told_from_surfaces),
+        cmocka_unit_test(each_place_says_what_it_takes),
+        cmocka_unit_test(rows_of_vertices_are_no_volumes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
