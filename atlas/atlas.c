@@ -437,10 +437,11 @@ conus_status atlas_add_file(conus_atlas *atlas, const char *path, const struct b
     return CONUS_OK;
 }
 
-conus_status atlas_note_file(conus_atlas *atlas, const char *path)
+conus_status atlas_note_file(conus_atlas *atlas, const char *path, const struct file_state *before)
 {
     struct bytes content = {0};
     conus_status status = file_read(&content, path, UINT64_MAX);
+    status = status ? status : file_state_check(before, path);
     status = status ? status : atlas_add_file(atlas, path, &content);
     bytes_finish(&content);
     return status;

@@ -90,8 +90,9 @@ conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info
 /** Notes that the atlas rests on the file @p path with these bytes; a path that is noted already is not noted again. */
 conus_status atlas_add_file(conus_atlas *atlas, const char *path, const struct bytes *content);
 
-/** Reads the file @p path and notes it like atlas_add_file(). */
-conus_status atlas_note_file(conus_atlas *atlas, const char *path);
+/** Reads the file @p path again and notes it like atlas_add_file(). CONUS_ERROR_IO where it is not as it was @p before,
+ * when somebody else read it. */
+conus_status atlas_note_file(conus_atlas *atlas, const char *path, const struct file_state *before);
 
 /** The context volume, or NULL. */
 const struct volume *atlas_context(const conus_atlas *atlas);

@@ -5,11 +5,13 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <limits.h>
 #include <nettle/sha2.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -40,10 +42,60 @@ static bool read_fully(int descriptor, uint8_t *data, size_t size, size_t *got)
     return true;
 }
 
+static void keep_state(struct file_state *out, const struct stat *info)
+{
+    *out =
+        (struct file_state){(uint64_t)info->st_dev,
+                            (uint64_t)info->st_ino,
+                            (uint64_t)info->st_size,
+                            {info->st_mtim.tv_sec, info->st_mtim.tv_nsec, info->st_ctim.tv_sec, info->st_ctim.tv_nsec}};
+}
+
+conus_status file_state_find(struct file_state *out, const char *path)
+{
+    struct stat info;
+    if (stat(path, &info)) {
+        return fail_errno(path, "open");
+    }
+    keep_state(out, &info);
+    return CONUS_OK;
+}
+
+bool file_state_of(struct file_state *out, int descriptor)
+{
+    struct stat info;
+    bool found = fstat(descriptor, &info) == 0;
+    if (found) {
+        keep_state(out, &info);
+    }
+    return found;
+}
+
+bool file_state_equal(const struct file_state *a, const struct file_state *b)
+{
+    return memcmp(a, b, sizeof *a) == 0;
+}
+
+static conus_status check_state(const char *path, int descriptor, const struct file_state *before)
+{
+    struct file_state now;
+    return file_state_of(&now, descriptor) && file_state_equal(&now, before)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_IO, "%s: " FILE_CHANGED, path);
+}
+
+conus_status file_state_check(const struct file_state *before, const char *path)
+{
+    struct file_state now;
+    conus_status status = file_state_find(&now, path);
+    return status || file_state_equal(&now, before) ? status : fail(CONUS_ERROR_IO, "%s: " FILE_CHANGED, path);
+}
+
 /* The first `most` bytes of a regular file of at most `limit`. */
 static conus_status read_descriptor(struct bytes *out, const char *path, int descriptor, uint64_t limit, size_t most)
 {
     struct stat info;
+    struct file_state before;
     if (fstat(descriptor, &info)) {
         return fail_errno(path, "read");
     }
@@ -60,9 +112,12 @@ static conus_status read_descriptor(struct bytes *out, const char *path, int des
     if (!bytes.data) {
         return fail_in(CONUS_ERROR_MEMORY, path);
     }
-    if (!read_fully(descriptor, bytes.data, size, &bytes.size)) {
+    keep_state(&before, &info);
+    conus_status status = read_fully(descriptor, bytes.data, size, &bytes.size) ? check_state(path, descriptor, &before)
+                                                                                : fail_errno(path, "read");
+    if (status) {
         bytes_finish(&bytes);
-        return fail_errno(path, "read");
+        return status;
     }
     *out = bytes;
     return CONUS_OK;
@@ -130,10 +185,30 @@ static bool settle(const char *path, const char *temporary, unsigned how)
     return linked;
 }
 
-static conus_status write_and_rename(const char *path, const char *temporary, const void *data, size_t size,
+/* A new file beside `path`, whose name nobody else has: neither another thread or process, on this machine or another,
+ * nor one that ended before its time. */
+static int open_temporary(char *temporary, size_t length, const char *path)
+{
+    enum { ATTEMPTS = 100 };
+    int descriptor = -1;
+    for (int i = 0; i < ATTEMPTS && descriptor < 0; i++) {
+        uint32_t number;
+        if (getrandom(&number, sizeof number, 0) != (ssize_t)sizeof number) {
+            return -1;
+        }
+        snprintf(temporary, length, "%s.%08" PRIx32 ".part", path, number);
+        descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (descriptor < 0 && errno != EEXIST) {
+            return -1;
+        }
+    }
+    return descriptor;
+}
+
+static conus_status write_and_rename(const char *path, char *temporary, size_t length, const void *data, size_t size,
                                      unsigned how)
 {
-    int descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    int descriptor = open_temporary(temporary, length, path);
     if (descriptor < 0) {
         return fail_errno(path, "write");
     }
@@ -156,8 +231,7 @@ static conus_status replace_file(const char *path, const void *data, size_t size
     if (!temporary) {
         return fail_in(CONUS_ERROR_MEMORY, path);
     }
-    snprintf(temporary, length, "%s.%ld.part", path, (long)getpid());
-    conus_status status = write_and_rename(path, temporary, data, size, how);
+    conus_status status = write_and_rename(path, temporary, length, data, size, how);
     memory_free(temporary);
     return status;
 }
@@ -239,16 +313,21 @@ char *file_beside(const char *path, const char *name)
     return joined;
 }
 
-void file_sha256(char out[65], const struct bytes *bytes)
+void file_sha256_end(char out[65], struct sha256_ctx *context)
 {
-    struct sha256_ctx context;
     uint8_t digest[SHA256_DIGEST_SIZE];
-    sha256_init(&context);
-    sha256_update(&context, bytes->size, bytes->data);
-    sha256_digest(&context, sizeof digest, digest);
+    sha256_digest(context, sizeof digest, digest);
     for (size_t i = 0; i < sizeof digest; i++) {
         snprintf(out + 2 * i, 3, "%02x", digest[i]);
     }
+}
+
+void file_sha256(char out[65], const struct bytes *bytes)
+{
+    struct sha256_ctx context;
+    sha256_init(&context);
+    sha256_update(&context, bytes->size, bytes->data);
+    file_sha256_end(out, &context);
 }
 
 conus_status conus_write_file(const char *path, const void *data, size_t size)

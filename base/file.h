@@ -17,8 +17,24 @@ struct bytes {
 
 void bytes_finish(struct bytes *bytes);
 
+/** Which file it is, how large, and when it was last changed: what differs after a change. */
+struct file_state {
+    uint64_t device, inode, size;
+    int64_t times[4]; /**< Of the last change of its bytes, and of anything about it: seconds, nanoseconds. */
+};
+
+#define FILE_CHANGED "changed while it was read"
+
+conus_status file_state_find(struct file_state *out, const char *path);
+/** The same of an open file; false (errno) when it cannot be told. */
+bool file_state_of(struct file_state *out, int descriptor);
+bool file_state_equal(const struct file_state *a, const struct file_state *b);
+/** CONUS_ERROR_IO unless @p path is still as it was @p before. */
+conus_status file_state_check(const struct file_state *before, const char *path);
+
 /** Reads the regular file @p path, which may not be larger than @p limit bytes. @p out is the caller's to finish.
- * Errors: CONUS_ERROR_IO (message with the path) when it cannot be read, CONUS_ERROR_MEMORY above the limit. */
+ * Errors: CONUS_ERROR_IO (message with the path) when it cannot be read or changes meanwhile, CONUS_ERROR_MEMORY above
+ * the limit. */
 conus_status file_read(struct bytes *out, const char *path, uint64_t limit);
 
 /** Reads the first @p most bytes of the regular file @p path, or fewer where it ends earlier. */
@@ -51,5 +67,10 @@ char *file_beside(const char *path, const char *name);
 
 /** Lower-case SHA-256 of @p bytes in hexadecimal, with a final NUL. */
 void file_sha256(char out[65], const struct bytes *bytes);
+
+struct sha256_ctx;
+
+/** The same of what was given to @p context, which is as new afterwards. */
+void file_sha256_end(char out[65], struct sha256_ctx *context);
 
 #endif

@@ -2,6 +2,7 @@
 #include "base/notes.h"
 
 #include "base/memory.h"
+#include "base/text.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -33,6 +34,7 @@ conus_status notes_add(struct notes *notes, const char *format, ...)
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    text_make_plain(text, "");
     char *line = memory_text(text, strlen(text));
     if (!line || reserve(notes, 1)) {
         memory_free(line);

@@ -2,6 +2,7 @@
 #include "base/text.h"
 
 #include "base/memory.h"
+#include "conus/conus.h"
 
 #include <locale.h>
 #include <stdlib.h>
@@ -311,11 +312,52 @@ static char *utf8_from_latin1(struct text text)
     return out;
 }
 
+/* The character that a valid sequence of `length` bytes means. */
+static uint32_t utf8_code(const char *bytes, size_t length)
+{
+    static const unsigned char first[] = {0, 0x7f, 0x1f, 0x0f, 0x07}; /* bits of the first byte, by length */
+    uint32_t code = (unsigned char)bytes[0] & first[length];
+    for (size_t i = 1; i < length; i++) {
+        code = code << 6 | ((unsigned char)bytes[i] & 0x3f);
+    }
+    return code;
+}
+
+/* Whether a character moves a terminal's cursor, begins a command to it, ends the line or turns the text around:
+ * controls (C0, DEL, C1), line and paragraph separators, bidirectional embeddings, overrides and isolates. */
+static bool steers_terminal(uint32_t code)
+{
+    return code < 0x20 || (code >= 0x7f && code <= 0x9f) || (code >= 0x2028 && code <= 0x202e) ||
+           (code >= 0x2066 && code <= 0x2069);
+}
+
+void text_make_plain(char *text, const char *kept)
+{
+    char *end = text;
+    for (struct text rest = text_from(text); rest.size;) {
+        size_t length = utf8_length(rest);
+        bool replaced = !length || (steers_terminal(utf8_code(rest.data, length)) && !strchr(kept, *rest.data));
+        if (replaced) {
+            *end++ = length ? ' ' : '?';
+        } else {
+            memmove(end, rest.data, length);
+            end += length;
+        }
+        take(&rest, length ? length : 1, 0);
+    }
+    *end = '\0';
+}
+
 char *text_to_utf8(struct text text)
 {
     char *copy = text_is_utf8(text) ? memory_text(text.data, text.size) : utf8_from_latin1(text);
-    for (char *c = copy; c && *c; c++) {
-        *c = (unsigned char)*c < 0x20 || *c == 0x7f ? ' ' : *c;
+    if (copy) {
+        text_make_plain(copy, "");
     }
     return copy;
+}
+
+void conus_plain_text(char *text)
+{
+    text_make_plain(text, "\n\t");
 }

@@ -69,8 +69,14 @@ bool text_to_int(struct text text, int64_t *out);
 /** True when @p text is valid UTF-8 (no surrogates, nothing above U+10FFFF, no overlong forms). */
 bool text_is_utf8(struct text text);
 
-/** A copy of @p text for results: as UTF-8 (what is not valid UTF-8 is taken as ISO-8859-1), a space for each control
- * character. End it with memory_free(); NULL without memory. */
+/** Makes @p text harmless for a terminal, in place: a space for each character that would steer it (controls, line and
+ * paragraph separators, marks that turn the direction of text) but those of @p kept, '?' for each byte that is no
+ * UTF-8.
+ */
+void text_make_plain(char *text, const char *kept);
+
+/** A copy of @p text for results: as UTF-8 (what is not valid UTF-8 is taken as ISO-8859-1), plain as
+ * text_make_plain() makes it. End it with memory_free(); NULL without memory. */
 char *text_to_utf8(struct text text);
 
 enum { TEXT_NUMBER_SIZE = 32 };

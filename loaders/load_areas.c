@@ -354,8 +354,17 @@ static conus_status read_areas(struct surfaces *surfaces, struct area_plan *plan
     return status;
 }
 
+/* A file that is not there is its reader's to complain of. */
+static void keep_states(struct area_plan *plan)
+{
+    for (size_t i = 0; i < plan->count; i++) {
+        (void)file_state_find(&plan->areas[i].state, plan->areas[i].path);
+    }
+}
+
 static conus_status read_all(struct surfaces *surfaces, struct area_plan *plan)
 {
+    keep_states(plan);
     conus_status status = read_foreign(surfaces, plan, true);
     status = status ? status : read_foreign(surfaces, plan, false);
     for (size_t i = 0; !status && i < plan->sheet_count; i++) {
@@ -455,7 +464,7 @@ static conus_status add_surfaces(struct area_plan *plan, struct surfaces *surfac
         }
         bool repeated = area->is_part && i && strcmp(plan->areas[i - 1].path, area->path) == 0;
         status = atlas_add_mesh(atlas, &object, &surfaces->meshes[i]);
-        status = status || repeated ? status : atlas_note_file(atlas, area->path);
+        status = status || repeated ? status : atlas_note_file(atlas, area->path, &area->state);
     }
     return status;
 }

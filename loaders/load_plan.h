@@ -3,6 +3,7 @@
 #ifndef CONUS_LOADERS_LOAD_PLAN_H
 #define CONUS_LOADERS_LOAD_PLAN_H
 
+#include "base/file.h"
 #include "loaders/load.h"
 #include "loaders/manifest.h"
 #include "loaders/mesh_file.h"
@@ -17,6 +18,7 @@ struct planned_area {
     uint32_t part;
     bool placed; /**< world_from_mesh holds; else the manifest's space, or what the file says.             */
     double world_from_mesh[16];
+    struct file_state state; /**< Of the file, before it was read.                                               */
 };
 
 /** A surface that the labels of its vertices cut into areas. */

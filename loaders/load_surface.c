@@ -159,11 +159,15 @@ static conus_status make_atlas(conus_atlas **out, struct surface *surface)
 conus_status surface_load(conus_atlas **out, const char *path, const conus_load_options *options)
 {
     struct surface surface = {0};
+    struct file_state state;
+    struct file_state state_of_labels;
     conus_atlas *atlas = NULL;
-    conus_status status = read_surface(&surface, path, options);
+    conus_status status = file_state_find(&state, path);
+    status = status || !options->labels ? status : file_state_find(&state_of_labels, options->labels);
+    status = status ? status : read_surface(&surface, path, options);
     status = status ? status : make_atlas(&atlas, &surface);
-    status = status ? status : atlas_note_file(atlas, path);
-    status = status || !options->labels ? status : atlas_note_file(atlas, options->labels);
+    status = status ? status : atlas_note_file(atlas, path, &state);
+    status = status || !options->labels ? status : atlas_note_file(atlas, options->labels, &state_of_labels);
     surface_finish(&surface);
     if (status) {
         conus_atlas_destroy(atlas);

@@ -22,9 +22,10 @@ struct reading {
     size_t done;
     size_t unstated, first_unstated; /* files without a word about their space */
     struct notes *notes;
-    uint64_t size, largest; /* of the files, in bytes */
-    struct buffer *stream;  /* what came, for the cache; NULL when it comes from there */
-    bool failed_in_file;    /* the message names it already */
+    uint64_t size, largest;    /* of the files, in bytes */
+    struct buffer *stream;     /* what came, for the cache; NULL when it comes from there */
+    bool failed_in_file;       /* the message names it already */
+    struct file_state *states; /* of the files, before their sums were taken */
 };
 
 static const char *ending_of(const char *path)
@@ -53,7 +54,8 @@ static conus_status append_recipe(struct buffer *out, struct reading *work)
         struct bytes bytes = {0};
         char sum[65];
         const char *ending = ending_of(work->paths[i]);
-        status = file_read(&bytes, work->paths[i], limit);
+        status = file_state_find(&work->states[i], work->paths[i]);
+        status = status ? status : file_read(&bytes, work->paths[i], limit);
         if (!status) {
             file_sha256(sum, &bytes);
             buffer_format(out, "%s %s\n", sum, ending ? ending : "");
@@ -137,6 +139,16 @@ static struct mesh_child_limits limits_of(const struct reading *work)
     return (struct mesh_child_limits){.memory = fair < most ? fair : most, .seconds = seconds, .wait = 6 * seconds};
 }
 
+/* conus-mesh must have read what the sums are of, or the cache would keep one file's surface for another's. */
+static conus_status check_states(const struct reading *work)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < work->count; i++) {
+        status = file_state_check(&work->states[i], work->paths[i]);
+    }
+    return status;
+}
+
 static conus_status run_child(struct reading *work, const char *key)
 {
     struct mesh_child_request request = {0};
@@ -154,6 +166,7 @@ static conus_status run_child(struct reading *work, const char *key)
     }
     mesh_stream_end(&stream, (uint32_t)work->count);
     status = status ? status : buffer_status(&stream);
+    status = status ? status : check_states(work);
     status = status ? status : mesh_cache_keep(key, &stream);
     work->stream = NULL;
     buffer_finish(&stream);
@@ -200,7 +213,8 @@ conus_status mesh_foreign_read(struct mesh *out, const char *const *paths, size_
         return CONUS_OK;
     }
     work.meshes = memory_zeroed(count, sizeof *work.meshes);
-    conus_status status = work.meshes ? read_all(&work) : CONUS_ERROR_MEMORY;
+    work.states = memory_zeroed(count, sizeof *work.states);
+    conus_status status = work.meshes && work.states ? read_all(&work) : CONUS_ERROR_MEMORY;
     status = status ? status : note_unstated(&work);
     for (size_t i = 0; work.meshes && i < count; i++) {
         if (status) {
@@ -210,5 +224,6 @@ conus_status mesh_foreign_read(struct mesh *out, const char *const *paths, size_
         }
     }
     memory_free(work.meshes);
+    memory_free(work.states);
     return status;
 }

@@ -122,12 +122,13 @@ static char *system_path(const char *path, int candidate)
     return found;
 }
 
-static conus_status load_system(struct pose_space *out, const char *path)
+static conus_status load_system(conus_pose_list *list, const char *path)
 {
     struct bytes bytes = {0};
     conus_status status = file_read(&bytes, path, FILE_LIMIT);
     if (!status) {
-        status = pose_coordsystem_parse(out, (struct text){(const char *)bytes.data, bytes.size});
+        file_sha256(list->coordsystem_sha256, &bytes);
+        status = pose_coordsystem_parse(&list->space, (struct text){(const char *)bytes.data, bytes.size});
         status = status ? fail_in(status, path) : CONUS_OK;
     }
     bytes_finish(&bytes);
@@ -160,7 +161,7 @@ conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
         }
         if (file_exists(beside)) {
             list->coordsystem = beside;
-            return load_system(&list->space, beside);
+            return load_system(list, beside);
         }
         memory_free(beside);
     }

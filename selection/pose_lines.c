@@ -10,6 +10,11 @@
 
 enum { CAPACITY = 4 * (POSE_LINE_LIMIT + 1) };
 
+static conus_status fail_to_read(void)
+{
+    return fail(CONUS_ERROR_IO, "cannot read: %s", strerror(errno));
+}
+
 conus_status pose_lines_init(struct pose_lines *lines, int descriptor, bool seekable, uint64_t offset)
 {
     char *own = memory_raw(CAPACITY, 1);
@@ -18,7 +23,8 @@ conus_status pose_lines_init(struct pose_lines *lines, int descriptor, bool seek
     }
     *lines = (struct pose_lines){
         .descriptor = descriptor, .seekable = seekable, .stop = -1, .offset = offset, .own = own, .data = own};
-    return CONUS_OK;
+    sha256_init(&lines->hash);
+    return !seekable || file_state_of(&lines->state, descriptor) ? CONUS_OK : fail_to_read();
 }
 
 void pose_lines_init_text(struct pose_lines *lines, struct text text)
@@ -56,9 +62,11 @@ static ssize_t read_some(const struct pose_lines *lines, char *at, size_t size, 
     }
 }
 
-static conus_status fail_to_read(void)
+/* Whether the file is still the one that was opened: what is read after a change belongs to no one file. */
+static bool is_unchanged(const struct pose_lines *lines)
 {
-    return fail(CONUS_ERROR_IO, "cannot read: %s", strerror(errno));
+    struct file_state now;
+    return !lines->seekable || (file_state_of(&now, lines->descriptor) && file_state_equal(&now, &lines->state));
 }
 
 /* Reads once, whatever comes. */
@@ -73,6 +81,10 @@ static conus_status read_more(struct pose_lines *lines)
     if (got < 0) {
         return fail_to_read();
     }
+    if (!is_unchanged(lines)) {
+        return fail(CONUS_ERROR_IO, FILE_CHANGED);
+    }
+    sha256_update(&lines->hash, (size_t)got, (const uint8_t *)lines->own + lines->size);
     lines->size = stopped ? 0 : lines->size + (size_t)got; /* half a line is no row */
     lines->offset += (uint64_t)got;
     lines->ended = got == 0;
@@ -207,4 +219,18 @@ conus_status pose_lines_rest(struct bytes *out, struct pose_lines *lines, uint64
     }
     *out = bytes;
     return CONUS_OK;
+}
+
+conus_status pose_lines_sha256(char out[65], struct pose_lines *lines)
+{
+    conus_status status = CONUS_OK;
+    while (!status && !lines->ended) {
+        take(lines, lines->size);
+        status = read_more(lines);
+    }
+    if (!status) {
+        struct sha256_ctx hash = lines->hash;
+        file_sha256_end(out, &hash);
+    }
+    return status;
 }

@@ -6,6 +6,8 @@
 #include "base/file.h"
 #include "base/text.h"
 
+#include <nettle/sha2.h>
+
 enum { POSE_LINE_LIMIT = 65535 }; /**< Longest line that is read, in bytes, without its ending. */
 
 /** Where lines come from. All 0 but `descriptor` = -1 is an empty text. What is stopped ends behind its last whole
@@ -21,6 +23,9 @@ struct pose_lines {
     bool ended;
     bool after_cr; /**< A LF that comes now belongs to the line before. */
     size_t number; /**< Lines taken. */
+
+    struct file_state state; /**< Seekable: of the file when it was opened, */
+    struct sha256_ctx hash;  /**< and of the bytes that were read. */
 };
 
 struct pose_line {
@@ -30,7 +35,8 @@ struct pose_line {
     bool blank; /**< White space only, or it begins with #: no data. */
 };
 
-/** Lines of an open file, from @p offset where it is seekable. pose_lines_finish() ends it, without closing. */
+/** Lines of an open file, from @p offset where it is seekable: then CONUS_ERROR_IO once it changes.
+ * pose_lines_finish() ends it, without closing. */
 conus_status pose_lines_init(struct pose_lines *lines, int descriptor, bool seekable, uint64_t offset);
 /** Lines of a text that outlives them. */
 void pose_lines_init_text(struct pose_lines *lines, struct text text);
@@ -45,5 +51,8 @@ conus_status pose_lines_next(struct pose_lines *lines, struct pose_line *line, b
 
 /** Takes all that is left, CONUS_ERROR_MEMORY above @p limit bytes. @p out is the caller's to finish. */
 conus_status pose_lines_rest(struct bytes *out, struct pose_lines *lines, uint64_t limit);
+
+/** SHA-256 of all that was read, and of what is left, which is taken, too. Seekable only. */
+conus_status pose_lines_sha256(char out[65], struct pose_lines *lines);
 
 #endif

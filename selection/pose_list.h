@@ -15,6 +15,7 @@ struct conus_pose_list {
     struct pose_space space;
     char *electrodes;  /**< The text of a table of electrodes; owned, NULL of other formats. */
     char *coordsystem; /**< Path of the file that says what the space is; owned, NULL if there is none. */
+    char coordsystem_sha256[65];
 };
 
 /** Adds a row with copies of its strings. An @p id that is empty becomes the row's number; one that is too long or not

@@ -476,6 +476,7 @@ static conus_status count_again(uint64_t *count, const conus_pose_stream *stream
         pose_lines_init_text(&lines, stream->text);
     } else if (stream->lines.seekable) {
         status = pose_lines_init(&lines, stream->descriptor, true, stream->start);
+        lines.state = stream->lines.state;
     } else {
         status = fail(CONUS_ERROR_UNSUPPORTED, "rows of a pipe cannot be counted before they are read");
     }
@@ -550,6 +551,18 @@ uint64_t pose_stream_position(const conus_pose_stream *stream)
 const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream)
 {
     return stream ? conus_pose_list_coordsystem(&stream->whole) : "";
+}
+
+const char *conus_pose_stream_coordsystem_sha256(const conus_pose_stream *stream)
+{
+    return stream ? stream->whole.coordsystem_sha256 : "";
+}
+
+conus_status conus_pose_stream_sha256(char out[65], conus_pose_stream *stream)
+{
+    return fail_of(stream, stream->lines.seekable ? pose_lines_sha256(out, &stream->lines)
+                                                  : fail(CONUS_ERROR_UNSUPPORTED,
+                                                         "only a file has a SHA-256, what comes from a pipe none"));
 }
 
 conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas)

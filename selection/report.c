@@ -214,6 +214,7 @@ conus_status report_write_part(struct buffer *out, const conus_report *report)
         (report->options.tracker ? report_write_track : report_write_table)(out, report);
         break;
     case CONUS_TSV:
+    case CONUS_CSV:
     case CONUS_NDJSON:
         report_write_rows(out, report);
         break;

@@ -45,22 +45,35 @@ void report_write_cell(struct buffer *out, struct cell cell)
     }
 }
 
+/* What stands between the fields of a table, and behind its lines. */
+struct table_marks {
+    const char *separator, *end;
+};
+
+static struct table_marks marks_of(const conus_report *report)
+{
+    static const struct table_marks tsv = {"\t", "\n"};
+    static const struct table_marks csv = {",", "\r\n"}; /* RFC 4180, section 2 */
+    return report->options.format == CONUS_CSV ? csv : tsv;
+}
+
 void report_write_heading(struct buffer *out, const conus_report *report)
 {
     if (report->options.format == CONUS_BIDS) {
         report_write_electrodes_heading(out, report);
         return;
     }
-    if (report->options.format != CONUS_TSV) {
+    if (report->options.format != CONUS_TSV && report->options.format != CONUS_CSV) {
         return;
     }
-    const char *tab = "";
+    const struct table_marks marks = marks_of(report);
+    const char *before = "";
     for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
-        buffer_text(out, tab);
+        buffer_text(out, before);
         buffer_text(out, column->name);
-        tab = "\t";
+        before = marks.separator;
     }
-    buffer_text(out, "\n");
+    buffer_text(out, marks.end);
 }
 
 /* The columns of a report, one after the other. */
@@ -78,12 +91,34 @@ static void list_columns(struct columns *out, const conus_report *report)
     }
 }
 
-static void write_tsv_row(struct buffer *out, const conus_report *report, const struct columns *columns,
-                          const struct report_row *row)
+/* Between quotation marks where it must be, with its own ones doubled. */
+static void write_csv_text(struct buffer *out, const char *text)
 {
+    if (!strpbrk(text, ",\"\r\n")) {
+        buffer_text(out, text);
+        return;
+    }
+    buffer_append(out, "\"", 1);
+    for (const char *mark; (mark = strchr(text, '"')); text = mark + 1) {
+        buffer_append(out, text, (size_t)(mark - text));
+        buffer_append(out, "\"\"", 2);
+    }
+    buffer_text(out, text);
+    buffer_append(out, "\"", 1);
+}
+
+static void write_table_row(struct buffer *out, const conus_report *report, const struct columns *columns,
+                            const struct report_row *row)
+{
+    const struct table_marks marks = marks_of(report);
     for (size_t i = 0; i < columns->count; i++) {
-        report_write_cell(out, report_cell(report, columns->column[i], row));
-        buffer_append(out, i + 1 < columns->count ? "\t" : "\n", 1);
+        struct cell cell = report_cell(report, columns->column[i], row);
+        if (cell.type == CELL_TEXT && report->options.format == CONUS_CSV) {
+            write_csv_text(out, cell.text);
+        } else {
+            report_write_cell(out, cell);
+        }
+        buffer_text(out, i + 1 < columns->count ? marks.separator : marks.end);
     }
 }
 
@@ -145,7 +180,7 @@ void report_write_rows(struct buffer *out, const conus_report *report)
         if (report->options.format == CONUS_NDJSON) {
             write_json_row(out, report, &report->rows[i]);
         } else {
-            write_tsv_row(out, report, &columns, &report->rows[i]);
+            write_table_row(out, report, &columns, &report->rows[i]);
         }
     }
 }

@@ -2,6 +2,7 @@
 /* The table for people: the columns that a reader at a desk wants, aligned, with units. */
 #include "atlas/atlas.h"
 #include "base/math3.h"
+#include "base/memory.h"
 #include "selection/report.h"
 
 #include <stdio.h>
@@ -234,10 +235,14 @@ static void write_summary(struct buffer *out, const conus_report *report, const 
                   report->selector.sampling == CONUS_SLICES ? "slices" : "exact");
 }
 
-static const char *file_of(const char *path)
+/* A file's name may hold anything. */
+static void write_file_of(struct buffer *out, const char *path)
 {
     const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
+    char *name = text_to_utf8(text_from(slash ? slash + 1 : path));
+    buffer_text(out, name ? name : "");
+    out->failed = out->failed || !name;
+    memory_free(name);
 }
 
 /* What the answers rest on: which transform placed the atlas, and from which value on a pathway is one. */
@@ -249,7 +254,9 @@ void report_write_sources(struct buffer *out, const conus_report *report)
         buffer_format(out, "areas at level %s\n", report->level);
     }
     if (parcellation || atlas->mesh_count) {
-        buffer_format(out, "atlas %s, placed by %s\n", file_of(atlas_path(atlas)),
+        buffer_text(out, "atlas ");
+        write_file_of(out, atlas_path(atlas));
+        buffer_format(out, ", placed by %s\n",
                       parcellation ? parcellation->info.transform : "the coordinates in its mesh files");
     }
     if (atlas_has_hidden(atlas)) {
@@ -264,7 +271,9 @@ void report_write_sources(struct buffer *out, const conus_report *report)
         const conus_volume_info *info = &atlas_object_volume(atlas, (uint32_t)number)->info;
         buffer_format(out, "pathway %s: values from ", conus_atlas_object(atlas, number)->name);
         buffer_number(out, info->threshold);
-        buffer_format(out, " on in %s\n", file_of(info->path));
+        buffer_text(out, " on in ");
+        write_file_of(out, info->path);
+        buffer_text(out, "\n");
     }
 }
 

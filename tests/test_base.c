@@ -8,6 +8,7 @@
 
 #include <fcntl.h>
 #include <locale.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -228,17 +229,37 @@ static void utf8_is_told_from_latin1(void **state)
 static void any_bytes_become_clean_utf8(void **state)
 {
     (void)state;
-    static const char *const pairs[][2] = {{"Br\xfc"
-                                            "cke\t1\n",
-                                            "Br\xc3\xbc"
-                                            "cke 1 "},
-                                           {"\xc3\xa9\x1b[31m", "\xc3\xa9 [31m"},
-                                           {"", ""}};
+    static const char *const pairs[][2] = {
+        {"Br\xfc"
+         "cke\t1\n",
+         "Br\xc3\xbc"
+         "cke 1 "},
+        {"\xc3\xa9\x1b[31m", "\xc3\xa9 [31m"},
+        /* U+009B, CSI of 8 bits; U+202E, U+2066, U+2028: each turns or ends the
+           line. Their neighbours U+00A0, U+2027, U+202F, U+2065 and U+206A do not. */
+        {"a\xc2\x9b"
+         "31m",
+         "a 31m"},
+        {"\xe2\x80\xae\xe2\x81\xa6\xe2\x80\xa8", "   "},
+        {"\xc2\xa0\xe2\x80\xa7\xe2\x80\xaf\xe2\x81\xa5\xe2\x81\xaa",
+         "\xc2\xa0\xe2\x80\xa7\xe2\x80\xaf\xe2\x81\xa5\xe2\x81\xaa"},
+        {"", ""}};
     for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
         char *clean = text_to_utf8(text_from(pairs[i][0]));
         assert_string_equal(clean, pairs[i][1]);
         memory_free(clean);
     }
+}
+
+static void plain_text_steers_no_terminal(void **state)
+{
+    (void)state;
+    char text[] = "one\ttwo\x1b]0;x\x07\n\xc2\x85three\xff\x80 \xe2\x80";
+    conus_plain_text(text);
+    assert_string_equal(text, "one\ttwo ]0;x \n three?? ??");
+    char name[] = "a\tb\nc";
+    text_make_plain(name, "");
+    assert_string_equal(name, "a b c");
 }
 
 static void inverse_undoes_an_affine(void **state)
@@ -285,6 +306,101 @@ static void files_appear_whole(void **state)
     assert_fails(file_write("/nowhere/at all", "x", 1), CONUS_ERROR_IO);
 }
 
+/* What happens behind the reader's back, once, after its next read(). */
+static void (*behind)(void);
+
+ssize_t __real_read(int descriptor, void *data, size_t size);
+ssize_t __wrap_read(int descriptor, void *data, size_t size);
+
+ssize_t __wrap_read(int descriptor, void *data, size_t size)
+{
+    ssize_t got = __real_read(descriptor, data, size);
+    if (behind) {
+        void (*now)(void) = behind;
+        behind = NULL;
+        now();
+    }
+    return got;
+}
+
+static char changed[256];
+
+static void append_a_byte(void)
+{
+    FILE *file = fopen(changed, "a");
+    assert_non_null(file);
+    fputc('!', file);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void put_another_in_its_place(void)
+{
+    assert_ok(file_write(changed, "four!", 5));
+}
+
+static void changes_are_noticed(void **state)
+{
+    (void)state;
+    struct bytes bytes = {0};
+    struct file_state before;
+    snprintf(changed, sizeof changed, "%s", test_scratch("changed.txt"));
+    assert_ok(file_write(changed, "three", 5));
+    assert_ok(file_state_find(&before, changed));
+    assert_ok(file_state_check(&before, changed));
+    behind = append_a_byte;
+    assert_fails(file_read(&bytes, changed, 100), CONUS_ERROR_IO);
+    assert_null(bytes.data);
+    assert_non_null(strstr(conus_message(), "changed while it was read"));
+    assert_fails(file_state_check(&before, changed), CONUS_ERROR_IO);
+    assert_ok(file_state_find(&before, changed));
+    behind = put_another_in_its_place; /* what was opened is read whole, or it is an error */
+    if (!file_read(&bytes, changed, 100)) {
+        assert_memory_equal(bytes.data, "three!", 6);
+        bytes_finish(&bytes);
+    }
+    assert_fails(file_state_check(&before, changed), CONUS_ERROR_IO);
+    assert_fails(file_state_find(&(struct file_state){0}, "/nowhere/at all"), CONUS_ERROR_IO);
+}
+
+enum { WRITERS = 8, WRITES = 50 };
+
+static void *write_again_and_again(void *path)
+{
+    for (size_t i = 0; i < WRITES; i++) {
+        if (file_write_soon(path, "whole", 5)) {
+            return path;
+        }
+    }
+    return NULL;
+}
+
+/* What others left behind under names made of this process's number, as those of older versions, and what other threads
+ * write at the same time. */
+static void writers_do_not_collide(void **state)
+{
+    (void)state;
+    static char path[256];
+    char left[300];
+    pthread_t threads[WRITERS];
+    snprintf(path, sizeof path, "%s", test_scratch("wanted.txt"));
+    snprintf(left, sizeof left, "%s.%ld.part", path, (long)getpid());
+    assert_ok(file_write(left, "left", 4));
+    assert_ok(file_write(path, "one", 3));
+    assert_int_equal(unlink(left), 0);
+    for (size_t i = 0; i < WRITERS; i++) {
+        assert_int_equal(pthread_create(&threads[i], NULL, write_again_and_again, path), 0);
+    }
+    for (size_t i = 0; i < WRITERS; i++) {
+        void *failed = NULL;
+        assert_int_equal(pthread_join(threads[i], &failed), 0);
+        assert_null(failed);
+    }
+    struct bytes bytes = {0};
+    assert_ok(file_read(&bytes, path, 100));
+    assert_memory_equal(bytes.data, "whole", 5);
+    bytes_finish(&bytes);
+}
+
 static void check_file(const char *path, const char *text)
 {
     struct bytes bytes = {0};
@@ -322,8 +438,10 @@ static void open_files_are_written_to(void **state)
     assert_true(descriptor >= 0);
     snprintf(open_file, sizeof open_file, "/dev/fd/%d", descriptor);
     assert_ok(file_write(open_file, "two", 3));
+    snprintf(open_file, sizeof open_file, "/proc/self/fd/%d", descriptor);
+    assert_ok(file_write(open_file, ", three", 7)); /* behind what is there, not in its place */
     close(descriptor);
-    check_file(path, "one, two");
+    check_file(path, "one, two, three");
 }
 
 static void sha256_of_abc(void **state)
@@ -363,6 +481,11 @@ static void messages_are_one_line(void **state)
     fail(CONUS_ERROR_DATA, "name \"%s\"", "a\nb\x1b[31m");
     fail_in(CONUS_ERROR_DATA, "file.nii");
     assert_string_equal(conus_message(), "file.nii: name \"a b [31m\"");
+    fail(CONUS_ERROR_DATA, "%s",
+         "\xc2\x9b"
+         "2J\xe2\x80\xae"
+         "fin.\xff");
+    assert_string_equal(conus_message(), " 2J fin.?");
     assert_null(memory_raw(SIZE_MAX, 2));
 }
 
@@ -381,8 +504,11 @@ int main(void)
         cmocka_unit_test(arrays_double),
         cmocka_unit_test(utf8_is_told_from_latin1),
         cmocka_unit_test(any_bytes_become_clean_utf8),
+        cmocka_unit_test(plain_text_steers_no_terminal),
         cmocka_unit_test(inverse_undoes_an_affine),
         cmocka_unit_test(files_appear_whole),
+        cmocka_unit_test(changes_are_noticed),
+        cmocka_unit_test(writers_do_not_collide),
         cmocka_unit_test(links_are_written_through),
         cmocka_unit_test(open_files_are_written_to),
         cmocka_unit_test(sha256_of_abc),

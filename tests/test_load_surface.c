@@ -79,6 +79,49 @@ static void labels_inside_or_beside_cut_it(void **state)
     }
 }
 
+/* A file that grows after the n-th read() from now on; 0 = none does. */
+static char growing[256];
+static size_t reads_left;
+
+ssize_t __real_read(int descriptor, void *data, size_t size);
+ssize_t __wrap_read(int descriptor, void *data, size_t size);
+
+ssize_t __wrap_read(int descriptor, void *data, size_t size)
+{
+    ssize_t got = __real_read(descriptor, data, size);
+    if (reads_left && --reads_left == 0) {
+        FILE *file = fopen(growing, "a");
+        assert_non_null(file);
+        fputc('\n', file);
+        assert_int_equal(fclose(file), 0);
+    }
+    return got;
+}
+
+/* The checksum that an atlas tells must be that of the bytes that it was made of. */
+static void a_surface_that_changes_is_an_error(void **state)
+{
+    (void)state;
+    size_t noticed = 0;
+    for (size_t n = 1;; n++) {
+        conus_atlas *atlas = NULL;
+        snprintf(growing, sizeof growing, "%s", write_surface("growing.gii", 0));
+        reads_left = n;
+        conus_status status = conus_atlas_load(&atlas, growing, NULL);
+        bool done = reads_left > 0;
+        reads_left = 0;
+        if (done) {
+            assert_ok(status);
+            conus_atlas_destroy(atlas);
+            break;
+        }
+        assert_fails(status, CONUS_ERROR_IO);
+        assert_non_null(strstr(conus_message(), "growing.gii: changed while it was read"));
+        noticed++;
+    }
+    assert_true(noticed >= 2); /* it is read for its triangles, and for its checksum */
+}
+
 static void labels_must_fit(void **state)
 {
     (void)state;
@@ -129,6 +172,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_surface_is_an_area),
         cmocka_unit_test(labels_inside_or_beside_cut_it),
+        cmocka_unit_test(a_surface_that_changes_is_an_error),
         cmocka_unit_test(labels_must_fit),
         cmocka_unit_test(every_failing_allocation),
         cmocka_unit_test(fsaverage_by_its_annotation),

@@ -394,6 +394,64 @@ static conus_status read_through(void *data)
     return status;
 }
 
+/* Wherever reading stands: of the file that file_sha256() sees whole. */
+static void what_is_read_has_its_sha256(void **state)
+{
+    (void)state;
+    char wanted[65];
+    char got[65];
+    struct bytes bytes = {0};
+    conus_pose_stream *stream = NULL;
+    const char *path = write_table(ROWS, "\n");
+    assert_ok(file_read(&bytes, path, UINT64_MAX));
+    file_sha256(wanted, &bytes);
+    bytes_finish(&bytes);
+    static const uint64_t skipped[] = {0, 20000, UINT64_MAX};
+    for (size_t i = 0; i < 3; i++) {
+        uint64_t count = 0;
+        assert_ok(conus_pose_stream_open(&stream, path, NULL));
+        (void)read_one(stream);
+        assert_ok(conus_pose_stream_count(stream, &count)); /* reads all of it, and is not in the sum */
+        assert_ok(conus_pose_stream_skip(stream, skipped[i]));
+        assert_ok(conus_pose_stream_sha256(got, stream));
+        assert_string_equal(got, wanted);
+        assert_ended(stream);
+        assert_ok(conus_pose_stream_sha256(got, stream));
+        assert_string_equal(got, wanted);
+        conus_pose_stream_destroy(stream);
+    }
+    path = test_scratch("matrix.txt"); /* read whole; the sum is sha256sum's */
+    assert_ok(file_write(path, "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n", 32));
+    assert_ok(conus_pose_stream_open(&stream, path, NULL));
+    assert_ok(conus_pose_stream_sha256(got, stream));
+    assert_string_equal(got, "15f3b7bc6f6d08b8a543e64d0b93e33c3e5b07a7b62424991251a66343b8c4bd");
+    assert_string_equal(conus_pose_stream_coordsystem_sha256(stream), "");
+    conus_pose_stream_destroy(stream);
+    stream = parse("1 2 3", NULL);
+    assert_fails(conus_pose_stream_sha256(got, stream), CONUS_ERROR_UNSUPPORTED);
+    conus_pose_stream_destroy(stream);
+}
+
+static void a_file_that_changes_is_an_error(void **state)
+{
+    (void)state;
+    uint64_t count = 0;
+    char hash[65];
+    conus_pose_stream *stream = NULL;
+    const char *path = write_table(ROWS, "\n");
+    assert_ok(conus_pose_stream_open(&stream, path, NULL));
+    assert_string_equal(read_one(stream).id, "row 1");
+    FILE *file = fopen(path, "a");
+    assert_non_null(file);
+    fputs("row more\t1\t0\t0\t0\t1\t0\n", file);
+    assert_int_equal(fclose(file), 0);
+    assert_fails(conus_pose_stream_count(stream, &count), CONUS_ERROR_IO);
+    assert_fails(conus_pose_stream_skip(stream, UINT64_MAX), CONUS_ERROR_IO);
+    assert_non_null(strstr(conus_message(), "poses.tsv: changed while it was read"));
+    assert_fails(conus_pose_stream_sha256(hash, stream), CONUS_ERROR_IO);
+    conus_pose_stream_destroy(stream);
+}
+
 static void every_failing_allocation_is_clean(void **state)
 {
     (void)state;
@@ -408,12 +466,13 @@ static void every_failing_allocation_is_clean(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blocks_join_without_a_seam), cmocka_unit_test(rows_can_be_passed_over),
-        cmocka_unit_test(numbers_count_all_rows),     cmocka_unit_test(pipes_are_read_as_they_fill),
-        cmocka_unit_test(pipes_can_be_stopped),       cmocka_unit_test(cuts_do_not_matter),
-        cmocka_unit_test(optional_columns_are_read),  cmocka_unit_test(every_axis_looks_its_way),
-        cmocka_unit_test(points_are_points),          cmocka_unit_test(what_does_not_fit_is_refused),
-        cmocka_unit_test(long_lines_are_one_bad_row), cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(blocks_join_without_a_seam),  cmocka_unit_test(rows_can_be_passed_over),
+        cmocka_unit_test(numbers_count_all_rows),      cmocka_unit_test(pipes_are_read_as_they_fill),
+        cmocka_unit_test(pipes_can_be_stopped),        cmocka_unit_test(cuts_do_not_matter),
+        cmocka_unit_test(optional_columns_are_read),   cmocka_unit_test(every_axis_looks_its_way),
+        cmocka_unit_test(points_are_points),           cmocka_unit_test(what_does_not_fit_is_refused),
+        cmocka_unit_test(what_is_read_has_its_sha256), cmocka_unit_test(a_file_that_changes_is_an_error),
+        cmocka_unit_test(long_lines_are_one_bad_row),  cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -40,6 +40,29 @@ static void rows_are_found_by_their_key(void **state)
     results_finish(&other);
 }
 
+/* The cells of RFC 4180, section 2, rules 5 to 7; what was written by R, with marks around all texts, too. */
+static void commas_separate_where_there_is_no_tab(void **state)
+{
+    (void)state;
+    static const char csv[] = "\"query\",kind,index,name,last\r\n"
+                              "1,\"area\",7,\"a, \"\"b\"\"\",\r\n"
+                              "2,area,7,\"\"\"\",\"\"\r\n";
+    static const char *const cells[][5] = {
+        {"query", "kind", "index", "name", "last"}, {"1", "area", "7", "a, \"b\"", ""}, {"2", "area", "7", "\"", ""}};
+    struct results results;
+    assert_int_equal(parse(&results, csv), EXIT_DONE);
+    assert_int_equal(results.rows, 2);
+    for (size_t i = 0; i < 15; i++) {
+        assert_string_equal(results.cells[i], cells[i / 5][i % 5]);
+    }
+    results_finish(&results);
+    static const char *const bad[] = {"query,kind,index\n1,area,\"1\n", "query,kind,index\n1,\"area,1\n",
+                                      "query,kind,index\n1,area,1,\n", "query,kind,index\n1,\"area\"x,1\n"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_int_equal(parse(&results, bad[i]), EXIT_DATA);
+    }
+}
+
 static void what_is_no_result_is_refused(void **state)
 {
     (void)state;
@@ -99,9 +122,8 @@ static int silence(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rows_are_found_by_their_key),
-        cmocka_unit_test(what_is_no_result_is_refused),
-        cmocka_unit_test(every_prefix_is_survived),
+        cmocka_unit_test(rows_are_found_by_their_key),  cmocka_unit_test(commas_separate_where_there_is_no_tab),
+        cmocka_unit_test(what_is_no_result_is_refused), cmocka_unit_test(every_prefix_is_survived),
         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, silence, NULL);

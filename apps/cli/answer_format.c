@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const formats[] = {"table", "tsv", "json", "ndjson", NULL};
+static const char *const formats[] = {"table", "tsv", "csv", "json", "ndjson", NULL};
 
 const struct option answer_options[] = {
     {.name = "format",
@@ -21,12 +21,12 @@ const struct option answer_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct answer_settings, output),
      .value = "FILE",
-     .help = "write the answer to FILE; a .json beside a .tsv describes its columns, settings and sources"},
+     .help = "write the answer to FILE; a .json beside a .tsv or .csv describes its columns, settings and sources"},
     {0},
 };
 
-static const char *const query_formats[] = {"table", "tsv",      "json",       "ndjson", "afni",
-                                            "bids",  "spikeglx", "open-ephys", NULL};
+static const char *const query_formats[] = {"table", "tsv",  "csv",      "json",       "ndjson",
+                                            "afni",  "bids", "spikeglx", "open-ephys", NULL};
 
 const struct option query_answer_options[] = {
     {.name = "format",
@@ -41,31 +41,29 @@ const struct option query_answer_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct answer_settings, output),
      .value = "FILE",
-     .help = "write the answer to FILE; a .json beside a .tsv describes its columns, settings and sources"},
+     .help = "write the answer to FILE; a .json beside a .tsv or .csv describes its columns, settings and sources"},
     {0},
 };
 
-conus_format answer_format(const struct arguments *arguments, const struct answer_settings *settings)
+bool answer_format(conus_format *out, const struct arguments *arguments, const struct answer_settings *settings)
 {
-    static const struct {
-        const char *ending;
-        conus_format format;
-    } endings[] = {{".tsv", CONUS_TSV}, {".json", CONUS_JSON}, {".ndjson", CONUS_NDJSON}, {".jsonl", CONUS_NDJSON}};
-    if (option_given(arguments, "format") || output_is_stdout(settings->output)) {
-        return (conus_format)settings->format;
+    *out = (conus_format)settings->format;
+    if (option_given(arguments, "format") || output_is_no_file(settings->output)) {
+        return true;
     }
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends(settings->output, endings[i].ending)) {
-            return endings[i].format;
-        }
-    }
-    return CONUS_TABLE;
+    return output_format(out, settings->output) ||
+           (complain(
+                "%s: --output ends in none of .tsv, .csv, .json, .ndjson, .jsonl and, for a table for people, .txt; "
+                "--format says what else is written",
+                settings->output),
+            false);
 }
 
 bool answer_sidecar(char **out, conus_format format, const char *output)
 {
     char *path = NULL;
-    if (!output_is_stdout(output) && (format == CONUS_TSV || format == CONUS_BIDS) && path_ends(output, ".tsv")) {
+    bool has_columns = format == CONUS_TSV || format == CONUS_CSV || format == CONUS_BIDS;
+    if (!output_is_stdout(output) && has_columns && (path_ends(output, ".tsv") || path_ends(output, ".csv"))) {
         int stem = (int)(strlen(output) - strlen(".tsv"));
         if (asprintf(&path, "%.*s.json", stem, output) < 0) {
             return false;

@@ -13,11 +13,12 @@ struct answer_settings {
 extern const struct option answer_options[];       /**< answer_settings: --format, --output */
 extern const struct option query_answer_options[]; /**< The same, with the formats of other programs. */
 
-/** The format of --format if that was given, else what the ending of --output says, else a table. */
-conus_format answer_format(const struct arguments *arguments, const struct answer_settings *settings);
+/** The format of --format if that was given, else what the ending of --output says, a table for what has none because
+ * it is no file. False, having complained, for a file whose ending says nothing. */
+bool answer_format(conus_format *out, const struct arguments *arguments, const struct answer_settings *settings);
 
-/** "answer.tsv" has its sidecar in "answer.json": sets *out, the caller's to free(), or NULL where there is none to
- * write. False without memory. */
+/** "answer.tsv" or "answer.csv" has its sidecar in "answer.json": sets *out, the caller's to free(), or NULL where
+ * there is none to write. False without memory. */
 bool answer_sidecar(char **out, conus_format format, const char *output);
 
 /** Whether neither the answer in @p output nor its @p sidecar would overwrite what is read, the atlas's files or one of

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "cli/batch_file.h"
 
+#include "cli/input_file.h"
 #include "cli/messages.h"
 #include "cli/options.h"
 
@@ -44,18 +45,19 @@ static bool write_fully(int descriptor, const char *data, size_t size)
 bool batch_file_checksum(const char *path, uint32_t *crc, uint64_t *size)
 {
     char chunk[CHUNK];
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
-    ssize_t n = descriptor < 0 ? -1 : 0;
+    FILE *file = input_file_open(path);
+    if (!file) {
+        return false;
+    }
     *crc = 0;
     *size = 0;
-    while (descriptor >= 0 && (n = read(descriptor, chunk, sizeof chunk)) > 0) {
-        *crc = (uint32_t)crc32_z(*crc, (const unsigned char *)chunk, (size_t)n);
-        *size += (uint64_t)n;
+    for (size_t n; (n = fread(chunk, 1, sizeof chunk, file)) > 0;) {
+        *crc = (uint32_t)crc32_z(*crc, (const unsigned char *)chunk, n);
+        *size += n;
     }
-    if (descriptor >= 0) {
-        close(descriptor);
-    }
-    return n == 0;
+    bool whole = !ferror(file) || !complain_errno(path, "read");
+    fclose(file);
+    return whole;
 }
 
 /* ---- The journal: lines of words, the last of which is the CRC-32 of the line before it ------------------------ */
@@ -171,18 +173,33 @@ static bool has_name(int descriptor)
     return fstat(descriptor, &info) == 0 && info.st_nlink > 0;
 }
 
+static int open_own(int *out, const char *path, int flags)
+{
+    struct stat info;
+    *out = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | flags, 0666);
+    if (*out < 0 || fstat(*out, &info)) {
+        return complain_errno(path, "write");
+    }
+    if (!S_ISREG(info.st_mode)) {
+        close(*out);
+        *out = -1;
+        complain("%s: cannot write: is a device or pipe, which is no file of a batch", path);
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
+}
+
 static int open_files(struct batch_file *file, int flags)
 {
-    file->log = open(file->journal, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (file->log < 0) {
-        return complain_errno(file->journal, "write");
+    int code = open_own(&file->log, file->journal, 0);
+    if (code) {
+        return code;
     }
     if (flock(file->log, LOCK_EX | LOCK_NB) || !has_name(file->log)) {
         complain("%s: another conus is writing this file", file->path);
         return EXIT_DATA;
     }
-    file->rows = open(file->part, O_RDWR | O_CREAT | O_CLOEXEC | flags, 0666);
-    return file->rows < 0 ? complain_errno(file->part, "write") : EXIT_DONE;
+    return open_own(&file->rows, file->part, flags);
 }
 
 static int begin(struct batch_file *file, const char *fingerprint, const char *heading)
@@ -318,6 +335,13 @@ int batch_file_note(struct batch_file *file, const struct batch_entry *entry)
     }
     count_entry(file, entry);
     return EXIT_DONE;
+}
+
+void batch_file_disown(struct batch_file *file)
+{
+    if (file->log >= 0 && ftruncate(file->log, 0)) {
+        complain_errno(file->journal, "write");
+    }
 }
 
 int batch_file_finish(struct batch_file *file)

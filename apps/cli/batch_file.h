@@ -44,14 +44,17 @@ int batch_file_append(struct batch_file *file, const conus_batch_block *block);
 /** Notes a block that somebody else has written behind those that are there. Gives the exit code likewise. */
 int batch_file_note(struct batch_file *file, const struct batch_entry *entry);
 
+/** Lets the journal vouch for nothing: the rows stay, but no run goes on with them. */
+void batch_file_disown(struct batch_file *file);
+
 /** Gives the file its name; the journal is gone then. Gives the exit code likewise. */
 int batch_file_finish(struct batch_file *file);
 
 /** Unfinished, it stays to be continued, unless there is nothing in it. */
 void batch_file_close(struct batch_file *file);
 
-/** CRC-32 (as in zlib, PNG and zip) of all bytes of the file at @p path, and their number; false (errno) when it cannot
- * be read. */
+/** CRC-32 (as in zlib, PNG and zip) of all bytes of the file at @p path, and their number; false, having complained,
+ * when it cannot be read. */
 bool batch_file_checksum(const char *path, uint32_t *crc, uint64_t *size);
 
 #endif

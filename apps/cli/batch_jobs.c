@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "cli/batch_jobs.h"
 
+#include "cli/input_file.h"
 #include "cli/messages.h"
 #include "cli/output.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLUMNS = 3 };
+enum { COLUMNS = 3, SIZE_LIMIT = 1 << 26 };
 
 static const char *const names[COLUMNS] = {"atlas", "poses", "output"};
 
@@ -18,23 +18,6 @@ void batch_jobs_finish(struct batch_jobs *jobs)
     free(jobs->jobs);
     free(jobs->text);
     *jobs = (struct batch_jobs){0};
-}
-
-static char *read_text(const char *path)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *file = fopen(path, "re");
-    ssize_t length = file ? getdelim(&text, &size, '\0', file) : -1;
-    if (length < 0) {
-        complain("%s: cannot read: %s", path, file && feof(file) ? "it is empty" : strerror(errno));
-        free(text);
-        text = NULL;
-    }
-    if (file) {
-        fclose(file);
-    }
-    return text;
 }
 
 /* Cuts a line into its fields; false unless there are COLUMNS. */
@@ -100,12 +83,23 @@ static bool add_job(struct batch_jobs *jobs, const size_t place[COLUMNS], char *
     return true;
 }
 
+static bool check_text(const char *text, size_t size, const char *path)
+{
+    if (!size || memchr(text, '\0', size)) {
+        complain("%s: %s", path, size ? "a zero byte: not a table of batches" : "cannot read: it is empty");
+        return false;
+    }
+    return true;
+}
+
 int batch_jobs_read(struct batch_jobs *out, const char *path)
 {
-    struct batch_jobs jobs = {.text = read_text(path)};
+    struct batch_jobs jobs = {0};
     size_t place[COLUMNS];
     size_t number = 0;
-    bool whole = jobs.text;
+    size_t size = 0;
+    int code = input_file_read(&jobs.text, &size, path, INPUT_FILE_OR_PIPE, SIZE_LIMIT);
+    bool whole = !code && check_text(jobs.text, size, path);
     for (char *rest = jobs.text, *line; whole && (line = strsep(&rest, "\n"));) {
         number++;
         line[strcspn(line, "\r")] = '\0';

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "cli/batch_record.h"
 
+#include "cli/input_file.h"
 #include "cli/messages.h"
 #include "cli/output.h"
 
@@ -26,9 +27,8 @@ int batch_hash_file(char out[65], const char *path)
 {
     uint8_t chunk[CHUNK];
     struct sha256_ctx context;
-    FILE *file = fopen(path, "re");
+    FILE *file = input_file_open(path);
     if (!file) {
-        complain("%s: cannot open: %s", path, strerror(errno));
         return EXIT_DATA;
     }
     sha256_init(&context);
@@ -130,7 +130,8 @@ int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas
 
 char *batch_sidecar_path(const char *output)
 {
-    size_t length = strlen(output) - (path_ends(output, ".tsv") ? strlen(".tsv") : 0);
+    bool is_table = path_ends(output, ".tsv") || path_ends(output, ".csv");
+    size_t length = strlen(output) - (is_table ? strlen(".tsv") : 0);
     char *path = NULL;
     return asprintf(&path, "%.*s.json", (int)length, output) < 0 ? NULL : path;
 }
@@ -228,8 +229,18 @@ static bool read_record(struct batch_record *out, json_t *root)
 
 int batch_record_read(struct batch_record *out, const char *path)
 {
+    char *text = NULL;
+    size_t size = 0;
+    int code = input_file_read(&text, &size, path, INPUT_FILE, BATCH_RECORD_LIMIT);
+    code = code ? code : batch_record_parse(out, path, text, size);
+    free(text);
+    return code;
+}
+
+int batch_record_parse(struct batch_record *out, const char *path, const char *text, size_t size)
+{
     json_error_t error;
-    json_t *root = json_load_file(path, 0, &error);
+    json_t *root = json_loadb(text, size, 0, &error);
     if (!root) {
         complain("%s: %s", path, error.text);
         return EXIT_DATA;

@@ -6,6 +6,8 @@
 
 #include "cli/batch_settings.h"
 
+enum { BATCH_RECORD_LIMIT = 1 << 26 }; /**< Largest sidecar that is read, bytes. */
+
 struct batch_record {
     char fingerprint[65]; /**< SHA-256 of all that the rows depend on but the shard. */
     struct shard shard;
@@ -27,7 +29,7 @@ int batch_hash_file(char out[65], const char *path);
 int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas, const struct batch_settings *settings,
                       const char *const *sources);
 
-/** The path of the sidecar of @p output: "a.json" of "a.tsv", "a.ndjson" or "a.jsonl", else with ".json" behind it.
+/** The path of the sidecar of @p output: "a.json" of "a.tsv" or "a.csv", else with ".json" behind it.
  * NULL without memory; the caller frees it. */
 char *batch_sidecar_path(const char *output);
 
@@ -36,5 +38,7 @@ int batch_record_write(const char *path, const char *text, const struct batch_re
 
 /** Reads it back. */
 int batch_record_read(struct batch_record *out, const char *path);
+/** The same from bytes; @p path is for messages. */
+int batch_record_parse(struct batch_record *out, const char *path, const char *text, size_t size);
 
 #endif

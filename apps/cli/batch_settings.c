@@ -10,7 +10,7 @@
 
 #define FIELD(member) offsetof(struct batch_settings, member)
 
-static const char *const formats[] = {"tsv", "ndjson", "afni", "bids", "spikeglx", "open-ephys", NULL};
+static const char *const formats[] = {"tsv", "csv", "ndjson", "afni", "bids", "spikeglx", "open-ephys", NULL};
 static const char *const spaces[] = {"ras", "lps", NULL};
 
 static const struct option pose_options[] = {
@@ -112,13 +112,19 @@ const struct option_group batch_groups[] = {
     {0},
 };
 
-conus_format batch_format(const struct batch_settings *settings, const struct arguments *arguments)
+bool batch_format(conus_format *out, const struct batch_settings *settings, const struct arguments *arguments)
 {
-    static const conus_format named[] = {CONUS_TSV,  CONUS_NDJSON,   CONUS_AFNI,
+    static const conus_format named[] = {CONUS_TSV,  CONUS_CSV,      CONUS_NDJSON,    CONUS_AFNI,
                                          CONUS_BIDS, CONUS_SPIKEGLX, CONUS_OPEN_EPHYS};
-    bool is_ndjson = !output_is_stdout(settings->output) &&
-                     (path_ends(settings->output, ".ndjson") || path_ends(settings->output, ".jsonl"));
-    return option_given(arguments, "format") ? named[settings->format] : is_ndjson ? CONUS_NDJSON : CONUS_TSV;
+    *out = named[settings->format];
+    if (option_given(arguments, "format") || output_is_no_file(settings->output)) {
+        return true;
+    }
+    bool known = output_format(out, settings->output) && *out != CONUS_TABLE && *out != CONUS_JSON;
+    return known || (complain("%s: --output ends in none of .tsv, .csv, .ndjson and .jsonl; --format says what else is "
+                              "written",
+                              settings->output),
+                     false);
 }
 
 static int parse_shard(struct shard *out, const char *text)

@@ -30,8 +30,9 @@ struct shard {
 
 extern const struct option_group batch_groups[]; /**< Of struct batch_settings. */
 
-/** The format of --format, else what the ending of --output says, else TSV. */
-conus_format batch_format(const struct batch_settings *settings, const struct arguments *arguments);
+/** What the rows are written in: --format, else what the ending of --output says, TSV where that is no file. False,
+ * having complained, for a file whose ending says nothing. */
+bool batch_format(conus_format *out, const struct batch_settings *settings, const struct arguments *arguments);
 
 /** Reads --shard, or takes it from Slurm's job array, saying so. Gives the exit code, having complained unless it is
  * 0. */

@@ -21,10 +21,13 @@ void work_finish(struct work *work)
     free(work->command_line);
 }
 
-static bool check(const struct batch_settings *settings, const struct arguments *arguments)
+static bool check(conus_format *format, const struct batch_settings *settings, const struct arguments *arguments)
 {
-    if (settings->summary && batch_format(settings, arguments) > CONUS_NDJSON) {
-        complain("--summary: other programs' formats have none, tsv and ndjson do");
+    if (!batch_format(format, settings, arguments)) {
+        return false;
+    }
+    if (settings->summary && *format > CONUS_NDJSON) {
+        complain("--summary: other programs' formats have none, tsv, csv and ndjson do");
         return false;
     }
     if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
@@ -163,11 +166,10 @@ int work_build(struct work *work)
 int work_init(struct work *out, const struct batch_settings *settings, const struct arguments *arguments)
 {
     *out = (struct work){.settings = settings, .arguments = arguments};
-    if (!check(settings, arguments)) {
+    if (!check(&out->format, settings, arguments)) {
         return EXIT_USAGE;
     }
     out->output = output_is_stdout(settings->output) ? NULL : settings->output;
-    out->format = batch_format(settings, arguments);
     out->command_line = arguments_text(arguments);
     out->sidecar = out->output ? batch_sidecar_path(out->output) : NULL;
     if (!out->command_line || (out->output && !out->sidecar)) {
@@ -202,14 +204,26 @@ static const char *file_in_rows(const struct work *work)
 int work_identify(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
-    const char *system = conus_pose_stream_coordsystem(work->poses);
     const char format[] = {(char)('0' + work->format), '\0'};
-    const char *const sources[] = {work->pose_hash,        conus_pose_stream_space(work->poses),
-                                   work->coordsystem_hash, format,
-                                   file_in_rows(work),     NULL};
+    const char *const sources[] = {work->pose_hash,
+                                   conus_pose_stream_space(work->poses),
+                                   conus_pose_stream_coordsystem_sha256(work->poses),
+                                   format,
+                                   file_in_rows(work),
+                                   NULL};
     int code = work->piped ? EXIT_DONE : batch_hash_file(work->pose_hash, settings->poses);
-    code = code || !*system ? code : batch_hash_file(work->coordsystem_hash, system);
     return code ? code : batch_fingerprint(work->fingerprint, work->batch, work->atlas, settings, sources);
+}
+
+int work_check_poses(struct work *work)
+{
+    char hash[65] = "";
+    conus_status status = work->piped ? CONUS_OK : conus_pose_stream_sha256(hash, work->poses);
+    if (!status && strcmp(hash, work->pose_hash) != 0) {
+        complain("%s: changed while it was read", work->settings->poses);
+        return EXIT_DATA;
+    }
+    return status ? complain_status(status) : EXIT_DONE;
 }
 
 int work_check_output(const struct work *work)
@@ -232,7 +246,7 @@ int work_write_sidecar(struct work *work, struct batch_record *record)
     record->pose_file = work->settings->poses;
     record->pose_hash = work->pose_hash;
     record->coordsystem = conus_pose_stream_coordsystem(work->poses);
-    record->coordsystem_hash = work->coordsystem_hash;
+    record->coordsystem_hash = conus_pose_stream_coordsystem_sha256(work->poses);
     record->angle = angle * (180 / M_PI);
     memcpy(record->fingerprint, work->fingerprint, sizeof record->fingerprint);
     conus_status status = conus_batch_sidecar(work->batch, &text, &size);

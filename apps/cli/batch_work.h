@@ -19,7 +19,7 @@ struct work {
     conus_atlas *atlas;
     conus_selector *selector;
     conus_batch *batch;
-    char fingerprint[65], pose_hash[65], coordsystem_hash[65];
+    char fingerprint[65], pose_hash[65];
 };
 
 /** Whether poses at @p path can be read only once: "-", a pipe or a device. */
@@ -42,6 +42,9 @@ int work_pass_over(struct work *work, uint64_t poses);
 
 /** Finds the fingerprint. */
 int work_identify(struct work *work);
+
+/** Complains unless the poses that were read are those that the fingerprint is of. The rest is read, too. */
+int work_check_poses(struct work *work);
 
 /** Complains where something stands in the way of a new output. */
 int work_check_output(const struct work *work);

@@ -87,6 +87,16 @@ static int answer_all(struct run *run)
     return run->code ? run->code : signal ? batch_output_interrupted(work, run->done, signal) : EXIT_DONE;
 }
 
+static int finish(struct run *run)
+{
+    int code = work_check_poses(&run->work);
+    if (code) {
+        batch_file_disown(&run->file);
+        return code;
+    }
+    return batch_output_finish(&run->file, &run->work);
+}
+
 static int answer(void *user, const struct batch_settings *settings, const struct arguments *arguments)
 {
     (void)user;
@@ -97,7 +107,7 @@ static int answer(void *user, const struct batch_settings *settings, const struc
     code = code ? code : open_output(&run);
     if (!code && !run.file.is_finished) {
         code = answer_all(&run);
-        code = code || !run.work.output ? code : batch_output_finish(&run.file, &run.work);
+        code = code || !run.work.output ? code : finish(&run);
     }
     batch_file_close(&run.file);
     work_finish(&run.work);

@@ -9,9 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const uint64_t DEFAULT_MEMORY = UINT64_C(4) << 30;
+
 struct diff_settings {
     struct common_settings common;
     double tolerance;
+    uint64_t max_memory;
 };
 
 static const struct option own_options[] = {
@@ -22,6 +25,11 @@ static const struct option own_options[] = {
      .help = "numbers that differ by T or less are the same (default 0)",
      .low = 0,
      .high = 1e30},
+    {.name = "max-memory",
+     .type = OPTION_BYTES,
+     .offset = offsetof(struct diff_settings, max_memory),
+     .value = "SIZE",
+     .help = "largest table to read, like 512M or 2G (default 4G)"},
     {0},
 };
 
@@ -133,21 +141,23 @@ static int write_tables(struct comparison *diff)
     if (!diff->out || fclose(diff->out)) {
         complain("not enough memory");
     } else {
-        code = output_write(NULL, text, size);
+        conus_plain_text(text);
+        code = output_write(NULL, text, strlen(text));
     }
     free(text);
     bool differ = diff->columns + diff->changed + diff->removed + diff->added > 0;
     return code ? code : differ ? EXIT_DIFFERENT : EXIT_DONE;
 }
 
-static int diff_tables(const char *a, const char *b, double tolerance)
+static int diff_tables(const char *a, const char *b, const struct diff_settings *settings)
 {
+    uint64_t limit = settings->max_memory ? settings->max_memory : DEFAULT_MEMORY;
     struct results first = {0};
     struct results second = {0};
-    int code = results_load(&first, a);
-    code = code ? code : results_load(&second, b);
+    int code = results_load(&first, a, limit);
+    code = code ? code : results_load(&second, b, limit);
     if (!code) {
-        struct comparison diff = {.a = &first, .b = &second, .tolerance = tolerance};
+        struct comparison diff = {.a = &first, .b = &second, .tolerance = settings->tolerance};
         code = write_tables(&diff);
     }
     results_finish(&first);
@@ -226,7 +236,8 @@ static int write_pictures(const conus_image *a, const conus_image *b, double tol
         code = EXIT_DATA;
     }
     if (code == EXIT_DONE || code == EXIT_DIFFERENT) {
-        int written = output_write(NULL, text, size);
+        conus_plain_text(text);
+        int written = output_write(NULL, text, strlen(text));
         code = written ? written : code;
     }
     free(text);
@@ -254,17 +265,16 @@ static int run(const void *given, const struct arguments *arguments)
         return complain_usage("%s is a picture and %s is not: two of a kind are needed", is_picture(a) ? a : b,
                               is_picture(a) ? b : a);
     }
-    return is_picture(a) ? diff_pictures(a, b, settings->tolerance) : diff_tables(a, b, settings->tolerance);
+    return is_picture(a) ? diff_pictures(a, b, settings->tolerance) : diff_tables(a, b, settings);
 }
 
 const struct command cmd_diff = {
     .name = "diff",
     .summary = "compare two results or two pictures",
     .operands = {"A", "B"},
-    .description =
-        "Compares two TSV results of query row by row, matched by query, kind and index, and names what was\n"
-        "added, removed or changed; or two pictures, .exr or .png, channel by channel. Exit code 0: the\n"
-        "same, 1: different.",
+    .description = "Compares two TSV or CSV results row by row, matched by query, kind and index, and names what was\n"
+                   "added, removed or changed; or two pictures, .exr or .png, channel by channel. Exit code 0: the\n"
+                   "same, 1: different.",
     .examples = "  conus diff rays.tsv gl.tsv --tolerance 1e-4\n"
                 "  conus diff today.exr yesterday.exr\n",
     .groups = groups,

@@ -432,7 +432,8 @@ static int write_atlas(const conus_atlas *atlas, enum info_format format)
     if (code) {
         complain("not enough memory");
     } else {
-        code = output_write(NULL, text, size);
+        conus_plain_text(text);
+        code = output_write(NULL, text, strlen(text));
     }
     free(text);
     return code;

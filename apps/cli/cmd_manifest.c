@@ -5,6 +5,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 struct manifest_settings {
     struct common_settings common;
@@ -78,6 +79,9 @@ static int write_manifest(const char *folder, const char *name, const struct man
     conus_status status = conus_manifest_write(path, &options);
     int code = status ? complain_status(status) : EXIT_DONE;
     if (!status) {
+        if (isatty(STDOUT_FILENO)) { /* a script wants the name as it is */
+            conus_plain_text(path);
+        }
         printf("%s\n", path);
     }
     free(path);

@@ -2,13 +2,16 @@
 #include "cli/batch_file.h"
 #include "cli/batch_record.h"
 #include "cli/commands.h"
+#include "cli/input_file.h"
 #include "cli/messages.h"
 #include "cli/output.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 struct merge_settings {
@@ -64,7 +67,6 @@ static int read_part(struct part *part)
         return code;
     }
     if (!batch_file_checksum(part->path, &crc, &size)) {
-        complain("%s: cannot read: %s", part->path, strerror(errno));
         return EXIT_DATA;
     }
     if (crc != part->record.crc || size != part->record.bytes) {
@@ -156,9 +158,23 @@ static bool copy(FILE *out, FILE *in)
     return !ferror(in);
 }
 
+/* A new file beside the output with the rights of any new file; its name is nobody else's. */
+static FILE *open_temporary(char *path)
+{
+    mode_t mask = umask(0);
+    umask(mask);
+    int descriptor = mkostemps(path, (int)strlen(".part"), O_CLOEXEC);
+    FILE *file = descriptor < 0 || fchmod(descriptor, 0666 & ~mask) ? NULL : fdopen(descriptor, "w");
+    if (!file && descriptor >= 0) {
+        close(descriptor);
+        unlink(path);
+    }
+    return file;
+}
+
 static int copy_all(struct merge *merge)
 {
-    FILE *out = fopen(merge->temporary, "we");
+    FILE *out = open_temporary(merge->temporary);
     if (!out) {
         return complain_errno(merge->settings->output, "write");
     }
@@ -173,35 +189,18 @@ static int copy_all(struct merge *merge)
     }
     copied = copied && !fflush(out) && !fsync(fileno(out));
     copied = !fclose(out) && copied;
-    return copied && batch_file_checksum(merge->temporary, &merge->record.crc, &merge->record.bytes)
-               ? EXIT_DONE
-               : complain_errno(merge->settings->output, "write");
-}
-
-static char *read_text(const char *path)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *in = fopen(path, "re");
-    FILE *out = in ? open_memstream(&text, &size) : NULL;
-    bool copied = out && copy(out, in);
-    if (in) {
-        fclose(in);
+    if (!copied) {
+        return complain_errno(merge->settings->output, "write");
     }
-    if (out && (fclose(out) || !copied)) {
-        free(text);
-        text = NULL;
-    }
-    return text;
+    return batch_file_checksum(merge->temporary, &merge->record.crc, &merge->record.bytes) ? EXIT_DONE : EXIT_DATA;
 }
 
 static int write_whole(struct merge *merge)
 {
+    char *text = NULL;
+    size_t size = 0;
     int code = copy_all(merge);
-    char *text = code ? NULL : read_text(merge->parts[0].sidecar);
-    if (!code && !text) {
-        code = complain_errno(merge->parts[0].sidecar, "read");
-    }
+    code = code ? code : input_file_read(&text, &size, merge->parts[0].sidecar, INPUT_FILE, BATCH_RECORD_LIMIT);
     code = code ? code : batch_record_write(merge->sidecar, text, &merge->record, merge->command_line);
     free(text);
     if (!code && rename(merge->temporary, merge->settings->output)) {
@@ -222,6 +221,14 @@ static bool is_of(const struct part *part, const char *path)
     return paths_equal(path, part->path) || paths_equal(path, part->sidecar);
 }
 
+/* Rows are joined, not written anew: where both endings say a format, it must be one. */
+static bool endings_agree(const char *output, const char *shard)
+{
+    conus_format wanted;
+    conus_format given;
+    return !output_format(&wanted, output) || !output_format(&given, shard) || wanted == given;
+}
+
 static int check_paths(const struct merge *merge)
 {
     const char *output = merge->settings->output;
@@ -234,6 +241,11 @@ static int check_paths(const struct merge *merge)
         const struct part *part = &merge->parts[i];
         if (is_of(part, output) || is_of(part, merge->sidecar)) {
             return complain_usage("--output would overwrite the shard %s", part->path);
+        }
+    }
+    for (size_t i = 0; i < merge->count && !code; i++) {
+        if (!endings_agree(output, merge->parts[i].path)) {
+            return complain_usage("--output: %s is of another format than the shard %s", output, merge->parts[i].path);
         }
     }
     if (!code && !merge->settings->force && (access(output, F_OK) == 0 || access(merge->sidecar, F_OK) == 0)) {
@@ -267,7 +279,7 @@ static bool init(struct merge *merge, const struct arguments *arguments)
     merge->parts = calloc(merge->count, sizeof *merge->parts);
     merge->command_line = arguments_text(arguments);
     merge->sidecar = batch_sidecar_path(merge->settings->output);
-    if (asprintf(&merge->temporary, "%s.%ld.part", merge->settings->output, (long)getpid()) < 0) {
+    if (asprintf(&merge->temporary, "%s.XXXXXX.part", merge->settings->output) < 0) {
         merge->temporary = NULL;
     }
     bool whole = merge->parts && merge->command_line && merge->sidecar && merge->temporary;

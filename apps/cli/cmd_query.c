@@ -119,6 +119,11 @@ static void query_finish(struct query *query)
 
 static bool check_outputs(const struct query_settings *settings, const struct arguments *arguments)
 {
+    conus_format format;
+    if (settings->voxels && output_format(&format, settings->voxels) && format != CONUS_TSV && format != CONUS_TABLE) {
+        complain("--voxels: %s ends as what it will not be: TSV is written", settings->voxels);
+        return false;
+    }
     if (!option_needs(arguments, "voxels-of", "voxels")) {
         return false;
     }
@@ -481,8 +486,10 @@ static int run(const void *given, const struct arguments *arguments)
     if (!check(settings, arguments)) {
         return EXIT_USAGE;
     }
-    struct query query = {
-        .settings = settings, .arguments = arguments, .format = answer_format(arguments, &settings->answer)};
+    struct query query = {.settings = settings, .arguments = arguments};
+    if (!answer_format(&query.format, arguments, &settings->answer)) {
+        return EXIT_USAGE;
+    }
     int code = run_named(&query);
     query_finish(&query);
     return code;

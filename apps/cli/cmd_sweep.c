@@ -397,12 +397,11 @@ static int run(const void *given, const struct arguments *arguments)
     const struct sweep_settings *settings = given;
     struct sweep sweep = {.settings = settings,
                           .arguments = arguments,
-                          .format = answer_format(arguments, &settings->answer),
                           .rows = settings->angles   ? CONUS_SHARES
                                   : settings->jitter ? CONUS_CHANCES
                                                      : CONUS_ADMISSIONS};
     int code = EXIT_USAGE;
-    if (check(&sweep)) {
+    if (check(&sweep) && answer_format(&sweep.format, arguments, &settings->answer)) {
         sweep.command_line = arguments_text(arguments);
         bool ready = sweep.command_line && answer_sidecar(&sweep.sidecar, sweep.format, settings->answer.output);
         if (!ready) {

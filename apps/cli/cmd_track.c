@@ -438,9 +438,11 @@ static int run(const void *given, const struct arguments *arguments)
     if (!check(settings, arguments)) {
         return EXIT_USAGE;
     }
-    struct track track = {
-        .settings = settings, .arguments = arguments, .format = answer_format(arguments, &settings->answer)};
+    struct track track = {.settings = settings, .arguments = arguments};
     int code = EXIT_DATA;
+    if (!answer_format(&track.format, arguments, &settings->answer)) {
+        return EXIT_USAGE;
+    }
     if (prepare(&track)) {
         code = work(&track);
     } else {

@@ -11,11 +11,10 @@ static void complain_list(const char *format, va_list args)
 {
     char line[LINE_SIZE];
     vsnprintf(line, sizeof line, format, args);
-    for (char *c = line; *c; c++) {
-        if ((unsigned char)*c < 0x20 || *c == 0x7f) {
-            *c = ' ';
-        }
+    for (char *c = line; (c = strpbrk(c, "\n\t"));) {
+        *c = ' ';
     }
+    conus_plain_text(line);
     fprintf(stderr, "conus: %s\n", line);
 }
 

@@ -67,6 +67,28 @@ bool path_ends(const char *path, const char *ending)
     return length > tail && strcasecmp(path + length - tail, ending) == 0;
 }
 
+bool output_is_no_file(const char *path)
+{
+    struct stat info;
+    return output_is_stdout(path) || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
+}
+
+bool output_format(conus_format *out, const char *path)
+{
+    static const struct {
+        const char *ending;
+        conus_format format;
+    } endings[] = {{".tsv", CONUS_TSV},       {".csv", CONUS_CSV},      {".json", CONUS_JSON},
+                   {".ndjson", CONUS_NDJSON}, {".jsonl", CONUS_NDJSON}, {".txt", CONUS_TABLE}};
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        if (path_ends(path, endings[i].ending)) {
+            *out = endings[i].format;
+            return true;
+        }
+    }
+    return false;
+}
+
 static bool is_same(const struct stat *one, const struct stat *other)
 {
     return one->st_dev == other->st_dev && one->st_ino == other->st_ino;

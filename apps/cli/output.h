@@ -3,6 +3,8 @@
 #ifndef CONUS_CLI_OUTPUT_H
 #define CONUS_CLI_OUTPUT_H
 
+#include <conus/conus.h>
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -19,6 +21,12 @@ int output_finish(int code);
 /** Whether a file that is renamed to @p path replaces nothing but a file, no device, pipe, folder or link. Gives the
  * exit code, having complained unless it is 0. */
 int output_check_file(const char *path);
+
+/** Whether @p path is stdout or there already and no file: a device, a pipe. */
+bool output_is_no_file(const char *path);
+
+/** What the ending of @p path says that is in it: .txt a table; false if it says nothing. */
+bool output_format(conus_format *out, const char *path);
 
 /** Whether @p path ends in @p ending (".png"), in any case. */
 bool path_ends(const char *path, const char *ending);

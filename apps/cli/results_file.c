@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "cli/results_file.h"
 
+#include "cli/input_file.h"
 #include "cli/messages.h"
 
-#include <errno.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -110,31 +110,67 @@ static int check_bytes(const struct results *results, const char *path, size_t s
 {
     const char *text = results->bytes;
     if (size == 0) {
-        return refuse(path, "is empty, a TSV result of conus is needed");
+        return refuse(path, "is empty, a TSV or CSV result of conus is needed");
     }
     if (memchr(text, '\0', size)) {
-        return refuse(path, "a zero byte: not a TSV result of conus");
+        return refuse(path, "a zero byte: not a TSV or CSV result of conus");
     }
     if (text[0] == '{' || text[0] == '[') {
-        return refuse(path, "looks like JSON; diff compares TSV results and pictures");
+        return refuse(path, "looks like JSON; diff compares TSV and CSV results and pictures");
     }
     return EXIT_DONE;
+}
+
+/* Takes the marks off a quoted cell, RFC 4180; gives what is behind it, NULL if it is not closed. */
+static char *unquote(char *cell)
+{
+    char *to = cell;
+    for (char *from = cell + 1; *from; from++) {
+        if (*from == '"' && *++from != '"') { /* one that is not doubled is the last */
+            *to = '\0';
+            return from;
+        }
+        *to++ = *from;
+    }
+    return NULL;
+}
+
+/* Ends the cell that begins here; *next is the one behind it, NULL if it is the line's last. False where its quotation
+ * marks are wrong. */
+static bool end_cell(char **next, char *cell, char separator)
+{
+    bool quoted = separator == ',' && *cell == '"';
+    const char stops[] = {separator, '\0'};
+    char *end = quoted ? unquote(cell) : cell + strcspn(cell, stops);
+    if (!end || (*end && *end != separator)) {
+        return false;
+    }
+    *next = *end ? end + 1 : NULL;
+    if (!quoted) {
+        *end = '\0';
+    }
+    return true;
 }
 
 /* Cuts one line, of `length` bytes with its LF, into cells. */
 static int cut_line(struct results *results, const char *path, char *line, size_t length, size_t number)
 {
-    size_t fields = count_of(line, length, '\t') + 1;
+    const char **cells = results->cells + (number - 1) * results->columns;
+    size_t fields = 0;
+    line[length - 1] = '\0';
+    for (char *next; line; line = next) {
+        if (!end_cell(&next, line, results->separator)) {
+            complain("%s:%zu: a quotation mark inside a field, or one that is not closed", path, number);
+            return EXIT_DATA;
+        }
+        if (fields < results->columns) {
+            cells[fields] = line;
+        }
+        fields++;
+    }
     if (fields != results->columns) {
         complain("%s:%zu: %zu fields, the header has %zu", path, number, fields, results->columns);
         return EXIT_DATA;
-    }
-    const char **cells = results->cells + (number - 1) * results->columns;
-    line[length - 1] = '\0';
-    for (size_t c = 0; c < fields; c++) {
-        cells[c] = line;
-        line += strcspn(line, "\t");
-        *line++ = '\0';
     }
     return EXIT_DONE;
 }
@@ -142,7 +178,9 @@ static int cut_line(struct results *results, const char *path, char *line, size_
 static int cut_lines(struct results *results, const char *path, size_t size)
 {
     size_t lines = count_of(results->bytes, size, '\n');
-    results->columns = count_of(results->bytes, strcspn(results->bytes, "\n"), '\t') + 1;
+    size_t header = strcspn(results->bytes, "\n");
+    results->separator = memchr(results->bytes, '\t', header) ? '\t' : ',';
+    results->columns = count_of(results->bytes, header, results->separator) + 1;
     results->rows = lines - 1;
     if (results->columns > COLUMN_LIMIT) {
         complain("%s: %zu columns, allowed are %d", path, results->columns, COLUMN_LIMIT);
@@ -179,7 +217,7 @@ static int check_columns(struct results *results, const char *path)
         if (results_column(results, key_names[i], &column)) {
             results->keys[i] = &results->cells[column];
         } else if (i < NEEDED_KEYS) {
-            complain("%s: no column \"%s\": not a TSV result of conus", path, key_names[i]);
+            complain("%s: no column \"%s\": not a TSV or CSV result of conus", path, key_names[i]);
             return EXIT_DATA;
         }
     }
@@ -226,39 +264,11 @@ int results_parse(struct results *out, const char *path, const char *bytes, size
     return EXIT_DONE;
 }
 
-static int read_stream(FILE *in, const char *path, char **bytes, size_t *size)
-{
-    FILE *out = open_memstream(bytes, size);
-    char block[4096];
-    size_t count;
-    if (!out) {
-        return no_memory(path);
-    }
-    while ((count = fread(block, 1, sizeof block, in)) > 0) {
-        fwrite(block, 1, count, out);
-    }
-    bool kept = !ferror(out);
-    if (fclose(out) || !kept) {
-        return no_memory(path);
-    }
-    if (ferror(in)) {
-        complain("%s: cannot read: %s", path, strerror(errno));
-        return EXIT_DATA;
-    }
-    return EXIT_DONE;
-}
-
-int results_load(struct results *out, const char *path)
+int results_load(struct results *out, const char *path, uint64_t limit)
 {
     char *bytes = NULL;
     size_t size = 0;
-    FILE *in = fopen(path, "rbe");
-    if (!in) {
-        complain("%s: cannot open: %s", path, strerror(errno));
-        return EXIT_DATA;
-    }
-    int code = read_stream(in, path, &bytes, &size);
-    fclose(in);
+    int code = input_file_read(&bytes, &size, path, INPUT_FILE_OR_PIPE, limit);
     code = code ? code : results_parse(out, path, bytes, size);
     free(bytes);
     return code;

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A result of conus read back from its TSV file, for comparison. */
+/** @file A result of conus read back from its TSV or CSV file, for comparison. */
 #ifndef CONUS_CLI_RESULTS_FILE_H
 #define CONUS_CLI_RESULTS_FILE_H
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 enum { RESULTS_KEYS = 6 };
 
@@ -12,13 +13,14 @@ struct results {
     char *bytes;        /**< What the cells point into. */
     const char **cells; /**< The header's, then each row's, `columns` at a time. */
     size_t columns, rows;
+    char separator;                  /**< Tab or comma. */
     const char **keys[RESULTS_KEYS]; /**< Header cell of query, kind, index, i, j and k; NULL where there is none. */
     size_t *order;                   /**< Rows, sorted by their keys. */
 };
 
-/** Reads @p path. Gives the exit code, having complained unless it is 0; @p out is then the caller's to
- * results_finish(). Two rows with one key are an error. */
-int results_load(struct results *out, const char *path);
+/** Reads @p path, of at most @p limit bytes. Gives the exit code, having complained unless it is 0; @p out is then the
+ * caller's to results_finish(). Two rows with one key are an error. */
+int results_load(struct results *out, const char *path, uint64_t limit);
 /** The same from @p size bytes at @p bytes, which are copied; @p path is for messages. */
 int results_parse(struct results *out, const char *path, const char *bytes, size_t size);
 void results_finish(struct results *results);

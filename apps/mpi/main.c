@@ -171,6 +171,17 @@ static void start_progress(struct run *run)
     }
 }
 
+/* Whether all ranks have read the file that rank 0 began with. */
+static int check_poses(struct run *run)
+{
+    MPI_Bcast(run->work.pose_hash, sizeof run->work.pose_hash, MPI_CHAR, 0, MPI_COMM_WORLD);
+    int code = agree(work_check_poses(&run->work));
+    if (code && run->cluster->rank == 0) {
+        batch_file_disown(&run->kept);
+    }
+    return code;
+}
+
 /* All of it; on rank 0 also the last words. */
 static int answer_all(struct run *run)
 {
@@ -190,6 +201,7 @@ static int answer_all(struct run *run)
         batch_output_interrupted(&run->work, run->kept.poses, run->file.stop - 128);
     }
     int code = agree(ordered_file_close(&run->file));
+    code = code ? code : check_poses(run);
     if (leads && !code) {
         if (!run->kept.poses && run->work.shard.count == 1) {
             settings_say_no_poses(run->work.settings->poses, &run->work.settings->common);

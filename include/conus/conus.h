@@ -342,7 +342,8 @@ typedef struct conus_pose_row {
 
 /** Opens poses for reading one block after the other: tables and points of any length in memory that does not grow,
  * other formats whole. @p path may be a pipe; NULL or "-" is standard input. A file without any pose opens, too, unless
- * nothing in it tells what it is. The stream belongs to one thread at a time. */
+ * nothing in it tells what it is. A file that changes before all of it is read is CONUS_ERROR_IO. The stream belongs to
+ * one thread at a time. */
 CONUS_CHECKED conus_status conus_pose_stream_open(conus_pose_stream **out, const char *path,
                                                   const conus_pose_options *options);
 /** Reads the next @p count of at most @p capacity rows (at least 1), fewer only at the end, 0 when there are no more.
@@ -372,6 +373,11 @@ CONUS_API const char *conus_pose_stream_electrodes(const conus_pose_stream *stre
 /** Path of the *_coordsystem.json that says what the positions of electrodes (BIDS) are in; "" where there is none.
  * Borrowed. */
 CONUS_API const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream);
+/** SHA-256 of that file as it was read; "" where there is none. Borrowed. */
+CONUS_API const char *conus_pose_stream_coordsystem_sha256(const conus_pose_stream *stream);
+/** SHA-256, in hexadecimal with a final NUL, of the file of the poses: of the bytes that this stream has read, and of
+ * the rest, which it reads now, so that there are no rows afterwards. CONUS_ERROR_UNSUPPORTED for a pipe. */
+CONUS_CHECKED conus_status conus_pose_stream_sha256(char out[65], conus_pose_stream *stream);
 /** CONUS_ERROR_DATA where the file and the atlas say that they belong to different brains, somebody's scan and a
  * template, say; a note where one of them does not say. A file that names no space fits any atlas. */
 CONUS_CHECKED conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas);
@@ -610,6 +616,7 @@ CONUS_API const conus_chance *conus_jitter_chance(const conus_jitter *jitter, si
 typedef enum conus_format {
     CONUS_TABLE = 0,
     CONUS_TSV,
+    CONUS_CSV, /**< The columns of CONUS_TSV between commas (RFC 4180). */
     CONUS_JSON,
     CONUS_NDJSON,
     /* What other programs read, of CONUS_ANSWERS, as a whole (docs/formats.md). */
@@ -663,8 +670,8 @@ CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const ch
 /** The whole text in the report's format. Borrowed until the next call on the report. */
 CONUS_CHECKED conus_status conus_report_text(conus_report *report, const char **text, size_t *size);
 /** The same for a report that goes on: the text of the answers since the last call, which are then forgotten. The
- * heading of TSV and CONUS_BIDS, or of a track's table, comes once, with the first call. Not for CONUS_JSON and the
- * strings of probes, which are one whole. */
+ * heading of TSV, CSV and CONUS_BIDS, or of a track's table, comes once, with the first call. Not for CONUS_JSON and
+ * the strings of probes, which are one whole. */
 CONUS_CHECKED conus_status conus_report_take(conus_report *report, const char **text, size_t *size);
 /** The voxels met first (with all layers, and of a ball, all with their centre in it), nearest first, as TSV: query
  * pathway i j k x y z value distance_mm kind index. Borrowed likewise. */
@@ -942,6 +949,11 @@ typedef struct conus_manifest_options {
 /** Writes a first manifest (docs/formats.md) of what lies in the folder of @p path and the folders in it: volumes, FSL
  * atlases, surfaces, BrainGlobe folders. What a volume is for, is guessed. A file that is there is never replaced. */
 CONUS_CHECKED conus_status conus_manifest_write(const char *path, const conus_manifest_options *options);
+
+/** Makes a text that came from outside, a name or a path, harmless for a terminal, in place: a space for each character
+ * that would steer it but line feeds and tabs, '?' for each byte that is no UTF-8. Messages and notes are plain
+ * already. */
+CONUS_API void conus_plain_text(char *text);
 
 /** Writes a file that appears whole or not at all. */
 CONUS_CHECKED conus_status conus_write_file(const char *path, const void *data, size_t size);

@@ -175,7 +175,7 @@ wait_for_lines() {
     fails 2 '--resume has no effect without a file for --output' batch sphere.nii.gz --poses poses.tsv --resume -o -
     fails 2 '--force has no effect without a file for --output' batch sphere.nii.gz --poses poses.tsv --force -o -
     fails 2 '--force and --resume exclude each other' batch sphere.nii.gz --poses poses.tsv -o a.tsv --force --resume
-    fails 2 'would overwrite the atlas' batch sphere.nii.gz --poses poses.tsv -o sphere.nii.gz --force
+    fails 2 'would overwrite the atlas' batch sphere.nii.gz --poses poses.tsv --format tsv -o sphere.nii.gz --force
     fails 2 'would overwrite the file of poses' batch sphere.nii.gz --poses poses.tsv -o poses.tsv --force
     fails 3 'none.tsv' batch sphere.nii.gz --poses none.tsv
     for ending in part journal; do
@@ -238,6 +238,65 @@ wait_for_lines() {
     diff <(grep -v CommandLine rows.json) <(grep -v CommandLine killed.json)
     answers batch sphere.nii.gz --poses poses.tsv --angle 12 -o killed.tsv --resume
     fails 2 'there is a file already' batch sphere.nii.gz --poses poses.tsv --angle 13 -o killed.tsv --resume
+}
+
+@test "poses that change while they are answered: an error, and what is there goes on with the old ones" {
+    setup_ball 20000
+    batch -o rows.tsv
+    cp poses.tsv old.tsv
+    start --threads 1 -o changed.tsv
+    wait_for_lines 5 changed.tsv.journal
+    kill -STOP "$pid"
+    sed 's/^[0-9-]/1/' old.tsv >poses.tsv # the same file, with other bytes
+    kill -CONT "$pid"
+    local code=0
+    wait "$pid" || code=$?
+    [ "$code" -eq 3 ]
+    grep -q 'conus: poses.tsv: changed while it was read' said
+    [ ! -e changed.tsv ] && [ ! -e changed.json ] && [ -e changed.tsv.part ] && [ -e changed.tsv.journal ]
+    fails 2 'written with other settings, poses' \
+        batch sphere.nii.gz --poses poses.tsv --angle 12 --block 100 -o changed.tsv --resume
+    cp old.tsv poses.tsv
+    batch -o changed.tsv --resume
+    cmp rows.tsv changed.tsv
+}
+
+@test "pipes in the place of a batch's own files are refused, not waited for" {
+    setup_ball 5
+    batch -o whole.tsv
+    for ending in journal part; do
+        rm -f rows.tsv.*
+        touch rows.tsv.journal rows.tsv.part
+        rm "rows.tsv.$ending"
+        mkfifo "rows.tsv.$ending"
+        for how in --resume --force; do
+            run -3 --separate-stderr timeout 60 "$CONUS" batch sphere.nii.gz --poses poses.tsv -o rows.tsv $how
+            check_message "rows.tsv.$ending: cannot write: is a device or pipe"
+        done
+    done
+    mkfifo shard.tsv
+    cp whole.json shard.json
+    run -3 --separate-stderr timeout 60 "$CONUS" merge shard.tsv -o joined.tsv
+    check_message 'shard.tsv: cannot read: is a pipe, a regular file is needed'
+    rm shard.tsv shard.json
+    cp whole.tsv shard.tsv
+    mkfifo shard.json
+    run -3 --separate-stderr timeout 60 "$CONUS" merge shard.tsv -o joined.tsv
+    check_message 'shard.json: cannot read: is a pipe, a regular file is needed'
+}
+
+@test "what other processes left behind does not stand in the way" {
+    setup_ball 5
+    batch -o rows.tsv
+    # Under the names of versions before: rows.json.PID.part, of the processes to come.
+    local next=$(sh -c 'echo $$')
+    for pid in $(seq "$next" $((next + 300))); do
+        echo left >"rows.json.$pid.part"
+        echo left >"joined.tsv.$pid.part"
+    done
+    answers batch sphere.nii.gz --poses poses.tsv --angle 12 -o rows.tsv --force
+    answers merge rows.tsv -o joined.tsv
+    cmp rows.tsv joined.tsv
 }
 
 @test "what a crash left half written is cut off" {

@@ -44,18 +44,40 @@ result() {
 @test "what is no result is refused" {
     result >a.tsv
     fails 3 'none.tsv: cannot open: No such file or directory' diff a.tsv none.tsv
-    fails 3 '.: cannot read: Is a directory' diff a.tsv .
+    fails 3 '.: cannot read: is a folder, a file or pipe is needed' diff a.tsv .
     : >b.tsv
     fails 3 'b.tsv: is empty' diff a.tsv b.tsv
     echo '{"rows": []}' >b.tsv
     fails 3 'b.tsv: looks like JSON' diff a.tsv b.tsv
     echo 'hello' >b.tsv
-    fails 3 'b.tsv: no column "query": not a TSV result of conus' diff a.tsv b.tsv
+    fails 3 'b.tsv: no column "query": not a TSV or CSV result of conus' diff a.tsv b.tsv
     { result; printf '1\tarea\n'; } >b.tsv
     fails 3 'b.tsv:4: 2 fields, the header has 6' diff a.tsv b.tsv
     { result; result | tail -1; } >b.tsv
     fails 3 'b.tsv:4: the same query, kind and index as another line' diff a.tsv b.tsv
     fails 2 '--tolerance: -1 is out of range' diff a.tsv a.tsv --tolerance -1
+}
+
+@test "what has no end is not read: devices not at all, pipes up to --max-memory" {
+    result >a.tsv
+    for device in /dev/zero /dev/null; do
+        run -3 --separate-stderr timeout 60 "$CONUS" diff a.tsv $device
+        check_message "$device: cannot read: is a device, a file or pipe is needed"
+    done
+    run -3 --separate-stderr timeout 60 "$CONUS" diff a.tsv <(yes) --max-memory 1M
+    check_message 'more than the 1048576 bytes that are read'
+    fails 3 "a.tsv: more than the 10 bytes that are read" diff a.tsv a.tsv --max-memory 10
+    "$CONUS" diff a.tsv a.tsv --max-memory "$(wc -c <a.tsv)"
+    "$CONUS" diff a.tsv <(cat a.tsv)
+}
+
+@test "what steers a terminal in names does not reach it" {
+    result >a.tsv
+    sed $'s/Frontal/\x1b]0;title\x07\xc2\x9b31m\xe2\x80\xaelatnorF/' a.tsv >b.tsv
+    ! cmp -s a.tsv b.tsv
+    run -1 conus diff a.tsv b.tsv
+    [[ "$output" != *$'\x1b'* && "$output" != *$'\xc2\x9b'* && "$output" != *$'\xe2\x80\xae'* ]]
+    has ' ]0;title  31m latnorF'
 }
 
 @test "two runs of one query are the same, another angle is not" {

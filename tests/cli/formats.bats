@@ -140,3 +140,103 @@ contacts() {
     sed -i '1s/size$/area/' probe.tsv
     fails 3 'a column area already' batch slabs.nii.gz --poses probe.tsv --radius 1 --format bids --quiet
 }
+
+# oddly_named: names.tsv with names that need quotation marks in CSV.
+oddly_named() {
+    printf 'index\tname\n1\tfirst, "upper" part\n300\t=cmd|x!A0\n' >names.tsv
+}
+
+# same_cells A.csv B.tsv: Python's csv and pandas read the same cells from both; lines end as RFC 4180 says.
+same_cells() {
+    /usr/bin/python3 - "$1" "$2" <<'PYTHON'
+import csv, sys
+import pandas
+with open(sys.argv[1], newline="") as file:
+    text = file.read()
+rows = list(csv.reader(text.splitlines(keepends=True), strict=True))
+wanted = [line.split("\t") for line in open(sys.argv[2]).read().splitlines()]
+assert rows == wanted, (rows, wanted)
+assert text.endswith("\r\n") and text.count("\n") == text.count("\r\n") == len(wanted)
+pandas.testing.assert_frame_equal(pandas.read_csv(sys.argv[1]), pandas.read_csv(sys.argv[2], sep="\t", quoting=3))
+PYTHON
+}
+
+@test "CSV has the cells of TSV, in every command that writes rows" {
+    conus phantom slabs -o .
+    oddly_named
+    printf 'query_id,x,y,z,tx,ty,tz,time_s\n"one, two",0,-50,0,0,0,0,0\nlost,0,0,0,0,0,0,1\n3,5,-50,3,0,0,0,2\n' >poses.csv
+    local of=(slabs.nii.gz --labels names.tsv --quiet)
+    for format in csv tsv; do
+        run -1 conus query "${of[@]}" --pose poses.csv -o "query.$format"
+        run -1 conus query "${of[@]}" --pose poses.csv --layers all --format $format
+        printf '%s\n' "$output" | grep -v '^conus: ' >"layers.$format"
+        run -1 conus batch "${of[@]}" --poses poses.csv --force -o "batch.$format"
+        run -1 conus batch "${of[@]}" --poses poses.csv --force --summary --format $format -o "summary.$format"
+        run -1 conus track "${of[@]}" --poses poses.csv --score intenselect -o "track.$format"
+        run -1 conus sweep "${of[@]}" --pose poses.csv -o "admissions.$format"
+        run -1 conus sweep "${of[@]}" --pose poses.csv --angles 5,10 -o "shares.$format"
+        run -1 conus sweep "${of[@]}" --pose poses.csv --jitter 2,1 --samples 16 -o "chances.$format"
+    done
+    for name in query layers batch summary track admissions shares chances; do
+        same_cells $name.csv $name.tsv
+    done
+    grep -q ',"first, ""upper"" part",' layers.csv
+    grep -q ',=cmd|x!A0,' layers.csv
+    cmp query.csv batch.csv
+    cmp query.csv <(conus batch "${of[@]}" --poses poses.csv --format csv)
+    grep -q '"Units": "mm"' query.json
+    answers diff query.csv query.tsv
+    has ', 0 changed, 0 removed, 0 added'
+    sed 's/upper/lower/' layers.csv >other.csv
+    run -1 conus diff layers.csv other.csv
+    has 'name first, "upper" part -> first, "lower" part'
+}
+
+@test "shards of CSV are joined as CSV" {
+    conus phantom slabs -o .
+    oddly_named
+    printf 'x y z tx ty tz\n' | tr ' ' , >poses.csv
+    for i in {1..20}; do echo "$i,-50,0,0,0,0"; done >>poses.csv
+    local of=(slabs.nii.gz --labels names.tsv --poses poses.csv)
+    answers batch "${of[@]}" -o whole.csv
+    for i in 0 1 2; do
+        conus batch "${of[@]}" --shard $i/3 -o part.$i.csv
+    done
+    fails 2 'joined.tsv is of another format than the shard part.0.csv' merge part.[0-2].csv -o joined.tsv
+    answers merge part.[0-2].csv -o joined.csv
+    cmp whole.csv joined.csv
+    [ -e joined.json ]
+}
+
+@test "an ending that says no format is an error that lists those that do" {
+    conus phantom slabs -o .
+    local aim='slabs.nii.gz --origin 0,-50,0 --toward 0,0,0'
+    printf 'x,y,z,tx,ty,tz,time_s\n0,-50,0,0,0,0,0\n' >poses.csv
+    local most='ends in none of .tsv, .csv, .json, .ndjson, .jsonl and, for a table for people, .txt; --format says what else'
+    for name in answer.xlsx answer answer.CSV.gz .tsv; do
+        # shellcheck disable=SC2086 # words
+        fails 2 "$name: --output $most" query $aim -o $name
+        # shellcheck disable=SC2086
+        fails 2 "$name: --output $most" sweep $aim -o $name
+        fails 2 "$name: --output $most" track slabs.nii.gz --poses poses.csv -o $name
+        fails 2 "$name: --output ends in none of .tsv, .csv, .ndjson and .jsonl; --format says what else" \
+            batch slabs.nii.gz --poses poses.csv -o $name
+    done
+    fails 2 'rows.json: --output ends in none of' batch slabs.nii.gz --poses poses.csv -o rows.json
+    fails 2 'rows.txt: --output ends in none of' batch slabs.nii.gz --poses poses.csv -o rows.txt
+    # shellcheck disable=SC2086
+    fails 2 '--voxels: voxels.csv ends as what it will not be: TSV is written' query $aim --voxels voxels.csv --voxels-of all
+    nothing_left slabs.nii.gz slabs.tsv slabs.json poses.csv
+    # shellcheck disable=SC2086
+    answers query $aim --format csv -o answer.xlsx
+    grep -q '^query,kind,' answer.xlsx
+    # shellcheck disable=SC2086
+    answers query $aim -o answer.CSV
+    cmp answer.xlsx answer.CSV
+    # shellcheck disable=SC2086
+    answers query $aim -o answer.txt
+    grep -q '^rank ' answer.txt
+    # shellcheck disable=SC2086
+    answers query $aim -o /dev/stdout
+    has 'rank  name'
+}

@@ -61,3 +61,27 @@ load helpers
     run -3 --separate-stderr bash -c "exec 3> >(:); wait \$!; '$CONUS' info '$aal' --format json >&3"
     check_message 'standard output: cannot write: Broken pipe'
 }
+
+# Whatever a name holds: ESC, CSI of 8 bits, a line separator, an override of the direction.
+@test "what steers a terminal in names of areas and files does not reach it" {
+    local odd=$'\x1b]0;t\x07\xc2\x9b31m\xe2\x80\xa8\xe2\x80\xae'
+    sphere --size 16
+    rm sphere.json
+    mv sphere.nii.gz "a$odd.nii.gz"
+    printf 'index\tname\n1\tBall%s\n' "${odd#*$'\x07'}" >"a$odd.tsv" # a table with ESC in it is none
+    for arguments in 'info' 'info --format tsv' 'info --format json' 'info --format tree' \
+        'query --origin 0,0,90 --toward 0,0,0' 'query --origin 0,0,90 --toward 0,0,0 --format csv' \
+        'query --origin 0,0,90 --toward 0,0,0 --format json' 'sweep --origin 0,0,90 --toward 0,0,0' \
+        'query --origin 0,0,90'; do
+        # shellcheck disable=SC2046,SC2086 # words
+        "$CONUS" ${arguments%% *} "a$odd.nii.gz" $(cut -s -d' ' -f 2- <<<"$arguments") >out 2>&1 || true
+        [ -s out ]
+        if LC_ALL=C grep -q $'\x1b\|\xc2\x9b\|\xe2\x80\xa8\|\xe2\x80\xae' out; then
+            echo "$arguments:"
+            cat -v out
+            return 1
+        fi
+    done
+    "$CONUS" query "a$odd.nii.gz" --origin 0,0,90 --toward 0,0,0 | grep -q 'Ball 31m  '
+    fails 3 '31m' info "$odd.nii.gz"
+}

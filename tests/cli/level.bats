@@ -56,7 +56,7 @@ nested() {
     local said='--output would overwrite the list of areas list.txt'
     local of=(nested.nii.gz --labels tree.tsv --level @list.txt)
     fails 2 "$said" "${view[@]}" --level @list.txt -o list.txt
-    fails 2 "$said" batch "${of[@]}" --poses hand.tsv -o list.txt --force
+    fails 2 "$said" batch "${of[@]}" --poses hand.tsv --format tsv -o list.txt --force
     fails 2 "$said" sweep "${of[@]}" --origin 0,-100,0 --toward 0,0,0 --angles 10 -o list.txt
     fails 2 "$said" track "${of[@]}" --poses hand.tsv -o list.txt
     ln -s list.txt listed.json

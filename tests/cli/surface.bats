@@ -73,16 +73,16 @@ labels() {
     [ "$(sed -n 2p labels.tsv | cut -f 2-4)" = "area	1	s" ]
     [ "$(wc -l <v.tsv)" = 1 ] # a surface has no voxels
     # shellcheck disable=SC2086
-    run -0 --separate-stderr "$CONUS" query $aim -o the
+    run -0 --separate-stderr "$CONUS" query $aim -o the.txt
     # shellcheck disable=SC2086
     fails 2 "--voxels lists the voxels of pathways, and there is none" query $aim --voxels v.tsv
     # shellcheck disable=SC2086
-    fails 2 "--output would overwrite the atlas s.gii" query $aim -o s.gii
+    fails 2 "--output would overwrite the atlas s.gii" query $aim --format table -o s.gii
     labels 6 | gifti >two.gii
     # shellcheck disable=SC2086
-    fails 2 "--output would overwrite the label table two.gii" query $aim --labels two.gii -o two.gii
+    fails 2 "--output would overwrite the label table two.gii" query $aim --labels two.gii --format table -o two.gii
     echo '{"conus_atlas": 1, "areas": [{"file": "s.gii", "label": 3}]}' >m.atlas.json
-    fails 2 "--output would overwrite the atlas's file s.gii" query m.atlas.json --origin 0,0,9 --toward 0,0,0 -o s.gii
+    fails 2 "--output would overwrite the atlas's file s.gii" query m.atlas.json --origin 0,0,9 --toward 0,0,0 --format table -o s.gii
     "$CONUS" render s.gii --size 16x16 -o s.png || [ $? = 4 ]
 }
 

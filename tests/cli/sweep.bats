@@ -157,7 +157,7 @@ aim='--origin 0,-60,0.2 --toward 0,0,0.2'
     fails 2 '--engine has no effect without --angles or --jitter' sweep nested.nii.gz $aim --engine rays
     fails 2 '--layers has no effect without --angles or --jitter' sweep nested.nii.gz $aim --layers all
     fails 2 '--angle: 180 is out of range' sweep nested.nii.gz $aim --angle 180
-    fails 2 'would overwrite the atlas' sweep nested.nii.gz $aim -o nested.nii.gz
+    fails 2 'would overwrite the atlas' sweep nested.nii.gz $aim --format table -o nested.nii.gz
     fails 2 'no cone given' sweep nested.nii.gz
     nothing_left nested.json nested.nii.gz nested.tsv
     answers sweep nested.nii.gz $aim --radius 4 --jitter 1,1 --samples 16

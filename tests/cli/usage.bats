@@ -93,7 +93,7 @@ load helpers
 
 @test "a choice is one of those listed" {
     fails 2 '--aperture: "circel" is none of its choices; did you mean circle?' query a.nii --aperture circel
-    fails 2 '--format: "xml" is none of its choices: table, tsv, json, ndjson' query a.nii --format xml
+    fails 2 '--format: "xml" is none of its choices: table, tsv, csv, json, ndjson' query a.nii --format xml
     fails 2 '--space: "mni" is none of its choices: ras, lps' query a.nii --space mni
     fails 2 '--score: "volume" is unknown, allowed are share, centre, distance' query a.nii --score volume
 }
