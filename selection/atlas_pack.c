@@ -156,7 +156,7 @@ static void *room(struct walk *walk, void *things, size_t count, size_t size)
 
 static void pass_leaps(struct walk *walk, struct volume *volume, const struct volume *source)
 {
-    bool is_there = pass_whether(walk, volume_is_met(source) ? source : NULL);
+    bool is_there = pass_whether(walk, walk->mode != ATTACH && volume_is_met(source) ? source : NULL);
     uint8_t *place = is_there && !walk->status ? pass_place(walk, leap_map_size(volume)) : NULL;
     if (place && walk->mode == PACK) {
         walk->status = leap_map_write(place, source);
@@ -174,19 +174,26 @@ static bool fits_block(const struct volume *volume, const struct walk *walk)
            memory_multiply(count, dim[2], &count) && count == volume->voxel_count && count <= walk->size;
 }
 
+/* Numbers, and of the rest nothing: what goes into the block, and all that is taken from it. So for each kind. */
+static struct volume bare_volume(const struct volume *volume)
+{
+    struct volume bare = *volume;
+    bare.path = NULL;
+    bare.info.path = NULL;
+    bare.objects16 = NULL;
+    bare.objects32 = NULL;
+    bare.values = NULL;
+    bare.hidden_runs = NULL;
+    bare.leaps = NULL;
+    bare.is_borrowed = true;
+    return bare;
+}
+
 /* Into a volume of zeros when attaching, else from a copy. */
 static void pass_volume(struct walk *walk, struct volume *volume)
 {
     struct volume source = *volume;
-    struct volume plain = source;
-    plain.path = NULL;
-    plain.info.path = NULL;
-    plain.objects16 = NULL;
-    plain.objects32 = NULL;
-    plain.values = NULL;
-    plain.hidden_runs = NULL;
-    plain.leaps = NULL;
-    plain.is_borrowed = true;
+    struct volume plain = bare_volume(&source);
     pass(walk, &plain, sizeof plain);
     if (!walk->status && walk->mode == ATTACH && !fits_block(&plain, walk)) {
         walk->status = fail_damaged();
@@ -195,7 +202,7 @@ static void pass_volume(struct walk *walk, struct volume *volume)
         return;
     }
     if (walk->mode == ATTACH) {
-        *volume = plain;
+        *volume = bare_volume(&plain);
     }
     pass_text(walk, &volume->path);
     volume->info.path = volume->path;
@@ -206,19 +213,25 @@ static void pass_volume(struct walk *walk, struct volume *volume)
     pass_leaps(walk, volume, walk->mode == ATTACH ? volume : &source);
 }
 
+static struct mesh bare_mesh(const struct mesh *mesh)
+{
+    struct mesh bare = *mesh;
+    bare.path = NULL;
+    bare.positions = NULL;
+    bare.triangles = NULL;
+    bare.is_borrowed = true;
+    return bare;
+}
+
 static void pass_mesh(struct walk *walk, struct mesh *mesh)
 {
-    struct mesh plain = *mesh;
-    plain.path = NULL;
-    plain.positions = NULL;
-    plain.triangles = NULL;
-    plain.is_borrowed = true;
+    struct mesh plain = bare_mesh(mesh);
     pass(walk, &plain, sizeof plain);
     if (walk->status) {
         return;
     }
     if (walk->mode == ATTACH) {
-        *mesh = plain;
+        *mesh = bare_mesh(&plain);
     }
     pass_text(walk, &mesh->path);
     pass_array(walk, &mesh->positions, mesh->vertex_count, 3 * sizeof *mesh->positions);
@@ -292,29 +305,28 @@ static void pass_lists(struct walk *walk, conus_atlas *atlas, const conus_atlas 
     }
 }
 
-/* The atlas by itself: numbers, and of the rest nothing. */
-static conus_atlas without_parts(const conus_atlas *atlas)
+static conus_atlas bare_atlas(const conus_atlas *atlas)
 {
-    conus_atlas plain = *atlas;
-    plain.volumes = NULL;
-    plain.meshes = NULL;
-    plain.objects = NULL;
-    plain.places = NULL;
-    plain.label_source = NULL;
-    plain.files = NULL;
-    plain.transfer = NULL;
-    plain.notes.lines = NULL;
-    return plain;
+    conus_atlas bare = *atlas;
+    bare.volumes = NULL;
+    bare.meshes = NULL;
+    bare.objects = NULL;
+    bare.places = NULL;
+    bare.label_source = NULL;
+    bare.files = NULL;
+    bare.transfer = NULL;
+    bare.notes.lines = NULL;
+    return bare;
 }
 
 /* Into an atlas of zeros when attaching, which has at every moment what conus_atlas_destroy() may end. */
 static void pass_atlas(struct walk *walk, conus_atlas *atlas)
 {
-    conus_atlas plain = without_parts(atlas);
+    conus_atlas plain = bare_atlas(atlas);
     pass(walk, &plain, sizeof plain);
     const conus_atlas counts = plain;
     if (walk->mode == ATTACH && !walk->status) {
-        *atlas = plain;
+        *atlas = bare_atlas(&plain);
         atlas->volume_count = atlas->mesh_count = atlas->object_count = atlas->file_count = atlas->notes.count = 0;
     }
     pass_text(walk, &atlas->label_source);

@@ -6,6 +6,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 /* Bytes that pack badly enough to be spread over the packed data: a counter with a long period. */
 static void fill(struct buffer *out, size_t size)
@@ -114,14 +115,19 @@ static void the_head_alone(void **state)
     buffer_finish(&packed);
 }
 
-static void assert_unpack_fails(const struct buffer *packed, uint64_t total, const char *part)
+static void assert_range_fails(const struct buffer *packed, size_t count, uint64_t total, const char *part)
 {
     struct bytes bytes;
-    struct gzip_range range = {.count = 100, .total = total};
+    struct gzip_range range = {.count = count, .total = total};
     assert_fails(unpack(&bytes, &range, packed), CONUS_ERROR_DATA);
     if (!strstr(conus_message(), part)) {
         fail_msg("\"%s\" does not say \"%s\"", conus_message(), part);
     }
+}
+
+static void assert_unpack_fails(const struct buffer *packed, uint64_t total, const char *part)
+{
+    assert_range_fails(packed, 100, total, part);
 }
 
 static void sizes_must_agree_with_the_header(void **state)
@@ -188,6 +194,36 @@ static void flipped_bits_are_found(void **state)
     assert_true(refused >= 8 * (packed.size - 10)); /* all behind the gzip header */
     buffer_finish(&plain);
     buffer_finish(&packed);
+}
+
+/* RFC 1952: flag FHCRC, and behind the header the low two bytes of its CRC-32. Checked though the fast way does not. */
+static void a_header_may_have_a_checksum(void **state)
+{
+    (void)state;
+    enum { FLAGS = 3, HEADER = 10, FHCRC = 2 };
+    struct buffer plain = {0};
+    struct buffer bare = {0};
+    fill(&plain, 3000);
+    append_gzip(&bare, plain.data, plain.size);
+    bare.data[FLAGS] |= FHCRC;
+    uint32_t crc = (uint32_t)crc32(0, (const Bytef *)bare.data, HEADER);
+    for (uint32_t wrong = 0; wrong < 4; wrong++) { /* in neither, the low, the high, both bytes */
+        const uint8_t sum[2] = {(uint8_t)(crc ^ (wrong & 1)), (uint8_t)(crc >> 8 ^ wrong >> 1)};
+        struct buffer packed = {0};
+        buffer_append(&packed, bare.data, HEADER);
+        buffer_append(&packed, sum, sizeof sum);
+        buffer_append(&packed, bare.data + HEADER, bare.size - HEADER);
+        if (wrong) {
+            const char part[] = "gzip: damaged near unpacked byte 0 (header crc mismatch)";
+            assert_range_fails(&packed, plain.size, plain.size, part);
+            assert_range_fails(&packed, 100, plain.size, part);
+        } else {
+            assert_unpacks(&packed, &plain, 0, 0);
+        }
+        buffer_finish(&packed);
+    }
+    buffer_finish(&plain);
+    buffer_finish(&bare);
 }
 
 static conus_status attempt(void *data)
@@ -304,6 +340,7 @@ int main(void)
         cmocka_unit_test(the_head_alone),
         cmocka_unit_test(sizes_must_agree_with_the_header),
         cmocka_unit_test(bombs_are_stopped),
+        cmocka_unit_test(a_header_may_have_a_checksum),
         cmocka_unit_test(flipped_bits_are_found),
         cmocka_unit_test(every_failing_allocation),
         cmocka_unit_test(every_prefix_is_refused),

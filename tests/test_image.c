@@ -444,7 +444,8 @@ static void what_cannot_be_read_is_unsupported(void **state)
     assert_int_equal(count, 6);
 }
 
-/* OpenImageIO reads what we wrote, and we read what it wrote: all compressions, all colour types. */
+/* OpenImageIO reads what we wrote, and we read what it wrote: all compressions, all colour types, data windows that
+ * begin elsewhere than at 0. */
 static void another_reader_sees_the_same(void **state)
 {
     (void)state;
@@ -466,7 +467,7 @@ static void another_reader_sees_the_same(void **state)
         buffer_format(&compare, " %s %s", path, dump);
     }
     assert_int_equal(pclose(oracle), 0);
-    assert_int_equal(count, 50);
+    assert_int_equal(count, 53);
     assert_int_equal(system(compare.data), 0);
     buffer_finish(&compare);
 }

@@ -33,11 +33,12 @@ def picture(kind, width, height, channels=4):
     return values.astype(np.float16 if kind == "half" else np.float32)
 
 
-def write(path, values, tile=0, **attributes):
+def write(path, values, tile=0, corner=(0, 0), **attributes):
     height, width, channels = values.shape
     spec = oiio.ImageSpec(width, height, channels, {"f2": "half", "f4": "float", "u4": "uint"}[values.dtype.str[1:]])
     for name, value in attributes.items():
         spec.attribute(name.replace("_", ":"), value)
+    spec.x, spec.y = corner  # of the data window
     spec.tile_width = spec.tile_height = tile
     output = oiio.ImageOutput.create(path)
     assert output.open(path, spec), output.geterror()
@@ -79,6 +80,8 @@ def make(folder, width=21, height=37):
         for kind in ["half"] if compression.startswith("b44") else ["half", "float", "uint32"]:
             write(f"{folder}/{kind}-{compression}.exr", picture(kind, width, height), compression=compression,
                   conus_space="RAS mm")
+    for n, corner in enumerate([(-7, -40), (3, 5), (0, 100000)]):
+        write(f"{folder}/corner-{n}.exr", picture("float", width, height), corner=corner, compression="zip")
     random = np.random.default_rng(12)
     channels = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
     for colour, bits in [(0, 1), (0, 2), (0, 4), (0, 8), (0, 16), (2, 8), (2, 16), (3, 1), (3, 2), (3, 4), (3, 8),
