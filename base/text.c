@@ -100,7 +100,7 @@ bool text_word(struct text *rest, struct text *word)
     while (length < rest->size && !is_space(rest->data[length])) {
         length++;
     }
-    *word = take(rest, length, 0);
+    *word = length ? take(rest, length, 0) : *rest; /* of nothing there may be no pointer, either */
     return length > 0;
 }
 

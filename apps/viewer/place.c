@@ -10,7 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { SIZE_LIMIT = 16384, SMALLEST = 64 };
+enum { SIZE_LIMIT = 16384, SMALLEST = 64, FILE_LIMIT = 4096 };
 
 /* False where there is no home, or it is too long. */
 static bool find_path(char path[PATH_MAX])
@@ -40,17 +40,27 @@ static bool is_size(int size)
     return size >= SMALLEST && size <= SIZE_LIMIT;
 }
 
+bool place_parse(struct place *out, const char *text, size_t size)
+{
+    json_t *root = json_loadb(text, size, 0, NULL);
+    struct place place = {.known = true};
+    bool fine = !json_unpack(root, "{s: i, s: i, s: i, s: i}", "width", &place.width, "height", &place.height, "x",
+                             &place.x, "y", &place.y) &&
+                is_size(place.width) && is_size(place.height);
+    json_decref(root);
+    *out = fine ? place : *out;
+    return fine;
+}
+
 void place_load(struct place *out)
 {
     char path[PATH_MAX];
-    json_t *root = find_path(path) ? json_load_file(path, 0, NULL) : NULL;
-    struct place place = {.known = true};
-    int failed = json_unpack(root, "{s: i, s: i, s: i, s: i}", "width", &place.width, "height", &place.height, "x",
-                             &place.x, "y", &place.y);
-    if (!failed && is_size(place.width) && is_size(place.height)) {
-        *out = place;
+    char text[FILE_LIMIT];
+    FILE *file = find_path(path) ? fopen(path, "re") : NULL;
+    if (file) {
+        place_parse(out, text, fread(text, 1, sizeof text, file));
+        fclose(file);
     }
-    json_decref(root);
 }
 
 void place_save(const struct place *place)

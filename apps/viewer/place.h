@@ -6,6 +6,7 @@
 #define CONUS_VIEWER_PLACE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 struct place {
     int width, height;
@@ -13,6 +14,8 @@ struct place {
     int x, y;
 };
 
+/** Reads what was written; false, and @p out stays as it is, where that makes no sense. */
+bool place_parse(struct place *out, const char *text, size_t size);
 /** Reads it into @p out, which stays as it is where there is none, or none that makes sense. */
 void place_load(struct place *out);
 /** Writes it; where that cannot be done the next window is as large as the first one. */

@@ -2,6 +2,7 @@
 #include "viewer/script.h"
 
 #include "cli/messages.h"
+#include "viewer/script_words.h"
 #include "viewer/session.h"
 
 #include <math.h>
@@ -10,9 +11,9 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { WORD_LIMIT = 8, SETTLE_FRAMES = 3, PICTURE_LIMIT = 16384 };
+enum { SETTLE_FRAMES = 3, PICTURE_LIMIT = 16384 };
 
-static const double settle_limit_ms = 1e5; /* a window that is never settled is an error */
+static const double settle_limit_ms = 6e5; /* a window that is never settled is an error */
 
 struct script {
     char *path;
@@ -31,21 +32,14 @@ struct script {
 struct call {
     struct script *script;
     struct window *window;
-    char *words[WORD_LIMIT + 1];
+    char *words[SCRIPT_WORDS];
     size_t count; /* of arguments, without the command's name */
 };
-
-static bool number(double *out, const char *word)
-{
-    char *end;
-    *out = strtod(word, &end);
-    return *word && !*end && isfinite(*out);
-}
 
 static bool numbers(double *out, const struct call *call, size_t first, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        if (first + i >= call->count || !number(&out[i], call->words[1 + first + i])) {
+        if (first + i >= call->count || !script_number(&out[i], call->words[1 + first + i])) {
             return false;
         }
     }
@@ -388,30 +382,6 @@ void script_destroy(struct script *script)
     }
 }
 
-/* Cuts the line into words, by spaces; "in quotes" is one. False: too many. */
-static bool split(struct call *call, char *line)
-{
-    size_t count = 0;
-    for (char *at = line; *at;) {
-        at += strspn(at, " \t\r\n");
-        if (!*at || *at == '#') {
-            break;
-        }
-        bool quoted = *at == '"';
-        at += quoted;
-        if (count > WORD_LIMIT) {
-            return false;
-        }
-        call->words[count++] = at;
-        at += strcspn(at, quoted ? "\"" : " \t\r\n");
-        if (*at) {
-            *at++ = '\0';
-        }
-    }
-    call->count = count ? count - 1 : 0;
-    return true;
-}
-
 static bool act(struct call *call)
 {
     for (size_t i = 0; i < COMMANDS; i++) {
@@ -465,20 +435,22 @@ static bool fail_line(struct script *script, int *code, const char *what)
 bool script_step(struct script *script, struct window *window, int *code)
 {
     struct call call = {.script = script, .window = window};
+    size_t words;
     if (let_pass(script, window)) {
         return false;
     }
     if (script->settling) {
-        return fail_line(script, code, "the pictures were not fine after 100 s");
+        return fail_line(script, code, "the pictures were not fine after 600 s");
     }
     if (getline(&script->line, &script->room, script->file) < 0) {
         return true;
     }
     script->number++;
-    if (!split(&call, script->line)) {
+    if (!script_split(call.words, &words, script->line)) {
         return fail_line(script, code, "more than 8 words");
     }
-    if (call.words[0] && !act(&call)) {
+    call.count = words ? words - 1 : 0;
+    if (words && !act(&call)) {
         *code = EXIT_DATA;
         return true;
     }

@@ -221,7 +221,7 @@ static json_t *transfer_of(const struct transfer_editor *editor)
     return list;
 }
 
-bool session_save(const struct window *window, const char *path, char why[SESSION_REASON])
+char *session_text(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     struct field fields[FIELD_LIMIT];
@@ -241,6 +241,12 @@ bool session_save(const struct window *window, const char *path, char why[SESSIO
     json_object_set_new(root, "safe_colours", json_boolean(viewer->safe_colours));
     char *text = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
     json_decref(root);
+    return text;
+}
+
+bool session_save(const struct window *window, const char *path, char why[SESSION_REASON])
+{
+    char *text = session_text(window);
     conus_status status = text ? conus_write_file(path, text, strlen(text)) : CONUS_ERROR_MEMORY;
     free(text);
     return !status ||
@@ -449,14 +455,24 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
     return true;
 }
 
+static bool use_session(struct window *window, json_t *root, const char *path, const json_error_t *error,
+                        char why[SESSION_REASON])
+{
+    bool fine = root ? read_session(window, root, why) : refuse(why, "%s: line %d: %s", path, error->line, error->text);
+    json_decref(root);
+    return fine;
+}
+
+bool session_parse(struct window *window, const char *text, size_t size, char why[SESSION_REASON])
+{
+    json_error_t error;
+    json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
+    return use_session(window, root, "session", &error, why);
+}
+
 bool session_load(struct window *window, const char *path, char why[SESSION_REASON])
 {
     json_error_t error;
     json_t *root = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
-    if (!root) {
-        return refuse(why, "%s: line %d: %s", path, error.line, error.text);
-    }
-    bool fine = read_session(window, root, why);
-    json_decref(root);
-    return fine;
+    return use_session(window, root, path, &error, why);
 }

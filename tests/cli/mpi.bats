@@ -126,12 +126,12 @@ wait_for_lines() {
     wait_until "$pid" has_lines "$1" killed.tsv.journal || { cat said; return 1; }
 }
 
-# stop CODE SIGNAL PID...: until all has ended, with that code (mpirun's is that of a rank).
+# stop CODE SIGNAL PID...: until all has ended, with that code, which is the first rank's; or failed, if CODE is "some".
 stop() {
     local code=0
     kill "-$2" "${@:3}"
     wait "$pid" 2>/dev/null || code=$?
-    [ "$code" -eq "$1" ] || { echo "ended with $code"; return 1; }
+    [ "${1/some/$code}" = "$code" ] && [ "$code" -ne 0 ] || { echo "ended with $code"; return 1; }
     flock --timeout $HANG killed.tsv.journal true
 }
 
@@ -201,7 +201,7 @@ said_how_to_go_on() {
     lines=$(wc -l <killed.tsv.journal)
     start 2 -o killed.tsv --resume
     wait_for_lines $((lines + 3))
-    stop 130 INT "$pid"
+    stop some INT "$pid" # mpirun's own: 130 or 1
     said_how_to_go_on
     ranks 2 "${long[@]}" -o killed.tsv --resume
     cmp rows.tsv killed.tsv

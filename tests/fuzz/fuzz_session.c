@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Sessions of the window: one that is refused changes nothing; of one that is opened, what is saved opens again and is
+ * saved the same. The atlas has an area, a pathway and a context of 16 voxels each way; nothing is selected or drawn.
+ */
+#include "viewer/session.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* ---- Instead of the painter's thread and of the engines: the linker sends calls of the latter here (--wrap)
+ * ---------- */
+
+struct painter {
+    int unused;
+};
+
+bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, conus_log log,
+                    void (*wake)(void))
+{
+    static struct painter none;
+    (void)atlas;
+    (void)transfer;
+    (void)log;
+    (void)wake;
+    *out = &none;
+    return true;
+}
+
+void painter_destroy(struct painter *painter)
+{
+    (void)painter;
+}
+
+bool painter_hide(struct painter *painter, const bool *hidden, size_t count)
+{
+    (void)painter;
+    return hidden && count;
+}
+
+bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count)
+{
+    (void)painter;
+    return points && count;
+}
+
+size_t painter_transfer(struct painter *painter, conus_transfer_point *points, size_t room)
+{
+    (void)painter;
+    (void)points;
+    (void)room;
+    return 0;
+}
+
+conus_status __wrap_conus_selector_create(conus_selector **out, const conus_atlas *atlas,
+                                          const conus_selector_options *options);
+
+conus_status __wrap_conus_selector_create(conus_selector **out, const conus_atlas *atlas,
+                                          const conus_selector_options *options)
+{
+    (void)atlas;
+    (void)options;
+    *out = NULL;
+    return CONUS_ERROR_MEMORY;
+}
+
+/* ---- The sessions
+ * ---------------------------------------------------------------------------------------------------- */
+
+static void check(bool fine)
+{
+    if (!fine) {
+        abort();
+    }
+}
+
+static conus_atlas *make_atlas(void)
+{
+    const conus_phantom_options small = {.size = 16};
+    const conus_pathway_options pathway = {.name = "Tract", .threshold = 0.5};
+    char folder[] = "/tmp/conus-fuzz-XXXXXX";
+    static const char *const names[] = {"sphere.nii.gz", "sphere.tsv", "sphere.json"};
+    char path[64];
+    conus_atlas *atlas = NULL;
+    check(mkdtemp(folder) && !conus_phantom_write("sphere", folder, &small));
+    snprintf(path, sizeof path, "%s/%s", folder, names[0]);
+    check(!conus_atlas_load(&atlas, path, NULL) && !conus_atlas_add_pathway(atlas, path, &pathway) &&
+          !conus_atlas_set_context(atlas, path, NULL));
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        snprintf(path, sizeof path, "%s/%s", folder, names[i]);
+        unlink(path);
+    }
+    rmdir(folder);
+    return atlas;
+}
+
+static void check_again(struct window *window, const char *text)
+{
+    char why[SESSION_REASON];
+    check(session_parse(window, text, strlen(text), why));
+    char *again = session_text(window);
+    check(again && strcmp(text, again) == 0);
+    free(again);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static struct viewer viewer;
+    static struct window window = {.enlarged = -1, .viewer = &viewer};
+    char why[SESSION_REASON];
+    if (!viewer.atlas) {
+        check(!viewer_create(&viewer, make_atlas(), "sphere.nii.gz", NULL, NULL, NULL));
+    }
+    char *before = session_text(&window);
+    bool fine = session_parse(&window, (const char *)data, size, why);
+    char *after = session_text(&window);
+    check(before && after && (fine || strcmp(before, after) == 0));
+    check(fine || (why[0] && !strchr(why, '\n')));
+    if (fine) {
+        check_again(&window, after);
+    }
+    free(before);
+    free(after);
+    return 0;
+}
