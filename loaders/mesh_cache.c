@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "loaders/byte_order.h"
+#include "loaders/folder.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -64,27 +65,95 @@ static void write_tail(uint8_t tail[TAIL_SIZE], const void *content, uint64_t si
 static bool is_whole(const struct bytes *entry)
 {
     uint8_t tail[TAIL_SIZE];
-    if (entry->size < TAIL_SIZE) {
+    if (!entry->data || entry->size < TAIL_SIZE) {
         return false;
     }
     write_tail(tail, entry->data, entry->size - TAIL_SIZE);
     return memcmp(tail, entry->data + entry->size - TAIL_SIZE, TAIL_SIZE) == 0;
 }
 
-conus_status mesh_cache_find(struct bytes *out, const char *key)
+/* ---- Whose it is --------------------------------------------------------------------------------------------- */
+
+/* What others can write is not to be believed, and nothing of it is kept. */
+static bool is_ours(int descriptor, mode_t kind)
 {
-    struct buffer path = {0};
-    struct bytes entry = {0};
-    conus_status status = entry_path(&path, key);
-    if (!status && path.size && file_exists(path.data) && file_read(&entry, path.data, MESH_CACHE_LIMIT) == CONUS_OK) {
-        if (is_whole(&entry)) {
-            entry.size -= TAIL_SIZE;
-            *out = entry;
-            entry = (struct bytes){0};
-            utimensat(AT_FDCWD, path.data, NULL, 0); /* used just now */
-        }
+    struct stat info;
+    return fstat(descriptor, &info) == 0 && (info.st_mode & S_IFMT) == kind && info.st_uid == geteuid() &&
+           !(info.st_mode & (S_IWGRP | S_IWOTH));
+}
+
+static conus_status note_others(struct notes *notes, const char *path)
+{
+    return notes_add(notes, "%s: not used, since others can write to it or own it", path);
+}
+
+/* The folder, -1 if there is none or if it is not ours alone, which is noted. */
+static conus_status open_folder(int *out, const char *path, struct notes *notes)
+{
+    conus_status status = CONUS_OK;
+    *out = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (*out >= 0 && !is_ours(*out, S_IFDIR)) {
+        close(*out);
+        *out = -1;
+        status = note_others(notes, path);
     }
-    bytes_finish(&entry);
+    return status;
+}
+
+/* The bytes of an open entry; none if they cannot be read. */
+static conus_status read_entry(struct bytes *out, int descriptor)
+{
+    struct stat info;
+    if (fstat(descriptor, &info) || info.st_size < TAIL_SIZE || (uint64_t)info.st_size > MESH_CACHE_LIMIT) {
+        return CONUS_OK;
+    }
+    struct bytes entry = {memory_raw((size_t)info.st_size, 1), 0};
+    if (!entry.data) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (ssize_t got = 1; got > 0 || (got < 0 && errno == EINTR);) {
+        got = read(descriptor, entry.data + entry.size, (size_t)info.st_size - entry.size);
+        entry.size += got > 0 ? (size_t)got : 0;
+    }
+    *out = entry;
+    return CONUS_OK;
+}
+
+static conus_status take_entry(struct bytes *out, int descriptor, const char *path, struct notes *notes)
+{
+    struct bytes entry = {0};
+    conus_status status = is_ours(descriptor, S_IFREG) ? read_entry(&entry, descriptor) : note_others(notes, path);
+    if (!status && is_whole(&entry)) {
+        entry.size -= TAIL_SIZE;
+        *out = entry;
+        entry = (struct bytes){0};
+        futimens(descriptor, NULL); /* used just now */
+    }
+    memory_free(entry.data);
+    return status;
+}
+
+conus_status mesh_cache_find(struct bytes *out, const char *key, struct notes *notes)
+{
+    struct buffer folder_path = {0};
+    struct buffer path = {0};
+    int folder = -1;
+    conus_status status = mesh_cache_folder(&folder_path);
+    status = status ? status : entry_path(&path, key);
+    if (!status && path.size) {
+        status = open_folder(&folder, folder_path.data, notes);
+    }
+    if (folder >= 0) {
+        int entry = openat(folder, path_base(path.data), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+        status = entry >= 0       ? take_entry(out, entry, path.data, notes)
+                 : errno == ELOOP ? note_others(notes, path.data)
+                                  : CONUS_OK;
+        if (entry >= 0) {
+            close(entry);
+        }
+        close(folder);
+    }
+    buffer_finish(&folder_path);
     buffer_finish(&path);
     return status;
 }
@@ -203,12 +272,22 @@ static conus_status write_entry(const struct buffer *path, const struct buffer *
 conus_status mesh_cache_keep_within(const char *key, const struct buffer *content, uint64_t limit)
 {
     struct buffer path = {0};
+    struct notes said = {0}; /* when it was looked for */
+    int folder = -1;
     conus_status status = entry_path(&path, key);
     if (!status && path.size && content->size + TAIL_SIZE <= limit && make_folders(path.data)) {
-        status = write_entry(&path, content);
-        *strrchr(path.data, '/') = '\0';
-        status = status ? status : make_space(path.data, limit);
+        char *end = strrchr(path.data, '/');
+        *end = '\0';
+        status = open_folder(&folder, path.data, &said);
+        *end = '/';
+        status = status || folder < 0 ? status : write_entry(&path, content);
+        *end = '\0';
+        status = status || folder < 0 ? status : make_space(path.data, limit);
     }
+    if (folder >= 0) {
+        close(folder);
+    }
+    notes_finish(&said);
     buffer_finish(&path);
     return status;
 }

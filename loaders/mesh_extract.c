@@ -136,7 +136,7 @@ static conus_status extract_with(struct extraction *work, const struct buffer *r
     char key[MESH_CACHE_KEY_SIZE];
     struct bytes cached = {0};
     find_key(key, request, &work->volume->info);
-    conus_status status = key[0] ? mesh_cache_find(&cached, key) : CONUS_OK;
+    conus_status status = key[0] ? mesh_cache_find(&cached, key, work->notes) : CONUS_OK;
     if (!status) {
         status = cached.data ? mesh_stream_read(cached.data, cached.size, take_frame, work)
                              : run_child(work, request, key, options);

@@ -182,7 +182,7 @@ static conus_status read_all(struct reading *work)
     conus_status status = append_recipe(&recipe, work);
     if (!status) {
         mesh_cache_key(key, &recipe);
-        status = mesh_cache_find(&cached, key);
+        status = mesh_cache_find(&cached, key, work->notes);
     }
     if (!status) {
         status = cached.data ? mesh_stream_read(cached.data, cached.size, take_frame, work) : run_child(work, key);

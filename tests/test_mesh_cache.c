@@ -11,6 +11,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+static struct notes noted; /* of the last search */
+
 static void key_of(char key[MESH_CACHE_KEY_SIZE], const char *recipe)
 {
     struct buffer bytes = {0};
@@ -37,7 +39,8 @@ static bool holds(const char *recipe, const char *content)
     char key[MESH_CACHE_KEY_SIZE];
     struct bytes found = {0};
     key_of(key, recipe);
-    assert_ok(mesh_cache_find(&found, key));
+    notes_finish(&noted);
+    assert_ok(mesh_cache_find(&found, key, &noted));
     bool same = found.data && found.size == strlen(content) && memcmp(found.data, content, found.size) == 0;
     bytes_finish(&found);
     return same;
@@ -152,7 +155,7 @@ static void processes_do_not_disturb_each_other(void **state)
         char key[MESH_CACHE_KEY_SIZE];
         struct bytes found = {0};
         key_of(key, "shared");
-        assert_ok(mesh_cache_find(&found, key));
+        assert_ok(mesh_cache_find(&found, key, &noted));
         mixtures += found.data && (found.size != SIZE || memcmp(found.data, contents[found.data[0] == 'b'], SIZE) != 0);
         bytes_finish(&found);
     }
@@ -187,6 +190,76 @@ static void without_a_folder_nothing_is_kept(void **state)
     free(cache);
 }
 
+static bool is_noted(const char *path)
+{
+    return noted.count == 1 && strncmp(noted.lines[0], path, strlen(path)) == 0 && strstr(noted.lines[0], "not used");
+}
+
+static char *folder_path(void)
+{
+    char *path = entry_path("trusted");
+    *strrchr(path, '/') = '\0';
+    return path;
+}
+
+/* Others could have put anything there. What belongs to someone else can only be tried as root. */
+static void what_others_can_write_is_not_read(void **state)
+{
+    (void)state;
+    static const struct {
+        mode_t mode;
+        bool trusted;
+    } modes[] = {{0600, true}, {0644, true}, {0620, false}, {0602, false}, {0666, false}};
+    assert_ok(keep("trusted", "content", 7, MESH_CACHE_LIMIT));
+    for (size_t i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+        assert_int_equal(chmod(entry_path("trusted"), modes[i].mode), 0);
+        assert_int_equal(holds("trusted", "content"), modes[i].trusted);
+        assert_true(modes[i].trusted ? noted.count == 0 : is_noted(entry_path("trusted")));
+        chmod(entry_path("trusted"), 0600);
+        assert_int_equal(chmod(folder_path(), modes[i].mode | 0700), 0);
+        assert_int_equal(holds("trusted", "content"), modes[i].trusted);
+        assert_true(modes[i].trusted ? noted.count == 0 : is_noted(folder_path()));
+        chmod(folder_path(), 0700);
+    }
+    if (geteuid() == 0) {
+        assert_int_equal(chown(entry_path("trusted"), 65534, (gid_t)-1), 0);
+        assert_false(holds("trusted", "content"));
+        assert_int_equal(chown(entry_path("trusted"), 0, (gid_t)-1), 0);
+        assert_true(holds("trusted", "content"));
+        assert_int_equal(chown(folder_path(), 65534, (gid_t)-1), 0);
+        assert_false(holds("trusted", "content"));
+        assert_int_equal(chown(folder_path(), 0, (gid_t)-1), 0);
+    }
+    assert_true(holds("trusted", "content"));
+}
+
+static void links_and_pipes_are_not_read(void **state)
+{
+    (void)state;
+    char *elsewhere = strdup(entry_path("elsewhere"));
+    assert_ok(keep("trusted", "content", 7, MESH_CACHE_LIMIT));
+    assert_int_equal(rename(entry_path("trusted"), elsewhere), 0);
+    assert_int_equal(symlink(elsewhere, entry_path("trusted")), 0);
+    assert_false(holds("trusted", "content"));
+    assert_true(is_noted(entry_path("trusted")));
+    unlink(entry_path("trusted"));
+    assert_int_equal(mkfifo(entry_path("trusted"), 0600), 0);
+    assert_false(holds("trusted", "content"));
+    unlink(entry_path("trusted"));
+    unlink(elsewhere);
+    free(elsewhere);
+}
+
+/* Nor is anything put where others could exchange it. */
+static void nothing_is_kept_where_others_can_write(void **state)
+{
+    (void)state;
+    assert_int_equal(chmod(folder_path(), 0770), 0);
+    assert_ok(keep("not kept", "content", 7, MESH_CACHE_LIMIT));
+    assert_int_equal(chmod(folder_path(), 0700), 0);
+    assert_int_equal(access(entry_path("not kept"), F_OK), -1);
+}
+
 static conus_status attempt(void *data)
 {
     char key[MESH_CACHE_KEY_SIZE];
@@ -194,7 +267,7 @@ static conus_status attempt(void *data)
     (void)data;
     conus_status status = keep("again", "content", 7, MESH_CACHE_LIMIT);
     key_of(key, "again");
-    status = status ? status : mesh_cache_find(&found, key);
+    status = status ? status : mesh_cache_find(&found, key, &noted);
     bytes_finish(&found);
     return status;
 }
@@ -213,8 +286,12 @@ int main(void)
         cmocka_unit_test(what_was_not_used_for_longest_leaves_first),
         cmocka_unit_test(processes_do_not_disturb_each_other),
         cmocka_unit_test(without_a_folder_nothing_is_kept),
+        cmocka_unit_test(what_others_can_write_is_not_read),
+        cmocka_unit_test(links_and_pipes_are_not_read),
+        cmocka_unit_test(nothing_is_kept_where_others_can_write),
         cmocka_unit_test(every_failing_allocation),
     };
+    umask(022);
     test_own_cache();
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

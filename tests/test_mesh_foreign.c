@@ -179,6 +179,59 @@ static void refuse(const char *name, const char *text, size_t size, const char *
     }
 }
 
+enum { STL_HEADER = 84, STL_SIZE = STL_HEADER + 4 * 50 };
+
+/* The tetrahedron as binary STL: 80 bytes of header, a count, and per triangle a normal, three corners, two bytes. */
+static void build_stl(uint8_t out[STL_SIZE])
+{
+    static const float corners[4][3] = {{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {0, 0, 3}};
+    static const int triangles[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    memset(out, 0, STL_SIZE);
+    memcpy(out, "SPACE=RAS", 9);
+    out[80] = 4;
+    for (int i = 0; i < 12; i++) { /* as this machine has floats, as VTK does */
+        memcpy(out + STL_HEADER + 50 * (i / 3) + 12 + 12 * (i % 3), corners[triangles[i / 3][i % 3]], 12);
+    }
+}
+
+static void binary_stl_files_have_the_size_that_they_say(void **state)
+{
+    (void)state;
+    need_conus_mesh();
+    uint8_t bytes[STL_SIZE + 1] = {0};
+    struct mesh mesh;
+    struct notes notes = {0};
+    build_stl(bytes);
+    read_one(&mesh, write_text("whole.stl", (const char *)bytes, STL_SIZE), NULL, &notes);
+    check_shape(&mesh, 4.5, 0.75, 0.75);
+    assert_int_equal(notes.count, 0);
+    const size_t sizes[] = {STL_SIZE - 1, STL_SIZE - 50, STL_SIZE - 117, STL_HEADER, STL_HEADER - 1, 5, STL_SIZE + 1};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        refuse("cut.stl", (const char *)bytes, sizes[i], i < 4 ? "a binary STL file of 4 triangles has 284" : "");
+    }
+    memset(bytes + 80, 0xFF, 4);
+    refuse("absurd.stl", (const char *)bytes, STL_SIZE, "4294967295 triangles has 214748364834");
+}
+
+/* Cut off at the end of a line or within one; with nothing but the last line end missing, a file is whole. */
+static void other_files_that_are_cut_off_are_refused(void **state)
+{
+    (void)state;
+    need_conus_mesh();
+    char vtk[1024];
+    int length = snprintf(vtk, sizeof vtk, legacy, "RAS");
+    const struct {
+        const char *name, *text;
+        size_t size;
+    } files[] = {{"cut.vtk", vtk, (size_t)length}, {"cut.ply", ply, sizeof ply - 1}, {"cut.stl", stl, sizeof stl - 1}};
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        static const size_t missing[] = {3, 9, 30, 60};
+        for (size_t k = 0; k < sizeof missing / sizeof missing[0]; k++) {
+            refuse(files[i].name, files[i].text, files[i].size - missing[k], "");
+        }
+    }
+}
+
 static void hostile_files_are_one_line(void **state)
 {
     (void)state;
@@ -309,6 +362,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(good_files_are_read_and_their_space_is_honoured),
+        cmocka_unit_test(binary_stl_files_have_the_size_that_they_say),
+        cmocka_unit_test(other_files_that_are_cut_off_are_refused),
         cmocka_unit_test(the_caller_may_know_the_space_better),
         cmocka_unit_test(mesh_file_read_leads_here),
         cmocka_unit_test(what_we_write_vtk_reads),

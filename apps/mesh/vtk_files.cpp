@@ -136,11 +136,34 @@ std::string read_head(const std::string &path, size_t limit)
     return head;
 }
 
+uint64_t size_of(const std::string &path)
+{
+    struct stat info;
+    return stat(path.c_str(), &info) ? 0 : static_cast<uint64_t>(info.st_size);
+}
+
+/* VTK's STL reader takes of a binary file what is there, whatever its count says. */
+void check_stl_size(const std::string &path, const std::string &head)
+{
+    enum { HEADER = 84, TRIANGLE = 50 };
+    const size_t first = head.find_first_not_of(" \t\r\n");
+    const bool is_text = first != std::string::npos && head.compare(first, 5, "solid") == 0 &&
+                         head.find('\0') == std::string::npos; /* VTK says where that ends too early */
+    const uint64_t size = size_of(path);
+    uint32_t count = 0;
+    if (head.size() >= HEADER) {
+        std::memcpy(&count, head.data() + HEADER - sizeof count, sizeof count);
+    }
+    if (!is_text && size != HEADER + TRIANGLE * static_cast<uint64_t>(count)) {
+        throw Failure("content: " + std::to_string(size) + " bytes, a binary STL file of " + std::to_string(count) +
+                      " triangles has " + std::to_string(HEADER + TRIANGLE * static_cast<uint64_t>(count)));
+    }
+}
+
 /* VTK's PLY reader believes the counts, and a loop over 2e9 vertices that are not there takes minutes. */
 void check_ply_counts(const std::string &path, const std::string &head)
 {
-    struct stat info;
-    const uint64_t size = stat(path.c_str(), &info) ? 0 : static_cast<uint64_t>(info.st_size);
+    const uint64_t size = size_of(path);
     std::istringstream lines(head);
     for (std::string line; std::getline(lines, line) && !starts(line, "end_header");) {
         std::istringstream words(line);
@@ -279,6 +302,9 @@ Surface read_file(const std::string &path, Listener *listener)
     const Format format = format_of(path, head);
     if (format == Format::Ply) {
         check_ply_counts(path, head);
+    }
+    if (format == Format::Stl) {
+        check_stl_size(path, head);
     }
     if (format == Format::Obj) {
         check_obj_vertices(path);
