@@ -10,6 +10,7 @@
 #include "loaders/file_kind.h"
 #include "loaders/folder.h"
 #include "loaders/fsl_atlas.h"
+#include "loaders/grey.h"
 #include "loaders/label_parse.h"
 #include "loaders/manifest.h"
 #include "loaders/mesh_file.h"
@@ -169,6 +170,29 @@ static conus_status load_markup(struct parcellation *parts, const char *path, ui
     return status;
 }
 
+static conus_status read_names(struct parcellation *parts, const char *override, bool markup)
+{
+    if (override) {
+        return read_override(parts, override);
+    }
+    return markup ? CONUS_OK
+                  : label_table_of_volume(&parts->table, &parts->source, &parts->file, parts->labels, &parts->notes);
+}
+
+static conus_status refuse_grey(const struct parcellation *parts, bool stated)
+{
+    struct grey_verdict verdict;
+    conus_status status = grey_judge_file(&verdict, &parts->file, parts->labels, &parts->table, stated);
+    return status || !verdict.grey
+               ? status
+               : fail(
+                     CONUS_ERROR_DATA,
+                     "%s: looks like an image, not like labels: %.0f %% of its neighbouring voxels are equal, of areas "
+                     "%.0f %% would be; --context draws it, --pathway selects what is bright in it, --labels-anyway "
+                     "takes every value for an area",
+                     parts->file.path, 100 * verdict.equal, 100 * verdict.needed);
+}
+
 conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options,
                                const char *needed)
 {
@@ -176,14 +200,9 @@ conus_status parcellation_read(struct parcellation *out, const char *path, const
     conus_status status = markup ? load_markup(out, path, options->max_memory, needed)
                                  : volume_file_open_as(&out->file, path, options->max_memory, needed, &out->notes);
     status = status || markup ? status : volume_file_labels(&out->labels, &out->file);
-    if (status) {
-        return status;
-    }
+    status = status ? status : read_names(out, options->labels, markup);
     out->file.info.role = CONUS_PARCELLATION;
-    if (options->labels) {
-        return read_override(out, options->labels);
-    }
-    return markup ? CONUS_OK : label_table_of_volume(&out->table, &out->source, &out->file, out->labels, &out->notes);
+    return status || options->labels_anyway ? status : refuse_grey(out, markup);
 }
 
 conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts)

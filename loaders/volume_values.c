@@ -139,7 +139,7 @@ static conus_status fail_label(const struct volume_file *file, const struct deco
     size_t row = start / file->info.dim[0];
     return fail(CONUS_ERROR_DATA,
                 "%s: voxel (%zu, %zu, %zu): found %s, allowed labels are whole numbers from 0 to "
-                "4294967295",
+                "4294967295; --context draws an image, --pathway selects what is bright in it",
                 file->path, start % file->info.dim[0], row % file->info.dim[1], row / file->info.dim[1], value);
 }
 

@@ -156,6 +156,7 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
 {
     struct progress progress = {settings, 0, settings->pathways.count};
     const conus_load_options options = {.labels = settings->labels,
+                                        .labels_anyway = settings->labels_anyway,
                                         .max_memory = settings->max_memory,
                                         .progress = hear_progress,
                                         .progress_user = &progress};

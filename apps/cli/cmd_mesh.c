@@ -9,6 +9,7 @@ struct mesh_settings {
     struct common_settings common;
     const char *output;
     const char *labels;
+    bool labels_anyway;
     uint64_t max_memory;
     uint32_t smooth;
     double pass_band;
@@ -58,6 +59,10 @@ static const struct option own_options[] = {
      .offset = offsetof(struct mesh_settings, labels),
      .value = "FILE",
      .help = "label table to use instead of what lies beside or inside the atlas"},
+    {.name = "labels-anyway",
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct mesh_settings, labels_anyway),
+     .help = "take every value for an area, even where the volume looks like an image"},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = offsetof(struct mesh_settings, max_memory),
@@ -93,7 +98,8 @@ static void say_note(void *user, const char *line)
 static int run(const void *given, const struct arguments *arguments)
 {
     const struct mesh_settings *settings = given;
-    const struct atlas_settings atlas_settings = {.labels = settings->labels, .max_memory = settings->max_memory};
+    const struct atlas_settings atlas_settings = {
+        .labels = settings->labels, .labels_anyway = settings->labels_anyway, .max_memory = settings->max_memory};
     const conus_mesh_options options = {
         .format = (conus_mesh_format)settings->format,
         .smooth = settings->smooth,

@@ -13,6 +13,7 @@ struct common_settings {
 
 struct atlas_settings {
     const char *labels;
+    bool labels_anyway;
     struct option_list pathways;
     size_t hemispheres; /* conus_hemispheres */
     struct option_list only, hide;

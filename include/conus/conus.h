@@ -95,6 +95,7 @@ typedef struct conus_load_options {
     uint64_t max_memory; /**< Largest file, and largest volume unpacked, in bytes; 0 = 8 GiB.                   */
     conus_load_progress progress; /**< NULL = nobody wants to know.                                             */
     void *progress_user;
+    bool labels_anyway; /**< Every value is a label, even where they look like an image's grey values.          */
 } conus_load_options;
 
 /** Loads a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, or an FSL atlas XML of type Label;
@@ -102,7 +103,8 @@ typedef struct conus_load_options {
  * FreeSurfer and what conus-mesh reads), cut by the labels of its vertices if there are any; or a folder of
  * surfaces or BrainGlobe folder. What a file is, its content decides.
  * @p path may end in ",volume=K" to choose volume K (from 0) of a 4-D file. docs/formats.md says how the label table is
- * found. Values must be whole numbers from 0 to 4294967295; 0 is background. */
+ * found. Values must be whole numbers from 0 to 4294967295; 0 is background. A volume that looks like an image, not like
+ * labels, is CONUS_ERROR_DATA unless labels_anyway; docs/formats.md says how that is told. */
 CONUS_CHECKED conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options);
 CONUS_API void conus_atlas_destroy(conus_atlas *atlas);
 
