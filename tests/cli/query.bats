@@ -2,6 +2,7 @@
 # conus query, as a user types it.
 load helpers
 
+# The same pixels and distance by numpy: along each of the 208 rays, in steps of 0.002 mm, the label of the nearest voxel.
 @test "AAL from the left: the answer of the README" {
     need_aal
     answers query "$aal" --origin=-90,20,20 --toward=0,-10,10 --angle 20 --format tsv

@@ -30,6 +30,9 @@ labels() {
     array LABEL INT32 "Dimensionality=\"1\" Dim0=\"$1\"" "7 7 3 7 7 3 ${2:-}"
 }
 
+# Of 16 x 16 pixels, 208 have their centre in the disc. With t = tan(2.5 degrees), the nearest look t/16 to the side twice,
+# and meet the plane at 30 sqrt(1 + 2 (t/16)^2) = 30.0002234, 30 t/16 = 0.0818643 from 5; the farthest on the disc, 7.5
+# and 2.5 pixels off the middle, at 30 sqrt(1 + t^2 62.5/64) = 30.027911.
 @test "a surface is one area, called as its file" {
     square | gifti >lh.pial.surf.gii
     run -0 --separate-stderr "$CONUS" query lh.pial.surf.gii --origin 5,5,30 --toward 5,5,0 --angle 5 --format tsv
