@@ -26,7 +26,10 @@ struct label_table {
 
 void label_table_finish(struct label_table *table);
 
-/** Appends an entry for @p number and returns it for filling in; NULL without memory. Valid until the next call. */
+enum { LABEL_LIMIT = 1 << 20 }; /**< Entries of a table. */
+
+/** Appends an entry for @p number and returns it for filling in; NULL without memory, or where there are LABEL_LIMIT.
+ * Valid until the next call. */
 struct label *label_table_add(struct label_table *table, uint32_t number);
 
 /** Copies @p text into *@p field (name or abbreviation), trimmed. Bytes that are not UTF-8 are taken as ISO-8859-1;

@@ -92,7 +92,8 @@ conus_status file_state_check(const struct file_state *before, const char *path)
 }
 
 /* The first `most` bytes of a regular file of at most `limit`. */
-static conus_status read_descriptor(struct bytes *out, const char *path, int descriptor, uint64_t limit, size_t most)
+static conus_status read_descriptor(struct bytes *out, const char *path, int descriptor, uint64_t limit, size_t most,
+                                    const char *option)
 {
     struct stat info;
     struct file_state before;
@@ -104,8 +105,8 @@ static conus_status read_descriptor(struct bytes *out, const char *path, int des
                     S_ISDIR(info.st_mode) ? "is a folder" : "is a device or pipe");
     }
     if ((uint64_t)info.st_size > limit) {
-        return fail(CONUS_ERROR_MEMORY, "%s: file of %lld bytes, allowed are %llu (--max-memory)", path,
-                    (long long)info.st_size, (unsigned long long)limit);
+        return fail(CONUS_ERROR_MEMORY, "%s: file of %lld bytes, allowed are %llu%s", path, (long long)info.st_size,
+                    (unsigned long long)limit, option);
     }
     size_t size = (uint64_t)info.st_size < most ? (size_t)info.st_size : most;
     struct bytes bytes = {.data = memory_raw(size, 1)};
@@ -123,25 +124,30 @@ static conus_status read_descriptor(struct bytes *out, const char *path, int des
     return CONUS_OK;
 }
 
-static conus_status read_path(struct bytes *out, const char *path, uint64_t limit, size_t most)
+static conus_status read_path(struct bytes *out, const char *path, uint64_t limit, size_t most, const char *option)
 {
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0) {
         return fail_errno(path, "open");
     }
-    conus_status status = read_descriptor(out, path, descriptor, limit, most);
+    conus_status status = read_descriptor(out, path, descriptor, limit, most, option);
     close(descriptor);
     return status;
 }
 
 conus_status file_read(struct bytes *out, const char *path, uint64_t limit)
 {
-    return read_path(out, path, limit, SIZE_MAX);
+    return read_path(out, path, limit, SIZE_MAX, "");
+}
+
+conus_status file_read_allowed(struct bytes *out, const char *path, uint64_t max_memory)
+{
+    return read_path(out, path, max_memory, SIZE_MAX, " (--max-memory)");
 }
 
 conus_status file_read_head(struct bytes *out, const char *path, size_t most)
 {
-    return read_path(out, path, UINT64_MAX, most);
+    return read_path(out, path, UINT64_MAX, most, "");
 }
 
 bool file_write_fully(int descriptor, const void *data, size_t size)

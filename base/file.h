@@ -37,6 +37,9 @@ conus_status file_state_check(const struct file_state *before, const char *path)
  * the limit. */
 conus_status file_read(struct bytes *out, const char *path, uint64_t limit);
 
+/** file_read() where the limit is the caller's to raise by --max-memory, as the message says. */
+conus_status file_read_allowed(struct bytes *out, const char *path, uint64_t max_memory);
+
 /** Reads the first @p most bytes of the regular file @p path, or fewer where it ends earlier. */
 conus_status file_read_head(struct bytes *out, const char *path, size_t most);
 

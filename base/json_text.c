@@ -16,9 +16,24 @@ static conus_status fail_syntax(const json_error_t *error)
     return fail(CONUS_ERROR_DATA, "line %d, column %d: %s", error->line, error->column, text);
 }
 
+/* At most what jansson takes for the text: an empty object 256 bytes, an array 128, an entry of either 64. */
+static uint64_t memory_of(struct text text)
+{
+    uint64_t memory = 2 * (uint64_t)text.size;
+    for (size_t i = 0; i < text.size; i++) {
+        char c = text.data[i];
+        memory += c == '{' ? 256 : c == '[' ? 128 : c == ',' || c == ':' ? 64 : 0;
+    }
+    return memory;
+}
+
 conus_status json_text_load(json_t **out, struct text text)
 {
     json_error_t error;
+    if (memory_of(text) > JSON_TEXT_MEMORY) {
+        return fail(CONUS_ERROR_MEMORY, "JSON text of %zu bytes that would take %llu in memory, allowed are %d",
+                    text.size, (unsigned long long)memory_of(text), JSON_TEXT_MEMORY);
+    }
     json_t *root = json_loadb(text.data, text.size, JSON_REJECT_DUPLICATES, &error);
     if (!root) {
         return fail_syntax(&error);

@@ -42,7 +42,7 @@ static const struct {
     size_t size;
     struct file_kind kind;
 } magics[] = {
-#define MAGIC(text) text, sizeof text - 1
+#define MAGIC(text) (text), sizeof(text) - 1
     {MAGIC("TRACK\0"), {"a TrackVis tractogram", TRACTS}},
     {MAGIC("mrtrix tracks"), {"an MRtrix tractogram", TRACTS}},
     {MAGIC("mrtrix image"), {"an MRtrix image", FOREIGN " (mrconvert)"}},

@@ -11,8 +11,13 @@
 
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
-enum { LABEL_FILE_LIMIT = 64 << 20, EXTENSION_AFNI = 4, EXTENSION_WORKBENCH = 30 };
+enum {
+    LABEL_FILE_LIMIT = 16 << 20,
+    LABEL_GROWTH = 64, /* bytes that a byte of a table may become */
+};
+enum { EXTENSION_AFNI = 4, EXTENSION_WORKBENCH = 30 };
 
 static char *join(const char *stem, size_t length, const char *ending)
 {
@@ -22,6 +27,19 @@ static char *join(const char *stem, size_t length, const char *ending)
         memcpy(path + length, ending, strlen(ending) + 1);
     }
     return path;
+}
+
+/* Bytes of a file whose table takes no more memory than is allowed. */
+static uint64_t file_limit(uint64_t max_memory)
+{
+    uint64_t allowed = max_memory / LABEL_GROWTH;
+    return max_memory && allowed < LABEL_FILE_LIMIT ? allowed : LABEL_FILE_LIMIT;
+}
+
+static conus_status read_file(struct bytes *out, const char *path, uint64_t max_memory)
+{
+    uint64_t limit = file_limit(max_memory);
+    return limit < LABEL_FILE_LIMIT ? file_read_allowed(out, path, limit) : file_read(out, path, limit);
 }
 
 static bool has_colours(const struct label_table *table)
@@ -67,7 +85,7 @@ static conus_status read_table(struct label_table *out, const char **format, con
 {
     struct label_use use = wanted ? *wanted : (struct label_use){0};
     struct bytes bytes = {0};
-    conus_status status = file_read(&bytes, path, LABEL_FILE_LIMIT);
+    conus_status status = read_file(&bytes, path, use.max_memory);
     if (status) {
         return status;
     }
@@ -156,10 +174,16 @@ conus_status label_search_bytes(struct label_search *search, const char *path, b
 conus_status label_search_file(struct label_search *search, const char *path)
 {
     struct bytes bytes = {0};
+    struct stat info;
+    uint64_t limit = file_limit(search->use.max_memory);
     if (!file_exists(path)) {
         return CONUS_OK;
     }
-    conus_status status = file_read(&bytes, path, LABEL_FILE_LIMIT);
+    if (!stat(path, &info) && (uint64_t)info.st_size > limit) { /* tables of results may be called so */
+        return notes_add(search->notes, "%s: %lld bytes, a label table may have %llu: passed over", path_base(path),
+                         (long long)info.st_size, (unsigned long long)limit);
+    }
+    conus_status status = read_file(&bytes, path, search->use.max_memory);
     if (status) {
         return complain(search, status);
     }

@@ -21,7 +21,7 @@
 static const char atlas_needed[] = "a labelled volume (NIfTI-1, NIfTI-2, MGH), a surface, a folder of surfaces, a "
                                    "manifest (with the key \"conus_atlas\") or an FSL atlas XML of type Label";
 
-enum { XML_LIMIT = 64 << 20, JSON_LIMIT = 64 << 20 };
+enum { XML_LIMIT = 4 << 20, JSON_LIMIT = 64 << 20 };
 
 void parcellation_finish(struct parcellation *parts)
 {

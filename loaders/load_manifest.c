@@ -107,7 +107,7 @@ static size_t files_besides(const struct manifest *manifest)
 
 static conus_status load_areas(struct loading *loading)
 {
-    struct area_plan plan = {0};
+    struct area_plan plan = {.max_memory = loading->options->max_memory};
     struct notes notes = {0};
     conus_status status = area_plan_make(&plan, loading->manifest, loading->path, &notes);
     size_t planned = area_plan_files(&plan);

@@ -7,9 +7,9 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "loaders/folder.h"
+#include "loaders/globe_metadata.h"
 
 #include <fnmatch.h>
-#include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -159,6 +159,7 @@ static conus_status plan_part(struct area_plan *plan, size_t entry, const struct
 static conus_status add_sheet(struct area_plan *plan, const struct manifest_area *area, const char *path,
                               struct notes *notes)
 {
+    const struct mesh_file_options options = {.max_memory = plan->max_memory};
     struct planned_sheet *sheets = memory_resize(plan->sheets, plan->sheet_count + 1, sizeof *sheets);
     char *labels = file_beside(path, area->vertex_labels);
     plan->sheets = sheets ? sheets : plan->sheets;
@@ -168,7 +169,8 @@ static conus_status add_sheet(struct area_plan *plan, const struct manifest_area
     }
     struct planned_sheet *sheet = &sheets[plan->sheet_count++];
     *sheet = (struct planned_sheet){.path = file_beside(path, area->file)};
-    conus_status status = sheet->path ? vertex_labels_read(&sheet->labels, labels, NULL, notes) : CONUS_ERROR_MEMORY;
+    conus_status status =
+        sheet->path ? vertex_labels_read(&sheet->labels, labels, &options, notes) : CONUS_ERROR_MEMORY;
     memory_free(labels);
     return status;
 }
@@ -238,8 +240,9 @@ static conus_status sift_names(struct matches *matches, const char *pattern)
 }
 
 static conus_status find_matches(struct matches *matches, const struct manifest_area *area, const char *path,
-                                 struct notes *notes)
+                                 uint64_t max_memory, struct notes *notes)
 {
+    const struct label_use use = {.max_memory = max_memory};
     const char *format;
     char *pattern = file_beside(path, area->files);
     matches->folder = pattern ? path_folder(pattern) : NULL;
@@ -248,7 +251,7 @@ static conus_status find_matches(struct matches *matches, const struct manifest_
     memory_free(pattern);
     if (!status && area->labels) {
         char *labels = file_beside(path, area->labels);
-        status = labels ? label_file_read(&matches->table, &format, labels, NULL, notes) : CONUS_ERROR_MEMORY;
+        status = labels ? label_file_read(&matches->table, &format, labels, &use, notes) : CONUS_ERROR_MEMORY;
         memory_free(labels);
     }
     return status;
@@ -278,7 +281,7 @@ static conus_status plan_pattern(struct area_plan *plan, size_t entry, const str
                                  const char *path, struct notes *notes)
 {
     struct matches matches = {0};
-    conus_status status = find_matches(&matches, area, path, notes);
+    conus_status status = find_matches(&matches, area, path, plan->max_memory, notes);
     for (size_t i = 0; !status && i < matches.names.count; i++) {
         struct label label;
         struct buffer file = {0};
@@ -331,20 +334,16 @@ static conus_status orient(double world_from_mesh[16], const char *orientation, 
 }
 
 /* The orientation in metadata.json, "asr" without one. */
-static conus_status read_orientation(char out[9], const char *folder)
+static conus_status read_orientation(char out[GLOBE_ORIENTATION], const char *folder)
 {
     struct bytes bytes = {0};
     struct buffer path = {0};
     buffer_format(&path, "%s/metadata.json", folder);
     conus_status status = buffer_status(&path);
-    snprintf(out, 9, "asr");
+    snprintf(out, GLOBE_ORIENTATION, "asr");
     if (!status && file_exists(path.data) && !(status = file_read(&bytes, path.data, JSON_LIMIT))) {
-        json_t *root = json_loadb((const char *)bytes.data, bytes.size, 0, NULL);
-        const char *text = json_string_value(json_object_get(root, "orientation"));
-        if (text) {
-            snprintf(out, 9, "%s", text);
-        }
-        json_decref(root);
+        status = globe_metadata_parse(out, (struct text){(const char *)bytes.data, bytes.size});
+        status = status ? fail_in(status, path.data) : CONUS_OK;
     }
     bytes_finish(&bytes);
     buffer_finish(&path);
@@ -404,15 +403,16 @@ static void mark_containers(struct globe *globe)
 }
 
 static conus_status open_globe(struct globe *globe, const struct manifest_area *area, const char *path,
-                               struct notes *notes)
+                               uint64_t max_memory, struct notes *notes)
 {
+    const struct label_use use = {.max_memory = max_memory};
     const char *format;
     struct buffer table = {0};
     globe->folder = file_beside(path, area->brainglobe);
     conus_status status = globe->folder ? CONUS_OK : CONUS_ERROR_MEMORY;
     buffer_format(&table, "%s/structures.json", status ? "" : globe->folder);
     status = status ? status : buffer_status(&table);
-    status = status ? status : label_file_read(&globe->structures, &format, table.data, NULL, notes);
+    status = status ? status : label_file_read(&globe->structures, &format, table.data, &use, notes);
     status = status ? status : find_globe_meshes(globe);
     buffer_finish(&table);
     if (!status) {
@@ -459,14 +459,15 @@ static conus_status plan_globe(struct area_plan *plan, size_t entry, const struc
                                struct notes *notes)
 {
     struct globe globe = {0};
-    char orientation[9];
+    char orientation[GLOBE_ORIENTATION];
     double world_from_mesh[16];
     double scale = area->scale > 0 ? area->scale : micrometres;
     size_t before = plan->count;
-    conus_status status = open_globe(&globe, area, path, notes);
-    status = status ? status : read_orientation(orientation, globe.folder);
+    conus_status status = open_globe(&globe, area, path, plan->max_memory, notes);
     if (!status && area->orientation) {
         snprintf(orientation, sizeof orientation, "%s", area->orientation);
+    } else {
+        status = status ? status : read_orientation(orientation, globe.folder);
     }
     status = status ? status : orient(world_from_mesh, orientation, scale);
     status = status ? status : plan_structures(plan, entry, &globe, area->all_structures, world_from_mesh);

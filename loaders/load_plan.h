@@ -33,6 +33,7 @@ struct area_plan {
     struct planned_area *areas; /**< Sorted by label, no two with the same.                                       */
     size_t count;
     size_t capacity;
+    uint64_t max_memory;       /**< For each file; 0 = the default.                                               */
     struct label_table groups; /**< Nodes of the area tree without a surface of their own; sorted.                */
 };
 

@@ -27,7 +27,7 @@ static uint64_t limit_of(const struct mesh_file_options *options)
 static conus_status read_unpacked(struct bytes *out, const char *path, const struct mesh_file_options *options)
 {
     struct bytes stored = {0};
-    conus_status status = file_read(&stored, path, limit_of(options));
+    conus_status status = file_read_allowed(&stored, path, limit_of(options));
     if (status || !gzip_is(stored.data, stored.size)) {
         *out = status ? *out : stored;
         return status;

@@ -55,7 +55,7 @@ static conus_status append_recipe(struct buffer *out, struct reading *work)
         char sum[65];
         const char *ending = ending_of(work->paths[i]);
         status = file_state_find(&work->states[i], work->paths[i]);
-        status = status ? status : file_read(&bytes, work->paths[i], limit);
+        status = status ? status : file_read_allowed(&bytes, work->paths[i], limit);
         if (!status) {
             file_sha256(sum, &bytes);
             buffer_format(out, "%s %s\n", sum, ending ? ending : "");

@@ -36,7 +36,7 @@ static void stored_finish(struct stored *stored)
 static conus_status stored_read(struct stored *out, const char *path, uint64_t limit)
 {
     struct stored stored = {.path = memory_text(path, strlen(path))};
-    conus_status status = stored.path ? file_read(&stored.bytes, path, limit) : CONUS_ERROR_MEMORY;
+    conus_status status = stored.path ? file_read_allowed(&stored.bytes, path, limit) : CONUS_ERROR_MEMORY;
     if (status) {
         stored_finish(&stored);
         return status;

@@ -233,6 +233,11 @@ static const struct bad {
     {{.encoding = "Base64Binary", .data = "A==="}, NULL, "byte 0x3d at 1", CONUS_ERROR_DATA},
     {{.encoding = "Base64Binary", .data = "AA==="}, NULL, "byte 0x3d at 4", CONUS_ERROR_DATA},
     {{.encoding = "GZipBase64Binary", .data = "eJxjYGiw"}, NULL, "the packed bytes are damaged", CONUS_ERROR_DATA},
+    /* Python: base64.b64encode(zlib.compress(bytes(48)) + b"tail") */
+    {{.encoding = "GZipBase64Binary", .data = "eJxjYCANAAAAMAABdGFpbA=="},
+     NULL,
+     "bytes after the packed ones",
+     CONUS_ERROR_DATA},
     {{.encoding = "GZipBase64Binary", .data = ""}, NULL, "0 packed bytes|damaged", CONUS_ERROR_DATA},
     {{.data = "abc 1 2 3 4 5 6 7 8 9 10 11"}, NULL, "number 0 is \"abc\"", CONUS_ERROR_DATA},
     {{.type = "INT32", .data = "1 1 2 3 4 5.5 6 7 8 9 10 11"}, NULL, "number 5 is \"5.5\"", CONUS_ERROR_DATA},

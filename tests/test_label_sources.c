@@ -360,6 +360,54 @@ static void real_fsl_atlases_are_proved(void **state)
     }
 }
 
+/* Fails to load v.nii with the labels `name` for lack of allowed memory. */
+static void assert_too_large(const char *name, uint64_t max_memory, const char *message)
+{
+    conus_atlas *atlas = NULL;
+    char labels[512];
+    snprintf(labels, sizeof labels, "%s", in(name));
+    const conus_load_options options = {.labels = labels, .max_memory = max_memory};
+    assert_fails(conus_atlas_load(&atlas, in("v.nii"), &options), CONUS_ERROR_MEMORY);
+    if (!strstr(conus_message(), message)) {
+        fail_msg("\"%s\" is not in \"%s\"", message, conus_message());
+    }
+}
+
+static void write_repeated(const char *name, const char *start, const char *piece, size_t count, const char *end)
+{
+    struct buffer text = {0};
+    buffer_text(&text, start);
+    for (size_t i = 0; i < count; i++) {
+        buffer_text(&text, piece);
+    }
+    buffer_text(&text, end);
+    assert_ok(buffer_status(&text));
+    assert_ok(conus_write_file(in(name), text.data, text.size));
+    buffer_finish(&text);
+}
+
+/* A row of 4 bytes becomes an entry of 56 and a name; an object of 3 bytes of JSON some 200. */
+static void tables_take_no_more_memory_than_is_allowed(void **state)
+{
+    (void)state;
+    enum { MILLION = 1 << 20, MIB = 1 << 20 };
+    make_folder("large");
+    write_row("v.nii", 4, 1, NULL);
+    write_repeated("rows.txt", "2 b\n3 c\n", "1 a\n", MILLION - 1, "");
+    assert_too_large("rows.txt", 0, "more than 1048576 labels");
+    assert_too_large("rows.txt", 64 * MIB, "file of 4194308 bytes, allowed are 1048576 (--max-memory)");
+    write_repeated("list.json", "[{\"id\":1,\"acronym\":\"A\"}", ",{}", MILLION, "]");
+    assert_too_large("list.json", 0, "that would take");
+    write_repeated("sparse.txt", "1 a\n", "2 b\n", 10, "");
+    assert_int_equal(truncate(in("sparse.txt"), 1LL << 32), 0);
+    assert_too_large("sparse.txt", 0, "file of 4294967296 bytes, allowed are 16777216");
+    assert_null(strstr(conus_message(), "--max-memory")); /* it would not help */
+    assert_int_equal(rename(in("sparse.txt"), in("v.txt")), 0);
+    write_text(in("v.csv"), "id,name\n1,A\n");
+    assert_named("A", 1, "CSV label table in v.csv",
+                 "v.txt: 4294967296 bytes, a label table may have 16777216: passed");
+}
+
 static conus_status load(void *data)
 {
     (void)data;
@@ -392,6 +440,7 @@ int main(void)
         cmocka_unit_test(pathways_have_one_name),
         cmocka_unit_test(background_says_that_nothing_is_there),
         cmocka_unit_test(real_fsl_atlases_are_proved),
+        cmocka_unit_test(tables_take_no_more_memory_than_is_allowed),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -413,6 +413,14 @@ static void brainglobe_folders_are_placed_and_grouped(void **state)
     conus_atlas_destroy(atlas);
     assert_refused("\"areas\": [{\"brainglobe\": \"globe\", \"orientation\": \"asa\"}]",
                    "areas[0]: orientation: found \"asa\", one letter each of R or L, A or P, S or I is needed");
+    write_text("globe/metadata.json", "{\"orientation\": \"lp");
+    assert_fails(load(&atlas, "\"areas\": [{\"brainglobe\": \"globe\"}]"), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "globe/metadata.json: line 1, column 19:"));
+    write_text("globe/metadata.json", "{\"orientation\": [\"lpi\"]}");
+    assert_fails(load(&atlas, "\"areas\": [{\"brainglobe\": \"globe\"}]"), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "globe/metadata.json: orientation: a text of three letters is needed"));
+    atlas = loaded("\"areas\": [{\"brainglobe\": \"globe\", \"orientation\": \"asr\"}]"); /* then it is not asked */
+    conus_atlas_destroy(atlas);
 }
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
