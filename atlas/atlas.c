@@ -35,6 +35,7 @@ void conus_atlas_destroy(conus_atlas *atlas)
     }
     memory_free(atlas->meshes);
     memory_free(atlas->places);
+    memory_free(atlas->path);
     memory_free(atlas->label_source);
     memory_free(atlas->transfer);
     for (size_t i = 0; i < atlas->file_count; i++) {
@@ -461,7 +462,7 @@ const char *atlas_path(const conus_atlas *atlas)
 {
     const struct volume *parcellation = atlas_parcellation(atlas);
     const char *own = atlas->file_count ? atlas->files[0].path : atlas->mesh_count ? atlas->meshes[0].path : NULL;
-    const char *path = parcellation ? parcellation->path : own;
+    const char *path = atlas->path ? atlas->path : parcellation ? parcellation->path : own;
     return path ? path : "";
 }
 

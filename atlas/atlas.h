@@ -39,6 +39,7 @@ struct conus_atlas {
     uint32_t half_step; /**< The labels of left halves are their areas' and this, those of right ones twice it;
                            0 = no area is cut in halves.                                       */
     bool has_safe_colours;
+    char *path; /**< As it was asked for; NULL = it was not loaded. */
     char *label_source;
     struct atlas_file *files; /**< The manifest, then surfaces.                                             */
     size_t file_count;
@@ -97,7 +98,8 @@ conus_status atlas_note_file(conus_atlas *atlas, const char *path, const struct 
 /** The context volume, or NULL. */
 const struct volume *atlas_context(const conus_atlas *atlas);
 
-/** The file by which people know the atlas: the parcellation's, else the manifest's, else the first mesh's. */
+/** The file or folder by which people know the atlas: as it was asked for. Of one that was not loaded the
+ * parcellation's, else the manifest's, else the first mesh's. */
 const char *atlas_path(const conus_atlas *atlas);
 
 /** The parcellation's volume, or NULL. */

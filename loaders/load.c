@@ -213,10 +213,23 @@ conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts)
 static conus_status load_volume(conus_atlas **out, const char *path, const conus_load_options *options)
 {
     struct parcellation parts = {0};
-    conus_status status = parcellation_read(&parts, path, options, atlas_needed);
-    status = status ? status : parcellation_atlas(out, &parts);
+    conus_atlas *atlas = NULL;
+    struct file_state state;
+    struct file_state state_of_labels;
+    (void)file_state_find(&state, path); /* what cannot be opened, nobody reads */
+    conus_status status = options->labels ? file_state_find(&state_of_labels, options->labels) : CONUS_OK;
+    status = status ? status : parcellation_read(&parts, path, options, atlas_needed);
+    status = status ? status : parcellation_atlas(&atlas, &parts);
+    bool markup = !status && first_character(path) == '<';
     parcellation_finish(&parts);
-    return status;
+    status = status || !markup ? status : atlas_note_file(atlas, path, &state);
+    status = status || !options->labels ? status : atlas_note_file(atlas, options->labels, &state_of_labels);
+    if (status) {
+        conus_atlas_destroy(atlas);
+        return status;
+    }
+    *out = atlas;
+    return CONUS_OK;
 }
 
 static conus_status load_json(conus_atlas **out, const char *path, const conus_load_options *options)
@@ -247,13 +260,8 @@ static conus_status load_folder(conus_atlas **out, const char *path, const conus
     return status;
 }
 
-conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)
+static conus_status load_any(conus_atlas **out, const char *path, const conus_load_options *options)
 {
-    static const conus_load_options defaults;
-    options = options ? options : &defaults;
-    if (!out || !path) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
-    }
     if (file_is_folder(path)) {
         return load_folder(out, path, options);
     }
@@ -263,4 +271,24 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     struct load_progress progress = {.options = options, .total = 1};
     load_progress_tell(&progress, path, 1);
     return mesh_file_is(path) ? surface_load(out, path, options) : load_volume(out, path, options);
+}
+
+conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)
+{
+    static const conus_load_options defaults;
+    conus_atlas *atlas = NULL;
+    if (!out || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
+    }
+    conus_status status = load_any(&atlas, path, options ? options : &defaults);
+    if (status) {
+        return status;
+    }
+    atlas->path = memory_text(path, strlen(path));
+    if (!atlas->path) {
+        conus_atlas_destroy(atlas);
+        return CONUS_ERROR_MEMORY;
+    }
+    *out = atlas;
+    return CONUS_OK;
 }

@@ -235,12 +235,11 @@ static conus_status surfaces_init(struct surfaces *out, size_t count)
 /* The name in the file, else the file's. */
 static conus_status name_area(struct planned_area *area, struct label *said)
 {
-    const char *file = path_base(area->path);
     if (!area->label.name && said->name) {
         area->label.name = said->name;
         said->name = NULL;
     } else if (!area->label.name) {
-        area->label.name = memory_text(file, strcspn(file, "."));
+        area->label.name = mesh_file_name(area->path);
     }
     area->label.hemisphere = area->label.hemisphere ? area->label.hemisphere : said->hemisphere;
     return area->label.name ? CONUS_OK : CONUS_ERROR_MEMORY;

@@ -105,6 +105,39 @@ static size_t files_besides(const struct manifest *manifest)
     return files;
 }
 
+/* Notes a file beside the manifest, `name` of `folder` or alone, if it is there. */
+static conus_status note_beside(struct loading *loading, const char *folder, const char *name)
+{
+    struct buffer text = {0};
+    buffer_format(&text, "%s%s%s", folder, folder[0] ? "/" : "", name);
+    conus_status status = buffer_status(&text);
+    char *path = status ? NULL : file_beside(loading->path, text.data);
+    status = status || path ? status : CONUS_ERROR_MEMORY;
+    struct file_state state;
+    if (!status && file_exists(path)) {
+        status = file_state_find(&state, path);
+        status = status ? status : atlas_note_file(loading->atlas, path, &state);
+    }
+    memory_free(path);
+    buffer_finish(&text);
+    return status;
+}
+
+/* What the areas follow from besides the surfaces. */
+static conus_status note_sources(struct loading *loading)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < loading->manifest->area_count; i++) {
+        const struct manifest_area *area = &loading->manifest->areas[i];
+        status = area->vertex_labels ? note_beside(loading, "", area->vertex_labels) : CONUS_OK;
+        if (!status && area->brainglobe) {
+            status = note_beside(loading, area->brainglobe, "structures.json");
+            status = status ? status : note_beside(loading, area->brainglobe, "metadata.json");
+        }
+    }
+    return status;
+}
+
 static conus_status load_areas(struct loading *loading)
 {
     struct area_plan plan = {.max_memory = loading->options->max_memory};
@@ -118,6 +151,7 @@ static conus_status load_areas(struct loading *loading)
     if (!status && path_base(loading->path)[0]) {
         status = atlas_add_file(loading->atlas, loading->path, loading->file);
     }
+    status = status ? status : note_sources(loading);
     status = status ? status
                     : area_plan_load(&plan, loading->atlas, loading->manifest, loading->options, &loading->progress);
     area_plan_finish(&plan);

@@ -30,21 +30,6 @@ static void surface_finish(struct surface *surface)
     buffer_finish(&surface->source);
 }
 
-/* What the file's name says: "lh.pial" of "lh.pial.surf.gii.gz". */
-static char *name_of_file(const char *path)
-{
-    static const char *const endings[] = {".gz", ".gii", ".surf", ".vtk", ".vtp", ".ply", ".stl", ".obj"};
-    const char *file = path_base(path);
-    size_t length = strlen(file);
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        size_t ending = strlen(endings[i]);
-        if (length > ending && strncmp(file + length - ending, endings[i], ending) == 0) {
-            length -= ending;
-        }
-    }
-    return memory_text(file, length);
-}
-
 /* The whole surface is one area, number 1. */
 static conus_status take_whole(struct surface *surface)
 {
@@ -54,7 +39,7 @@ static conus_status take_whole(struct surface *surface)
     if (!label || !surface->parts.parts) {
         return CONUS_ERROR_MEMORY;
     }
-    label->name = surface->about.name ? surface->about.name : name_of_file(surface->mesh.path);
+    label->name = surface->about.name ? surface->about.name : mesh_file_name(surface->mesh.path);
     surface->about.name = NULL;
     surface->parts.parts[0] = (struct mesh_part){1, surface->mesh};
     surface->parts.count = 1;

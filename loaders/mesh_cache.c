@@ -140,7 +140,7 @@ conus_status mesh_cache_find(struct bytes *out, const char *key, struct notes *n
     int folder = -1;
     conus_status status = mesh_cache_folder(&folder_path);
     status = status ? status : entry_path(&path, key);
-    if (!status && path.size) {
+    if (!status && path.size && folder_path.data) {
         status = open_folder(&folder, folder_path.data, notes);
     }
     if (folder >= 0) {

@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "base/xml.h"
 #include "loaders/file_kind.h"
+#include "loaders/folder.h"
 #include "loaders/freesurfer.h"
 #include "loaders/gifti.h"
 #include "loaders/gzip.h"
@@ -14,6 +15,8 @@
 #include "loaders/mesh_foreign.h"
 
 #include <stdio.h>
+#include <string.h>
+#include <strings.h>
 
 static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
 static const struct mesh_file_options defaults;
@@ -68,6 +71,20 @@ bool mesh_file_keeps_vertices(const char *path)
 bool mesh_file_is(const char *path)
 {
     return mesh_file_keeps_vertices(path) || (file_exists(path) && mesh_foreign_is(path));
+}
+
+char *mesh_file_name(const char *path)
+{
+    static const char *const endings[] = {".gz", ".gii", ".surf", ".vtk", ".vtp", ".ply", ".stl", ".obj"};
+    const char *file = path_base(path);
+    size_t length = strlen(file);
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        size_t ending = strlen(endings[i]);
+        if (length > ending && strncasecmp(file + length - ending, endings[i], ending) == 0) {
+            length -= ending;
+        }
+    }
+    return memory_text(file, length);
 }
 
 static conus_status parse_gifti(struct gifti *out, const struct bytes *bytes, const char *path,

@@ -14,6 +14,10 @@ struct mesh_file_options {
     uint64_t max_memory; /**< For a file, and for the numbers of one array; 8 GiB.    */
 };
 
+/** What the name of the file @p path says: "lh.pial" of "lh.pial.surf.gii.gz". The caller's to memory_free(); NULL
+ * without memory. */
+char *mesh_file_name(const char *path);
+
 /** Reads the surface @p path: GIFTI or FreeSurfer, each plain or gzip, by content; else, by its name, what conus-mesh
  * reads (loaders/mesh_foreign.h; many at once are better read there). Checked by mesh_check(), path set. @p about, if
  * not NULL, gets name and hemisphere as far as the file says them; its strings are the caller's to memory_free(). Notes

@@ -329,6 +329,7 @@ static void pass_atlas(struct walk *walk, conus_atlas *atlas)
         *atlas = bare_atlas(&plain);
         atlas->volume_count = atlas->mesh_count = atlas->object_count = atlas->file_count = atlas->notes.count = 0;
     }
+    pass_text(walk, &atlas->path);
     pass_text(walk, &atlas->label_source);
     pass_text(walk, &atlas->transfer);
     if (!walk->status) {

@@ -79,17 +79,40 @@ static conus_status add_channels(conus_image *image, const conus_selection *sele
 
 /* ---- Attributes ---- */
 
-static conus_status add_volume(conus_image *image, const conus_volume_info *info, size_t index)
+/* A volume as "conus:NAME" with its SHA-256; without its path, if that is said already. */
+static conus_status add_volume(conus_image *image, const conus_volume_info *info, const char *name, bool said)
 {
-    char name[64] = "conus:atlas";
-    if (index) {
-        snprintf(name, sizeof name, "conus:volume%zu", index);
+    char sum_name[64];
+    snprintf(sum_name, sizeof sum_name, "%sSha256", name);
+    conus_status status = said ? CONUS_OK : image_add_text(image, name, info->path);
+    return status ? status : image_add_text(image, sum_name, info->sha256);
+}
+
+/* The parcellation is the atlas itself, or what a manifest or an XML names. */
+static conus_status add_any_volume(conus_image *image, const conus_atlas *atlas, size_t index)
+{
+    char name[40];
+    const conus_volume_info *info = conus_atlas_volume(atlas, index);
+    bool is_atlas = info->role == CONUS_PARCELLATION && strcmp(info->path, atlas_path(atlas)) == 0;
+    if (info->role == CONUS_PARCELLATION) {
+        return add_volume(image, info, is_atlas ? "conus:atlas" : "conus:parcellation", is_atlas);
     }
-    conus_status status = image_add_text(image, name, info->path);
-    if (!status) {
-        snprintf(name + strlen(name), sizeof name - strlen(name), "Sha256");
-        status = image_add_text(image, name, info->sha256);
+    snprintf(name, sizeof name, "conus:volume%zu", index);
+    return add_volume(image, info, name, false);
+}
+
+/* The manifest, surfaces and the like, a line each. */
+static conus_status add_files(conus_image *image, const conus_atlas *atlas)
+{
+    struct buffer text = {0};
+    for (size_t i = 0; i < atlas->file_count; i++) {
+        buffer_format(&text, "%s  %s\n", atlas->files[i].sha256, atlas->files[i].path);
     }
+    conus_status status = buffer_status(&text);
+    if (!status && text.size) {
+        status = image_add_text(image, "conus:files", text.data);
+    }
+    buffer_finish(&text);
     return status;
 }
 
@@ -107,13 +130,14 @@ static conus_status add_hidden(conus_image *image, const conus_atlas *atlas)
 
 conus_status picture_add_volumes(conus_image *image, const conus_atlas *atlas, bool context)
 {
-    conus_status status = CONUS_OK;
+    const char *path = atlas_path(atlas);
+    conus_status status = path[0] ? image_add_text(image, "conus:atlas", path) : CONUS_OK;
     for (size_t i = 0; !status && i < conus_atlas_volume_count(atlas); i++) {
-        const conus_volume_info *info = conus_atlas_volume(atlas, i);
-        if (info->role != CONUS_CONTEXT || context) {
-            status = add_volume(image, info, i);
+        if (conus_atlas_volume(atlas, i)->role != CONUS_CONTEXT || context) {
+            status = add_any_volume(image, atlas, i);
         }
     }
+    status = status ? status : add_files(image, atlas);
     return status ? status : add_hidden(image, atlas);
 }
 

@@ -235,11 +235,18 @@ static void write_summary(struct buffer *out, const conus_report *report, const 
                   report->selector.sampling == CONUS_SLICES ? "slices" : "exact");
 }
 
-/* A file's name may hold anything. */
+/* The last part of a path; a folder's may end in '/'. A file's name may hold anything. */
 static void write_file_of(struct buffer *out, const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    char *name = text_to_utf8(text_from(slash ? slash + 1 : path));
+    size_t end = strlen(path);
+    while (end > 1 && path[end - 1] == '/') {
+        end--;
+    }
+    size_t start = end;
+    while (start > 0 && path[start - 1] != '/') {
+        start--;
+    }
+    char *name = text_to_utf8((struct text){path + start, end - start});
     buffer_text(out, name ? name : "");
     out->failed = out->failed || !name;
     memory_free(name);

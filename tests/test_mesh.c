@@ -184,6 +184,36 @@ static void triangles_of_two_corners_change_nothing(void **state)
     assert_true(shape.closed);
 }
 
+/* Two triangles with areas of 18 and 9 and centroids (2, 2, 0) and (0, 1, 2): 36 / 27, 45 / 27 and 18 / 27. */
+static void an_open_surface_has_the_centroid_of_its_area(void **state)
+{
+    (void)state;
+    static const float positions[5][3] = {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}, {0, 0, 6}, {0, 3, 0}};
+    static const uint32_t triangles[2][3] = {{0, 1, 2}, {0, 3, 4}};
+    struct mesh_shape shape;
+    examine(&shape, positions, 5, triangles, 2);
+    assert_false(shape.closed);
+    assert_near(shape.centroid[0], 36. / 27, 1e-12);
+    assert_near(shape.centroid[1], 45. / 27, 1e-12);
+    assert_near(shape.centroid[2], 18. / 27, 1e-12);
+}
+
+/* A triangle from z = 10 to 20, whose plane the ray along z beside it meets elsewhere: (b - a) x (c - a) is
+ * (10, 0, -0.001), so that t is (10 (0 - x) - 0.01) / -0.001, 10 + 10,000 x. Eq. 9 holds it from 10 to 20. */
+static void crossings_stay_within_the_triangle_s_reach(void **state)
+{
+    (void)state;
+    static const float positions[3][3] = {{0, 0, 10}, {0, 1, 10}, {0x1p-10F, 0, 20}};
+    static const uint32_t triangles[1][3] = {{0, 1, 2}};
+    struct mesh mesh;
+    put(&mesh, positions, 3, triangles, 1);
+    const double up[3] = {0, 0, 1};
+    assert_near(mesh_distance(&mesh, 0, (const double[]){0.01, 0.2, 0}, up), 20, 0);
+    assert_near(mesh_distance(&mesh, 0, (const double[]){-0.01, 0.2, 0}, up), 10, 0);
+    assert_near(mesh_distance(&mesh, 0, (const double[]){0x1p-11, 0.2, 0}, up), 15, 1e-9);
+    mesh_finish(&mesh);
+}
+
 static void impossible_meshes_are_refused(void **state)
 {
     (void)state;
@@ -232,6 +262,8 @@ int main(void)
         cmocka_unit_test(an_edge_may_have_four_triangles),
         cmocka_unit_test(triangles_without_area_close_what_they_join),
         cmocka_unit_test(triangles_of_two_corners_change_nothing),
+        cmocka_unit_test(an_open_surface_has_the_centroid_of_its_area),
+        cmocka_unit_test(crossings_stay_within_the_triangle_s_reach),
         cmocka_unit_test(impossible_meshes_are_refused),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };

@@ -461,9 +461,29 @@ static void every_failing_allocation_is_reported(void **test)
     conus_atlas_destroy(atlas);
 }
 
+/* Eq. 9 has t >= 0: a surface through the apex is met there. */
+static void a_surface_through_the_apex_is_met_at_0(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh box = mesh_scene_box((const double[]){-4, -4, 0}, (const double[]){4, 4, 8});
+    mesh_scene_add(atlas, &box);
+    struct cone cone = mesh_scene_cone((const double[]){1, 0.5, 0}, (const double[]){1, 0.5, 5}, 20, 4);
+    struct evidence evidence = {0};
+    mesh_scene_look(&evidence, atlas, &cone);
+    for (size_t pixel = 0; pixel < 16; pixel++) {
+        assert_int_equal(evidence.object[pixel], 1);
+        assert_true(evidence.distance[pixel] == 0);
+        assert_in_range(evidence.voxel[pixel], 0, 1); /* mesh_scene_box()'s first two: the side at z = 0 */
+    }
+    evidence_finish(&evidence);
+    conus_atlas_destroy(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_surface_through_the_apex_is_met_at_0),
         cmocka_unit_test(finds_the_first_triangle_of_random_ones),
         cmocka_unit_test(finds_the_outermost_of_nested_spheres),
         cmocka_unit_test(no_ray_slips_between_two_triangles),

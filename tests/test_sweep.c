@@ -303,6 +303,26 @@ static void shells_in_shells_count_as_pieces_do(void **state)
     }
 }
 
+/* A box around the apex without a side: the axis meets the far side at 5, and nothing says that it is inside before. */
+static void an_open_surface_does_not_hold_the_axis(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh box = mesh_scene_box((const double[]){-5, -5, -5}, (const double[]){5, 5, 5});
+    for (int k = 0; k < 6; k++) { /* mesh_scene_box()'s last but two are the side at x = -5 */
+        box.triangles[24 + k] = box.triangles[30 + k];
+    }
+    box.triangle_count -= 2;
+    mesh_scene_add(atlas, &box);
+    assert_false(atlas_object_mesh(atlas, 1)->shape.closed);
+    conus_pose pose = pose_of((double[]){0.5, 0.25, 0}, (double[]){0, 0, 1});
+    conus_sweep *sweep = sweep_of(atlas, NULL, &pose, 10);
+    assert_true(find(sweep, 1)->angle == 0);
+    assert_near(find(sweep, 1)->distance, 5, 1e-12);
+    conus_sweep_destroy(sweep);
+    conus_atlas_destroy(atlas);
+}
+
 /* ---- */
 
 static void limits_are_named(void **state)
@@ -364,6 +384,7 @@ int main(void)
         cmocka_unit_test(a_ball_is_admitted_at_its_tangent),
         cmocka_unit_test(what_is_inside_a_closed_surface_belongs_to_it),
         cmocka_unit_test(shells_in_shells_count_as_pieces_do),
+        cmocka_unit_test(an_open_surface_does_not_hold_the_axis),
         cmocka_unit_test(limits_are_named),
         cmocka_unit_test(every_failing_allocation_is_survived),
     };

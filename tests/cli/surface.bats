@@ -131,3 +131,44 @@ labels() {
     run -0 --separate-stderr "$CONUS" info s.obj --format tsv
     [ "$(cut -f 2,3 <<<"${lines[1]}")" = "1	s" ]
 }
+
+@test "surfaces in a folder keep their files' names, and answers name the folder and every file" {
+    mkdir faces
+    for name in lh.pial lh.white S.L.mid.32k_fs_LR S.R.mid.32k_fs_LR; do
+        square | gifti >"faces/$name.surf.gii"
+    done
+    run -0 --separate-stderr "$CONUS" info faces --format tsv
+    [ "$(cut -f 3 <<<"$output" | tail -n +2 | sort | paste -sd ' ')" = "S.L.mid.32k_fs_LR S.R.mid.32k_fs_LR lh.pial lh.white" ]
+    for folder in faces faces/; do
+        run -0 --separate-stderr "$CONUS" query $folder --origin 5,5,30 --toward 5,5,0 --angle 5 --image faces.exr -q
+        grep -qF "atlas faces, placed by the coordinates in its mesh files" <<<"$output"
+        run -0 --separate-stderr "$CONUS" query $folder --origin 5,5,30 --toward 5,5,0 --angle 5 -q -o rows.tsv
+        grep -qF "\"path\": \"$folder\"" rows.json
+        for file in faces/*; do
+            sum=$(sha256sum <"$file" | cut -d ' ' -f 1)
+            grep -qF "$sum" rows.json
+            grep -qaF "$sum  $file" faces.exr
+        done
+    done
+}
+
+@test "an XML, a manifest and labels of their own are named as they were given, with every file" {
+    "$CONUS" phantom slabs -o .
+    printf '<atlas version="1.0"><header><name>S</name><type>Label</type><images><imagefile>/slabs</imagefile>%s' \
+        '<summaryimagefile>/slabs</summaryimagefile></images></header><data>' >s.xml
+    echo '<label index="0" x="0" y="0" z="0">One</label></data></atlas>' >>s.xml
+    echo '{"conus_atlas": 1, "parcellation": "slabs.nii.gz"}' >s.atlas.json
+    printf '1 One\n2 Two\n3 Three\n' >names.txt
+    for atlas in s.xml s.atlas.json "slabs.nii.gz --labels names.txt"; do
+        # shellcheck disable=SC2086 # words
+        run -0 --separate-stderr "$CONUS" query $atlas --origin 0,0,100 --toward 0,0,0 --image s.exr -q
+        grep -qF "atlas ${atlas%% *}, placed by" <<<"$output"
+        # shellcheck disable=SC2086
+        run -0 --separate-stderr "$CONUS" query $atlas --origin 0,0,100 --toward 0,0,0 -q -o s.tsv
+        for file in slabs.nii.gz "${atlas##* }"; do
+            sum=$(sha256sum <"$file" | cut -d ' ' -f 1)
+            grep -qF "$sum" s.json
+            grep -qaF "$sum" s.exr
+        done
+    done
+}
