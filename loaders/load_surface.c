@@ -7,6 +7,7 @@
 #include "loaders/folder.h"
 #include "loaders/load.h"
 #include "loaders/mesh_file.h"
+#include "loaders/mesh_foreign.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -57,12 +58,29 @@ static conus_status cut(struct surface *surface, const char *path)
     return mesh_split(&surface->parts, &surface->mesh, labels->labels, &surface->notes);
 }
 
+/* Every object of the file is an area. */
+static conus_status read_objects(struct surface *out, const char *path, const conus_load_options *options)
+{
+    const struct mesh_foreign_options foreign = {.max_memory = options->max_memory};
+    conus_status status = mesh_foreign_objects(&out->parts, &out->labels.table, path, &foreign, &out->notes);
+    for (size_t i = 0; !status && i < out->labels.table.count; i++) {
+        struct label *label = &out->labels.table.entries[i];
+        label->name = label->name ? label->name : mesh_file_name(path);
+        status = label->name ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    buffer_format(&out->source, "the name in %s", path);
+    return status ? status : buffer_status(&out->source);
+}
+
 static conus_status read_surface(struct surface *out, const char *path, const conus_load_options *options)
 {
     const struct mesh_file_options file_options = {.max_memory = options->max_memory};
     const char *labels = options->labels ? options->labels : path;
     if (options->labels && !mesh_file_keeps_vertices(path)) {
         return fail(CONUS_ERROR_UNSUPPORTED, "%s: labels of vertices need a GIFTI or FreeSurfer surface", path);
+    }
+    if (!options->labels && mesh_foreign_is(path) && !mesh_file_keeps_vertices(path)) {
+        return read_objects(out, path, options);
     }
     conus_status status = mesh_file_read(&out->mesh, &out->about, path, &file_options, &out->notes);
     status = status ? status : vertex_labels_read(&out->labels, labels, &file_options, &out->notes);

@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "loaders/file_kind.h"
 #include "loaders/mesh_cache.h"
 #include "loaders/mesh_child.h"
@@ -18,8 +19,10 @@ struct reading {
     const char *const *paths;
     size_t count;
     const struct mesh_foreign_options *options;
-    struct mesh *meshes; /* [count] */
+    struct mesh *meshes; /* [count]; not used for objects */
     size_t done;
+    struct mesh_parts *objects;      /* of the one file, and */
+    struct label_table *names;       /* what they are called; NULL = files are read whole */
     size_t unstated, first_unstated; /* files without a word about their space */
     struct notes *notes;
     uint64_t size, largest;    /* of the files, in bytes */
@@ -49,7 +52,7 @@ static conus_status append_recipe(struct buffer *out, struct reading *work)
 {
     uint64_t limit = work->options->max_memory ? work->options->max_memory : default_memory;
     conus_status status = CONUS_OK;
-    buffer_format(out, "conus %s " MESH_STREAM_MAGIC " files\n", conus_version());
+    buffer_format(out, "conus %s " MESH_STREAM_MAGIC " %s\n", conus_version(), work->objects ? "objects" : "files");
     for (size_t i = 0; !status && i < work->count; i++) {
         struct bytes bytes = {0};
         char sum[65];
@@ -67,19 +70,36 @@ static conus_status append_recipe(struct buffer *out, struct reading *work)
     return status ? status : buffer_status(out);
 }
 
-static conus_status keep_mesh(struct reading *work, const struct mesh_frame *frame)
+static conus_status keep_mesh(struct mesh *mesh, struct reading *work, const struct mesh_frame *frame, size_t file)
 {
     static const double ras_from_lps[16] = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    struct mesh *mesh = &work->meshes[work->done];
     enum mesh_space space = work->options->space ? work->options->space : frame->space;
-    conus_status status = mesh_take_frame(mesh, frame, work->paths[work->done], work->notes, work->stream);
+    conus_status status = mesh_take_frame(mesh, frame, work->paths[file], work->notes, work->stream);
     if (!status && space == MESH_SPACE_LPS) {
         mesh_transform(mesh, ras_from_lps);
     }
-    if (space == MESH_SPACE_UNSTATED) {
-        work->first_unstated = work->unstated++ ? work->first_unstated : work->done;
+    if (space == MESH_SPACE_UNSTATED && (!work->objects || !work->unstated)) {
+        work->first_unstated = work->unstated++ ? work->first_unstated : file;
     }
     return status;
+}
+
+static conus_status keep_object(struct reading *work, const struct mesh_frame *frame)
+{
+    struct mesh_parts *objects = work->objects;
+    struct mesh_part *parts = memory_resize(objects->parts, work->done + 1, sizeof *parts);
+    if (!parts) {
+        return CONUS_ERROR_MEMORY;
+    }
+    objects->parts = parts;
+    parts[work->done] = (struct mesh_part){.label = (uint32_t)work->done + 1};
+    conus_status status = keep_mesh(&parts[work->done].mesh, work, frame, 0);
+    objects->count += !status;
+    struct label *label = status ? NULL : label_table_add(work->names, parts[work->done].label);
+    if (label && frame->text.size) {
+        label->name = text_to_utf8(frame->text);
+    }
+    return status ? status : label && (label->name || !frame->text.size) ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 /* Lines (streamlines) come in files of VTK's, too, and leave no triangle. */
@@ -89,7 +109,7 @@ static conus_status explain_failure(const struct reading *work)
     char said[512];
     snprintf(said, sizeof said, "%s", conus_message());
     uint64_t limit = work->options->max_memory ? work->options->max_memory : default_memory;
-    bool lines = !file_read(&bytes, work->paths[work->done], limit) && file_kind_is_lines(&bytes);
+    bool lines = !file_read(&bytes, work->paths[work->objects ? 0 : work->done], limit) && file_kind_is_lines(&bytes);
     bytes_finish(&bytes);
     return lines ? fail(CONUS_ERROR_DATA,
                         "this is a VTK file of lines (a tractogram), not a surface: make a volume of its "
@@ -100,18 +120,19 @@ static conus_status explain_failure(const struct reading *work)
 static conus_status take_frame(void *user, const struct mesh_frame *frame)
 {
     struct reading *work = user;
-    if (frame->id != work->done || work->done >= work->count) {
+    if (frame->id != work->done || (work->done >= work->count && !work->objects)) {
         return fail(CONUS_ERROR_DATA, "mesh stream: file %u, %zu is next", frame->id, work->done);
     }
     conus_status status = frame->kind == MESH_FRAME_FAILURE ? fail(CONUS_ERROR_DATA, "%.*s", (int)frame->text.size,
                                                                    frame->text.size ? frame->text.data : "")
-                                                            : keep_mesh(work, frame);
+                          : work->objects                   ? keep_object(work, frame)
+                                          : keep_mesh(&work->meshes[work->done], work, frame, work->done);
     if (status == CONUS_ERROR_DATA) {
         status = explain_failure(work);
     }
     if (status) {
         work->failed_in_file = true;
-        return fail_in(status, work->paths[work->done]);
+        return fail_in(status, work->paths[work->objects ? 0 : work->done]);
     }
     work->done++;
     return CONUS_OK;
@@ -120,7 +141,7 @@ static conus_status take_frame(void *user, const struct mesh_frame *frame)
 static conus_status append_request(struct buffer *out, const struct reading *work)
 {
     buffer_append(out, MESH_REQUEST_MAGIC, MESH_MAGIC_SIZE);
-    mesh_append_u32(out, MESH_REQUEST_FILES);
+    mesh_append_u32(out, work->objects ? MESH_REQUEST_OBJECTS : MESH_REQUEST_FILES);
     mesh_append_u32(out, (uint32_t)work->count);
     for (size_t i = 0; i < work->count; i++) {
         mesh_append_u32(out, (uint32_t)strlen(work->paths[i]));
@@ -161,10 +182,10 @@ static conus_status run_child(struct reading *work, const char *key)
     if (status && !work->failed_in_file && work->done < work->count) { /* what the next file did to it */
         fail_in(status, work->paths[work->done]);
     }
-    if (!status && work->done != work->count) {
+    if (!status && work->done < work->count) {
         status = fail(CONUS_ERROR_DATA, "%s: conus-mesh did not read it", work->paths[work->done]);
     }
-    mesh_stream_end(&stream, (uint32_t)work->count);
+    mesh_stream_end(&stream, (uint32_t)work->done);
     status = status ? status : buffer_status(&stream);
     status = status ? status : check_states(work);
     status = status ? status : mesh_cache_keep(key, &stream);
@@ -226,4 +247,45 @@ conus_status mesh_foreign_read(struct mesh *out, const char *const *paths, size_
     memory_free(work.meshes);
     memory_free(work.states);
     return status;
+}
+
+/* Objects have what is wrong with them in common, mostly: it is said once. */
+static void drop_repeated(struct notes *notes, size_t first)
+{
+    size_t kept = first;
+    for (size_t i = first; i < notes->count; i++) {
+        bool repeated = false;
+        for (size_t k = first; k < kept && !repeated; k++) {
+            repeated = strcmp(notes->lines[k], notes->lines[i]) == 0;
+        }
+        if (repeated) {
+            memory_free(notes->lines[i]);
+        } else {
+            notes->lines[kept++] = notes->lines[i];
+        }
+    }
+    notes->count = kept;
+}
+
+conus_status mesh_foreign_objects(struct mesh_parts *parts, struct label_table *names, const char *path,
+                                  const struct mesh_foreign_options *options, struct notes *notes)
+{
+    static const struct mesh_foreign_options defaults;
+    struct mesh_parts objects = {0};
+    struct file_state state = {0};
+    size_t first = notes->count;
+    struct reading work = {
+        .paths = &path, .count = 1, .options = options ? options : &defaults, .notes = notes, .objects = &objects};
+    work.names = names;
+    work.states = &state;
+    conus_status status = read_all(&work);
+    status = status ? status : note_unstated(&work);
+    drop_repeated(notes, first);
+    if (status) {
+        mesh_parts_finish(&objects);
+        label_table_finish(names);
+        return status;
+    }
+    *parts = objects;
+    return CONUS_OK;
 }

@@ -3,7 +3,8 @@
 #ifndef CONUS_LOADERS_MESH_FOREIGN_H
 #define CONUS_LOADERS_MESH_FOREIGN_H
 
-#include "atlas/mesh.h"
+#include "atlas/labels.h"
+#include "atlas/mesh_split.h"
 #include "loaders/mesh_protocol.h"
 
 struct mesh_foreign_options {
@@ -20,5 +21,11 @@ bool mesh_foreign_is(const char *path);
  * An error names the file. */
 conus_status mesh_foreign_read(struct mesh *out, const char *const *paths, size_t count,
                                const struct mesh_foreign_options *options, struct notes *notes);
+
+/** Reads the file @p path into @p parts: one per object ("o NAME") of an OBJ, numbered from 1 in the order in which
+ * they come first, else the whole surface as part 1. @p names, which is empty, gets an entry per part, without a name
+ * where the file gives none. Otherwise like mesh_foreign_read(). */
+conus_status mesh_foreign_objects(struct mesh_parts *parts, struct label_table *names, const char *path,
+                                  const struct mesh_foreign_options *options, struct notes *notes);
 
 #endif

@@ -24,7 +24,7 @@ static conus_status check_header(const struct mesh_frame *frame, uint64_t vertic
         return fail(CONUS_ERROR_DATA, "mesh stream: space %d in a frame of kind %d", (int)frame->space,
                     (int)frame->kind);
     }
-    if (frame->text.size > (frame->kind == MESH_FRAME_FAILURE ? MESH_FRAME_TEXT_LIMIT : 0)) {
+    if (frame->text.size > (frame->kind == MESH_FRAME_END ? 0 : MESH_FRAME_TEXT_LIMIT)) {
         return fail(CONUS_ERROR_DATA, "mesh stream: %zu bytes of text in a frame of kind %d", frame->text.size,
                     (int)frame->kind);
     }

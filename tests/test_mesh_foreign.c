@@ -102,6 +102,67 @@ static void good_files_are_read_and_their_space_is_honoured(void **state)
     }
 }
 
+/* A file of three tetrahedra: one before the first object, "left", and "right side" in two pieces. The sizes are 3, 6
+ * and 1, with the volumes 27 / 6, 216 / 6 and 1 / 6; "right side" has the four faces of the third in two lots. */
+static const char objects[] = "v 0 0 0\nv 3 0 0\nv 0 3 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+                              "o left\nv 10 0 0\nv 16 0 0\nv 10 6 0\nv 10 0 6\n"
+                              "g one\nf 5 7 6\nf 5 6 8\ng two\nf 5 8 7\nf 6 7 8\n"
+                              "o right side\r\nv 20 0 0\nv 21 0 0\nv 20 1 0\nv 20 0 1\nf 9 11 10\nf 9 10 12\n"
+                              "o nothing\no right side \nf 9 12 11\n  f 10 11 12\n";
+
+static void objects_are_areas(void **state)
+{
+    (void)state;
+    need_conus_mesh();
+    static const char *const names[] = {"objects", "left", "right side"};
+    static const double volumes[] = {27. / 6, 216. / 6, 1. / 6};
+    const char *path = write_text("objects.obj", objects, sizeof objects - 1);
+    for (int run = 0; run < 2; run++) { /* from conus-mesh, then from the cache */
+        conus_atlas *atlas = NULL;
+        assert_ok(conus_atlas_load(&atlas, path, NULL));
+        assert_int_equal(conus_atlas_object_count(atlas), 3);
+        assert_int_equal(conus_atlas_note_count(atlas), 1); /* its space is not stated */
+        for (uint32_t i = 0; i < 3; i++) {
+            const conus_object *object = conus_atlas_object(atlas, i + 1);
+            assert_string_equal(object->name, names[i]);
+            assert_int_equal(object->label, i + 1);
+            assert_int_equal(object->triangles, 4);
+            assert_near(object->volume_mm3, volumes[i], 1e-6);
+        }
+        conus_atlas_destroy(atlas);
+    }
+}
+
+static conus_status load_objects(void *data)
+{
+    conus_atlas *atlas = NULL;
+    conus_status status = conus_atlas_load(&atlas, data, NULL);
+    conus_atlas_destroy(atlas);
+    return status;
+}
+
+static void objects_without_memory_leave_nothing_behind(void **state)
+{
+    (void)state;
+    need_conus_mesh();
+    const char *path = write_text("objects.obj", objects, sizeof objects - 1);
+    assert_ok(load_objects((void *)path)); /* now in the cache */
+    test_every_allocation(load_objects, (void *)path);
+}
+
+/* In a request for files it is one surface, as a manifest says that a file is an area. */
+static void a_file_of_many_objects_may_be_one_surface(void **state)
+{
+    (void)state;
+    need_conus_mesh();
+    struct mesh mesh;
+    struct notes notes = {0};
+    read_one(&mesh, write_text("objects.obj", objects, sizeof objects - 1), NULL, &notes);
+    assert_int_equal(mesh.triangle_count, 12);
+    notes_finish(&notes);
+    mesh_finish(&mesh);
+}
+
 static void the_caller_may_know_the_space_better(void **state)
 {
     (void)state;
@@ -364,6 +425,9 @@ int main(void)
         cmocka_unit_test(good_files_are_read_and_their_space_is_honoured),
         cmocka_unit_test(binary_stl_files_have_the_size_that_they_say),
         cmocka_unit_test(other_files_that_are_cut_off_are_refused),
+        cmocka_unit_test(objects_are_areas),
+        cmocka_unit_test(objects_without_memory_leave_nothing_behind),
+        cmocka_unit_test(a_file_of_many_objects_may_be_one_surface),
         cmocka_unit_test(the_caller_may_know_the_space_better),
         cmocka_unit_test(mesh_file_read_leads_here),
         cmocka_unit_test(what_we_write_vtk_reads),

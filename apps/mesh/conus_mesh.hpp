@@ -72,7 +72,7 @@ class Stream
 {
   public:
     Stream();
-    void mesh(const Surface &surface);
+    void mesh(const Surface &surface, const std::string &name = "");
     void failure(uint32_t id, const std::string &text);
     void end();
 
@@ -89,5 +89,8 @@ void make_surfaces(Stream &stream, Request &request, uint32_t count);
 
 /** The mesh in each file, in order. */
 void read_files(Stream &stream, Request &request, uint32_t count);
+
+/** The objects of one file, in the order in which they come first. */
+void read_objects(Stream &stream, Request &request, uint32_t count);
 
 #endif

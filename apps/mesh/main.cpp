@@ -45,9 +45,9 @@ void Stream::frame(mesh_frame_kind kind, uint32_t id, const Surface *surface, co
     frames++;
 }
 
-void Stream::mesh(const Surface &surface)
+void Stream::mesh(const Surface &surface, const std::string &name)
 {
-    frame(MESH_FRAME_MESH, surface.id, &surface, "");
+    frame(MESH_FRAME_MESH, surface.id, &surface, name.substr(0, MESH_FRAME_TEXT_LIMIT));
 }
 
 void Stream::failure(uint32_t id, const std::string &text)
@@ -73,8 +73,10 @@ static void answer(const unsigned char *data, size_t size)
         make_surfaces(stream, request, count);
     } else if (kind == MESH_REQUEST_FILES) {
         read_files(stream, request, count);
+    } else if (kind == MESH_REQUEST_OBJECTS) {
+        read_objects(stream, request, count);
     } else {
-        throw Failure("request: found kind " + std::to_string(kind) + ", allowed are 1 and 2");
+        throw Failure("request: found kind " + std::to_string(kind) + ", allowed are 1 to 3");
     }
     stream.end();
 }

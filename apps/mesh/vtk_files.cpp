@@ -25,6 +25,7 @@
 #include <cerrno>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <new>
 #include <sstream>
 #include <sys/stat.h>
@@ -296,22 +297,28 @@ void check_indices(vtkCellArray *cells, vtkIdType points)
     }
 }
 
-Surface read_file(const std::string &path, Listener *listener)
+/* What a file holds, as VTK reads it. */
+struct Content {
+    Format format;
+    mesh_space space;
+    vtkSmartPointer<vtkPolyData> poly;
+};
+
+Content read_content(const std::string &path, Listener *listener)
 {
     const std::string head = read_head(path, 65536);
-    const Format format = format_of(path, head);
-    if (format == Format::Ply) {
+    Content content = {format_of(path, head), MESH_SPACE_UNSTATED, nullptr};
+    if (content.format == Format::Ply) {
         check_ply_counts(path, head);
     }
-    if (format == Format::Stl) {
+    if (content.format == Format::Stl) {
         check_stl_size(path, head);
     }
-    if (format == Format::Obj) {
+    if (content.format == Format::Obj) {
         check_obj_vertices(path);
     }
-    vtkSmartPointer<vtkPolyData> poly;
     try {
-        poly = read_with(format, path);
+        content.poly = read_with(content.format, path);
     } catch (const Failure &failure) {
         const std::string said = listener->take();
         throw Failure(said.empty() ? failure.what() : "VTK's reader: " + said);
@@ -320,16 +327,110 @@ Surface read_file(const std::string &path, Listener *listener)
     if (!said.empty()) {
         throw Failure("VTK's reader: " + said);
     }
-    check_indices(poly->GetPolys(), poly->GetNumberOfPoints());
-    check_indices(poly->GetStrips(), poly->GetNumberOfPoints());
+    check_indices(content.poly->GetPolys(), content.poly->GetNumberOfPoints());
+    check_indices(content.poly->GetStrips(), content.poly->GetNumberOfPoints());
+    content.space =
+        content.format == Format::Vtp ? space_of_field(content.poly) : space_in(remarks_of(content.format, head));
+    return content;
+}
+
+Surface surface_of(vtkPolyData *poly, mesh_space space, uint32_t id)
+{
     vtkNew<vtkTriangleFilter> triangles;
     triangles->SetInputData(poly);
     triangles->PassVertsOff();
     triangles->PassLinesOff();
     triangles->Update();
     Surface surface = surface_from(triangles->GetOutput());
-    surface.space = format == Format::Vtp ? space_of_field(poly) : space_in(remarks_of(format, head));
+    surface.space = space;
+    surface.id = id;
     return surface;
+}
+
+/* The objects of an OBJ file: their names, and the object of each face. */
+struct Objects {
+    std::vector<std::string> names;
+    std::vector<uint32_t> of_face;
+};
+
+/* What is before the first object, or in none with a name, is an object "". Lines that have the same name are one. */
+Objects find_objects(const std::string &path)
+{
+    Objects objects;
+    std::map<std::string, uint32_t> numbers;
+    std::string name;
+    std::ifstream file(path);
+    for (std::string line; std::getline(file, line);) {
+        const size_t first = std::min(line.find_first_not_of(" \t"), line.size());
+        const bool is_word = line.size() > first + 1 && std::isspace(static_cast<unsigned char>(line[first + 1]));
+        if (line.size() > first && line[first] == 'o' && (is_word || line.size() == first + 1)) {
+            const size_t begin = line.find_first_not_of(" \t\r", first + 1);
+            const size_t end = line.find_last_not_of(" \t\r");
+            name = begin == std::string::npos ? "" : line.substr(begin, end + 1 - begin);
+        } else if (is_word && line[first] == 'f') {
+            const auto number = numbers.emplace(name, static_cast<uint32_t>(objects.names.size()));
+            if (number.second) {
+                objects.names.push_back(name);
+            }
+            objects.of_face.push_back(number.first->second);
+        }
+    }
+    return objects;
+}
+
+/* The faces of every object. */
+std::vector<vtkSmartPointer<vtkCellArray>> deal_faces(vtkCellArray *faces, const Objects &objects)
+{
+    std::vector<vtkSmartPointer<vtkCellArray>> dealt(objects.names.size());
+    vtkIdType size;
+    const vtkIdType *ids;
+    if (static_cast<size_t>(faces->GetNumberOfCells()) != objects.of_face.size()) {
+        throw Failure("objects: " + std::to_string(objects.of_face.size()) + " faces, VTK's reader found " +
+                      std::to_string(faces->GetNumberOfCells()));
+    }
+    for (vtkSmartPointer<vtkCellArray> &some : dealt) {
+        some = vtkSmartPointer<vtkCellArray>::New();
+    }
+    size_t face = 0;
+    for (faces->InitTraversal(); faces->GetNextCell(size, ids);) {
+        dealt[objects.of_face[face++]]->InsertNextCell(size, ids);
+    }
+    return dealt;
+}
+
+void write_objects(Stream &stream, const std::string &path, Listener *listener)
+{
+    const Content content = read_content(path, listener);
+    const Objects objects = content.format == Format::Obj ? find_objects(path) : Objects();
+    if (objects.names.size() < 2) {
+        stream.mesh(surface_of(content.poly, content.space, 0), objects.names.empty() ? "" : objects.names[0]);
+        return;
+    }
+    const std::vector<vtkSmartPointer<vtkCellArray>> dealt = deal_faces(content.poly->GetPolys(), objects);
+    for (uint32_t i = 0; i < dealt.size(); i++) {
+        vtkNew<vtkPolyData> part;
+        part->SetPoints(content.poly->GetPoints());
+        part->SetPolys(dealt[i]);
+        stream.mesh(surface_of(part, content.space, i), objects.names[i]);
+    }
+}
+
+std::string take_path(Request &request)
+{
+    const uint32_t length = request.number<uint32_t>();
+    return std::string(reinterpret_cast<const char *>(request.take(length)), length);
+}
+
+/* Calls `read`; what it throws becomes the failure of file `id`. */
+template <typename Read> void try_file(Stream &stream, uint32_t id, Read read)
+{
+    try {
+        read();
+    } catch (const std::bad_alloc &) {
+        stream.failure(id, "VTK's reader needs more memory than a file of this size is allowed");
+    } catch (const Failure &failure) {
+        stream.failure(id, failure.what());
+    }
 }
 
 } // namespace
@@ -339,18 +440,24 @@ void read_files(Stream &stream, Request &request, uint32_t count)
     vtkNew<Listener> listener;
     vtkOutputWindow::SetInstance(listener);
     for (uint32_t i = 0; i < count; i++) {
-        const uint32_t length = request.number<uint32_t>();
-        const std::string path(reinterpret_cast<const char *>(request.take(length)), length);
+        const std::string path = take_path(request);
         listener->take();
-        try {
-            Surface surface = read_file(path, listener);
-            surface.id = i;
-            stream.mesh(surface);
-        } catch (const std::bad_alloc &) {
-            stream.failure(i, "VTK's reader needs more memory than a file of this size is allowed");
-        } catch (const Failure &failure) {
-            stream.failure(i, failure.what());
-        }
+        try_file(stream, i, [&] {
+            const Content content = read_content(path, listener);
+            stream.mesh(surface_of(content.poly, content.space, i));
+        });
     }
+    vtkOutputWindow::SetInstance(nullptr);
+}
+
+void read_objects(Stream &stream, Request &request, uint32_t count)
+{
+    if (count != 1) {
+        throw Failure("request: objects of " + std::to_string(count) + " files, allowed is 1");
+    }
+    vtkNew<Listener> listener;
+    vtkOutputWindow::SetInstance(listener);
+    const std::string path = take_path(request);
+    try_file(stream, 0, [&] { write_objects(stream, path, listener); });
     vtkOutputWindow::SetInstance(nullptr);
 }
