@@ -7,11 +7,10 @@
 #include <stdio.h>
 
 /* Columns that are read. */
-enum column { X, Y, Z, M00, M22 = M00 + 8, TARGET_ERROR, ANGULAR_ERROR, DATE, CLOCK, COLUMNS };
+enum column { X, Y, Z, M00, M22 = M00 + 8, DATE, CLOCK, COLUMNS };
 
-static const char *const names[COLUMNS] = {"Loc. X",       "Loc. Y",        "Loc. Z", "m0n0", "m0n1", "m0n2",
-                                           "m1n0",         "m1n1",          "m1n2",   "m2n0", "m2n1", "m2n2",
-                                           "Target Error", "Angular Error", "Date",   "Time"};
+static const char *const names[COLUMNS] = {"Loc. X", "Loc. Y", "Loc. Z", "m0n0", "m0n1", "m0n2", "m1n0",
+                                           "m1n1",   "m1n2",   "m2n0",   "m2n1", "m2n2", "Date", "Time"};
 
 enum kind { TARGETS, SAMPLES, ELECTRODES, KINDS };
 
@@ -186,14 +185,6 @@ static conus_status read_numbers(double *out, const struct text *fields, int fir
     return CONUS_OK;
 }
 
-/* How far off a sample is, NaN where that is not said. */
-static conus_status read_error(double *out, const struct text *fields, int column)
-{
-    conus_status status = is_null(fields[column]) ? CONUS_OK : read_numbers(out, fields, column, 1);
-    *out = is_null(fields[column]) ? NAN : fabs(*out);
-    return status;
-}
-
 /* m0n0 m0n1 m0n2 is where the device's x points, and so on. */
 static conus_status read_matrix(conus_pose *out, const struct reading *reading, const struct text *fields,
                                 const double position[3])
@@ -231,8 +222,6 @@ static conus_status read_pose(conus_pose_row *row, const struct reading *reading
 {
     double position[3];
     conus_status status = read_numbers(position, fields, X, 3);
-    status = status ? status : read_error(&row->error_mm, fields, TARGET_ERROR);
-    status = status ? status : read_error(&row->error_deg, fields, ANGULAR_ERROR);
     row->time_s = pose_clock(fields[DATE], fields[CLOCK]);
     if (status) {
         return status;

@@ -165,7 +165,7 @@ static conus_status read_header(conus_pose_stream *stream)
         return fail(CONUS_ERROR_DATA, "no poses: " POSE_FORMATS " is needed");
     }
     return line.too_long ? fail(CONUS_ERROR_DATA, "header: a line of more than %d bytes", POSE_LINE_LIMIT)
-                         : pose_table_header(&stream->table, line.text, stream->options.axis);
+                         : pose_table_header(&stream->table, &stream->whole.notes, line.text, stream->options.axis);
 }
 
 static conus_status parse_matrix(conus_pose_list *list, struct text text, const conus_pose_options *options)

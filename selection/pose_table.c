@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "selection/pose_table.h"
 
+#include "base/buffer.h"
 #include "base/math3.h"
+#include "base/notes.h"
 #include "base/status.h"
 #include "selection/cone.h"
 #include "selection/pose_row.h"
@@ -45,6 +47,13 @@ static const char *const names[COLUMNS] = {
     "x",   "y",   "z",   "tx",  "ty",  "tz",  "dx",    "dy",     "dz",      "qw",        "qx",       "qy",      "qz",
     "m00", "m01", "m02", "m03", "m10", "m11", "m12",   "m13",    "m20",     "m21",       "m22",      "m23",     "m30",
     "m31", "m32", "m33", "ux",  "uy",  "uz",  "angle", "time_s", "trigger", "error_deg", "error_mm", "query_id"};
+
+/* A header being read. */
+struct header {
+    struct pose_table table;
+    int id_rank; /* of the column that names the rows; 0 = none yet */
+    size_t id_field;
+};
 
 static bool has_all(const struct pose_table *table, enum column first, size_t count)
 {
@@ -107,30 +116,127 @@ static conus_status check_header(const struct pose_table *table)
     return CONUS_OK;
 }
 
-static conus_status add_column(struct pose_table *table, struct text field)
+static enum column column_named(struct text field)
 {
     enum column column = 0;
     while (column < COLUMNS && !text_equal_ignoring_case(field, names[column])) {
         column++;
     }
+    return column;
+}
+
+/* How well a column names the rows: query_id before id before name; 0 = it does not. */
+static int rank_of_id(struct text field)
+{
+    static const char *const ids[] = {"name", "id", "query_id"};
+    int rank = 3;
+    while (rank && !text_equal_ignoring_case(field, ids[rank - 1])) {
+        rank--;
+    }
+    return rank;
+}
+
+/* The name of the rows is in the field that names them best; a worse one is passed over. */
+static bool add_id(struct header *header, struct text field)
+{
+    struct pose_table *table = &header->table;
+    int rank = rank_of_id(field);
+    if (rank <= header->id_rank) {
+        return false;
+    }
+    if (header->id_rank) {
+        table->of_field[header->id_field] = COLUMNS;
+    }
+    header->id_rank = rank;
+    header->id_field = table->field_count;
+    table->has[ID] = true;
+    return true;
+}
+
+static conus_status add_column(struct header *header, struct text field)
+{
+    struct pose_table *table = &header->table;
     double number;
-    if (!field.size || text_to_double(field, &number)) {
+    bool is_index = !field.size && !table->field_count; /* as pandas writes a table's index */
+    if ((!field.size && !is_index) || text_to_double(field, &number)) {
         return fail(CONUS_ERROR_DATA,
                     "header: \"%.*s\" is no name of a column, but the first line of a table has names",
                     pose_quote(field), field.data);
     }
-    if (column == COLUMNS) {
-        return fail(CONUS_ERROR_DATA,
-                    "header: column \"%.*s\" is not known (x y z, tx ty tz, dx dy dz, qw qx qy qz, "
-                    "m00...m33, ux uy uz, angle, time_s, trigger, error_deg, error_mm, query_id)",
-                    pose_quote(field), field.data);
+    if (table->field_count == POSE_COLUMN_LIMIT) {
+        return fail(CONUS_ERROR_DATA, "header: more than %d columns", POSE_COLUMN_LIMIT);
     }
-    if (table->has[column] || table->field_count == POSE_COLUMN_LIMIT) {
-        return fail(CONUS_ERROR_DATA, "header: column \"%s\" twice", names[column]);
+    enum column column = column_named(field);
+    if ((column < COLUMNS && column != ID && table->has[column]) ||
+        (rank_of_id(field) && rank_of_id(field) == header->id_rank)) {
+        field = column < COLUMNS ? text_from(names[column]) : field;
+        return fail(CONUS_ERROR_DATA, "header: column \"%.*s\" twice", pose_quote(field), field.data);
     }
-    table->has[column] = true;
+    column = add_id(header, field) ? ID : column == ID ? COLUMNS : column;
+    if (column < COLUMNS) {
+        table->has[column] = true;
+    }
     table->of_field[table->field_count++] = (uint8_t)column;
     return CONUS_OK;
+}
+
+/* The known column that was perhaps meant: it is not there, and little is to be changed, or it stands behind a last
+ * underscore. NULL if there is none. */
+static const char *column_meant(const struct pose_table *table, struct text field)
+{
+    const char *meant = NULL;
+    size_t least = (field.size + 1) / 3;
+    for (enum column column = 0; column < COLUMNS; column++) {
+        const struct text name = text_from(names[column]);
+        size_t distance = text_distance(field, name);
+        bool is_end =
+            field.size > name.size + 1 && field.data[field.size - name.size - 1] == '_' &&
+            text_equal_ignoring_case((struct text){field.data + field.size - name.size, name.size}, names[column]);
+        if (!table->has[column] && field.size && (is_end || (distance <= least && distance < name.size))) {
+            meant = names[column];
+            least = is_end ? 0 : distance;
+        }
+    }
+    return meant;
+}
+
+/* Which columns are passed over, and what might have been meant. */
+static conus_status list_passed_over(struct buffer *out, const struct pose_table *table, struct text line)
+{
+    enum { SHOWN = 8 };
+    struct text field;
+    enum text_quotes quotes;
+    size_t count = 0;
+    size_t index = 0;
+    for (bool more = true; text_quoted_field(&line, table->separator, &more, &field, &quotes); index++) {
+        if (table->of_field[index] != COLUMNS || count++ >= SHOWN) {
+            continue;
+        }
+        const char *meant = column_meant(table, field);
+        buffer_format(out, "%s\"%.*s\"", count > 1 ? ", " : "", pose_quote(field), field.data);
+        buffer_format(out, meant ? " (did you mean %s?)" : "", meant);
+    }
+    if (count > SHOWN) {
+        buffer_format(out, " and %zu more", count - SHOWN);
+    }
+    return buffer_status(out);
+}
+
+/* A column that is missing may be one that is misspelt; what is passed over without need is said once. */
+static conus_status tell_passed_over(struct notes *notes, const struct pose_table *table, struct text line,
+                                     conus_status status)
+{
+    char reason[256];
+    struct buffer list = {0};
+    snprintf(reason, sizeof reason, "%s", status ? conus_message() : "");
+    conus_status listed = list_passed_over(&list, table, line);
+    if (!listed && list.size && status) {
+        status = fail(status, "%s; columns that are not known: %s", reason, list.data);
+    } else if (!listed && list.size) {
+        status = notes_add(notes, "columns passed over: %s", list.data);
+    }
+    buffer_finish(&list);
+    return listed ? listed : status;
 }
 
 /* In a table with commas a mark in the middle is what is left of a field that goes on from line to line. */
@@ -146,25 +252,29 @@ static conus_status check_quotes(const struct pose_table *table, struct text fie
                : fail(CONUS_ERROR_DATA, "a quotation mark inside a field: %.*s", pose_quote(field), field.data);
 }
 
-conus_status pose_table_header(struct pose_table *out, struct text line, conus_axis axis)
+conus_status pose_table_header(struct pose_table *out, struct notes *notes, struct text line, conus_axis axis)
 {
-    struct pose_table table = {.separator = memchr(line.data, '\t', line.size)  ? '\t'
-                                            : memchr(line.data, ',', line.size) ? ','
-                                                                                : ';'};
+    struct header header = {.table.separator = memchr(line.data, '\t', line.size)  ? '\t'
+                                               : memchr(line.data, ',', line.size) ? ','
+                                                                                   : ';'};
+    struct pose_table *table = &header.table;
+    const struct text whole = line;
     struct text field;
     enum text_quotes quotes;
     conus_status status = text_is_utf8(line) ? CONUS_OK : fail(CONUS_ERROR_DATA, "header: not UTF-8 text");
-    if (!status && !memchr(line.data, table.separator, line.size)) {
+    if (!status && !memchr(line.data, table->separator, line.size)) {
         status = fail(CONUS_ERROR_DATA, "header: \"%.*s\": no tab, comma or semicolon is between names of columns",
                       pose_quote(line), line.data);
     }
-    for (bool more = true; !status && text_quoted_field(&line, table.separator, &more, &field, &quotes);) {
-        status = check_quotes(&table, field, quotes);
-        status = status ? status : add_column(&table, field);
+    for (bool more = true; !status && text_quoted_field(&line, table->separator, &more, &field, &quotes);) {
+        status = check_quotes(table, field, quotes);
+        status = status ? status : add_column(&header, field);
     }
-    status = status ? status : check_header(&table);
-    status = status ? status : check_axis(&table, axis);
-    *out = status ? *out : table;
+    if (!status) {
+        status = tell_passed_over(notes, table, whole, check_header(table));
+    }
+    status = status ? status : check_axis(table, axis);
+    *out = status ? *out : *table;
     return status;
 }
 
@@ -262,7 +372,7 @@ static conus_status read_values(double values[COLUMNS], struct pose_name *name, 
     conus_status status = CONUS_OK;
     for (bool more = true; text_quoted_field(&line, table->separator, &more, &field, &quotes); count++) {
         status = status ? status : check_quotes(table, field, quotes);
-        if (count < table->field_count && !status) {
+        if (count < table->field_count && table->of_field[count] != COLUMNS && !status) {
             field = quotes == TEXT_QUOTED && table->of_field[count] == ID ? name_in(name->own, field) : field;
             status = read_field(values, &name->text, table->of_field[count], field);
         }

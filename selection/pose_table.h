@@ -9,21 +9,21 @@
 
 enum {
     POSE_COLUMNS = 38,
-    POSE_COLUMN_LIMIT = 64,
+    POSE_COLUMN_LIMIT = 1000,
     POSE_NAME_SIZE = POSE_ID_LIMIT + 1 /**< One byte more than is allowed, so that more is seen. */
 };
 
 /** What a table's header says. */
 struct pose_table {
     char separator;
-    uint8_t of_field[POSE_COLUMN_LIMIT]; /**< Column of each field. */
+    uint8_t of_field[POSE_COLUMN_LIMIT]; /**< Column of each field, POSE_COLUMNS = passed over. */
     size_t field_count;
     bool has[POSE_COLUMNS];
 };
 
-/** Reads the header, CONUS_ERROR_DATA when a column is unknown, missing or twice, or when there is not exactly one way
- * of saying where the device looks; @p axis asks for rotations. */
-conus_status pose_table_header(struct pose_table *out, struct text line, conus_axis axis);
+/** Reads the header, CONUS_ERROR_DATA when a column is missing or twice, or when there is not exactly one way of saying
+ * where the device looks; @p axis asks for rotations. A note names the columns that are passed over. */
+conus_status pose_table_header(struct pose_table *out, struct notes *notes, struct text line, conus_axis axis);
 
 /** Whether there is a column time_s. */
 bool pose_table_has_times(const struct pose_table *table);

@@ -240,7 +240,7 @@ static void any_bytes_become_clean_utf8(void **state)
         {"a\xc2\x9b"
          "31m",
          "a 31m"},
-        {"\xe2\x80\xae\xe2\x81\xa6\xe2\x80\xa8", "   "},
+        {"\xe2\x80\xae\xe2\x81\xa6\xe2\x80\xa8\xe2\x81\xa9\xe2\x80\xac", "     "},
         {"\xc2\xa0\xe2\x80\xa7\xe2\x80\xaf\xe2\x81\xa5\xe2\x81\xaa",
          "\xc2\xa0\xe2\x80\xa7\xe2\x80\xaf\xe2\x81\xa5\xe2\x81\xaa"},
         {"", ""}};
@@ -484,8 +484,8 @@ static void messages_are_one_line(void **state)
     fail(CONUS_ERROR_DATA, "%s",
          "\xc2\x9b"
          "2J\xe2\x80\xae"
-         "fin.\xff");
-    assert_string_equal(conus_message(), " 2J fin.?");
+         "fin.\xe2\x80\xac\xff");
+    assert_string_equal(conus_message(), " 2J fin. ?");
     assert_null(memory_raw(SIZE_MAX, 2));
 }
 

@@ -27,6 +27,25 @@ static void frame_follows_the_direction(void **state)
     assert_same_pose(&pose, (const conus_pose *)down);
 }
 
+/* Eq. 2: superior, (0 0 1), is up while the direction d = (s 0 c) has |c| <= 0.999, and then the device's y axis is the
+ * part of it across d, (-c 0 s) for s > 0; beyond, anterior, (0 1 0), is, which is across d already. */
+static void up_is_anterior_only_near_the_vertical(void **state)
+{
+    (void)state;
+    static const double cosines[] = {0.5, 0.99, 0.995, 0.9989, 0.9991, 0.9999, -0.995, -0.9989, -0.9991};
+    for (size_t i = 0; i < sizeof cosines / sizeof cosines[0]; i++) {
+        double c = cosines[i];
+        double s = sqrt(1 - c * c);
+        conus_pose pose;
+        assert_ok(conus_pose_along(&pose, (double[]){1, 2, 3}, (double[]){s, 0, c}, NULL));
+        bool near = fabs(c) > 0.999;
+        const double wanted[3] = {near ? 0 : -c, near ? 1 : 0, near ? 0 : s};
+        for (int k = 0; k < 3; k++) {
+            assert_near(pose.world_from_device[4 + k], wanted[k], 1e-12);
+        }
+    }
+}
+
 static void frames_are_rotations(void **state)
 {
     (void)state;
@@ -172,7 +191,7 @@ static void bad_headers_are_refused(void **state)
                                         "x,x,y,z,tx,ty,tz\n",
                                         "x,y,tx,ty,tz\n",
                                         "x,y,z,qw,qx,qy,qz,ux,uy,uz\n",
-                                        "x,y,z,tx,ty,tz,speed\n",
+                                        "x,y,z,tx,ty,speed\n",
                                         "# x,y,z,tx,ty,tz\n",
                                         "1 2 3 4 5\n"};
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
@@ -200,10 +219,15 @@ static void every_failing_allocation_is_clean(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(frame_follows_the_direction),       cmocka_unit_test(frames_are_rotations),
-        cmocka_unit_test(quaternion_and_matrix_agree),       cmocka_unit_test(impossible_poses_are_refused),
-        cmocka_unit_test(every_way_gives_the_same_pose),     cmocka_unit_test(lps_negates_x_and_y),
-        cmocka_unit_test(bad_rows_keep_their_place),         cmocka_unit_test(bad_headers_are_refused),
+        cmocka_unit_test(frame_follows_the_direction),
+        cmocka_unit_test(frames_are_rotations),
+        cmocka_unit_test(up_is_anterior_only_near_the_vertical),
+        cmocka_unit_test(quaternion_and_matrix_agree),
+        cmocka_unit_test(impossible_poses_are_refused),
+        cmocka_unit_test(every_way_gives_the_same_pose),
+        cmocka_unit_test(lps_negates_x_and_y),
+        cmocka_unit_test(bad_rows_keep_their_place),
+        cmocka_unit_test(bad_headers_are_refused),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -101,8 +101,9 @@ static void brainsight_targets_samples_electrodes(void **state)
     const conus_pose_row *row = row_of(list, 2, "sample/Sample 1");
     assert_looks_at_target(row, 0.01);
     assert_int_equal(row->line, 11);
-    assert_near(row->error_mm, 1.348, 0);
-    assert_near(row->error_deg, 4.702, 0);
+    /* Target Error 1.348 mm and Angular Error 4.702 degrees are how far the coil was from the target that was planned:
+       where it was is known no worse for that. */
+    assert_true(isnan(row->error_mm) && isnan(row->error_deg));
     double first = row->time_s;
     assert_near(first, 1553263720.658, 1e-6); /* 2019-03-22 14:08:40.658 */
     assert_row_fails(list, 3, "sample/Sample 2", "Loc. X: \"(null)\"");
@@ -267,7 +268,7 @@ static void contacts_look_along_their_shafts(void **state)
     assert_row_fails(list, 3, "RH1", "x: not known");
     assert_row_fails(list, 4, "RH2", "the only contact of its shaft \"RH\"");
     conus_pose_list_destroy(list);
-    refuse("name\tx\ty\tz\tdx\tdy\tdz\nA\t0\t0\t0\t0\t0\t1\n", NULL, "column \"name\" is not known");
+    refuse("name\tx\ty\tz\tdx\tdy\nA\t0\t0\t0\t0\t0\n", NULL, "only some of the columns dx dy dz"); /* a table */
     refuse("1 2 3\n", &(conus_pose_options){.along_shafts = true}, "shafts are of electrodes (BIDS), not of points");
     refuse("name\tx\ty\tz\n", &(conus_pose_options){.axis = CONUS_AXIS_PLUS_Z}, "no axis (+z)");
 }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/batch_errors.h"
 #include "cli/batch_file.h"
 #include "cli/batch_record.h"
 #include "cli/commands.h"
@@ -73,6 +74,20 @@ static int read_part(struct part *part)
         complain("%s: is not the file that %s describes: %" PRIu64 " bytes with CRC-32 %08" PRIx32 ", not %" PRIu64
                  " with %08" PRIx32,
                  part->path, part->sidecar, size, crc, part->record.bytes, part->record.crc);
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
+}
+
+static int check_errors(const struct part *part)
+{
+    uint64_t errors;
+    if (!batch_errors_count(&errors, part->path)) {
+        return EXIT_DATA;
+    }
+    if (errors != part->record.errors) {
+        complain("%s: %" PRIu64 " poses without an answer, %s says %" PRIu64, part->path, errors, part->sidecar,
+                 part->record.errors);
         return EXIT_DATA;
     }
     return EXIT_DONE;
@@ -260,6 +275,7 @@ static int work(struct merge *merge)
     int code = check_paths(merge);
     for (size_t i = 0; i < merge->count && !code; i++) {
         code = read_part(&merge->parts[i]);
+        code = code ? code : check_errors(&merge->parts[i]);
     }
     if (code) {
         return code;

@@ -36,7 +36,8 @@ static const struct option sweep_options[] = {
      .value = "DEGREES,MM",
      .help =
          "or the probabilities under normal errors of the pose: standard deviations of the axis's tilt about two axes, "
-         "and of the position along three; columns error_deg and error_mm of --pose FILE replace them"},
+         "and of the position along three; or --jitter columns: those of columns error_deg and error_mm of --pose "
+         "FILE"},
     {.name = "samples",
      .type = OPTION_COUNT,
      .offset = FIELD(samples),
@@ -74,6 +75,7 @@ struct sweep {
     double *angles; /* of --angles, radians */
     size_t angle_count;
     conus_jitter_options jitter;
+    bool jitter_of_rows; /* the errors are those of the file's columns */
     char *command_line, *sidecar;
     conus_atlas *atlas;
     conus_pose_list *poses;
@@ -174,7 +176,12 @@ static bool read_angles(struct sweep *sweep)
 
 static bool read_jitter(struct sweep *sweep)
 {
-    double errors[2];
+    double errors[2] = {0};
+    sweep->jitter_of_rows = strcmp(sweep->settings->jitter, "columns") == 0;
+    sweep->jitter = (conus_jitter_options){.samples = sweep->settings->samples};
+    if (sweep->jitter_of_rows) {
+        return sweep->settings->aim.pose || (complain("--jitter columns: without --pose FILE there are none"), false);
+    }
     if (read_numbers(errors, 2, sweep->settings->jitter, ',') != 2) {
         complain("--jitter: \"%s\" is not two numbers DEGREES,MM without spaces", sweep->settings->jitter);
         return false;
@@ -187,8 +194,8 @@ static bool read_jitter(struct sweep *sweep)
         complain("--jitter: a shift of %.10g mm is out of range, allowed is 0 to 1000000", errors[1]);
         return false;
     }
-    sweep->jitter =
-        (conus_jitter_options){.tilt = radians(errors[0]), .shift = errors[1], .samples = sweep->settings->samples};
+    sweep->jitter.tilt = radians(errors[0]);
+    sweep->jitter.shift = errors[1];
     return true;
 }
 
@@ -262,13 +269,20 @@ static conus_status add_admissions(struct sweep *sweep, const char *id, const co
     return status;
 }
 
-/* The row's own errors, where it has them, win. */
+static bool has_errors(const conus_pose_row *row)
+{
+    return isfinite(row->error_deg) || isfinite(row->error_mm);
+}
+
+/* What is asked for on the command line wins; of a row's own errors one that is missing is 0. */
 static conus_status add_chances(struct sweep *sweep, const conus_pose_row *row, double angle)
 {
     conus_jitter *jitter = NULL;
     conus_jitter_options options = sweep->jitter;
-    options.tilt = isfinite(row->error_deg) ? radians(row->error_deg) : options.tilt;
-    options.shift = isfinite(row->error_mm) ? row->error_mm : options.shift;
+    if (sweep->jitter_of_rows) {
+        options.tilt = isfinite(row->error_deg) ? radians(row->error_deg) : 0;
+        options.shift = isfinite(row->error_mm) ? row->error_mm : 0;
+    }
     conus_status status = conus_jitter_create(&jitter, sweep->selector, &row->pose, angle, &options);
     status = status ? status : conus_report_add_jitter(sweep->report, row->id, jitter);
     conus_jitter_destroy(jitter);
@@ -294,7 +308,10 @@ static conus_status answer(struct sweep *sweep, const conus_pose_row *row)
 static int answer_row(struct sweep *sweep, const conus_pose_row *row)
 {
     const char *path = settings_poses_name(sweep->settings->aim.pose);
-    const char *why = row->error ? row->error : row->is_point ? POINT_LOOKS_NOWHERE : NULL;
+    const char *why = row->error                                  ? row->error
+                      : row->is_point                             ? POINT_LOOKS_NOWHERE
+                      : sweep->jitter_of_rows && !has_errors(row) ? "no error_deg or error_mm for --jitter columns"
+                                                                  : NULL;
     conus_status status = why ? CONUS_ERROR_ARGUMENT : answer(sweep, row);
     if (status == CONUS_ERROR_ARGUMENT) {
         why = why ? why : conus_message();
@@ -303,6 +320,19 @@ static int answer_row(struct sweep *sweep, const conus_pose_row *row)
         status = conus_report_add_error(sweep->report, row->id, row->line, why);
     }
     return status ? complain_status(status) : EXIT_DONE;
+}
+
+/* Errors in the file that --jitter on the command line overrides. */
+static void say_unused_errors(const struct sweep *sweep)
+{
+    bool said = sweep->settings->common.quiet || sweep->rows != CONUS_CHANCES || sweep->jitter_of_rows;
+    for (size_t i = 0; !said && i < conus_pose_list_count(sweep->poses); i++) {
+        said = has_errors(conus_pose_list_row(sweep->poses, i));
+        if (said) {
+            complain("note: %s: error_deg and error_mm are not used, --jitter %s is; --jitter columns takes them",
+                     settings_poses_name(sweep->settings->aim.pose), sweep->settings->jitter);
+        }
+    }
 }
 
 static int answer_all(struct sweep *sweep)
@@ -317,6 +347,7 @@ static int answer_all(struct sweep *sweep)
     if (!conus_pose_list_count(sweep->poses)) {
         settings_say_no_poses(sweep->settings->aim.pose, &sweep->settings->common);
     }
+    say_unused_errors(sweep);
     for (size_t i = 0; !code && i < conus_pose_list_count(sweep->poses); i++) {
         code = answer_row(sweep, conus_pose_list_row(sweep->poses, i));
     }

@@ -147,6 +147,28 @@ wait_for_lines() {
     [ ! -e merged.tsv ]
 }
 
+@test "the number of poses without an answer is that of the rows, in every format" {
+    setup_ball 6
+    local lost='"lost, ""one""",0,0,0,0,0,0'
+    { echo query_id,x,y,z,tx,ty,tz; tail -n +2 poses.tsv | sed 's/\t/,/g; s/^/,/'; echo "$lost"; echo "$lost"; } >poses.csv
+    printf 'name\tx\ty\tz\nA\t0\t0\t0\nB\tn/a\t0\t0\nC\t90\t90\t90\n' >sub_electrodes.tsv
+    for format in csv ndjson afni; do
+        run -1 conus batch sphere.nii.gz --poses poses.csv --force --format $format -o "rows.$format"
+    done
+    run -1 conus batch sphere.nii.gz --poses poses.csv --summary --format csv -o summary.csv
+    run -1 conus batch sphere.nii.gz --poses sub_electrodes.tsv --radius 3 --quiet --format bids -o contacts.tsv
+    run -1 conus batch sphere.nii.gz --poses poses.csv -o full.tsv
+    for file in full.tsv:2 rows.csv:2 rows.ndjson:2 rows.afni:2 summary.csv:2 contacts.tsv:1; do
+        local name=${file%:*} wanted=${file#*:} sidecar
+        sidecar=$name.json
+        [ -e "$sidecar" ] || sidecar=${name%.*}.json
+        "$CONUS" merge "$name" -o "joined.$name" --force
+        cmp "$name" "joined.$name"
+        sed -i "s/\"errors\": $wanted,/\"errors\": 0,/" "$sidecar"
+        fails 3 "$name: $wanted poses without an answer, $sidecar says 0" merge "$name" -o "joined.$name" --force
+    done
+}
+
 @test "--shard comes from a Slurm job array, and is said" {
     setup_ball 50
     export SLURM_ARRAY_TASK_ID=12 SLURM_ARRAY_TASK_COUNT=4 SLURM_ARRAY_TASK_MIN=10

@@ -354,3 +354,41 @@ same_answers() {
     fails 3 'shafts are of electrodes (BIDS), not of table' query sphere.nii.gz --pose poses.tsv --along-shafts
     fails 3 'poses.tsv: ' query sphere.nii.gz --pose poses.tsv --poses-format localite
 }
+
+@test "columns that are not known are passed over, with one note, and id or name is the row's name" {
+    sphere --size 16
+    printf ',subject,x,y,z,tx,ty,tz,name,angl,ID\n0,"s, 1",0,0,90,0,0,0,wrong,5,first\n1,s2,0,90,0,0,0,0,wrong,5,second\n' >odd.csv
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose odd.csv --format tsv
+    check_message 'note: odd.csv: columns passed over: "", "subject", "name", "angl" (did you mean angle?)'
+    [ "$(cut -f 1 <<<"$output" | uniq | tr '\n' ' ')" = 'query first second ' ]
+    answers query sphere.nii.gz --pose odd.csv --quiet --format tsv
+    run -0 --separate-stderr "$CONUS" batch sphere.nii.gz --poses odd.csv
+    check_message 'columns passed over'
+    [ "$(cut -f 1 <<<"$output" | uniq | tr '\n' ' ')" = 'query first second ' ]
+    sed -i '1s/subject/query_id/' odd.csv
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose odd.csv --format tsv
+    check_message 'columns passed over: "", "name", "angl" (did you mean angle?), "ID"'
+    [ "$(cut -f 1 <<<"$output" | uniq | tr '\n' ' ')" = 'query s, 1 s2 ' ]
+    printf 'name\tx\ty\tz\tdx\tdy\tdz\nhere\t0\t0\t90\t0\t0\t-1\n' >named.tsv
+    answers query sphere.nii.gz --pose named.tsv --format tsv
+    [ "$(cut -f 1 <<<"$output" | uniq | tr '\n' ' ')" = 'query here ' ]
+}
+
+@test "a column that is needed and misspelt is asked for, not passed over" {
+    sphere --size 16
+    header() { printf '%s\n0,0,90,0,0,0\n' "$1" >bad.csv; }
+    header orign_x,y,z,tx,ty,tz
+    fails 3 'x y z are needed, and only, without m00...m33; columns that are not known: "orign_x" (did you mean x?)' \
+        query sphere.nii.gz --pose bad.csv
+    header x,y,z,tx,ty,t_z
+    fails 3 'only some of the columns tx ty tz; columns that are not known: "t_z" (did you mean tz?)' \
+        query sphere.nii.gz --pose bad.csv
+    header x,y,z,qw,qx,notes
+    fails 3 'only some of the columns qw qx qy qz; columns that are not known: "notes"' query sphere.nii.gz --pose bad.csv
+    header x,y,z,a,b,c
+    fails 3 '0 ways of giving the direction, exactly one of' query sphere.nii.gz --pose bad.csv
+    header id,x,y,z,id,tx
+    fails 3 'header: column "id" twice' query sphere.nii.gz --pose bad.csv
+    header x,,y,z,tx,ty
+    fails 3 '"" is no name of a column' query sphere.nii.gz --pose bad.csv
+}

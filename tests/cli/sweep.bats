@@ -93,11 +93,14 @@ aim='--origin 0,-60,0.2 --toward 0,0,0.2'
     conus phantom slabs -o .
     printf 'query_id,x,y,z,dx,dy,dz,angle,error_deg,error_mm\n' >poses.csv
     printf 'sure,0,-80,0,0,1,0,3,0,0\nunsure,0,-80,0,0,1,0,3,20,\nas told,0,-80,0,0,1,0,3,,\nlost,0,-80,0,0,0,0,3,,\n' >>poses.csv
-    run -1 --separate-stderr "$CONUS" sweep slabs.nii.gz --pose poses.csv --jitter 5,2 --format tsv
-    check_message 'poses.csv:5: '
+    run -1 --separate-stderr "$CONUS" sweep slabs.nii.gz --pose poses.csv --jitter columns --format tsv
+    [ "${stderr_lines[0]}" = 'conus: poses.csv:4: no error_deg or error_mm for --jitter columns' ]
+    [[ "${stderr_lines[1]}" == 'conus: poses.csv:5: '* ]] && [ "${#stderr_lines[@]}" -eq 2 ]
     [ "$(awk -F'\t' '$1 == "sure" && $6 == 1 { print $7, $14, $15 }' <<<"$output")" = "1 0 0" ]
-    [ "$(awk -F'\t' '$1 == "unsure" && $6 == 1 { print $14, $15 }' <<<"$output")" = "20 2" ]
-    [ "$(awk -F'\t' '$1 == "as told" && $6 == 1 { print $14, $15 }' <<<"$output")" = "5 2" ]
+    [ "$(awk -F'\t' '$1 == "unsure" && $6 == 1 { print $14, $15 }' <<<"$output")" = "20 0" ]
+    [ "$(awk -F'\t' '$1 == "as told" { print $2 }' <<<"$output")" = error ]
+    fails 2 '--jitter columns: without --pose FILE there are none' \
+        sweep slabs.nii.gz --origin 0,-80,0 --toward 0,0,0 --jitter columns
     for question in --angles=2,4 --layers=visible; do
         [ "$question" != --layers=visible ] || question=
         # shellcheck disable=SC2086 # none, or one
@@ -107,6 +110,18 @@ aim='--origin 0,-60,0.2 --toward 0,0,0.2'
         run -1 --separate-stderr "$CONUS" sweep slabs.nii.gz --pose poses.csv $question
         has 'query lost: no answer: line 5: direction: '
     done
+}
+
+@test "--jitter wins over the file's columns, and says so once" {
+    conus phantom slabs -o .
+    printf 'query_id,x,y,z,dx,dy,dz,error_deg,error_mm\n' >poses.csv
+    printf 'one,0,-80,0,0,1,0,20,9\ntwo,0,-80,0,0,1,0,,9\n' >>poses.csv
+    run -0 --separate-stderr "$CONUS" sweep slabs.nii.gz --pose poses.csv --jitter 5,2 --samples 16 --format tsv
+    check_message 'note: poses.csv: error_deg and error_mm are not used, --jitter 5,2 is; --jitter columns takes them'
+    [ "$(awk -F'\t' 'NR > 1 { print $14, $15 }' <<<"$output" | sort -u)" = "5 2" ]
+    answers sweep slabs.nii.gz --pose poses.csv --jitter 5,2 --samples 16 --quiet
+    answers sweep slabs.nii.gz --pose poses.csv --jitter columns --samples 16 --format tsv
+    [ "$(awk -F'\t' 'NR > 1 { print $1, $14, $15 }' <<<"$output" | sort -u)" = "$(printf 'one 20 9\ntwo 0 9')" ]
 }
 
 @test "surfaces are admitted by their nearest point" {
