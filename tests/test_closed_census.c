@@ -104,7 +104,9 @@ static double counted_one_by_one(const struct question *question, const conus_at
         if (!object || atlas->objects[object - 1].label != question->label) {
             continue;
         }
-        double at[3] = {(double)(v % dim[0]), (double)(v / dim[0] % dim[1]), (double)(v / dim[0] / dim[1])};
+        size_t row = v / dim[0];
+        size_t slice = row / dim[1];
+        double at[3] = {(double)(v % dim[0]), (double)(row % dim[1]), (double)slice};
         mat4_point(at, m, at);
         vec3_sub(at, at, question->origin);
         double depth = vec3_dot(at, axis);

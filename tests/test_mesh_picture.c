@@ -72,6 +72,33 @@ static void a_mesh_ball_has_its_silhouette(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A level edge through the middle of a row of pixels: two of the four rays of each pixel there are below it. */
+static void level_edges_are_smooth(void **state)
+{
+    (void)state;
+    enum { ROW = HEIGHT / 2 };
+    struct camera camera = picture_camera((double[]){0, 1, 0}, 120, FIELD_OF_VIEW);
+    const float edge = (float)(((ROW + 0.5) / HEIGHT * 2 - 1) * camera.slope[1] * 120);
+    const float positions[] = {-300, 0, -300, 300, 0, -300, 300, 0, edge, -300, 0, edge};
+    const uint32_t triangles[] = {0, 1, 2, 0, 2, 3};
+    struct mesh wall;
+    assert_ok(mesh_init(&wall, 4, 2));
+    memcpy(wall.positions, positions, sizeof positions);
+    memcpy(wall.triangles, triangles, sizeof triangles);
+    conus_atlas *atlas = mesh_scene_atlas();
+    mesh_scene_add(atlas, &wall);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    float *rgba = picture_draw(renderer, &camera, NULL, true);
+    for (int column = 0; column < WIDTH; column++) {
+        for (int row = -1; row <= 1; row++) {
+            assert_near(rgba[4 * ((ROW + row) * WIDTH + column) + 3], 0.5 - 0.5 * row, 1e-6);
+        }
+    }
+    memory_free(rgba);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
 /* The side that is seen is lit, whichever way triangles are turned: an inside-out ball looks like the other one. */
 static void both_faces_are_lit(void **state)
 {
@@ -276,10 +303,15 @@ static void rings_look_as_they_did(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_mesh_ball_has_its_silhouette), cmocka_unit_test(both_faces_are_lit),
-        cmocka_unit_test(meshes_not_met_are_pale),        cmocka_unit_test(meshes_and_voxels_hide_each_other),
-        cmocka_unit_test(a_pathway_shows_among_meshes),   cmocka_unit_test(haze_before_a_mesh_obeys_its_closed_form),
-        cmocka_unit_test(cone_and_markers_among_meshes),  cmocka_unit_test(allocations_may_fail),
+        cmocka_unit_test(a_mesh_ball_has_its_silhouette),
+        cmocka_unit_test(level_edges_are_smooth),
+        cmocka_unit_test(both_faces_are_lit),
+        cmocka_unit_test(meshes_not_met_are_pale),
+        cmocka_unit_test(meshes_and_voxels_hide_each_other),
+        cmocka_unit_test(a_pathway_shows_among_meshes),
+        cmocka_unit_test(haze_before_a_mesh_obeys_its_closed_form),
+        cmocka_unit_test(cone_and_markers_among_meshes),
+        cmocka_unit_test(allocations_may_fail),
         cmocka_unit_test(rings_look_as_they_did),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
