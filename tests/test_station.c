@@ -304,9 +304,10 @@ static void idle_peers_give_way(void **state)
         }
     }
     int newcomer = be_heard(station, peers[0]);
-    while (!is_closed(peers[1])) {
+    while (!is_closed(peers[0]) && !is_closed(peers[1]) && !is_closed(peers[2]) && !is_closed(peers[3])) {
         moment();
     }
+    assert_true(is_closed(peers[1]));
     assert_false(is_closed(peers[0]));
     assert_false(is_closed(peers[2]));
     assert_false(is_closed(peers[3]));
