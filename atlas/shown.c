@@ -33,47 +33,51 @@ static void hide_voxels(struct volume *volume)
     }
 }
 
-/* Counts the runs of hidden objects, and writes them to @p runs unless that is NULL. */
-static size_t find_runs(struct hidden_run *runs, const struct volume *volume, const bool *hidden)
+/* What is found of them. */
+struct runs {
+    struct hidden_run *items;
+    size_t count, capacity;
+};
+
+static conus_status find_runs(struct runs *runs, const struct volume *volume, const bool *hidden)
 {
-    size_t count = 0;
-    uint32_t last = 0;
-    for (size_t v = 0; v < volume->voxel_count; v++) {
-        uint32_t object = volume_object(volume, v);
-        if (hidden[object] && object != last) {
-            if (runs) {
-                runs[count] = (struct hidden_run){.first = v, .object = object};
+    for (size_t first = 0, end; first < volume->voxel_count; first = end) {
+        uint32_t object = volume_object(volume, first);
+        for (end = first + 1; end < volume->voxel_count && volume_object(volume, end) == object;) {
+            end++;
+        }
+        if (hidden[object]) {
+            void *items = runs->items;
+            bool fits = memory_reserve(&items, &runs->capacity, runs->count + 1, sizeof *runs->items);
+            runs->items = items;
+            if (!fits) {
+                return CONUS_ERROR_MEMORY;
             }
-            count++;
+            runs->items[runs->count++] = (struct hidden_run){first, end - first, object};
         }
-        if (hidden[object] && runs) {
-            runs[count - 1].count++;
-        }
-        last = object;
     }
-    return count;
+    return CONUS_OK;
 }
 
 /* Of a parcellation. On failure all is as it was. */
 static conus_status change_voxels(struct volume *volume, const bool *hidden)
 {
+    struct runs runs = {0};
     conus_status status = volume_own(volume);
     if (status) {
         return status;
     }
     show_voxels(volume);
-    size_t count = find_runs(NULL, volume, hidden);
-    struct hidden_run *runs = count ? memory_raw(count, sizeof *runs) : NULL;
-    if (count && !runs) {
-        hide_voxels(volume);
-        return CONUS_ERROR_MEMORY;
+    status = find_runs(&runs, volume, hidden);
+    if (!status) {
+        memory_free(volume->hidden_runs);
+        volume->hidden_runs = runs.items;
+        volume->hidden_run_count = runs.count;
+        runs.items = NULL;
     }
-    find_runs(runs, volume, hidden);
-    memory_free(volume->hidden_runs);
-    volume->hidden_runs = runs;
-    volume->hidden_run_count = count;
     hide_voxels(volume);
-    return CONUS_OK;
+    memory_free(runs.items);
+    return status;
 }
 
 /* ---- Objects ---------------------------------------------------------------------------------------------------- */

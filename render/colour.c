@@ -6,6 +6,7 @@
 #include "render/context.h"
 #include "render/field.h"
 #include "render/image.h"
+#include "render/pathways.h"
 #include "render/shaders.h"
 #include "render/volume_texture.h"
 
@@ -123,97 +124,17 @@ static conus_status upload_areas(struct colour_pass *pass, const struct volume *
     return status;
 }
 
-/* Object of the pathway whose cell holds the world point, 0 if none. */
-static uint32_t pathway_at(const conus_atlas *atlas, const double world[3])
-{
-    for (size_t i = 0; i < atlas->volume_count; i++) {
-        const struct volume *volume = &atlas->volumes[i];
-        const size_t *dim = volume->info.dim;
-        double p[3];
-        mat4_point(p, volume->voxel_from_world, world);
-        bool inside = volume->info.role == CONUS_SCALAR && volume_is_met(volume);
-        for (int a = 0; a < 3; a++) {
-            inside = inside && p[a] >= -0.5 && p[a] < (double)dim[a] - 0.5;
-        }
-        if (inside) {
-            size_t voxel = (size_t)(p[0] + 0.5) + dim[0] * ((size_t)(p[1] + 0.5) + dim[1] * (size_t)(p[2] + 0.5));
-            uint32_t object = volume_object(volume, voxel);
-            if (object) {
-                return object;
-            }
-        }
-    }
-    return 0;
-}
-
-/* All pathways on the grid of `first`, one of them. */
-static conus_status join_pathways(struct volume *out, const conus_atlas *atlas, const struct volume *first)
-{
-    const size_t *dim = first->info.dim;
-    struct volume joint = {0};
-    conus_status status = volume_init(&joint, &first->info);
-    joint.objects32 = status ? NULL : memory_raw(first->voxel_count, sizeof *joint.objects32);
-    if (!joint.objects32) {
-        volume_finish(&joint);
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t v = 0; v < first->voxel_count; v++) {
-        const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
-        double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
-        mat4_point(p, first->info.world_from_voxel, p);
-        joint.objects32[v] = pathway_at(atlas, p);
-    }
-    *out = joint;
-    return CONUS_OK;
-}
-
-/* A copy of `volume` without the hidden objects. */
-static conus_status without_hidden(struct volume *out, const struct volume *volume, const bool *hidden)
-{
-    struct volume copy = {0};
-    conus_status status = volume_init(&copy, &volume->info);
-    copy.objects32 = status ? NULL : memory_raw(volume->voxel_count, sizeof *copy.objects32);
-    if (!copy.objects32) {
-        volume_finish(&copy);
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t v = 0; v < volume->voxel_count; v++) {
-        uint32_t object = volume_object(volume, v);
-        copy.objects32[v] = hidden[object] ? 0 : object;
-    }
-    *out = copy;
-    return CONUS_OK;
-}
-
-static conus_status upload_shown(struct colour_pass *pass, const struct volume *volume, const bool *hidden,
-                                 uint64_t *memory_left)
-{
-    if (!hidden) {
-        return upload_areas(pass, volume, memory_left);
-    }
-    struct volume shown = {0};
-    conus_status status = without_hidden(&shown, volume, hidden);
-    status = status ? status : upload_areas(pass, &shown, memory_left);
-    volume_finish(&shown);
-    return status;
-}
-
-/* Opaque areas would hide pathways, so where there are pathways they are drawn instead. */
-static conus_status upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const bool *hidden,
+/* All opaque areas would hide pathways: where there are any, they are drawn with only some areas, those in @p drawn. */
+static conus_status upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const bool *drawn,
                                    uint64_t *memory_left)
 {
-    const struct volume *pathway = NULL;
-    for (size_t i = 0; i < atlas->volume_count && !pathway; i++) {
-        const struct volume *volume = &atlas->volumes[i];
-        pathway = volume->info.role == CONUS_SCALAR && volume_is_met(volume) ? volume : NULL;
-    }
-    if (!pathway) {
+    if (!pathways_first(atlas)) {
         const struct volume *parcellation = atlas_parcellation(atlas);
-        return parcellation ? upload_shown(pass, parcellation, hidden, memory_left) : CONUS_OK;
+        return parcellation ? upload_areas(pass, parcellation, memory_left) : CONUS_OK;
     }
     struct volume joint = {0};
-    conus_status status = join_pathways(&joint, atlas, pathway);
-    status = status ? status : upload_shown(pass, &joint, hidden, memory_left);
+    conus_status status = pathways_join(&joint, atlas, drawn);
+    status = status ? status : upload_areas(pass, &joint, memory_left);
     volume_finish(&joint);
     return status;
 }
@@ -247,7 +168,7 @@ static conus_status add_mesh_content(struct colour_pass *pass, const conus_atlas
 
 static conus_status upload_meshes(struct colour_pass *pass, const conus_atlas *atlas, uint64_t *memory_left)
 {
-    if (!atlas_has_meshes(atlas)) {
+    if (!atlas->mesh_count) {
         return CONUS_OK;
     }
     conus_status status = mesh_layer_create(&pass->meshes, atlas, memory_left);
@@ -297,7 +218,8 @@ static conus_status upload_palette(struct colour_pass *pass, const conus_atlas *
     pass->object_count = atlas->object_count;
     pass->colours = memory_zeroed(atlas->object_count + 1, 4 * sizeof *pass->colours);
     pass->shown = memory_zeroed(atlas->object_count + 1, 4 * sizeof *pass->shown);
-    if (!pass->colours || !pass->shown) {
+    pass->drawn = memory_zeroed(atlas->object_count + 1, sizeof *pass->drawn);
+    if (!pass->colours || !pass->shown || !pass->drawn) {
         return CONUS_ERROR_MEMORY;
     }
     for (size_t number = 1; number <= atlas->object_count; number++) {
@@ -341,6 +263,7 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
     }
     if (!status) {
         status = upload_objects(&pass, atlas, NULL, &max_memory);
+        pass.object_points = pass.content_count;
     }
     if (!status && context) {
         status = upload_context(&pass, context, transfer, &max_memory);
@@ -367,23 +290,77 @@ static void delete_textures(const struct colour_pass *pass)
     glDeleteTextures(sizeof textures / sizeof *textures, textures);
 }
 
-conus_status colour_pass_hide(struct colour_pass *pass, const conus_atlas *atlas, const bool *hidden,
-                              uint64_t max_memory)
+/* Puts the points of @p fresh in the place of those that came from voxels' objects before. */
+static conus_status exchange_content(struct colour_pass *pass, const struct colour_pass *fresh)
+{
+    size_t kept = pass->content_count - pass->object_points;
+    size_t count = fresh->content_count + kept;
+    double(*points)[3] = memory_raw(count + 1, sizeof *points);
+    if (!points) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < count; i++) {
+        bool is_fresh = i < fresh->content_count;
+        const double *from =
+            is_fresh ? fresh->content[i] : pass->content[i - fresh->content_count + pass->object_points];
+        memcpy(points[i], from, sizeof points[i]);
+    }
+    memory_free(pass->content);
+    pass->content = points;
+    pass->content_count = count;
+    pass->object_points = fresh->content_count;
+    return CONUS_OK;
+}
+
+conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atlas, uint64_t max_memory)
 {
     struct colour_pass fresh = {0};
-    conus_status status = upload_objects(&fresh, atlas, hidden, &max_memory);
+    conus_status status = upload_objects(&fresh, atlas, pass->drawn, &max_memory);
+    status = status ? status : exchange_content(pass, &fresh);
     if (!status) {
         struct colour_pass old = {.areas = pass->areas, .objects = pass->objects};
         pass->areas = fresh.areas;
         pass->objects = fresh.objects;
+        pass->has_areas = fresh.has_areas;
         fresh.areas = old.areas;
         fresh.objects = old.objects;
         if (pass->meshes) {
-            mesh_layer_hide(pass->meshes, hidden);
+            mesh_layer_update(pass->meshes, atlas);
         }
     }
     delete_textures(&fresh);
     memory_free(fresh.content);
+    return status;
+}
+
+/* Areas of voxels that stand out; false where the picture has the same already. */
+static bool choose_areas(bool *out, const struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *emphasis)
+{
+    bool other = false;
+    for (uint32_t number = 1; number <= atlas->area_count; number++) {
+        bool in_voxels = atlas_object_volume(atlas, number);
+        out[number] = in_voxels && emphasis && emphasis[number] != EMPHASIS_PALE;
+        other = other || out[number] != pass->drawn[number];
+    }
+    return other;
+}
+
+conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *emphasis,
+                                 uint64_t max_memory)
+{
+    if (!pathways_first(atlas) || !atlas_parcellation(atlas)) {
+        return CONUS_OK;
+    }
+    bool *before = pass->drawn;
+    bool *drawn = memory_zeroed(atlas->object_count + 1, sizeof *drawn);
+    conus_status status = drawn ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status && choose_areas(drawn, pass, atlas, emphasis)) {
+        pass->drawn = drawn;
+        status = colour_pass_update(pass, atlas, max_memory);
+        pass->drawn = status ? before : drawn;
+        drawn = status ? drawn : before;
+    }
+    memory_free(drawn);
     return status;
 }
 
@@ -418,6 +395,7 @@ void colour_pass_finish(struct colour_pass *pass)
     }
     memory_free(pass->colours);
     memory_free(pass->shown);
+    memory_free(pass->drawn);
     memory_free(pass->content);
     *pass = (struct colour_pass){0};
 }

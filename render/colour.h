@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The colour pass (Eq. 8): the atlas's areas, opaque, or its pathways, where it has any; areas that are meshes; around
- * them the context volume through its transfer function; and a cone with markers. One ray per pixel over view-aligned
- * planes (Eq. 7), empty bricks skipped, up to the mesh that covers the pixel. */
+ * The colour pass (Eq. 8): the atlas's areas, opaque, or its pathways, where it has any, with the areas that a
+ * selection hits; areas that are meshes; around them the context volume through its transfer function; and a cone with
+ * markers. One ray per pixel over view-aligned planes (Eq. 7), empty bricks skipped, up to the mesh that covers the
+ * pixel. */
 #ifndef CONUS_RENDER_COLOUR_H
 #define CONUS_RENDER_COLOUR_H
 
@@ -40,6 +41,8 @@ struct colour_pass {
     float *shown;         /**< [object_count + 1][4] what the last picture used of them.                       */
     double (*content)[3]; /**< [content_count] world points around everything that shows.                */
     size_t content_count;
+    size_t object_points; /**< The first so many of these are of voxels' objects.                        */
+    bool *drawn;          /**< [object_count + 1] areas that are drawn beside pathways.                  */
 };
 
 struct colour_marker {
@@ -69,9 +72,13 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
                               uint64_t max_memory);
 void colour_pass_finish(struct colour_pass *pass);
 
-/** Leaves objects out from now on: @p hidden [object_count + 1] by number; NULL shows all. The content stays. */
-conus_status colour_pass_hide(struct colour_pass *pass, const conus_atlas *atlas, const bool *hidden,
-                              uint64_t max_memory);
+/** Takes over what is hidden in the atlas now. */
+conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atlas, uint64_t max_memory);
+
+/** Of an atlas with pathways, draws from now on beside them the areas that stand out by @p emphasis [object_count + 1];
+ * NULL = none. */
+conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *emphasis,
+                                 uint64_t max_memory);
 
 /** Changes the transfer function of the context, if there is one. */
 conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atlas *atlas,

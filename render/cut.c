@@ -35,10 +35,8 @@ static void list_surfaces(struct cut *cut)
 
 conus_status cut_init(struct cut *out, const conus_atlas *atlas)
 {
-    struct cut cut = {.atlas = atlas,
-                      .hidden = memory_zeroed(atlas->object_count + 1, sizeof *cut.hidden),
-                      .surfaces = memory_zeroed(atlas->object_count + 1, sizeof *cut.surfaces)};
-    if (!cut.hidden || !cut.surfaces) {
+    struct cut cut = {.atlas = atlas, .surfaces = memory_zeroed(atlas->object_count + 1, sizeof *cut.surfaces)};
+    if (!cut.surfaces) {
         cut_finish(&cut);
         return CONUS_ERROR_MEMORY;
     }
@@ -63,7 +61,6 @@ static void free_pixels(struct cut *cut)
 void cut_finish(struct cut *cut)
 {
     free_pixels(cut);
-    memory_free(cut->hidden);
     memory_free(cut->surfaces);
     *cut = (struct cut){0};
 }
@@ -100,29 +97,16 @@ static bool is_same_place(const struct cut_place *a, const struct cut_place *b)
     return same;
 }
 
-/* Notes what is hidden; returns whether it was so before. */
-static bool note_hidden(struct cut *cut, const bool *hidden)
-{
-    bool same = true;
-    for (size_t i = 0; i <= cut->atlas->object_count; i++) {
-        bool now = hidden && hidden[i];
-        same = same && cut->hidden[i] == now;
-        cut->hidden[i] = now;
-    }
-    return same;
-}
-
 static void find_again(struct cut *cut, const struct cut_view *view)
 {
     bool same = is_same_place(&cut->of, &view->place);
     bool same_window = cut->window[0] == view->window[0] && cut->window[1] == view->window[1];
-    bool same_hidden = note_hidden(cut, view->hidden);
     cut->of = view->place;
     memcpy(cut->window, view->window, sizeof cut->window);
     if (!cut->has_grey || !same || !same_window) {
         cut_find_grey(cut, view);
     }
-    if (!cut->has_objects || !same || !same_hidden) {
+    if (!cut->has_objects || !same) {
         cut_find_objects(cut, view);
     }
     cut->has_grey = cut->has_objects = true;

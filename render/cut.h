@@ -4,8 +4,7 @@
  * contours and filled where they are closed, pathways over them, and the cut through a cone. Labels are looked up,
  * never interpolated.
  *
- * A cut keeps what it found: the next one looks at voxels and triangles again only where they lie elsewhere, or other
- * objects are hidden. */
+ * A cut keeps what it found: the next one looks at voxels and triangles again only where they lie elsewhere. */
 #ifndef CONUS_RENDER_CUT_H
 #define CONUS_RENDER_CUT_H
 
@@ -30,7 +29,6 @@ struct cut_place {
 
 struct cut_view {
     struct cut_place place;
-    const bool *hidden;      /**< [object_count + 1] Objects not to draw; NULL = none.                          */
     const uint8_t *emphasis; /**< [object_count + 1] of enum emphasis; NULL = all full.                 */
     double fill;             /**< Opacity of areas, 0 to 1; outlines are drawn over it.                          */
     bool no_outlines;
@@ -50,7 +48,6 @@ struct cut {
     size_t pixel_room; /**< Of each of these arrays.                                                            */
     uint32_t *surfaces; /**< Objects with a mesh, the large ones first: they may hold others.                    */
     size_t surface_count;
-    bool *hidden;        /**< [object_count + 1] When objects were found.                                         */
     double window[2];    /**< Of grey.                                                                            */
     struct cut_place of; /**< Where grey and objects were found.                                                  */
     bool has_grey, has_objects; /**< They hold.                                                                   */

@@ -122,7 +122,7 @@ static void find_in_volume(struct cut *cut, const struct cut_view *view, const s
             size_t j = (size_t)(p[1] + 0.5);
             size_t k = (size_t)(p[2] + 0.5);
             uint32_t object = volume_object(volume, i + dim[0] * (j + dim[1] * k));
-            bool shown = object && object != VOLUME_BLOCKER && !cut->hidden[object];
+            bool shown = object && object != VOLUME_BLOCKER;
             to[column] = shown ? object : to[column];
         }
     }
@@ -297,7 +297,7 @@ static void find_surfaces(struct cut *cut, const struct cut_view *view)
     for (size_t i = 0; i < cut->surface_count; i++) {
         uint32_t number = cut->surfaces[i];
         const struct mesh *mesh = atlas_object_mesh(cut->atlas, number);
-        if (!cut->hidden[number] && is_near(&pane, &mesh->shape)) {
+        if (is_near(&pane, &mesh->shape)) {
             find_surface(cut, &pane, mesh, number);
         }
     }

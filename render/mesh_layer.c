@@ -78,7 +78,7 @@ static conus_status check_sizes(struct sizes *out, const conus_atlas *atlas, uin
 {
     struct sizes sizes = {0};
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
-        const struct mesh *mesh = atlas_object_mesh(atlas, number);
+        const struct mesh *mesh = atlas_stored_mesh(atlas, number);
         sizes.vertices += mesh ? mesh->vertex_count : 0;
         sizes.indices += mesh ? 3 * mesh->triangle_count : 0;
     }
@@ -122,7 +122,7 @@ static conus_status upload_meshes(struct mesh_layer *layer, const conus_atlas *a
     if (!status && vertices && indices) {
         struct sizes next = {0};
         for (uint32_t number = 1; number <= atlas->object_count; number++) {
-            const struct mesh *mesh = atlas_object_mesh(atlas, number);
+            const struct mesh *mesh = atlas_stored_mesh(atlas, number);
             if (mesh) {
                 fill(vertices + next.vertices, indices + next.indices, (uint32_t)next.vertices, mesh, number);
                 layer->parts[number - 1].count = (GLsizei)(3 * mesh->triangle_count);
@@ -176,16 +176,16 @@ conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas
         mesh_layer_destroy(layer);
         return status;
     }
-    mesh_layer_hide(layer, NULL);
+    mesh_layer_update(layer, atlas);
     *out = layer;
     return CONUS_OK;
 }
 
-void mesh_layer_hide(struct mesh_layer *layer, const bool *hidden)
+void mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atlas)
 {
     layer->drawn_count = 0;
     for (size_t i = 0; i < layer->object_count; i++) {
-        if (layer->parts[i].count && !(hidden && hidden[i + 1])) {
+        if (layer->parts[i].count && atlas_object_mesh(atlas, (uint32_t)i + 1)) {
             layer->counts[layer->drawn_count] = layer->parts[i].count;
             layer->offsets[layer->drawn_count++] = layer->parts[i].offset;
         }

@@ -16,8 +16,8 @@ conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas
 /** NULL is fine. */
 void mesh_layer_destroy(struct mesh_layer *layer);
 
-/** Leaves objects out from now on: @p hidden [object_count + 1] by number; NULL shows all. */
-void mesh_layer_hide(struct mesh_layer *layer, const bool *hidden);
+/** Takes over which meshes are hidden in the atlas now. */
+void mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atlas);
 
 struct mesh_layer_view {
     const struct camera *camera;

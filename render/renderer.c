@@ -78,12 +78,23 @@ void conus_renderer_destroy(conus_renderer *renderer)
     memory_free(renderer);
 }
 
-conus_status conus_renderer_hide(conus_renderer *renderer, const bool *hidden)
+conus_status conus_renderer_update(conus_renderer *renderer)
 {
     struct gl_current previous;
     conus_status status = gl_context_use(renderer->context, &previous);
     if (!status) {
-        status = colour_pass_hide(&renderer->colour, renderer->atlas, hidden, renderer->max_memory);
+        status = colour_pass_update(&renderer->colour, renderer->atlas, renderer->max_memory);
+        gl_current_restore(&previous);
+    }
+    return status;
+}
+
+conus_status renderer_include(conus_renderer *renderer, const uint8_t *emphasis)
+{
+    struct gl_current previous;
+    conus_status status = gl_context_use(renderer->context, &previous);
+    if (!status) {
+        status = colour_pass_include(&renderer->colour, renderer->atlas, emphasis, renderer->max_memory);
         gl_current_restore(&previous);
     }
     return status;

@@ -16,6 +16,9 @@ struct conus_renderer {
     void *log_user;
 };
 
+/** Draws from now on beside pathways the areas that stand out by @p emphasis (colour_pass_include()). */
+conus_status renderer_include(conus_renderer *renderer, const uint8_t *emphasis);
+
 /** Runs the colour pass off-screen, and again at edges if @p smooth. @p rgba gets width * height pixels of linear R, G,
  * B times A, and A, bottom row first. */
 conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct colour_view *view, bool smooth);

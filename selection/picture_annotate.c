@@ -6,10 +6,11 @@
 #include "render/draw.h"
 #include "render/font.h"
 #include "render/legend.h"
+#include "render/pathways.h"
 
 #include <stdio.h>
 
-enum { TEXT_SIZE = 128, CELL_SIZE = 24 };
+enum { TEXT_SIZE = 128, CELL_SIZE = 24, PATHWAY_ROWS = 5 };
 
 static const float ink[4] = {0.02F, 0.02F, 0.025F, 1};
 static const float faint[4] = {0.02F, 0.02F, 0.025F, 0.45F};
@@ -34,6 +35,33 @@ static void fill_row(struct legend_row *row, struct cells *cells, const conus_at
         memcpy(row->rgb, object->rgb, sizeof row->rgb);
         row->detail[1] = cells->distance;
     }
+}
+
+/* What of an atlas with pathways the picture shows beside what is met: pathways that are not, each while they are few,
+ * and that the other areas are left out. */
+static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT_SIZE], const struct picture *picture)
+{
+    const conus_atlas *atlas = picture->atlas;
+    size_t count = 0;
+    size_t others = 0;
+    for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
+        if (!conus_atlas_is_hidden(atlas, number) && picture->emphasis[number] == EMPHASIS_PALE) {
+            const conus_object *pathway = &atlas->objects[number - 1];
+            if (others++ < PATHWAY_ROWS - 1) {
+                rows[count++] = (struct legend_row){.name = pathway->name, .detail = {"not met"}};
+                memcpy(rows[count - 1].rgb, pathway->rgb, sizeof pathway->rgb);
+            }
+        }
+    }
+    if (others > count) {
+        snprintf(words, TEXT_SIZE, "%zu pathways", others);
+        rows[0] = (struct legend_row){.name = words, .hollow = true, .detail = {"not met"}};
+        count = 1;
+    }
+    if (pathways_first(atlas) && atlas_parcellation(atlas)) {
+        rows[count++] = (struct legend_row){.name = "other areas", .hollow = true, .detail = {"not drawn"}};
+    }
+    return count;
 }
 
 static void describe_cone(char out[TEXT_SIZE], const struct cone *cone)
@@ -81,11 +109,12 @@ static conus_status draw_legend(conus_image *image, struct font *font, const str
     const conus_selection *selection = picture->options.selection;
     size_t results = conus_selection_count(selection);
     size_t count = 0;
-    struct legend_row *rows = memory_zeroed(results, sizeof *rows);
+    struct legend_row *rows = memory_zeroed(results + PATHWAY_ROWS, sizeof *rows);
     struct cells *cells = memory_zeroed(results, sizeof *cells);
     conus_status status = rows && cells ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
         char subtitle[TEXT_SIZE];
+        char words[TEXT_SIZE];
         describe_cone(subtitle, &selection->cone);
         for (size_t i = 0; i < results; i++) {
             const conus_result *result = conus_selection_result(selection, i);
@@ -94,6 +123,7 @@ static conus_status draw_legend(conus_image *image, struct font *font, const str
                 count++;
             }
         }
+        count += add_pathways(rows + count, words, picture);
         const struct legend legend = {.title = "What the cone meets first",
                                       .subtitle = subtitle,
                                       .heading = {"share", "distance"},

@@ -73,7 +73,6 @@ static void set_view(struct cut_view *out, const conus_cut_view *view)
     *out = (struct cut_view){.place = {.width = view->width,
                                        .height = view->height,
                                        .mm_per_pixel = view->mm_per_pixel > 0 ? view->mm_per_pixel : 1},
-                             .hidden = view->hidden,
                              .fill = view->fill,
                              .no_outlines = view->no_outlines};
     memcpy(out->place.centre, view->centre, sizeof out->place.centre);
@@ -91,7 +90,7 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view)
     if (!status && view->selection) {
         place_cone(&cone, &view->selection->cone);
         what.cone = &cone;
-        what.emphasis = emphasis = picture_emphasis(view->selection);
+        what.emphasis = emphasis = picture_emphasis(view->selection, view->chosen);
         status = emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     status = status ? status : cut_draw(&cutter->cut, &what);

@@ -133,7 +133,7 @@ static uint32_t group_of(const conus_selection *selection, uint32_t object)
     return selection->group ? selection->group[object] : object;
 }
 
-uint8_t *picture_emphasis(const conus_selection *selection)
+uint8_t *picture_emphasis(const conus_selection *selection, uint32_t chosen)
 {
     size_t count = selection->atlas->object_count + 1;
     size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
@@ -152,18 +152,19 @@ uint8_t *picture_emphasis(const conus_selection *selection)
     for (uint32_t object = 1; emphasis && object < count; object++) {
         emphasis[object] = emphasis[group_of(selection, object)];
     }
+    for (uint32_t object = 1; emphasis && chosen && object < count; object++) {
+        if (emphasis[object] == EMPHASIS_PALE && atlas_is_below(selection->atlas, object, chosen)) {
+            emphasis[object] = EMPHASIS_FULL;
+        }
+    }
     return emphasis;
 }
 
-static conus_status add_cone(struct picture *picture)
+static void add_cone(struct picture *picture)
 {
     static const uint8_t device[3] = {60, 60, 66};
     const conus_selection *selection = picture->options.selection;
     struct colour_view *view = &picture->view;
-    picture->emphasis = picture_emphasis(selection);
-    if (!picture->emphasis) {
-        return CONUS_ERROR_MEMORY;
-    }
     view->emphasis = picture->emphasis;
     view->group = selection->group;
     view->world_from_cone = selection->cone.pose.world_from_device;
@@ -179,7 +180,6 @@ static conus_status add_cone(struct picture *picture)
                        picture->atlas->objects[result->object - 1].rgb);
         }
     }
-    return CONUS_OK;
 }
 
 /* ---- The camera ----------------------------------------------------------------------------------------------- */
@@ -349,9 +349,18 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     if (status) {
         return status;
     }
-    find_ball(&picture, &renderer->colour);
     if (picture.options.selection) {
-        status = add_cone(&picture);
+        picture.emphasis = picture_emphasis(picture.options.selection, picture.options.chosen);
+        status = picture.emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    if (!status && !picture.options.draft) {
+        status = renderer_include(renderer, picture.emphasis);
+    }
+    if (!status) {
+        find_ball(&picture, &renderer->colour);
+    }
+    if (!status && picture.options.selection) {
+        add_cone(&picture);
     }
     status = status ? status : place_camera(&picture, &renderer->colour);
     status = status ? status : draw(&picture, renderer);

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What can be changed about a renderer's pictures while it lives: hidden objects, transfer function, fading; and the
  * cone's other shape, the cylinder. */
+#include "atlas/atlas.h"
 #include "base/math3.h"
+#include "base/memory.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
 #include "render/image.h"
@@ -59,6 +61,12 @@ static bool differs(const conus_image *a, const conus_image *b, uint32_t from, u
     return false;
 }
 
+static void hide(conus_renderer *renderer, conus_atlas *atlas, const bool *hidden)
+{
+    assert_ok(conus_atlas_set_hidden(atlas, hidden));
+    assert_ok(conus_renderer_update(renderer));
+}
+
 static void hidden_areas_are_gone_until_shown(void **state)
 {
     (void)state;
@@ -67,14 +75,14 @@ static void hidden_areas_are_gone_until_shown(void **state)
     const bool hidden[3] = {false, false, true};
     const bool all[3] = {false, true, true};
     conus_image *before = render(renderer, (conus_view){0});
-    assert_ok(conus_renderer_hide(renderer, hidden));
+    hide(renderer, atlas, hidden);
     conus_image *without = render(renderer, (conus_view){0});
     assert_true(differs(before, without, 0, WIDTH / 2));
     assert_false(differs(before, without, WIDTH / 2, WIDTH));
-    assert_ok(conus_renderer_hide(renderer, all));
+    hide(renderer, atlas, all);
     conus_image *empty = render(renderer, (conus_view){0});
     assert_true(differs(without, empty, WIDTH / 2, WIDTH));
-    assert_ok(conus_renderer_hide(renderer, NULL));
+    hide(renderer, atlas, NULL);
     conus_image *again = render(renderer, (conus_view){0});
     assert_near(difference(before, again), 0, 0);
     conus_image_destroy(before);
@@ -96,11 +104,11 @@ static void hidden_meshes_are_gone_until_shown(void **state)
     conus_renderer *renderer = picture_renderer(atlas, NULL);
     const bool hidden[3] = {false, true, false};
     conus_image *before = render(renderer, (conus_view){0});
-    assert_ok(conus_renderer_hide(renderer, hidden));
+    hide(renderer, atlas, hidden);
     conus_image *without = render(renderer, (conus_view){0});
     assert_true(differs(before, without, WIDTH / 2, WIDTH));
     assert_false(differs(before, without, 0, WIDTH / 2));
-    assert_ok(conus_renderer_hide(renderer, NULL));
+    hide(renderer, atlas, NULL);
     conus_image *again = render(renderer, (conus_view){0});
     assert_near(difference(before, again), 0, 0);
     conus_image_destroy(before);
@@ -197,12 +205,80 @@ static void a_cylinder_is_drawn_to_scale(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A rod along x behind the boxes, from the front; its middle is seen between them. */
+static void add_rod(conus_atlas *atlas)
+{
+    conus_volume_info grid = picture_grid((size_t[]){60, 20, 20}, (double[]){1, 1, 1}, picture_identity);
+    float *values = memory_zeroed((size_t)60 * 20 * 20, sizeof *values);
+    grid.role = CONUS_SCALAR;
+    grid.threshold = 0.5;
+    for (size_t v = 0; v < (size_t)60 * 20 * 20; v++) {
+        size_t j = v / 60 % 20;
+        size_t k = v / 1200;
+        values[v] = j < 9 && j > 4 && k > 7 && k < 12 ? 1 : 0;
+    }
+    assert_ok(atlas_add_pathway(atlas, &grid, values, "rod"));
+    memcpy(atlas->objects[0].rgb, (uint8_t[]){0, 255, 0}, 3);
+    memcpy(atlas->objects[1].rgb, (uint8_t[]){0, 255, 0}, 3);
+    memcpy(atlas->objects[2].rgb, (uint8_t[]){0, 0, 255}, 3);
+}
+
+/* Pixels between two columns in which green is by far the strongest. */
+static size_t count_green(const conus_image *image, uint32_t from, uint32_t to)
+{
+    const float *r = conus_image_floats(image, "R");
+    const float *g = conus_image_floats(image, "G");
+    const float *b = conus_image_floats(image, "B");
+    size_t count = 0;
+    for (uint32_t p = 0; p < PIXELS; p++) {
+        count += p % WIDTH >= from && p % WIDTH < to && g[p] > 2 * r[p] && g[p] > 2 * b[p];
+    }
+    return count;
+}
+
+/* An atlas with a pathway shows that alone, but never without the areas that a selection hits: here the box on the
+ * picture's right, and not the other one, which reaches beyond the pathway's grid as well. The box is 16 x 16 mm at a
+ * distance of about 142: so many pixels, seen from the front. */
+static void areas_that_are_hit_are_drawn_beside_pathways(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = boxes(NULL);
+    add_rod(atlas);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    assert_ok(conus_pose_along(&pose, (double[]){-12, 60, 0}, (double[]){0, -1, 0}, NULL));
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    assert_ok(conus_select(&selection, selector, &pose, 0.05));
+    assert_int_equal(conus_selection_result(selection, 0)->object, 1);
+    conus_image *alone = render(renderer, (conus_view){0});
+    conus_image *with = render(renderer, (conus_view){.selection = selection});
+    conus_image *draft = render(renderer, (conus_view){.draft = true});
+    conus_image *again = render(renderer, (conus_view){0});
+    const double pixels_per_mm = HEIGHT / (2 * 142 * tan(0.35 / 2));
+    const double box = 16 * 16 * pixels_per_mm * pixels_per_mm;
+    assert_int_equal(count_green(alone, 0, WIDTH), 0);
+    assert_int_equal(count_green(with, 0, WIDTH / 2), 0);
+    assert_true((double)count_green(with, WIDTH / 2, WIDTH) > 0.6 * box); /* the cone's marks cover some of it */
+    assert_true((double)count_green(with, WIDTH / 2, WIDTH) < 1.1 * box);
+    assert_true((double)count_green(draft, WIDTH / 2, WIDTH) > 0.9 * box); /* has those of the picture before */
+    assert_near(difference(alone, again), 0, 0);
+    conus_image_destroy(alone);
+    conus_image_destroy(with);
+    conus_image_destroy(draft);
+    conus_image_destroy(again);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
 static conus_status change(void *data)
 {
     conus_renderer *renderer = data;
-    const bool hidden[3] = {false, false, true};
     const conus_transfer_point points[2] = {{0, {1, 1, 1, 0}}, {1, {1, 1, 1, 0.2}}};
-    conus_status status = conus_renderer_hide(renderer, hidden);
+    conus_status status = conus_renderer_update(renderer);
     return status ? status : conus_renderer_set_transfer(renderer, points, 2);
 }
 
@@ -224,6 +300,7 @@ int main(void)
         cmocka_unit_test(a_faded_context_thins_out),
         cmocka_unit_test(the_same_transfer_function_is_the_same_picture),
         cmocka_unit_test(a_cylinder_is_drawn_to_scale),
+        cmocka_unit_test(areas_that_are_hit_are_drawn_beside_pathways),
         cmocka_unit_test(every_failing_allocation_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -51,6 +51,58 @@ static void the_mouse_meets_what_is_shown(void **state)
     viewer_finish(&viewer);
 }
 
+static uint32_t best_of(const struct viewer *viewer)
+{
+    return conus_selection_result(viewer_selection(viewer), 0)->object;
+}
+
+/* Balls one in the other, aimed at from outside: the cone hits the outermost that is shown, whatever is hidden when,
+ * without being aimed anew. */
+static void what_is_hidden_is_not_selected(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load(&viewer, "nested", "nested.nii.gz");
+    viewer.angle = 2;
+    viewer_aim_along(&viewer, eye, back);
+    assert_int_equal(best_of(&viewer), 1);
+    viewer_hide(&viewer, 1, true);
+    assert_int_equal(best_of(&viewer), 2);
+    assert_near(conus_selection_result(viewer_selection(&viewer), 0)->distance, 90 - 16, 1);
+    viewer_isolate(&viewer, 3);
+    assert_int_equal(best_of(&viewer), 3);
+    assert_int_equal(conus_selection_count(viewer_selection(&viewer)), 2); /* and what is unassigned */
+    viewer_hide(&viewer, 3, true);
+    assert_int_equal(best_of(&viewer), 0);
+    viewer_undo(&viewer);
+    viewer_undo(&viewer);
+    assert_int_equal(best_of(&viewer), 2);
+    viewer_show_all(&viewer);
+    assert_int_equal(best_of(&viewer), 1);
+    viewer_finish(&viewer);
+}
+
+/* What was hidden when the atlas came, by --hide, say, can be shown. */
+static void what_comes_hidden_can_be_shown(void **state)
+{
+    struct viewer viewer;
+    conus_atlas *atlas = NULL;
+    const char *folder = test_scratch("comes");
+    char path[4096];
+    (void)state;
+    assert_ok(conus_phantom_write("nested", folder, NULL));
+    snprintf(path, sizeof path, "%s/nested.nii.gz", folder);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_ok(conus_atlas_show(atlas, NULL, "1"));
+    assert_ok(viewer_create(&viewer, atlas, path, NULL, NULL, NULL));
+    assert_int_equal(viewer_shown(&viewer, 1), SHOWN_NOT);
+    viewer_aim_along(&viewer, eye, back);
+    assert_int_equal(best_of(&viewer), 2);
+    viewer_hide(&viewer, 1, false);
+    assert_int_equal(best_of(&viewer), 1);
+    viewer_finish(&viewer);
+}
+
 /* The brain's pathway is the last object; on its surface the value is about the threshold, within it more. */
 static void a_pathway_has_a_value(void **state)
 {
@@ -61,9 +113,7 @@ static void a_pathway_has_a_value(void **state)
     uint32_t pathway = (uint32_t)viewer.object_count;
     assert_int_equal(conus_atlas_object(viewer.atlas, pathway)->kind, CONUS_PATHWAY);
     assert_ok(conus_atlas_centre(middle, viewer.atlas, pathway));
-    for (uint32_t area = 1; area < pathway; area++) {
-        viewer.hidden[area] = true;
-    }
+    viewer_isolate(&viewer, pathway);
     bool found = false;
     for (int k = -20; k <= 20 && !found; k++) {
         double contact[3];
@@ -339,6 +389,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_mouse_meets_what_is_shown),
+        cmocka_unit_test(what_is_hidden_is_not_selected),
+        cmocka_unit_test(what_comes_hidden_can_be_shown),
         cmocka_unit_test(a_pathway_has_a_value),
         cmocka_unit_test(an_opaque_context_is_met_before_what_it_hides),
         cmocka_unit_test(a_place_has_a_voxel_and_the_crosshair_stays_near),

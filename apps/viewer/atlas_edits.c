@@ -10,14 +10,11 @@
 static void rest(struct viewer *viewer)
 {
     painter_destroy(viewer->painter);
-    conus_selector_destroy(viewer->selector);
-    conus_selector_destroy(viewer->picker);
+    viewer_rest_selectors(viewer);
     answer_drop(viewer->answer);
     viewer->painter = NULL;
-    viewer->selector = viewer->picker = NULL;
     viewer->answer = NULL;
     viewer->answer_number++;
-    viewer->atlas_number++;
 }
 
 /* What was edited of the transfer function outlives the painter. */
@@ -34,7 +31,7 @@ static void go_on(struct viewer *viewer)
         viewer->painter = painter;
         viewer->transfer_editor.ready = false;
     }
-    viewer_tell_painter(viewer);
+    viewer->scene_number++;
     if (!pass_transfer(viewer)) {
         viewer_say(viewer, "not enough memory");
     }

@@ -88,6 +88,7 @@ static const struct option own_options[] = {
 static const struct option_group groups[] = {
     {"What is shown", own_options, 0},
     {"", atlas_options, offsetof(struct view_settings, atlas)},
+    {"", shown_options, offsetof(struct view_settings, atlas)},
     {"A tracker that points", station_options_table, offsetof(struct view_settings, station)},
     {"A tracked head", screen_options_table, offsetof(struct view_settings, station)},
     {"", quiet_options, offsetof(struct view_settings, common)},

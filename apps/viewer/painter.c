@@ -24,9 +24,11 @@ struct painter {
     pthread_cond_t wake;
     bool stop;
     struct painting asked;
-    bool is_new; /* asked has not been begun */
-    bool *hidden;
-    bool hidden_is_new;
+    bool is_new;         /* asked has not been begun */
+    bool is_busy;        /* reads the atlas */
+    unsigned holds;      /* the window is about to change the atlas, or does: do not begin to read it */
+    bool hidden_is_new;  /* the atlas hides other objects */
+    pthread_cond_t rest; /* is_busy ended */
     conus_transfer_point *points;
     size_t point_count; /* of a function that is not used yet; 0 = none */
     struct painted done;
@@ -54,7 +56,7 @@ static double now_ms(void)
 
 bool painting_shows_same(const struct painting *a, const struct painting *b)
 {
-    bool same = a->width == b->width && a->height == b->height && a->fade == b->fade &&
+    bool same = a->width == b->width && a->height == b->height && a->fade == b->fade && a->chosen == b->chosen &&
                 a->answer_number == b->answer_number && a->scene_number == b->scene_number;
     for (int i = 0; i < 16; i++) {
         same = same && a->sight.camera.world_from_device[i] == b->sight.camera.world_from_device[i];
@@ -135,6 +137,7 @@ static bool paint(struct painter *painter, conus_renderer *renderer, const struc
                              .frustum = {f[0], f[1], f[2], f[3]},
                              .camera = &what->sight.camera,
                              .selection = answer_selection(what->answer),
+                             .chosen = what->chosen,
                              .no_legend = true,
                              .draft = stage != STAGE_SMOOTH,
                              .fade = what->fade};
@@ -170,25 +173,33 @@ static void note_transfer(struct painter *painter, const conus_renderer *rendere
     tell_window(painter);
 }
 
-static void apply_changes(struct painter *painter, conus_renderer *renderer, bool *hidden, conus_transfer_point *points,
+static void apply_changes(struct painter *painter, conus_renderer *renderer, bool hidden, conus_transfer_point *points,
                           size_t point_count)
 {
-    conus_status status = hidden ? conus_renderer_hide(renderer, hidden) : CONUS_OK;
+    conus_status status = hidden ? conus_renderer_update(renderer) : CONUS_OK;
     status = !status && points ? conus_renderer_set_transfer(renderer, points, point_count) : status;
     if (status) {
         note_error(painter);
     }
-    free(hidden);
     free(points);
 }
 
+/* With the lock held. */
+static void end_reading(struct painter *painter)
+{
+    painter->is_busy = false;
+    pthread_cond_signal(&painter->rest);
+}
+
 /* Waits for something to do; what is there is moved out. False: stop. */
-static bool wait_for_work(struct painter *painter, struct painting *what, enum stage *stage, bool **hidden,
+static bool wait_for_work(struct painter *painter, struct painting *what, enum stage *stage, bool *hidden,
                           conus_transfer_point **points, size_t *point_count)
 {
     pthread_mutex_lock(&painter->lock);
+    end_reading(painter);
     bool idle = *stage == STAGE_SMOOTH || (*stage == STAGE_COARSE && what->moving) || *stage == STAGE_NONE;
-    while (idle && !painter->stop && !painter->is_new && !painter->hidden_is_new && !painter->point_count) {
+    while (!painter->stop &&
+           (painter->holds || (idle && !painter->is_new && !painter->hidden_is_new && !painter->point_count))) {
         pthread_cond_wait(&painter->wake, &painter->lock);
     }
     bool rests = painter->is_new && !painter->hidden_is_new && !painter->point_count &&
@@ -203,14 +214,14 @@ static bool wait_for_work(struct painter *painter, struct painting *what, enum s
     if (changed) {
         *stage = STAGE_NONE;
     }
-    *hidden = painter->hidden_is_new ? painter->hidden : NULL;
+    *hidden = painter->hidden_is_new;
     *points = painter->point_count ? painter->points : NULL;
     *point_count = painter->point_count;
-    painter->hidden = *hidden ? NULL : painter->hidden;
     painter->points = *points ? NULL : painter->points;
     painter->hidden_is_new = false;
     painter->point_count = 0;
     bool go_on = !painter->stop;
+    painter->is_busy = go_on;
     pthread_mutex_unlock(&painter->lock);
     return go_on;
 }
@@ -219,7 +230,7 @@ static void work(struct painter *painter, conus_renderer *renderer)
 {
     struct painting what = {0};
     enum stage stage = STAGE_NONE;
-    bool *hidden;
+    bool hidden;
     conus_transfer_point *points;
     size_t point_count;
     while (wait_for_work(painter, &what, &stage, &hidden, &points, &point_count)) {
@@ -229,7 +240,6 @@ static void work(struct painter *painter, conus_renderer *renderer)
             stage = paint(painter, renderer, &what, stage) ? stage : STAGE_SMOOTH;
         }
     }
-    free(hidden);
     free(points);
     answer_drop(what.answer);
 }
@@ -243,6 +253,9 @@ static void *run(void *user)
     setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + niceness); /* of this thread, and those it starts */
     if (conus_renderer_create(&renderer, painter->atlas, &options)) {
         note_error(painter);
+        pthread_mutex_lock(&painter->lock);
+        end_reading(painter);
+        pthread_mutex_unlock(&painter->lock);
         return NULL;
     }
     pthread_mutex_lock(&painter->lock);
@@ -266,9 +279,11 @@ bool painter_create(struct painter **out, const conus_atlas *atlas, const char *
     painter->atlas = atlas;
     painter->log = log;
     painter->wake_window = wake;
+    painter->is_busy = true; /* until there is a renderer */
     painter->transfer = transfer ? strdup(transfer) : NULL;
     pthread_mutex_init(&painter->lock, NULL);
     pthread_cond_init(&painter->wake, NULL);
+    pthread_cond_init(&painter->rest, NULL);
     if ((transfer && !painter->transfer) || pthread_create(&painter->thread, NULL, run, painter)) {
         free(painter->transfer);
         free(painter);
@@ -289,10 +304,10 @@ void painter_destroy(struct painter *painter)
     pthread_mutex_unlock(&painter->lock);
     pthread_join(painter->thread, NULL);
     pthread_cond_destroy(&painter->wake);
+    pthread_cond_destroy(&painter->rest);
     pthread_mutex_destroy(&painter->lock);
     answer_drop(painter->asked.answer);
     free(painter->done.rgba);
-    free(painter->hidden);
     free(painter->points);
     free(painter->transfer);
     free(painter);
@@ -327,20 +342,23 @@ bool painter_take(struct painter *painter, struct painted *out)
     return out->rgba;
 }
 
-bool painter_hide(struct painter *painter, const bool *hidden, size_t count)
+void painter_hold(struct painter *painter)
 {
-    bool *copy = malloc(count * sizeof *copy);
-    if (!copy) {
-        return false;
-    }
-    memcpy(copy, hidden, count * sizeof *copy);
     pthread_mutex_lock(&painter->lock);
-    free(painter->hidden);
-    painter->hidden = copy;
+    painter->holds++;
+    while (painter->is_busy) {
+        pthread_cond_wait(&painter->rest, &painter->lock);
+    }
+    pthread_mutex_unlock(&painter->lock);
+}
+
+void painter_go_on(struct painter *painter)
+{
+    pthread_mutex_lock(&painter->lock);
+    painter->holds--;
     painter->hidden_is_new = true;
     pthread_cond_signal(&painter->wake);
     pthread_mutex_unlock(&painter->lock);
-    return true;
 }
 
 bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count)

@@ -16,6 +16,7 @@ struct painting {
     struct sight sight;
     uint32_t width, height;
     double fade;
+    uint32_t chosen;        /**< Object that is never pale; 0 = none. */
     struct answer *answer;  /**< Its cone is drawn; NULL = none. */
     unsigned answer_number; /**< Of the answer: two paintings of the same number have the same one. */
     unsigned scene_number;  /**< Of what is hidden, the transfer function and the atlas. */
@@ -47,8 +48,10 @@ void painter_ask(struct painter *painter, const struct painting *what);
 bool painter_has_news(struct painter *painter);
 /** The newest picture, once: false if there is none since the last one. */
 bool painter_take(struct painter *painter, struct painted *out);
-/** Leaves objects out from now on: [count], copied. False without memory. */
-bool painter_hide(struct painter *painter, const bool *hidden, size_t count);
+/** Waits until the thread does not read the atlas, which it does not do again before painter_go_on(). */
+void painter_hold(struct painter *painter);
+/** The atlas may hide other objects now. */
+void painter_go_on(struct painter *painter);
 bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count);
 
 /** The transfer function that is used, up to @p room points; 0 before it is known, or where there is no context. */

@@ -29,6 +29,7 @@ static void ask_painter(struct window *window, bool moving)
                             .width = (uint32_t)fmaxf(box->width, 1),
                             .height = (uint32_t)fmaxf(box->height, 1),
                             .fade = viewer->fade,
+                            .chosen = viewer->chosen,
                             .answer = viewer->answer,
                             .answer_number = viewer->answer_number,
                             .scene_number = viewer->scene_number,

@@ -69,11 +69,11 @@ static void draw_picture(struct window *window, const struct frame *frame)
     conus_cut_view view = {.mm_per_pixel = frame->mm_per_pixel,
                            .width = frame->width,
                            .height = frame->height,
-                           .hidden = viewer->hidden,
                            .fill = viewer->fill,
                            .no_outlines = viewer->no_outlines,
                            .window = {viewer->window[0], viewer->window[1]},
-                           .selection = viewer_selection(viewer)};
+                           .selection = viewer_selection(viewer),
+                           .chosen = viewer->chosen};
     memcpy(view.centre, frame->centre, sizeof view.centre);
     memcpy(view.right, frame->right, sizeof view.right);
     memcpy(view.up, frame->up, sizeof view.up);

@@ -77,15 +77,34 @@ static double depth_of_surface(const struct viewer *viewer, const double origin[
 
 static bool has_pathways(const struct viewer *viewer)
 {
-    const conus_object *last = conus_atlas_object(viewer->atlas, viewer->object_count); /* pathways come last */
-    return last && last->kind == CONUS_PATHWAY;
+    for (size_t number = viewer->object_count; number > 0; number--) { /* pathways come last */
+        if (conus_atlas_object(viewer->atlas, number)->kind != CONUS_PATHWAY) {
+            return false;
+        }
+        if (!viewer->hidden[number]) {
+            return true;
+        }
+    }
+    return false;
 }
 
-/* Areas of voxels would hide pathways, so the picture has one or the other. */
+static bool is_hit(const struct viewer *viewer, uint32_t number)
+{
+    const conus_selection *selection = viewer_selection(viewer);
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        if (result->object == number && result->pixels + result->pierced > 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Areas of voxels would hide pathways: where there are any, the picture has the areas that are hit. */
 static bool is_drawn(const struct viewer *viewer, uint32_t number)
 {
     const conus_object *object = conus_atlas_object(viewer->atlas, number);
-    return !viewer->hidden[number] && (object->kind == CONUS_PATHWAY || object->triangles > 0 || !has_pathways(viewer));
+    return object->kind == CONUS_PATHWAY || object->triangles > 0 || !has_pathways(viewer) || is_hit(viewer, number);
 }
 
 /* How far it is to the first that is drawn; INFINITY and 0 where there is none. */

@@ -65,6 +65,9 @@ conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *p
         .atlas = atlas, .atlas_path = path, .transfer = transfer, .angle = default_angle, .wake = wake};
     viewer.object_count = conus_atlas_object_count(atlas);
     viewer.hidden = calloc(viewer.object_count + 1, sizeof *viewer.hidden);
+    for (size_t number = 1; viewer.hidden && number <= viewer.object_count; number++) {
+        viewer.hidden[number] = conus_atlas_is_hidden(atlas, number);
+    }
     viewer.fill = 0.45;
     viewer.options.log = log;
     viewer.watch = watch_create(atlas);
@@ -271,10 +274,10 @@ conus_status viewer_write_picture(const struct viewer *viewer, const struct sigh
                              .frustum = {f[0], f[1], f[2], f[3]},
                              .camera = &fitted.camera,
                              .selection = viewer_selection(viewer),
+                             .chosen = viewer->chosen,
                              .fade = viewer->fade};
     conus_status status = conus_renderer_create(&renderer, viewer->atlas, &options);
     const struct transfer_editor *editor = &viewer->transfer_editor;
-    status = status ? status : conus_renderer_hide(renderer, viewer->hidden);
     if (!status && editor->edited) {
         status = conus_renderer_set_transfer(renderer, editor->points, editor->count);
     }
@@ -285,13 +288,32 @@ conus_status viewer_write_picture(const struct viewer *viewer, const struct sigh
     return status;
 }
 
-void viewer_tell_painter(struct viewer *viewer)
+void viewer_rest_selectors(struct viewer *viewer)
 {
-    if (!viewer->painter || !painter_hide(viewer->painter, viewer->hidden, viewer->object_count + 1)) {
-        viewer_say(viewer, "not enough memory");
+    conus_selector_destroy(viewer->selector);
+    conus_selector_destroy(viewer->picker);
+    viewer->selector = viewer->picker = NULL;
+    viewer->atlas_number++;
+}
+
+/* What is hidden is not in the atlas: it is not hit, not drawn, and blocks nothing. */
+static void hide_in_atlas(struct viewer *viewer)
+{
+    if (viewer->painter) {
+        painter_hold(viewer->painter);
+    }
+    viewer_rest_selectors(viewer);
+    if (conus_atlas_set_hidden(viewer->atlas, viewer->hidden)) {
+        viewer_say(viewer, "%s", conus_message());
+        for (size_t number = 1; number <= viewer->object_count; number++) {
+            viewer->hidden[number] = conus_atlas_is_hidden(viewer->atlas, number);
+        }
+    }
+    if (viewer->painter) {
+        painter_go_on(viewer->painter);
     }
     viewer->scene_number++;
-    viewer->version++;
+    viewer_reselect(viewer);
 }
 
 /* ---- What is shown ---------------------------------------------------------------------------------------------- */
@@ -340,7 +362,7 @@ void viewer_hide(struct viewer *viewer, uint32_t object, bool hide)
             viewer->hidden[number] = hide;
         }
     }
-    viewer_tell_painter(viewer);
+    hide_in_atlas(viewer);
 }
 
 void viewer_isolate(struct viewer *viewer, uint32_t object)
@@ -349,14 +371,14 @@ void viewer_isolate(struct viewer *viewer, uint32_t object)
     for (uint32_t number = 1; number <= viewer->object_count; number++) {
         viewer->hidden[number] = !viewer_is_below(viewer, number, object);
     }
-    viewer_tell_painter(viewer);
+    hide_in_atlas(viewer);
 }
 
 void viewer_show_all(struct viewer *viewer)
 {
     remember(viewer);
     memset(viewer->hidden, 0, (viewer->object_count + 1) * sizeof *viewer->hidden);
-    viewer_tell_painter(viewer);
+    hide_in_atlas(viewer);
 }
 
 void viewer_set_hidden(struct viewer *viewer, bool *hidden)
@@ -364,7 +386,7 @@ void viewer_set_hidden(struct viewer *viewer, bool *hidden)
     remember(viewer);
     free(viewer->hidden);
     viewer->hidden = hidden;
-    viewer_tell_painter(viewer);
+    hide_in_atlas(viewer);
 }
 
 void viewer_undo(struct viewer *viewer)
@@ -375,7 +397,7 @@ void viewer_undo(struct viewer *viewer)
     }
     free(viewer->hidden);
     viewer->hidden = viewer->undo[--viewer->undo_count];
-    viewer_tell_painter(viewer);
+    hide_in_atlas(viewer);
 }
 
 static bool contains(const char *text, const char *part)

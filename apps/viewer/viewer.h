@@ -146,9 +146,9 @@ void viewer_use_safe_colours(struct viewer *viewer, bool safe);
 
 /* ---- What is shown ---------------------------------------------------------------------------------------------- */
 
-/** Has the 3-D picture drawn anew, of what is not hidden. */
-void viewer_tell_painter(struct viewer *viewer);
-/** Hides or shows an object and all below it in the tree. */
+/** Ends what was made for the atlas and would have to be made anew after a change. */
+void viewer_rest_selectors(struct viewer *viewer);
+/** Hides or shows an object and all below it in the tree. What is hidden is not selected either. */
 void viewer_hide(struct viewer *viewer, uint32_t object, bool hide);
 /** Hides all but an object and what is below it. */
 void viewer_isolate(struct viewer *viewer, uint32_t object);

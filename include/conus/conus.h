@@ -180,7 +180,8 @@ CONUS_API uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number);
 CONUS_CHECKED conus_status conus_atlas_find(uint32_t *out, const conus_atlas *atlas, const char *name);
 
 /* What is hidden is as if it had never been loaded: not hit, not drawn, and it blocks nothing. Shown objects keep their
- * numbers, volumes and fractions. Selectors, renderers and cutters that were made before must be made anew. */
+ * numbers, volumes and fractions. Selectors and cutters that were made before must be made anew, and renderers be told
+ * (conus_renderer_update()). */
 
 /** Shows all objects, or only those that @p only names, and of these hides those that @p hide names. Both are lists,
  * separated by commas, of names, abbreviations and labels; an area stands for all below it in the area tree. A name
@@ -795,8 +796,8 @@ CONUS_API const conus_transfer_point *conus_renderer_transfer(const conus_render
 /** Changes it: 1 to 4096 points, values never falling. */
 CONUS_CHECKED conus_status conus_renderer_set_transfer(conus_renderer *renderer, const conus_transfer_point *points,
                                                        size_t count);
-/** Leaves objects out of all pictures from now on: @p hidden [object count + 1] by number; NULL shows all. */
-CONUS_CHECKED conus_status conus_renderer_hide(conus_renderer *renderer, const bool *hidden);
+/** Takes over what has been hidden and shown in the atlas since the renderer was made. */
+CONUS_CHECKED conus_status conus_renderer_update(conus_renderer *renderer);
 
 typedef struct conus_view {
     uint32_t width, height;   /**< Pixels, 1 to 16384; 0 = 1400 x 1050.                                           */
@@ -807,13 +808,16 @@ typedef struct conus_view {
                                    All 0 = symmetric, as wide as field_of_view says.                              */
     const conus_pose *camera; /**< NULL = one that shows the whole atlas, from the cone's side where one is drawn. */
     const conus_selection *selection; /**< NULL = none; else draws its cone, axis and contacts.                   */
+    uint32_t chosen;  /**< Object that is never pale, with those below it in the area tree; 0 = none.     */
     bool no_skipping; /**< Blend every sample: the same picture, slower (for comparison).                 */
     bool no_legend;   /**< Leave out the text.                                                            */
     bool draft;       /**< Leave edges rough: quicker.                                                    */
     double fade;      /**< How much the context is thinned: 0 = as its transfer function says, 1 = gone.  */
 } conus_view;
 
-/** Draws the atlas over a light background: its areas, or its pathways where it has any (areas would hide them).
+/** Draws the atlas over a light background: its areas, or its pathways where it has any (all areas would hide them),
+ * and then of the areas those that the selection hits, or with CONUS_ALL_LAYERS passes. A draft has those of the
+ * picture before.
  * Channels R, G, B, A: float, linear light, premultiplied; A is 1. */
 CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view);
 
@@ -824,12 +828,12 @@ typedef struct conus_cut_view {
     double right[3], up[3]; /**< Unit vectors, perpendicular; both 0 = +x and +y: axial, neurological.           */
     double mm_per_pixel;    /**< 0 = 1.                                                                          */
     uint32_t width, height; /**< Pixels, 1 to 16384.                                                             */
-    const bool *hidden;     /**< [object count + 1] Objects not to draw; NULL = none.                            */
     double fill;            /**< Opacity of areas, 0 to 1; 0 leaves their outlines.                              */
     bool no_outlines;
     double window[2]; /**< Grey values of black and white; both 0 = conus_atlas_window().                  */
     const conus_selection *selection; /**< NULL = none; else its cone is drawn, areas that it meets are full, those
                                            that it only pierces hatched, and others pale.                        */
+    uint32_t chosen; /**< Object that is never pale, with those below it in the area tree; 0 = none.              */
 } conus_cut_view;
 
 /** Draws on the CPU. @p rgba gets [height width 4] bytes of sRGB, @p objects (NULL = not wanted) [height width] numbers
@@ -838,8 +842,8 @@ CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const con
                                      const conus_cut_view *view);
 
 /** Draws one cut after the other, as windows do: the same pictures as conus_cut(), but voxels and surfaces are looked
- * at again only where a view lies elsewhere, or hides other objects. Another selection over the same place costs
- * little. The atlas must not change; after conus_atlas_set_threshold(), conus_atlas_set_hidden() or other colours, make
+ * at again only where a view lies elsewhere. Another selection over the same place costs little. The atlas must not
+ * change; after conus_atlas_set_threshold(), conus_atlas_set_hidden() or other colours, make
  * another cutter. */
 CONUS_CHECKED conus_status conus_cutter_create(conus_cutter **out, const conus_atlas *atlas);
 CONUS_API void conus_cutter_destroy(conus_cutter *cutter);

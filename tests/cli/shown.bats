@@ -124,3 +124,15 @@ near() {
     answers query sphere.nii.gz --pathway tubes.nii.gz,name=Tract,threshold=1 --origin 0,-100,0 --toward 0,0,0 -q --only Sphere
     ! [[ "$output" == *"pathway Tract"* ]]
 }
+
+@test "a picture does without what is hidden, as if it were not in the file" {
+    nested
+    gl render "${atlas[@]}" -o all.exr --size 160x120 --slices 60 -q
+    gl render "${atlas[@]}" -o core.exr --size 160x120 --slices 60 --only Core -q
+    gl render "${atlas[@]}" -o shells.exr --size 160x120 --slices 60 --hide Shell -q
+    answers diff core.exr shells.exr
+    run -1 conus diff all.exr core.exr
+    grep -aq 'areas 1,300' core.exr
+    gl render "${atlas[@]}" -o cone.png --size 160x120 --slices 60 --only Core -q --origin 0,-100,0 --toward 0,0,0
+    fails 2 'everything is hidden' render "${atlas[@]}" -o none.png --hide Ball
+}

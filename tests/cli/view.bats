@@ -203,6 +203,21 @@ END
     check_message 'transfer: there is no context here, open it with --context'
 }
 
+@test "what is hidden is not hit: the window's answers are those of --hide" {
+    need_window
+    conus phantom nested -o .
+    printf 'angle 20\naim 3 90 2 3 0 2\nresults all.tsv\nchoose "Shell outer"\nkey h\nresults less.tsv\nkey u\nresults again.tsv\nkey h\nsave less.json\n' |
+        view nested.nii.gz
+    local of=(query nested.nii.gz --origin 3,90,2 --toward 3,0,2 --angle 20 --format tsv -q)
+    diff <(conus "${of[@]}") all.tsv
+    diff <(conus "${of[@]}" --hide 'Shell outer') less.tsv
+    cmp all.tsv again.tsv
+    printf 'results opened.tsv\n' | view nested.nii.gz --session less.json
+    cmp less.tsv opened.tsv
+    printf 'angle 20\naim 3 90 2 3 0 2\nresults option.tsv\n' | view nested.nii.gz --hide 'Shell outer'
+    cmp less.tsv option.tsv
+}
+
 @test "a pin of what was hidden keeps its lack of a contact" {
     need_window
     conus phantom slabs -o . --size 16

@@ -35,10 +35,14 @@ void painter_destroy(struct painter *painter)
     (void)painter;
 }
 
-bool painter_hide(struct painter *painter, const bool *hidden, size_t count)
+void painter_hold(struct painter *painter)
 {
     (void)painter;
-    return hidden && count;
+}
+
+void painter_go_on(struct painter *painter)
+{
+    (void)painter;
 }
 
 bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count)
