@@ -304,9 +304,10 @@ static conus_status cut_sheet(struct surfaces *surfaces, struct area_plan *plan,
     return status;
 }
 
+/* A FreeSurfer surface may have any name. */
 static bool is_foreign(const struct planned_area *area)
 {
-    return !area->is_part && mesh_foreign_is(area->path);
+    return !area->is_part && mesh_foreign_is(area->path) && !mesh_file_keeps_vertices(area->path);
 }
 
 /* Reads what conus-mesh must read: with a placement of their own, or without. */

@@ -3,70 +3,91 @@
 
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "loaders/grey.h"
 #include "loaders/label_files.h"
 
-#include <math.h>
 #include <string.h>
 
-static const double equal_share = 0.9;  /* of neighbours that are not both zero: labels */
 static const double sparse_share = 0.2; /* of voxels that are not zero: a pathway */
+static const double half = 0.5;         /* of neighbours equal, where there are too few to tell: labels */
 
-/* What the values of a volume look like. */
-struct look {
-    size_t filled;  /* voxels that are not 0 */
-    size_t edges;   /* neighbours along i, at least one of them not 0 */
-    size_t equal;   /* of them with one value */
-    bool fractions; /* some value is not whole, or negative */
-    double maximum;
-};
-
-static struct look look_at(const float *values, const size_t dim[3])
+static conus_status has_table(bool *out, struct label_table *table, const struct volume_file *file,
+                              const uint32_t *labels)
 {
-    struct look look = {0};
-    size_t count = dim[0] * dim[1] * dim[2];
-    for (size_t i = 0; i < count; i++) {
-        double value = (double)values[i];
-        bool edge = i % dim[0] && (values[i] != 0 || values[i - 1] != 0);
-        look.filled += values[i] != 0;
-        look.edges += edge;
-        look.equal += edge && values[i] == values[i - 1];
-        look.fractions = look.fractions || value != floor(value) || value < 0;
-        look.maximum = fmax(look.maximum, value);
-    }
-    return look;
-}
-
-static conus_status has_table(bool *out, const struct volume_file *file)
-{
-    struct label_table table = {0};
     struct notes notes = {0};
     char *source = NULL;
     *out = false;
-    conus_status status = label_table_of_volume(&table, &source, file, NULL, &notes);
-    for (size_t i = 0; !status && i < table.count; i++) {
-        *out = *out || table.entries[i].name;
+    conus_status status = label_table_of_volume(table, &source, file, labels, &notes);
+    for (size_t i = 0; !status && i < table->count; i++) {
+        *out = *out || table->entries[i].name;
     }
-    label_table_finish(&table);
     notes_finish(&notes);
     memory_free(source);
     return status;
 }
 
-static conus_status judge(struct volume_guess *out, const struct volume_file *file, const struct look *look)
+/* Whether more than one value, besides 0, is there: a mask is no parcellation. */
+static bool has_several(const uint32_t *labels, size_t count)
 {
+    uint32_t first = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (labels[i] && first && labels[i] != first) {
+            return true;
+        }
+        first = first ? first : labels[i];
+    }
+    return false;
+}
+
+static conus_status judge_labels(struct volume_guess *out, const struct volume_file *file, const uint32_t *labels)
+{
+    struct label_table table = {0};
+    struct grey_verdict verdict = {0};
     bool named = false;
-    conus_status status = look->fractions ? CONUS_OK : has_table(&named, file);
     size_t voxels = file->info.dim[0] * file->info.dim[1] * file->info.dim[2];
-    bool pieces = !look->fractions && look->maximum > 1 && (double)look->equal > equal_share * (double)look->edges;
-    if (named || pieces) {
+    conus_status status = has_table(&named, &table, file, labels);
+    status = status ? status : grey_judge_file(&verdict, file, labels, &table, false);
+    bool pieces = has_several(labels, voxels) && (verdict.telling || verdict.equal > half);
+    if (!status && !verdict.grey && (named || pieces)) {
         *out =
             (struct volume_guess){VOLUME_LABELS, 1, named ? "named by a label table" : "areas of equal whole numbers"};
-    } else if ((double)look->filled < sparse_share * (double)voxels) {
-        *out = (struct volume_guess){VOLUME_PATHWAY, 1, "mostly zero"};
-    } else {
-        *out = (struct volume_guess){VOLUME_CONTEXT, 1, "values almost everywhere"};
     }
+    label_table_finish(&table);
     return status;
+}
+
+/* What is no parcellation: `filled` voxels of it are not 0. */
+static conus_status judge_filled(struct volume_guess *out, const struct volume_file *file, struct notes *notes)
+{
+    float *values = NULL;
+    struct volume_file copy = *file; /* whose range is set */
+    size_t voxels = file->info.dim[0] * file->info.dim[1] * file->info.dim[2];
+    size_t filled = 0;
+    conus_status status = volume_file_values(&values, &copy, notes);
+    for (size_t i = 0; !status && i < voxels; i++) {
+        filled += values[i] != 0;
+    }
+    memory_free(values);
+    if (!status && !filled) {
+        return fail(CONUS_ERROR_DATA, "%s: all of its values are 0", file->path);
+    }
+    bool sparse = (double)filled < sparse_share * (double)voxels;
+    *out = (struct volume_guess){sparse ? VOLUME_PATHWAY : VOLUME_CONTEXT, 1,
+                                 sparse ? "mostly zero" : "values almost everywhere"};
+    return status;
+}
+
+static conus_status judge(struct volume_guess *out, struct volume_file *file, struct notes *notes)
+{
+    uint32_t *labels = NULL;
+    conus_status status = judge_filled(out, file, notes);
+    if (status) {
+        return status;
+    }
+    status = volume_file_labels(&labels, file);
+    status = status ? status : judge_labels(out, file, labels);
+    memory_free(labels);
+    return status == CONUS_ERROR_DATA ? CONUS_OK : status; /* fractions, or a damaged table */
 }
 
 /* A 4-D file is refused without a choice: then volume 0 stands for all. */
@@ -86,16 +107,12 @@ conus_status volume_guess_make(struct volume_guess *out, const char *path, uint6
 {
     struct volume_file file = {0};
     struct notes notes = {0};
-    float *values = NULL;
     conus_status status = open_any(&file, path, max_memory);
     if (!status && file.info.volume_count > 1) {
         *out = (struct volume_guess){VOLUME_SERIES, file.info.volume_count, "several volumes"};
     } else if (!status) {
-        status = volume_file_values(&values, &file, &notes);
-        struct look look = status ? (struct look){0} : look_at(values, file.info.dim);
-        status = status ? status : judge(out, &file, &look);
+        status = judge(out, &file, &notes);
     }
-    memory_free(values);
     notes_finish(&notes);
     volume_file_finish(&file);
     return status;

@@ -13,9 +13,9 @@ struct volume_guess {
     const char *words; /**< What the guess rests on; static.  */
 };
 
-/** Reads the volume @p path and guesses: several volumes are pathways; whole numbers that are named by a table, or of
- * which nine in ten neighbours are equal, are labels; else what is mostly zero is a pathway, and what is not is the
- * context. */
+/** Reads the volume @p path and guesses: several volumes are pathways; what grey_judge_file() takes for labels is
+ * labels, if a table names it or if there are several values in pieces; else what is mostly zero is a pathway, and what
+ * is not is the context. All values 0 are CONUS_ERROR_DATA. */
 conus_status volume_guess_make(struct volume_guess *out, const char *path, uint64_t max_memory);
 
 /** Whether labels follow from the names of surfaces: each holds a number, and no two the same first one; or none does.

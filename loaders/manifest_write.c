@@ -27,6 +27,7 @@ struct draft {
     struct names used; /* images that an FSL atlas names, from the folder and without ending */
     json_t *parcellation, *context, *areas, *pathways;
     uint32_t label_offset; /* of the next group of surfaces */
+    bool silent;           /* for a folder as ATLAS: what does not load is an error then, not left out */
 };
 
 static void draft_finish(struct draft *draft)
@@ -60,6 +61,59 @@ static conus_status append(json_t *list, json_t *entry)
     return json_array_append_new(list, entry) ? fail(CONUS_ERROR_MEMORY, "no memory for the manifest") : CONUS_OK;
 }
 
+static int put_text(const char *text, size_t size, void *user)
+{
+    buffer_append(user, text, size);
+    return ((struct buffer *)user)->failed ? -1 : 0;
+}
+
+/* Loads a manifest of nothing but `value` (taken over) at `key`. */
+static conus_status load_piece(const struct draft *draft, const char *key, json_t *value)
+{
+    struct buffer text = {0};
+    conus_atlas *atlas = NULL;
+    json_t *root = json_pack("{s:i,s:o}", "conus_atlas", MANIFEST_VERSION, key, value);
+    const conus_load_options options = {.max_memory = draft->options->max_memory};
+    bool done = root && json_dump_callback(root, put_text, &text, 0) == 0;
+    const struct bytes bytes = {(uint8_t *)text.data, text.size};
+    conus_status status = done ? manifest_load(&atlas, draft->folder, &bytes, &options) : CONUS_ERROR_MEMORY;
+    conus_atlas_destroy(atlas);
+    buffer_finish(&text);
+    json_decref(root);
+    return status;
+}
+
+/* What is written must load: whether `value` does, at `key` of a manifest of its own (in a list there). */
+static conus_status try_piece(bool *loads, const struct draft *draft, const char *key, json_t *value, bool listed)
+{
+    *loads = true;
+    if (draft->silent) {
+        return CONUS_OK;
+    }
+    conus_status status = load_piece(draft, key, listed ? json_pack("[O]", value) : json_incref(value));
+    *loads = status == CONUS_OK;
+    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
+}
+
+/* Says that `name` is left out, since it does not load. */
+static conus_status leave_out(const struct draft *draft, const char *name)
+{
+    char why[400];
+    snprintf(why, sizeof why, "%s", conus_message());
+    return say(draft, "%s: left out, since it does not load: %s", name, why);
+}
+
+/* Appends `value` (taken over) to the manifest's `list`, called `key`, if it loads. */
+static conus_status append_loading(bool *loads, const struct draft *draft, json_t *list, const char *key, json_t *value)
+{
+    conus_status status = value ? try_piece(loads, draft, key, value, true) : CONUS_ERROR_MEMORY;
+    if (status || !*loads) {
+        json_decref(value);
+        return status;
+    }
+    return append(list, value);
+}
+
 static char *path_in(const struct draft *draft, const char *name)
 {
     return file_beside(draft->folder, name);
@@ -79,21 +133,49 @@ static conus_status mark_used(struct draft *draft, const struct fsl_atlas *atlas
     return status;
 }
 
+/* A scene has one parcellation: which, only the user knows. */
+static conus_status set_parcellation(struct draft *draft, const char *name)
+{
+    bool loads = false;
+    const char *first = json_string_value(json_object_get(draft->parcellation, "file"));
+    json_t *value = json_pack("{s:s}", "file", name);
+    conus_status status = value ? try_piece(&loads, draft, "parcellation", value, false) : CONUS_ERROR_MEMORY;
+    if (!status && loads && first) {
+        status = fail(CONUS_ERROR_DATA,
+                      "%s%s and %s are both parcellations, a manifest has one: give one of them as ATLAS, or write the "
+                      "manifest by hand (docs/formats.md)",
+                      draft->folder, first, name);
+    }
+    if (!status && loads) {
+        draft->parcellation = value;
+        return CONUS_OK;
+    }
+    json_decref(value);
+    return status ? status : leave_out(draft, name);
+}
+
+static bool is_parcellation(const struct draft *draft, const char *name)
+{
+    const char *file = json_string_value(json_object_get(draft->parcellation, "file"));
+    return file && strcmp(file, name) == 0;
+}
+
 static conus_status take_fsl(struct draft *draft, const char *name, const struct fsl_atlas *atlas)
 {
-    conus_status status = mark_used(draft, atlas);
-    if (status) {
-        return status;
+    bool loads = false;
+    conus_status status =
+        atlas->is_label ? set_parcellation(draft, name)
+                        : append_loading(&loads, draft, draft->pathways, "pathways", json_pack("{s:s}", "fsl", name));
+    loads = atlas->is_label ? is_parcellation(draft, name) : loads;
+    if (status || !loads) {
+        return status || atlas->is_label ? status : leave_out(draft, name);
     }
-    if (!atlas->is_label) {
-        status = append(draft->pathways, json_pack("{s:s}", "fsl", name));
-        return status ? status : say(draft, "%s: FSL atlas, %zu pathways", name, atlas->labels.count);
-    }
-    if (draft->parcellation) {
-        return say(draft, "%s: a second parcellation, left out", name);
-    }
-    draft->parcellation = json_pack("{s:s}", "file", name);
-    return say(draft, "%s: parcellation, an FSL atlas of %zu labels", name, atlas->labels.count);
+    status = mark_used(draft, atlas);
+    return status
+               ? status
+               : say(draft,
+                     atlas->is_label ? "%s: parcellation, an FSL atlas of %zu labels" : "%s: FSL atlas, %zu pathways",
+                     name, atlas->labels.count);
 }
 
 /* Takes `name` if it is an FSL atlas. */
@@ -108,7 +190,9 @@ static conus_status look_at_xml(struct draft *draft, const char *name)
     if (!status && text.size && text_equal(xml_root(text), "atlas")) {
         status = fsl_atlas_parse(&atlas, text);
         status = status ? status : fsl_atlas_number(&atlas, &(struct label_use){0}, &notes);
-        status = status ? fail_in(status, path) : take_fsl(draft, name, &atlas);
+        status = status == CONUS_ERROR_MEMORY ? status
+                 : status                     ? leave_out(draft, name)
+                                              : take_fsl(draft, name, &atlas);
     }
     fsl_atlas_finish(&atlas);
     notes_finish(&notes);
@@ -131,41 +215,84 @@ static bool is_used(const struct draft *draft, const char *name)
     return false;
 }
 
+static conus_status name_volume(struct buffer *out, const char *name, size_t index)
+{
+    buffer_format(out, "%.*s %zu", (int)volume_stem_length(name), name, index);
+    return buffer_status(out);
+}
+
+/* The volumes of `name` that load, each by itself. */
+static conus_status take_volumes(struct draft *draft, const char *name, size_t count)
+{
+    conus_status status = CONUS_OK;
+    size_t taken = 0;
+    for (size_t i = 0; !status && i < count; i++) {
+        struct buffer text = {0};
+        bool loads = false;
+        status = name_volume(&text, name, i);
+        status =
+            status
+                ? status
+                : append_loading(&loads, draft, draft->pathways, "pathways",
+                                 json_pack("{s:s,s:I,s:s}", "file", name, "volume", (json_int_t)i, "name", text.data));
+        status = status || loads ? status : leave_out(draft, text.data);
+        taken += loads;
+        buffer_finish(&text);
+    }
+    return status ? status : say(draft, "%s: %zu pathways, to be named", name, taken);
+}
+
 static conus_status take_series(struct draft *draft, const char *name, size_t count)
 {
+    bool loads = false;
     json_t *names = json_array();
-    int length = (int)volume_stem_length(name);
     conus_status status = names ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < count; i++) {
         struct buffer text = {0};
-        buffer_format(&text, "%.*s %zu", length, name, i);
-        status = buffer_status(&text);
+        status = name_volume(&text, name, i);
         status = status ? status : append(names, json_string(text.data));
         buffer_finish(&text);
     }
-    status = status ? status : append(draft->pathways, json_pack("{s:s,s:O}", "file", name, "names", names));
+    status = status ? status
+                    : append_loading(&loads, draft, draft->pathways, "pathways",
+                                     json_pack("{s:s,s:O}", "file", name, "names", names));
     json_decref(names);
-    return status ? status : say(draft, "%s: %zu pathways, to be named", name, count);
+    if (status || !loads) {
+        return status ? status : take_volumes(draft, name, count);
+    }
+    return say(draft, "%s: %zu pathways, to be named", name, count);
+}
+
+static conus_status take_pathway(struct draft *draft, const char *name, const char *words)
+{
+    bool loads = false;
+    conus_status status = append_loading(&loads, draft, draft->pathways, "pathways",
+                                         json_pack("{s:s,s:s#}", "file", name, "name", name, volume_stem_length(name)));
+    return status ? status : loads ? say(draft, "%s: pathway, %s", name, words) : leave_out(draft, name);
+}
+
+static conus_status take_context(struct draft *draft, const char *name, const char *words)
+{
+    if (draft->context) {
+        return say(draft, "%s: a second context, left out", name);
+    }
+    draft->context = json_pack("{s:s}", "file", name);
+    return draft->context ? say(draft, "%s: context, %s", name, words) : CONUS_ERROR_MEMORY;
 }
 
 static conus_status take_volume(struct draft *draft, const char *name, const struct volume_guess *guess)
 {
-    json_t **place = guess->use == VOLUME_LABELS ? &draft->parcellation : &draft->context;
     if (guess->use == VOLUME_SERIES) {
         return take_series(draft, name, guess->count);
     }
     if (guess->use == VOLUME_PATHWAY) {
-        conus_status status =
-            append(draft->pathways, json_pack("{s:s,s:s#}", "file", name, "name", name, volume_stem_length(name)));
-        return status ? status : say(draft, "%s: pathway, %s", name, guess->words);
+        return take_pathway(draft, name, guess->words);
     }
-    if (*place) {
-        return say(draft, "%s: a second %s, left out", name, guess->use == VOLUME_LABELS ? "parcellation" : "context");
+    if (guess->use == VOLUME_CONTEXT) {
+        return take_context(draft, name, guess->words);
     }
-    *place = json_pack("{s:s}", "file", name);
-    return *place
-               ? say(draft, "%s: %s, %s", name, guess->use == VOLUME_LABELS ? "parcellation" : "context", guess->words)
-               : CONUS_ERROR_MEMORY;
+    conus_status status = set_parcellation(draft, name);
+    return status || !is_parcellation(draft, name) ? status : say(draft, "%s: parcellation, %s", name, guess->words);
 }
 
 static conus_status look_at_volume(struct draft *draft, const char *name)
@@ -176,7 +303,7 @@ static conus_status look_at_volume(struct draft *draft, const char *name)
     }
     char *path = path_in(draft, name);
     conus_status status = path ? volume_guess_make(&guess, path, draft->options->max_memory) : CONUS_ERROR_MEMORY;
-    if (status == CONUS_ERROR_DATA || status == CONUS_ERROR_UNSUPPORTED) {
+    if (status && status != CONUS_ERROR_MEMORY) {
         status = say(draft, "left out: %s", conus_message());
     } else if (!status) {
         status = take_volume(draft, name, &guess);
@@ -187,14 +314,29 @@ static conus_status look_at_volume(struct draft *draft, const char *name)
 
 /* ---- Surfaces ---------------------------------------------------------------------------------------------------- */
 
-static conus_status take_single(struct draft *draft, const char *folder, const char *name, uint32_t label)
+static conus_status take_single(bool *taken, struct draft *draft, const char *folder, const char *name, uint32_t label)
 {
     struct buffer file = {0};
     buffer_format(&file, "%s%s", folder, name);
     conus_status status = buffer_status(&file);
-    status =
-        status ? status : append(draft->areas, json_pack("{s:s,s:I}", "file", file.data, "label", (json_int_t)label));
+    status = status ? status
+                    : append_loading(taken, draft, draft->areas, "areas",
+                                     json_pack("{s:s,s:I}", "file", file.data, "label", (json_int_t)label));
+    status = status || *taken ? status : leave_out(draft, file.data);
     buffer_finish(&file);
+    return status;
+}
+
+static conus_status take_pattern(bool *taken, struct draft *draft, const char *folder, const char *ending)
+{
+    struct buffer pattern = {0};
+    buffer_format(&pattern, "%s*%s", folder, ending);
+    conus_status status = buffer_status(&pattern);
+    status = status ? status
+                    : append_loading(taken, draft, draft->areas, "areas",
+                                     json_pack("{s:s,s:I}", "files", pattern.data, "label_offset",
+                                               (json_int_t)draft->label_offset));
+    buffer_finish(&pattern);
     return status;
 }
 
@@ -202,23 +344,22 @@ static conus_status take_single(struct draft *draft, const char *folder, const c
 static conus_status take_surfaces(struct draft *draft, const char *folder, const char *ending,
                                   const struct names *names)
 {
-    conus_status status = CONUS_OK;
-    uint32_t offset = draft->label_offset;
-    if (surface_names_give_labels(names)) {
-        struct buffer pattern = {0};
-        buffer_format(&pattern, "%s*%s", folder, ending);
-        status = buffer_status(&pattern);
-        status = status ? status
-                        : append(draft->areas,
-                                 json_pack("{s:s,s:I}", "files", pattern.data, "label_offset", (json_int_t)offset));
-        buffer_finish(&pattern);
-    } else {
+    bool all = false;
+    size_t count = names->count;
+    conus_status status = surface_names_give_labels(names) ? take_pattern(&all, draft, folder, ending) : CONUS_OK;
+    if (!all) {
+        count = 0;
         for (size_t i = 0; !status && i < names->count; i++) {
-            status = take_single(draft, folder, names->names[i], offset + (uint32_t)i + 1);
+            bool taken = false;
+            status = take_single(&taken, draft, folder, names->names[i], draft->label_offset + (uint32_t)i + 1);
+            count += taken;
         }
     }
+    if (status || !count) {
+        return status;
+    }
     draft->label_offset += OFFSET_STEP;
-    return status ? status : say(draft, "%s*%s: %zu surfaces, labels above %u", folder, ending, names->count, offset);
+    return say(draft, "%s*%s: %zu surfaces, labels above %u", folder, ending, count, draft->label_offset - OFFSET_STEP);
 }
 
 /* `folder` is "" or a name with '/' at its end. */
@@ -304,12 +445,6 @@ static conus_status scan(struct draft *draft)
     return status;
 }
 
-static int put_text(const char *text, size_t size, void *user)
-{
-    buffer_append(user, text, size);
-    return ((struct buffer *)user)->failed ? -1 : 0;
-}
-
 /* Sets `key` unless there is nothing to set. */
 static bool set(json_t *root, const char *key, json_t *value)
 {
@@ -331,7 +466,8 @@ static conus_status format(struct buffer *out, const struct draft *draft)
 conus_status manifest_of_surfaces(struct buffer *out, const char *folder)
 {
     static const conus_manifest_options silent;
-    struct draft draft = {.folder = folder, .options = &silent, .areas = json_array(), .pathways = json_array()};
+    struct draft draft = {
+        .folder = folder, .options = &silent, .silent = true, .areas = json_array(), .pathways = json_array()};
     conus_status status = draft.areas && draft.pathways ? look_at_folder(&draft, "") : CONUS_ERROR_MEMORY;
     if (!status && !json_array_size(draft.areas)) {
         status = fail(CONUS_ERROR_DATA,

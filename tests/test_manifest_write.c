@@ -50,9 +50,10 @@ static uint32_t in_a_spot(size_t i)
     return i > 200 && i < 260 ? (uint32_t)i : 0;
 }
 
+/* An image: most neighbours differ, by little. (Numbers without order would be labels.) */
 static uint32_t everywhere(size_t i)
 {
-    return (uint32_t)(i * 37 % 251);
+    return (uint32_t)(1 + 11 * (i % 8 + i / 8 % 8 + i / 64));
 }
 
 static int write_files(void **state)
@@ -76,6 +77,41 @@ static void volumes_are_told_by_their_values(void **state)
     assert_ok(volume_guess_make(&guess, in("t1.nii"), 0));
     assert_int_equal(guess.use, VOLUME_CONTEXT);
     assert_fails(volume_guess_make(&guess, in("none.nii"), 0), CONUS_ERROR_IO);
+}
+
+static uint32_t nothing(size_t i)
+{
+    (void)i;
+    return 0;
+}
+
+static uint32_t mask(size_t i)
+{
+    return i < 40 ? 7 : 0; /* one value: a mask, however compact */
+}
+
+/* Thin areas, in slices of one voxel: half of the neighbours along i and j are 0, and two in three are equal. */
+static uint32_t in_slices(size_t i)
+{
+    return (uint32_t)(i / 64 % 2 * (1 + i / 64));
+}
+
+static void masks_and_nothing_are_no_parcellation(void **state)
+{
+    (void)state;
+    struct volume_guess guess;
+    assert_ok(write_volume("mask.nii", mask));
+    assert_ok(write_volume("slices.nii", in_slices));
+    assert_ok(write_volume("nothing.nii", nothing));
+    assert_ok(volume_guess_make(&guess, in("mask.nii"), 0));
+    assert_int_equal(guess.use, VOLUME_PATHWAY);
+    assert_ok(volume_guess_make(&guess, in("slices.nii"), 0));
+    assert_int_equal(guess.use, VOLUME_LABELS);
+    assert_fails(volume_guess_make(&guess, in("nothing.nii"), 0), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "all of its values are 0"));
+    remove(in("mask.nii"));
+    remove(in("slices.nii"));
+    remove(in("nothing.nii"));
 }
 
 static void names_give_labels_or_do_not(void **state)
@@ -127,9 +163,8 @@ static void every_failing_allocation_is_reported(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(volumes_are_told_by_their_values),
-        cmocka_unit_test(names_give_labels_or_do_not),
-        cmocka_unit_test(what_is_written_loads),
+        cmocka_unit_test(volumes_are_told_by_their_values),     cmocka_unit_test(masks_and_nothing_are_no_parcellation),
+        cmocka_unit_test(names_give_labels_or_do_not),          cmocka_unit_test(what_is_written_loads),
         cmocka_unit_test(every_failing_allocation_is_reported),
     };
     return cmocka_run_group_tests(tests, write_files, NULL);

@@ -96,3 +96,69 @@ complaint() {
     complaint 'tree: label 1 lies below itself' \
         '{"conus_atlas": 1, "parcellation": "sphere.nii.gz", "tree": [{"label": 1, "parent": 1}]}'
 }
+
+@test "a half of an atlas is never dropped" {
+    mkdir scene
+    conus phantom slabs -o scene --size 24
+    mv scene/slabs.nii.gz scene/left.nii.gz
+    conus phantom nested -o scene --size 24
+    fails 3 'scene/left.nii.gz and nested.nii.gz are both parcellations, a manifest has one' manifest scene --quiet
+    [ ! -e scene/scene.atlas.json ]
+}
+
+@test "two FSL atlases of labels are refused, too" {
+    mkdir scene
+    conus phantom slabs -o scene --size 24
+    rm scene/slabs.tsv
+    for name in a b; do
+        cp scene/slabs.nii.gz "scene/image$name.nii.gz"
+        printf '<atlas><type>Label</type><images><imagefile>/image%s</imagefile></images>' $name >"scene/$name.xml"
+        printf '<label index="1">one</label></atlas>' >>"scene/$name.xml"
+    done
+    rm scene/slabs.nii.gz
+    fails 3 'scene/a.xml and b.xml are both parcellations' manifest scene --quiet
+}
+
+@test "what does not load is left out" {
+    mkdir scene
+    conus phantom slabs -o scene --size 24
+    printf '<atlas><type>Label</type><images><imagefile>/gone</imagefile></images><label index="1">one</label></atlas>' \
+        >scene/gone.xml
+    printf '<atlas><type>Probabilistic</type><images><imagefile>/gone</imagefile></images>' >scene/gone2.xml
+    printf '<label index="0">one</label></atlas>' >>scene/gone2.xml
+    printf '<atlas version="2.0"><header><name>SPM</name></header><data><label><index>1</index></label></data></atlas>' \
+        >scene/spm.xml
+    printf '<?xml version="1.0"?><GIFTI Version="1.0" NumberOfDataArrays="0"></GIFTI>' >scene/lh.label.gii
+    makes scene
+    said 'gone.xml: left out, since it does not load'
+    said 'gone2.xml: left out, since it does not load'
+    said 'spm.xml: left out, since it does not load'
+    said 'lh.label.gii: left out, since it does not load'
+    said 'slabs.nii.gz: parcellation, named by a label table'
+    run -0 --separate-stderr "$CONUS" info scene/scene.atlas.json
+    has '2 areas'
+}
+
+@test "what is written of every folder of the shared data loads" {
+    local shared=${CONUS_SHARED_DATA:-$BATS_TEST_DIRNAME/../../../shared/data} loads=0 refused=0 folder
+    [ -d "$shared" ] || skip "no shared data ($shared)"
+    while read -r folder; do
+        rm -rf copy
+        mkdir copy
+        ln -s "$folder"/* copy/ 2>/dev/null || true
+        run --separate-stderr "$CONUS" manifest copy --quiet
+        if [ "$status" -eq 0 ]; then
+            run --separate-stderr "$CONUS" info copy/copy.atlas.json
+            [ "$status" -eq 0 ] || { echo "$folder: $stderr"; return 1; }
+            loads=$((loads + 1))
+        else
+            [ "$status" -eq 3 ]
+            check_message copy/
+            [[ "$stderr" == *'neither parcellation nor surfaces nor pathways in this folder' ||
+                "$stderr" == *'are both parcellations'* ]] || { echo "$folder: $stderr"; return 1; }
+            refused=$((refused + 1))
+        fi
+    done < <(find "$(realpath "$shared")" -type d)
+    echo "# $loads folders load, $refused are refused" >&3
+    [ "$loads" -ge 10 ]
+}
