@@ -56,6 +56,7 @@ static const struct {
     {MAGIC("# vtk DataFile"), {"a VTK file", "give it as ATLAS with the ending .vtk"}},
     {MAGIC("ply\n"), {"a PLY surface", "give it as ATLAS with the ending .ply"}},
     {MAGIC("ply\r\n"), {"a PLY surface", "give it as ATLAS with the ending .ply"}},
+    {MAGIC("solid "), {"an STL surface", "give it as ATLAS with the ending .stl"}},
     {MAGIC("#!ascii label"), {"a FreeSurfer label", "give an annotation (.annot) as --labels"}},
     {MAGIC("#!ascii version"), {"a FreeSurfer surface as text", "convert it (mris_convert)"}},
     {MAGIC("OFF"), {"an OFF surface", "convert it to PLY"}},
@@ -229,7 +230,8 @@ const struct file_kind *file_kind_of(const char *path, const struct bytes *head)
         return freesurfer_is_curvature(head->data, head->size) ? &vertex_values : &surface;
     }
     kind = is_text(text) ? of_text(text) : NULL;
-    kind = kind ? kind : of_ending(path);
+    bool named = !is_text(text) || (path && ends_with(path, ".obj")); /* the others are not text */
+    kind = kind || !named ? kind : of_ending(path);
     return kind ? kind : is_text(text) ? &plain_text : NULL;
 }
 

@@ -334,6 +334,24 @@ static void background_says_that_nothing_is_there(void **state)
     }
 }
 
+static void real_atlases_have_no_contradictions(void **state)
+{
+    (void)state;
+    static const char *const files[] = {
+        "labelvol/bigbrain-subcort/bigbrain.nii.gz",
+        "labelvol/julich31/JulichBrainAtlas31_LH.nii.gz",
+        "labelvol/julich31/JulichBrainAtlas31_RH.nii.gz",
+    };
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        conus_atlas *atlas = NULL;
+        assert_ok(conus_atlas_load(&atlas, test_shared(files[i]), NULL));
+        assert_true(conus_atlas_object(atlas, 1)->named);
+        assert_null(strstr(notes_of(atlas), "which is used"));
+        assert_null(strstr(notes_of(atlas), "off by one"));
+        conus_atlas_destroy(atlas);
+    }
+}
+
 /* FSL's own: every image of labels agrees with its XML, on either grid. */
 static void real_fsl_atlases_are_proved(void **state)
 {
@@ -440,6 +458,7 @@ int main(void)
         cmocka_unit_test(pathways_have_one_name),
         cmocka_unit_test(background_says_that_nothing_is_there),
         cmocka_unit_test(real_fsl_atlases_are_proved),
+        cmocka_unit_test(real_atlases_have_no_contradictions),
         cmocka_unit_test(tables_take_no_more_memory_than_is_allowed),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };
