@@ -64,6 +64,8 @@ static conus_status add_worker(conus_batch *batch, conus_selector *selector)
     status = status || worker->begun ? status : CONUS_ERROR_MEMORY;
     if (!status) {
         worker->selector->inside_only = true;
+        worker->aims = batch->aims;
+        worker->aims.selector = worker->selector;
         worker->report->options.no_voxels = true;
     }
     return status;
@@ -76,6 +78,7 @@ static conus_status build(conus_batch *batch, conus_selector *selector)
     batch->workers = memory_zeroed(threads, sizeof *batch->workers);
     batch->blocks = memory_zeroed(blocks, sizeof *batch->blocks);
     conus_status status = batch->workers && batch->blocks ? CONUS_OK : CONUS_ERROR_MEMORY;
+    aims_init(&batch->aims, selector);
     for (uint32_t i = 0; i < threads && !status; i++) {
         status = add_worker(batch, selector);
     }
@@ -132,6 +135,15 @@ void conus_batch_destroy(conus_batch *batch)
 uint32_t conus_batch_threads(const conus_batch *batch)
 {
     return batch ? batch->options.threads : 0;
+}
+
+conus_astray conus_batch_astray(const conus_batch *batch)
+{
+    conus_astray sum = {0};
+    for (size_t i = 0; i < batch->worker_count; i++) {
+        aims_merge(&sum, &batch->workers[i].aims.found);
+    }
+    return sum;
 }
 
 const char *conus_batch_heading(const conus_batch *batch)

@@ -6,6 +6,7 @@
 #define CONUS_SELECTION_BATCH_H
 
 #include "base/buffer.h"
+#include "selection/aims.h"
 #include "selection/report.h"
 
 #include <stdatomic.h>
@@ -47,6 +48,7 @@ struct batch_worker {
     double angle;
     conus_selection **begun; /**< [at_once] Those that are looked at together; NULL between blocks. */
     size_t at_once;          /**< 1 = poses are answered one by one. */
+    struct conus_aims aims;
 };
 
 /** Answers the block's poses into its text. Sets its status. Gives up, leaving the text as it is, once @p stop. */
@@ -59,6 +61,7 @@ struct conus_batch {
     struct batch_block *blocks;
     size_t block_count; /**< More than workers, so that nobody waits for the one block that is late. */
     struct buffer heading;
+    struct conus_aims aims; /**< What each worker begins with. */
 };
 
 /** Where a run has got to. */

@@ -153,6 +153,15 @@ static conus_status answer_together(struct batch_block *block, struct batch_work
     return status;
 }
 
+static void count_aims(struct batch_worker *worker, const struct batch_pose *poses, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (!poses[i].is_no_pose && !poses[i].is_point) {
+            conus_aims_add(&worker->aims, poses[i].line, &poses[i].pose, angle_of(worker, &poses[i]));
+        }
+    }
+}
+
 void batch_block_answer(struct batch_block *block, struct batch_worker *worker, const atomic_bool *stop)
 {
     conus_status status = block->status;
@@ -162,6 +171,7 @@ void batch_block_answer(struct batch_block *block, struct batch_worker *worker, 
         status = count == 1 ? answer(block, worker, &block->poses[i]) : answer_together(block, worker, i, count);
     }
     if (!status) {
+        count_aims(worker, block->poses, block->count);
         worker->report->taken = (size_t)block->first;
         status = report_write_part(&block->text, worker->report);
         status = status ? status : buffer_status(&block->text);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/aim_notes.h"
 #include "cli/batch_jobs.h"
 #include "cli/batch_output.h"
 #include "cli/commands.h"
@@ -65,6 +66,17 @@ static void start_progress(struct run *run)
     }
 }
 
+/* Of a run that came to its end. */
+static void say_aims(const struct run *run)
+{
+    const struct work *work = &run->work;
+    const conus_astray astray = conus_batch_astray(work->batch);
+    if (!run->code && !interrupt_signal()) {
+        aim_notes_say(&astray, work->selector, work->atlas, settings_poses_name(work->settings->poses),
+                      &work->settings->common);
+    }
+}
+
 static int answer_all(struct run *run)
 {
     struct work *work = &run->work;
@@ -76,9 +88,15 @@ static int answer_all(struct run *run)
     interrupt_catch(work->poses);
     conus_status status = conus_batch_run(work->batch, work->poses, work->count - run->done, deliver, run);
     interrupt_release();
+    if (!status && !run->progress.on_terminal) { /* where a program reads along, the progress has the last word */
+        say_aims(run);
+    }
     progress_finish(&run->progress, run->done, run->errors);
     if (status) {
         return complain_status(status);
+    }
+    if (run->progress.on_terminal) {
+        say_aims(run);
     }
     int signal = interrupt_signal();
     if (!run->done && !run->code && !signal && work->shard.count == 1) {

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/aim_notes.h"
 #include "cli/answer_format.h"
 #include "cli/commands.h"
 #include "cli/mask.h"
@@ -97,6 +98,7 @@ struct query {
     conus_atlas *atlas;
     conus_pose_list *poses;
     conus_selector *selector;
+    conus_aims *aims;
     conus_report *report;
     conus_image *image;
     struct mask mask;
@@ -110,6 +112,7 @@ static void query_finish(struct query *query)
     mask_finish(&query->mask);
     conus_selection_destroy(query->selection);
     conus_report_destroy(query->report);
+    conus_aims_destroy(query->aims);
     conus_selector_destroy(query->selector);
     conus_pose_list_destroy(query->poses);
     conus_atlas_destroy(query->atlas);
@@ -248,6 +251,7 @@ static int answer_row(struct query *query, const conus_pose_row *row)
     } else {
         double angle = row->angle != 0 ? row->angle : settings_angle(aim, engine);
         status = conus_select(&selection, query->selector, &row->pose, angle);
+        conus_aims_add(query->aims, row->line, &row->pose, angle);
     }
     if (status == CONUS_ERROR_ARGUMENT) {
         return refuse(query, row, conus_message());
@@ -271,7 +275,9 @@ static int answer_one(struct query *query)
     if (code) {
         return code;
     }
-    status = conus_select(&selection, query->selector, &pose, settings_angle(&settings->aim, &settings->engine));
+    double angle = settings_angle(&settings->aim, &settings->engine);
+    status = conus_select(&selection, query->selector, &pose, angle);
+    conus_aims_add(query->aims, 1, &pose, angle);
     return status ? complain_status(status) : take(query, "1", selection);
 }
 
@@ -299,6 +305,7 @@ static conus_status start(struct query *query)
         engine.layers = CONUS_ALL_LAYERS;
     }
     conus_status status = conus_selector_create(&query->selector, query->atlas, &engine);
+    status = status ? status : conus_aims_create(&query->aims, query->selector);
     if (status) {
         return status;
     }
@@ -454,6 +461,8 @@ static int work(struct query *query)
     }
     settings_say_notes(query->atlas, &settings->common);
     settings_say_open(query->atlas, &settings->engine, &settings->common);
+    aim_notes_say(conus_aims_found(query->aims), query->selector, query->atlas,
+                  query->poses ? settings_poses_name(settings->aim.pose) : NULL, &settings->common);
     return write_all(query);
 }
 

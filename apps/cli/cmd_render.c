@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/aim_notes.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/output.h"
@@ -304,7 +305,11 @@ static int aim(struct picture *picture)
     if (!status) {
         status = conus_select(&picture->selection, picture->selector, &pose, angle);
     }
-    return status ? complain_status(status) : EXIT_DONE;
+    if (status) {
+        return complain_status(status);
+    }
+    aim_notes_of(&pose, angle, picture->selector, picture->atlas, &settings->common);
+    return EXIT_DONE;
 }
 
 static int draw(struct picture *picture)

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/aim_notes.h"
 #include "cli/answer_format.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
@@ -80,6 +81,7 @@ struct sweep {
     conus_atlas *atlas;
     conus_pose_list *poses;
     conus_selector *selector;
+    conus_aims *aims;
     conus_report *report;
     bool failed; /* some poses had no answer */
 };
@@ -87,6 +89,7 @@ struct sweep {
 static void sweep_finish(struct sweep *sweep)
 {
     conus_report_destroy(sweep->report);
+    conus_aims_destroy(sweep->aims);
     conus_selector_destroy(sweep->selector);
     conus_pose_list_destroy(sweep->poses);
     conus_atlas_destroy(sweep->atlas);
@@ -289,9 +292,20 @@ static conus_status add_chances(struct sweep *sweep, const conus_pose_row *row, 
     return status;
 }
 
+/* Of those that --angles gives, else the row's. */
+static double widest_angle(const struct sweep *sweep, double angle)
+{
+    double widest = sweep->rows == CONUS_SHARES ? 0 : angle;
+    for (size_t i = 0; i < sweep->angle_count; i++) {
+        widest = fmax(widest, sweep->angles[i]);
+    }
+    return widest;
+}
+
 static conus_status answer(struct sweep *sweep, const conus_pose_row *row)
 {
     double angle = row->angle != 0 ? row->angle : settings_angle(&sweep->settings->aim, &sweep->settings->engine);
+    conus_aims_add(sweep->aims, row->line, &row->pose, widest_angle(sweep, angle));
     switch (sweep->rows) {
     case CONUS_SHARES:
         return add_shares(sweep, row->id, &row->pose);
@@ -359,6 +373,7 @@ static conus_status start(struct sweep *sweep)
     const struct sweep_settings *settings = sweep->settings;
     const conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
     conus_status status = conus_selector_create(&sweep->selector, sweep->atlas, &engine);
+    status = status ? status : conus_aims_create(&sweep->aims, sweep->selector);
     if (status) {
         return status;
     }
@@ -418,6 +433,8 @@ static int work(struct sweep *sweep)
         return code;
     }
     settings_say_notes(sweep->atlas, &settings->common);
+    aim_notes_say(conus_aims_found(sweep->aims), sweep->selector, sweep->atlas,
+                  sweep->poses ? settings_poses_name(settings->aim.pose) : NULL, &settings->common);
     code = answer_write_sidecar(sweep->report, sweep->sidecar);
     code = code ? code : answer_write(sweep->report, settings->answer.output);
     return code ? code : sweep->failed ? EXIT_DIFFERENT : EXIT_DONE;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/aim_notes.h"
 #include "cli/answer_format.h"
 #include "cli/commands.h"
 #include "cli/interrupt.h"
@@ -154,6 +155,7 @@ struct track {
     conus_pose_stream *poses; /* or */
     struct station *station;
     conus_selector *selector;
+    conus_aims *aims;
     conus_tracker *tracker;
     conus_report *report;
     FILE *held; /* what goes to a file, which appears whole or not at all; NULL for stdout */
@@ -170,6 +172,7 @@ static void track_finish(struct track *track)
     free(track->held_text);
     conus_report_destroy(track->report);
     conus_tracker_destroy(track->tracker);
+    conus_aims_destroy(track->aims);
     conus_selector_destroy(track->selector);
     conus_pose_stream_destroy(track->poses);
     station_stop(track->station);
@@ -243,6 +246,7 @@ static int answer_row(struct track *track, const conus_pose_row *row)
     if (isnan(row->time_s)) {
         return skip_row(track, row, "no time_s, which a step needs");
     }
+    conus_aims_add(track->aims, row->line, &row->pose, angle);
     conus_status status = conus_tracker_step(&selection, track->tracker, row->time_s, &row->pose, angle, row->trigger);
     if (status == CONUS_ERROR_ARGUMENT) {
         return skip_row(track, row, conus_message());
@@ -332,6 +336,7 @@ static conus_status start(struct track *track)
         constants.delay = -1; /* none; 0 is the default */
     }
     conus_status status = conus_selector_create(&track->selector, track->atlas, &engine);
+    status = status ? status : conus_aims_create(&track->aims, track->selector);
     status = status ? status : conus_tracker_create(&track->tracker, track->selector, &constants);
     if (status) {
         return status;
@@ -392,6 +397,13 @@ static bool check_files(const struct track *track)
     return answer_check_files(track->atlas, inputs, settings->answer.output, track->sidecar);
 }
 
+/* A hand looks here and there: only where all of the track does it may be in another space or unit. */
+static bool is_astray(const conus_astray *found)
+{
+    uint64_t poses = found->poses;
+    return poses && (found->away.count == poses || found->inside.count == poses || found->tiny.count == poses);
+}
+
 static int work(struct track *track)
 {
     const struct track_settings *settings = track->settings;
@@ -414,6 +426,10 @@ static int work(struct track *track)
     settings_say_notes(track->atlas, &settings->common);
     conus_status status = start(track);
     code = status ? complain_status(status) : track->station ? answer_station(track) : answer_all(track);
+    if (!code && is_astray(conus_aims_found(track->aims))) {
+        aim_notes_say(conus_aims_found(track->aims), track->selector, track->atlas,
+                      settings_poses_name(settings->aim.pose), &settings->common);
+    }
     code = code ? code : write_rest(track);
     return code ? code : track->failed ? EXIT_DIFFERENT : EXIT_DONE;
 }

@@ -57,6 +57,7 @@ typedef struct conus_pose_stream conus_pose_stream; /**< Poses being read.      
 typedef struct conus_selector conus_selector;       /**< An engine made ready for one atlas.                  */
 typedef struct conus_selection conus_selection;     /**< The answer to one query. Immutable.                  */
 typedef struct conus_tracker conus_tracker;         /**< A selector that remembers.                           */
+typedef struct conus_aims conus_aims;               /**< Where poses are, and whether they look at the atlas. */
 typedef struct conus_sweep conus_sweep;             /**< What a growing cone admits, and when.                */
 typedef struct conus_jitter conus_jitter;           /**< An answer under errors of the pose.                  */
 typedef struct conus_report conus_report;           /**< Answers collected for writing.                       */
@@ -437,6 +438,32 @@ CONUS_API void conus_selector_destroy(conus_selector *selector);
 /** The engine in use, in words: "rays, avx512", "gl, llvmpipe (LLVM 15.0.6, 256 bits)". */
 CONUS_API const char *conus_selector_engine(const conus_selector *selector);
 
+/** Poses of one kind. */
+typedef struct conus_oddity {
+    uint64_t count;
+    uint64_t first;  /**< The lowest number among them; then of that one: */
+    uint32_t object; /**< the object that it is inside of, else 0,        */
+    conus_pose pose;
+    double angle;
+} conus_oddity;
+
+/** What is odd about where poses are and look, which often comes from another space or unit. */
+typedef struct conus_astray {
+    uint64_t poses;      /**< So many were looked at.                                                            */
+    conus_oddity inside; /**< A cone's apex is in a voxel of an area or pathway.                                 */
+    conus_oddity away;   /**< The cone or cylinder misses the box around all areas and pathways.                 */
+    conus_oddity tiny;   /**< Within 1 mm of 0 in every coordinate, and not at 0.                                */
+} conus_astray;
+
+/** Counts for the atlas, aperture and radius of @p selector, which must outlive it. */
+CONUS_CHECKED conus_status conus_aims_create(conus_aims **out, const conus_selector *selector);
+CONUS_API void conus_aims_destroy(conus_aims *aims);
+/** Counts a pose, which takes less than a microsecond; @p number is the caller's. One that conus_select() refuses is
+ * passed over. */
+CONUS_API void conus_aims_add(conus_aims *aims, uint64_t number, const conus_pose *pose, double angle);
+/** Borrowed. */
+CONUS_API const conus_astray *conus_aims_found(const conus_aims *aims);
+
 /** Aims a cone with full opening @p angle, in (0, pi), from @p pose; or a cylinder, with @p angle 0. */
 CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *selector, const conus_pose *pose,
                                         double angle);
@@ -761,6 +788,8 @@ CONUS_API uint32_t conus_batch_threads(const conus_batch *batch);
  * again, but a live stream ends with a run that the sink or a failure ended. */
 CONUS_CHECKED conus_status conus_batch_run(conus_batch *batch, conus_pose_stream *poses, uint64_t limit,
                                            conus_batch_sink sink, void *user);
+/** What is odd about the poses that were answered so far, by their lines in their file. */
+CONUS_API conus_astray conus_batch_astray(const conus_batch *batch);
 /** The line that belongs above the rows, with its end; "" where there is none. Borrowed. */
 CONUS_API const char *conus_batch_heading(const conus_batch *batch);
 /** The sidecar as of conus_report_sidecar(), without the queries. Borrowed until the next call on the batch. */

@@ -7,7 +7,7 @@ poses() {
     awk -v n="$1" 'BEGIN {
         print "x\ty\tz\ttx\tty\ttz"
         for (i = 0; i < n; i++)
-            printf "%.3f\t%.3f\t%.3f\t%.3f\t%.3f\t0\n", 90 * cos(i), 90 * sin(i), i % 60 - 30, i % 3 * 15, i % 7
+            printf "%.3f\t%.3f\t%.3f\t%.3f\t%.3f\t0\n", 90 * cos(i), 90 * sin(i), i % 60 - 30, i % 3 * 13, i % 7
     }' >poses.tsv
 }
 

@@ -318,7 +318,7 @@ same_answers() {
 
 @test "track follows the triggers that Localite noted" {
     sphere --size 16
-    run -1 --separate-stderr "$CONUS" track sphere.nii.gz --poses "$SAMPLES/localite-trigger.xml" --format tsv
+    run -1 --separate-stderr "$CONUS" track sphere.nii.gz --poses "$SAMPLES/localite-trigger.xml" --format tsv --quiet
     check_message 'localite-trigger.xml:7: the matrix is the identity, as of a coil that was not tracked'
     [ "$(cut -f1 <<<"$output" | uniq | paste -sd,)" = 'query,TMS trigger 0,TMS trigger 2' ]
 }
