@@ -62,14 +62,15 @@ static void write_tail(uint8_t tail[TAIL_SIZE], const void *content, uint64_t si
     }
 }
 
-static bool is_whole(const struct bytes *entry)
+size_t mesh_cache_content(const void *entry, size_t size)
 {
     uint8_t tail[TAIL_SIZE];
-    if (!entry->data || entry->size < TAIL_SIZE) {
-        return false;
+    if (!entry || size < TAIL_SIZE) {
+        return SIZE_MAX;
     }
-    write_tail(tail, entry->data, entry->size - TAIL_SIZE);
-    return memcmp(tail, entry->data + entry->size - TAIL_SIZE, TAIL_SIZE) == 0;
+    write_tail(tail, entry, size - TAIL_SIZE);
+    bool whole = memcmp(tail, (const uint8_t *)entry + size - TAIL_SIZE, TAIL_SIZE) == 0;
+    return whole ? size - TAIL_SIZE : SIZE_MAX;
 }
 
 /* ---- Whose it is --------------------------------------------------------------------------------------------- */
@@ -123,9 +124,9 @@ static conus_status take_entry(struct bytes *out, int descriptor, const char *pa
 {
     struct bytes entry = {0};
     conus_status status = is_ours(descriptor, S_IFREG) ? read_entry(&entry, descriptor) : note_others(notes, path);
-    if (!status && is_whole(&entry)) {
-        entry.size -= TAIL_SIZE;
-        *out = entry;
+    size_t size = mesh_cache_content(entry.data, entry.size);
+    if (!status && size != SIZE_MAX) {
+        *out = (struct bytes){entry.data, size};
         entry = (struct bytes){0};
         futimens(descriptor, NULL); /* used just now */
     }

@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -135,15 +136,27 @@ static int request_file(const struct mesh_child_request *request)
     return descriptor;
 }
 
-/* A limit that is already lower stays. */
-static void limit_resource(__rlimit_resource_t resource, uint64_t value)
+/* A limit that is already lower stays. The hard one may be higher, by what follows the signal of the soft one. */
+static void limit_resource(__rlimit_resource_t resource, uint64_t value, uint64_t more)
 {
     struct rlimit limit;
     if (getrlimit(resource, &limit) == 0) {
-        limit.rlim_max = limit.rlim_max < value ? limit.rlim_max : value;
-        limit.rlim_cur = limit.rlim_max;
+        limit.rlim_max = limit.rlim_max < value + more ? limit.rlim_max : value + more;
+        limit.rlim_cur = limit.rlim_max < value ? limit.rlim_max : value;
         setrlimit(resource, &limit);
     }
+}
+
+/* It gets no rights by what it runs, writes to no file, and has no descriptors but those that it is given. */
+static void confine(const struct mesh_child_limits *limits)
+{
+    prctl(PR_SET_PDEATHSIG, SIGKILL); /* it does not outlive who asked */
+    prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+    limit_resource(RLIMIT_AS, limits->memory, 0);
+    limit_resource(RLIMIT_CPU, limits->seconds, 1); /* SIGXCPU, and not the SIGKILL of a lack of memory */
+    limit_resource(RLIMIT_CORE, 0, 0);
+    limit_resource(RLIMIT_FSIZE, 0, 0); /* pipes have no size */
+    close_range(REQUEST_DESCRIPTOR + 1, UINT_MAX, CLOSE_RANGE_CLOEXEC);
 }
 
 /* Descriptors of a start: reading and writing end of the pipes for stdout, for stderr and for what execv() says, and
@@ -159,10 +172,7 @@ static void become(const char *path, const struct mesh_child_limits *limits, con
     char *const words[] = {name, file, NULL};
     /* stdin is empty: no program of ours reads it, and a library that did would wait for ever. */
     int nothing = open("/dev/null", O_RDONLY); /* may be stdin already, so not to be closed */
-    prctl(PR_SET_PDEATHSIG, SIGKILL);          /* it does not outlive who asked */
-    limit_resource(RLIMIT_AS, limits->memory);
-    limit_resource(RLIMIT_CPU, limits->seconds);
-    limit_resource(RLIMIT_CORE, 0);
+    confine(limits);
     if (nothing >= 0 && dup2(nothing, STDIN_FILENO) >= 0 && dup2(ends[OUT + 1], STDOUT_FILENO) >= 0 &&
         dup2(ends[ERR + 1], STDERR_FILENO) >= 0 && dup2(ends[REQUEST], REQUEST_DESCRIPTOR) >= 0) {
         execv(path, words);
@@ -381,7 +391,10 @@ static conus_status judge(const struct child *child, int how)
 {
     if (WIFSIGNALED(how)) {
         int number = WTERMSIG(how);
-        return number == SIGXCPU || number == SIGKILL
+        if (number == SIGKILL) {
+            return fail(CONUS_ERROR_MEMORY, "%s: killed, most likely since the computer had no memory left", program);
+        }
+        return number == SIGXCPU
                    ? fail(CONUS_ERROR_DATA, "%s: no end after %u seconds of work", program, child->limits->seconds)
                    : fail(CONUS_ERROR_DATA, "%s: VTK crashed (signal %d, %s)", program, number, strsignal(number));
     }

@@ -15,6 +15,9 @@
 static const uint64_t default_memory = UINT64_C(8) << 30;
 static const char *const endings[] = {".vtk", ".vtp", ".ply", ".stl", ".obj", NULL};
 
+/* Counted up when conus-mesh makes something else of the same files, so that the cache forgets what it made before. */
+#define READERS "readers 2"
+
 struct reading {
     const char *const *paths;
     size_t count;
@@ -52,7 +55,8 @@ static conus_status append_recipe(struct buffer *out, struct reading *work)
 {
     uint64_t limit = work->options->max_memory ? work->options->max_memory : default_memory;
     conus_status status = CONUS_OK;
-    buffer_format(out, "conus %s " MESH_STREAM_MAGIC " %s\n", conus_version(), work->objects ? "objects" : "files");
+    buffer_format(out, "conus %s " MESH_STREAM_MAGIC " " READERS " %s\n", conus_version(),
+                  work->objects ? "objects" : "files");
     for (size_t i = 0; !status && i < work->count; i++) {
         struct bytes bytes = {0};
         char sum[65];

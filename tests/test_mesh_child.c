@@ -180,6 +180,30 @@ static void limits_hold_the_process(void **state)
     fails_with("ulimit -t >&2; exit 1", "conus-mesh: 20 (exit code 1)");
 }
 
+/* What the system kills for want of memory has not taken too long. */
+static void a_killed_program_is_told_from_a_slow_one(void **state)
+{
+    (void)state;
+    size_t frames;
+    play("kill -KILL $$");
+    assert_fails(run(&frames, &limits), CONUS_ERROR_MEMORY);
+    assert_non_null(strstr(conus_message(), "no memory left"));
+    assert_null(strstr(conus_message(), "seconds"));
+    check_no_process_is_left();
+}
+
+/* It can write to no file, gain no rights, and does not see what else is open here. */
+static void the_process_is_confined(void **state)
+{
+    (void)state;
+    int open_here = dup2(STDERR_FILENO, 77); /* without FD_CLOEXEC */
+    assert_int_equal(open_here, 77);
+    fails_with("ulimit -f >&2; exit 1", "conus-mesh: 0 (exit code 1)");
+    fails_with("grep NoNewPrivs /proc/self/status | tr -cd 0-9 >&2; exit 1", "conus-mesh: 1 (exit code 1)");
+    fails_with("[ -e /proc/self/fd/77 ] && echo open >&2 || echo shut >&2; exit 1", "conus-mesh: shut (exit code 1)");
+    close(open_here);
+}
+
 static void a_program_that_cannot_start_is_said_so(void **state)
 {
     (void)state;
@@ -249,6 +273,8 @@ int main(void)
         cmocka_unit_test(a_mesh_beyond_the_memory_is_refused_before_it_comes),
         cmocka_unit_test(only_conus_says_that_a_mesh_is_checked),
         cmocka_unit_test(limits_hold_the_process),
+        cmocka_unit_test(a_killed_program_is_told_from_a_slow_one),
+        cmocka_unit_test(the_process_is_confined),
         cmocka_unit_test(a_program_that_cannot_start_is_said_so),
         cmocka_unit_test(it_is_looked_for),
         cmocka_unit_test(every_failing_allocation),

@@ -274,6 +274,31 @@ static void binary_stl_files_have_the_size_that_they_say(void **state)
     refuse("absurd.stl", (const char *)bytes, STL_SIZE, "4294967295 triangles has 214748364834");
 }
 
+/* One more triangle of three equal corners, one of two, and one whose corners are in a line: they are left out, which
+ * is said, and take nothing from the rest. */
+static void triangles_without_area_are_counted(void **state)
+{
+    (void)state;
+    need_conus_mesh();
+    static const float flat[3][9] = {
+        {0, 0, 0, 0, 0, 0, 0, 0, 0}, {0, 0, 0, 3, 0, 0, 3, 0, 0}, {0, 0, 0, 3, 0, 0, 0, 0, 0}};
+    uint8_t bytes[STL_SIZE + 150] = {0};
+    struct mesh mesh;
+    struct notes notes = {0};
+    build_stl(bytes);
+    bytes[80] = 7;
+    for (int i = 0; i < 3; i++) {
+        memcpy(bytes + STL_SIZE + 50 * i + 12, flat[i], sizeof flat[i]);
+    }
+    read_one(&mesh, write_text("flat.stl", (const char *)bytes, sizeof bytes), NULL, &notes);
+    assert_int_equal(mesh.triangle_count, 4);
+    assert_int_equal(mesh.vertex_count, 4);
+    check_shape(&mesh, 4.5, 0.75, 0.75);
+    assert_int_equal(notes.count, 1);
+    assert_non_null(strstr(notes.lines[0], "3 triangles without area were left out"));
+    notes_finish(&notes);
+}
+
 /* Cut off at the end of a line or within one; with nothing but the last line end missing, a file is whole. */
 static void other_files_that_are_cut_off_are_refused(void **state)
 {
@@ -424,6 +449,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(good_files_are_read_and_their_space_is_honoured),
         cmocka_unit_test(binary_stl_files_have_the_size_that_they_say),
+        cmocka_unit_test(triangles_without_area_are_counted),
         cmocka_unit_test(other_files_that_are_cut_off_are_refused),
         cmocka_unit_test(objects_are_areas),
         cmocka_unit_test(objects_without_memory_leave_nothing_behind),

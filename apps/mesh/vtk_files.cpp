@@ -21,6 +21,7 @@
 #include <vtkXMLPolyDataReader.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cerrno>
 #include <fstream>
@@ -266,6 +267,33 @@ template <typename Reader> vtkSmartPointer<vtkPolyData> read_as(const std::strin
     return reader->GetOutput();
 }
 
+/* VTK would leave out triangles that have two corners at the same position; conus counts what is left out. */
+vtkSmartPointer<vtkPolyData> read_stl(const std::string &path)
+{
+    vtkNew<vtkSTLReader> reader;
+    reader->SetFileName(path.c_str());
+    reader->MergingOff();
+    reader->Update();
+    if (reader->GetErrorCode()) {
+        throw Failure("VTK's reader failed (code " + std::to_string(reader->GetErrorCode()) + ")");
+    }
+    vtkSmartPointer<vtkPolyData> poly = reader->GetOutput();
+    std::map<std::array<double, 3>, vtkIdType> first;
+    vtkNew<vtkCellArray> merged;
+    vtkIdType size;
+    const vtkIdType *ids;
+    for (poly->GetPolys()->InitTraversal(); poly->GetPolys()->GetNextCell(size, ids);) {
+        merged->InsertNextCell(static_cast<int>(size));
+        for (vtkIdType i = 0; i < size; i++) {
+            std::array<double, 3> position;
+            poly->GetPoint(ids[i], position.data());
+            merged->InsertCellPoint(first.emplace(position, ids[i]).first->second);
+        }
+    }
+    poly->SetPolys(merged);
+    return poly;
+}
+
 vtkSmartPointer<vtkPolyData> read_with(Format format, const std::string &path)
 {
     switch (format) {
@@ -276,7 +304,7 @@ vtkSmartPointer<vtkPolyData> read_with(Format format, const std::string &path)
     case Format::Ply:
         return read_as<vtkPLYReader>(path);
     case Format::Stl:
-        return read_as<vtkSTLReader>(path);
+        return read_stl(path);
     case Format::Obj:
         break;
     }
