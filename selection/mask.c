@@ -5,6 +5,7 @@
 #include "selection/selection.h"
 
 #include <stdio.h>
+#include <string.h>
 
 struct mask {
     const conus_atlas *atlas;
@@ -15,20 +16,30 @@ struct mask {
     conus_grid *grid;
 };
 
-static conus_status find_pathway(const struct volume **out, const conus_atlas *atlas, const char *what)
+static bool same_grid(const struct volume *a, const struct volume *b)
 {
+    return memcmp(a->info.dim, b->info.dim, sizeof a->info.dim) == 0 &&
+           memcmp(a->info.world_from_voxel, b->info.world_from_voxel, sizeof a->info.world_from_voxel) == 0;
+}
+
+/* The only pathway, or with `any` one of several that lie on one grid. */
+static conus_status find_pathway(const struct volume **out, const conus_atlas *atlas, const char *what, bool any)
+{
+    const struct volume *first = NULL;
     size_t count = 0;
     for (uint32_t number = (uint32_t)atlas->area_count + 1; number <= atlas->object_count; number++) {
-        bool shown = !atlas->places[number - 1].is_hidden;
-        *out = shown ? atlas_object_volume(atlas, number) : *out;
-        count += shown;
+        const struct volume *volume = atlas->places[number - 1].is_hidden ? NULL : atlas_object_volume(atlas, number);
+        count += volume && !(any && first && same_grid(first, volume));
+        first = first ? first : volume;
     }
     if (count == 0) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: there is no pathway", what);
     }
     if (count > 1) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: found %zu pathways, name one of them", what, count);
+        return fail(CONUS_ERROR_ARGUMENT, "%s: found %zu pathways%s, name one of them (--mask-object)", what, count,
+                    any ? " on different grids" : "");
     }
+    *out = first;
     return CONUS_OK;
 }
 
@@ -49,7 +60,7 @@ static conus_status find_volume(const struct volume **out, const conus_atlas *at
     }
     if (options->content == CONUS_MAP_OF_VALUES) {
         return object ? fail(CONUS_ERROR_ARGUMENT, "map of values: %s is an area, a pathway is needed", object->name)
-                      : find_pathway(out, atlas, "map of values");
+                      : find_pathway(out, atlas, "map of values", false);
     }
     if (object && options->content == CONUS_MASK_OF_REGION) {
         return fail(CONUS_ERROR_ARGUMENT, "mask of everything: %s is an area, which changes nothing", object->name);
@@ -58,7 +69,9 @@ static conus_status find_volume(const struct volume **out, const conus_atlas *at
     if (!*out && options->content == CONUS_MAP_OF_LABELS) {
         return fail(CONUS_ERROR_ARGUMENT, "map of labels: the atlas has no labelled voxels");
     }
-    return *out ? CONUS_OK : find_pathway(out, atlas, "mask of an atlas without labelled voxels");
+    return *out ? CONUS_OK
+                : find_pathway(out, atlas, "mask of an atlas without labelled voxels",
+                               options->content == CONUS_MASK_OF_REGION);
 }
 
 static conus_status choose_objects(struct mask *mask, uint32_t object)

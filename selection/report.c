@@ -224,11 +224,9 @@ conus_status report_write_part(struct buffer *out, const conus_report *report)
     case CONUS_BIDS:
         return report_write_electrodes(out, report);
     case CONUS_SPIKEGLX:
-        report_write_spikeglx(out, report);
-        break;
+        return report_write_spikeglx(out, report);
     case CONUS_OPEN_EPHYS:
-        report_write_open_ephys(out, report);
-        break;
+        return report_write_open_ephys(out, report);
     case CONUS_JSON:
         break;
     }

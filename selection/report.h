@@ -145,8 +145,8 @@ void report_write_rows(struct buffer *out, const conus_report *report); /**< TSV
 void report_write_afni(struct buffer *out, const conus_report *report);
 void report_write_electrodes_heading(struct buffer *out, const conus_report *report);
 conus_status report_write_electrodes(struct buffer *out, const conus_report *report); /**< BIDS, without that line. */
-void report_write_spikeglx(struct buffer *out, const conus_report *report);
-void report_write_open_ephys(struct buffer *out, const conus_report *report);
+conus_status report_write_spikeglx(struct buffer *out, const conus_report *report);
+conus_status report_write_open_ephys(struct buffer *out, const conus_report *report);
 conus_status report_write_sidecar(struct buffer *out, const conus_report *report);
 conus_status report_write_grid_sidecar(struct buffer *out, const conus_report *report, const conus_grid *grid);
 

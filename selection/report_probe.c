@@ -123,22 +123,51 @@ static void write_regions(struct buffer *out, const struct shank *shank)
     }
 }
 
-void report_write_spikeglx(struct buffer *out, const conus_report *report)
+/* Trajectories are no contacts: what looks along a direction is met before its end, and has no place on a probe. */
+static conus_status check_contacts(const conus_report *report)
+{
+    for (size_t i = 0; i < report->query_count; i++) {
+        if (!report->queries[i].error && !(report->queries[i].ball > 0)) {
+            return fail(CONUS_ERROR_ARGUMENT,
+                        "format: contacts of a probe are points with a radius, \"%s\" looks along a direction",
+                        report->queries[i].id);
+        }
+    }
+    return CONUS_OK;
+}
+
+/* A shank whose contacts all lie at one place has no length to put areas on. */
+static conus_status check_length(const struct shank *shank)
+{
+    bool has_contact = next_contact(shank, shank->first) < shank->end;
+    return !has_contact || vec3_length(shank->axis) > 0
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT,
+                      "format: the shank of contact \"%s\" has no length; its contacts have names that differ in the "
+                      "number at their end, and lie at different places",
+                      shank->report->queries[shank->first].id);
+}
+
+conus_status report_write_spikeglx(struct buffer *out, const conus_report *report)
 {
     size_t first = 0;
-    for (size_t number = 0; first < report->query_count; number++) {
+    conus_status status = check_contacts(report);
+    for (size_t number = 0; !status && first < report->query_count; number++) {
         const struct shank shank = find_shank(report, first);
+        status = check_length(&shank);
         buffer_format(out, "[0,%zu]", number);
         write_regions(out, &shank);
         buffer_text(out, "\n");
         first = shank.end;
     }
+    return status;
 }
 
-void report_write_open_ephys(struct buffer *out, const conus_report *report)
+conus_status report_write_open_ephys(struct buffer *out, const conus_report *report)
 {
     const char *separator = "";
-    for (size_t i = 0; i < report->query_count;) {
+    conus_status status = check_contacts(report);
+    for (size_t i = 0; !status && i < report->query_count;) {
         const conus_object *object = best_of(report, i);
         size_t first = i;
         while (i < report->query_count && best_of(report, i) == object) {
@@ -152,4 +181,5 @@ void report_write_open_ephys(struct buffer *out, const conus_report *report)
         }
     }
     buffer_text(out, report->query_count ? "\n" : "");
+    return status;
 }

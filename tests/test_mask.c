@@ -16,14 +16,15 @@ struct fixture {
     conus_selection *selection; /* a cone that has a part of everything */
 };
 
-static void add_pathway(conus_atlas *atlas, const char *name)
+/* On the grid `info`. */
+static void add_pathway(conus_atlas *atlas, conus_volume_info info, const char *name)
 {
-    conus_volume_info info = atlas->volumes[0].info;
+    size_t count = info.dim[0] * info.dim[1] * info.dim[2];
     info.role = CONUS_SCALAR;
     info.threshold = 8;
-    float *values = memory_raw(atlas->volumes[0].voxel_count, sizeof *values);
+    float *values = memory_raw(count, sizeof *values);
     assert_non_null(values);
-    for (size_t i = 0; i < atlas->volumes[0].voxel_count; i++) {
+    for (size_t i = 0; i < count; i++) {
         values[i] = (float)(i % info.dim[0]) + 0.25F;
     }
     assert_ok(atlas_add_pathway(atlas, &info, values, name));
@@ -40,7 +41,7 @@ static int set_up(void **state)
     assert_ok(phantom_draw(&drawing, "nested", &options));
     assert_ok(phantom_drawing_atlas(&fixture.atlas, &drawing));
     phantom_drawing_finish(&drawing);
-    add_pathway(fixture.atlas, "tract");
+    add_pathway(fixture.atlas, fixture.atlas->volumes[0].info, "tract");
     const conus_selector_options layers = {.layers = CONUS_ALL_LAYERS};
     assert_ok(conus_selector_create(&fixture.selector, fixture.atlas, &layers));
     assert_ok(conus_pose_toward(&pose, (double[]){-70, 20, 15}, (double[]){1, 2, 3}, NULL));
@@ -215,6 +216,38 @@ static conus_status make_and_write(void *data)
     return status;
 }
 
+/* Of what is everything the mask does not depend on which pathway's grid is taken, where they have one. */
+static void everything_needs_no_name_on_one_grid(void **state)
+{
+    const struct fixture *fixture = *state;
+    conus_volume_info info = fixture->atlas->volumes[0].info;
+    const conus_grid_options everything = {.content = CONUS_MASK_OF_REGION};
+    for (int moved = 0; moved < 2; moved++) {
+        conus_atlas *atlas = NULL;
+        conus_selector *selector = NULL;
+        conus_selection *selection = NULL;
+        conus_grid *grid = NULL;
+        conus_pose pose;
+        assert_ok(atlas_create_empty(&atlas, ""));
+        add_pathway(atlas, info, "one");
+        add_pathway(atlas, info, "two");
+        info.world_from_voxel[12] += moved;
+        add_pathway(atlas, info, "three");
+        assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.layers = CONUS_ALL_LAYERS}));
+        assert_ok(conus_pose_toward(&pose, (double[]){-70, 20, 15}, (double[]){1, 2, 3}, NULL));
+        assert_ok(conus_select(&selection, selector, &pose, 0.3));
+        conus_status status = conus_selection_grid(&grid, selection, &everything);
+        assert_int_equal(status, moved ? CONUS_ERROR_ARGUMENT : CONUS_OK);
+        if (moved) { /* the third one */
+            assert_non_null(strstr(conus_message(), "found 2 pathways on different grids, name one of them"));
+        }
+        conus_grid_destroy(grid);
+        conus_selection_destroy(selection);
+        conus_selector_destroy(selector);
+        conus_atlas_destroy(atlas);
+    }
+}
+
 static void survives_every_failing_allocation(void **state)
 {
     test_every_allocation(make_and_write, *state);
@@ -227,6 +260,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(files_hold_what_the_census_counts, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_same_grid_is_the_same_bytes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_has_no_voxels_is_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(everything_needs_no_name_on_one_grid, set_up, tear_down),
         cmocka_unit_test_setup_teardown(survives_every_failing_allocation, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

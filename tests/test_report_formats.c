@@ -12,7 +12,7 @@ static const char table[] = "name\tx\ty\tz\nA1\t0\t0\t0\nA2\tn/a\t0\t0\nA3\t1\t1
 struct fixture {
     conus_atlas *atlas;
     conus_selector *selector;
-    conus_selection *selection;
+    conus_selection *selection, *apart; /* of two contacts */
     conus_report_options options;
 };
 
@@ -22,13 +22,16 @@ static struct fixture make_fixture(void)
     struct fixture fixture = {.atlas = scene_atlas(&seed, 14, 1)};
     conus_pose pose = scene_generic_pose(&seed, fixture.atlas);
     assert_ok(conus_selector_create(&fixture.selector, fixture.atlas, NULL));
-    assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, 1));
+    assert_ok(conus_select_ball(&fixture.selection, fixture.selector, pose.world_from_device + 12, 9));
+    const double *at = pose.world_from_device + 12;
+    assert_ok(conus_select_ball(&fixture.apart, fixture.selector, (const double[]){at[0], at[1], at[2] + 1}, 9));
     return fixture;
 }
 
 static void finish(struct fixture *fixture)
 {
     conus_selection_destroy(fixture->selection);
+    conus_selection_destroy(fixture->apart);
     conus_selector_destroy(fixture->selector);
     conus_atlas_destroy(fixture->atlas);
 }
@@ -48,7 +51,7 @@ static conus_status report_all(void *data)
     conus_status status = conus_report_create(&report, fixture->selector, &fixture->options);
     status = status ? status : conus_report_add(report, "A1", fixture->selection);
     status = status ? status : conus_report_add_error(report, "A2", 3, "is no pose");
-    status = status ? status : conus_report_add(report, "A3", fixture->selection);
+    status = status ? status : conus_report_add(report, "A3", fixture->apart);
     status = status ? status : conus_report_text(report, &text, &size);
     if (!status) {
         assert_int_equal(strlen(text), size);

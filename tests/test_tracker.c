@@ -96,6 +96,20 @@ static void one_row_is_a_beginning(void **state)
     close_track(&track);
 }
 
+/* 0.3 - 0.1 is a little less than 0.2 in binary; what was chosen at 0.2 was chosen 0.1 s ago nevertheless. */
+static void a_moment_ago_is_not_missed_by_rounding(void **state)
+{
+    (void)state;
+    assert_true(0.3 - 0.1 < 0.2);
+    struct track track = open_track("intenselect", 0, NULL);
+    assert_int_equal(step(&track, 0.1, AT_NOTHING, false)->selected, 0);
+    assert_int_equal(step(&track, 0.2, AT_BALL, false)->selected, BALL);
+    assert_int_equal(step(&track, 0.3, AT_BALL, false)->selected, BALL);
+    assert_int_equal(conus_tracker_selected(track.tracker, 0.1), BALL);
+    assert_int_equal(conus_tracker_selected(track.tracker, 0.11), 0);
+    close_track(&track);
+}
+
 static void nothing_in_the_cone_is_nothing_selected(void **state)
 {
     (void)state;
@@ -472,6 +486,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_row_is_a_beginning),
+        cmocka_unit_test(a_moment_ago_is_not_missed_by_rounding),
         cmocka_unit_test(nothing_in_the_cone_is_nothing_selected),
         cmocka_unit_test(what_left_stays_until_its_score_is_gone),
         cmocka_unit_test(what_could_be_confirmed_has_a_row),

@@ -125,3 +125,16 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 2 --quiet --format tsv'
     has 'Pathway 1'
     has '1 pathway'
 }
+
+@test "a mask that needs one pathway says how to name it, and nothing is written" {
+    scene
+    local two='--pathway sphere.nii.gz,threshold=1,name=a --pathway sphere.nii.gz,threshold=1,name=b'
+    local aim='--origin 0,0,100 --toward 0,0,0 --angle 20 --quiet'
+    # shellcheck disable=SC2086 # words
+    fails 2 'map of values: found 2 pathways, name one of them (--mask-object)' \
+        query slabs.nii.gz $aim $two -o rows.tsv --mask values.nii.gz --mask-of values
+    [ ! -e rows.tsv ] && [ ! -e rows.json ] && [ ! -e values.nii.gz ]
+    # shellcheck disable=SC2086
+    answers query slabs.nii.gz $aim $two -o rows.tsv --mask values.nii.gz --mask-of values --mask-object b
+    [ -e rows.tsv ] && [ -e values.nii.gz ]
+}
