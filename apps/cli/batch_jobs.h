@@ -5,20 +5,6 @@
 
 #include "cli/batch_settings.h"
 
-struct batch_job {
-    const char *atlas, *poses, *output;
-};
-
-struct batch_jobs {
-    char *text; /**< What the jobs point into. */
-    struct batch_job *jobs;
-    size_t count;
-};
-
-/** Reads it. Gives the exit code, having complained unless it is 0; then there is nothing to finish. */
-int batch_jobs_read(struct batch_jobs *out, const char *path);
-void batch_jobs_finish(struct batch_jobs *jobs);
-
 /** Answers one batch. Gives the exit code, having complained unless it is 0; 128 and more is that of a signal. */
 typedef int batch_answer(void *user, const struct batch_settings *settings, const struct arguments *arguments);
 
