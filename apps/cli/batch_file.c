@@ -104,7 +104,7 @@ static bool parse_entry(struct batch_entry *out, char *line)
                    count_parse(take_word(&line), INT64_MAX, &out->size);
     const char *crc = take_word(&line);
     out->crc = (uint32_t)strtoul(crc, &end, 16);
-    return numbers && end != crc && *end == '\0' && !line;
+    return numbers && out->errors <= out->poses && end != crc && *end == '\0' && !line;
 }
 
 /* Whether the next bytes of the part are those of the entry. */
