@@ -508,6 +508,17 @@ static void what_cannot_be_shown_is_explained(void **state)
     assert_refused("V2", "CTX", "everything is hidden: nothing is left that has voxels or triangles");
 }
 
+/* An area that only the table names: there is nothing to show. */
+static void an_area_without_voxels_is_nothing_to_show(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = named_atlas();
+    atlas->objects[3].voxels = 0;
+    assert_fails(conus_atlas_show(atlas, "Thalamus", NULL), CONUS_ERROR_ARGUMENT);
+    assert_ok(conus_atlas_show(atlas, "Thalamus,V2", NULL));
+    conus_atlas_destroy(atlas);
+}
+
 /* Longer lists are cut: five areas of six are hidden, four are named. */
 static void long_lists_are_cut_for_people(void **state)
 {
@@ -569,6 +580,7 @@ int main(void)
         cmocka_unit_test(the_centre_of_a_hidden_object_is_known),
         cmocka_unit_test(names_are_those_of_areas_nodes_and_pathways),
         cmocka_unit_test(what_cannot_be_shown_is_explained),
+        cmocka_unit_test(an_area_without_voxels_is_nothing_to_show),
         cmocka_unit_test(long_lists_are_cut_for_people),
         cmocka_unit_test(every_failing_allocation_is_survived),
     };

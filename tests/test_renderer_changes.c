@@ -208,14 +208,14 @@ static void a_cylinder_is_drawn_to_scale(void **state)
 /* A rod along x behind the boxes, from the front; its middle is seen between them. */
 static void add_rod(conus_atlas *atlas)
 {
-    conus_volume_info grid = picture_grid((size_t[]){60, 20, 20}, (double[]){1, 1, 1}, picture_identity);
-    float *values = memory_zeroed((size_t)60 * 20 * 20, sizeof *values);
+    conus_volume_info grid = picture_grid((size_t[]){60, 20, 10}, (double[]){1, 1, 1}, picture_identity);
+    float *values = memory_zeroed((size_t)60 * 20 * 10, sizeof *values);
     grid.role = CONUS_SCALAR;
     grid.threshold = 0.5;
-    for (size_t v = 0; v < (size_t)60 * 20 * 20; v++) {
+    for (size_t v = 0; v < (size_t)60 * 20 * 10; v++) {
         size_t j = v / 60 % 20;
         size_t k = v / 1200;
-        values[v] = j < 9 && j > 4 && k > 7 && k < 12 ? 1 : 0;
+        values[v] = j < 9 && j > 4 && k > 2 && k < 7 ? 1 : 0;
     }
     assert_ok(atlas_add_pathway(atlas, &grid, values, "rod"));
     memcpy(atlas->objects[0].rgb, (uint8_t[]){0, 255, 0}, 3);
@@ -237,8 +237,8 @@ static size_t count_green(const conus_image *image, uint32_t from, uint32_t to)
 }
 
 /* An atlas with a pathway shows that alone, but never without the areas that a selection hits: here the box on the
- * picture's right, and not the other one, which reaches beyond the pathway's grid as well. The box is 16 x 16 mm at a
- * distance of about 142: so many pixels, seen from the front. */
+ * picture's right, which reaches beyond the pathway's grid of z from -5 to 5, and not the other one. The box is 16 x 16
+ * mm at a distance of about 142: so many pixels, seen from the front. */
 static void areas_that_are_hit_are_drawn_beside_pathways(void **state)
 {
     (void)state;
