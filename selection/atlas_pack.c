@@ -170,7 +170,9 @@ static bool fits_block(const struct volume *volume, const struct walk *walk)
 {
     const size_t *dim = volume->info.dim;
     size_t count;
-    return dim[0] && dim[1] && dim[2] && memory_multiply(dim[0], dim[1], &count) &&
+    uint8_t hidden; /* not as a bool, which damage could make neither */
+    memcpy(&hidden, &volume->is_hidden, sizeof hidden);
+    return hidden <= 1 && dim[0] && dim[1] && dim[2] && memory_multiply(dim[0], dim[1], &count) &&
            memory_multiply(count, dim[2], &count) && count == volume->voxel_count && count <= walk->size;
 }
 
