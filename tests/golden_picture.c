@@ -52,6 +52,7 @@ void golden_check(const conus_image *got, const char *name)
     assert_ok(conus_image_compare(&difference, rounded, wanted, 0));
     double brightness = golden_brightness(rounded, wanted);
     if (difference.rms > 0.015 || brightness > 0.01) {
+        test_keep_scratch();
         fail_msg("%s differs from %s by %g rms of white and %.2f %% of brightness, allowed are 0.015 and 1 %%", scratch,
                  path, difference.rms, 100 * brightness);
     }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "test.h"
 
+#include <errno.h>
+#include <ftw.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -132,17 +134,60 @@ const char *test_shared(const char *name)
     return existing(path, "shared data");
 }
 
+static char scratch[] = "scratch-XXXXXX";
+static pid_t scratch_owner;
+static bool scratch_stays;
+
+static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *walk)
+{
+    (void)info;
+    (void)type;
+    (void)walk;
+    remove(path);
+    return 0;
+}
+
+static void remove_scratch(void)
+{
+    enum { OPEN_FOLDERS = 8 };
+    if (getpid() == scratch_owner && !scratch_stays) { /* not at the end of a child of the test's */
+        nftw(scratch, remove_entry, OPEN_FOLDERS, FTW_DEPTH | FTW_PHYS);
+    }
+}
+
 const char *test_scratch(const char *name)
 {
-    static char folder[64];
     static char paths[4][256];
     static int turn;
-    if (!folder[0]) {
-        snprintf(folder, sizeof folder, "scratch-%ld", (long)getpid());
-        mkdir(folder, 0777);
+    if (!scratch_owner) {
+        assert_non_null(mkdtemp(scratch));
+        scratch_owner = getpid();
+        assert_int_equal(atexit(remove_scratch), 0);
     }
     char *path = paths[turn++ % 4];
-    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
+    snprintf(path, sizeof paths[0], "%s/%s", scratch, name);
+    return path;
+}
+
+void test_keep_scratch(void)
+{
+    scratch_stays = true;
+}
+
+static char folder[256];
+
+void test_folder(const char *name)
+{
+    snprintf(folder, sizeof folder, "%s", test_scratch(name));
+    assert_true(!mkdir(folder, 0777) || errno == EEXIST);
+}
+
+const char *test_in(const char *name)
+{
+    static char paths[4][512];
+    static int turn;
+    char *path = paths[turn++ % 4];
+    snprintf(path, sizeof paths[0], "%s%s%s", folder, *name ? "/" : "", name);
     return path;
 }
 
@@ -150,9 +195,9 @@ void test_own_cache(void)
 {
     char cache[8192];
     char here[4096];
-    const char *folder = test_scratch("cache");
+    const char *own = test_scratch("cache");
     if (getcwd(here, sizeof here)) {
-        snprintf(cache, sizeof cache, "%s/%s", here, folder);
+        snprintf(cache, sizeof cache, "%s/%s", here, own);
         setenv("XDG_CACHE_HOME", cache, 1);
     }
 }

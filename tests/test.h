@@ -47,8 +47,16 @@ void test_every_allocation(conus_status (*attempt)(void *data), void *data);
 const char *test_mricron(const char *name);
 /** Path of @p name in the shared data (CONUS_SHARED_DATA, else ../shared/data beside the source); skips likewise. */
 const char *test_shared(const char *name);
-/** Path for a file @p name in a fresh folder of this test program. Static buffers, four in turn. */
+/** Path for a file @p name in a fresh folder of this run of the test program, which goes at its end. Static buffers,
+ * four in turn. */
 const char *test_scratch(const char *name);
+/** Lets that folder stay, for somebody to look at what was wrong. */
+void test_keep_scratch(void);
+
+/** Makes the folder test_scratch(@p name), unless it is there; test_in() is about it from now on. */
+void test_folder(const char *name);
+/** Path of @p name in that folder, "" for the folder itself. Static buffers, four in turn. */
+const char *test_in(const char *name);
 
 /** Lets the cache of meshes be a fresh folder of this test program. */
 void test_own_cache(void);

@@ -137,20 +137,9 @@ static void lines_are_told_from_surfaces(void **state)
     }
 }
 
-static char folder[256];
-
-static const char *in(const char *name)
-{
-    static char paths[4][512];
-    static int turn;
-    char *path = paths[turn++ % 4];
-    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
-    return path;
-}
-
 static void write_text(const char *name, const char *text)
 {
-    assert_ok(conus_write_file(in(name), text, strlen(text)));
+    assert_ok(conus_write_file(test_in(name), text, strlen(text)));
 }
 
 static void assert_message(conus_status status, const char *name, const char *message)
@@ -164,7 +153,7 @@ static void assert_message(conus_status status, const char *name, const char *me
 static void refuse_atlas(const char *name, const char *message)
 {
     conus_atlas *atlas = NULL;
-    assert_message(conus_atlas_load(&atlas, in(name), NULL), name, message);
+    assert_message(conus_atlas_load(&atlas, test_in(name), NULL), name, message);
     assert_null(atlas);
 }
 
@@ -172,9 +161,9 @@ static void refuse_labels(const char *atlas_name, const char *name, const char *
 {
     conus_atlas *atlas = NULL;
     char labels[512];
-    snprintf(labels, sizeof labels, "%s", in(name));
+    snprintf(labels, sizeof labels, "%s", test_in(name));
     const conus_load_options options = {.labels = labels};
-    assert_message(conus_atlas_load(&atlas, in(atlas_name), &options), name, message);
+    assert_message(conus_atlas_load(&atlas, test_in(atlas_name), &options), name, message);
     assert_null(atlas);
 }
 
@@ -185,7 +174,7 @@ static void write_volume(const char *name)
     nifti_begin(&file, 1, false, 2, dim);
     nifti_voxel(&file, 1);
     nifti_voxel(&file, 2);
-    assert_ok(conus_write_file(in(name), file.bytes.data, file.bytes.size));
+    assert_ok(conus_write_file(test_in(name), file.bytes.data, file.bytes.size));
     buffer_finish(&file.bytes);
 }
 
@@ -198,8 +187,7 @@ static void each_place_says_what_it_takes(void **state)
     (void)state;
     conus_atlas *atlas = NULL;
     char message[512];
-    snprintf(folder, sizeof folder, "%s", test_scratch("places"));
-    mkdir(folder, 0777);
+    test_folder("places");
     write_volume("v.nii");
     write_text("a.trk", "TRACK");
     write_text("a.nrrd", "NRRD0004\n");
@@ -223,13 +211,14 @@ static void each_place_says_what_it_takes(void **state)
     refuse_labels("v.nii", "lh.annot",
                   "this is a FreeSurfer annotation: give it as --labels, and the surface as ATLAS");
     refuse_labels("v.nii", "a.md", "not a label table of a known format (known: ");
-    assert_ok(conus_atlas_load(&atlas, in("v.nii"), NULL));
-    assert_message(conus_atlas_add_pathway(atlas, in("a.trk"), NULL), "a.trk",
+    assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
+    assert_message(conus_atlas_add_pathway(atlas, test_in("a.trk"), NULL), "a.trk",
                    "needed is a volume (NIfTI-1, NIfTI-2 or MGH)");
     assert_message(
-        conus_atlas_add_pathway(atlas, in("a.xml"), NULL), "a.xml",
+        conus_atlas_add_pathway(atlas, test_in("a.xml"), NULL), "a.xml",
         "this is an FSL atlas XML: 'conus manifest FOLDER' makes pathways of its volumes; needed is a volume");
-    assert_message(conus_atlas_set_context(atlas, in("a.txt"), NULL), "a.txt", "needed is a volume (NIfTI-1, NIfTI-2");
+    assert_message(conus_atlas_set_context(atlas, test_in("a.txt"), NULL), "a.txt",
+                   "needed is a volume (NIfTI-1, NIfTI-2");
     conus_atlas_destroy(atlas);
     write_text("m.atlas.json", "{\"conus_atlas\": 1, \"parcellation\": \"a.nrrd\"}");
     refuse_atlas("m.atlas.json",
@@ -242,17 +231,16 @@ static void rows_of_vertices_are_no_volumes(void **state)
 {
     (void)state;
     uint8_t file[284 + 642] = {0, 0, 0, 1, 0, 0, 2, 0x82, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
-    snprintf(folder, sizeof folder, "%s", test_scratch("rows"));
-    mkdir(folder, 0777);
+    test_folder("rows");
     memset(file + 284, 1, 642);
-    assert_ok(conus_write_file(in("lh.aparc.mgh"), file, sizeof file));
+    assert_ok(conus_write_file(test_in("lh.aparc.mgh"), file, sizeof file));
     refuse_atlas("lh.aparc.mgh", "642 x 1 x 1 values of the vertices of a surface, not a volume");
     write_text("s.gii", "<GIFTI Version=\"1.0\" NumberOfDataArrays=\"0\"></GIFTI>");
     refuse_atlas("s.gii", "no POINTSET array: not a surface");
     conus_atlas *atlas = NULL;
     file[7] = 0x81; /* 641 */
-    assert_ok(conus_write_file(in("row.mgh"), file, sizeof file - 1));
-    assert_ok(conus_atlas_load(&atlas, in("row.mgh"), NULL));
+    assert_ok(conus_write_file(test_in("row.mgh"), file, sizeof file - 1));
+    assert_ok(conus_atlas_load(&atlas, test_in("row.mgh"), NULL));
     conus_atlas_destroy(atlas);
 }
 

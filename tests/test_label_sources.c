@@ -13,23 +13,6 @@
 
 enum { AREAS = 6 };
 
-static char folder[256];
-
-static void make_folder(const char *name)
-{
-    snprintf(folder, sizeof folder, "%s", test_scratch(name));
-    mkdir(folder, 0777);
-}
-
-static const char *in(const char *name)
-{
-    static char paths[4][512];
-    static int turn;
-    char *path = paths[turn++ % 4];
-    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
-    return path;
-}
-
 static void write_text(const char *path, const char *text)
 {
     assert_ok(conus_write_file(path, text, strlen(text)));
@@ -56,7 +39,7 @@ static void write_row(const char *name, size_t count, int edge, const char *embe
     for (size_t i = 0; i < count; i++) {
         nifti_voxel(&file, (double)i * edge);
     }
-    assert_ok(conus_write_file(in(name), file.bytes.data, file.bytes.size));
+    assert_ok(conus_write_file(test_in(name), file.bytes.data, file.bytes.size));
     buffer_finish(&file.bytes);
 }
 
@@ -72,7 +55,7 @@ static void write_xml(const char *name, const char *type, const char *image, con
     }
     buffer_text(&xml, "</data></atlas>");
     assert_ok(buffer_status(&xml));
-    write_text(in(name), xml.data);
+    write_text(test_in(name), xml.data);
     buffer_finish(&xml);
 }
 
@@ -94,7 +77,7 @@ static void assert_named(const char *name, uint32_t label, const char *source, c
 {
     conus_atlas *atlas = NULL;
     const conus_object *found = NULL;
-    assert_ok(conus_atlas_load(&atlas, in("v.nii"), NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
     assert_string_equal(conus_atlas_label_source(atlas), source);
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
         const conus_object *object = conus_atlas_object(atlas, i);
@@ -117,7 +100,7 @@ static void assert_named(const char *name, uint32_t label, const char *source, c
 static void assert_contradiction(const char *message)
 {
     conus_atlas *atlas = NULL;
-    assert_fails(conus_atlas_load(&atlas, in("v.nii"), NULL), CONUS_ERROR_DATA);
+    assert_fails(conus_atlas_load(&atlas, test_in("v.nii"), NULL), CONUS_ERROR_DATA);
     if (!strstr(conus_message(), message)) {
         fail_msg("\"%s\" is not in \"%s\"", message, conus_message());
     }
@@ -165,7 +148,7 @@ static void points_decide_between_index_and_the_next(void **state)
         {"Probabilistic", {AWAY, 0, 0, 0, 0, 1, AWAY}, 3, NULL},
         {"Probabilistic", {1, 0, 0, 0, 0, 0, AWAY}, 2, "so say x y z of 5 of 6"},
     };
-    make_folder("points");
+    test_folder("points");
     write_row("v.nii", 8, 1, NULL);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         write_xml("a.xml", cases[i].type, "v", cases[i].shift);
@@ -179,7 +162,7 @@ static void points_are_voxels_of_the_first_image(void **state)
 {
     (void)state;
     struct buffer xml = {0};
-    make_folder("first");
+    test_folder("first");
     write_row("v.nii", 16, 1, NULL);
     write_row("coarse.nii", 8, 2, NULL);
     for (int k = 0; k < 2; k++) {
@@ -191,7 +174,7 @@ static void points_are_voxels_of_the_first_image(void **state)
                           2 * voxel);
         }
         buffer_text(&xml, "</atlas>");
-        write_text(in("a.xml"), xml.data);
+        write_text(test_in("a.xml"), xml.data);
         assert_named("at 6 mm", 6, "FSL atlas XML in a.xml", k ? NULL : "so say x y z of 6 of 6 labels");
     }
     buffer_finish(&xml);
@@ -200,10 +183,11 @@ static void points_are_voxels_of_the_first_image(void **state)
 static void an_index_0_that_is_background_counts_by_value(void **state)
 {
     (void)state;
-    make_folder("zero");
+    test_folder("zero");
     write_row("v.nii", 4, 1, NULL);
-    write_text(in("a.xml"), "<atlas><type>Probabilistic</type><images><summaryimagefile>/v</summaryimagefile></images>"
-                            "<label index=\"0\">*.*.*.*.*</label><label index=\"1\">one</label></atlas>");
+    write_text(test_in("a.xml"),
+               "<atlas><type>Probabilistic</type><images><summaryimagefile>/v</summaryimagefile></images>"
+               "<label index=\"0\">*.*.*.*.*</label><label index=\"1\">one</label></atlas>");
     assert_named("one", 1, "FSL atlas XML in a.xml", "since index 0 is background");
 }
 
@@ -212,19 +196,19 @@ static void a_given_atlas_is_checked_likewise(void **state)
     (void)state;
     conus_atlas *atlas = NULL;
     char xml[512];
-    make_folder("given");
+    test_folder("given");
     write_row("v.nii", 8, 1, NULL);
-    write_text(in("b.xml"),
+    write_text(test_in("b.xml"),
                "<atlas><type>Label</type><images><imagefile>/v</imagefile></images>"
                "<label index=\"0\" x=\"1\" y=\"0\" z=\"0\">A</label><label index=\"1\" x=\"2\" y=\"0\" z=\"0\">B"
                "</label></atlas>");
-    assert_ok(conus_atlas_load(&atlas, in("b.xml"), NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("b.xml"), NULL));
     assert_string_equal(conus_atlas_object(atlas, 1)->name, "A");
     conus_atlas_destroy(atlas);
     atlas = NULL;
-    snprintf(xml, sizeof xml, "%s", in("b.xml"));
+    snprintf(xml, sizeof xml, "%s", test_in("b.xml"));
     const conus_load_options options = {.labels = xml};
-    assert_ok(conus_atlas_load(&atlas, in("v.nii"), &options));
+    assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), &options));
     assert_string_equal(conus_atlas_object(atlas, 2)->name, "B");
     conus_atlas_destroy(atlas);
 }
@@ -232,7 +216,7 @@ static void a_given_atlas_is_checked_likewise(void **state)
 static void contradictions_are_never_silent(void **state)
 {
     (void)state;
-    make_folder("two");
+    test_folder("two");
     write_row("v.nii", 8, 1, NULL);
     write_xml("a.xml", "Probabilistic", "v", nowhere);
     write_xml("b.xml", "Label", "v", nowhere);
@@ -245,42 +229,42 @@ static void contradictions_are_never_silent(void **state)
     assert_named("area 1", 1, "FSL atlas XML in a.xml", "used is the XML, whose x y z agree with the volume");
     write_xml("b.xml", "Probabilistic", "v", by_index); /* as the labels say, both agree */
     assert_named("area 1", 1, "FSL atlas XML in a.xml", NULL);
-    unlink(in("b.xml"));
-    write_text(in("v.txt"), "1 area_1\n2 Area 2\n3 AREA-3\n");
+    unlink(test_in("b.xml"));
+    write_text(test_in("v.txt"), "1 area_1\n2 Area 2\n3 AREA-3\n");
     assert_named("area_1", 1, "MRIcron text in v.txt", NULL);
-    write_text(in("v.txt"), "2 area_1\n3 Area 2\n4 AREA-3\n"); /* the points prove it wrong */
+    write_text(test_in("v.txt"), "2 area_1\n3 Area 2\n4 AREA-3\n"); /* the points prove it wrong */
     assert_named("area 1", 1, "FSL atlas XML in a.xml", "\"area_1\" is label 2 in MRIcron text in v.txt, 1 in FSL");
     write_xml("a.xml", "Label", "v", nowhere);
     assert_contradiction("\"area_1\" is label 2 in MRIcron text in v.txt, 1 in FSL atlas XML in a.xml");
-    unlink(in("a.xml"));
-    write_text(in("v.csv"), "id,name\n1,area_1\n3,Area 2\n4,AREA-3\n"); /* one of three */
+    unlink(test_in("a.xml"));
+    write_text(test_in("v.csv"), "id,name\n1,area_1\n3,Area 2\n4,AREA-3\n"); /* one of three */
     assert_named("area_1", 2, "MRIcron text in v.txt",
                  "\"area_1\" is label 2 in MRIcron text in v.txt, which is used, but 1 in CSV label table in v.csv");
-    write_text(in("v.csv"), "id,name\n2,Motor\n3,Visual\n4,area 3\n");
+    write_text(test_in("v.csv"), "id,name\n2,Motor\n3,Visual\n4,area 3\n");
     assert_named("area_1", 2, "MRIcron text in v.txt",
                  "label 2 is \"area_1\" in MRIcron text in v.txt, which is used, but \"Motor\" in CSV label table");
-    write_text(in("v.csv"), "id,name\n2,Motor\n3,area 2\n4,area 3\n"); /* a spelling */
+    write_text(test_in("v.csv"), "id,name\n2,Motor\n3,area 2\n4,area 3\n"); /* a spelling */
     assert_named("area_1", 2, "MRIcron text in v.txt", NULL);
-    write_text(in("v.csv"), "id,name,abbreviation\n2,Motor,area 1\n3,Visual,AREA_2\n"); /* long and short names */
+    write_text(test_in("v.csv"), "id,name,abbreviation\n2,Motor,area 1\n3,Visual,AREA_2\n"); /* long and short names */
     assert_named("area_1", 2, "MRIcron text in v.txt", NULL);
-    write_text(in("v.csv"), "id,name\n1,damaged\n2.5,x\n");
+    write_text(test_in("v.csv"), "id,name\n1,damaged\n2.5,x\n");
     assert_named("area_1", 2, "MRIcron text in v.txt", "v.csv: CSV label table: line 3");
 }
 
 static void an_embedded_table_counts_as_one(void **state)
 {
     (void)state;
-    make_folder("embedded");
+    test_folder("embedded");
     write_row("v.nii", 4, 1,
               "<CaretExtension><VolumeInformation Index=\"0\"><LabelTable><Label Key=\"1\">A</Label>"
               "<Label Key=\"2\">B</Label></LabelTable></VolumeInformation></CaretExtension>");
     assert_named("A", 1, "Workbench label table inside v.nii", NULL);
-    write_text(in("v.txt"), "1 A\n2 B\n3 C\n");
+    write_text(test_in("v.txt"), "1 A\n2 B\n3 C\n");
     assert_named("A", 1, "Workbench label table inside v.nii", NULL);
-    write_text(in("v.txt"), "2 A\n3 B\n");
+    write_text(test_in("v.txt"), "2 A\n3 B\n");
     assert_contradiction("\"A\" is label 1 in Workbench label table inside v.nii, 2 in MRIcron text in v.txt");
-    write_text(in("FreeSurferColorLUT.txt"), "2 A 0 0 0 0\n3 B 0 0 0 0\n"); /* of all volumes */
-    unlink(in("v.txt"));
+    write_text(test_in("FreeSurferColorLUT.txt"), "2 A 0 0 0 0\n3 B 0 0 0 0\n"); /* of all volumes */
+    unlink(test_in("v.txt"));
     assert_named("A", 1, "Workbench label table inside v.nii", NULL);
 }
 
@@ -293,19 +277,19 @@ static void pathways_have_one_name(void **state)
     static const char format[] = "<atlas><type>Probabilistic</type><images><imagefile>/v</imagefile></images>"
                                  "<label index=\"0\">%s</label></atlas>";
     char text[512];
-    make_folder("pathway");
+    test_folder("pathway");
     write_row("v.nii", 4, 1, NULL);
-    assert_ok(conus_atlas_load(&atlas, in("v.nii"), NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
     snprintf(text, sizeof text, format, "Fornix");
-    write_text(in("a.xml"), text);
-    write_text(in("b.xml"), text);
-    assert_ok(conus_atlas_add_pathway(atlas, in("v.nii"), &unnamed));
+    write_text(test_in("a.xml"), text);
+    write_text(test_in("b.xml"), text);
+    assert_ok(conus_atlas_add_pathway(atlas, test_in("v.nii"), &unnamed));
     assert_string_equal(conus_atlas_object(atlas, 4)->name, "Fornix");
     snprintf(text, sizeof text, format, "Cingulum");
-    write_text(in("b.xml"), text);
-    assert_fails(conus_atlas_add_pathway(atlas, in("v.nii"), &unnamed), CONUS_ERROR_DATA);
+    write_text(test_in("b.xml"), text);
+    assert_fails(conus_atlas_add_pathway(atlas, test_in("v.nii"), &unnamed), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "volume 0 is \"Fornix\" in a.xml, \"Cingulum\" in b.xml; name it"));
-    assert_ok(conus_atlas_add_pathway(atlas, in("v.nii"), &named));
+    assert_ok(conus_atlas_add_pathway(atlas, test_in("v.nii"), &named));
     conus_atlas_destroy(atlas);
 }
 
@@ -383,9 +367,9 @@ static void assert_too_large(const char *name, uint64_t max_memory, const char *
 {
     conus_atlas *atlas = NULL;
     char labels[512];
-    snprintf(labels, sizeof labels, "%s", in(name));
+    snprintf(labels, sizeof labels, "%s", test_in(name));
     const conus_load_options options = {.labels = labels, .max_memory = max_memory};
-    assert_fails(conus_atlas_load(&atlas, in("v.nii"), &options), CONUS_ERROR_MEMORY);
+    assert_fails(conus_atlas_load(&atlas, test_in("v.nii"), &options), CONUS_ERROR_MEMORY);
     if (!strstr(conus_message(), message)) {
         fail_msg("\"%s\" is not in \"%s\"", message, conus_message());
     }
@@ -400,7 +384,7 @@ static void write_repeated(const char *name, const char *start, const char *piec
     }
     buffer_text(&text, end);
     assert_ok(buffer_status(&text));
-    assert_ok(conus_write_file(in(name), text.data, text.size));
+    assert_ok(conus_write_file(test_in(name), text.data, text.size));
     buffer_finish(&text);
 }
 
@@ -409,7 +393,7 @@ static void tables_take_no_more_memory_than_is_allowed(void **state)
 {
     (void)state;
     enum { MILLION = 1 << 20, MIB = 1 << 20 };
-    make_folder("large");
+    test_folder("large");
     write_row("v.nii", 4, 1, NULL);
     write_repeated("rows.txt", "2 b\n3 c\n", "1 a\n", MILLION - 1, "");
     assert_too_large("rows.txt", 0, "more than 1048576 labels");
@@ -417,11 +401,11 @@ static void tables_take_no_more_memory_than_is_allowed(void **state)
     write_repeated("list.json", "[{\"id\":1,\"acronym\":\"A\"}", ",{}", MILLION, "]");
     assert_too_large("list.json", 0, "that would take");
     write_repeated("sparse.txt", "1 a\n", "2 b\n", 10, "");
-    assert_int_equal(truncate(in("sparse.txt"), 1LL << 32), 0);
+    assert_int_equal(truncate(test_in("sparse.txt"), 1LL << 32), 0);
     assert_too_large("sparse.txt", 0, "file of 4294967296 bytes, allowed are 16777216");
     assert_null(strstr(conus_message(), "--max-memory")); /* it would not help */
-    assert_int_equal(rename(in("sparse.txt"), in("v.txt")), 0);
-    write_text(in("v.csv"), "id,name\n1,A\n");
+    assert_int_equal(rename(test_in("sparse.txt"), test_in("v.txt")), 0);
+    write_text(test_in("v.csv"), "id,name\n1,A\n");
     assert_named("A", 1, "CSV label table in v.csv",
                  "v.txt: 4294967296 bytes, a label table may have 16777216: passed");
 }
@@ -430,7 +414,7 @@ static conus_status load(void *data)
 {
     (void)data;
     conus_atlas *atlas = NULL;
-    conus_status status = conus_atlas_load(&atlas, in("v.nii"), NULL);
+    conus_status status = conus_atlas_load(&atlas, test_in("v.nii"), NULL);
     conus_atlas_destroy(atlas);
     return status;
 }
@@ -438,11 +422,11 @@ static conus_status load(void *data)
 static void every_failing_allocation_is_clean(void **state)
 {
     (void)state;
-    make_folder("allocation");
+    test_folder("allocation");
     write_row("v.nii", 8, 1, NULL);
     write_xml("a.xml", "Label", "v", by_index);
     write_xml("b.xml", "Probabilistic", "v", nowhere);
-    write_text(in("v.txt"), "1 area 1\n3 area 2\n7 area 6\n");
+    write_text(test_in("v.txt"), "1 area 1\n3 area 2\n7 area 6\n");
     test_every_allocation(load, NULL);
 }
 

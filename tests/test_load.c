@@ -66,24 +66,6 @@ static void write_text(const char *path, const char *text)
     assert_ok(conus_write_file(path, text, strlen(text)));
 }
 
-/* A fresh folder for one test; paths in it by in(). */
-static char folder[256];
-
-static void make_folder(const char *name)
-{
-    snprintf(folder, sizeof folder, "%s", test_scratch(name));
-    mkdir(folder, 0777);
-}
-
-static const char *in(const char *name)
-{
-    static char paths[4][512];
-    static int turn;
-    char *path = paths[turn++ % 4];
-    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
-    return path;
-}
-
 static void assert_source(const char *path, const char *source, const char *first_name)
 {
     conus_atlas *atlas = NULL;
@@ -155,23 +137,23 @@ static void an_atlas_without_names_is_called_by_numbers(void **state)
 static void tables_inside_the_file_come_first(void **state)
 {
     (void)state;
-    make_folder("inside");
-    write_text(in("v.txt"), "1 beside\n2 b\n");
-    assert_ok(write_volume(in("v.nii"), 1, 30,
+    test_folder("inside");
+    write_text(test_in("v.txt"), "1 beside\n2 b\n");
+    assert_ok(write_volume(test_in("v.nii"), 1, 30,
                            "<CaretExtension><VolumeInformation Index=\"0\"><LabelTable>"
                            "<Label Key=\"1\">one</Label></LabelTable></VolumeInformation>"
                            "</CaretExtension>"));
-    assert_source(in("v.nii"), "Workbench label table inside v.nii", "one");
-    assert_ok(write_volume(in("v.nii"), 1, 4,
+    assert_source(test_in("v.nii"), "Workbench label table inside v.nii", "one");
+    assert_ok(write_volume(test_in("v.nii"), 1, 4,
                            "<?xml version='1.0' ?><AFNI_attributes><AFNI_atr atr_name="
                            "\"VALUE_LABEL_DTABLE\">\"&lt;VALUE_LABEL_DTABLE&gt;&quot;1&quot; "
                            "&quot;eins&quot;&lt;/VALUE_LABEL_DTABLE&gt;\"</AFNI_atr>"
                            "</AFNI_attributes>"));
-    assert_source(in("v.nii"), "AFNI label table inside v.nii", "eins");
-    assert_ok(write_volume(in("v.nii"), 1, 0, "1\tuno\n2\tdos\n"));
-    assert_source(in("v.nii"), "MRIcron text inside v.nii", "uno");
-    assert_ok(write_volume(in("v.nii"), 1, 6, "1\ta comment is no table\n"));
-    assert_source(in("v.nii"), "MRIcron text in v.txt", "beside");
+    assert_source(test_in("v.nii"), "AFNI label table inside v.nii", "eins");
+    assert_ok(write_volume(test_in("v.nii"), 1, 0, "1\tuno\n2\tdos\n"));
+    assert_source(test_in("v.nii"), "MRIcron text inside v.nii", "uno");
+    assert_ok(write_volume(test_in("v.nii"), 1, 6, "1\ta comment is no table\n"));
+    assert_source(test_in("v.nii"), "MRIcron text in v.txt", "beside");
 }
 
 /* Each file in turn is taken away: the next one in the documented order takes its place. */
@@ -207,18 +189,18 @@ static void tables_beside_the_file_follow_in_order(void **state)
         {"FreeSurferColorLUT.txt", "1 A 0 0 0 0\n", "FreeSurfer colour table in FreeSurferColorLUT.txt"},
     };
     enum { COUNT = sizeof files / sizeof files[0] };
-    make_folder("order");
+    test_folder("order");
     const char *volume = test_scratch("order/sub-1_res-2_dseg.nii");
     assert_ok(write_volume(volume, 1, 0, NULL));
-    write_text(in("sub-2_dseg.tsv"), "index\tname\n1\tof another\n");
-    write_text(in("a.xml"), "<atlas><type>Label</type><images><imagefile>/other</imagefile></images></atlas>");
-    write_text(in("b.xml"), "<atlas>damaged");
+    write_text(test_in("sub-2_dseg.tsv"), "index\tname\n1\tof another\n");
+    write_text(test_in("a.xml"), "<atlas><type>Label</type><images><imagefile>/other</imagefile></images></atlas>");
+    write_text(test_in("b.xml"), "<atlas>damaged");
     for (size_t i = 0; i < COUNT; i++) {
-        write_text(in(files[i].name), files[i].text);
+        write_text(test_in(files[i].name), files[i].text);
     }
     for (size_t i = 0; i < COUNT; i++) {
         assert_source(volume, files[i].source, "A");
-        unlink(in(files[i].name));
+        unlink(test_in(files[i].name));
     }
     assert_source(volume, "none found", "1");
 }
@@ -227,17 +209,17 @@ static void notes_that_are_no_table_are_passed_over(void **state)
 {
     (void)state;
     conus_atlas *atlas = NULL;
-    make_folder("readme");
-    const char *volume = in("v.nii");
+    test_folder("readme");
+    const char *volume = test_in("v.nii");
     assert_ok(write_volume(volume, 1, 0, NULL));
-    write_text(in("v.txt"), "This atlas was drawn by hand.\nIt has 2 areas.\n");
-    write_text(in("v.json"), "{\"Name\": \"a sidecar\"}");
+    write_text(test_in("v.txt"), "This atlas was drawn by hand.\nIt has 2 areas.\n");
+    write_text(test_in("v.json"), "{\"Name\": \"a sidecar\"}");
     assert_ok(conus_atlas_load(&atlas, volume, NULL));
     assert_note(atlas, "v.txt is not a label table of a known format: passed over");
     assert_false(has_note(atlas, "v.json is"));
     assert_note(atlas, "no label table found");
     conus_atlas_destroy(atlas);
-    write_text(in("v.csv"), "id,name\n1,A\n");
+    write_text(test_in("v.csv"), "id,name\n1,A\n");
     assert_source(volume, "CSV label table in v.csv", "A");
 }
 
@@ -245,14 +227,14 @@ static void a_damaged_table_is_an_error_unless_another_is_found(void **state)
 {
     (void)state;
     conus_atlas *atlas = NULL;
-    make_folder("damaged");
-    assert_ok(write_volume(in("v.nii"), 1, 0, NULL));
-    write_text(in("v.txt"), "1 A\n2.5 B\n");
-    assert_fails(conus_atlas_load(&atlas, in("v.nii"), NULL), CONUS_ERROR_DATA);
+    test_folder("damaged");
+    assert_ok(write_volume(test_in("v.nii"), 1, 0, NULL));
+    write_text(test_in("v.txt"), "1 A\n2.5 B\n");
+    assert_fails(conus_atlas_load(&atlas, test_in("v.nii"), NULL), CONUS_ERROR_DATA);
     assert_string_equal(conus_message(), "v.txt: MRIcron text: line 2: label \"2.5\", a whole number from 0 to "
                                          "4294967295 is needed");
-    write_text(in("v.csv"), "id,name\n1,A\n");
-    assert_ok(conus_atlas_load(&atlas, in("v.nii"), NULL));
+    write_text(test_in("v.csv"), "id,name\n1,A\n");
+    assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
     assert_note(atlas, "v.txt: MRIcron text: line 2: label \"2.5\", a whole number from 0 to 4294967295 is needed: "
                        "passed over");
     conus_atlas_destroy(atlas);
@@ -262,13 +244,13 @@ static void an_override_replaces_every_table(void **state)
 {
     (void)state;
     conus_atlas *atlas = NULL;
-    make_folder("override");
-    assert_ok(write_volume(in("v.nii"), 1, 0, "1\tinside\n2\tb\n"));
-    write_text(in("mine.txt"), "1 mine\n5 absent\n");
+    test_folder("override");
+    assert_ok(write_volume(test_in("v.nii"), 1, 0, "1\tinside\n2\tb\n"));
+    write_text(test_in("mine.txt"), "1 mine\n5 absent\n");
     char labels[512];
-    snprintf(labels, sizeof labels, "%s", in("mine.txt"));
+    snprintf(labels, sizeof labels, "%s", test_in("mine.txt"));
     conus_load_options options = {.labels = labels};
-    assert_ok(conus_atlas_load(&atlas, in("v.nii"), &options));
+    assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), &options));
     assert_int_equal(conus_atlas_object_count(atlas), 4); /* 1, 2, 5, 9 */
     assert_string_equal(conus_atlas_object(atlas, 1)->name, "mine");
     assert_non_null(strstr(conus_atlas_label_source(atlas), "MRIcron text in "));
@@ -277,10 +259,10 @@ static void an_override_replaces_every_table(void **state)
     conus_atlas_destroy(atlas);
     atlas = NULL;
     write_text(labels, "<html></html>");
-    assert_fails(conus_atlas_load(&atlas, in("v.nii"), &options), CONUS_ERROR_DATA);
+    assert_fails(conus_atlas_load(&atlas, test_in("v.nii"), &options), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "mine.txt: this is a web page; needed is a label table"));
     options.labels = "no-such-file";
-    assert_fails(conus_atlas_load(&atlas, in("v.nii"), &options), CONUS_ERROR_IO);
+    assert_fails(conus_atlas_load(&atlas, test_in("v.nii"), &options), CONUS_ERROR_IO);
     assert_null(atlas);
 }
 
@@ -288,28 +270,28 @@ static void an_fsl_atlas_loads_its_finest_image(void **state)
 {
     (void)state;
     conus_atlas *atlas = NULL;
-    make_folder("fsl");
-    assert_ok(write_volume(in("coarse.nii"), 2, 0, NULL));
-    assert_ok(write_volume(in("fine.nii"), 1, 0, NULL));
-    write_text(in("a.xml"),
+    test_folder("fsl");
+    assert_ok(write_volume(test_in("coarse.nii"), 2, 0, NULL));
+    assert_ok(write_volume(test_in("fine.nii"), 1, 0, NULL));
+    write_text(test_in("a.xml"),
                "\xef\xbb\xbf<atlas><header><type>Label</type><images><imagefile>/coarse</imagefile></images>"
                "<images><imagefile>/fine</imagefile></images><images><imagefile>/gone</imagefile></images>"
                "</header><data><label index=\"1\">one</label></data></atlas>");
-    assert_ok(conus_atlas_load(&atlas, in("a.xml"), NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("a.xml"), NULL));
     assert_string_equal(conus_atlas_label_source(atlas), "FSL atlas XML in a.xml");
     assert_near(conus_atlas_volume(atlas, 0)->spacing[0], 1, 0);
     assert_note(atlas, "of the 3 images of a.xml the finest is used: fine.nii (1 x 1 x 1 mm)");
     assert_note(atlas, "image /gone of the FSL atlas is not there");
     conus_atlas_destroy(atlas);
     atlas = NULL;
-    write_text(in("a.xml"), "<atlas><type>Probabilistic</type></atlas>");
-    assert_fails(conus_atlas_load(&atlas, in("a.xml"), NULL), CONUS_ERROR_UNSUPPORTED);
+    write_text(test_in("a.xml"), "<atlas><type>Probabilistic</type></atlas>");
+    assert_fails(conus_atlas_load(&atlas, test_in("a.xml"), NULL), CONUS_ERROR_UNSUPPORTED);
     assert_non_null(strstr(conus_message(), "--pathway FILE,volume=K"));
-    write_text(in("a.xml"), "<atlas><type>Label</type><images><imagefile>/gone</imagefile></images></atlas>");
-    assert_fails(conus_atlas_load(&atlas, in("a.xml"), NULL), CONUS_ERROR_DATA);
+    write_text(test_in("a.xml"), "<atlas><type>Label</type><images><imagefile>/gone</imagefile></images></atlas>");
+    assert_fails(conus_atlas_load(&atlas, test_in("a.xml"), NULL), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "none of its 1 images is there"));
-    write_text(in("a.xml"), "<!DOCTYPE html><html>404</html>");
-    assert_fails(conus_atlas_load(&atlas, in("a.xml"), NULL), CONUS_ERROR_DATA);
+    write_text(test_in("a.xml"), "<!DOCTYPE html><html>404</html>");
+    assert_fails(conus_atlas_load(&atlas, test_in("a.xml"), NULL), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "this is a web page; needed is a labelled volume"));
     assert_null(atlas);
 }
@@ -335,29 +317,29 @@ static void pathways_know_their_scale(void **state)
 {
     (void)state;
     conus_atlas *atlas = NULL;
-    make_folder("pathway");
-    assert_ok(write_volume(in("v.nii"), 1, 0, NULL));
-    assert_ok(conus_atlas_load(&atlas, in("v.nii"), NULL));
+    test_folder("pathway");
+    assert_ok(write_volume(test_in("v.nii"), 1, 0, NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
     conus_pathway_options options = {.threshold = 2, .name = "tract"};
-    assert_ok(conus_atlas_add_pathway(atlas, in("v.nii"), &options));
+    assert_ok(conus_atlas_add_pathway(atlas, test_in("v.nii"), &options));
     const conus_object *pathway = conus_atlas_object(atlas, conus_atlas_object_count(atlas));
     assert_string_equal(pathway->name, "tract");
     assert_int_equal(pathway->voxels, 3);
     size_t notes = conus_atlas_note_count(atlas);
     options.threshold = NAN;
-    assert_fails(conus_atlas_add_pathway(atlas, in("v.nii"), &options), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_atlas_add_pathway(atlas, test_in("v.nii"), &options), CONUS_ERROR_ARGUMENT);
     options.threshold = 9 + 1e-9; /* 9 in float32, as the values are kept */
-    assert_ok(conus_atlas_add_pathway(atlas, in("v.nii"), &options));
+    assert_ok(conus_atlas_add_pathway(atlas, test_in("v.nii"), &options));
     options.threshold = 9.5;
-    assert_fails(conus_atlas_add_pathway(atlas, in("v.nii"), &options), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_atlas_add_pathway(atlas, test_in("v.nii"), &options), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "threshold 9.5, allowed is above 0 to 9"));
     options.threshold = -1;
-    assert_fails(conus_atlas_add_pathway(atlas, in("v.nii"), &options), CONUS_ERROR_ARGUMENT);
-    assert_fails(conus_atlas_add_pathway(atlas, in("v.nii"), NULL), CONUS_ERROR_DATA); /* 25 % of 100 is above 9 */
-    assert_fails(conus_atlas_add_pathway(atlas, in("none.nii"), NULL), CONUS_ERROR_IO);
+    assert_fails(conus_atlas_add_pathway(atlas, test_in("v.nii"), &options), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_atlas_add_pathway(atlas, test_in("v.nii"), NULL), CONUS_ERROR_DATA); /* 25 % of 100 is above 9 */
+    assert_fails(conus_atlas_add_pathway(atlas, test_in("none.nii"), NULL), CONUS_ERROR_IO);
     assert_int_equal(conus_atlas_note_count(atlas), notes);
     assert_int_equal(conus_atlas_volume_count(atlas), 3);
-    assert_ok(conus_atlas_set_context(atlas, in("v.nii"), NULL));
+    assert_ok(conus_atlas_set_context(atlas, test_in("v.nii"), NULL));
     assert_int_equal(conus_atlas_volume(atlas, 3)->role, CONUS_CONTEXT);
     conus_atlas_destroy(atlas);
 }
@@ -367,17 +349,17 @@ static void pathways_are_named_by_an_fsl_atlas_or_their_file(void **state)
     (void)state;
     conus_atlas *atlas = NULL;
     conus_pathway_options options = {.threshold = 2};
-    make_folder("named");
-    assert_ok(write_volume(in("v.nii"), 1, 0, NULL));
-    assert_ok(conus_atlas_load(&atlas, in("v.nii"), NULL));
-    assert_ok(conus_atlas_add_pathway(atlas, in("v.nii"), &options));
-    write_text(in("a.xml"), "<atlas><type>Label</type><images><imagefile>/v</imagefile></images>"
-                            "<label index=\"0\">not this</label></atlas>");
-    write_text(in("b.xml"), "<atlas><type>Statistic</type><images><imagefile>/v.nii.gz</imagefile></images>"
-                            "<label index=\"0\">Fornix</label></atlas>");
-    assert_ok(conus_atlas_add_pathway(atlas, in("v.nii"), &options));
+    test_folder("named");
+    assert_ok(write_volume(test_in("v.nii"), 1, 0, NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
+    assert_ok(conus_atlas_add_pathway(atlas, test_in("v.nii"), &options));
+    write_text(test_in("a.xml"), "<atlas><type>Label</type><images><imagefile>/v</imagefile></images>"
+                                 "<label index=\"0\">not this</label></atlas>");
+    write_text(test_in("b.xml"), "<atlas><type>Statistic</type><images><imagefile>/v.nii.gz</imagefile></images>"
+                                 "<label index=\"0\">Fornix</label></atlas>");
+    assert_ok(conus_atlas_add_pathway(atlas, test_in("v.nii"), &options));
     options.name = "mine";
-    assert_ok(conus_atlas_add_pathway(atlas, in("v.nii"), &options));
+    assert_ok(conus_atlas_add_pathway(atlas, test_in("v.nii"), &options));
     static const char *const names[] = {"v", "Fornix", "mine"};
     for (size_t i = 0; i < 3; i++) {
         assert_string_equal(conus_atlas_object(atlas, conus_atlas_object_count(atlas) - 2 + i)->name, names[i]);
@@ -409,12 +391,12 @@ static conus_status load_everything(void *data)
 {
     (void)data;
     conus_atlas *atlas = NULL;
-    conus_status status = conus_atlas_load(&atlas, in("sub_dseg.nii"), NULL);
+    conus_status status = conus_atlas_load(&atlas, test_in("sub_dseg.nii"), NULL);
     if (!status) {
         conus_pathway_options options = {.threshold = 2};
-        status = conus_atlas_add_pathway(atlas, in("sub_dseg.nii"), &options);
+        status = conus_atlas_add_pathway(atlas, test_in("sub_dseg.nii"), &options);
     }
-    status = status ? status : conus_atlas_set_context(atlas, in("sub_dseg.nii"), NULL);
+    status = status ? status : conus_atlas_set_context(atlas, test_in("sub_dseg.nii"), NULL);
     conus_atlas_destroy(atlas);
     return status;
 }
@@ -423,8 +405,8 @@ static conus_status load_xml(void *data)
 {
     (void)data;
     conus_atlas *atlas = NULL;
-    conus_load_options options = {.labels = in("mine.csv")};
-    conus_status status = conus_atlas_load(&atlas, in("a.xml"), &options);
+    conus_load_options options = {.labels = test_in("mine.csv")};
+    conus_status status = conus_atlas_load(&atlas, test_in("a.xml"), &options);
     conus_atlas_destroy(atlas);
     return status;
 }
@@ -432,19 +414,19 @@ static conus_status load_xml(void *data)
 static void every_failing_allocation_is_clean(void **state)
 {
     (void)state;
-    make_folder("allocation");
-    assert_ok(write_volume(in("sub_dseg.nii"), 1, 4, "<AFNI_attributes>VALUE_LABEL_DTABLE</AFNI_attributes>"));
-    write_text(in("sub_dseg.txt"), "notes\n");
+    test_folder("allocation");
+    assert_ok(write_volume(test_in("sub_dseg.nii"), 1, 4, "<AFNI_attributes>VALUE_LABEL_DTABLE</AFNI_attributes>"));
+    write_text(test_in("sub_dseg.txt"), "notes\n");
     test_every_allocation(load_everything, NULL);
-    write_text(in("a.xml"), "<atlas><type>Label</type><images><imagefile>/sub_dseg</imagefile></images>"
-                            "<label index=\"1\">one</label></atlas>");
+    write_text(test_in("a.xml"), "<atlas><type>Label</type><images><imagefile>/sub_dseg</imagefile></images>"
+                                 "<label index=\"1\">one</label></atlas>");
     test_every_allocation(load_everything, NULL);
-    write_text(in("mine.csv"), "id,name\n1,A\n");
+    write_text(test_in("mine.csv"), "id,name\n1,A\n");
     test_every_allocation(load_xml, NULL);
-    write_text(in("dseg.tsv"), "index\tname\n1\tA\n");
+    write_text(test_in("dseg.tsv"), "index\tname\n1\tA\n");
     test_every_allocation(load_everything, NULL);
-    write_text(in("a.xml"), "<atlas><type>Statistic</type><images><imagefile>/sub_dseg</imagefile></images>"
-                            "<label index=\"0\">one</label></atlas>");
+    write_text(test_in("a.xml"), "<atlas><type>Statistic</type><images><imagefile>/sub_dseg</imagefile></images>"
+                                 "<label index=\"0\">one</label></atlas>");
     test_every_allocation(load_everything, NULL);
 }
 

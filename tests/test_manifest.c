@@ -200,20 +200,9 @@ static void every_failing_allocation_is_reported(void **state)
 
 /* ---- Loading ------------------------------------------------------------------------------------------------ */
 
-static char folder[256];
-
-static const char *in(const char *name)
-{
-    static char paths[4][512];
-    static int turn;
-    char *path = paths[turn++ % 4];
-    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
-    return path;
-}
-
 static const char *write_manifest(const char *text)
 {
-    const char *path = in("test.atlas.json");
+    const char *path = test_in("test.atlas.json");
     assert_ok(conus_write_file(path, text, strlen(text)));
     return path;
 }
@@ -222,10 +211,9 @@ static const char *write_manifest(const char *text)
 static int write_volumes(void **state)
 {
     (void)state;
-    snprintf(folder, sizeof folder, "%s", test_scratch("scene"));
-    mkdir(folder, 0777);
-    conus_status status = conus_phantom_write("slabs", folder, &(conus_phantom_options){.size = 16});
-    return status || conus_phantom_write("sphere", folder, &(conus_phantom_options){.size = 16});
+    test_folder("scene");
+    conus_status status = conus_phantom_write("slabs", test_in(""), &(conus_phantom_options){.size = 16});
+    return status || conus_phantom_write("sphere", test_in(""), &(conus_phantom_options){.size = 16});
 }
 
 static void a_scene_is_loaded_in_one_piece(void **state)
@@ -284,13 +272,14 @@ static void progress_is_told_file_by_file(void **state)
     assert_string_equal(heard.files[1], "sphere.nii.gz");
     conus_atlas_destroy(atlas);
     heard = (struct heard){.count = 0};
-    assert_ok(conus_atlas_load(&atlas, in("sphere.nii.gz"), &options));
+    assert_ok(conus_atlas_load(&atlas, test_in("sphere.nii.gz"), &options));
     assert_int_equal(heard.count, 1);
     assert_int_equal(heard.total, 1);
     conus_atlas_destroy(atlas);
     heard = (struct heard){.count = 0};
-    assert_ok(conus_phantom_write("brain", in("brain"), NULL));
-    assert_ok(conus_atlas_load(&atlas, in("brain/brain.atlas.json"), &options)); /* surfaces, a pathway, a context */
+    assert_ok(conus_phantom_write("brain", test_in("brain"), NULL));
+    assert_ok(
+        conus_atlas_load(&atlas, test_in("brain/brain.atlas.json"), &options)); /* surfaces, a pathway, a context */
     assert_int_equal(heard.count, 13);
     assert_int_equal(heard.done + 1, heard.total);
     conus_atlas_destroy(atlas);
@@ -302,18 +291,18 @@ static void labels_of_the_command_line_come_first(void **state)
     conus_atlas *atlas = NULL;
     static const char table[] = "1 One\n300 Three hundred\n";
     static const char other[] = "1 Uno\n300 Trecento\n";
-    assert_ok(conus_write_file(in("names.txt"), table, strlen(table)));
-    assert_ok(conus_write_file(in("other.txt"), other, strlen(other)));
+    assert_ok(conus_write_file(test_in("names.txt"), table, strlen(table)));
+    assert_ok(conus_write_file(test_in("other.txt"), other, strlen(other)));
     const char *path = write_manifest("{\"conus_atlas\": 1, \"parcellation\": {\"file\": \"slabs.nii.gz\", "
                                       "\"labels\": \"names.txt\"}}");
     assert_ok(conus_atlas_load(&atlas, path, NULL));
     assert_string_equal(conus_atlas_object(atlas, 1)->name, "One");
     conus_atlas_destroy(atlas);
-    assert_ok(conus_atlas_load(&atlas, path, &(conus_load_options){.labels = in("other.txt")}));
+    assert_ok(conus_atlas_load(&atlas, path, &(conus_load_options){.labels = test_in("other.txt")}));
     assert_string_equal(conus_atlas_object(atlas, 1)->name, "Uno");
     conus_atlas_destroy(atlas);
     path = write_manifest("{\"conus_atlas\": 1, \"pathways\": [\"sphere.nii.gz\"]}");
-    assert_fails(conus_atlas_load(&atlas, path, &(conus_load_options){.labels = in("other.txt")}),
+    assert_fails(conus_atlas_load(&atlas, path, &(conus_load_options){.labels = test_in("other.txt")}),
                  CONUS_ERROR_ARGUMENT);
 }
 

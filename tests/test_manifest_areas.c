@@ -13,20 +13,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static char folder[256];
-
-static const char *in(const char *name)
-{
-    static char paths[4][512];
-    static int turn;
-    char *path = paths[turn++ % 4];
-    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
-    return path;
-}
-
 static void write_text(const char *name, const char *text)
 {
-    assert_ok(conus_write_file(in(name), text, strlen(text)));
+    assert_ok(conus_write_file(test_in(name), text, strlen(text)));
 }
 
 /* A tetrahedron of 6 mm^3 whose corner nearest to the origin is at (x, 0, 0). */
@@ -38,7 +27,7 @@ static conus_status write_tetrahedron(const char *name, float x)
     struct mesh_title title = {.label = 1, .name = "In the file", .space = "NIFTI_XFORM_SCANNER_ANAT"};
     struct buffer file = {0};
     conus_status status = mesh_format(&file, &mesh, &title, CONUS_GIFTI);
-    status = status ? status : conus_write_file(in(name), file.data, file.size);
+    status = status ? status : conus_write_file(test_in(name), file.data, file.size);
     buffer_finish(&file);
     return status;
 }
@@ -46,12 +35,11 @@ static conus_status write_tetrahedron(const char *name, float x)
 static int write_files(void **state)
 {
     (void)state;
-    snprintf(folder, sizeof folder, "%s", test_scratch("areas"));
-    mkdir(folder, 0777);
-    mkdir(in("set"), 0777);
-    mkdir(in("plain"), 0777);
-    conus_status status = conus_phantom_write("slabs", folder, &(conus_phantom_options){.size = 16});
-    status = status ? status : conus_phantom_write("sphere", folder, &(conus_phantom_options){.size = 16});
+    test_folder("areas");
+    mkdir(test_in("set"), 0777);
+    mkdir(test_in("plain"), 0777);
+    conus_status status = conus_phantom_write("slabs", test_in(""), &(conus_phantom_options){.size = 16});
+    status = status ? status : conus_phantom_write("sphere", test_in(""), &(conus_phantom_options){.size = 16});
     status = status ? status : write_tetrahedron("a.gii", 10);
     status = status ? status : write_tetrahedron("b.gii", 20);
     status = status ? status : write_tetrahedron("set/area_07.gii", 30);
@@ -67,9 +55,9 @@ static conus_status load(conus_atlas **atlas, const char *keys)
     *atlas = NULL;
     buffer_format(&text, "{\"conus_atlas\": 1, %s}", keys);
     assert_ok(buffer_status(&text));
-    assert_ok(conus_write_file(in("test.atlas.json"), text.data, text.size));
+    assert_ok(conus_write_file(test_in("test.atlas.json"), text.data, text.size));
     buffer_finish(&text);
-    conus_status status = conus_atlas_load(atlas, in("test.atlas.json"), NULL);
+    conus_status status = conus_atlas_load(atlas, test_in("test.atlas.json"), NULL);
     assert_true(!status == (*atlas != NULL));
     return status;
 }
@@ -176,7 +164,7 @@ static void labels_that_clash_are_refused(void **state)
     assert_ok(write_tetrahedron("set/other.gii", 0));
     assert_refused("\"areas\": [{\"files\": \"set/*\"}]",
                    "areas[0]: files: 2 of the 3 names hold a number, which gives the label: all or none must");
-    remove(in("set/other.gii"));
+    remove(test_in("set/other.gii"));
 }
 
 static void a_surface_may_replace_voxels(void **state)
@@ -335,13 +323,13 @@ static void a_folder_of_surfaces_is_an_atlas(void **state)
 {
     (void)state;
     conus_atlas *atlas = NULL;
-    assert_ok(conus_atlas_load(&atlas, in("set"), NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("set"), NULL));
     assert_int_equal(conus_atlas_object_count(atlas), 2);
     assert_int_equal(conus_atlas_object(atlas, 1)->label, 2);
     assert_int_equal(conus_atlas_object(atlas, 2)->label, 7);
     assert_int_equal(atlas->file_count, 2);
     assert_int_equal(strlen(atlas->files[1].sha256), 64);
-    assert_string_equal(atlas_path(atlas), in("set")); /* as it was asked for, not its first surface */
+    assert_string_equal(atlas_path(atlas), test_in("set")); /* as it was asked for, not its first surface */
     conus_atlas_destroy(atlas);
     atlas = loaded("\"areas\": [{\"file\": \"a.gii\", \"label\": 4}]");
     assert_int_equal(atlas->file_count, 2);
@@ -367,8 +355,8 @@ static void write_globe(void)
 {
     static const char obj[] = "v 1000 2000 3000\nv 4000 2000 3000\nv 1000 6000 3000\nv 1000 2000 8000\n"
                               "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
-    mkdir(in("globe"), 0777);
-    mkdir(in("globe/meshes"), 0777);
+    mkdir(test_in("globe"), 0777);
+    mkdir(test_in("globe/meshes"), 0777);
     write_text(
         "globe/structures.json",
         "[{\"id\": 997, \"acronym\": \"root\", \"name\": \"root\", \"structure_id_path\": [997], \"rgb_triplet\": "
@@ -399,7 +387,7 @@ static void brainglobe_folders_are_placed_and_grouped(void **state)
     assert_true(has_note(atlas, "axes start at \"asr\""));
     conus_atlas_destroy(atlas);
 
-    assert_ok(conus_atlas_load(&atlas, in("globe"), NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("globe"), NULL));
     assert_int_equal(conus_atlas_object_count(atlas), 3);
     conus_atlas_destroy(atlas);
 
@@ -442,7 +430,7 @@ static void every_failing_allocation_is_reported(void **state)
                "{\"files\": \"set/*.gii\", \"labels\": \"names.txt\", \"parent\": 40},"
                "{\"file\": \"a.gii\", \"label\": 300}], \"tree\": [{\"label\": 40, \"name\": \"Whole\"}]");
     conus_atlas_destroy(atlas);
-    test_every_allocation(load_again, (void *)in("test.atlas.json"));
+    test_every_allocation(load_again, (void *)test_in("test.atlas.json"));
 }
 
 int main(void)

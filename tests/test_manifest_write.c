@@ -11,17 +11,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static char folder[256];
-
-static const char *in(const char *name)
-{
-    static char paths[4][512];
-    static int turn;
-    char *path = paths[turn++ % 4];
-    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
-    return path;
-}
-
 /* A volume of 8 x 8 x 8 voxels with these values. */
 static conus_status write_volume(const char *name, uint32_t (*value)(size_t i))
 {
@@ -35,7 +24,7 @@ static conus_status write_volume(const char *name, uint32_t (*value)(size_t i))
         values[i] = value(i);
     }
     conus_status status = nifti_format_values(&file, &info, values, 1);
-    status = status ? status : conus_write_file(in(name), file.data, file.size);
+    status = status ? status : conus_write_file(test_in(name), file.data, file.size);
     bytes_finish(&file);
     return status;
 }
@@ -59,8 +48,7 @@ static uint32_t everywhere(size_t i)
 static int write_files(void **state)
 {
     (void)state;
-    snprintf(folder, sizeof folder, "%s", test_scratch("folder"));
-    mkdir(folder, 0777);
+    test_folder("folder");
     conus_status status = write_volume("blocks.nii", in_blocks);
     status = status ? status : write_volume("spot.nii", in_a_spot);
     return status || write_volume("t1.nii", everywhere);
@@ -70,13 +58,13 @@ static void volumes_are_told_by_their_values(void **state)
 {
     (void)state;
     struct volume_guess guess;
-    assert_ok(volume_guess_make(&guess, in("blocks.nii"), 0));
+    assert_ok(volume_guess_make(&guess, test_in("blocks.nii"), 0));
     assert_int_equal(guess.use, VOLUME_LABELS);
-    assert_ok(volume_guess_make(&guess, in("spot.nii"), 0));
+    assert_ok(volume_guess_make(&guess, test_in("spot.nii"), 0));
     assert_int_equal(guess.use, VOLUME_PATHWAY);
-    assert_ok(volume_guess_make(&guess, in("t1.nii"), 0));
+    assert_ok(volume_guess_make(&guess, test_in("t1.nii"), 0));
     assert_int_equal(guess.use, VOLUME_CONTEXT);
-    assert_fails(volume_guess_make(&guess, in("none.nii"), 0), CONUS_ERROR_IO);
+    assert_fails(volume_guess_make(&guess, test_in("none.nii"), 0), CONUS_ERROR_IO);
 }
 
 static uint32_t nothing(size_t i)
@@ -103,15 +91,15 @@ static void masks_and_nothing_are_no_parcellation(void **state)
     assert_ok(write_volume("mask.nii", mask));
     assert_ok(write_volume("slices.nii", in_slices));
     assert_ok(write_volume("nothing.nii", nothing));
-    assert_ok(volume_guess_make(&guess, in("mask.nii"), 0));
+    assert_ok(volume_guess_make(&guess, test_in("mask.nii"), 0));
     assert_int_equal(guess.use, VOLUME_PATHWAY);
-    assert_ok(volume_guess_make(&guess, in("slices.nii"), 0));
+    assert_ok(volume_guess_make(&guess, test_in("slices.nii"), 0));
     assert_int_equal(guess.use, VOLUME_LABELS);
-    assert_fails(volume_guess_make(&guess, in("nothing.nii"), 0), CONUS_ERROR_DATA);
+    assert_fails(volume_guess_make(&guess, test_in("nothing.nii"), 0), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "all of its values are 0"));
-    remove(in("mask.nii"));
-    remove(in("slices.nii"));
-    remove(in("nothing.nii"));
+    remove(test_in("mask.nii"));
+    remove(test_in("slices.nii"));
+    remove(test_in("nothing.nii"));
 }
 
 static void names_give_labels_or_do_not(void **state)
@@ -133,16 +121,16 @@ static void what_is_written_loads(void **state)
 {
     (void)state;
     conus_atlas *atlas = NULL;
-    remove(in("scene.atlas.json"));
-    assert_ok(conus_manifest_write(in("scene.atlas.json"), NULL));
-    assert_ok(conus_atlas_load(&atlas, in("scene.atlas.json"), NULL));
+    remove(test_in("scene.atlas.json"));
+    assert_ok(conus_manifest_write(test_in("scene.atlas.json"), NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("scene.atlas.json"), NULL));
     assert_int_equal(conus_atlas_object_count(atlas), 4);
     assert_string_equal(conus_atlas_object(atlas, 4)->name, "spot");
     assert_int_equal(conus_atlas_volume(atlas, 2)->role, CONUS_CONTEXT);
     conus_atlas_destroy(atlas);
-    assert_fails(conus_manifest_write(in("scene.atlas.json"), NULL), CONUS_ERROR_IO);
+    assert_fails(conus_manifest_write(test_in("scene.atlas.json"), NULL), CONUS_ERROR_IO);
     assert_non_null(strstr(conus_message(), "there is a file already, which is not replaced"));
-    assert_fails(conus_manifest_write(in("none/scene.atlas.json"), NULL), CONUS_ERROR_IO);
+    assert_fails(conus_manifest_write(test_in("none/scene.atlas.json"), NULL), CONUS_ERROR_IO);
     assert_fails(conus_manifest_write("", NULL), CONUS_ERROR_ARGUMENT);
 }
 
@@ -156,7 +144,7 @@ static void every_failing_allocation_is_reported(void **state)
 {
     (void)state;
     char path[512];
-    snprintf(path, sizeof path, "%s", in("again.atlas.json"));
+    snprintf(path, sizeof path, "%s", test_in("again.atlas.json"));
     test_every_allocation(write_again, path);
 }
 
