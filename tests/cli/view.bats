@@ -121,7 +121,8 @@ save three.json
 results left.tsv
 END
     diff one.json three.json
-    conus query slabs.nii.gz --origin 3,90,2 --toward 3,0,2 --angle 23 --layers all --format tsv | diff left.tsv -
+    conus query slabs.nii.gz --origin 3,90,2 --toward 3,0,2 --angle 23 --layers all --hide 'Slab anterior' --format tsv |
+        diff left.tsv - # the session hides it
 }
 
 @test "a session keeps thresholds, the context's transfer function and colours" {
