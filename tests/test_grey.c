@@ -191,7 +191,7 @@ static uint32_t tens(size_t i, size_t j, size_t k)
 /* The skull-stripped noise in a background that is not 0, and with its upper part saturated. */
 static uint32_t with_plateaus(size_t i, size_t j, size_t k)
 {
-    bool inside = i > 3 && i < 28 && j > 3 && j < 28 && k > 3 && k < 28;
+    bool inside = i > 7 && i < 24 && j > 7 && j < 24 && k > 7 && k < 24;
     uint32_t value = smooth_noise(i, j, k);
     return !inside ? 30 : value > 900 ? 900 : value;
 }
