@@ -79,23 +79,23 @@ static void labels_inside_or_beside_cut_it(void **state)
     }
 }
 
-/* A file that grows after the n-th read() from now on; 0 = none does. */
+/* A file that grows after the n-th close() from now on, between two readings; 0 = none does. */
 static char growing[256];
-static size_t reads_left;
+static size_t closes_left;
 
-ssize_t __real_read(int descriptor, void *data, size_t size);
-ssize_t __wrap_read(int descriptor, void *data, size_t size);
+int __real_close(int descriptor);
+int __wrap_close(int descriptor);
 
-ssize_t __wrap_read(int descriptor, void *data, size_t size)
+int __wrap_close(int descriptor)
 {
-    ssize_t got = __real_read(descriptor, data, size);
-    if (reads_left && --reads_left == 0) {
+    int closed = __real_close(descriptor);
+    if (closes_left && --closes_left == 0) {
         FILE *file = fopen(growing, "a");
         assert_non_null(file);
         fputc('\n', file);
         assert_int_equal(fclose(file), 0);
     }
-    return got;
+    return closed;
 }
 
 /* The checksum that an atlas tells must be that of the bytes that it was made of. */
@@ -103,22 +103,28 @@ static void a_surface_that_changes_is_an_error(void **state)
 {
     (void)state;
     size_t noticed = 0;
+    struct buffer bytes = {0};
+    make_surface(&bytes, 0); /* not packed, so that a byte more at its end makes no other surface */
     for (size_t n = 1;; n++) {
         conus_atlas *atlas = NULL;
-        snprintf(growing, sizeof growing, "%s", write_surface("growing.gii", 0));
-        reads_left = n;
+        snprintf(growing, sizeof growing, "%s", test_scratch("growing.gii"));
+        assert_ok(conus_write_file(growing, bytes.data, bytes.size));
+        closes_left = n;
         conus_status status = conus_atlas_load(&atlas, growing, NULL);
-        bool done = reads_left > 0;
-        reads_left = 0;
+        bool done = closes_left > 0;
+        closes_left = 0;
+        conus_atlas_destroy(atlas);
         if (done) {
             assert_ok(status);
-            conus_atlas_destroy(atlas);
             break;
         }
-        assert_fails(status, CONUS_ERROR_IO);
-        assert_non_null(strstr(conus_message(), "growing.gii: changed while it was read"));
-        noticed++;
+        if (status) { /* else it grew while only its kind was looked for, before any of it was kept */
+            assert_fails(status, CONUS_ERROR_IO);
+            assert_non_null(strstr(conus_message(), "growing.gii: changed while it was read"));
+            noticed++;
+        }
     }
+    buffer_finish(&bytes);
     assert_true(noticed >= 2); /* it is read for its triangles, and for its checksum */
 }
 

@@ -281,10 +281,12 @@ static void csv_quotes_what_needs_it(void **state)
     const conus_result met = result_of(D, 0.5, 1, 3);
     add(&made, "one, two", nowhere, 0, &met, 1);
     add(&made, "=1+1", nowhere, 0, &met, 1);
+    add(&made, "\"", nowhere, 0, &met, 1);
     assert_text(&made, "query,kind,index,name,share,score,distance_mm,runner_up,runner_up_index,runner_up_share,margin,"
                        "unassigned_share,error\r\n"
                        "\"one, two\",area,40,\"Delta, \"\"d\"\"\",1,0.5,3,n/a,n/a,n/a,n/a,n/a,n/a\r\n"
-                       "=1+1,area,40,\"Delta, \"\"d\"\"\",1,0.5,3,n/a,n/a,n/a,n/a,n/a,n/a\r\n");
+                       "=1+1,area,40,\"Delta, \"\"d\"\"\",1,0.5,3,n/a,n/a,n/a,n/a,n/a,n/a\r\n"
+                       "\"\"\"\",area,40,\"Delta, \"\"d\"\"\",1,0.5,3,n/a,n/a,n/a,n/a,n/a,n/a\r\n");
     finish(&made);
 }
 
