@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { NAME_LIMIT = 48 };
+enum { NAME_LIMIT = 48, NAMED_LIMIT = 3 };
 
 /* Columns on a terminal of a UTF-8 text, one per code point (good enough for area names). */
 static int width_of(const char *text)
@@ -252,6 +252,97 @@ static void write_file_of(struct buffer *out, const char *path)
     memory_free(name);
 }
 
+/* The first pathway from object `number` on that is not hidden; 0 = none. */
+static size_t next_pathway(const conus_atlas *atlas, size_t number)
+{
+    number = number > atlas->area_count ? number : atlas->area_count + 1;
+    while (number <= atlas->object_count && atlas->places[number - 1].is_hidden) {
+        number++;
+    }
+    return number <= atlas->object_count ? number : 0;
+}
+
+static const conus_volume_info *pathway_info(const conus_atlas *atlas, size_t number)
+{
+    return &atlas_object_volume(atlas, (uint32_t)number)->info;
+}
+
+static bool has_same_threshold(const conus_volume_info *a, const conus_volume_info *b)
+{
+    return a->threshold == b->threshold;
+}
+
+static bool has_same_file(const conus_volume_info *a, const conus_volume_info *b)
+{
+    return strcmp(a->path, b->path) == 0;
+}
+
+/* The first of the pathways that are like this one. */
+static size_t first_alike(const conus_atlas *atlas, size_t number,
+                          bool (*is_alike)(const conus_volume_info *a, const conus_volume_info *b))
+{
+    size_t first = next_pathway(atlas, 0);
+    while (first != number && !is_alike(pathway_info(atlas, first), pathway_info(atlas, number))) {
+        first = next_pathway(atlas, first + 1);
+    }
+    return first;
+}
+
+/* "from T on (A, B, C and 2 more)" of all pathways with the threshold of this one. */
+static void write_threshold(struct buffer *out, const conus_atlas *atlas, size_t first, bool with_names)
+{
+    size_t count = 0;
+    buffer_text(out, " from ");
+    buffer_number(out, pathway_info(atlas, first)->threshold);
+    buffer_text(out, with_names ? " on (" : " on");
+    for (size_t n = first; n && with_names; n = next_pathway(atlas, n + 1)) {
+        bool alike = has_same_threshold(pathway_info(atlas, n), pathway_info(atlas, first));
+        count += alike;
+        if (alike && count <= NAMED_LIMIT) {
+            buffer_format(out, "%s%s", count > 1 ? ", " : "", conus_atlas_object(atlas, n)->name);
+        }
+    }
+    if (count > NAMED_LIMIT) {
+        buffer_format(out, " and %zu more", count - NAMED_LIMIT);
+    }
+    buffer_text(out, with_names ? ")" : "");
+}
+
+/* One line for all of them, and names only where thresholds differ. */
+static void write_pathways(struct buffer *out, const conus_atlas *atlas)
+{
+    size_t first = next_pathway(atlas, 0);
+    size_t count = 0;
+    size_t files = 0;
+    size_t thresholds = 0;
+    for (size_t n = first; n; n = next_pathway(atlas, n + 1)) {
+        count++;
+        files += first_alike(atlas, n, has_same_file) == n;
+        thresholds += first_alike(atlas, n, has_same_threshold) == n;
+    }
+    if (!count) {
+        return;
+    }
+    if (count > 1) {
+        buffer_format(out, "%zu pathways: values", count);
+    } else {
+        buffer_format(out, "pathway %s: values", conus_atlas_object(atlas, first)->name);
+    }
+    for (size_t n = first, written = 0; n; n = next_pathway(atlas, n + 1)) {
+        if (first_alike(atlas, n, has_same_threshold) == n) {
+            buffer_text(out, written++ ? "," : "");
+            write_threshold(out, atlas, n, thresholds > 1);
+        }
+    }
+    buffer_text(out, " in ");
+    if (files > 1) {
+        buffer_format(out, "%zu files", files);
+    } else {
+        write_file_of(out, pathway_info(atlas, first)->path);
+    }
+    buffer_text(out, "\n");
+}
+
 /* What the answers rest on: which transform placed the atlas, and from which value on a pathway is one. */
 void report_write_sources(struct buffer *out, const conus_report *report)
 {
@@ -271,17 +362,7 @@ void report_write_sources(struct buffer *out, const conus_report *report)
         atlas_describe_shown(out, atlas);
         buffer_text(out, "\n");
     }
-    for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
-        if (atlas->places[number - 1].is_hidden) {
-            continue;
-        }
-        const conus_volume_info *info = &atlas_object_volume(atlas, (uint32_t)number)->info;
-        buffer_format(out, "pathway %s: values from ", conus_atlas_object(atlas, number)->name);
-        buffer_number(out, info->threshold);
-        buffer_text(out, " on in ");
-        write_file_of(out, info->path);
-        buffer_text(out, "\n");
-    }
+    write_pathways(out, atlas);
 }
 
 void report_write_table(struct buffer *out, const conus_report *report)

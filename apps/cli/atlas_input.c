@@ -226,13 +226,6 @@ const char *settings_input(const conus_atlas *atlas, const struct input *inputs,
     return is_label_table(atlas, path) ? "the label table" : NULL;
 }
 
-void settings_say_notes(const conus_atlas *atlas, const struct common_settings *settings)
-{
-    for (size_t i = 0; !settings->quiet && i < conus_atlas_note_count(atlas); i++) {
-        complain("note: %s", conus_atlas_note(atlas, i));
-    }
-}
-
 /* A surface that is not closed has no volume. */
 void settings_say_open(const conus_atlas *atlas, const struct engine_settings *engine,
                        const struct common_settings *settings)

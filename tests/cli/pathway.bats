@@ -22,6 +22,64 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 2 --quiet --format tsv'
     answers query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --pathway sphere.nii.gz,threshold=0.5
 }
 
+# scaled SLOPE FILE: the ball with its values times a number, given as the bytes of a float.
+scaled() {
+    gunzip -c sphere.nii.gz >"$2"
+    printf "$1" | dd of="$2" bs=1 seek=112 conv=notrunc status=none # scl_slope of NIfTI-1
+}
+
+@test "what many pathways share is said once, and no threshold is lost" {
+    scene
+    cp sphere.nii.gz two.nii.gz
+    scaled '\000\000\110\103' a.nii # 200
+    scaled '\000\000\310\103' b.nii # 400
+    local aim='--origin 0,0,100 --toward 0,0,0' share='values up to 1, taken as probabilities; threshold 0.25'
+    # shellcheck disable=SC2086 # words
+    run -0 --separate-stderr "$CONUS" query slabs.nii.gz $aim --pathway a.nii --pathway sphere.nii.gz --pathway b.nii \
+        --pathway two.nii.gz
+    [ "${#stderr_lines[@]}" -eq 2 ]
+    [ "${stderr_lines[0]}" = 'conus: note: 2 pathways: values of no usual scale, measured by the largest; thresholds 50, 100' ]
+    [ "${stderr_lines[1]}" = "conus: note: 2 pathways: $share" ]
+    [ "${lines[-1]}" = '4 pathways: values from 50 on (a), from 0.25 on (sphere, two), from 100 on (b) in 4 files' ]
+    run -0 "$CONUS" info slabs.nii.gz --pathway sphere.nii.gz --pathway two.nii.gz # which says all
+    has "pathway sphere: $share"
+    has "pathway two: $share"
+    # shellcheck disable=SC2086
+    run -0 --separate-stderr "$CONUS" query slabs.nii.gz $aim --pathway sphere.nii.gz --pathway a.nii
+    [ "${#stderr_lines[@]}" -eq 2 ]
+    [ "${stderr_lines[0]}" = "conus: note: pathway sphere: $share" ]
+    # A quarter of 100, 101 ... 110 times 2; the first eight are listed.
+    local many=()
+    for i in 0 1 2 3 4 5 6 7 8 9; do
+        scaled "\\000\\000\\$(printf %03o $((72 + i)))\\103" "m$i.nii" # 200, 201 ...
+        many+=(--pathway "m$i.nii")
+    done
+    # shellcheck disable=SC2086
+    run -0 --separate-stderr "$CONUS" query slabs.nii.gz $aim "${many[@]}"
+    check_message 'largest; thresholds 50, 50.25, 50.5, 50.75, 51, 51.25, 51.5, 51.75 and 2 more (conus info says which)'
+}
+
+@test "pathways have one line below the table, with names where thresholds differ" {
+    scene
+    local aim='--origin 0,0,100 --toward 0,0,0' five=()
+    for i in 1 2 3 4 5; do
+        five+=(--pathway "sphere.nii.gz,threshold=1,name=p$i")
+    done
+    # shellcheck disable=SC2086 # words
+    answers query slabs.nii.gz $aim "${five[@]:0:2}"
+    [ "${lines[-1]}" = 'pathway p1: values from 1 on in sphere.nii.gz' ]
+    # shellcheck disable=SC2086
+    answers query slabs.nii.gz $aim "${five[@]}" --quiet
+    [ "${lines[-1]}" = '5 pathways: values from 1 on in sphere.nii.gz' ]
+    [[ "${lines[-2]}" == 'atlas slabs.nii.gz, placed by '* ]]
+    # shellcheck disable=SC2086
+    answers query slabs.nii.gz $aim "${five[@]}" --hide p1,p3
+    [ "${lines[-1]}" = '3 pathways: values from 1 on in sphere.nii.gz' ]
+    # shellcheck disable=SC2086
+    answers query slabs.nii.gz $aim "${five[@]}" --pathway sphere.nii.gz,threshold=0.5,name=q
+    [ "${lines[-1]}" = '6 pathways: values from 1 on (p1, p2, p3 and 2 more), from 0.5 on (q) in sphere.nii.gz' ]
+}
+
 @test "pathways have names, thresholds and volumes, and may be many" {
     scene
     answers query slabs.nii.gz $AIM --pathway sphere.nii.gz,name='left tract',threshold=1 --pathway=sphere.nii.gz
