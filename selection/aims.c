@@ -107,6 +107,65 @@ static uint32_t object_at(const conus_atlas *atlas, const double point[3])
     return 0;
 }
 
+/* The closed surface in which something begins; NULL for an object of another kind. */
+static const struct mesh *closed_mesh(const conus_atlas *atlas, uint32_t object)
+{
+    const struct mesh *mesh = object == VOLUME_BLOCKER ? NULL : atlas_object_mesh(atlas, object);
+    return mesh && mesh->shape.closed ? mesh : NULL;
+}
+
+static bool is_in_bounds(const struct mesh_shape *shape, const double point[3])
+{
+    bool inside = true;
+    for (int a = 0; a < 3; a++) {
+        inside = inside && point[a] >= shape->low[a] && point[a] <= shape->high[a];
+    }
+    return inside;
+}
+
+/* Whether the point is in the box around a closed surface: in few it is, and only then a ray tells more. */
+static bool may_be_enclosed(const conus_atlas *atlas, const double point[3])
+{
+    bool found = false;
+    for (uint32_t object = 1; atlas->mesh_count && object <= atlas->object_count && !found; object++) {
+        const struct mesh *mesh = closed_mesh(atlas, object);
+        found = mesh && is_in_bounds(&mesh->shape, point);
+    }
+    return found;
+}
+
+/* Of the closed surfaces around the apex the smallest: those that the axis is inside of from 0 on (Eq. 10). */
+static uint32_t object_around(const conus_selector *selector, const struct cone *cone)
+{
+    const conus_atlas *atlas = selector->atlas;
+    struct engine *engine = selector->engine;
+    struct layers layers = {0};
+    uint32_t found = 0;
+    double least = INFINITY;
+    if (selector->options.sampling != CONUS_EXACT || !may_be_enclosed(atlas, cone->pose.world_from_device + 12) ||
+        engine->functions->pierce(engine, &layers, cone)) {
+        layers_finish(&layers);
+        return 0;
+    }
+    for (size_t i = 0; i < layers.count; i++) {
+        const conus_span *span = &layers.spans[i];
+        const struct mesh *mesh = span->entry == 0 && span->exit > 0 ? closed_mesh(atlas, span->object) : NULL;
+        if (mesh && fabs(mesh->shape.volume_mm3) < least) {
+            least = fabs(mesh->shape.volume_mm3);
+            found = span->object;
+        }
+    }
+    layers_finish(&layers);
+    return found;
+}
+
+/* Where the apex lies; a needle begins inside. */
+static uint32_t object_of_apex(const conus_selector *selector, const struct cone *cone)
+{
+    uint32_t object = cone->radius > 0 ? 0 : object_at(selector->atlas, cone->pose.world_from_device + 12);
+    return object || cone->radius > 0 ? object : object_around(selector, cone);
+}
+
 void aims_init(struct conus_aims *out, const conus_selector *selector)
 {
     *out = (struct conus_aims){.selector = selector};
@@ -146,7 +205,7 @@ void conus_aims_add(conus_aims *aims, uint64_t number, const conus_pose *pose, d
         return;
     }
     aims->found.poses++;
-    uint32_t object = options->radius > 0 ? 0 : object_at(aims->selector->atlas, apex); /* needles begin inside */
+    uint32_t object = object_of_apex(aims->selector, &cone);
     if (object) {
         count(&aims->found.inside, number, &cone, object);
     } else if (aims_past(&cone, aims->low, aims->high)) {

@@ -3,6 +3,7 @@
 #include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "mesh_scene.h"
 #include "scene.h"
 #include "selection/aims.h"
 #include "test.h"
@@ -222,6 +223,74 @@ static void a_cylinder_may_begin_inside(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* ---- Closed surfaces ------------------------------------------------------------------------------------------- */
+
+static uint64_t inside_first(const conus_atlas *atlas, const conus_selector_options *options, const double (*places)[3],
+                             size_t count, uint32_t *object)
+{
+    conus_selector *selector = NULL;
+    conus_aims *aims = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, options));
+    assert_ok(conus_aims_create(&aims, selector));
+    for (size_t i = 0; i < count; i++) {
+        const conus_pose pose = looking_up_from(places[i][0], places[i][1], places[i][2]);
+        conus_aims_add(aims, i + 1, &pose, options->radius > 0 ? 0 : 0.2);
+    }
+    const conus_oddity inside = conus_aims_found(aims)->inside;
+    assert_true(inside.count <= 1);
+    *object = inside.object;
+    conus_aims_destroy(aims);
+    conus_selector_destroy(selector);
+    return inside.count ? inside.first : 0;
+}
+
+/* A box of 20 mm, number 2 a box in it of 4 mm that faces inwards, number 3 an open box elsewhere. Where points
+ * lie is plain from their coordinates. */
+static void a_device_may_lie_inside_a_closed_surface(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh outer = mesh_scene_box((double[]){-10, -10, -10}, (double[]){10, 10, 10});
+    struct mesh inner = mesh_scene_box((double[]){1, 1, 1}, (double[]){5, 5, 5});
+    struct mesh open = mesh_scene_box((double[]){30, -10, -10}, (double[]){50, 10, 10});
+    const conus_selector_options plain = {0};
+    uint32_t object;
+    mesh_scene_turn(&inner);
+    open.triangle_count--; /* the rest is not closed */
+    mesh_scene_add(atlas, &outer);
+    mesh_scene_add(atlas, &inner);
+    mesh_scene_add(atlas, &open);
+    assert_false(atlas_object_mesh(atlas, 3)->shape.closed);
+    assert_int_equal(inside_first(atlas, &plain, (const double[][3]){{-2, 0.3, 0.1}}, 1, &object), 1);
+    assert_int_equal(object, 1);
+    assert_int_equal(inside_first(atlas, &plain, (const double[][3]){{2, 2.3, 2.1}}, 1, &object), 1);
+    assert_int_equal(object, 2); /* in both, and that is the smaller */
+    const double none[][3] = {{40, 0.3, 0.1}, {0.1, 0.3, -11}, {0.1, 0.3, 11}, {-11, 0.3, 0.1}, {0.2, 10.5, 0.1}};
+    assert_int_equal(inside_first(atlas, &plain, none, 5, &object), 0);
+    const conus_selector_options needle = {.radius = 1};
+    assert_int_equal(inside_first(atlas, &needle, (const double[][3]){{-2, 0.3, 0.1}}, 1, &object), 0);
+    conus_atlas_destroy(atlas);
+}
+
+/* In the box around a torus of radii 10 and 3 mm, but only in places in its tube. */
+static void the_box_of_a_surface_is_not_its_inside(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh torus = mesh_scene_torus(10, 3, 64, 32);
+    const conus_selector_options plain = {0};
+    uint32_t object;
+    mesh_scene_add(atlas, &torus);
+    const double none[][3] = {{0.1, 0.2, 0}, {10.5, 10.5, 0.2}, {6, 0.3, -1}};
+    const double last[][3] = {{0.1, 0.2, 0}, {10.5, 10.5, 0.2}, {9, 0.3, -1}};
+    assert_int_equal(inside_first(atlas, &plain, none, 3, &object), 0);
+    assert_int_equal(inside_first(atlas, &plain, last, 3, &object), 3);
+    assert_int_equal(object, 1);
+    const conus_selector_options sliced = {.sampling = CONUS_SLICES};
+    assert_int_equal(inside_first(atlas, &sliced, last, 3, &object), 0); /* which have no inside */
+    conus_atlas_destroy(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -230,6 +299,8 @@ int main(void)
         cmocka_unit_test(what_is_met_is_not_missed),
         cmocka_unit_test(poses_are_counted_by_kind),
         cmocka_unit_test(a_cylinder_may_begin_inside),
+        cmocka_unit_test(a_device_may_lie_inside_a_closed_surface),
+        cmocka_unit_test(the_box_of_a_surface_is_not_its_inside),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

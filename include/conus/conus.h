@@ -104,8 +104,8 @@ typedef struct conus_load_options {
  * FreeSurfer and what conus-mesh reads), cut by the labels of its vertices if there are any; or a folder of
  * surfaces or BrainGlobe folder. What a file is, its content decides.
  * @p path may end in ",volume=K" to choose volume K (from 0) of a 4-D file. docs/formats.md says how the label table is
- * found. Values must be whole numbers from 0 to 4294967295; 0 is background. A volume that looks like an image, not like
- * labels, is CONUS_ERROR_DATA unless labels_anyway; docs/formats.md says how that is told. */
+ * found. Values must be whole numbers from 0 to 4294967295; 0 is background. A volume that looks like an image, not
+ * like labels, is CONUS_ERROR_DATA unless labels_anyway; docs/formats.md says how that is told. */
 CONUS_CHECKED conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options);
 CONUS_API void conus_atlas_destroy(conus_atlas *atlas);
 
@@ -450,7 +450,8 @@ typedef struct conus_oddity {
 /** What is odd about where poses are and look, which often comes from another space or unit. */
 typedef struct conus_astray {
     uint64_t poses;      /**< So many were looked at.                                                            */
-    conus_oddity inside; /**< A cone's apex is in a voxel of an area or pathway.                                 */
+    conus_oddity inside; /**< A cone's apex is in a voxel of an area or pathway, or, with exact sampling, inside a
+                              closed surface; of several such surfaces @p object is the smallest.        */
     conus_oddity away;   /**< The cone or cylinder misses the box around all areas and pathways.                 */
     conus_oddity tiny;   /**< Within 1 mm of 0 in every coordinate, and not at 0.                                */
 } conus_astray;
@@ -458,8 +459,8 @@ typedef struct conus_astray {
 /** Counts for the atlas, aperture and radius of @p selector, which must outlive it. */
 CONUS_CHECKED conus_status conus_aims_create(conus_aims **out, const conus_selector *selector);
 CONUS_API void conus_aims_destroy(conus_aims *aims);
-/** Counts a pose, which takes less than a microsecond; @p number is the caller's. One that conus_select() refuses is
- * passed over. */
+/** Counts a pose; @p number is the caller's. One that conus_select() refuses is passed over. It
+ * compares the apex with boxes, and sends one ray where that lies in the box around a closed surface. */
 CONUS_API void conus_aims_add(conus_aims *aims, uint64_t number, const conus_pose *pose, double angle);
 /** Borrowed. */
 CONUS_API const conus_astray *conus_aims_found(const conus_aims *aims);

@@ -172,3 +172,24 @@ labels() {
         done
     done
 }
+
+# A tetrahedron with corners at 0 and 20 mm along each axis: inside is where x + y + z < 20 and none is below 0.
+@test "a device inside a closed surface is told of, in a pose file and with both engines, too" {
+    {
+        array POINTSET FLOAT32 'Dimensionality="2" Dim0="4" Dim1="3"' "0 0 0 20 0 0 0 20 0 0 0 20"
+        array TRIANGLE INT32 'Dimensionality="2" Dim0="4" Dim1="3"' "0 2 1 0 1 3 1 2 3 2 0 3"
+    } | gifti >tetra.surf.gii
+    local aim='--toward 1,1,1 --angle 5 --format tsv'
+    # shellcheck disable=SC2086 # words
+    run -0 --separate-stderr "$CONUS" query tetra.surf.gii --origin 2,3,4 $aim
+    check_message 'note: the device lies inside tetra'
+    # shellcheck disable=SC2086
+    answers query tetra.surf.gii --origin 15,15,15 $aim # in its box
+    printf 'x\ty\tz\ttx\tty\ttz\n9\t9\t9\t1\t1\t1\n9\t8\t2\t1\t1\t1\n9\t9\t1\t1\t1\t1\n' >poses.tsv
+    local words='note: poses.tsv: 2 of 3 devices lie inside an area, the first in line 3, inside tetra'
+    run -0 --separate-stderr "$CONUS" batch tetra.surf.gii --poses poses.tsv -o rows.tsv --threads 2 --block 1
+    check_message "$words"
+    run --separate-stderr "$CONUS" batch tetra.surf.gii --poses poses.tsv -o rows.tsv --force --engine gl
+    [ "$status" -ne 4 ] || skip "$stderr"
+    check_message "$words"
+}
