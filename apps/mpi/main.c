@@ -2,6 +2,7 @@
 /* conus-mpi batch: conus batch on all ranks of an MPI job. Rank 0 leads: it alone reads the command's files of jobs and
  * journals, and announces each batch to the others. The first rank of each node loads the atlas for all that run there.
  * Every rank reads the poses' file by itself, and passes over the poses that are others'. */
+#include "cli/aim_notes.h"
 #include "cli/batch_jobs.h"
 #include "cli/batch_output.h"
 #include "cli/interrupt.h"
@@ -182,6 +183,38 @@ static int check_poses(struct run *run)
     return code;
 }
 
+/* Adds what another rank found; of both, the first pose is the one with the lower number. */
+static void add_oddity(conus_oddity *sum, const conus_oddity *more)
+{
+    uint64_t count = sum->count + more->count;
+    if (more->count && (!sum->count || more->first < sum->first)) {
+        *sum = *more;
+    }
+    sum->count = count;
+}
+
+/* Rank 0 says what all ranks together found of where poses lie and look. */
+static void say_aims(const struct run *run)
+{
+    const struct work *work = &run->work;
+    conus_astray sum = conus_batch_astray(work->batch);
+    int ranks;
+    MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+    if (run->cluster->rank > 0) {
+        MPI_Send(&sum, sizeof sum, MPI_BYTE, 0, 0, MPI_COMM_WORLD);
+        return;
+    }
+    for (int rank = 1; rank < ranks; rank++) {
+        conus_astray more;
+        MPI_Recv(&more, sizeof more, MPI_BYTE, rank, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+        sum.poses += more.poses;
+        add_oddity(&sum.inside, &more.inside);
+        add_oddity(&sum.away, &more.away);
+        add_oddity(&sum.tiny, &more.tiny);
+    }
+    aim_notes_say(&sum, work->selector, work->atlas, work->settings->poses, &work->settings->common);
+}
+
 /* All of it; on rank 0 also the last words. */
 static int answer_all(struct run *run)
 {
@@ -202,6 +235,9 @@ static int answer_all(struct run *run)
     }
     int code = agree(ordered_file_close(&run->file));
     code = code ? code : check_poses(run);
+    if (!code) {
+        say_aims(run);
+    }
     if (leads && !code) {
         if (!run->kept.poses && run->work.shard.count == 1) {
             settings_say_no_poses(run->work.settings->poses, &run->work.settings->common);

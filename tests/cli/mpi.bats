@@ -56,6 +56,22 @@ setup_poses() {
     diff <(grep -v CommandLine rows.json) <(grep -v CommandLine ranks.json)
 }
 
+# Two poses early and two late, in other pieces: with --block 1 a piece has 16 poses, and ranks share them.
+@test "poses that lie or look where they hardly should are told of once, as conus batch does" {
+    setup_poses 120
+    printf '0\t0\t5\t0\t0\t90\n0\t0\t90\t0\t0\t180\n' >>poses.tsv
+    sed -i '30i 0\t0\t4\t0\t0\t90\n0\t0\t91\t0\t0\t180' poses.tsv
+    conus batch sphere.nii.gz --poses poses.tsv --angle 4 -o rows.tsv 2>wanted
+    [ "$(grep -c . wanted)" -eq 2 ]
+    grep -q 'poses.tsv: 2 of 124 devices lie inside an area, the first in line 30, inside Sphere' wanted
+    for n in 1 3; do
+        ranks "$n" sphere.nii.gz --poses poses.tsv --angle 4 --block 1 -o ranks.tsv --force 2>said
+        diff wanted said
+    done
+    ranks 2 sphere.nii.gz --poses poses.tsv --angle 4 -o ranks.tsv --force --quiet 2>said
+    [ ! -s said ]
+}
+
 @test "what is wrong is said once, and nothing is left" {
     setup_poses
     ranks 3 sphere.nii.gz --poses none.tsv -o rows.tsv 2>said && return 1 || [ $? -eq 3 ]
