@@ -9,6 +9,7 @@
 #include "selection/pose_row.h"
 
 #include <stdio.h>
+#include <string.h>
 
 enum { MATRIX_NUMBERS = 16 };
 
@@ -180,21 +181,30 @@ static conus_status add_column(struct header *header, struct text field)
     return CONUS_OK;
 }
 
-/* The known column that was perhaps meant: it is not there, and little is to be changed, or it stands behind a last
- * underscore. NULL if there is none. */
+/* Whether a field is a name with a word before or behind it: orign_x, angle_deg, "angle (deg)". */
+static bool is_name_with_word(struct text field, const char *name)
+{
+    const size_t size = strlen(name);
+    if (field.size <= size + 1) {
+        return false;
+    }
+    bool starts = text_equal_ignoring_case((struct text){field.data, size}, name);
+    bool ends = text_equal_ignoring_case((struct text){field.data + field.size - size, size}, name);
+    return (starts && strchr("_ ([.-", field.data[size])) || (ends && field.data[field.size - size - 1] == '_');
+}
+
+/* The known column that was perhaps meant: it is not there, and little is to be changed, or it stands beside a word.
+ * NULL if there is none. */
 static const char *column_meant(const struct pose_table *table, struct text field)
 {
     const char *meant = NULL;
     size_t least = (field.size + 1) / 3;
     for (enum column column = 0; column < COLUMNS; column++) {
-        const struct text name = text_from(names[column]);
-        size_t distance = text_distance(field, name);
-        bool is_end =
-            field.size > name.size + 1 && field.data[field.size - name.size - 1] == '_' &&
-            text_equal_ignoring_case((struct text){field.data + field.size - name.size, name.size}, names[column]);
-        if (!table->has[column] && field.size && (is_end || (distance <= least && distance < name.size))) {
+        size_t distance = text_distance(field, text_from(names[column]));
+        bool beside = is_name_with_word(field, names[column]);
+        if (!table->has[column] && field.size && (beside || (distance <= least && distance < strlen(names[column])))) {
             meant = names[column];
-            least = is_end ? 0 : distance;
+            least = beside ? 0 : distance;
         }
     }
     return meant;

@@ -375,9 +375,26 @@ same_answers() {
     [ "$(cut -f 1 <<<"$output" | uniq | tr '\n' ' ')" = 'query here ' ]
 }
 
+@test "a column with its unit in the name is told from others, for an angle that is not used changes the answer" {
+    sphere --size 16
+    for name in angle_deg 'Angle (deg)' 'angle[deg]' opening_angle; do
+        printf 'x,y,z,tx,ty,tz,%s\n0,0,90,0,0,0,40\n' "$name" >unit.csv
+        run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose unit.csv --format tsv
+        check_message "note: unit.csv: columns passed over: \"$name\" (did you mean angle?)"
+    done
+    for name in angles_of_day angleless rectangle; do
+        printf 'x,y,z,tx,ty,tz,%s\n0,0,90,0,0,0,40\n' "$name" >unit.csv
+        run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose unit.csv --format tsv
+        check_message "note: unit.csv: columns passed over: \"$name\""
+        [[ $stderr != *'did you mean'* ]]
+    done
+}
+
 @test "a column that is needed and misspelt is asked for, not passed over" {
     sphere --size 16
     header() { printf '%s\n0,0,90,0,0,0\n' "$1" >bad.csv; }
+    header x_mm,y,z,tx,ty,tz
+    fails 3 'columns that are not known: "x_mm" (did you mean x?)' query sphere.nii.gz --pose bad.csv
     header orign_x,y,z,tx,ty,tz
     fails 3 'x y z are needed, and only, without m00...m33; columns that are not known: "orign_x" (did you mean x?)' \
         query sphere.nii.gz --pose bad.csv
