@@ -342,6 +342,8 @@ static void hostile_files_are_one_line(void **state)
     static const char lines[] = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 2 "
                                 "0 0\nLINES 1 4\n3 0 1 2\n";
     static const char not_a_number[] = "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    static const char signs[] = "v 1-2 3 4\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    static const char indented[] = "v 0 0 0\n  v 1 0 nan\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     refuse("truncated.ply", binary_ply, sizeof binary_ply - 1, "VTK crashed");
     refuse("short.ply", ply, sizeof ply - 40, "VTK crashed");
     refuse("header.ply", ply, 48, "header: \"element v\", an element has a name and a count");
@@ -357,6 +359,9 @@ static void hostile_files_are_one_line(void **state)
     refuse("points.obj", points, sizeof points - 1, "no triangle with an area");
     refuse("lines.vtk", lines, sizeof lines - 1, "this is a VTK file of lines (a tractogram), not a surface");
     refuse("nan.obj", not_a_number, sizeof not_a_number - 1, "line 1: \"v 0 0 nan\", a vertex is three numbers");
+    /* VTK's reader takes 1, -2 and 3 of the first, and of the second the vertex, whatever is before its v */
+    refuse("signs.obj", signs, sizeof signs - 1, "line 1: \"v 1-2 3 4\", a vertex is three numbers");
+    refuse("indented.obj", indented, sizeof indented - 1, "line 2: \"  v 1 0 nan\", a vertex is three numbers");
     refuse("header.vtk", legacy51, 60, "Unrecognized keyword");
     refuse("short.vtk", legacy51, sizeof legacy51 - 30, "Unsupported data type");
     refuse("bad.vtp", "<VTKFile type=\"PolyData\"><PolyData>", 34, "Error parsing XML");

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "conus_mesh.hpp"
+#include "failure.hpp"
+#include "mapped_file.hpp"
 
 #include <cerrno>
 #include <cstdio>
-#include <fcntl.h>
+#include <cstring>
 #include <new>
-#include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static void write_fully(const void *bytes, size_t size)
@@ -60,40 +60,19 @@ void Stream::end()
     frame(MESH_FRAME_END, frames, nullptr, "");
 }
 
-static void answer(const unsigned char *data, size_t size)
+static void answer(const char *path)
 {
-    Request request(data, size);
-    if (std::memcmp(request.take(MESH_MAGIC_SIZE), MESH_REQUEST_MAGIC, MESH_MAGIC_SIZE) != 0) {
-        throw Failure("request: it does not begin with " MESH_REQUEST_MAGIC);
-    }
-    const uint32_t kind = request.number<uint32_t>();
-    const uint32_t count = request.number<uint32_t>();
+    const MappedFile file(path);
+    const MeshRequest request = parse_request(file.data(), file.size());
     Stream stream;
-    if (kind == MESH_REQUEST_SURFACES) {
-        make_surfaces(stream, request, count);
-    } else if (kind == MESH_REQUEST_FILES) {
-        read_files(stream, request, count);
-    } else if (kind == MESH_REQUEST_OBJECTS) {
-        read_objects(stream, request, count);
+    if (request.kind == MESH_REQUEST_SURFACES) {
+        make_surfaces(stream, request.surfaces);
+    } else if (request.kind == MESH_REQUEST_FILES) {
+        read_files(stream, request.paths);
     } else {
-        throw Failure("request: found kind " + std::to_string(kind) + ", allowed are 1 to 3");
+        read_objects(stream, request.paths[0]);
     }
     stream.end();
-}
-
-static void answer_file(const char *path)
-{
-    const int descriptor = open(path, O_RDONLY | O_CLOEXEC);
-    struct stat info;
-    if (descriptor < 0 || fstat(descriptor, &info)) {
-        throw Failure(std::string(path) + ": " + std::strerror(errno));
-    }
-    const size_t size = static_cast<size_t>(info.st_size);
-    void *data = size ? mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor, 0) : nullptr;
-    if (data == MAP_FAILED) {
-        throw Failure(std::string(path) + ": " + std::strerror(errno));
-    }
-    answer(static_cast<const unsigned char *>(data), size);
 }
 
 int main(int argc, char **argv)
@@ -105,7 +84,7 @@ int main(int argc, char **argv)
         return 2;
     }
     try {
-        answer_file(argv[1]);
+        answer(argv[1]);
     } catch (const std::bad_alloc &) {
         std::fputs("not enough memory\n", stderr);
         return 3;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A labelled volume to one closed surface per area: discrete flying edges, windowed sinc, quadrics.
 #include "conus_mesh.hpp"
+#include "failure.hpp"
 
 #include <vtkCellArray.h>
 #include <vtkDiscreteFlyingEdges3D.h>
@@ -25,77 +26,8 @@
 namespace
 {
 
-struct Box {
-    int low[3] = {std::numeric_limits<int>::max(), std::numeric_limits<int>::max(), std::numeric_limits<int>::max()};
-    int high[3] = {-1, -1, -1};
-};
-
-void add_run(Box &box, int first, int last, int j, int k)
-{
-    box.low[0] = std::min(box.low[0], first);
-    box.high[0] = std::max(box.high[0], last);
-    box.low[1] = std::min(box.low[1], j);
-    box.high[1] = std::max(box.high[1], j);
-    box.low[2] = std::min(box.low[2], k);
-    box.high[2] = std::max(box.high[2], k);
-}
-
-bool is_empty(const Box &box)
-{
-    return box.high[0] < 0;
-}
-
-struct Job {
-    int dim[3];
-    uint32_t voxel_bytes, iterations;
-    double pass_band, reduction, world_from_voxel[16];
-    std::vector<uint32_t> labels;
-    const unsigned char *voxels;
-    std::vector<Box> boxes;
-};
-
-size_t row_of(const Job &job, int j, int k)
-{
-    return static_cast<size_t>(job.dim[0]) * (static_cast<size_t>(j) + static_cast<size_t>(job.dim[1]) * k);
-}
-
-/* Voxels may lie unaligned in the request. */
-template <typename Voxel> uint32_t voxel_at(const unsigned char *voxels, size_t index)
-{
-    Voxel value;
-    std::memcpy(&value, voxels + index * sizeof value, sizeof value);
-    return value;
-}
-
-template <typename Voxel> void find_runs(Job &job, int j, int k)
-{
-    const unsigned char *row = job.voxels + row_of(job, j, k) * sizeof(Voxel);
-    for (int i = 0; i < job.dim[0];) {
-        const uint32_t area = voxel_at<Voxel>(row, i);
-        const int first = i;
-        while (i < job.dim[0] && voxel_at<Voxel>(row, i) == area) {
-            i++;
-        }
-        if (area > job.labels.size()) {
-            throw Failure("request: a voxel's area is not in its list");
-        }
-        if (area) {
-            add_run(job.boxes[area - 1], first, i - 1, j, k);
-        }
-    }
-}
-
-template <typename Voxel> void find_boxes(Job &job)
-{
-    for (int k = 0; k < job.dim[2]; k++) {
-        for (int j = 0; j < job.dim[1]; j++) {
-            find_runs<Voxel>(job, j, k);
-        }
-    }
-}
-
 /* The area alone, with a border of one empty voxel, so that its surface closes at the volume's edge. */
-template <typename Voxel> void paint(vtkImageData *image, const Job &job, uint32_t area)
+template <typename Voxel> void paint(vtkImageData *image, const SurfacesRequest &job, uint32_t area)
 {
     const Box &box = job.boxes[area - 1];
     int dim[3];
@@ -118,7 +50,7 @@ template <typename Voxel> void paint(vtkImageData *image, const Job &job, uint32
     }
 }
 
-vtkSmartPointer<vtkPolyData> smooth(vtkPolyData *poly, const Job &job)
+vtkSmartPointer<vtkPolyData> smooth(vtkPolyData *poly, const SurfacesRequest &job)
 {
     vtkNew<vtkWindowedSincPolyDataFilter> filter;
     filter->SetInputData(poly);
@@ -132,7 +64,7 @@ vtkSmartPointer<vtkPolyData> smooth(vtkPolyData *poly, const Job &job)
     return filter->GetOutput();
 }
 
-vtkSmartPointer<vtkPolyData> decimate(vtkPolyData *poly, const Job &job)
+vtkSmartPointer<vtkPolyData> decimate(vtkPolyData *poly, const SurfacesRequest &job)
 {
     vtkNew<vtkQuadricDecimation> filter;
     filter->SetInputData(poly);
@@ -142,7 +74,7 @@ vtkSmartPointer<vtkPolyData> decimate(vtkPolyData *poly, const Job &job)
 }
 
 /* Quadrics measure distances, so points must be in mm before they are decimated. */
-void move_to_world(vtkPolyData *poly, const Job &job, const Box &box)
+void move_to_world(vtkPolyData *poly, const SurfacesRequest &job, const Box &box)
 {
     const double *m = job.world_from_voxel;
     vtkPoints *points = poly->GetPoints();
@@ -166,7 +98,7 @@ bool mirrors(const double m[16])
     return m[0] * cross[0] + m[1] * cross[1] + m[2] * cross[2] < 0;
 }
 
-Surface make_surface(const Job &job, uint32_t area)
+Surface make_surface(const SurfacesRequest &job, uint32_t area)
 {
     vtkNew<vtkImageData> image;
     job.voxel_bytes == 2 ? paint<uint16_t>(image, job, area) : paint<uint32_t>(image, job, area);
@@ -198,7 +130,7 @@ Surface make_surface(const Job &job, uint32_t area)
 class Works
 {
   public:
-    explicit Works(const Job &from) : job(from), done(from.labels.size())
+    explicit Works(const SurfacesRequest &from) : job(from), done(from.labels.size())
     {
     }
 
@@ -211,7 +143,7 @@ class Works
     std::unique_ptr<Surface> wait_for(size_t i);
     void stop();
 
-    const Job &job;
+    const SurfacesRequest &job;
     std::mutex lock;
     std::condition_variable changed;
     std::vector<std::unique_ptr<Surface>> done;
@@ -302,35 +234,6 @@ void Works::stop()
     changed.notify_all();
 }
 
-void read_job(Job &job, Request &request, uint32_t count)
-{
-    size_t voxels = 1;
-    for (int &dim : job.dim) {
-        const uint32_t found = request.number<uint32_t>();
-        if (!found || found > 1u << 20 || voxels > SIZE_MAX / 8 / found) {
-            throw Failure("request: impossible dimensions");
-        }
-        dim = static_cast<int>(found);
-        voxels *= found;
-    }
-    job.voxel_bytes = request.number<uint32_t>();
-    job.iterations = request.number<uint32_t>();
-    request.number<uint32_t>();
-    job.pass_band = request.number<double>();
-    job.reduction = request.number<double>();
-    for (double &entry : job.world_from_voxel) {
-        entry = request.number<double>();
-    }
-    if ((job.voxel_bytes != 2 && job.voxel_bytes != 4) || count > request.remaining() / 4) {
-        throw Failure("request: impossible sizes");
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        job.labels.push_back(request.number<uint32_t>());
-    }
-    job.boxes.resize(count);
-    job.voxels = request.take(voxels * job.voxel_bytes);
-}
-
 } // namespace
 
 Surface surface_from(vtkPolyData *poly)
@@ -363,10 +266,7 @@ Surface surface_from(vtkPolyData *poly)
     return surface;
 }
 
-void make_surfaces(Stream &stream, Request &request, uint32_t count)
+void make_surfaces(Stream &stream, const SurfacesRequest &request)
 {
-    Job job;
-    read_job(job, request, count);
-    job.voxel_bytes == 2 ? find_boxes<uint16_t>(job) : find_boxes<uint32_t>(job);
-    Works(job).run(stream);
+    Works(request).run(stream);
 }
