@@ -11,15 +11,14 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { SETTLE_FRAMES = 3, PICTURE_LIMIT = 16384 };
+enum { SETTLE_FRAMES = 3, PICTURE_LIMIT = 16384, LINE_LIMIT = 65536 };
 
 static const double settle_limit_ms = 6e5; /* a window that is never settled is an error */
 
 struct script {
     char *path;
     FILE *file;
-    char *line;
-    size_t room;
+    char line[LINE_LIMIT + 2]; /* with its end, and a NUL */
     unsigned number;
     unsigned waiting; /* frames to let pass before the next command */
     unsigned settled; /* frames that the pictures shall still be fine for */
@@ -377,7 +376,6 @@ void script_destroy(struct script *script)
         }
         free(script->path);
         free(script->awaited);
-        free(script->line);
         free(script);
     }
 }
@@ -442,10 +440,13 @@ bool script_step(struct script *script, struct window *window, int *code)
     if (script->settling) {
         return fail_line(script, code, "the pictures were not fine after 600 s");
     }
-    if (getline(&script->line, &script->room, script->file) < 0) {
+    if (!fgets(script->line, sizeof script->line, script->file)) {
         return true;
     }
     script->number++;
+    if (strlen(script->line) > LINE_LIMIT && script->line[LINE_LIMIT] != '\n') {
+        return fail_line(script, code, "more than 65536 bytes in a line");
+    }
     if (!script_split(call.words, &words, script->line)) {
         return fail_line(script, code, "more than 8 words");
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "viewer/session.h"
 
+#include <errno.h>
 #include <float.h>
 #include <jansson.h>
 #include <math.h>
@@ -9,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SESSION_VERSION = 1 };
+enum { SESSION_VERSION = 1, SESSION_LIMIT = 64 << 20 /* bytes of a file */ };
 
 /* A number of the session and where it lives, with what is allowed. */
 struct field {
@@ -470,9 +471,35 @@ bool session_parse(struct window *window, const char *text, size_t size, char wh
     return use_session(window, root, "session", &error, why);
 }
 
+/* A file that is read up to a limit. */
+struct capped {
+    FILE *file;
+    size_t left;
+    bool is_larger;
+};
+
+/* For jansson: the bytes read, 0 at the end, (size_t)-1 ends it with an error. */
+static size_t read_capped(void *buffer, size_t size, void *user)
+{
+    struct capped *from = user;
+    size_t got = fread(buffer, 1, size, from->file);
+    from->is_larger = got > from->left;
+    from->left -= from->is_larger ? 0 : got;
+    return from->is_larger || ferror(from->file) ? (size_t)-1 : got;
+}
+
 bool session_load(struct window *window, const char *path, char why[SESSION_REASON])
 {
+    struct capped from = {.file = fopen(path, "re"), .left = SESSION_LIMIT};
     json_error_t error;
-    json_t *root = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
+    if (!from.file) {
+        return refuse(why, "%s: cannot open: %s", path, strerror(errno));
+    }
+    json_t *root = json_load_callback(read_capped, &from, JSON_REJECT_DUPLICATES, &error);
+    fclose(from.file);
+    if (from.is_larger) {
+        json_decref(root);
+        return refuse(why, "%s: more than the %d bytes that are read", path, SESSION_LIMIT);
+    }
     return use_session(window, root, path, &error, why);
 }

@@ -530,6 +530,24 @@ is_at() {
     head -c 200 slabs.json >half.json
     run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session half.json --script /dev/null --quiet
     check_message 'half.json: line'
+    # spaces, which JSON allows anywhere: as many as are read, then one more
+    head -c $((64 << 20)) /dev/zero | tr '\0' ' ' >large.json
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session large.json --script /dev/null --quiet
+    check_message 'large.json: line'
+    printf ' ' >>large.json
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session large.json --script /dev/null --quiet
+    check_message 'large.json: more than the 67108864 bytes that are read'
+    rm large.json
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session absent.json --script /dev/null --quiet
+    check_message 'absent.json: cannot open: No such file or directory'
+}
+
+@test "a script's lines have a limit" {
+    need_window
+    sphere --size 16
+    { printf '# %65534d\n' 1; printf '# %65535d\n' 2; } >script # 65536 bytes without the end of the line, and 65537
+    run -3 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --script script --quiet
+    check_message 'script:2: more than 65536 bytes in a line'
 }
 
 @test "without a display it names the way out" {
