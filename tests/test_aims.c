@@ -244,8 +244,8 @@ static uint64_t inside_first(const conus_atlas *atlas, const conus_selector_opti
     return inside.count ? inside.first : 0;
 }
 
-/* A box of 20 mm, number 2 a box in it of 4 mm that faces inwards, number 3 an open box elsewhere. Where points
- * lie is plain from their coordinates. */
+/* A box of 20 mm that faces inwards, number 2 a box in it of 4 mm, number 3 an open box elsewhere. Where points lie is
+ * plain from their coordinates. */
 static void a_device_may_lie_inside_a_closed_surface(void **state)
 {
     (void)state;
@@ -255,8 +255,8 @@ static void a_device_may_lie_inside_a_closed_surface(void **state)
     struct mesh open = mesh_scene_box((double[]){30, -10, -10}, (double[]){50, 10, 10});
     const conus_selector_options plain = {0};
     uint32_t object;
-    mesh_scene_turn(&inner);
-    open.triangle_count--; /* the rest is not closed */
+    mesh_scene_turn(&outer); /* whose volume is below 0 */
+    open.triangle_count--;   /* the rest is not closed */
     mesh_scene_add(atlas, &outer);
     mesh_scene_add(atlas, &inner);
     mesh_scene_add(atlas, &open);

@@ -20,6 +20,9 @@ void progress_start(struct progress *out, enum progress_kind kind, bool quiet)
 {
     double start = now();
     *out = (struct progress){.kind = kind, .started = start, .shown = start};
+    if (kind == PROGRESS_JSON) {
+        out->shown -= 2 * interval; /* a program hears of the first block at once */
+    }
     out->on_terminal = kind == PROGRESS_AUTO && !quiet && isatty(STDERR_FILENO);
 }
 

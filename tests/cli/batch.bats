@@ -16,18 +16,9 @@ batch() {
     conus batch sphere.nii.gz --poses poses.tsv --angle 12 "$@"
 }
 
-# start ARGUMENT...: the same in the background; its process is $pid.
-start() {
-    env --default-signal=INT "$CONUS" batch sphere.nii.gz --poses poses.tsv --angle 12 --block 100 "$@" 2>said 3>&- &
-    pid=$!
-}
-
-# stop SIGNAL CODE: ends it with the signal, whereupon its exit code must be CODE.
-stop() {
-    local code=0
-    kill "-$1" "$pid"
-    wait "$pid" 2>/dev/null || code=$?
-    [ "$code" -eq "$2" ] || { echo "ended with $code"; return 1; }
+# hold_batch ARGUMENT...: the same in blocks of 100 poses, held after the first of them (helpers.bash).
+hold_batch() {
+    hold batch sphere.nii.gz --poses poses.tsv --angle 12 --block 100 "$@"
 }
 
 setup_ball() {
@@ -243,12 +234,12 @@ wait_for_lines() {
 }
 
 @test "killed and resumed three times: the file of one run" {
-    setup_ball 20000
+    setup_ball 2000
     batch -o rows.tsv
-    for lines in 5 30 60; do
-        start -o killed.tsv --resume
-        wait_for_lines "$lines" killed.tsv.journal
-        stop KILL 137
+    for blocks in 1 2 3; do
+        hold_batch -o killed.tsv --resume
+        wait_for_blocks "$blocks" killed.tsv
+        stop_held KILL 137
         [ ! -e killed.tsv ]
         fails 2 'killed.tsv: an unfinished batch is there; --resume goes on, --force begins anew' \
             batch sphere.nii.gz --poses poses.tsv --angle 12 -o killed.tsv
@@ -266,14 +257,10 @@ wait_for_lines() {
     setup_ball 20000
     batch -o rows.tsv
     cp poses.tsv old.tsv
-    start --threads 1 -o changed.tsv
-    wait_for_lines 5 changed.tsv.journal
-    kill -STOP "$pid"
+    hold_batch --threads 1 -o changed.tsv
+    wait_for_blocks 1 changed.tsv
     sed 's/^[0-9-]/1/' old.tsv >poses.tsv # the same file, with other bytes
-    kill -CONT "$pid"
-    local code=0
-    wait "$pid" || code=$?
-    [ "$code" -eq 3 ]
+    let_go 3
     grep -q 'conus: poses.tsv: changed while it was read' said
     [ ! -e changed.tsv ] && [ ! -e changed.json ] && [ -e changed.tsv.part ] && [ -e changed.tsv.journal ]
     fails 2 'written with other settings, poses' \
@@ -322,11 +309,13 @@ wait_for_lines() {
 }
 
 @test "what a crash left half written is cut off" {
-    setup_ball 20000
+    setup_ball 2000
     batch -o rows.tsv
-    start -o torn.tsv
-    wait_for_lines 20 torn.tsv.journal
-    stop KILL 137
+    for blocks in 1 2 3 4; do
+        hold_batch -o torn.tsv --resume
+        wait_for_blocks "$blocks" torn.tsv
+        stop_held KILL 137
+    done
     cp torn.tsv.part part
     cp torn.tsv.journal journal
     printf '17 0 1000 0123' >>torn.tsv.journal # a line that was being written
@@ -417,17 +406,26 @@ wait_for_lines() {
 }
 
 @test "SIGINT and SIGTERM finish the block and say how to go on" {
-    setup_ball 20000
+    setup_ball 2000
     batch -o rows.tsv
-    start -o stopped.tsv
-    wait_for_lines 10 stopped.tsv.journal
-    stop INT 130
-    grep -q 'conus: interrupted after [0-9]*00 poses; go on with: conus batch .* -o stopped.tsv --resume' said
-    start -o stopped.tsv --resume
-    wait_for_lines 100 stopped.tsv.journal
-    stop TERM 143
+    hold_batch -o stopped.tsv
+    wait_for_blocks 1 stopped.tsv
+    stop_held INT 130
+    grep -q 'conus: interrupted after 100 poses; go on with: conus batch .* -o stopped.tsv --progress json --resume' said
+    hold_batch -o stopped.tsv --resume
+    wait_for_blocks 2 stopped.tsv
+    stop_held TERM 143
+    grep -q 'conus: interrupted after 200 poses; go on' said
     batch -o stopped.tsv --resume
     cmp rows.tsv stopped.tsv
+}
+
+# stop SIGNAL CODE: ends process $pid with the signal, whereupon its exit code must be CODE.
+stop() {
+    local code=0
+    kill "-$1" "$pid"
+    wait "$pid" 2>/dev/null || code=$?
+    [ "$code" -eq "$2" ] || { echo "ended with $code"; return 1; }
 }
 
 # pipe_in OPTION...: a batch in the background, whose process is $pid, of the poses and half a line more from a pipe that
@@ -475,16 +473,17 @@ pipe_in() {
 }
 
 @test "two runs do not write one file" {
-    setup_ball 20000
-    start -o rows.tsv
-    wait_for_lines 5 rows.tsv.journal
+    setup_ball 2000
+    hold_batch -o rows.tsv
+    wait_for_blocks 1 rows.tsv
     fails 3 'rows.tsv: another conus is writing this file' batch sphere.nii.gz --poses poses.tsv --angle 12 -o rows.tsv --resume
-    wait "$pid"
+    let_go 0
 }
 
 @test "progress is JSON for programs, and nothing where nobody looks" {
     setup_ball 2000
-    run -0 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --progress json -o rows.tsv
+    run -0 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --block 500 --progress json -o rows.tsv
+    [[ "${stderr_lines[0]}" == '{"done":500,"total":2000,"errors":0,"rate":'*',"finished":false}' ]]
     [[ "${stderr_lines[-1]}" == '{"done":2000,"total":2000,"errors":0,"rate":'*',"finished":true}' ]]
     answers batch sphere.nii.gz --poses poses.tsv -o other.tsv
     answers batch sphere.nii.gz --poses poses.tsv -o third.tsv --progress none

@@ -108,17 +108,13 @@ contacts() {
 }
 
 @test "a batch in another program's format goes on where it was killed, and only as the same" {
-    contacts 40000
+    contacts 4000
     mv slabs.tsv labels.tsv
     for format in afni bids; do
         conus batch slabs.nii.gz --poses probe.tsv --radius 4 --labels labels.tsv --format $format --quiet -o "whole.$format" || [ $? -eq 1 ]
-        "$CONUS" batch slabs.nii.gz --poses probe.tsv --radius 4 --labels labels.tsv --format $format --quiet -o "rows.$format" 3>&- &
-        for _ in $(seq 1000); do
-            [ ! -e "rows.$format.journal" ] || [ "$(wc -l <"rows.$format.journal")" -lt 5 ] || break
-            sleep 0.01
-        done
-        kill -KILL $!
-        wait $! 2>/dev/null || true
+        hold batch slabs.nii.gz --poses probe.tsv --radius 4 --labels labels.tsv --format $format --quiet -o "rows.$format"
+        wait_for_blocks 1 "rows.$format"
+        stop_held KILL 137
         [ ! -e "rows.$format" ]
         conus batch slabs.nii.gz --poses probe.tsv --radius 4 --labels labels.tsv --format $format --quiet -o "rows.$format" --resume || [ $? -eq 1 ]
         cmp "whole.$format" "rows.$format"

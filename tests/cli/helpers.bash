@@ -62,6 +62,44 @@ catches_signals() {
     is_conus "$1" && [ $((mask >> 1 & 1)) -eq 1 ]
 }
 
+# hold batch ARGUMENT...: in the background, as process $pid, which is held after its first block: it waits to write its
+# progress into a pipe that is full.
+hold() {
+    rm -f progress
+    mkfifo progress
+    exec 6<>progress
+    dd if=/dev/zero of=progress bs=4096 oflag=nonblock 2>filled && return 1
+    env --default-signal=INT "$CONUS" "$@" --progress json 2>progress 3>&- 6>&- &
+    pid=$!
+}
+
+# let_go CODE: what is held goes on to its end, with this exit code; what it said is in the file said.
+let_go() {
+    local code=0
+    exec 7<progress 6>&-
+    tr -d '\0' <&7 >said
+    exec 7<&-
+    wait "$pid" || code=$?
+    [ "$code" -eq "$1" ] || { echo "ended with $code"; return 1; }
+}
+
+# took_signal PID: whether none waits for it, or it is no more.
+took_signal() {
+    ! runs "$1" || grep -qs '^ShdPnd:[[:space:]]*0*$' "/proc/$1/status"
+}
+
+# stop_held SIGNAL CODE: what is held gets the signal, and ends with this exit code.
+stop_held() {
+    kill "-$1" "$pid"
+    wait_until "$pid" took_signal "$pid"
+    let_go "$2"
+}
+
+# wait_for_blocks N FILE: until the journal of FILE, which process $pid writes, has N blocks below its first two lines.
+wait_for_blocks() {
+    wait_until "$pid" has_lines $((2 + $1)) "$2.journal"
+}
+
 # free_port: one that nobody listens on, and from which no connection starts by itself.
 free_port() {
     /usr/bin/python3 - <<'END'
