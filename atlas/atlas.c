@@ -38,10 +38,7 @@ void conus_atlas_destroy(conus_atlas *atlas)
     memory_free(atlas->path);
     memory_free(atlas->label_source);
     memory_free(atlas->transfer);
-    for (size_t i = 0; i < atlas->file_count; i++) {
-        memory_free(atlas->files[i].path);
-    }
-    memory_free(atlas->files);
+    file_sums_finish(&atlas->files);
     notes_finish(&atlas->notes);
     memory_free(atlas);
 }
@@ -418,24 +415,7 @@ conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info
 
 conus_status atlas_add_file(conus_atlas *atlas, const char *path, const struct bytes *content)
 {
-    for (size_t i = 0; i < atlas->file_count; i++) {
-        if (strcmp(atlas->files[i].path, path) == 0) {
-            return CONUS_OK;
-        }
-    }
-    struct atlas_file *files = memory_resize(atlas->files, atlas->file_count + 1, sizeof *files);
-    if (!files) {
-        return CONUS_ERROR_MEMORY;
-    }
-    atlas->files = files;
-    struct atlas_file *file = &files[atlas->file_count];
-    file->path = memory_text(path, strlen(path));
-    if (!file->path) {
-        return CONUS_ERROR_MEMORY;
-    }
-    file_sha256(file->sha256, content);
-    atlas->file_count++;
-    return CONUS_OK;
+    return file_sums_add(&atlas->files, path, content);
 }
 
 conus_status atlas_note_file(conus_atlas *atlas, const char *path, const struct file_state *before)
@@ -461,7 +441,9 @@ const struct volume *atlas_context(const conus_atlas *atlas)
 const char *atlas_path(const conus_atlas *atlas)
 {
     const struct volume *parcellation = atlas_parcellation(atlas);
-    const char *own = atlas->file_count ? atlas->files[0].path : atlas->mesh_count ? atlas->meshes[0].path : NULL;
+    const char *own = atlas->files.count  ? atlas->files.items[0].path
+                      : atlas->mesh_count ? atlas->meshes[0].path
+                                          : NULL;
     const char *path = atlas->path ? atlas->path : parcellation ? parcellation->path : own;
     return path ? path : "";
 }
@@ -536,12 +518,12 @@ const char *conus_atlas_label_source(const conus_atlas *atlas)
 
 size_t conus_atlas_file_count(const conus_atlas *atlas)
 {
-    return atlas ? atlas->file_count : 0;
+    return atlas ? atlas->files.count : 0;
 }
 
 const char *conus_atlas_file(const conus_atlas *atlas, size_t index)
 {
-    return atlas && index < atlas->file_count ? atlas->files[index].path : NULL;
+    return atlas && index < atlas->files.count ? atlas->files.items[index].path : NULL;
 }
 
 size_t conus_atlas_note_count(const conus_atlas *atlas)

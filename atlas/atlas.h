@@ -7,7 +7,7 @@
 #include "atlas/mesh.h"
 #include "atlas/volume.h"
 #include "base/buffer.h"
-#include "base/file.h"
+#include "base/file_sums.h"
 #include "base/notes.h"
 
 /** Where an object lies: in which of the atlas's meshes or volumes. An index beyond these: it has no shape. */
@@ -16,12 +16,6 @@ struct object_place {
     bool is_hidden; /**< conus_atlas_set_hidden() says so. */
     size_t index;
     uint8_t own_rgb[3]; /**< The object's colour while the atlas has safe ones. */
-};
-
-/** A file of which the atlas is made, other than those of its volumes. */
-struct atlas_file {
-    char *path;
-    char sha256[65];
 };
 
 struct conus_atlas {
@@ -41,8 +35,7 @@ struct conus_atlas {
     bool has_safe_colours;
     char *path; /**< As it was asked for; NULL = it was not loaded. */
     char *label_source;
-    struct atlas_file *files; /**< The manifest, then surfaces.                                             */
-    size_t file_count;
+    struct file_sums files; /**< Of which it is made, other than those of its volumes: a manifest first.   */
     char *transfer; /**< Transfer function of the context: a preset's name or a file; NULL = the default.       */
     struct notes notes;
 };

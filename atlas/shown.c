@@ -208,15 +208,15 @@ static conus_status need_something(const bool *hidden, const conus_atlas *atlas)
 
 conus_status conus_atlas_show(conus_atlas *atlas, const char *only, const char *hide)
 {
-    size_t files = atlas->file_count;
+    size_t files = atlas->files.count;
     bool *hidden = memory_zeroed(atlas->object_count + 1, sizeof *hidden);
     conus_status status = hidden ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = !status && only ? hide_list(hidden, atlas, only, true, "only") : status;
     status = !status && hide ? hide_list(hidden, atlas, hide, false, "hide") : status;
     status = !status && (only || hide) ? need_something(hidden, atlas) : status;
     status = status ? status : set_hidden(atlas, hidden);
-    while (status && atlas->file_count > files) {
-        memory_free(atlas->files[--atlas->file_count].path);
+    if (status) {
+        file_sums_cut(&atlas->files, files);
     }
     memory_free(hidden);
     return status;

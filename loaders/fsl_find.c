@@ -55,7 +55,7 @@ static conus_status try_xml(const struct search *search, const char *path, const
         status = text_equal(xml_root(text), "atlas") ? fsl_atlas_parse(&atlas, text) : CONUS_OK;
         status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
         if (!status && names_volume(&atlas, search->use, relative)) {
-            status = search->visit(search->user, &atlas, path);
+            status = search->visit(search->user, &atlas, path, &bytes);
         }
     }
     fsl_atlas_finish(&atlas);

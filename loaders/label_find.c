@@ -52,8 +52,8 @@ static bool has_colours(const struct label_table *table)
     return false;
 }
 
-/* Colours `table` from the .lut at `path`, if there is one. */
-static conus_status colour_from(struct label_table *table, const char *path, bool *found)
+/* Colours `table` from the .lut at `path`, if there is one, and counts that as read. */
+static conus_status colour_from(struct label_table *table, const char *path, bool *found, struct file_sums *read)
 {
     struct bytes bytes = {0};
     *found = false;
@@ -67,9 +67,10 @@ static conus_status colour_from(struct label_table *table, const char *path, boo
     if (label_is_lut(bytes.data, bytes.size)) {
         label_lut_apply(table, bytes.data);
         *found = true;
+        status = read ? file_sums_add(read, path, &bytes) : CONUS_OK;
     }
     bytes_finish(&bytes);
-    return CONUS_OK;
+    return status;
 }
 
 /* What the file is if it is known to be no table; a message of the tables' parser says more about others. */
@@ -93,6 +94,7 @@ static conus_status read_table(struct label_table *out, const char **format, con
     const struct file_kind *kind = foreign_kind(path, &bytes);
     status = kind ? file_kind_fail(path, &bytes, "a label table")
                   : label_bytes_parse(out, format, bytes.data, bytes.size, &use, notes);
+    status = status || !use.read ? status : file_sums_add(use.read, path, &bytes);
     bytes_finish(&bytes);
     return status ? fail_in(status, path) : CONUS_OK;
 }
@@ -106,7 +108,7 @@ conus_status label_file_read(struct label_table *out, const char **format, const
         const char *dot = strrchr(path_base(path), '.');
         char *lut = join(path, dot ? (size_t)(dot - path) : strlen(path), ".lut");
         bool found;
-        status = lut ? colour_from(&table, lut, &found) : CONUS_ERROR_MEMORY;
+        status = lut ? colour_from(&table, lut, &found, use ? use->read : NULL) : CONUS_ERROR_MEMORY;
         memory_free(lut);
     }
     if (status) {
@@ -120,6 +122,7 @@ conus_status label_file_read(struct label_table *out, const char **format, const
 void label_search_finish(struct label_search *search)
 {
     label_table_finish(&search->table);
+    file_sums_finish(&search->read);
     buffer_finish(&search->source);
     buffer_finish(&search->complaint);
 }
@@ -146,14 +149,15 @@ static conus_status note_unknown(struct label_search *search, const char *name, 
                : CONUS_OK;
 }
 
-conus_status label_search_bytes(struct label_search *search, const char *path, bool inside, struct text text)
+conus_status label_search_bytes(struct label_search *search, const char *path, const struct bytes *file,
+                                struct text text)
 {
-    struct label_offer offer = {0};
+    struct label_offer offer = {.path = path, .file = file};
     struct label_use use = search->use;
     const char *name = path_base(path);
     const struct label_format *format = label_format_of(text);
     if (!format) {
-        return note_unknown(search, name, inside);
+        return note_unknown(search, name, !file);
     }
     use.path = path;
     conus_status status = label_text_parse(&offer.table, format, text, &use, &offer.notes);
@@ -167,7 +171,7 @@ conus_status label_search_bytes(struct label_search *search, const char *path, b
         return search->found ? CONUS_OK
                              : notes_add(search->notes, "%s in %s has no label but 0: passed over", format->name, name);
     }
-    buffer_format(&offer.source, "%s %s %s", format->name, inside ? "inside" : "in", name);
+    buffer_format(&offer.source, "%s %s %s", format->name, file ? "in" : "inside", name);
     return label_search_offer(search, &offer);
 }
 
@@ -188,7 +192,7 @@ conus_status label_search_file(struct label_search *search, const char *path)
         return complain(search, status);
     }
     if (!label_is_lut(bytes.data, bytes.size)) {
-        status = label_search_bytes(search, path, false, label_text_of(bytes.data, bytes.size));
+        status = label_search_bytes(search, path, &bytes, label_text_of(bytes.data, bytes.size));
     }
     bytes_finish(&bytes);
     return status;
@@ -208,7 +212,7 @@ static conus_status search_extension(struct label_search *search, int code, cons
         const struct volume_extension *extension = &volume->extensions[i];
         struct text text = label_text_of(extension->data, extension->size);
         if (extension->code == code && mentions(text, mark)) {
-            status = label_search_bytes(search, volume->path, true, text);
+            status = label_search_bytes(search, volume->path, NULL, text);
         }
     }
     return status;
@@ -224,7 +228,7 @@ static conus_status search_inside(struct label_search *search)
     if (status || !text.size) {
         return status;
     }
-    return label_search_bytes(search, search->volume->path, true, text);
+    return label_search_bytes(search, search->volume->path, NULL, text);
 }
 
 static conus_status search_beside(struct label_search *search)
@@ -249,7 +253,7 @@ static conus_status colour_beside(struct label_search *search)
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && !coloured && i < sizeof endings / sizeof endings[0]; i++) {
         char *lut = join(path, volume_stem_length(path), endings[i]);
-        status = lut ? colour_from(&search->table, lut, &coloured) : CONUS_ERROR_MEMORY;
+        status = lut ? colour_from(&search->table, lut, &coloured, &search->read) : CONUS_ERROR_MEMORY;
         if (!status && coloured) {
             buffer_format(&search->source, ", colours in %s", path_base(lut));
             status = buffer_status(&search->source);
@@ -291,7 +295,7 @@ static conus_status settle(struct label_search *search)
 }
 
 conus_status label_table_of_volume(struct label_table *out, char **source, const struct volume_file *volume,
-                                   const uint32_t *voxels, struct notes *notes)
+                                   const uint32_t *voxels, struct file_sums *read, struct notes *notes)
 {
     struct label_search search = {.volume = volume,
                                   .use = {.info = &volume->info, .voxels = voxels, .max_memory = volume->max_memory},
@@ -301,6 +305,7 @@ conus_status label_table_of_volume(struct label_table *out, char **source, const
     status = status ? status : label_search_folder(&search);
     status = status ? status : settle(&search);
     status = status ? status : colour_beside(&search);
+    status = status || !read ? status : file_sums_move(read, &search.read);
     char *words = status ? NULL : memory_text(search.source.data, search.source.size);
     if (!words) {
         label_search_finish(&search);

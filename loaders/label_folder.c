@@ -50,10 +50,10 @@ static conus_status search_inherited(struct label_search *search, const char *fo
     return status;
 }
 
-static conus_status offer_atlas(void *user, struct fsl_atlas *atlas, const char *path)
+static conus_status offer_atlas(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
 {
     struct label_search *search = user;
-    struct label_offer offer = {0};
+    struct label_offer offer = {.path = path, .file = file};
     struct label_use use = search->use;
     use.path = path;
     conus_status status = fsl_atlas_number(atlas, &use, &offer.notes);

@@ -167,9 +167,11 @@ static conus_status take(struct label_search *search, struct label_offer *offer)
     offer->table = (struct label_table){0};
     search->proved = offer->proved;
     search->found = true;
+    file_sums_finish(&search->read);
+    conus_status status = offer->file ? file_sums_add(&search->read, offer->path, offer->file) : CONUS_OK;
     buffer_clear(&search->source);
     buffer_text(&search->source, offer->source.data);
-    return buffer_status(&search->source);
+    return status ? status : buffer_status(&search->source);
 }
 
 /* More names than not have another number in the offer than in what was found. */

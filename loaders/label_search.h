@@ -15,6 +15,7 @@ struct label_search {
     struct label_table table;
     bool found;              /**< table is filled; later ones are only compared with it. */
     bool proved;             /**< ... and its numbers are those of the volume.           */
+    struct file_sums read;   /**< The files that table is of.                            */
     struct buffer source;    /**< "MRIcron text in aal.nii.txt".                         */
     struct buffer complaint; /**< The first candidate that was damaged: an error only if nothing else is found. */
 };
@@ -27,14 +28,17 @@ struct label_offer {
     struct notes notes;
     struct buffer source;
     bool proved;
+    const char *path;         /**< Of the file that the table is, */
+    const struct bytes *file; /**< and its bytes; NULL inside the volume's. */
 };
 
 /** Uses the table of @p offer if it is the first, or if only its numbers are proved. One that contradicts the table in
  * use is CONUS_ERROR_DATA, one that differs a note. Finishes @p offer. */
 conus_status label_search_offer(struct label_search *search, struct label_offer *offer);
 
-/** Tries @p text, called @p name in messages, which lies inside the volume's file or in a file of its own. */
-conus_status label_search_bytes(struct label_search *search, const char *name, bool inside, struct text text);
+/** Tries @p text, called @p path in messages, which is that of @p file or, where that is NULL, lies in the volume's. */
+conus_status label_search_bytes(struct label_search *search, const char *path, const struct bytes *file,
+                                struct text text);
 
 /** Tries the file @p path, if it exists. */
 conus_status label_search_file(struct label_search *search, const char *path);

@@ -3,6 +3,7 @@
 #ifndef CONUS_LOADERS_LABEL_USE_H
 #define CONUS_LOADERS_LABEL_USE_H
 
+#include "base/file_sums.h"
 #include "conus/conus.h"
 
 #include <stdint.h>
@@ -13,6 +14,7 @@ struct label_use {
     const uint32_t *voxels;        /**< Its labels, i fastest; NULL if not known.     */
     const char *path;              /**< Of the table's file, or NULL.                 */
     uint64_t max_memory;           /**< For the table's file and what it becomes; 0 = 8 GiB. */
+    struct file_sums *read;        /**< Gets the files that the table is of; NULL: nobody asks. */
 };
 
 #endif

@@ -29,6 +29,7 @@ void parcellation_finish(struct parcellation *parts)
     memory_free(parts->labels);
     label_table_finish(&parts->table);
     memory_free(parts->source);
+    file_sums_finish(&parts->read);
     notes_finish(&parts->notes);
 }
 
@@ -59,7 +60,7 @@ static conus_status read_override(struct parcellation *parts, const char *path)
 {
     const char *format = NULL;
     struct label_table table = {0};
-    const struct label_use use = {&parts->file.info, parts->labels, NULL, parts->file.max_memory};
+    const struct label_use use = {&parts->file.info, parts->labels, NULL, parts->file.max_memory, &parts->read};
     conus_status status = label_file_read(&table, &format, path, &use, &parts->notes);
     status = status ? status : set_source(parts, format, path);
     if (status) {
@@ -132,7 +133,7 @@ static conus_status load_fsl(struct parcellation *parts, const char *path, struc
     status = status ? status : open_finest(parts, &atlas, path, max_memory);
     status = status ? status : volume_file_labels(&parts->labels, &parts->file);
     if (!status) {
-        const struct label_use use = {&parts->file.info, parts->labels, path, max_memory};
+        const struct label_use use = {&parts->file.info, parts->labels, path, max_memory, NULL};
         status = fsl_atlas_number(&atlas, &use, &parts->notes);
     }
     status = status ? status : set_source(parts, "FSL atlas XML", path_base(path));
@@ -166,6 +167,7 @@ static conus_status load_markup(struct parcellation *parts, const char *path, ui
         status = file_kind_refuse(path, needed);
     }
     status = status ? status : load_fsl(parts, path, text, max_memory);
+    status = status ? status : file_sums_add(&parts->read, path, &bytes);
     bytes_finish(&bytes);
     return status;
 }
@@ -176,7 +178,8 @@ static conus_status read_names(struct parcellation *parts, const char *override,
         return read_override(parts, override);
     }
     return markup ? CONUS_OK
-                  : label_table_of_volume(&parts->table, &parts->source, &parts->file, parts->labels, &parts->notes);
+                  : label_table_of_volume(&parts->table, &parts->source, &parts->file, parts->labels, &parts->read,
+                                          &parts->notes);
 }
 
 static conus_status refuse_grey(const struct parcellation *parts, bool stated)
@@ -214,16 +217,10 @@ static conus_status load_volume(conus_atlas **out, const char *path, const conus
 {
     struct parcellation parts = {0};
     conus_atlas *atlas = NULL;
-    struct file_state state;
-    struct file_state state_of_labels;
-    (void)file_state_find(&state, path); /* what cannot be opened, nobody reads */
-    conus_status status = options->labels ? file_state_find(&state_of_labels, options->labels) : CONUS_OK;
-    status = status ? status : parcellation_read(&parts, path, options, atlas_needed);
+    conus_status status = parcellation_read(&parts, path, options, atlas_needed);
     status = status ? status : parcellation_atlas(&atlas, &parts);
-    bool markup = !status && first_character(path) == '<';
+    status = status ? status : file_sums_move(&atlas->files, &parts.read);
     parcellation_finish(&parts);
-    status = status || !markup ? status : atlas_note_file(atlas, path, &state);
-    status = status || !options->labels ? status : atlas_note_file(atlas, options->labels, &state_of_labels);
     if (status) {
         conus_atlas_destroy(atlas);
         return status;

@@ -21,7 +21,8 @@ struct parcellation {
     struct volume_file file;
     uint32_t *labels;
     struct label_table table;
-    char *source; /**< Where the names come from, in words. */
+    char *source;          /**< Where the names come from, in words. */
+    struct file_sums read; /**< What else than the volume was read. */
     struct notes notes;
 };
 

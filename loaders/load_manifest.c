@@ -90,6 +90,7 @@ static conus_status create_atlas(struct loading *loading, struct area_plan *plan
     conus_status status = read_parcellation(&parts, loading);
     status = status ? status : area_plan_settle(plan, &parts, loading->manifest->prefer);
     status = status ? status : parcellation_atlas(&loading->atlas, &parts);
+    status = status ? status : file_sums_move(&plan->read, &parts.read);
     parcellation_finish(&parts);
     return status;
 }
@@ -105,39 +106,6 @@ static size_t files_besides(const struct manifest *manifest)
     return files;
 }
 
-/* Notes a file beside the manifest, `name` of `folder` or alone, if it is there. */
-static conus_status note_beside(struct loading *loading, const char *folder, const char *name)
-{
-    struct buffer text = {0};
-    buffer_format(&text, "%s%s%s", folder, folder[0] ? "/" : "", name);
-    conus_status status = buffer_status(&text);
-    char *path = status ? NULL : file_beside(loading->path, text.data);
-    status = status || path ? status : CONUS_ERROR_MEMORY;
-    struct file_state state;
-    if (!status && file_exists(path)) {
-        status = file_state_find(&state, path);
-        status = status ? status : atlas_note_file(loading->atlas, path, &state);
-    }
-    memory_free(path);
-    buffer_finish(&text);
-    return status;
-}
-
-/* What the areas follow from besides the surfaces. */
-static conus_status note_sources(struct loading *loading)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < loading->manifest->area_count; i++) {
-        const struct manifest_area *area = &loading->manifest->areas[i];
-        status = area->vertex_labels ? note_beside(loading, "", area->vertex_labels) : CONUS_OK;
-        if (!status && area->brainglobe) {
-            status = note_beside(loading, area->brainglobe, "structures.json");
-            status = status ? status : note_beside(loading, area->brainglobe, "metadata.json");
-        }
-    }
-    return status;
-}
-
 static conus_status load_areas(struct loading *loading)
 {
     struct area_plan plan = {.max_memory = loading->options->max_memory};
@@ -151,7 +119,7 @@ static conus_status load_areas(struct loading *loading)
     if (!status && path_base(loading->path)[0]) {
         status = atlas_add_file(loading->atlas, loading->path, loading->file);
     }
-    status = status ? status : note_sources(loading);
+    status = status ? status : file_sums_move(&loading->atlas->files, &plan.read);
     status = status ? status
                     : area_plan_load(&plan, loading->atlas, loading->manifest, loading->options, &loading->progress);
     area_plan_finish(&plan);
@@ -261,6 +229,7 @@ static conus_status read_fsl(struct fsl_choice *choice, const struct loading *lo
                       "fsl: %s is of type Label, which has no volume per pathway: load it as parcellation", xml);
     }
     status = status ? status : label_table_sort(&choice->atlas.labels, &loading->atlas->notes);
+    status = status ? status : atlas_add_file(loading->atlas, xml, &bytes);
     bytes_finish(&bytes);
     return status;
 }

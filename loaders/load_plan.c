@@ -35,6 +35,7 @@ void area_plan_finish(struct area_plan *plan)
         vertex_labels_finish(&plan->sheets[i].labels);
     }
     memory_free(plan->sheets);
+    file_sums_finish(&plan->read);
     memory_free(plan->areas);
     label_table_finish(&plan->groups);
     *plan = (struct area_plan){0};
@@ -159,7 +160,7 @@ static conus_status plan_part(struct area_plan *plan, size_t entry, const struct
 static conus_status add_sheet(struct area_plan *plan, const struct manifest_area *area, const char *path,
                               struct notes *notes)
 {
-    const struct mesh_file_options options = {.max_memory = plan->max_memory};
+    const struct mesh_file_options options = {.max_memory = plan->max_memory, .read = &plan->read};
     struct planned_sheet *sheets = memory_resize(plan->sheets, plan->sheet_count + 1, sizeof *sheets);
     char *labels = file_beside(path, area->vertex_labels);
     plan->sheets = sheets ? sheets : plan->sheets;
@@ -239,10 +240,10 @@ static conus_status sift_names(struct matches *matches, const char *pattern)
     return status;
 }
 
-static conus_status find_matches(struct matches *matches, const struct manifest_area *area, const char *path,
-                                 uint64_t max_memory, struct notes *notes)
+static conus_status find_matches(struct matches *matches, struct area_plan *plan, const struct manifest_area *area,
+                                 const char *path, struct notes *notes)
 {
-    const struct label_use use = {.max_memory = max_memory};
+    const struct label_use use = {.max_memory = plan->max_memory, .read = &plan->read};
     const char *format;
     char *pattern = file_beside(path, area->files);
     matches->folder = pattern ? path_folder(pattern) : NULL;
@@ -281,7 +282,7 @@ static conus_status plan_pattern(struct area_plan *plan, size_t entry, const str
                                  const char *path, struct notes *notes)
 {
     struct matches matches = {0};
-    conus_status status = find_matches(&matches, area, path, plan->max_memory, notes);
+    conus_status status = find_matches(&matches, plan, area, path, notes);
     for (size_t i = 0; !status && i < matches.names.count; i++) {
         struct label label;
         struct buffer file = {0};
@@ -334,7 +335,7 @@ static conus_status orient(double world_from_mesh[16], const char *orientation, 
 }
 
 /* The orientation in metadata.json, "asr" without one. */
-static conus_status read_orientation(char out[GLOBE_ORIENTATION], const char *folder)
+static conus_status read_orientation(char out[GLOBE_ORIENTATION], const char *folder, struct file_sums *read)
 {
     struct bytes bytes = {0};
     struct buffer path = {0};
@@ -343,7 +344,7 @@ static conus_status read_orientation(char out[GLOBE_ORIENTATION], const char *fo
     snprintf(out, GLOBE_ORIENTATION, "asr");
     if (!status && file_exists(path.data) && !(status = file_read(&bytes, path.data, JSON_LIMIT))) {
         status = globe_metadata_parse(out, (struct text){(const char *)bytes.data, bytes.size});
-        status = status ? fail_in(status, path.data) : CONUS_OK;
+        status = status ? fail_in(status, path.data) : file_sums_add(read, path.data, &bytes);
     }
     bytes_finish(&bytes);
     buffer_finish(&path);
@@ -402,10 +403,10 @@ static void mark_containers(struct globe *globe)
     }
 }
 
-static conus_status open_globe(struct globe *globe, const struct manifest_area *area, const char *path,
-                               uint64_t max_memory, struct notes *notes)
+static conus_status open_globe(struct globe *globe, struct area_plan *plan, const struct manifest_area *area,
+                               const char *path, struct notes *notes)
 {
-    const struct label_use use = {.max_memory = max_memory};
+    const struct label_use use = {.max_memory = plan->max_memory, .read = &plan->read};
     const char *format;
     struct buffer table = {0};
     globe->folder = file_beside(path, area->brainglobe);
@@ -463,11 +464,11 @@ static conus_status plan_globe(struct area_plan *plan, size_t entry, const struc
     double world_from_mesh[16];
     double scale = area->scale > 0 ? area->scale : micrometres;
     size_t before = plan->count;
-    conus_status status = open_globe(&globe, area, path, plan->max_memory, notes);
+    conus_status status = open_globe(&globe, plan, area, path, notes);
     if (!status && area->orientation) {
         snprintf(orientation, sizeof orientation, "%s", area->orientation);
     } else {
-        status = status ? status : read_orientation(orientation, globe.folder);
+        status = status ? status : read_orientation(orientation, globe.folder, &plan->read);
     }
     status = status ? status : orient(world_from_mesh, orientation, scale);
     status = status ? status : plan_structures(plan, entry, &globe, area->all_structures, world_from_mesh);

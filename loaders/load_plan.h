@@ -34,6 +34,7 @@ struct area_plan {
     size_t count;
     size_t capacity;
     uint64_t max_memory;       /**< For each file; 0 = the default.                                               */
+    struct file_sums read;     /**< What names and labels come from.                                              */
     struct label_table groups; /**< Nodes of the area tree without a surface of their own; sorted.                */
 };
 

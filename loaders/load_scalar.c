@@ -94,9 +94,10 @@ static const char *name_in(const struct fsl_atlas *atlas, size_t volume)
     return NULL;
 }
 
-static conus_status take_title(void *user, struct fsl_atlas *atlas, const char *path)
+static conus_status take_title(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
 {
     struct title *title = user;
+    (void)file;
     const char *name = name_in(atlas, title->info->volume);
     if (!name) {
         return CONUS_OK;

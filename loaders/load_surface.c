@@ -19,6 +19,7 @@ struct surface {
     struct mesh_parts parts;
     struct notes notes;
     struct buffer source;
+    struct file_sums read; /* labels that lie in a file of their own */
 };
 
 static void surface_finish(struct surface *surface)
@@ -29,6 +30,7 @@ static void surface_finish(struct surface *surface)
     mesh_parts_finish(&surface->parts);
     notes_finish(&surface->notes);
     buffer_finish(&surface->source);
+    file_sums_finish(&surface->read);
 }
 
 /* The whole surface is one area, number 1. */
@@ -75,6 +77,8 @@ static conus_status read_objects(struct surface *out, const char *path, const co
 static conus_status read_surface(struct surface *out, const char *path, const conus_load_options *options)
 {
     const struct mesh_file_options file_options = {.max_memory = options->max_memory};
+    struct mesh_file_options label_options = {.max_memory = options->max_memory};
+    label_options.read = options->labels ? &out->read : NULL;
     const char *labels = options->labels ? options->labels : path;
     if (options->labels && !mesh_file_keeps_vertices(path)) {
         return fail(CONUS_ERROR_UNSUPPORTED, "%s: labels of vertices need a GIFTI or FreeSurfer surface", path);
@@ -83,7 +87,7 @@ static conus_status read_surface(struct surface *out, const char *path, const co
         return read_objects(out, path, options);
     }
     conus_status status = mesh_file_read(&out->mesh, &out->about, path, &file_options, &out->notes);
-    status = status ? status : vertex_labels_read(&out->labels, labels, &file_options, &out->notes);
+    status = status ? status : vertex_labels_read(&out->labels, labels, &label_options, &out->notes);
     if (status) {
         return status;
     }
@@ -163,14 +167,12 @@ conus_status surface_load(conus_atlas **out, const char *path, const conus_load_
 {
     struct surface surface = {0};
     struct file_state state;
-    struct file_state state_of_labels;
     conus_atlas *atlas = NULL;
     conus_status status = file_state_find(&state, path);
-    status = status || !options->labels ? status : file_state_find(&state_of_labels, options->labels);
     status = status ? status : read_surface(&surface, path, options);
     status = status ? status : make_atlas(&atlas, &surface);
     status = status ? status : atlas_note_file(atlas, path, &state);
-    status = status || !options->labels ? status : atlas_note_file(atlas, options->labels, &state_of_labels);
+    status = status ? status : file_sums_move(&atlas->files, &surface.read);
     surface_finish(&surface);
     if (status) {
         conus_atlas_destroy(atlas);

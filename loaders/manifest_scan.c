@@ -17,7 +17,7 @@ static conus_status has_table(bool *out, struct label_table *table, const struct
     struct notes notes = {0};
     char *source = NULL;
     *out = false;
-    conus_status status = label_table_of_volume(table, &source, file, labels, &notes);
+    conus_status status = label_table_of_volume(table, &source, file, labels, NULL, &notes);
     for (size_t i = 0; !status && i < table->count; i++) {
         *out = *out || table->entries[i].name;
     }

@@ -31,13 +31,17 @@ static conus_status read_unpacked(struct bytes *out, const char *path, const str
 {
     struct bytes stored = {0};
     conus_status status = file_read_allowed(&stored, path, limit_of(options));
-    if (status || !gzip_is(stored.data, stored.size)) {
-        *out = status ? *out : stored;
-        return status;
+    status = status || !options->read ? status : file_sums_add(options->read, path, &stored);
+    if (!status && !gzip_is(stored.data, stored.size)) {
+        *out = stored;
+        return CONUS_OK;
     }
-    status = gzip_unpack_all(out, stored.data, stored.size, limit_of(options));
+    if (!status) {
+        status = gzip_unpack_all(out, stored.data, stored.size, limit_of(options));
+        status = status ? fail_in(status, path) : CONUS_OK;
+    }
     bytes_finish(&stored);
-    return status ? fail_in(status, path) : CONUS_OK;
+    return status;
 }
 
 static bool is_gifti(const struct bytes *bytes)

@@ -5,13 +5,15 @@
 
 #include "atlas/labels.h"
 #include "atlas/mesh.h"
+#include "base/file_sums.h"
 #include "loaders/mesh_protocol.h"
 
 /** Zero is the default of each. */
 struct mesh_file_options {
     enum mesh_space space;
-    bool external;       /**< GIFTI arrays may lie in other files in the same folder. */
-    uint64_t max_memory; /**< For a file, and for the numbers of one array; 8 GiB.    */
+    bool external;          /**< GIFTI arrays may lie in other files in the same folder. */
+    uint64_t max_memory;    /**< For a file, and for the numbers of one array; 8 GiB.    */
+    struct file_sums *read; /**< Gets the file that is read. */
 };
 
 /** What the name of the file @p path says: "lh.pial" of "lh.pial.surf.gii.gz". The caller's to memory_free(); NULL

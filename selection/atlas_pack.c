@@ -294,11 +294,11 @@ static void pass_objects(struct walk *walk, conus_atlas *atlas, const conus_atla
 
 static void pass_lists(struct walk *walk, conus_atlas *atlas, const conus_atlas *counts)
 {
-    atlas->files = room(walk, atlas->files, counts->file_count, sizeof *atlas->files);
-    for (size_t i = 0; i < counts->file_count && !walk->status; i++) {
-        atlas->file_count = i + 1;
-        pass(walk, atlas->files[i].sha256, sizeof atlas->files[i].sha256);
-        pass_text(walk, &atlas->files[i].path);
+    atlas->files.items = room(walk, atlas->files.items, counts->files.count, sizeof *atlas->files.items);
+    for (size_t i = 0; i < counts->files.count && !walk->status; i++) {
+        atlas->files.count = i + 1;
+        pass(walk, atlas->files.items[i].sha256, sizeof atlas->files.items[i].sha256);
+        pass_text(walk, &atlas->files.items[i].path);
     }
     atlas->notes.lines = room(walk, atlas->notes.lines, counts->notes.count, sizeof *atlas->notes.lines);
     for (size_t i = 0; i < counts->notes.count && !walk->status; i++) {
@@ -315,7 +315,7 @@ static conus_atlas bare_atlas(const conus_atlas *atlas)
     bare.objects = NULL;
     bare.places = NULL;
     bare.label_source = NULL;
-    bare.files = NULL;
+    bare.files.items = NULL;
     bare.transfer = NULL;
     bare.notes.lines = NULL;
     return bare;
@@ -329,7 +329,7 @@ static void pass_atlas(struct walk *walk, conus_atlas *atlas)
     const conus_atlas counts = plain;
     if (walk->mode == ATTACH && !walk->status) {
         *atlas = bare_atlas(&plain);
-        atlas->volume_count = atlas->mesh_count = atlas->object_count = atlas->file_count = atlas->notes.count = 0;
+        atlas->volume_count = atlas->mesh_count = atlas->object_count = atlas->files.count = atlas->notes.count = 0;
     }
     pass_text(walk, &atlas->path);
     pass_text(walk, &atlas->label_source);

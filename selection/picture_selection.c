@@ -105,8 +105,8 @@ static conus_status add_any_volume(conus_image *image, const conus_atlas *atlas,
 static conus_status add_files(conus_image *image, const conus_atlas *atlas)
 {
     struct buffer text = {0};
-    for (size_t i = 0; i < atlas->file_count; i++) {
-        buffer_format(&text, "%s  %s\n", atlas->files[i].sha256, atlas->files[i].path);
+    for (size_t i = 0; i < atlas->files.count; i++) {
+        buffer_format(&text, "%s  %s\n", atlas->files.items[i].sha256, atlas->files.items[i].path);
     }
     conus_status status = buffer_status(&text);
     if (!status && text.size) {

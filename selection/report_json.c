@@ -136,8 +136,8 @@ static json_t *json_from_files(const conus_atlas *atlas)
 {
     json_t *files = json_array();
     bool whole = true;
-    for (size_t i = 0; i < atlas->file_count; i++) {
-        const struct atlas_file *file = &atlas->files[i];
+    for (size_t i = 0; i < atlas->files.count; i++) {
+        const struct file_sum *file = &atlas->files.items[i];
         json_t *entry = json_pack("{s: o, s: s}", "path", json_from_text(file->path), "sha256", file->sha256);
         whole = json_array_append_new(files, entry) == 0 && whole;
     }

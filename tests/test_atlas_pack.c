@@ -113,10 +113,10 @@ static void assert_same(const conus_atlas *a, const conus_atlas *b)
         assert_memory_equal(&x->shape, &y->shape, sizeof x->shape);
     }
     assert_string_equal(a->label_source, b->label_source);
-    assert_int_equal(a->file_count, b->file_count);
-    for (size_t i = 0; i < a->file_count; i++) {
-        assert_string_equal(a->files[i].path, b->files[i].path);
-        assert_string_equal(a->files[i].sha256, b->files[i].sha256);
+    assert_int_equal(a->files.count, b->files.count);
+    for (size_t i = 0; i < a->files.count; i++) {
+        assert_string_equal(a->files.items[i].path, b->files.items[i].path);
+        assert_string_equal(a->files.items[i].sha256, b->files.items[i].sha256);
     }
     assert_int_equal(a->notes.count, b->notes.count);
     for (size_t i = 0; i < a->notes.count; i++) {

@@ -327,12 +327,12 @@ static void a_folder_of_surfaces_is_an_atlas(void **state)
     assert_int_equal(conus_atlas_object_count(atlas), 2);
     assert_int_equal(conus_atlas_object(atlas, 1)->label, 2);
     assert_int_equal(conus_atlas_object(atlas, 2)->label, 7);
-    assert_int_equal(atlas->file_count, 2);
-    assert_int_equal(strlen(atlas->files[1].sha256), 64);
+    assert_int_equal(atlas->files.count, 2);
+    assert_int_equal(strlen(atlas->files.items[1].sha256), 64);
     assert_string_equal(atlas_path(atlas), test_in("set")); /* as it was asked for, not its first surface */
     conus_atlas_destroy(atlas);
     atlas = loaded("\"areas\": [{\"file\": \"a.gii\", \"label\": 4}]");
-    assert_int_equal(atlas->file_count, 2);
+    assert_int_equal(atlas->files.count, 2);
     assert_non_null(strstr(atlas_path(atlas), "test.atlas.json"));
     conus_atlas_destroy(atlas);
     assert_fails(conus_atlas_load(&atlas, test_scratch(""), NULL), CONUS_ERROR_DATA);
@@ -349,6 +349,26 @@ static void need_conus_mesh(void)
         skip();
     }
     memory_free(path);
+}
+
+/* Whether `name` is among the atlas's files, with the sum that sha256sum prints for it. */
+static void assert_file(const conus_atlas *atlas, const char *name)
+{
+    char command[600];
+    char sum[65] = "";
+    snprintf(command, sizeof command, "sha256sum %s", test_in(name));
+    FILE *pipe = popen(command, "r");
+    assert_non_null(pipe);
+    assert_int_equal(fread(sum, 1, 64, pipe), 64);
+    pclose(pipe);
+    for (size_t i = 0; i < atlas->files.count; i++) {
+        const char *at = strstr(atlas->files.items[i].path, name);
+        if (at && strlen(at) == strlen(name)) {
+            assert_string_equal(atlas->files.items[i].sha256, sum);
+            return;
+        }
+    }
+    fail_msg("%s is not among the %zu files", name, atlas->files.count);
 }
 
 static void write_globe(void)
@@ -385,6 +405,10 @@ static void brainglobe_folders_are_placed_and_grouped(void **state)
     assert_string_equal(grey->name, "Grey");
     assert_string_equal(conus_atlas_object(atlas, grey->parent)->name, "root");
     assert_true(has_note(atlas, "axes start at \"asr\""));
+    assert_int_equal(atlas->files.count, 3); /* the area is one of the two meshes */
+    assert_file(atlas, "test.atlas.json");
+    assert_file(atlas, "globe/structures.json");
+    assert_file(atlas, "globe/meshes/312782628.obj");
     conus_atlas_destroy(atlas);
 
     assert_ok(conus_atlas_load(&atlas, test_in("globe"), NULL));
@@ -398,6 +422,9 @@ static void brainglobe_folders_are_placed_and_grouped(void **state)
     assert_int_equal(conus_atlas_object(atlas, 1)->triangles, 4);
     assert_near(atlas_object_mesh(atlas, 1)->positions[0], 1000, 0);
     assert_near(atlas_object_mesh(atlas, 1)->positions[1], 2000, 0);
+    assert_int_equal(atlas->files.count, 5);
+    assert_file(atlas, "globe/metadata.json");
+    assert_file(atlas, "globe/meshes/997.obj");
     conus_atlas_destroy(atlas);
     assert_refused("\"areas\": [{\"brainglobe\": \"globe\", \"orientation\": \"asa\"}]",
                    "areas[0]: orientation: found \"asa\", one letter each of R or L, A or P, S or I is needed");
@@ -429,6 +456,9 @@ static void every_failing_allocation_is_reported(void **state)
         loaded("\"prefer\": \"areas\", \"parcellation\": \"slabs.nii.gz\", \"areas\": ["
                "{\"files\": \"set/*.gii\", \"labels\": \"names.txt\", \"parent\": 40},"
                "{\"file\": \"a.gii\", \"label\": 300}], \"tree\": [{\"label\": 40, \"name\": \"Whole\"}]");
+    assert_file(atlas, "names.txt");
+    assert_file(atlas, "slabs.tsv");
+    assert_file(atlas, "a.gii");
     conus_atlas_destroy(atlas);
     test_every_allocation(load_again, (void *)test_in("test.atlas.json"));
 }

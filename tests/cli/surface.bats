@@ -173,6 +173,51 @@ labels() {
     done
 }
 
+# names_files FILE...: what a query of $atlas leaves, in JSON and in EXR, names exactly these files with sha256sum's sums;
+# volumes have a list of their own.
+names_files() {
+    local file sum words
+    read -ra words <<<"$atlas"
+    run -0 --separate-stderr "$CONUS" query "${words[@]}" --origin 0,0,100 --toward 0,0,0 -q -o p.tsv
+    run -0 --separate-stderr "$CONUS" query "${words[@]}" --origin 0,0,100 --toward 0,0,0 -q --image p.exr
+    for file in "$@"; do
+        sum=$(sha256sum <"$file" | cut -d ' ' -f 1)
+        grep -qF "$sum" p.json
+        grep -qaF "$sum" p.exr
+    done
+    [ "$(jq -r '.. | objects | select(has("sha256")) | .path | ltrimstr("./")' p.json | sort -u | paste -sd ' ')" = \
+        "$(printf '%s\n' "$@" | sort | paste -sd ' ')" ]
+}
+
+@test "a label table that is found beside a volume is named with its sum, one that is not used is not" {
+    "$CONUS" phantom slabs -o . --size 16
+    atlas=slabs.nii.gz names_files slabs.nii.gz slabs.tsv
+    mv slabs.tsv kept
+    printf '1 One\n2 Two\n' >slabs.nii.txt
+    cp slabs.nii.txt slabs.txt # looked at, and not contradicted
+    head -c 768 /dev/zero | tr '\0' '\1' >slabs.lut
+    atlas=slabs.nii.gz names_files slabs.nii.gz slabs.lut slabs.nii.txt
+    rm slabs.nii.txt slabs.txt slabs.lut
+    printf '<atlas version="1.0"><header><name>S</name><type>Label</type><images><imagefile>/slabs</imagefile>%s' \
+        '<summaryimagefile>/slabs</summaryimagefile></images></header><data>' >s.xml
+    echo '<label index="1" x="0" y="0" z="0">One</label></data></atlas>' >>s.xml
+    atlas=slabs.nii.gz names_files slabs.nii.gz s.xml
+    echo '{"conus_atlas": 1, "parcellation": {"file": "slabs.nii.gz", "labels": "kept"}}' >s.atlas.json
+    atlas=s.atlas.json names_files slabs.nii.gz s.atlas.json kept
+}
+
+@test "every pathway's file is named with its sum, alone and in a manifest" {
+    for kind in slabs sphere torus; do
+        "$CONUS" phantom $kind -o . --size 16
+    done
+    atlas="slabs.nii.gz --pathway sphere.nii.gz --pathway torus.nii.gz" names_files slabs.nii.gz slabs.tsv sphere.nii.gz torus.nii.gz
+    cat >s.atlas.json <<'END'
+{"conus_atlas": 1, "parcellation": "slabs.nii.gz",
+ "pathways": [{"file": "sphere.nii.gz"}, {"file": "torus.nii.gz"}]}
+END
+    atlas=s.atlas.json names_files s.atlas.json slabs.nii.gz slabs.tsv sphere.nii.gz torus.nii.gz
+}
+
 # A tetrahedron with corners at 0 and 20 mm along each axis: inside is where x + y + z < 20 and none is below 0.
 @test "a device inside a closed surface is told of, in a pose file and with both engines, too" {
     {

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/file_sums.h"
+
+#include "base/memory.h"
+
+#include <string.h>
+
+void file_sums_cut(struct file_sums *sums, size_t count)
+{
+    while (sums->count > count) {
+        memory_free(sums->items[--sums->count].path);
+    }
+}
+
+void file_sums_finish(struct file_sums *sums)
+{
+    file_sums_cut(sums, 0);
+    memory_free(sums->items);
+    *sums = (struct file_sums){0};
+}
+
+static bool has_path(const struct file_sums *sums, const char *path)
+{
+    for (size_t i = 0; i < sums->count; i++) {
+        if (strcmp(sums->items[i].path, path) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Takes the path of `sum`. */
+static conus_status append(struct file_sums *sums, const struct file_sum *sum)
+{
+    struct file_sum *items = memory_resize(sums->items, sums->count + 1, sizeof *items);
+    if (!items) {
+        return CONUS_ERROR_MEMORY;
+    }
+    sums->items = items;
+    items[sums->count++] = *sum;
+    return CONUS_OK;
+}
+
+conus_status file_sums_add(struct file_sums *sums, const char *path, const struct bytes *content)
+{
+    if (has_path(sums, path)) {
+        return CONUS_OK;
+    }
+    struct file_sum sum = {.path = memory_text(path, strlen(path))};
+    conus_status status = CONUS_ERROR_MEMORY;
+    if (sum.path) {
+        file_sha256(sum.sha256, content);
+        status = append(sums, &sum);
+    }
+    if (status) {
+        memory_free(sum.path);
+    }
+    return status;
+}
+
+conus_status file_sums_move(struct file_sums *sums, struct file_sums *from)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < from->count; i++) {
+        if (!has_path(sums, from->items[i].path)) {
+            status = append(sums, &from->items[i]);
+            from->items[i].path = status ? from->items[i].path : NULL;
+        }
+    }
+    file_sums_finish(from);
+    return status;
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Which files were read, and what they held. */
+#ifndef CONUS_BASE_FILE_SUMS_H
+#define CONUS_BASE_FILE_SUMS_H
+
+#include "base/file.h"
+
+struct file_sum {
+    char *path;
+    char sha256[65];
+};
+
+/** Every path once, in the order in which they came. */
+struct file_sums {
+    struct file_sum *items;
+    size_t count;
+};
+
+void file_sums_finish(struct file_sums *sums);
+
+/** Adds @p path with the sum of @p content, the bytes that were read from it, unless it is there. */
+conus_status file_sums_add(struct file_sums *sums, const char *path, const struct bytes *content);
+
+/** Appends those of @p from, which is left empty, that are not there. */
+conus_status file_sums_move(struct file_sums *sums, struct file_sums *from);
+
+/** Forgets all but the first @p count. */
+void file_sums_cut(struct file_sums *sums, size_t count);
+
+#endif
