@@ -281,7 +281,7 @@ static void the_box_of_a_surface_is_not_its_inside(void **state)
     const conus_selector_options plain = {0};
     uint32_t object;
     mesh_scene_add(atlas, &torus);
-    const double none[][3] = {{0.1, 0.2, 0}, {10.5, 10.5, 0.2}, {6, 0.3, -1}};
+    const double none[][3] = {{0.1, 0.2, 0}, {10.5, 10.5, 0.2}, {9, 0.3, -2.95}};
     const double last[][3] = {{0.1, 0.2, 0}, {10.5, 10.5, 0.2}, {9, 0.3, -1}};
     assert_int_equal(inside_first(atlas, &plain, none, 3, &object), 0);
     assert_int_equal(inside_first(atlas, &plain, last, 3, &object), 3);
