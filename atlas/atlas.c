@@ -147,7 +147,8 @@ conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct
     if (!status) {
         copy.kind = CONUS_AREA;
         copy.triangles = mesh->triangle_count;
-        copy.volume_mm3 = mesh->shape.closed ? fabs(mesh->shape.volume_mm3) : 0;
+        copy.closed = mesh->shape.closed;
+        copy.volume_mm3 = mesh->shape.has_volume ? fabs(mesh->shape.volume_mm3) : 0;
         status = atlas_append_object(atlas, &copy, (struct object_place){.is_mesh = true, .index = atlas->mesh_count});
     }
     if (!status) {

@@ -2,6 +2,7 @@
 #include "atlas/mesh.h"
 
 #include "atlas/mesh_closed.h"
+#include "atlas/mesh_winding.h"
 #include "base/math3.h"
 #include "base/memory.h"
 
@@ -157,8 +158,11 @@ conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh)
         }
     }
     integrate(&shape, mesh);
-    *out = shape;
-    return CONUS_OK;
+    status = shape.closed ? mesh_winds_once(&shape.has_volume, mesh, &shape) : CONUS_OK;
+    if (!status) {
+        *out = shape;
+    }
+    return status;
 }
 
 double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const double origin[3],

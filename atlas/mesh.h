@@ -11,6 +11,7 @@ struct mesh_shape {
     double volume_mm3;      /**< Signed: positive where the triangles face outwards (divergence theorem).    */
     double centroid[3];     /**< Of the enclosed volume where closed, else of the surface.                   */
     bool closed;            /**< mesh_is_closed(), triangles without area that were left out included.       */
+    bool has_volume;        /**< Closed, and volume_mm3 is that of its inside: mesh_winds_once().            */
 };
 
 struct mesh {
@@ -36,7 +37,8 @@ conus_status mesh_check(struct mesh *mesh, struct notes *notes);
 /** The part of mesh_check() that makes a mesh safe to use: numbers and indices. */
 conus_status mesh_check_numbers(const struct mesh *mesh);
 
-/** Measures a checked mesh; what is closed by mesh->shape stays so. CONUS_ERROR_MEMORY without memory for its edges. */
+/** Measures a checked mesh; what is closed by mesh->shape stays so. CONUS_ERROR_MEMORY without memory for its edges or
+ * crossings. */
 conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh);
 
 /** Distance along a ray to the plane of @p triangle, held within the triangle's reach along the ray: for a ray that

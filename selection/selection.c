@@ -69,9 +69,9 @@ static conus_status measure_objects(conus_selector *selector)
     }
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
         const conus_object *object = &atlas->objects[number - 1];
-        bool open = object->triangles && object->volume_mm3 == 0; /* has no volume, nor has what it is a part of */
+        bool unknown = object->triangles && object->volume_mm3 == 0; /* and so is that of what it is a part of */
         if (!atlas->places[number - 1].is_hidden && !lies_in_mesh(selector, number)) {
-            selector->whole[level_group(selector->level)[number]] += open ? NAN : object->volume_mm3;
+            selector->whole[level_group(selector->level)[number]] += unknown ? NAN : object->volume_mm3;
         }
     }
     return CONUS_OK;

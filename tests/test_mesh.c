@@ -32,7 +32,7 @@ static void a_box_is_closed_and_measured(void **state)
         assert_ok(mesh_check(&mesh, &notes));
         assert_int_equal(notes.count, 0);
         assert_ok(mesh_measure(&shape, &mesh));
-        assert_true(shape.closed);
+        assert_true(shape.closed && shape.has_volume);
         assert_near(shape.volume_mm3, sizes[i][0] * sizes[i][1] * sizes[i][2], 1e-9);
         for (int a = 0; a < 3; a++) {
             assert_near(shape.centroid[a], 1000 + sizes[i][a] / 2, 1e-9);
@@ -233,13 +233,83 @@ static void impossible_meshes_are_refused(void **state)
     mesh_finish(&mesh);
 }
 
+/* A cube of edge 10 at the origin and one of edge `size` that is moved by `by` along x, y and z, perhaps turned
+ * inside out. */
+static conus_status make_cubes(struct mesh *out, double size, double by, bool turned)
+{
+    struct mesh cubes[2];
+    conus_status status = mesh_init(out, 16, 24);
+    assert_ok(make_box(&cubes[0], (double[]){10, 10, 10}, 0));
+    assert_ok(make_box(&cubes[1], (double[]){size, size, size}, by));
+    for (size_t i = 0; !status && i < 72; i++) {
+        size_t corner = i % 36;
+        size_t from = i >= 36 && turned ? corner - corner % 3 + (3 - corner % 3) % 3 : corner;
+        out->triangles[i] = cubes[i / 36].triangles[from] + (i < 36 ? 0 : 8);
+        out->positions[i % 48] = cubes[i % 48 / 24].positions[i % 24];
+    }
+    mesh_finish(&cubes[0]);
+    mesh_finish(&cubes[1]);
+    return status;
+}
+
+/* Whether the volume of the two cubes is known; it is then `volume`. */
+static bool volume_is_known(double size, double by, bool turned, double volume)
+{
+    struct mesh mesh;
+    struct mesh_shape shape;
+    assert_ok(make_cubes(&mesh, size, by, turned));
+    assert_ok(mesh_measure(&shape, &mesh));
+    assert_true(shape.closed);
+    if (shape.has_volume) {
+        assert_near(shape.volume_mm3, volume, 1e-9);
+    }
+    mesh_finish(&mesh);
+    return shape.has_volume;
+}
+
+/* Two solids beside each other and a solid with a cavity have the volumes 1000 + 1000 and 1000 - 216. Where the second
+ * cube is turned inside out beside the first, the signed sum is 0, where it lies in the first as it is, 1000 + 216,
+ * where it overlaps the first by 5 x 5 x 5, 2000 for 1875, where it is the first one again, 2000 for 1000. */
+static void the_volume_of_parts_is_known_where_they_wind_once(void **state)
+{
+    (void)state;
+    assert_true(volume_is_known(10, 20, false, 2000));
+    assert_true(volume_is_known(6, 2, true, 784));
+    assert_false(volume_is_known(10, 20, true, NAN));
+    assert_false(volume_is_known(6, 2, false, NAN));
+    assert_false(volume_is_known(10, 5, false, NAN));
+    assert_false(volume_is_known(10, 0, false, NAN));
+    /* A cube of edge 1 over the first one's corner: 0.5 x 0.5 x 0.5 is counted twice, less than a hundredth. */
+    assert_true(volume_is_known(1, 9.5, false, 1001));
+}
+
+/* All of it turned: -1000 + 216, a solid whose triangles face inwards. */
+static void a_solid_that_faces_inwards_has_a_volume(void **state)
+{
+    (void)state;
+    struct mesh mesh;
+    struct mesh_shape shape;
+    assert_ok(make_cubes(&mesh, 6, 2, true));
+    for (size_t i = 0; i < 72; i += 3) {
+        uint32_t kept = mesh.triangles[i];
+        mesh.triangles[i] = mesh.triangles[i + 1];
+        mesh.triangles[i + 1] = kept;
+    }
+    assert_ok(mesh_measure(&shape, &mesh));
+    assert_true(shape.has_volume);
+    assert_near(shape.volume_mm3, -784, 1e-9);
+    mesh_finish(&mesh);
+}
+
 static conus_status check_box(void *data)
 {
     struct mesh mesh = {0};
+    struct mesh_shape shape;
     struct notes notes = {0};
     (void)data;
     conus_status status = make_box(&mesh, (double[]){1, 1, 1}, 0);
     status = status ? status : mesh_check(&mesh, &notes);
+    status = status ? status : mesh_measure(&shape, &mesh);
     notes_finish(&notes);
     mesh_finish(&mesh);
     return status;
@@ -265,6 +335,8 @@ int main(void)
         cmocka_unit_test(an_open_surface_has_the_centroid_of_its_area),
         cmocka_unit_test(crossings_stay_within_the_triangle_s_reach),
         cmocka_unit_test(impossible_meshes_are_refused),
+        cmocka_unit_test(the_volume_of_parts_is_known_where_they_wind_once),
+        cmocka_unit_test(a_solid_that_faces_inwards_has_a_volume),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

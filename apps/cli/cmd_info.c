@@ -131,7 +131,7 @@ static void put_surfaces(FILE *out, const conus_atlas *atlas)
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
         const conus_object *object = conus_atlas_object(atlas, i);
         surfaces += object->triangles > 0;
-        closed += object->triangles && object->volume_mm3 > 0;
+        closed += object->closed;
         triangles += object->triangles;
     }
     if (surfaces) {
@@ -227,11 +227,10 @@ static void put_triangles(FILE *out, const conus_atlas *atlas, const conus_objec
     }
 }
 
-/* A surface that is not closed has no volume. */
 static void put_closed(FILE *out, const conus_atlas *atlas, const conus_object *object)
 {
     (void)atlas;
-    fputs(!object->triangles ? "n/a" : object->volume_mm3 > 0 ? "yes" : "no", out);
+    fputs(!object->triangles ? "n/a" : object->closed ? "yes" : "no", out);
 }
 
 static void put_mm3(FILE *out, const conus_atlas *atlas, const conus_object *object)

@@ -87,10 +87,9 @@ static json_t *triangles(const conus_object *object)
     return object->triangles ? json_integer((json_int_t)object->triangles) : json_null();
 }
 
-/* A surface that is not closed has no volume. */
 static json_t *closed(const conus_object *object)
 {
-    return object->triangles ? json_boolean(object->volume_mm3 > 0) : json_null();
+    return object->triangles ? json_boolean(object->closed) : json_null();
 }
 
 static json_t *volume_mm3(const conus_object *object)

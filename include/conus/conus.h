@@ -166,6 +166,8 @@ typedef struct conus_object {
     uint64_t voxels;          /**< Voxels of its own (without its children's).                                  */
     double volume_mm3;        /**< The same in mm^3.                                                            */
     uint64_t triangles;       /**< Of its surface, where the area is a mesh (then voxels is 0).                      */
+    bool closed;              /**< That surface bounds a solid. volume_mm3 is 0 if it does not, and if its parts overlap
+                                   or face different ways, so that its volume is not known.                          */
 } conus_object;
 
 /** Areas come first: those of the parcellation and those that are meshes, each ordered by label, and those that only

@@ -50,6 +50,22 @@ labels() {
     [ "$(cut -f 10,17-21 <<<"${lines[1]}")" = "208	30.0002234	30.027911	0	n/a	n/a" ]
 }
 
+# A tetrahedron and its mirror image beside it, whose triangles were not turned around: the signed volumes, of 500 / 3 each,
+# cancel out.
+@test "a surface with parts that face different ways is closed, but has no fraction" {
+    { array POINTSET FLOAT32 'Dimensionality="2" Dim0="8" Dim1="3"' "1 0 0 11 0 0 1 10 0 1 0 10 -1 0 0 -11 0 0 -1 10 0 -1 0 10"
+      array TRIANGLE INT32 'Dimensionality="2" Dim0="8" Dim1="3"' "0 2 1 0 1 3 0 3 2 1 2 3 4 6 5 4 5 7 4 7 6 5 6 7"; } | gifti >halves.gii
+    run -0 --separate-stderr "$CONUS" info halves.gii --format tsv
+    [ "$(cut -f 10,11 <<<"${lines[1]}")" = "yes	n/a" ]
+    run -0 --separate-stderr "$CONUS" query halves.gii --origin 2,2,30 --toward 2,2,0 --angle 2 --format tsv --layers all
+    # shellcheck disable=SC2154 # bats sets stderr
+    [[ "$stderr" = *"note: 1 of 1 surfaces overlap themselves, or have parts that face inwards and are no cavities"* ]]
+    [ "$(cut -f 21 <<<"${lines[1]}")" = n/a ]
+    # Along z at (2, 2) it is solid from 0 to 10 - 1 - 2 = 7.
+    run -0 --separate-stderr "$CONUS" query halves.gii --origin 2,2,30 --toward 2,2,0 --angle 0.001 --format json --layers all -q
+    [ "$(jq '.Rows[0].path_mm * 1000 | round' <<<"$output")" = 7000 ]
+}
+
 @test "labels of the vertices cut it, in its own file or another" {
     { square; labels 6; } | gifti >both.gii
     square | gifti >surface.gii
