@@ -18,8 +18,11 @@ struct mask {
 
 static bool same_grid(const struct volume *a, const struct volume *b)
 {
-    return memcmp(a->info.dim, b->info.dim, sizeof a->info.dim) == 0 &&
-           memcmp(a->info.world_from_voxel, b->info.world_from_voxel, sizeof a->info.world_from_voxel) == 0;
+    bool same = memcmp(a->info.dim, b->info.dim, sizeof a->info.dim) == 0;
+    for (int i = 0; i < 16; i++) {
+        same = same && a->info.world_from_voxel[i] == b->info.world_from_voxel[i];
+    }
+    return same;
 }
 
 /* The only pathway, or with `any` one of several that lie on one grid. */

@@ -253,7 +253,8 @@ static struct mesh cubes(uint64_t *random)
 {
     struct mesh all = {0};
     for (int i = 0; i < 27; i++) {
-        const double low[3] = {4 * (i % 3 - 1.5), 4 * (i / 3 % 3 - 1.5), 4 * (i / 9 - 1.5)};
+        const int at[3] = {i % 3, i / 3 % 3, i / 9};
+        const double low[3] = {4 * (at[0] - 1.5), 4 * (at[1] - 1.5), 4 * (at[2] - 1.5)};
         if (all.triangle_count && test_random(random, 0, 1) < 0.6) {
             continue;
         }

@@ -240,9 +240,10 @@ void settings_say_open(const conus_atlas *atlas, const struct engine_settings *e
         odd += object->closed && object->volume_mm3 == 0;
     }
     if (odd && engine->layers == CONUS_ALL_LAYERS && !settings->quiet) {
-        complain("note: %zu of %zu surfaces overlap themselves, or have parts that face inwards and are no cavities: there "
-                 "is no fraction",
-                 odd, surfaces);
+        complain(
+            "note: %zu of %zu surfaces overlap themselves, or have parts that face inwards and are no cavities: there "
+            "is no fraction",
+            odd, surfaces);
     }
     if (open && engine->layers == CONUS_ALL_LAYERS && !settings->quiet) {
         complain("note: %zu of %zu surfaces are not closed: paths count only where a ray goes in and comes out, and "
