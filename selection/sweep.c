@@ -24,7 +24,7 @@ static conus_status check(const conus_selector *selector)
 
 static bool is_closed(const conus_atlas *atlas, uint32_t number)
 {
-    return atlas->objects[number - 1].volume_mm3 > 0;
+    return atlas->objects[number - 1].closed;
 }
 
 /* Of every object, as what it is reported. */

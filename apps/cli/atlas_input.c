@@ -220,10 +220,10 @@ const char *settings_input(const conus_atlas *atlas, const struct input *inputs,
     }
     for (size_t i = 0; i < conus_atlas_file_count(atlas); i++) {
         if (paths_equal(conus_atlas_file(atlas, i), path)) {
-            return "the atlas's file";
+            return is_label_table(atlas, path) ? "the label table" : "the atlas's file";
         }
     }
-    return is_label_table(atlas, path) ? "the label table" : NULL;
+    return NULL;
 }
 
 /* A surface that is not closed has no volume, nor has one whose parts overlap or face different ways. */
