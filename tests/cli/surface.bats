@@ -50,10 +50,10 @@ labels() {
     [ "$(cut -f 10,17-21 <<<"${lines[1]}")" = "208	30.0002234	30.027911	0	n/a	n/a" ]
 }
 
-# A tetrahedron and its mirror image beside it, whose triangles were not turned around: the signed volumes, of 500 / 3 each,
-# cancel out.
+# A tetrahedron of 500 / 3 mm^3 and the mirror image of one of 400 / 3 beside it, whose triangles were not turned around:
+# their signed volumes sum to 100 / 3, of 300 that are solid.
 @test "a surface with parts that face different ways is closed, but has no fraction" {
-    { array POINTSET FLOAT32 'Dimensionality="2" Dim0="8" Dim1="3"' "1 0 0 11 0 0 1 10 0 1 0 10 -1 0 0 -11 0 0 -1 10 0 -1 0 10"
+    { array POINTSET FLOAT32 'Dimensionality="2" Dim0="8" Dim1="3"' "1 0 0 11 0 0 1 10 0 1 0 10 -1 0 0 -9 0 0 -1 10 0 -1 0 10"
       array TRIANGLE INT32 'Dimensionality="2" Dim0="8" Dim1="3"' "0 2 1 0 1 3 0 3 2 1 2 3 4 6 5 4 5 7 4 7 6 5 6 7"; } | gifti >halves.gii
     run -0 --separate-stderr "$CONUS" info halves.gii --format tsv
     [ "$(cut -f 10,11 <<<"${lines[1]}")" = "yes	n/a" ]
