@@ -50,25 +50,31 @@ has_lines() {
     [ -e "$2" ] && [ "$(wc -l <"$2")" -ge "$1" ]
 }
 
-# is_conus PID: whether it has become that.
+# is_conus PID [PROGRAM]: whether it has become that.
 is_conus() {
-    [ "$(cat "/proc/$1/comm")" = "${CONUS##*/}" ]
+    local program=${2:-$CONUS}
+    [ "$(cat "/proc/$1/comm")" = "${program##*/}" ]
 }
 
-# catches_signals PID: whether it is a conus that has seen to SIGINT.
+# catches_signals PID [PROGRAM]: whether it is a conus that has seen to SIGINT.
 catches_signals() {
     local mask
     mask=$(sed -n 's/^SigCgt:[[:space:]]*/0x/p' "/proc/$1/status")
-    is_conus "$1" && [ $((mask >> 1 & 1)) -eq 1 ]
+    is_conus "$@" && [ $((mask >> 1 & 1)) -eq 1 ]
+}
+
+# fill_progress: the pipe progress, which is full as long as file descriptor 6 is open.
+fill_progress() {
+    rm -f progress
+    mkfifo progress
+    exec 6<>progress
+    ! dd if=/dev/zero of=progress bs=4096 oflag=nonblock 2>filled
 }
 
 # hold batch ARGUMENT...: in the background, as process $pid, which is held after its first block: it waits to write its
 # progress into a pipe that is full.
 hold() {
-    rm -f progress
-    mkfifo progress
-    exec 6<>progress
-    dd if=/dev/zero of=progress bs=4096 oflag=nonblock 2>filled && return 1
+    fill_progress
     env --default-signal=INT "$CONUS" "$@" --progress json 2>progress 3>&- 6>&- &
     pid=$!
 }

@@ -122,105 +122,111 @@ setup_poses() {
     cmp rows.tsv own.tsv
 }
 
-# setup_long N: 1000 poses that take a while, N x N pixels each; `long` are the arguments that say so.
-setup_long() {
+# setup_begun: poses, the rows wanted of them, and a batch killed.tsv that had room for no more than 20 KB of them.
+setup_begun() {
     setup_poses 1000
-    long=(sphere.nii.gz --poses poses.tsv --resolution "$1")
-    conus batch "${long[@]}" -o rows.tsv
+    conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv
+    (trap '' XFSZ && ulimit -f 20 && "$CONUS" batch sphere.nii.gz --poses poses.tsv --block 16 -o killed.tsv) && return 1
+    has_lines 5 killed.tsv.journal
 }
 
-# start N ARGUMENT...: ranks in the background, the children of process $pid.
-start() {
-    local count=$1
-    shift
-    env --default-signal=INT "${mpi[@]}" -n "$count" "$CONUS_MPI" batch "${long[@]}" --block 1 "$@" >out 2>said 3>&- &
-    pid=$!
-}
-
-# wait_for_lines N: until the journal has N lines.
-wait_for_lines() {
-    wait_until "$pid" has_lines "$1" killed.tsv.journal || { cat said; return 1; }
-}
-
-# stop CODE SIGNAL PID...: until all has ended, with that code, which is the first rank's; or failed, if CODE is "some".
-stop() {
-    local code=0
-    kill "-$2" "${@:3}"
-    wait "$pid" 2>/dev/null || code=$?
-    [ "${1/some/$code}" = "$code" ] && [ "$code" -ne 0 ] || { echo "ended with $code"; return 1; }
-    flock --timeout $HANG killed.tsv.journal true
-}
-
-# read_children: the ranks.
-read_children() {
+# all_catch_signals: whether the ranks, which are the children of process $pid, are answering poses.
+all_catch_signals() {
     read -r -a children <"/proc/$pid/task/$pid/children" || true # a line without its end
+    [ "${#children[@]}" -eq "$1" ] || return
+    for child in "${children[@]}"; do
+        catches_signals "$child" "$CONUS_MPI" || return
+    done
+    children_held=("${children[@]}")
+    children=()
 }
 
-@test "killed and resumed, with any number of ranks and by conus batch: the file of one run" {
-    setup_long 128
-    start 4 -o killed.tsv
-    wait_for_lines 5
-    read_children
-    stop 137 KILL "$pid" "${children[@]}" # all of it
+# hold_ranks N: goes on with killed.tsv, on ranks that are the children of process $pid. They cannot come to their end:
+# the first waits to write its progress into a pipe that is full, and the others wait for it.
+hold_ranks() {
+    local command=("$CONUS_MPI" batch sphere.nii.gz --poses poses.tsv --block 1 -o killed.tsv --resume --progress json)
+    fill_progress
+    env --default-signal=INT "${mpi[@]}" -n 1 bash -c 'exec "$@" 2>progress' first "${command[@]}" \
+        : -n $(($1 - 1)) "${command[@]}" 2>others 3>&- 6>&- &
+    pid=$!
+    wait_until "$pid" all_catch_signals "$1"
+}
+
+# end_held SIGNAL PID...: until all has ended that hold_ranks has started, while it was held.
+end_held() {
+    kill "$@"
+    wait "$pid" 2>/dev/null && return 1
+    exec 6>&-
+    flock --timeout $HANG killed.tsv.journal true
     [ ! -e killed.tsv ]
-    ranks 2 "${long[@]}" -o killed.tsv 2>again && return 1 || [ $? -eq 2 ]
-    grep -q 'killed.tsv: an unfinished batch is there; --resume goes on, --force begins anew' again
-    ranks 2 "${long[@]}" -o killed.tsv --angle 11 --resume 2>again && return 1 || [ $? -eq 2 ]
-    [ "$(grep -c '^conus: .*written with other settings' again)" -eq 1 ]
-    local lines
-    lines=$(wc -l <killed.tsv.journal)
-    start 3 -o killed.tsv --resume
-    wait_for_lines $((lines + 5))
-    read_children
-    stop 137 KILL "${children[1]}" # a rank
-    cp killed.tsv.part part
-    cp killed.tsv.journal journal
-    ranks 2 "${long[@]}" -o killed.tsv --resume
+}
+
+# resume COMMAND...: what was killed becomes the file of one run.
+resume() {
+    "$@" sphere.nii.gz --poses poses.tsv -o killed.tsv --resume
     cmp rows.tsv killed.tsv
     [ ! -e killed.tsv.part ] && [ ! -e killed.tsv.journal ]
     diff <(grep -v CommandLine rows.json) <(grep -v CommandLine killed.json)
+}
+
+@test "killed and resumed, with any number of ranks and by conus batch: the file of one run" {
+    setup_begun
+    ranks 2 sphere.nii.gz --poses poses.tsv -o killed.tsv 2>again && return 1 || [ $? -eq 2 ]
+    grep -q 'killed.tsv: an unfinished batch is there; --resume goes on, --force begins anew' again
+    ranks 2 sphere.nii.gz --poses poses.tsv -o killed.tsv --angle 11 --resume 2>again && return 1 || [ $? -eq 2 ]
+    [ "$(grep -c '^conus: .*written with other settings' again)" -eq 1 ]
+    hold_ranks 4
+    end_held -KILL "$pid" "${children_held[@]}" # all of it
+    hold_ranks 3
+    end_held -KILL "${children_held[1]}" # a rank
+    cp killed.tsv.part part
+    cp killed.tsv.journal journal
+    resume ranks 2
     rm killed.tsv killed.json
     mv part killed.tsv.part
     mv journal killed.tsv.journal
-    conus batch "${long[@]}" -o killed.tsv --resume
-    cmp rows.tsv killed.tsv
-    ranks 2 "${long[@]}" -o killed.tsv --resume
-    ranks 2 "${long[@]}" -o killed.tsv --resume --angle 11 2>said && return 1 || [ $? -eq 2 ]
+    resume conus batch
+    ranks 2 sphere.nii.gz --poses poses.tsv -o killed.tsv --resume
+    ranks 2 sphere.nii.gz --poses poses.tsv -o killed.tsv --resume --angle 11 2>said && return 1 || [ $? -eq 2 ]
     grep -q 'there is a file already' said
 }
 
-@test "conus batch killed, and resumed on ranks" {
-    setup_long 128
-    "$CONUS" batch "${long[@]}" --block 10 -o killed.tsv 3>&- &
-    pid=$!
-    wait_for_lines 30
-    stop 137 KILL "$pid"
-    ranks 3 "${long[@]}" --block 7 -o killed.tsv --resume
-    cmp rows.tsv killed.tsv
+@test "ranks killed in the midst of writing, and resumed" {
+    setup_begun
+    printf 'ulimit -f 40\nexec "$@"\n' >limited.sh # SIGXFSZ ends who writes more than 40 KB
+    local command=(bash limited.sh "$CONUS_MPI" batch sphere.nii.gz --poses poses.tsv --block 1 -o killed.tsv --resume)
+    "${mpi[@]}" --mca btl 'tcp,self' -n 2 "${command[@]}" 3>&- && return 1
+    flock --timeout $HANG killed.tsv.journal true
+    has_lines 6 killed.tsv.journal
+    resume ranks 3
 }
 
-# said_how_to_go_on: once, or not at all where mpirun did not leave it the time; and nothing else.
+@test "conus batch killed, and resumed on ranks" {
+    setup_begun
+    hold batch sphere.nii.gz --poses poses.tsv --block 10 -o killed.tsv --resume
+    wait_until "$pid" catches_signals "$pid"
+    end_held -KILL "$pid"
+    resume ranks 3 --block 7
+}
+
+# said_how_to_go_on FILE: once, or not at all if it had not the time; and nothing else.
 said_how_to_go_on() {
-    local wanted='^conus: interrupted after [0-9]* poses; go on with: conus-mpi batch .* -o killed.tsv --resume$'
-    [ "$(grep -c "$wanted" said)" -le 1 ] || { cat said; return 1; }
-    [ "$(grep '^conus: ' said | grep -vc "$wanted")" -eq 0 ] || { cat said; return 1; }
+    local wanted='^conus: interrupted after [0-9]* poses; go on with: conus-mpi batch .* -o killed.tsv .*--resume$'
+    [ "$(grep -c "$wanted" "$1")" -le 1 ] || { cat "$1"; return 1; }
+    [ "$(grep '^conus: ' "$1" | grep -vc "$wanted")" -eq 0 ] || { cat "$1"; return 1; }
 }
 
 @test "SIGTERM to a rank and SIGINT to mpirun end it, and --resume goes on" {
-    setup_long 320 # mpirun takes a while to pass it on
-    start 2 -o killed.tsv
-    wait_for_lines 5
-    read_children
-    stop 143 TERM "${children[1]}"
-    said_how_to_go_on
-    local lines
-    lines=$(wc -l <killed.tsv.journal)
-    start 2 -o killed.tsv --resume
-    wait_for_lines $((lines + 3))
-    stop some INT "$pid" # mpirun's own: 130 or 1
-    said_how_to_go_on
-    ranks 2 "${long[@]}" -o killed.tsv --resume
-    cmp rows.tsv killed.tsv
+    setup_begun
+    hold_ranks 2
+    kill -TERM "${children_held[1]}"
+    wait_until "$pid" took_signal "${children_held[1]}"
+    let_go 143
+    said_how_to_go_on said
+    hold_ranks 2
+    end_held -INT "$pid" # mpirun ends the ranks
+    said_how_to_go_on others
+    resume ranks 2
 }
 
 @test "an error of one rank ends all, and --resume goes on" {
@@ -228,7 +234,7 @@ said_how_to_go_on() {
     conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv
     local command=("$CONUS_MPI" batch sphere.nii.gz --poses poses.tsv --block 1 -o full.tsv)
     printf 'trap "" XFSZ\nulimit -f 20\nexec "$@"\n' >limited.sh # no more than 20 KB
-    "${mpi[@]}" -n 1 "${command[@]}" : -n 1 bash limited.sh "${command[@]}" 2>said 3>&- && return 1 || [ $? -eq 3 ]
+    "${mpi[@]}" -n 1 bash limited.sh "${command[@]}" : -n 1 "${command[@]}" 2>said 3>&- && return 1 || [ $? -eq 3 ]
     [ "$(grep -c '^conus: ' said)" -eq 1 ]
     grep -q '^conus: full.tsv: cannot write' said
     [ ! -e full.tsv ]
