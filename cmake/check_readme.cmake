@@ -1,16 +1,23 @@
 cmake_minimum_required(VERSION 3.25)
 # cmake -DROOT=<source folder> -DEXAMPLE=<program built from examples/select_one.c> -P check_readme.cmake
-# The README's C example is the file that is built, and prints what the README says; the files it links to exist.
-file(READ "${ROOT}/README.md" readme)
+# The C example of the tutorial is the file that is built, and prints what the tutorial says. The files that the
+# README links to exist, and it has fewer than 120 lines.
+file(READ "${ROOT}/docs/tutorial.md" tutorial)
 file(READ "${ROOT}/examples/select_one.c" code)
-string(FIND "${readme}" "```c\n${code}```\n" at)
+string(FIND "${tutorial}" "```c\n${code}```\n" at)
 if(at EQUAL -1)
-  message(FATAL_ERROR "README.md: its C example differs from examples/select_one.c")
+  message(FATAL_ERROR "docs/tutorial.md: its C example differs from examples/select_one.c")
 endif()
 execute_process(COMMAND "${EXAMPLE}" WORKING_DIRECTORY "${ROOT}" OUTPUT_VARIABLE output COMMAND_ERROR_IS_FATAL ANY)
-string(FIND "${readme}" "```\n${output}```\n" at)
+string(FIND "${tutorial}" "```\n${output}```\n" at)
 if(at EQUAL -1)
-  message(FATAL_ERROR "README.md: it does not show what its C example prints:\n${output}")
+  message(FATAL_ERROR "docs/tutorial.md: it does not show what its C example prints:\n${output}")
+endif()
+file(READ "${ROOT}/README.md" readme)
+string(REGEX REPLACE "[^\n]" "" ends "${readme}")
+string(LENGTH "${ends}" lines)
+if(lines GREATER_EQUAL 120)
+  message(FATAL_ERROR "README.md: ${lines} lines, fewer than 120 are allowed")
 endif()
 string(REPLACE "](" "LINK(" readme "${readme}") # a bracket alone would spoil CMake's list
 string(REGEX MATCHALL "LINK\\([a-zA-Z][^):#]*" links "${readme}")

@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# docs/commands.md says what is: its examples, and those of docs/scenes.md, are run, its lists compared with the program's own.
+# The examples of the documents are run and their output compared; the lists of docs/commands.md are compared with the help.
 load helpers
 DOCS=$BATS_TEST_DIRNAME/../../docs/commands.md
 
@@ -8,21 +8,42 @@ same_engine() {
     sed -E 's/engine rays, [a-z0-9]+/engine rays, any/'
 }
 
-# examples PAGE LEAST: runs the page's examples, of which there are LEAST or more.
+# script TRANSCRIPT: prints a script that echoes each command of the transcript and runs it. A command begins with "$ "
+# and goes on behind a backslash at the end of a line.
+script() {
+    local line shown=() command
+    while IFS= read -r line; do
+        [ ${#shown[@]} -gt 0 ] || [[ $line == '$ '* ]] || continue
+        shown+=("$line")
+        [[ $line != *\\ ]] || continue
+        printf -v command '%s\n' "${shown[@]}"
+        printf "printf '%%s\\n'" && printf ' %q' "${shown[@]}" && echo
+        printf '%s' "${command#\$ }"
+        shown=()
+    done <"$1"
+}
+
+# examples PAGE LEAST: runs the page's examples, of which there are LEAST or more, and compares what they print.
 examples() {
     awk '/^```console/ { on = 1; next } /^```/ { on = 0 } on' "$1" >transcript
     [ "$(grep -c '^\$ ' transcript)" -ge "$2" ]
     {
         echo 'exec 2>&1'
         printf 'conus() { %q "$@"; }\n' "$CONUS"
-        grep '^\$ ' transcript | while IFS= read -r line; do
-            printf 'printf "%%s\\n" %q\n%s\n' "$line" "${line#\$ }"
-        done
+        script transcript
     } >examples.sh
     mkdir folder
     (cd folder && bash ../examples.sh) | same_engine >got || true
     same_engine <transcript >wanted
     diff wanted got
+}
+
+# need_templates: the brains of mricron-data are where the pages say, and pictures can be drawn; or the test is skipped.
+need_templates() {
+    need_aal
+    [ "$TEMPLATES" = /usr/share/mricron/templates ] || skip "the pages name /usr/share/mricron/templates"
+    conus phantom sphere -o gl --size 16
+    gl render gl/sphere.nii.gz --size 16x16 -o gl/sphere.png -q
 }
 
 @test "the examples print what they are said to print" {
@@ -31,6 +52,16 @@ examples() {
 
 @test "so do those of the tour of scenes" {
     examples "${DOCS%/*}/scenes.md" 2
+}
+
+@test "so do those of the tutorial" {
+    need_templates
+    examples "${DOCS%/*}/tutorial.md" 14
+}
+
+@test "so do those of the recipes" {
+    need_templates
+    examples "${DOCS%/*}/recipes.md" 20
 }
 
 # section NAME: the part of the page under that command's heading.
