@@ -1,36 +1,35 @@
 #!/usr/bin/env bats
-# docs/commands.md says what is: its examples, and those of docs/scenes.md, are run, its lists compared with the program's own.
+# What the documents show is what the programs do: the examples of every page are run, and the lists of docs/commands.md
+# are compared with the program's own.
 load helpers
-DOCS=$BATS_TEST_DIRNAME/../../docs/commands.md
+ROOT=$BATS_TEST_DIRNAME/../..
+DOCS=$ROOT/docs/commands.md
 
 # The one thing in the examples that differs between machines.
 same_engine() {
     sed -E 's/engine rays, [a-z0-9]+/engine rays, any/'
 }
 
-# examples PAGE LEAST: runs the page's examples, of which there are LEAST or more.
+# examples PAGE: runs the page's examples in a folder of their own, which has the atlases of mricron-data if they are
+# installed, and compares what they print. scripts/check-docs --help says which blocks are examples.
 examples() {
-    awk '/^```console/ { on = 1; next } /^```/ { on = 0 } on' "$1" >transcript
-    [ "$(grep -c '^\$ ' transcript)" -ge "$2" ]
-    {
-        echo 'exec 2>&1'
-        printf 'conus() { %q "$@"; }\n' "$CONUS"
-        grep '^\$ ' transcript | while IFS= read -r line; do
-            printf 'printf "%%s\\n" %q\n%s\n' "$line" "${line#\$ }"
-        done
-    } >examples.sh
-    mkdir folder
-    (cd folder && bash ../examples.sh) | same_engine >got || true
-    same_engine <transcript >wanted
-    diff wanted got
+    local folder
+    folder=$(basename "$1" .md)
+    "$ROOT/scripts/check-docs" --examples "$1" >"$folder.sh"
+    mkdir "$folder"
+    for file in "$TEMPLATES"/{aal,ch2,ch2bet}.*; do
+        [ ! -e "$file" ] || ln -s "$file" "$folder/"
+    done
+    (cd "$folder" && PATH=${CONUS%/*}:$PATH bash "../$folder.sh" 3>"../$folder.said") >"$folder.got" || true
+    diff <(same_engine <"$folder.said") <(same_engine <"$folder.got")
 }
 
-@test "the examples print what they are said to print" {
-    examples "$DOCS" 8
-}
-
-@test "so do those of the tour of scenes" {
-    examples "${DOCS%/*}/scenes.md" 2
+@test "the examples of every page print what they are said to print" {
+    for page in "$ROOT"/*.md "$ROOT"/docs/*.md; do
+        examples "$page"
+    done
+    [ "$(grep -c '^\$ ' commands.said)" -ge 8 ]
+    [ "$(grep -c '^\$ ' scenes.said)" -ge 2 ]
 }
 
 # section NAME: the part of the page under that command's heading.
