@@ -563,7 +563,7 @@ setup_example() {
     command -v parallel >/dev/null || skip "no GNU parallel"
     setup_example
     example parallel >run.sh
-    [ "$(wc -l <run.sh)" -eq 2 ]
+    [ "$(wc -l <run.sh)" -eq 3 ]
     PARALLEL_HOME=$PWD bash -eu run.sh
     cmp whole.tsv rows.tsv
 }

@@ -1,67 +1,52 @@
 #!/usr/bin/env bats
-# The examples of the documents are run and their output compared; the lists of docs/commands.md are compared with the help.
+# What the documents show is what the programs do: the examples of every page are run, and the lists of docs/commands.md
+# are compared with the program's own.
 load helpers
-DOCS=$BATS_TEST_DIRNAME/../../docs/commands.md
+ROOT=$BATS_TEST_DIRNAME/../..
+DOCS=$ROOT/docs/commands.md
 
 # The one thing in the examples that differs between machines.
 same_engine() {
     sed -E 's/engine rays, [a-z0-9]+/engine rays, any/'
 }
 
-# script TRANSCRIPT: prints a script that echoes each command of the transcript and runs it. A command begins with "$ "
-# and goes on behind a backslash at the end of a line.
-script() {
-    local line shown=() command
-    while IFS= read -r line; do
-        [ ${#shown[@]} -gt 0 ] || [[ $line == '$ '* ]] || continue
-        shown+=("$line")
-        [[ $line != *\\ ]] || continue
-        printf -v command '%s\n' "${shown[@]}"
-        printf "printf '%%s\\n'" && printf ' %q' "${shown[@]}" && echo
-        printf '%s' "${command#\$ }"
-        shown=()
-    done <"$1"
-}
-
-# examples PAGE LEAST: runs the page's examples, of which there are LEAST or more, and compares what they print.
+# examples PAGE: runs the page's examples in a folder of their own, which has the atlases of mricron-data if they are
+# installed, and compares what they print. scripts/check-docs --help says which blocks are examples.
 examples() {
-    awk '/^```console/ { on = 1; next } /^```/ { on = 0 } on' "$1" >transcript
-    [ "$(grep -c '^\$ ' transcript)" -ge "$2" ]
-    {
-        echo 'exec 2>&1'
-        printf 'conus() { %q "$@"; }\n' "$CONUS"
-        script transcript
-    } >examples.sh
-    mkdir folder
-    (cd folder && bash ../examples.sh) | same_engine >got || true
-    same_engine <transcript >wanted
-    diff wanted got
+    local folder
+    folder=$(basename "$1" .md)
+    "$ROOT/scripts/check-docs" --examples "$1" >"$folder.sh"
+    mkdir "$folder"
+    for file in "$TEMPLATES"/{aal,ch2,ch2bet}.*; do
+        [ ! -e "$file" ] || ln -s "$file" "$folder/"
+    done
+    (cd "$folder" && PATH=${CONUS%/*}:$PATH bash "../$folder.sh" 3>"../$folder.said") >"$folder.got" || true
+    diff <(same_engine <"$folder.said") <(same_engine <"$folder.got")
 }
 
-# need_templates: the brains of mricron-data are where the pages say, and pictures can be drawn; or the test is skipped.
-need_templates() {
+# is_walk PAGE: whether all its examples, from the first on, are about the brains of mricron-data and draw pictures.
+is_walk() {
+    [[ $1 == */tutorial.md || $1 == */recipes.md ]]
+}
+
+@test "the examples of every page print what they are said to print" {
+    for page in "$ROOT"/*.md "$ROOT"/docs/*.md; do
+        is_walk "$page" || examples "$page"
+    done
+    [ "$(grep -c '^\$ ' commands.said)" -ge 8 ]
+    [ "$(grep -c '^\$ ' scenes.said)" -ge 2 ]
+}
+
+@test "so do those of the tutorial and the recipes" {
     need_aal
     [ "$TEMPLATES" = /usr/share/mricron/templates ] || skip "the pages name /usr/share/mricron/templates"
-    conus phantom sphere -o gl --size 16
-    gl render gl/sphere.nii.gz --size 16x16 -o gl/sphere.png -q
-}
-
-@test "the examples print what they are said to print" {
-    examples "$DOCS" 8
-}
-
-@test "so do those of the tour of scenes" {
-    examples "${DOCS%/*}/scenes.md" 2
-}
-
-@test "so do those of the tutorial" {
-    need_templates
-    examples "${DOCS%/*}/tutorial.md" 14
-}
-
-@test "so do those of the recipes" {
-    need_templates
-    examples "${DOCS%/*}/recipes.md" 20
+    sphere --size 16
+    gl render sphere.nii.gz --size 16x16 -o gl.png -q
+    for page in "$ROOT"/docs/tutorial.md "$ROOT"/docs/recipes.md; do
+        examples "$page"
+    done
+    [ "$(grep -c '^\$ ' tutorial.said)" -ge 14 ]
+    [ "$(grep -c '^\$ ' recipes.said)" -ge 20 ]
 }
 
 # section NAME: the part of the page under that command's heading.
