@@ -4,18 +4,19 @@ load helpers
 
 README=$BATS_TEST_DIRNAME/../../README.md
 
-# block COMMAND: what the README's console block shows below "$ COMMAND".
+# block FIRST SECOND: what the README's console block shows below the command "$ FIRST \", newline, "SECOND".
 block() {
-    awk -v command="\$ $1" '/^```/ { inside = 0 } inside { print } $0 == command { inside = 1 }' "$README"
+    awk -v first="\$ $1 \\\\" -v second="    $2" '
+        /^```/ { inside = 0 } inside { print } previous == first && $0 == second { inside = 1 } { previous = $0 }' "$README"
 }
 
 @test "the query of the README gives the table of the README" {
     need_aal
-    local arguments="query $aal --origin=-90,20,20 --toward=0,-10,10 --angle 20"
+    local arguments='--origin=-90,20,20 --toward=0,-10,10 --angle 20'
     local shown
-    shown=$(block "conus $arguments" | sed 's/engine rays, [a-z0-9]*/engine rays/')
+    shown=$(block "conus query $aal" "$arguments" | sed 's/engine rays, [a-z0-9]*/engine rays/')
     [ -n "$shown" ]
     # shellcheck disable=SC2086 # the README's words
-    answers $arguments --engine rays
+    answers query "$aal" $arguments --engine rays
     [ "$(sed 's/engine rays, [a-z0-9]*/engine rays/' <<<"$output")" = "$shown" ]
 }
