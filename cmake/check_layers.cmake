@@ -1,6 +1,6 @@
 cmake_minimum_required(VERSION 3.25)
 # cmake -DROOT=<source folder> -P check_layers.cmake
-# Fails when a file includes a header of a module that its own module may not use (docs/architecture.md).
+# Fails when a file includes a header of a module that its own module may not use (docs/internals.md).
 set(base_may_use      "base")
 set(atlas_may_use     "base|atlas")
 set(loaders_may_use   "base|atlas|loaders")
