@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "loaders/child/mesh_child.h"
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/memory.h"
 
@@ -15,7 +16,6 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { PATH_SIZE = 4096, WORDS_SIZE = 512, REQUEST_DESCRIPTOR = 3, READ_SIZE = 1 << 20 };
@@ -111,13 +111,6 @@ struct child {
     bool begun, ended;
     uint32_t frames;
 };
-
-static double now(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
 
 static conus_status fail_system(const char *action)
 {
@@ -229,7 +222,7 @@ static conus_status start_with(struct child *child, const char *path, int ends[E
     if (errno) {
         return fail_system("start");
     }
-    child->deadline = now() + child->limits->wait;
+    child->deadline = clock_seconds() + child->limits->wait;
     child->out = ends[OUT];
     child->err = ends[ERR];
     ends[OUT] = ends[ERR] = -1;
@@ -364,7 +357,7 @@ static conus_status fail_late(const struct child *child)
 static conus_status listen_once(struct child *child)
 {
     struct pollfd ends[2] = {{.fd = child->out, .events = POLLIN}, {.fd = child->err, .events = POLLIN}};
-    double left = child->deadline - now();
+    double left = child->deadline - clock_seconds();
     int ready = left > 0 ? poll(ends, 2, (int)(1000 * left) + 1) : 0;
     if (ready == 0) {
         return fail_late(child);
@@ -416,7 +409,7 @@ static conus_status await_end(const struct child *child, int *how)
     pid_t ended = 0;
     while (ended == 0 || (ended < 0 && errno == EINTR)) {
         ended = waitpid(child->pid, how, WNOHANG);
-        if (ended == 0 && now() > child->deadline) {
+        if (ended == 0 && clock_seconds() > child->deadline) {
             return fail_late(child);
         }
         if (ended == 0) {

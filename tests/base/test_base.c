@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/buffer.h"
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/math3.h"
 #include "base/memory.h"
@@ -524,6 +525,16 @@ static void messages_are_one_line(void **state)
     assert_null(memory_raw(SIZE_MAX, 2));
 }
 
+static void the_clock_never_goes_back(void **state)
+{
+    (void)state;
+    double before = clock_seconds();
+    const struct timespec pause = {.tv_nsec = 2000000};
+    nanosleep(&pause, NULL);
+    double passed = clock_seconds() - before;
+    assert_true(passed >= 0.002 && passed < 600);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -550,6 +561,7 @@ int main(void)
         cmocka_unit_test(sha256_of_abc),
         cmocka_unit_test(buffers_remember_failure),
         cmocka_unit_test(messages_are_one_line),
+        cmocka_unit_test(the_clock_never_goes_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
