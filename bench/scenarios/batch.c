@@ -241,7 +241,7 @@ static conus_status make_surfaces(struct scene *scene, const struct bench *bench
     ssize_t length = readlink("/proc/self/exe", program, sizeof program - 32);
     char *slash = length > 0 ? strrchr(program, '/') : NULL;
     if (slash) {
-        snprintf(slash, (size_t)(program + sizeof program - slash), "/../cli/conus-mesh"); /* where the build puts it */
+        snprintf(slash, (size_t)(program + sizeof program - slash), "/../apps/cli/conus-mesh"); /* where the build puts it */
     }
     if (slash && access(program, X_OK) == 0) {
         setenv("CONUS_MESH", program, 0);

@@ -112,7 +112,7 @@ static void run_query(void *data)
 /* $CONUS, else conus beside this program or where the build puts it. */
 static conus_status find_program(char *out, size_t size)
 {
-    static const char *const places[] = {"conus", "../cli/conus"};
+    static const char *const places[] = {"conus", "../apps/cli/conus"};
     const char *given = getenv("CONUS");
     char self[PATH_SIZE / 2] = "";
     if (given) {
