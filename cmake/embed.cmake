@@ -4,7 +4,7 @@
 if(CMAKE_SCRIPT_MODE_FILE)
   file(READ "${IN}" hex HEX)
   string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
-  file(WRITE "${OUT}" "#include \"render/shaders.h\"\nconst char ${NAME}[] = {${bytes}0};\n")
+  file(WRITE "${OUT}" "#include \"render/gl/shaders.h\"\nconst char ${NAME}[] = {${bytes}0};\n")
   return()
 endif()
 

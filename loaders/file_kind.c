@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "loaders/file_kind.h"
 
+#include "base/gzip.h"
 #include "base/text.h"
 #include "base/xml.h"
-#include "loaders/freesurfer.h"
-#include "loaders/gzip.h"
-#include "loaders/label_parse.h"
-#include "loaders/mgh.h"
-#include "loaders/nifti.h"
+#include "loaders/labels/label_parse.h"
+#include "loaders/surfaces/freesurfer.h"
+#include "loaders/volumes/mgh.h"
+#include "loaders/volumes/nifti.h"
 
 #include <string.h>
 #include <strings.h>

@@ -37,7 +37,7 @@ FNR == 1 {
     end_of_file()
     in_comment = 0
     start = 0
-    library = FILENAME ~ /^(base|atlas|loaders|render|selection)\//
+    library = FILENAME ~ /^(base|atlas|poses|loaders|render|selection)\//
 }
 {
     previous = FILENAME

@@ -3,9 +3,9 @@
 #ifndef CONUS_SELECTION_SELECTION_H
 #define CONUS_SELECTION_SELECTION_H
 
-#include "atlas/level.h"
-#include "selection/evidence.h"
-#include "selection/score.h"
+#include "atlas/areas/level.h"
+#include "selection/engine/evidence.h"
+#include "selection/measure/score.h"
 
 struct conus_selector {
     const conus_atlas *atlas;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "cli/aim_notes.h"
-#include "cli/batch_jobs.h"
-#include "cli/batch_output.h"
+#include "batch/batch_jobs.h"
+#include "batch/batch_output.h"
 #include "cli/commands.h"
-#include "cli/interrupt.h"
-#include "cli/messages.h"
-#include "cli/output.h"
-#include "cli/progress.h"
+#include "common/aim_notes.h"
+#include "common/interrupt.h"
+#include "common/messages.h"
+#include "common/output.h"
+#include "common/progress.h"
 
 #include <string.h>
 

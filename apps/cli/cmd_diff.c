@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "cli/commands.h"
-#include "cli/messages.h"
-#include "cli/output.h"
-#include "cli/results_file.h"
-#include "cli/settings.h"
+#include "common/messages.h"
+#include "common/output.h"
+#include "common/results_file.h"
+#include "common/settings.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,9 +2,9 @@
 #include "cli/commands.h"
 #include "cli/info_json.h"
 #include "cli/info_tree.h"
-#include "cli/messages.h"
-#include "cli/output.h"
-#include "cli/settings.h"
+#include "common/messages.h"
+#include "common/output.h"
+#include "common/settings.h"
 
 #include <math.h>
 #include <stdlib.h>

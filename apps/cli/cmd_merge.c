@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "cli/batch_errors.h"
-#include "cli/batch_file.h"
-#include "cli/batch_record.h"
+#include "batch/batch_errors.h"
+#include "batch/batch_file.h"
+#include "batch/batch_record.h"
 #include "cli/commands.h"
-#include "cli/input_file.h"
-#include "cli/messages.h"
-#include "cli/output.h"
+#include "common/input_file.h"
+#include "common/messages.h"
+#include "common/output.h"
 
 #include <errno.h>
 #include <fcntl.h>

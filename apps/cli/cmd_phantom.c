@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "cli/commands.h"
-#include "cli/messages.h"
-#include "cli/settings.h"
+#include "common/messages.h"
+#include "common/settings.h"
 
 #include <string.h>
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "cli/aim_notes.h"
-#include "cli/answer_format.h"
 #include "cli/commands.h"
 #include "cli/mask.h"
-#include "cli/messages.h"
-#include "cli/output.h"
-#include "cli/pose_settings.h"
+#include "common/aim_notes.h"
+#include "common/answer_format.h"
+#include "common/messages.h"
+#include "common/output.h"
+#include "common/pose_settings.h"
 
 #include <errno.h>
 #include <stdio.h>

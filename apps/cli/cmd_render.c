@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "cli/aim_notes.h"
 #include "cli/commands.h"
-#include "cli/messages.h"
-#include "cli/output.h"
-#include "cli/pose_settings.h"
+#include "common/aim_notes.h"
+#include "common/messages.h"
+#include "common/output.h"
+#include "common/pose_settings.h"
 
 #include <string.h>
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "cli/aim_notes.h"
-#include "cli/answer_format.h"
 #include "cli/commands.h"
-#include "cli/interrupt.h"
-#include "cli/messages.h"
-#include "cli/output.h"
-#include "cli/pose_settings.h"
-#include "cli/station_settings.h"
+#include "common/aim_notes.h"
+#include "common/answer_format.h"
+#include "common/interrupt.h"
+#include "common/messages.h"
+#include "common/output.h"
+#include "common/pose_settings.h"
+#include "common/station_settings.h"
 #include "link/tell.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "cli/mask.h"
-#include "cli/messages.h"
-#include "cli/output.h"
+#include "common/messages.h"
+#include "common/output.h"
 
 #include <stdio.h>
 #include <stdlib.h>

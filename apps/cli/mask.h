@@ -3,7 +3,7 @@
 #ifndef CONUS_CLI_MASK_H
 #define CONUS_CLI_MASK_H
 
-#include "cli/options.h"
+#include "common/options.h"
 
 #include <conus/conus.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** @file
- * conus-mesh: the one program that links VTK. It reads a request (loaders/mesh_protocol.h), and what it finds goes to
- * stdout as a stream of meshes. VTK's readers crash on bad files; what they take with them is this process. */
-#ifndef CONUS_APPS_MESH_CONUS_MESH_HPP
-#define CONUS_APPS_MESH_CONUS_MESH_HPP
+ * conus-mesh: the one program that links VTK. It reads a request (loaders/child/mesh_protocol.h), and what it finds
+ * goes to stdout as a stream of meshes. VTK's readers crash on bad files; what they take with them is this process. */
+#ifndef CONUS_MESH_CONUS_MESH_HPP
+#define CONUS_MESH_CONUS_MESH_HPP
 
 #include "request.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** @file What ends conus-mesh, or the reading of one file. */
-#ifndef CONUS_APPS_MESH_FAILURE_HPP
-#define CONUS_APPS_MESH_FAILURE_HPP
+#ifndef CONUS_MESH_FAILURE_HPP
+#define CONUS_MESH_FAILURE_HPP
 
 #include <stdexcept>
 

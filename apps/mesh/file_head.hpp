@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** @file What the first bytes of a mesh file say, before VTK reads it. Without VTK. */
-#ifndef CONUS_APPS_MESH_FILE_HEAD_HPP
-#define CONUS_APPS_MESH_FILE_HEAD_HPP
+#ifndef CONUS_MESH_FILE_HEAD_HPP
+#define CONUS_MESH_FILE_HEAD_HPP
 
-#include "loaders/mesh_protocol.h"
+#include "loaders/child/mesh_protocol.h"
 
 #include <cstdint>
 #include <string>

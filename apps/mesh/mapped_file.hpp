@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** @file The bytes of a file, as they lie on the disk. */
-#ifndef CONUS_APPS_MESH_MAPPED_FILE_HPP
-#define CONUS_APPS_MESH_MAPPED_FILE_HPP
+#ifndef CONUS_MESH_MAPPED_FILE_HPP
+#define CONUS_MESH_MAPPED_FILE_HPP
 
 #include <cstddef>
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** @file What is looked for in an OBJ file before VTK reads it. Without VTK. */
-#ifndef CONUS_APPS_MESH_OBJ_FILE_HPP
-#define CONUS_APPS_MESH_OBJ_FILE_HPP
+#ifndef CONUS_MESH_OBJ_FILE_HPP
+#define CONUS_MESH_OBJ_FILE_HPP
 
 #include <cstdint>
 #include <string>

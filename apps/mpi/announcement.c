@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "mpi/announcement.h"
 
-#include "cli/messages.h"
+#include "common/messages.h"
 
 #include <mpi.h>
 #include <stdlib.h>

@@ -2,13 +2,13 @@
 /* conus-mpi batch: conus batch on all ranks of an MPI job. Rank 0 leads: it alone reads the command's files of jobs and
  * journals, and announces each batch to the others. The first rank of each node loads the atlas for all that run there.
  * Every rank reads the poses' file by itself, and passes over the poses that are others'. */
-#include "cli/aim_notes.h"
-#include "cli/batch_jobs.h"
-#include "cli/batch_output.h"
-#include "cli/interrupt.h"
-#include "cli/messages.h"
-#include "cli/output.h"
-#include "cli/progress.h"
+#include "batch/batch_jobs.h"
+#include "batch/batch_output.h"
+#include "common/aim_notes.h"
+#include "common/interrupt.h"
+#include "common/messages.h"
+#include "common/output.h"
+#include "common/progress.h"
 #include "mpi/announcement.h"
 #include "mpi/node_atlas.h"
 #include "mpi/ordered_file.h"

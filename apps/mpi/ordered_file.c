@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "mpi/ordered_file.h"
 
-#include "cli/interrupt.h"
-#include "cli/messages.h"
+#include "common/interrupt.h"
+#include "common/messages.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -7,7 +7,7 @@
 #ifndef CONUS_MPI_ORDERED_FILE_H
 #define CONUS_MPI_ORDERED_FILE_H
 
-#include "cli/batch_file.h"
+#include "batch/batch_file.h"
 
 #include <mpi.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "viewer/keep.h"
+#include "viewer/session/keep.h"
 
 #include <math.h>
 #include <strings.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_VIEWER_LOADER_H
 #define CONUS_VIEWER_LOADER_H
 
-#include "cli/settings.h"
+#include "common/settings.h"
 
 struct loader;
 

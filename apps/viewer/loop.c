@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "viewer/loop.h"
 
-#include "cli/messages.h"
+#include "common/messages.h"
 #include "link/tell.h"
-#include "viewer/keep.h"
+#include "viewer/session/keep.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>

@@ -5,7 +5,7 @@
 #ifndef CONUS_VIEWER_LOOP_H
 #define CONUS_VIEWER_LOOP_H
 
-#include "viewer/script.h"
+#include "viewer/session/script.h"
 
 /** Shows @p window until it is closed, or @p script (NULL = none) ends. Gives the exit code. */
 int loop_run(struct window *window, struct script *script);

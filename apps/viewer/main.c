@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus-view: the window. Its options are read and explained by the same tables as those of conus. */
-#include "cli/messages.h"
-#include "cli/settings.h"
-#include "cli/station_settings.h"
+#include "common/messages.h"
+#include "common/settings.h"
+#include "common/station_settings.h"
 #include "viewer/loader.h"
 #include "viewer/loop.h"
-#include "viewer/session.h"
-#include "viewer/window.h"
+#include "viewer/session/session.h"
+#include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>

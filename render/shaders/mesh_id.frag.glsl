@@ -29,7 +29,7 @@ dvec3 corner(uint number)
     return dvec3(texelFetch(positions, int(number)).xyz) - apex;
 }
 
-// Distance to the triangle's plane, within the triangle's reach along the ray: mesh_distance() in atlas/mesh.h.
+// Distance to the triangle's plane, within the triangle's reach along the ray: mesh_distance() in atlas/surface/mesh.h.
 double distance_to(uint number, dvec3 origin, dvec3 direction)
 {
     uvec3 at = texelFetch(corners, int(number)).xyz;

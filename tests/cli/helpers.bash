@@ -6,6 +6,9 @@ TEMPLATES=${CONUS_TEMPLATES:-/usr/share/mricron/templates}
 # Seconds after which what hangs is ended: nothing else takes so long, however busy the machine is.
 HANG=900
 
+# Else mpirun's hwloc opens the X display :0, which may be that of another test, and ends with it.
+export HWLOC_COMPONENTS=-gl
+
 setup() {
     mkdir "$BATS_TEST_TMPDIR/work"
     cd "$BATS_TEST_TMPDIR/work" || return

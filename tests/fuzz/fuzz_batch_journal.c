@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A journal and a part, as a crash left them: what a run goes on with is in both, whole, and the same the next time.
  * The input is the journal, a zero byte, and the part; a line of the journal that ends in " *" gets its CRC. */
-#include "cli/batch_file.h"
+#include "batch/batch_file.h"
 #include "quiet.h"
 
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A shard's sidecar: what conus merge takes from it keeps its word. */
-#include "cli/batch_record.h"
+#include "batch/batch_record.h"
 #include "quiet.h"
 
 #include <stdlib.h>

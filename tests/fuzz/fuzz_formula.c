@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A formula of scores from any bytes, evaluated. */
-#include "selection/formula.h"
+#include "selection/measure/formula.h"
 
 #include <math.h>
 #include <stdlib.h>

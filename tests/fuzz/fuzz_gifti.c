@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* GIFTI documents, and what becomes of their arrays. */
 #include "base/memory.h"
-#include "loaders/gifti.h"
+#include "loaders/surfaces/gifti.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as BrainGlobe's metadata.json. */
-#include "loaders/globe_metadata.h"
+#include "loaders/labels/globe_metadata.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as FSL atlas, Workbench and AFNI table, whatever their outermost element is. */
 #include "base/memory.h"
-#include "loaders/label_parse.h"
+#include "loaders/labels/label_parse.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

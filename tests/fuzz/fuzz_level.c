@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A level of any bytes, but for those that open files, on an atlas of three depths, plain or merged. */
+#include "atlas/areas/level.h"
 #include "atlas/atlas.h"
-#include "atlas/level.h"
 #include "base/memory.h"
 
 #include <stdlib.h>

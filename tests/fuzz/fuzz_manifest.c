@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "loaders/manifest.h"
+#include "loaders/scene/manifest.h"
 
 #include <stdint.h>
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* An entry of the cache as somebody may have left it there: as it is, and with the tail that its bytes should have. */
 #include "base/memory.h"
-#include "loaders/mesh_cache.h"
-#include "loaders/mesh_stream.h"
+#include "loaders/child/mesh_cache.h"
+#include "loaders/child/mesh_stream.h"
 
 #include <libdeflate.h>
 #include <stdlib.h>

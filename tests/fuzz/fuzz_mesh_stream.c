@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What conus-mesh writes, should it have lost its mind. */
-#include "loaders/mesh_stream.h"
+#include "loaders/child/mesh_stream.h"
 
 #include <stdlib.h>
 

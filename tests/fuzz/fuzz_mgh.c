@@ -2,7 +2,7 @@
 /* MGH headers and voxels. */
 #include "fuzz_volume.h"
 
-#include "loaders/mgh.h"
+#include "loaders/volumes/mgh.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

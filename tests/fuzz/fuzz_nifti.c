@@ -2,7 +2,7 @@
 /* NIfTI-1 and NIfTI-2 headers, extensions and voxels. */
 #include "fuzz_volume.h"
 
-#include "loaders/nifti.h"
+#include "loaders/volumes/nifti.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where the window was: what parses can be a window, what does not leaves everything as it was. */
-#include "viewer/place.h"
+#include "viewer/window/place.h"
 
 #include <stdint.h>
 #include <stdlib.h>

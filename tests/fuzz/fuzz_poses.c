@@ -2,8 +2,8 @@
 /* A pose that is read without error is rigid, whatever the format, the axis and the space; and passing over rows counts
  * them as reading does. */
 #include "base/math3.h"
-#include "selection/pose_list.h"
-#include "selection/pose_stream.h"
+#include "poses/pose_list.h"
+#include "poses/pose_stream.h"
 
 #include <stdlib.h>
 

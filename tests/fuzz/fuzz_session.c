@@ -2,7 +2,7 @@
 /* Sessions of the window: one that is refused changes nothing; of one that is opened, what is saved opens again and is
  * saved the same. The atlas has an area, a pathway and a context of 16 voxels each way; nothing is selected or drawn.
  */
-#include "viewer/session.h"
+#include "viewer/session/session.h"
 
 #include <stdio.h>
 #include <stdlib.h>

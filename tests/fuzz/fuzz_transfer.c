@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Transfer functions of any bytes: what parses is within its promises. */
-#include "render/transfer.h"
+#include "render/colour/transfer.h"
 
 #include <stdlib.h>
 

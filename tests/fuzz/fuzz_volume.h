@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file What the volume fuzz targets do once a header is read. */
-#ifndef CONUS_TESTS_FUZZ_VOLUME_H
-#define CONUS_TESTS_FUZZ_VOLUME_H
+#ifndef CONUS_TESTS_FUZZ_FUZZ_VOLUME_H
+#define CONUS_TESTS_FUZZ_FUZZ_VOLUME_H
 
 #include "base/memory.h"
-#include "loaders/volume_file.h"
-#include "loaders/volume_header.h"
+#include "loaders/volumes/volume_file.h"
+#include "loaders/volumes/volume_header.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file A fuzzer's log is no place for a million complaints of the program. */
-#ifndef CONUS_FUZZ_QUIET_H
-#define CONUS_FUZZ_QUIET_H
+#ifndef CONUS_TESTS_FUZZ_QUIET_H
+#define CONUS_TESTS_FUZZ_QUIET_H
 
 #include <stdio.h>
 

@@ -1,0 +1,367 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "batch/batch_file.h"
+
+#include "common/input_file.h"
+#include "common/messages.h"
+#include "common/options.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+enum { LINE_SIZE = 256, CHUNK = 1 << 16 };
+
+static uint32_t crc_of(const void *data, size_t size)
+{
+    return (uint32_t)crc32_z(0, data, size);
+}
+
+static int complain_errno(const char *path, const char *action)
+{
+    complain("%s: cannot %s: %s", path, action, strerror(errno));
+    return EXIT_DATA;
+}
+
+static bool write_fully(int descriptor, const char *data, size_t size)
+{
+    while (size) {
+        ssize_t n = write(descriptor, data, size);
+        if (n < 0 && errno != EINTR) {
+            return false;
+        }
+        data += n > 0 ? n : 0;
+        size -= n > 0 ? (size_t)n : 0;
+    }
+    return true;
+}
+
+bool batch_file_checksum(const char *path, uint32_t *crc, uint64_t *size)
+{
+    char chunk[CHUNK];
+    FILE *file = input_file_open(path);
+    if (!file) {
+        return false;
+    }
+    *crc = 0;
+    *size = 0;
+    for (size_t n; (n = fread(chunk, 1, sizeof chunk, file)) > 0;) {
+        *crc = (uint32_t)crc32_z(*crc, (const unsigned char *)chunk, n);
+        *size += n;
+    }
+    bool whole = !ferror(file) || !complain_errno(path, "read");
+    fclose(file);
+    return whole;
+}
+
+/* ---- The journal: lines of words, the last of which is the CRC-32 of the line before it ------------------------ */
+
+static bool write_line(const struct batch_file *file, const char *line)
+{
+    char whole[LINE_SIZE + 16];
+    int length = snprintf(whole, sizeof whole, "%s %08" PRIx32 "\n", line, crc_of(line, strlen(line)));
+    return write_fully(file->log, whole, (size_t)length);
+}
+
+/* Reads a line without its CRC; false at the end, and where the line is not what was written. */
+static bool read_line(char out[LINE_SIZE], FILE *in)
+{
+    char *newline = fgets(out, LINE_SIZE, in) ? strchr(out, '\n') : NULL;
+    char *space = newline ? strrchr(out, ' ') : NULL;
+    char wanted[16];
+    if (!space) {
+        return false;
+    }
+    *newline = '\0';
+    *space = '\0';
+    snprintf(wanted, sizeof wanted, "%08" PRIx32, crc_of(out, strlen(out)));
+    return strcmp(space + 1, wanted) == 0;
+}
+
+static void write_first_line(char out[LINE_SIZE], const char *fingerprint)
+{
+    snprintf(out, LINE_SIZE, "conus-batch 1 %s", fingerprint);
+}
+
+/* Takes the next word of a line that is cut up on the way; "" if there is none. */
+static const char *take_word(char **line)
+{
+    char *word = strsep(line, " ");
+    return word ? word : "";
+}
+
+static bool parse_entry(struct batch_entry *out, char *line)
+{
+    char *end = NULL;
+    bool numbers = count_parse(take_word(&line), INT64_MAX, &out->poses) &&
+                   count_parse(take_word(&line), INT64_MAX, &out->errors) &&
+                   count_parse(take_word(&line), INT64_MAX, &out->size);
+    const char *crc = take_word(&line);
+    out->crc = (uint32_t)strtoul(crc, &end, 16);
+    return numbers && out->errors <= out->poses && end != crc && *end == '\0' && !line;
+}
+
+/* Whether the next bytes of the part are those of the entry. */
+static bool has_block(FILE *part, const struct batch_entry *entry)
+{
+    char chunk[CHUNK];
+    uint32_t crc = 0;
+    uint64_t left = entry->size;
+    while (left) {
+        size_t n = fread(chunk, 1, left < CHUNK ? (size_t)left : CHUNK, part);
+        if (n == 0) {
+            return false;
+        }
+        crc = (uint32_t)crc32_z(crc, (const unsigned char *)chunk, n);
+        left -= n;
+    }
+    return crc == entry->crc;
+}
+
+static void count_entry(struct batch_file *file, const struct batch_entry *entry)
+{
+    file->crc = (uint32_t)crc32_combine(file->crc, entry->crc, (z_off_t)entry->size);
+    file->size += entry->size;
+    file->poses += entry->poses;
+    file->errors += entry->errors;
+}
+
+/* Counts the blocks that both files have; gives the journal's length up to there. */
+static long count_blocks(struct batch_file *file, FILE *journal, FILE *part)
+{
+    char line[LINE_SIZE];
+    struct batch_entry entry;
+    long length = ftell(journal);
+    while (read_line(line, journal) && parse_entry(&entry, line) && has_block(part, &entry)) {
+        count_entry(file, &entry);
+        length = ftell(journal);
+    }
+    return length;
+}
+
+static bool append_entry(struct batch_file *file, const struct batch_entry *entry)
+{
+    char line[LINE_SIZE];
+    snprintf(line, sizeof line, "%" PRIu64 " %" PRIu64 " %" PRIu64 " %08" PRIx32, entry->poses, entry->errors,
+             entry->size, entry->crc);
+    return write_line(file, line);
+}
+
+/* ---- Opening --------------------------------------------------------------------------------------------------- */
+
+static void close_files(struct batch_file *file)
+{
+    if (file->rows >= 0) {
+        close(file->rows);
+    }
+    if (file->log >= 0) {
+        close(file->log);
+    }
+    file->rows = file->log = -1;
+}
+
+/* False when who held the lock before has finished the file since the journal was opened. */
+static bool has_name(int descriptor)
+{
+    struct stat info;
+    return fstat(descriptor, &info) == 0 && info.st_nlink > 0;
+}
+
+static int open_own(int *out, const char *path, int flags)
+{
+    struct stat info;
+    *out = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | flags, 0666);
+    if (*out < 0 || fstat(*out, &info)) {
+        return complain_errno(path, "write");
+    }
+    if (!S_ISREG(info.st_mode)) {
+        close(*out);
+        *out = -1;
+        complain("%s: cannot write: is a device or pipe, which is no file of a batch", path);
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
+}
+
+static int open_files(struct batch_file *file, int flags)
+{
+    int code = open_own(&file->log, file->journal, 0);
+    if (code) {
+        return code;
+    }
+    if (flock(file->log, LOCK_EX | LOCK_NB) || !has_name(file->log)) {
+        complain("%s: another conus is writing this file", file->path);
+        return EXIT_DATA;
+    }
+    return open_own(&file->rows, file->part, flags);
+}
+
+static int begin(struct batch_file *file, const char *fingerprint, const char *heading)
+{
+    char line[LINE_SIZE];
+    const struct batch_entry entry = {0, 0, strlen(heading), crc_of(heading, strlen(heading))};
+    int code = open_files(file, O_TRUNC);
+    if (code) {
+        return code;
+    }
+    write_first_line(line, fingerprint);
+    if (ftruncate(file->log, 0) || !write_line(file, line) || !write_fully(file->rows, heading, strlen(heading)) ||
+        !append_entry(file, &entry)) {
+        return complain_errno(file->path, "write");
+    }
+    count_entry(file, &entry);
+    return EXIT_DONE;
+}
+
+/* Leaves both files as they were after the last block that both have. */
+static int cut_back(struct batch_file *file, long journal_length)
+{
+    if (ftruncate(file->log, journal_length) || ftruncate(file->rows, (off_t)file->size) ||
+        lseek(file->log, 0, SEEK_END) < 0 || lseek(file->rows, 0, SEEK_END) < 0) {
+        return complain_errno(file->path, "go on writing");
+    }
+    return EXIT_DONE;
+}
+
+static int go_on(struct batch_file *file, const char *fingerprint, const char *heading)
+{
+    char line[LINE_SIZE];
+    char wanted[LINE_SIZE];
+    int code = open_files(file, 0);
+    if (code) {
+        return code;
+    }
+    FILE *journal = fopen(file->journal, "re");
+    FILE *part = fopen(file->part, "re");
+    bool whole = journal && part && read_line(line, journal);
+    long length = whole ? count_blocks(file, journal, part) : 0;
+    if (journal) {
+        fclose(journal);
+    }
+    if (part) {
+        fclose(part);
+    }
+    write_first_line(wanted, fingerprint);
+    if (whole && strcmp(line, wanted) != 0) {
+        complain("%s: what is there was written with other settings, poses, atlas or version; --force begins anew",
+                 file->path);
+        return EXIT_USAGE;
+    }
+    if (file->size < strlen(heading) || length == 0) { /* it was killed before its first block */
+        close_files(file);
+        file->size = 0;
+        file->crc = 0;
+        return begin(file, fingerprint, heading);
+    }
+    return cut_back(file, length);
+}
+
+static bool exists(const char *path)
+{
+    struct stat info;
+    return lstat(path, &info) == 0;
+}
+
+static bool is_begun(const struct batch_file *file)
+{
+    return exists(file->journal) && exists(file->part);
+}
+
+static bool name_files(struct batch_file *file)
+{
+    if (asprintf(&file->part, "%s.part", file->path) < 0) {
+        file->part = NULL;
+    }
+    if (asprintf(&file->journal, "%s.journal", file->path) < 0) {
+        file->journal = NULL;
+    }
+    return file->part && file->journal;
+}
+
+int batch_file_open(struct batch_file *out, const char *path, const char *fingerprint, const char *heading,
+                    enum batch_start how)
+{
+    *out = (struct batch_file){.path = path, .rows = -1, .log = -1};
+    if (!name_files(out)) {
+        complain("not enough memory");
+        return EXIT_DATA;
+    }
+    bool begun = is_begun(out);
+    if (how == BATCH_RESUME && begun) { /* a file of that name was there before, and was to be replaced */
+        return go_on(out, fingerprint, heading);
+    }
+    if (how != BATCH_FORCE && exists(path)) {
+        return complain_usage("%s: there is a file already; --force replaces it", path);
+    }
+    if (how == BATCH_ANEW && begun) {
+        return complain_usage("%s: an unfinished batch is there; --resume goes on, --force begins anew", path);
+    }
+    return begin(out, fingerprint, heading);
+}
+
+bool batch_file_is_begun(const char *path)
+{
+    struct batch_file file = {.path = path};
+    bool begun = name_files(&file) && is_begun(&file);
+    free(file.part);
+    free(file.journal);
+    return begun;
+}
+
+struct batch_entry batch_entry_of(const conus_batch_block *block)
+{
+    return (struct batch_entry){block->poses, block->errors, block->size, crc_of(block->text, block->size)};
+}
+
+int batch_file_append(struct batch_file *file, const conus_batch_block *block)
+{
+    const struct batch_entry entry = batch_entry_of(block);
+    if (!write_fully(file->rows, block->text, block->size)) {
+        return complain_errno(file->path, "write");
+    }
+    return batch_file_note(file, &entry);
+}
+
+int batch_file_note(struct batch_file *file, const struct batch_entry *entry)
+{
+    if (!append_entry(file, entry)) {
+        return complain_errno(file->path, "write");
+    }
+    count_entry(file, entry);
+    return EXIT_DONE;
+}
+
+void batch_file_disown(struct batch_file *file)
+{
+    if (file->log >= 0 && ftruncate(file->log, 0)) {
+        complain_errno(file->journal, "write");
+    }
+}
+
+int batch_file_finish(struct batch_file *file)
+{
+    if (fsync(file->rows) || rename(file->part, file->path)) {
+        return complain_errno(file->path, "write");
+    }
+    unlink(file->journal);
+    file->is_finished = true;
+    return EXIT_DONE;
+}
+
+void batch_file_close(struct batch_file *file)
+{
+    if (file->rows >= 0 && !file->is_finished && !file->poses) { /* nothing to go on with */
+        unlink(file->part);
+        unlink(file->journal);
+    }
+    close_files(file);
+    free(file->part);
+    free(file->journal);
+    *file = (struct batch_file){.rows = -1, .log = -1};
+}

@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "batch/batch_record.h"
+
+#include "common/input_file.h"
+#include "common/messages.h"
+#include "common/output.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <jansson.h>
+#include <nettle/sha2.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CHUNK = 1 << 16, DIGITS = 9 };
+
+static void finish_hash(char out[65], struct sha256_ctx *context)
+{
+    uint8_t digest[SHA256_DIGEST_SIZE];
+    sha256_digest(context, sizeof digest, digest);
+    for (size_t i = 0; i < sizeof digest; i++) {
+        snprintf(out + 2 * i, 3, "%02x", digest[i]);
+    }
+}
+
+int batch_hash_file(char out[65], const char *path)
+{
+    uint8_t chunk[CHUNK];
+    struct sha256_ctx context;
+    FILE *file = input_file_open(path);
+    if (!file) {
+        return EXIT_DATA;
+    }
+    sha256_init(&context);
+    for (size_t n; (n = fread(chunk, 1, sizeof chunk, file)) > 0;) {
+        sha256_update(&context, n, chunk);
+    }
+    bool failed = ferror(file);
+    fclose(file);
+    if (failed) {
+        complain("%s: cannot read: %s", path, strerror(errno));
+        return EXIT_DATA;
+    }
+    finish_hash(out, &context);
+    return EXIT_DONE;
+}
+
+/* With its final NUL, so that two texts do not run into each other. */
+static void hash_text(struct sha256_ctx *context, const char *text)
+{
+    sha256_update(context, strlen(text) + 1, (const uint8_t *)text);
+}
+
+static void hash_objects(struct sha256_ctx *context, const conus_atlas *atlas)
+{
+    const conus_object *object;
+    for (size_t number = 1; (object = conus_atlas_object(atlas, number)); number++) {
+        char line[64];
+        snprintf(line, sizeof line, "%d %" PRIu32 " %" PRIu32 " %.17g", (int)object->kind, object->label,
+                 object->parent, object->volume_mm3);
+        hash_text(context, line);
+        hash_text(context, object->name);
+        hash_text(context, object->abbreviation);
+    }
+}
+
+/* Leaves out what differs between the machines of a cluster and changes no row: where files lie, and which vector
+ * instructions the rays engine uses. */
+static void forget_machine(json_t *value)
+{
+    const char *key;
+    size_t index;
+    json_t *inner;
+    json_object_del(value, "path");
+    json_object_foreach(value, key, inner)
+    {
+        forget_machine(inner);
+    }
+    json_array_foreach(value, index, inner)
+    {
+        forget_machine(inner);
+    }
+    if (json_is_string(json_object_get(value, "engine")) &&
+        strncmp(json_string_value(json_object_get(value, "engine")), "rays", strlen("rays")) == 0) {
+        json_object_set_new(value, "engine", json_string("rays"));
+    }
+}
+
+static bool hash_settings(struct sha256_ctx *context, const char *sidecar)
+{
+    json_t *root = json_loads(sidecar, 0, NULL);
+    forget_machine(root);
+    char *text = root ? json_dumps(root, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17)) : NULL;
+    if (text) {
+        hash_text(context, text);
+    }
+    free(text);
+    json_decref(root);
+    return text;
+}
+
+int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas, const struct batch_settings *settings,
+                      const char *const *sources)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    struct sha256_ctx context;
+    char line[64];
+    conus_status status = conus_batch_sidecar(batch, &text, &size);
+    if (status) {
+        return complain_status(status);
+    }
+    sha256_init(&context);
+    if (!hash_settings(&context, text)) {
+        complain("not enough memory");
+        return EXIT_DATA;
+    }
+    snprintf(line, sizeof line, "%.17g", settings->aim.angle);
+    hash_text(&context, line);
+    settings_pose_text(line, &settings->file);
+    hash_text(&context, line);
+    hash_text(&context, conus_batch_heading(batch));
+    for (; *sources; sources++) {
+        hash_text(&context, *sources);
+    }
+    hash_objects(&context, atlas);
+    finish_hash(out, &context);
+    return EXIT_DONE;
+}
+
+char *batch_sidecar_path(const char *output)
+{
+    bool is_table = path_ends(output, ".tsv") || path_ends(output, ".csv");
+    size_t length = strlen(output) - (is_table ? strlen(".tsv") : 0);
+    char *path = NULL;
+    return asprintf(&path, "%.*s.json", (int)length, output) < 0 ? NULL : path;
+}
+
+static json_t *json_from_record(const struct batch_record *record)
+{
+    char crc[16];
+    snprintf(crc, sizeof crc, "%08" PRIx32, record->crc);
+    json_t *batch =
+        json_pack("{s: s, s: [I, I], s: I, s: I, s: I, s: I, s: I, s: s}", "fingerprint", record->fingerprint, "shard",
+                  (json_int_t)record->shard.index, (json_int_t)record->shard.count, "first", (json_int_t)record->first,
+                  "poses", (json_int_t)record->poses, "errors", (json_int_t)record->errors, "bytes",
+                  (json_int_t)record->bytes, "heading", (json_int_t)record->heading, "crc32", crc);
+    if (record->pose_file) {
+        json_t *path = json_string(record->pose_file);
+        json_object_set_new(batch, "pose_file", path ? path : json_null());
+        json_object_set_new(batch, "pose_file_sha256",
+                            *record->pose_hash ? json_string(record->pose_hash) : json_null());
+        json_object_set_new(batch, "angle_deg", json_real(record->angle));
+    }
+    if (record->pose_file && *record->coordsystem) {
+        json_t *path = json_string(record->coordsystem);
+        json_object_set_new(batch, "coordsystem_file", path ? path : json_null());
+        json_object_set_new(batch, "coordsystem_file_sha256", json_string(record->coordsystem_hash));
+    }
+    return batch;
+}
+
+/* Puts the record where a record is already, if there is one, and keeps what it does not say. */
+static bool set_record(json_t *root, json_t *record)
+{
+    json_t *batch = json_object_get(root, "Batch");
+    bool set = batch ? json_object_update(batch, record) == 0 : json_object_set(root, "Batch", record) == 0;
+    json_decref(record);
+    return set;
+}
+
+/* The program whose command line is given: an entry that has none yet, or a new one. */
+static bool set_command(json_t *root, const char *command)
+{
+    json_t *programs = json_object_get(root, "GeneratedBy");
+    json_t *program = json_array_get(programs, json_array_size(programs) - 1);
+    if (json_object_get(program, "CommandLine")) {
+        program = json_pack("{s: s, s: s}", "Name", "conus", "Version", conus_version());
+        json_array_append_new(programs, program);
+    }
+    json_t *text = json_string(command);
+    return json_object_set_new(program, "CommandLine", text ? text : json_null()) == 0;
+}
+
+int batch_record_write(const char *path, const char *text, const struct batch_record *record, const char *command)
+{
+    json_t *root = json_loads(text, 0, NULL);
+    char *whole = NULL;
+    json_object_del(root, "Queries");
+    if (root && set_record(root, json_from_record(record)) && set_command(root, command)) {
+        char *dumped = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(DIGITS));
+        whole = dumped && asprintf(&whole, "%s\n", dumped) >= 0 ? whole : NULL;
+        free(dumped);
+    }
+    json_decref(root);
+    if (!whole) {
+        complain("%s: not enough memory", path);
+        return EXIT_DATA;
+    }
+    int code = output_write(path, whole, strlen(whole));
+    free(whole);
+    return code;
+}

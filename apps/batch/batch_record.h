@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The sidecar of a batch: what a report's says, and under "Batch" which poses the file answers (docs/batch.md). */
+#ifndef CONUS_BATCH_BATCH_RECORD_H
+#define CONUS_BATCH_BATCH_RECORD_H
+
+#include "batch/batch_settings.h"
+
+enum { BATCH_RECORD_LIMIT = 1 << 26 }; /**< Largest sidecar that is read, bytes. */
+
+struct batch_record {
+    char fingerprint[65]; /**< SHA-256 of all that the rows depend on but the shard. */
+    struct shard shard;
+    uint64_t first, poses, errors; /**< First pose (from 0), how many, and those without an answer. */
+    uint64_t bytes, heading;       /**< Of the file, and of the heading in it. */
+    uint32_t crc;                  /**< Of the file's bytes. */
+    const char *pose_file;         /**< As given; NULL = as the sidecar says already, */
+    const char *pose_hash;         /**< its SHA-256, "" of standard input, */
+    const char *coordsystem;       /**< The file that says what its positions are in; "" = none, */
+    const char *coordsystem_hash;  /**< its SHA-256, */
+    double angle;                  /**< and the angle of poses without one, degrees. */
+};
+
+/** SHA-256 of the file at @p path, in hexadecimal. Gives the exit code, having complained unless it is 0. */
+int batch_hash_file(char out[65], const char *path);
+
+/** Fingerprint of a batch: of its sidecar, heading, the atlas's objects, how poses are read, and what they are read
+ * from: the texts of @p sources up to NULL. */
+int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas, const struct batch_settings *settings,
+                      const char *const *sources);
+
+/** The path of the sidecar of @p output: "a.json" of "a.tsv" or "a.csv", else with ".json" behind it.
+ * NULL without memory; the caller frees it. */
+char *batch_sidecar_path(const char *output);
+
+/** Writes the sidecar: @p text, a JSON object, with the record in it, and with @p command as the command line. */
+int batch_record_write(const char *path, const char *text, const struct batch_record *record, const char *command);
+
+/** Reads it back. */
+int batch_record_read(struct batch_record *out, const char *path);
+/** The same from bytes; @p path is for messages. */
+int batch_record_parse(struct batch_record *out, const char *path, const char *text, size_t size);
+
+#endif

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "batch/batch_settings.h"
+
+#include "common/messages.h"
+#include "common/output.h"
+#include "common/progress.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define FIELD(member) offsetof(struct batch_settings, member)
+
+static const char *const formats[] = {"tsv", "csv", "ndjson", "afni", "bids", "spikeglx", "open-ephys", NULL};
+static const char *const spaces[] = {"ras", "lps", NULL};
+
+static const struct option pose_options[] = {
+    {.name = "poses",
+     .type = OPTION_TEXT,
+     .offset = FIELD(poses),
+     .value = "FILE",
+     .help = "poses to answer (docs/formats.md); - is standard input"},
+    {.name = "jobs",
+     .type = OPTION_TEXT,
+     .offset = FIELD(jobs),
+     .value = "FILE",
+     .help = "instead of ATLAS, --poses and -o: a table with columns atlas, poses and output, of batches to answer one "
+             "after the other"},
+    {.name = "angle",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(aim.angle),
+     .value = "DEGREES",
+     .help = "full opening angle of the cones without one of their own, more than 0 and less than 180 (default 10)",
+     .low = 0,
+     .high = 180},
+    {.name = "space",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(aim.space),
+     .value = "NAME",
+     .help = "where x, y and z of all positions, given and reported, grow: right, anterior, superior or left, "
+             "posterior, superior:",
+     .choices = spaces},
+    {.name = "shard",
+     .type = OPTION_TEXT,
+     .offset = FIELD(shard),
+     .value = "I/N",
+     .help = "answer part I (from 0) of N equal parts of the file; in a Slurm job array its task's, unless given"},
+    {0},
+};
+
+static const struct option output_options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .type = OPTION_TEXT,
+     .offset = FIELD(output),
+     .value = "FILE",
+     .help = "write the rows to FILE, and a .json beside it that describes them; else they go to standard output"},
+    {.name = "format",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(format),
+     .value = "FORMAT",
+     .help = "of the rows; without it the ending of -o decides; the last four are for other programs "
+             "(docs/formats.md):",
+     .choices = formats},
+    {.name = "summary",
+     .type = OPTION_FLAG,
+     .offset = FIELD(summary),
+     .help = "one row per pose: the best area or pathway, the runner-up, and by how much"},
+    {.name = "force", .type = OPTION_FLAG, .offset = FIELD(force), .help = "replace FILE, or what is there of it"},
+    {.name = "resume",
+     .type = OPTION_FLAG,
+     .offset = FIELD(resume),
+     .help = "go on where a run with the same settings was interrupted; begin where there was none"},
+    {0},
+};
+
+static const struct option run_options[] = {
+    {.name = "threads",
+     .type = OPTION_COUNT,
+     .offset = FIELD(threads),
+     .value = "N",
+     .help = "answer with N threads, 1 to 1024 (default: the processors at hand); the rows do not depend on it",
+     .low = 1,
+     .high = 1024},
+    {.name = "block",
+     .type = OPTION_COUNT,
+     .offset = FIELD(block),
+     .value = "N",
+     .help = "N poses at a time, 1 to 65536 (default 256); neither do they on it",
+     .low = 1,
+     .high = 65536},
+    {.name = "progress",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(progress),
+     .value = "KIND",
+     .help = "on standard error: a line on a terminal, JSON for programs, or nothing:",
+     .choices = progress_kinds},
+    {0},
+};
+
+const struct option_group batch_groups[] = {
+    {"Where the cones are", pose_options, 0},
+    {"", pose_file_options, FIELD(file)},
+    {"How it looks", engine_options, FIELD(engine)},
+    {"", shape_options, FIELD(engine)},
+    {"", slices_options, FIELD(engine)},
+    {"What it may find", atlas_options, FIELD(atlas)},
+    {"", shown_options, FIELD(atlas)},
+    {"", context_options, FIELD(context)},
+    {"What is written", output_options, 0},
+    {"How it runs", run_options, 0},
+    {"", quiet_options, FIELD(common)},
+    {0},
+};
+
+bool batch_format(conus_format *out, const struct batch_settings *settings, const struct arguments *arguments)
+{
+    static const conus_format named[] = {CONUS_TSV,  CONUS_CSV,      CONUS_NDJSON,    CONUS_AFNI,
+                                         CONUS_BIDS, CONUS_SPIKEGLX, CONUS_OPEN_EPHYS};
+    *out = named[settings->format];
+    if (option_given(arguments, "format") || output_is_no_file(settings->output)) {
+        return true;
+    }
+    bool known = output_format(out, settings->output) && *out != CONUS_TABLE && *out != CONUS_JSON;
+    return known || (complain("%s: --output ends in none of .tsv, .csv, .ndjson and .jsonl; --format says what else is "
+                              "written",
+                              settings->output),
+                     false);
+}
+
+static int parse_shard(struct shard *out, const char *text)
+{
+    char index[32];
+    const char *slash = strchr(text, '/');
+    size_t length = slash ? (size_t)(slash - text) : 0;
+    snprintf(index, sizeof index, "%.*s", (int)(length < sizeof index ? length : 0), text);
+    if (!slash || !count_parse(index, UINT32_MAX, &out->index) || !count_parse(slash + 1, UINT32_MAX, &out->count) ||
+        out->index >= out->count) {
+        return complain_usage("--shard: \"%s\" is not I/N with whole numbers, I from 0 to N - 1", text);
+    }
+    return EXIT_DONE;
+}
+
+/* Number of an environment's variable; `missing` where it is not set. */
+static bool read_variable(uint64_t *out, const char *name, uint64_t missing)
+{
+    const char *text = getenv(name);
+    *out = missing;
+    return !text || count_parse(text, UINT32_MAX, out);
+}
+
+static int shard_of_slurm(struct shard *out)
+{
+    uint64_t id, count, lowest, highest, step;
+    if (!getenv("SLURM_ARRAY_TASK_ID") || !getenv("SLURM_ARRAY_TASK_COUNT")) {
+        return EXIT_DONE;
+    }
+    bool numbers = read_variable(&id, "SLURM_ARRAY_TASK_ID", 0) && read_variable(&count, "SLURM_ARRAY_TASK_COUNT", 0) &&
+                   read_variable(&lowest, "SLURM_ARRAY_TASK_MIN", 0) &&
+                   read_variable(&step, "SLURM_ARRAY_TASK_STEP", 1) &&
+                   read_variable(&highest, "SLURM_ARRAY_TASK_MAX", lowest + (count - 1) * step);
+    if (!numbers || step == 0 || id < lowest || (id - lowest) % step != 0 || (id - lowest) / step >= count ||
+        highest != lowest + (count - 1) * step) {
+        return complain_usage("SLURM_ARRAY_TASK_ID=%s does not say which part of the poses to answer; --shard I/N does "
+                              "(0/1 is all of them)",
+                              getenv("SLURM_ARRAY_TASK_ID"));
+    }
+    *out = (struct shard){(id - lowest) / step, count};
+    complain("note: shard %llu/%llu, from SLURM_ARRAY_TASK_ID=%llu", (unsigned long long)out->index,
+             (unsigned long long)out->count, (unsigned long long)id);
+    return EXIT_DONE;
+}
+
+int batch_shard(struct shard *out, const struct batch_settings *settings)
+{
+    *out = (struct shard){0, 1};
+    return settings->shard ? parse_shard(out, settings->shard) : shard_of_slurm(out);
+}
+
+void shard_range(uint64_t *first, uint64_t *count, struct shard shard, uint64_t total)
+{
+    uint64_t each = total / shard.count;
+    uint64_t more = total % shard.count;
+    *first = shard.index * each + (shard.index < more ? shard.index : more);
+    *count = each + (shard.index < more);
+}

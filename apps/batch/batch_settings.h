@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What `conus batch` can be told, shared with conus-mpi. */
+#ifndef CONUS_BATCH_BATCH_SETTINGS_H
+#define CONUS_BATCH_BATCH_SETTINGS_H
+
+#include "common/pose_settings.h"
+
+struct batch_settings {
+    struct atlas_settings atlas;
+    struct aim_settings aim; /* angle and space only */
+    struct pose_file_settings file;
+    struct engine_settings engine;
+    struct common_settings common;
+    struct context_settings context;
+    const char *poses;
+    const char *output;
+    size_t format; /* batch_format() */
+    bool summary;
+    const char *jobs;
+    const char *shard;
+    uint32_t threads, block;
+    bool force, resume;
+    size_t progress; /* enum progress_kind */
+};
+
+/** A part of something that is numbered from 0: number @p index of @p count. */
+struct shard {
+    uint64_t index, count;
+};
+
+extern const struct option_group batch_groups[]; /**< Of struct batch_settings. */
+
+/** What the rows are written in: --format, else what the ending of --output says, TSV where that is no file. False,
+ * having complained, for a file whose ending says nothing. */
+bool batch_format(conus_format *out, const struct batch_settings *settings, const struct arguments *arguments);
+
+/** Reads --shard, or takes it from Slurm's job array, saying so. Gives the exit code, having complained unless it is
+ * 0. */
+int batch_shard(struct shard *out, const struct batch_settings *settings);
+
+/** Where the shard of @p total things begins and how many it has: as even as can be, the first ones one more. */
+void shard_range(uint64_t *first, uint64_t *count, struct shard shard, uint64_t total);
+
+#endif

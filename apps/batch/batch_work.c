@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "batch/batch_work.h"
+
+#include "common/messages.h"
+#include "common/output.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+void work_finish(struct work *work)
+{
+    conus_batch_destroy(work->batch);
+    conus_selector_destroy(work->selector);
+    conus_atlas_destroy(work->atlas);
+    conus_pose_stream_destroy(work->poses);
+    free(work->sidecar);
+    free(work->command_line);
+}
+
+static bool check(conus_format *format, const struct batch_settings *settings, const struct arguments *arguments)
+{
+    if (!batch_format(format, settings, arguments)) {
+        return false;
+    }
+    if (settings->summary && *format > CONUS_NDJSON) {
+        complain("--summary: other programs' formats have none, tsv, csv and ndjson do");
+        return false;
+    }
+    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
+        complain("--slices has no effect without --sampling slices");
+        return false;
+    }
+    if ((settings->force || settings->resume) && output_is_stdout(settings->output)) {
+        complain("--%s has no effect without a file for --output", settings->force ? "force" : "resume");
+        return false;
+    }
+    return settings_check_score(&settings->engine, false) &&
+           settings_check_shape(&settings->aim, &settings->engine, arguments) && settings_check_context(arguments) &&
+           options_exclude(arguments, "force", "resume");
+}
+
+/* ---- The poses -------------------------------------------------------------------------------------------------- */
+
+/* Which of them are this shard's. */
+static int choose_poses(struct work *work)
+{
+    uint64_t total;
+    work->count = UINT64_MAX;
+    if (work->shard.count == 1) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_pose_stream_count(work->poses, &total);
+    if (status) {
+        return complain_status(status);
+    }
+    shard_range(&work->first, &work->count, work->shard, total);
+    return EXIT_DONE;
+}
+
+bool work_is_pipe(const char *path)
+{
+    struct stat info;
+    return output_is_stdout(path) || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
+}
+
+static int open_poses(struct work *work)
+{
+    const struct batch_settings *settings = work->settings;
+    const conus_pose_options options =
+        settings_pose_options(&settings->file, settings->aim.space, settings->atlas.max_memory);
+    int code = batch_shard(&work->shard, settings);
+    if (code) {
+        return code;
+    }
+    if (work->shard.count > 1 && (work->format == CONUS_SPIKEGLX || work->format == CONUS_OPEN_EPHYS)) {
+        return complain_usage("--shard: a probe's string is one whole; --jobs answers many probes");
+    }
+    work->piped = work_is_pipe(settings->poses);
+    if (work->piped && (work->shard.count > 1 || settings->resume)) {
+        return complain_usage("%s needs a file of poses, not %s", settings->resume ? "--resume" : "--shard",
+                              output_is_stdout(settings->poses) ? "standard input" : "a pipe");
+    }
+    conus_status status = conus_pose_stream_open(&work->poses, settings->poses, &options);
+    if (status) {
+        return complain_status(status);
+    }
+    code = settings_check_electrodes(work->format, conus_pose_stream_electrodes(work->poses), settings->poses);
+    return code ? code : choose_poses(work);
+}
+
+int work_pass_over(struct work *work, uint64_t poses)
+{
+    conus_status status = poses ? conus_pose_stream_skip(work->poses, poses) : CONUS_OK;
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
+/* No file that is written, of those on the way neither, may be one that is read. */
+static int check_files(const struct work *work)
+{
+    static const char *const endings[] = {"", ".part", ".journal"};
+    const struct batch_settings *settings = work->settings;
+    const struct input inputs[] = {{"the atlas", work->arguments->operands[0]},
+                                   {"the label table", settings->atlas.labels},
+                                   {"the list of areas", settings_level_file(&settings->engine)},
+                                   {"the file of poses", settings->poses},
+                                   {"the coordinate system", conus_pose_stream_coordsystem(work->poses)},
+                                   {"the table of batches", settings->jobs},
+                                   {0}};
+    const char *input = work->output ? settings_input(work->atlas, inputs, work->sidecar) : NULL;
+    int code = input ? complain_usage("--output would overwrite %s %s", input, work->sidecar) : EXIT_DONE;
+    for (size_t i = 0; work->output && !code && i < sizeof endings / sizeof endings[0]; i++) {
+        char *path = NULL;
+        if (asprintf(&path, "%s%s", work->output, endings[i]) < 0) {
+            complain("not enough memory");
+            return EXIT_DATA;
+        }
+        input = settings_input(work->atlas, inputs, path);
+        code = input ? complain_usage("--output would overwrite %s %s", input, path) : EXIT_DONE;
+        free(path);
+    }
+    return code;
+}
+
+/* ---- The atlas and the engine ----------------------------------------------------------------------------------- */
+
+static int load(struct work *work)
+{
+    const struct batch_settings *settings = work->settings;
+    int code = settings_load_atlas(&work->atlas, work->arguments->operands[0], &settings->atlas);
+    return code
+               ? code
+               : settings_load_context(work->atlas, settings->context.path, settings->context.blocks, &settings->atlas);
+}
+
+int work_build(struct work *work)
+{
+    const struct batch_settings *settings = work->settings;
+    const conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
+    const conus_batch_options options = {
+        .threads = settings->threads,
+        .block = settings->block,
+        .angle = settings_angle(&settings->aim, &settings->engine),
+        .report = {.rows = settings->summary ? CONUS_SUMMARIES : CONUS_ANSWERS,
+                   .format = work->format,
+                   .space = (conus_space)settings->aim.space,
+                   .electrodes = work->format == CONUS_BIDS ? conus_pose_stream_electrodes(work->poses) : NULL},
+    };
+    conus_status status = conus_selector_create(&work->selector, work->atlas, &engine);
+    status = status ? status : conus_batch_create(&work->batch, work->selector, &options);
+    if (!status && settings->common.verbose) {
+        complain("engine: %s; %" PRIu32 " threads", conus_selector_engine(work->selector),
+                 conus_batch_threads(work->batch));
+    }
+    if (status) {
+        return complain_status(status);
+    }
+    settings_say_notes(work->atlas, &settings->common);
+    settings_say_open(work->atlas, &settings->engine, &settings->common);
+    return EXIT_DONE;
+}
+
+int work_init(struct work *out, const struct batch_settings *settings, const struct arguments *arguments)
+{
+    *out = (struct work){.settings = settings, .arguments = arguments};
+    if (!check(&out->format, settings, arguments)) {
+        return EXIT_USAGE;
+    }
+    out->output = output_is_stdout(settings->output) ? NULL : settings->output;
+    out->command_line = arguments_text(arguments);
+    out->sidecar = out->output ? batch_sidecar_path(out->output) : NULL;
+    if (!out->command_line || (out->output && !out->sidecar)) {
+        complain("not enough memory");
+        return EXIT_DATA;
+    }
+    int code = out->output ? output_check_file(out->output) : EXIT_DONE;
+    return code || !out->sidecar ? code : output_check_file(out->sidecar);
+}
+
+int work_open(struct work *work)
+{
+    const struct batch_settings *settings = work->settings;
+    int code = open_poses(work);
+    code = code || work->atlas ? code : load(work);
+    code = code ? code : check_files(work);
+    return code ? code
+                : settings_match_stream(work->poses, settings->poses, work->atlas, &settings->file, &settings->common);
+}
+
+/* ---- What the output says about itself --------------------------------------------------------------------------- */
+
+/* What a format writes that is not in the sidecar: AFNI's has the name of the atlas's file, but not its folder. */
+static const char *file_in_rows(const struct work *work)
+{
+    const conus_volume_info *info = conus_atlas_volume(work->atlas, 0);
+    const char *path = info && work->format == CONUS_AFNI ? info->path : "";
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+int work_identify(struct work *work)
+{
+    const struct batch_settings *settings = work->settings;
+    const char format[] = {(char)('0' + work->format), '\0'};
+    const char *const sources[] = {work->pose_hash,
+                                   conus_pose_stream_space(work->poses),
+                                   conus_pose_stream_coordsystem_sha256(work->poses),
+                                   format,
+                                   file_in_rows(work),
+                                   NULL};
+    int code = work->piped ? EXIT_DONE : batch_hash_file(work->pose_hash, settings->poses);
+    return code ? code : batch_fingerprint(work->fingerprint, work->batch, work->atlas, settings, sources);
+}
+
+int work_check_poses(struct work *work)
+{
+    char hash[65] = "";
+    conus_status status = work->piped ? CONUS_OK : conus_pose_stream_sha256(hash, work->poses);
+    if (!status && strcmp(hash, work->pose_hash) != 0) {
+        complain("%s: changed while it was read", work->settings->poses);
+        return EXIT_DATA;
+    }
+    return status ? complain_status(status) : EXIT_DONE;
+}
+
+int work_check_output(const struct work *work)
+{
+    const char *there = access(work->output, F_OK) == 0 ? work->output : work->sidecar;
+    if (!work->settings->force && access(there, F_OK) == 0) {
+        return complain_usage("%s: there is a file already; --force replaces it", there);
+    }
+    return EXIT_DONE;
+}
+
+int work_write_sidecar(struct work *work, struct batch_record *record)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    double angle = settings_angle(&work->settings->aim, &work->settings->engine);
+    record->shard = work->shard;
+    record->first = work->first;
+    record->heading = strlen(conus_batch_heading(work->batch));
+    record->pose_file = work->settings->poses;
+    record->pose_hash = work->pose_hash;
+    record->coordsystem = conus_pose_stream_coordsystem(work->poses);
+    record->coordsystem_hash = conus_pose_stream_coordsystem_sha256(work->poses);
+    record->angle = angle * (180 / M_PI);
+    memcpy(record->fingerprint, work->fingerprint, sizeof record->fingerprint);
+    conus_status status = conus_batch_sidecar(work->batch, &text, &size);
+    return status ? complain_status(status) : batch_record_write(work->sidecar, text, record, work->command_line);
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A batch under way, as far as conus batch and conus-mpi batch do the same. */
+#ifndef CONUS_BATCH_BATCH_WORK_H
+#define CONUS_BATCH_BATCH_WORK_H
+
+#include "batch/batch_record.h"
+
+struct work {
+    const struct batch_settings *settings;
+    const struct arguments *arguments;
+    const char *output; /**< NULL = stdout */
+    char *sidecar;      /**< Path; NULL without output. */
+    char *command_line;
+    conus_format format;
+    struct shard shard;
+    uint64_t first, count; /**< Poses to answer; count UINT64_MAX = all from there on. */
+    conus_pose_stream *poses;
+    bool piped; /**< They can be read only once: from standard input or a pipe that has a name. */
+    conus_atlas *atlas;
+    conus_selector *selector;
+    conus_batch *batch;
+    char fingerprint[65], pose_hash[65];
+};
+
+/** Whether poses at @p path can be read only once: "-", a pipe or a device. */
+bool work_is_pipe(const char *path);
+
+/* All others give the exit code, having complained unless it is 0. */
+
+/** Checks the options and names the files. @p out is the caller's to work_finish() in any case. */
+int work_init(struct work *out, const struct batch_settings *settings, const struct arguments *arguments);
+void work_finish(struct work *work);
+
+/** Opens the poses and loads the atlas, unless the work has one already. */
+int work_open(struct work *work);
+
+/** Makes the batch, and says what there is to say about the atlas. */
+int work_build(struct work *work);
+
+/** Goes on to the pose that is @p poses farther. */
+int work_pass_over(struct work *work, uint64_t poses);
+
+/** Finds the fingerprint. */
+int work_identify(struct work *work);
+
+/** Complains unless the poses that were read are those that the fingerprint is of. The rest is read, too. */
+int work_check_poses(struct work *work);
+
+/** Complains where something stands in the way of a new output. */
+int work_check_output(const struct work *work);
+
+/** Writes the sidecar; of @p record, what the work knows itself is filled in. */
+int work_write_sidecar(struct work *work, struct batch_record *record);
+
+#endif

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Reading files that somebody names, of any kind and size, without waiting or growing for ever. */
+#ifndef CONUS_COMMON_INPUT_FILE_H
+#define CONUS_COMMON_INPUT_FILE_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+/** Opens a regular file; NULL, having complained, for all else. */
+FILE *input_file_open(const char *path);
+
+enum input_kind { INPUT_FILE, INPUT_FILE_OR_PIPE };
+
+/** Reads @p path, at most @p limit bytes; a NUL stands behind them. @p text is the caller's to free(). Gives the exit
+ * code, having complained unless it is 0. */
+int input_file_read(char **text, size_t *size, const char *path, enum input_kind kind, uint64_t limit);
+
+#endif

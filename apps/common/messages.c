@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "common/messages.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { LINE_SIZE = 2048, WORD_SIZE = 64 };
+
+static void complain_list(const char *format, va_list args)
+{
+    char line[LINE_SIZE];
+    vsnprintf(line, sizeof line, format, args);
+    for (char *c = line; (c = strpbrk(c, "\n\t"));) {
+        *c = ' ';
+    }
+    conus_plain_text(line);
+    fprintf(stderr, "conus: %s\n", line);
+}
+
+void complain(const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    complain_list(format, args);
+    va_end(args);
+}
+
+int complain_usage(const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    complain_list(format, args);
+    va_end(args);
+    return EXIT_USAGE;
+}
+
+int exit_code_of(conus_status status)
+{
+    switch (status) {
+    case CONUS_OK:
+        return EXIT_DONE;
+    case CONUS_ERROR_ARGUMENT:
+        return EXIT_USAGE;
+    case CONUS_ERROR_GL:
+        return EXIT_NO_GL;
+    default:
+        return EXIT_DATA;
+    }
+}
+
+int complain_status(conus_status status)
+{
+    complain("%s", conus_message());
+    return exit_code_of(status);
+}
+
+void log_line(void *user, const char *line)
+{
+    (void)user;
+    complain("log: %s", line);
+}
+
+static size_t smallest(size_t a, size_t b, size_t c)
+{
+    size_t least = a < b ? a : b;
+    return least < c ? least : c;
+}
+
+/* Insertions, deletions and replacements that turn a into b (Levenshtein 1966), by rows. */
+static size_t edit_distance(const char *a, const char *b)
+{
+    size_t row[WORD_SIZE + 1];
+    size_t width = strlen(b);
+    if (width > WORD_SIZE || strlen(a) > WORD_SIZE) {
+        return WORD_SIZE;
+    }
+    for (size_t j = 0; j <= width; j++) {
+        row[j] = j;
+    }
+    for (size_t i = 0; a[i]; i++) {
+        size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (size_t j = 0; j < width; j++) {
+            size_t replaced = diagonal + (a[i] != b[j]);
+            diagonal = row[j + 1];
+            row[j + 1] = smallest(replaced, diagonal + 1, row[j] + 1);
+        }
+    }
+    return row[width];
+}
+
+/* How far a word is from a name; an abbreviated name is near. */
+static size_t strangeness(const char *word, const char *name)
+{
+    size_t length = strlen(word);
+    return length >= 2 && strncmp(word, name, length) == 0 ? 0 : edit_distance(word, name);
+}
+
+const char *closest_name(const char *word, const char *(*name_at)(const void *list, size_t index), const void *list)
+{
+    const char *best = NULL;
+    size_t least = (strlen(word) + 1) / 3;
+    const char *name;
+    for (size_t i = 0; (name = name_at(list, i)); i++) {
+        size_t distance = strangeness(word, name);
+        if (distance < least || (distance == least && !best)) {
+            least = distance;
+            best = name;
+        }
+    }
+    return best;
+}

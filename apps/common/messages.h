@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What conus says on stderr, one line each, and the exit codes that go with it (docs/commands.md). */
+#ifndef CONUS_COMMON_MESSAGES_H
+#define CONUS_COMMON_MESSAGES_H
+
+#include <conus/conus.h>
+
+enum exit_code {
+    EXIT_DONE = 0,
+    EXIT_DIFFERENT = 1, /**< Some queries failed, or the two things compared differ. */
+    EXIT_USAGE = 2,
+    EXIT_DATA = 3,  /**< Bad input, a refusing system, too little memory. */
+    EXIT_NO_GL = 4, /**< No usable OpenGL for what was asked. */
+};
+
+/** Writes "conus: " and the line to stderr; control characters become spaces. */
+void complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/** complain(), and EXIT_USAGE. */
+int complain_usage(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/** complain() with the library's message about @p status, and the exit code that goes with it. */
+int complain_status(conus_status status);
+
+/** The exit code that goes with @p status. */
+int exit_code_of(conus_status status);
+
+/** A conus_log that writes to stderr. */
+void log_line(void *user, const char *line);
+
+/** The name, among those that @p name_at lists up to its NULL, that @p word was most likely meant to be; NULL if none
+ * is close. */
+const char *closest_name(const char *word, const char *(*name_at)(const void *list, size_t index), const void *list);
+
+#endif

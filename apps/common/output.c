@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "common/output.h"
+
+#include "common/messages.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+bool output_is_stdout(const char *path)
+{
+    return !path || strcmp(path, "-") == 0;
+}
+
+static int complain_stdout(int error)
+{
+    complain("standard output: cannot write: %s", strerror(error));
+    return EXIT_DATA;
+}
+
+int output_write(const char *path, const char *text, size_t size)
+{
+    if (!output_is_stdout(path)) {
+        conus_status status = conus_write_file(path, text, size);
+        return status ? complain_status(status) : EXIT_DONE;
+    }
+    if (fwrite(text, 1, size, stdout) != size || fflush(stdout)) {
+        int error = errno;
+        clearerr(stdout);
+        return complain_stdout(error);
+    }
+    return EXIT_DONE;
+}
+
+int output_finish(int code)
+{
+    if (code != EXIT_DONE && code != EXIT_DIFFERENT) {
+        return code;
+    }
+    bool failed = ferror(stdout);
+    if (fflush(stdout) || failed) {
+        return complain_stdout(failed ? EIO : errno);
+    }
+    return code;
+}
+
+int output_check_file(const char *path)
+{
+    struct stat info;
+    if (lstat(path, &info) || S_ISREG(info.st_mode)) {
+        return EXIT_DONE;
+    }
+    complain("%s: cannot write: is a %s, which a file would replace", path,
+             S_ISDIR(info.st_mode)   ? "folder"
+             : S_ISLNK(info.st_mode) ? "link"
+                                     : "device or pipe");
+    return EXIT_DATA;
+}
+
+bool path_ends(const char *path, const char *ending)
+{
+    size_t length = strlen(path);
+    size_t tail = strlen(ending);
+    return length > tail && strcasecmp(path + length - tail, ending) == 0;
+}
+
+bool output_is_no_file(const char *path)
+{
+    struct stat info;
+    return output_is_stdout(path) || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
+}
+
+bool output_format(conus_format *out, const char *path)
+{
+    static const struct {
+        const char *ending;
+        conus_format format;
+    } endings[] = {{".tsv", CONUS_TSV},       {".csv", CONUS_CSV},      {".json", CONUS_JSON},
+                   {".ndjson", CONUS_NDJSON}, {".jsonl", CONUS_NDJSON}, {".txt", CONUS_TABLE}};
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        if (path_ends(path, endings[i].ending)) {
+            *out = endings[i].format;
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_same(const struct stat *one, const struct stat *other)
+{
+    return one->st_dev == other->st_dev && one->st_ino == other->st_ino;
+}
+
+/* The folder of the file at `path`, and its name there. */
+static bool find_folder(struct stat *out, const char **name, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    *name = slash ? slash + 1 : path;
+    char *folder = slash ? strndup(path, (size_t)(*name - path)) : strdup(".");
+    bool found = folder && stat(folder, out) == 0;
+    free(folder);
+    return found;
+}
+
+/* Whether a file that is made at `a` would be the one that is made at `b`. */
+static bool places_equal(const char *a, const char *b)
+{
+    const char *name;
+    const char *other_name;
+    struct stat folder;
+    struct stat other;
+    return find_folder(&folder, &name, a) && find_folder(&other, &other_name, b)
+               ? is_same(&folder, &other) && strcmp(name, other_name) == 0
+               : strcmp(a, b) == 0;
+}
+
+bool paths_equal(const char *a, const char *b)
+{
+    struct stat one;
+    struct stat other;
+    if (stat(a, &one)) {
+        return places_equal(a, b);
+    }
+    return S_ISREG(one.st_mode) && stat(b, &other) == 0 && is_same(&one, &other);
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Where results go: stdout, or files that appear whole or not at all. */
+#ifndef CONUS_COMMON_OUTPUT_H
+#define CONUS_COMMON_OUTPUT_H
+
+#include <conus/conus.h>
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/** Whether @p path means stdout: NULL or "-". */
+bool output_is_stdout(const char *path);
+
+/** Writes to the file @p path, or to stdout. Gives the exit code, having complained unless it is 0. */
+int output_write(const char *path, const char *text, size_t size);
+
+/** Flushes stdout: a full disk or a closed pipe is an error, not silence. Gives @p code if all is well
+ * or something was wrong before. */
+int output_finish(int code);
+
+/** Whether a file that is renamed to @p path replaces nothing but a file, no device, pipe, folder or link. Gives the
+ * exit code, having complained unless it is 0. */
+int output_check_file(const char *path);
+
+/** Whether @p path is stdout or there already and no file: a device, a pipe. */
+bool output_is_no_file(const char *path);
+
+/** What the ending of @p path says that is in it: .txt a table; false if it says nothing. */
+bool output_format(conus_format *out, const char *path);
+
+/** Whether @p path ends in @p ending (".png"), in any case. */
+bool path_ends(const char *path, const char *ending);
+
+/** Whether both paths lead to one regular file, be it there already or not yet. */
+bool paths_equal(const char *a, const char *b);
+
+#endif

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file How far a long piece of work has got, on stderr, at most ten times a second. */
+#ifndef CONUS_COMMON_PROGRESS_H
+#define CONUS_COMMON_PROGRESS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum progress_kind { PROGRESS_AUTO, PROGRESS_JSON, PROGRESS_NONE };
+
+extern const char *const progress_kinds[]; /**< Their names; ends with NULL. */
+
+struct progress {
+    enum progress_kind kind;
+    bool on_terminal;
+    uint64_t total;  /**< 0 = not known. */
+    uint64_t before; /**< Done when it began. */
+    double started, shown;
+};
+
+/** @p quiet: no line on a terminal. */
+void progress_start(struct progress *out, enum progress_kind kind, bool quiet);
+
+/** Whether anything will be shown, so that it is worth counting what there is to do. */
+bool progress_is_shown(const struct progress *progress);
+
+void progress_update(struct progress *progress, uint64_t done, uint64_t errors);
+
+/** The last word; clears a terminal's line. */
+void progress_finish(struct progress *progress, uint64_t done, uint64_t errors);
+
+#endif

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A result of conus read back from its TSV or CSV file, for comparison. */
+#ifndef CONUS_COMMON_RESULTS_FILE_H
+#define CONUS_COMMON_RESULTS_FILE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { RESULTS_KEYS = 6 };
+
+struct results {
+    char *bytes;        /**< What the cells point into. */
+    const char **cells; /**< The header's, then each row's, `columns` at a time. */
+    size_t columns, rows;
+    char separator;                  /**< Tab or comma. */
+    const char **keys[RESULTS_KEYS]; /**< Header cell of query, kind, index, i, j and k; NULL where there is none. */
+    size_t *order;                   /**< Rows, sorted by their keys. */
+};
+
+/** Reads @p path, of at most @p limit bytes. Gives the exit code, having complained unless it is 0; @p out is then the
+ * caller's to results_finish(). Two rows with one key are an error. */
+int results_load(struct results *out, const char *path, uint64_t limit);
+/** The same from @p size bytes at @p bytes, which are copied; @p path is for messages. */
+int results_parse(struct results *out, const char *path, const char *bytes, size_t size);
+void results_finish(struct results *results);
+
+const char *results_cell(const struct results *results, size_t row, size_t column);
+
+/** Index of the column @p name; false if there is none. */
+bool results_column(const struct results *results, const char *name, size_t *column);
+
+/** Row of @p results with the same key (query, kind, index, and i, j, k of a list of voxels) as @p row of @p other;
+ * false if there is none. */
+bool results_find(const struct results *results, const struct results *other, size_t row, size_t *found);
+
+#endif

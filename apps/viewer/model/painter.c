@@ -1,0 +1,407 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/model/painter.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+
+/* While the view moves a picture shall take no longer; and no coarser than that many pixels of the pane per pixel. */
+static const double quick_ms = 60;
+/* Pictures shall not hold up the window, where both share processors: above 0, "nicer" than it. */
+static const int niceness = 2;
+enum { COARSEST = 5, MESSAGE_SIZE = 512, LEVELS = 4096, TRANSFER_POINTS = 64 };
+
+/* How fine pictures of one painting become, one after the other. */
+enum stage { STAGE_NONE = 0, STAGE_COARSE, STAGE_FULL, STAGE_SMOOTH };
+
+struct painter {
+    pthread_t thread;
+    pthread_mutex_t lock; /* guards what follows */
+    pthread_cond_t wake;
+    bool stop;
+    struct painting asked;
+    bool is_new;         /* asked has not been begun */
+    bool is_busy;        /* reads the atlas */
+    unsigned holds;      /* the window is about to change the atlas, or does: do not begin to read it */
+    bool hidden_is_new;  /* the atlas hides other objects */
+    pthread_cond_t rest; /* is_busy ended */
+    conus_transfer_point *points;
+    size_t point_count; /* of a function that is not used yet; 0 = none */
+    struct painted done;
+    char error[MESSAGE_SIZE];
+    char device[160];
+    bool has_news;
+    conus_transfer_point used[TRANSFER_POINTS]; /* the transfer function in use */
+    size_t used_count;
+
+    /* the thread's own */
+    const conus_atlas *atlas;
+    char *transfer;
+    conus_log log;
+    void (*wake_window)(void);
+    double ms_per_pixel;
+    uint8_t bytes[LEVELS]; /* sRGB of linear light */
+};
+
+static double now_ms(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
+}
+
+bool painting_shows_same(const struct painting *a, const struct painting *b)
+{
+    bool same = a->width == b->width && a->height == b->height && a->fade == b->fade && a->chosen == b->chosen &&
+                a->answer_number == b->answer_number && a->scene_number == b->scene_number;
+    for (int i = 0; i < 16; i++) {
+        same = same && a->sight.camera.world_from_device[i] == b->sight.camera.world_from_device[i];
+    }
+    for (int i = 0; i < 4; i++) {
+        same = same && a->sight.frustum[i] == b->sight.frustum[i];
+    }
+    return same;
+}
+
+/* With the lock held; ends it. */
+static void tell_window(struct painter *painter)
+{
+    painter->has_news = true;
+    pthread_mutex_unlock(&painter->lock);
+    if (painter->wake_window) {
+        painter->wake_window();
+    }
+}
+
+static void note_error(struct painter *painter)
+{
+    pthread_mutex_lock(&painter->lock);
+    snprintf(painter->error, sizeof painter->error, "%s", conus_message());
+    tell_window(painter);
+}
+
+/* ---- The thread ------------------------------------------------------------------------------------------------ */
+
+static void make_bytes(struct painter *painter)
+{
+    for (int i = 0; i < LEVELS; i++) {
+        double linear = (double)i / (LEVELS - 1);
+        double srgb = linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
+        painter->bytes[i] = (uint8_t)(255 * srgb + 0.5);
+    }
+}
+
+static uint8_t *bytes_of(const struct painter *painter, const conus_image *image)
+{
+    static const char *const channels[] = {"R", "G", "B"};
+    size_t pixels = (size_t)conus_image_width(image) * conus_image_height(image);
+    uint8_t *rgba = malloc(4 * pixels);
+    for (size_t c = 0; rgba && c < 3; c++) {
+        const float *plane = conus_image_floats(image, channels[c]);
+        for (size_t p = 0; p < pixels; p++) {
+            float level = fminf(fmaxf(plane[p], 0), 1) * (LEVELS - 1);
+            rgba[4 * p + c] = painter->bytes[(size_t)(level + 0.5F)];
+            rgba[4 * p + 3] = 255;
+        }
+    }
+    return rgba;
+}
+
+static void hand_over(struct painter *painter, struct painted *picture)
+{
+    pthread_mutex_lock(&painter->lock);
+    free(painter->done.rgba);
+    painter->done = *picture;
+    tell_window(painter);
+}
+
+/* Pixels of the pane per pixel of the picture. */
+static double coarseness(const struct painter *painter, const struct painting *what, enum stage stage)
+{
+    double pixels = (double)what->width * what->height;
+    double wanted = sqrt(painter->ms_per_pixel * pixels / quick_ms);
+    return stage == STAGE_COARSE ? fmin(fmax(wanted, 1), COARSEST) : 1;
+}
+
+static bool paint(struct painter *painter, conus_renderer *renderer, const struct painting *what, enum stage stage)
+{
+    double coarse = coarseness(painter, what, stage);
+    conus_image *image = NULL;
+    const double *f = what->sight.frustum;
+    const conus_view view = {.width = (uint32_t)fmax(what->width / coarse, 1),
+                             .height = (uint32_t)fmax(what->height / coarse, 1),
+                             .frustum = {f[0], f[1], f[2], f[3]},
+                             .camera = &what->sight.camera,
+                             .selection = answer_selection(what->answer),
+                             .chosen = what->chosen,
+                             .no_legend = true,
+                             .draft = stage != STAGE_SMOOTH,
+                             .fade = what->fade};
+    double begun = now_ms();
+    if (conus_render(&image, renderer, &view)) {
+        note_error(painter);
+        return false;
+    }
+    struct painted picture = {.width = view.width, .height = view.height, .what = *what, .fine = stage == STAGE_SMOOTH};
+    picture.rgba = bytes_of(painter, image);
+    picture.what.answer = NULL;
+    picture.milliseconds = now_ms() - begun;
+    conus_image_destroy(image);
+    if (stage != STAGE_SMOOTH) {
+        painter->ms_per_pixel = picture.milliseconds / ((double)view.width * view.height);
+    }
+    if (picture.rgba) {
+        hand_over(painter, &picture);
+    }
+    return true;
+}
+
+static void note_transfer(struct painter *painter, const conus_renderer *renderer)
+{
+    size_t count;
+    const conus_transfer_point *points = conus_renderer_transfer(renderer, &count);
+    count = count < TRANSFER_POINTS ? count : 0; /* a long table is not for editing by hand */
+    pthread_mutex_lock(&painter->lock);
+    if (!painter->used_count) { /* else another one was set meanwhile */
+        memcpy(painter->used, points ? points : painter->used, count * sizeof *points);
+        painter->used_count = count;
+    }
+    tell_window(painter);
+}
+
+static void apply_changes(struct painter *painter, conus_renderer *renderer, bool hidden, conus_transfer_point *points,
+                          size_t point_count)
+{
+    conus_status status = hidden ? conus_renderer_update(renderer) : CONUS_OK;
+    status = !status && points ? conus_renderer_set_transfer(renderer, points, point_count) : status;
+    if (status) {
+        note_error(painter);
+    }
+    free(points);
+}
+
+/* With the lock held. */
+static void end_reading(struct painter *painter)
+{
+    painter->is_busy = false;
+    pthread_cond_signal(&painter->rest);
+}
+
+/* Waits for something to do; what is there is moved out. False: stop. */
+static bool wait_for_work(struct painter *painter, struct painting *what, enum stage *stage, bool *hidden,
+                          conus_transfer_point **points, size_t *point_count)
+{
+    pthread_mutex_lock(&painter->lock);
+    end_reading(painter);
+    bool idle = *stage == STAGE_SMOOTH || (*stage == STAGE_COARSE && what->moving) || *stage == STAGE_NONE;
+    while (!painter->stop &&
+           (painter->holds || (idle && !painter->is_new && !painter->hidden_is_new && !painter->point_count))) {
+        pthread_cond_wait(&painter->wake, &painter->lock);
+    }
+    bool rests = painter->is_new && !painter->hidden_is_new && !painter->point_count &&
+                 painting_shows_same(&painter->asked, what); /* what was drawn so far holds: go on, finer */
+    bool changed = (painter->is_new || painter->hidden_is_new || painter->point_count) && !rests;
+    if (painter->is_new) {
+        answer_drop(what->answer);
+        *what = painter->asked;
+        painter->asked.answer = NULL;
+        painter->is_new = false;
+    }
+    if (changed) {
+        *stage = STAGE_NONE;
+    }
+    *hidden = painter->hidden_is_new;
+    *points = painter->point_count ? painter->points : NULL;
+    *point_count = painter->point_count;
+    painter->points = *points ? NULL : painter->points;
+    painter->hidden_is_new = false;
+    painter->point_count = 0;
+    bool go_on = !painter->stop;
+    painter->is_busy = go_on;
+    pthread_mutex_unlock(&painter->lock);
+    return go_on;
+}
+
+static void work(struct painter *painter, conus_renderer *renderer)
+{
+    struct painting what = {0};
+    enum stage stage = STAGE_NONE;
+    bool hidden;
+    conus_transfer_point *points;
+    size_t point_count;
+    while (wait_for_work(painter, &what, &stage, &hidden, &points, &point_count)) {
+        apply_changes(painter, renderer, hidden, points, point_count);
+        if (what.width && what.height) {
+            stage++;
+            stage = paint(painter, renderer, &what, stage) ? stage : STAGE_SMOOTH;
+        }
+    }
+    free(points);
+    answer_drop(what.answer);
+}
+
+static void *run(void *user)
+{
+    struct painter *painter = user;
+    conus_renderer *renderer = NULL;
+    const conus_renderer_options options = {.transfer = painter->transfer, .log = painter->log};
+    make_bytes(painter);
+    setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + niceness); /* of this thread, and those it starts */
+    if (conus_renderer_create(&renderer, painter->atlas, &options)) {
+        note_error(painter);
+        pthread_mutex_lock(&painter->lock);
+        end_reading(painter);
+        pthread_mutex_unlock(&painter->lock);
+        return NULL;
+    }
+    pthread_mutex_lock(&painter->lock);
+    snprintf(painter->device, sizeof painter->device, "%s", conus_renderer_device(renderer));
+    pthread_mutex_unlock(&painter->lock);
+    note_transfer(painter, renderer);
+    work(painter, renderer);
+    conus_renderer_destroy(renderer);
+    return NULL;
+}
+
+/* ---- The window's side ----------------------------------------------------------------------------------------- */
+
+bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, conus_log log,
+                    void (*wake)(void))
+{
+    struct painter *painter = calloc(1, sizeof *painter);
+    if (!painter) {
+        return false;
+    }
+    painter->atlas = atlas;
+    painter->log = log;
+    painter->wake_window = wake;
+    painter->is_busy = true; /* until there is a renderer */
+    painter->transfer = transfer ? strdup(transfer) : NULL;
+    pthread_mutex_init(&painter->lock, NULL);
+    pthread_cond_init(&painter->wake, NULL);
+    pthread_cond_init(&painter->rest, NULL);
+    if ((transfer && !painter->transfer) || pthread_create(&painter->thread, NULL, run, painter)) {
+        free(painter->transfer);
+        free(painter);
+        return false;
+    }
+    *out = painter;
+    return true;
+}
+
+void painter_destroy(struct painter *painter)
+{
+    if (!painter) {
+        return;
+    }
+    pthread_mutex_lock(&painter->lock);
+    painter->stop = true;
+    pthread_cond_signal(&painter->wake);
+    pthread_mutex_unlock(&painter->lock);
+    pthread_join(painter->thread, NULL);
+    pthread_cond_destroy(&painter->wake);
+    pthread_cond_destroy(&painter->rest);
+    pthread_mutex_destroy(&painter->lock);
+    answer_drop(painter->asked.answer);
+    free(painter->done.rgba);
+    free(painter->points);
+    free(painter->transfer);
+    free(painter);
+}
+
+void painter_ask(struct painter *painter, const struct painting *what)
+{
+    pthread_mutex_lock(&painter->lock);
+    answer_drop(painter->asked.answer);
+    painter->asked = *what;
+    painter->asked.answer = answer_keep(what->answer);
+    painter->is_new = true;
+    pthread_cond_signal(&painter->wake);
+    pthread_mutex_unlock(&painter->lock);
+}
+
+bool painter_has_news(struct painter *painter)
+{
+    pthread_mutex_lock(&painter->lock);
+    bool news = painter->has_news;
+    painter->has_news = false;
+    pthread_mutex_unlock(&painter->lock);
+    return news;
+}
+
+bool painter_take(struct painter *painter, struct painted *out)
+{
+    pthread_mutex_lock(&painter->lock);
+    *out = painter->done;
+    painter->done = (struct painted){0};
+    pthread_mutex_unlock(&painter->lock);
+    return out->rgba;
+}
+
+void painter_hold(struct painter *painter)
+{
+    pthread_mutex_lock(&painter->lock);
+    painter->holds++;
+    while (painter->is_busy) {
+        pthread_cond_wait(&painter->rest, &painter->lock);
+    }
+    pthread_mutex_unlock(&painter->lock);
+}
+
+void painter_go_on(struct painter *painter)
+{
+    pthread_mutex_lock(&painter->lock);
+    painter->holds--;
+    painter->hidden_is_new = true;
+    pthread_cond_signal(&painter->wake);
+    pthread_mutex_unlock(&painter->lock);
+}
+
+bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count)
+{
+    conus_transfer_point *copy = malloc(count * sizeof *copy);
+    if (!copy) {
+        return false;
+    }
+    memcpy(copy, points, count * sizeof *copy);
+    pthread_mutex_lock(&painter->lock);
+    free(painter->points);
+    painter->points = copy;
+    painter->point_count = count;
+    painter->used_count = count < TRANSFER_POINTS ? count : 0;
+    memcpy(painter->used, points, painter->used_count * sizeof *points);
+    pthread_cond_signal(&painter->wake);
+    pthread_mutex_unlock(&painter->lock);
+    return true;
+}
+
+size_t painter_transfer(struct painter *painter, conus_transfer_point *points, size_t room)
+{
+    pthread_mutex_lock(&painter->lock);
+    size_t count = painter->used_count < room ? painter->used_count : room;
+    memcpy(points, painter->used, count * sizeof *points);
+    pthread_mutex_unlock(&painter->lock);
+    return count;
+}
+
+static void copy_text(struct painter *painter, const char *text, char *out, size_t size)
+{
+    pthread_mutex_lock(&painter->lock);
+    snprintf(out, size, "%s", text);
+    pthread_mutex_unlock(&painter->lock);
+}
+
+bool painter_error(struct painter *painter, char *out, size_t size)
+{
+    copy_text(painter, painter->error, out, size);
+    return out[0];
+}
+
+void painter_device(struct painter *painter, char *out, size_t size)
+{
+    copy_text(painter, painter->device, out, size);
+}

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/model/times.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static const char *const names[TIMED_KINDS] = {"frame_ms", "period_ms", "selection_ms", "latency_ms", "picture_ms"};
+
+static double ms_of(clockid_t clock)
+{
+    struct timespec now;
+    clock_gettime(clock, &now);
+    return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
+}
+
+double times_now(void)
+{
+    return ms_of(CLOCK_MONOTONIC);
+}
+
+void times_start(struct times *times, double started)
+{
+    memset(times, 0, sizeof *times);
+    times->started = times->written = started;
+}
+
+void times_add(struct times *times, enum timed kind, double milliseconds)
+{
+    times->samples[kind][times->counts[kind]++ % TIMES_KEPT] = milliseconds;
+}
+
+void times_begin_frame(struct times *times)
+{
+    double now = times_now();
+    if (times->frame_started > 0) {
+        times_add(times, TIMED_PERIOD, now - times->frame_started);
+    }
+    times->frame_started = now;
+}
+
+void times_rest(struct times *times)
+{
+    times->frame_started = 0;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a;
+    double y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void write_kind(FILE *out, struct times *times, enum timed kind)
+{
+    size_t count = times->counts[kind] < TIMES_KEPT ? times->counts[kind] : TIMES_KEPT;
+    double *samples = times->samples[kind];
+    if (count) {
+        qsort(samples, count, sizeof *samples, by_size);
+        fprintf(out, ",\n \"%s\": {\"count\": %zu, \"median\": %.3f, \"p90\": %.3f, \"max\": %.3f}", names[kind], count,
+                samples[count / 2], samples[count * 9 / 10], samples[count - 1]);
+    }
+    times->counts[kind] = 0;
+}
+
+conus_status times_write(struct times *times, const char *path)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) {
+        return CONUS_ERROR_MEMORY;
+    }
+    double now = times_now();
+    double used = ms_of(CLOCK_PROCESS_CPUTIME_ID);
+    fprintf(out, "{\"first_frame_ms\": %.1f, \"first_picture_ms\": %.1f,\n \"wall_ms\": %.1f, \"cpu_ms\": %.1f",
+            times->first_frame, times->first_picture, now - times->written, used - times->used);
+    times->written = now;
+    times->used = used;
+    for (int kind = 0; kind < TIMED_KINDS; kind++) {
+        write_kind(out, times, (enum timed)kind);
+    }
+    fputs("}\n", out);
+    bool written = fclose(out) == 0;
+    conus_status status = written ? conus_write_file(path, text, size) : CONUS_ERROR_MEMORY;
+    free(text);
+    return status;
+}

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/model/watch.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* Enough to see that a file is another one. */
+struct state {
+    bool is_there;
+    struct timespec changed;
+    off_t size;
+};
+
+struct watch {
+    const conus_atlas *atlas;
+    struct state *states; /* [count] of volumes and then of other files */
+    size_t count;
+};
+
+static const char *path_of(const struct watch *watch, size_t index)
+{
+    size_t volumes = conus_atlas_volume_count(watch->atlas);
+    return index < volumes ? conus_atlas_volume(watch->atlas, index)->path
+                           : conus_atlas_file(watch->atlas, index - volumes);
+}
+
+static struct state look_at(const char *path)
+{
+    struct stat stat_;
+    if (stat(path, &stat_)) {
+        return (struct state){.is_there = false};
+    }
+    return (struct state){.is_there = true, .changed = stat_.st_mtim, .size = stat_.st_size};
+}
+
+static bool is_same(const struct state *a, const struct state *b)
+{
+    return a->is_there == b->is_there && a->size == b->size && a->changed.tv_sec == b->changed.tv_sec &&
+           a->changed.tv_nsec == b->changed.tv_nsec;
+}
+
+struct watch *watch_create(const conus_atlas *atlas)
+{
+    struct watch *watch = calloc(1, sizeof *watch);
+    if (!watch) {
+        return NULL;
+    }
+    watch->atlas = atlas;
+    watch->count = conus_atlas_volume_count(atlas) + conus_atlas_file_count(atlas);
+    watch->states = calloc(watch->count + 1, sizeof *watch->states);
+    if (!watch->states) {
+        free(watch);
+        return NULL;
+    }
+    for (size_t i = 0; i < watch->count; i++) {
+        watch->states[i] = look_at(path_of(watch, i));
+    }
+    return watch;
+}
+
+void watch_destroy(struct watch *watch)
+{
+    if (watch) {
+        free(watch->states);
+        free(watch);
+    }
+}
+
+bool watch_look(struct watch *watch, char news[WATCH_NEWS])
+{
+    size_t changes = 0;
+    for (size_t i = 0; i < watch->count; i++) {
+        const char *path = path_of(watch, i);
+        const char *slash = strrchr(path, '/');
+        struct state now = look_at(path);
+        if (is_same(&now, &watch->states[i])) {
+            continue;
+        }
+        if (changes++ == 0) {
+            snprintf(news, WATCH_NEWS, "%.60s %s disk: what is shown was read before", slash ? slash + 1 : path,
+                     now.is_there ? "changed on" : "is gone from");
+        }
+        watch->states[i] = now;
+    }
+    if (changes > 1) {
+        size_t used = strlen(news);
+        snprintf(news + used, WATCH_NEWS - used, " (and %zu more files)", changes - 1);
+    }
+    return changes;
+}

@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/window/window.h"
+
+#include <stdio.h>
+
+static const float opacities[] = {[SHOWN_NOT] = 0.4F, [SHOWN_IN_PART] = 0.7F, [SHOWN] = 1};
+
+static ui_colour colour_of(const struct viewer *viewer, uint32_t object)
+{
+    uint8_t rgb[3];
+    viewer_colour(rgb, viewer, object);
+    return (ui_colour){rgb[0], rgb[1], rgb[2], viewer->hidden[object] ? 60 : 255};
+}
+
+/* Children are looked for in the whole list: atlases have hundreds of areas, and only open nodes are asked. */
+static bool has_children(const struct viewer *viewer, uint32_t object)
+{
+    for (uint32_t number = 1; number <= viewer->object_count; number++) {
+        if (conus_atlas_object(viewer->atlas, number)->parent == object) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void draw_tip(const conus_object *object)
+{
+    char tip[256];
+    int used = snprintf(tip, sizeof tip, "%.180s\nlabel %u", object->name, object->label);
+    if (object->volume_mm3 > 0) {
+        snprintf(tip + used, sizeof tip - (size_t)used, "\n%.0f mm\u00b3", object->volume_mm3);
+    }
+    ui_tip(tip);
+}
+
+static void draw_buttons(struct viewer *viewer, uint32_t object)
+{
+    bool hide = viewer_shown(viewer, object) == SHOWN;
+    ui_same_line();
+    if (ui_small_button(hide ? "hide" : "show")) {
+        viewer_hide(viewer, object, hide);
+    }
+    ui_same_line();
+    if (ui_small_button("only")) {
+        viewer_isolate(viewer, object);
+    }
+    ui_tip("hide all others; U takes it back");
+}
+
+/* Once, when it was chosen. */
+static void scroll_to(struct window *window, uint32_t number)
+{
+    if (window->listed != number) {
+        window->listed = number;
+        ui_scroll_here();
+    }
+}
+
+static void draw_area(struct window *window, uint32_t number)
+{
+    struct viewer *viewer = window->viewer;
+    const conus_object *object = conus_atlas_object(viewer->atlas, number);
+    enum shown shown = viewer_shown(viewer, number);
+    ui_id(number);
+    ui_dim(opacities[shown]);
+    ui_chip("colour", colour_of(viewer, number));
+    ui_same_line();
+    if (viewer->chosen == number) {
+        scroll_to(window, number);
+        ui_text_coloured((ui_colour){255, 200, 90, 255}, "%s%s", object->name,
+                         shown == SHOWN_IN_PART ? " (in part)" : "");
+        draw_tip(object);
+        draw_buttons(viewer, number);
+    } else if (ui_row(object->name, false)) {
+        viewer_choose(viewer, number);
+    } else {
+        draw_tip(object);
+    }
+    ui_dim_end();
+    ui_id_end();
+}
+
+static void draw_tree(struct window *window, uint32_t parent)
+{
+    const struct viewer *viewer = window->viewer;
+    for (uint32_t number = 1; number <= viewer->object_count; number++) {
+        const conus_object *object = conus_atlas_object(viewer->atlas, number);
+        if (object->parent != parent) {
+            continue;
+        }
+        if (!has_children(viewer, number)) {
+            draw_area(window, number);
+            continue;
+        }
+        ui_id(number);
+        bool leads = window->listed != viewer->chosen && viewer->chosen != number &&
+                     viewer_is_below(viewer, viewer->chosen, number);
+        bool open = ui_tree("##node", leads ? UI_OPEN_NOW : parent == 0 ? UI_OPEN_FIRST : UI_AS_IT_WAS);
+        ui_id_end();
+        ui_same_line();
+        draw_area(window, number);
+        if (open) {
+            draw_tree(window, number);
+            ui_tree_end();
+        }
+    }
+}
+
+static void choose_first(struct viewer *viewer)
+{
+    uint32_t number = 1;
+    while (number <= viewer->object_count && !viewer_fits(viewer, number)) {
+        number++;
+    }
+    if (number <= viewer->object_count) {
+        viewer_choose(viewer, number);
+    }
+}
+
+static void draw_found(struct window *window)
+{
+    bool any = false;
+    for (uint32_t number = 1; number <= window->viewer->object_count; number++) {
+        if (viewer_fits(window->viewer, number)) {
+            draw_area(window, number);
+            any = true;
+        }
+    }
+    if (!any) {
+        ui_text("nothing fits");
+        ui_same_line();
+        if (ui_small_button("clear")) {
+            window->viewer->search[0] = '\0';
+        }
+    }
+}
+
+void panel_areas(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    ui_panel("Areas", window->left, 0);
+    ui_width(window->left.width - 20);
+    ui_type("##search", viewer->search, sizeof viewer->search, "search name or label");
+    if (ui_entered() && viewer->search[0]) {
+        choose_first(viewer);
+    }
+    if (ui_button("show all")) {
+        viewer_show_all(viewer);
+    }
+    ui_same_line();
+    if (ui_button("undo")) {
+        viewer_undo(viewer);
+    }
+    ui_same_line();
+    ui_text("%zu", viewer->object_count);
+    ui_separator();
+    ui_scroll("list", 0);
+    if (viewer->search[0]) {
+        draw_found(window);
+    } else {
+        draw_tree(window, 0);
+    }
+    ui_scroll_end();
+    ui_panel_end();
+}

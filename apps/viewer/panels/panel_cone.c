@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/window/window.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SCORE_LIMIT = 64 };
+
+static const char *const pointers[POINTER_COUNT] = {"mouse", "wand", "replay", "tracker"};
+static const char *const layers[] = {"visible", "all"};
+static const char *const apertures[] = {"circle", "square"};
+static const char *const samplings[] = {"exact", "slices"};
+static const char *const engines[] = {"rays", "gl"};
+
+static bool choose_score(struct viewer *viewer)
+{
+    const char *names[SCORE_LIMIT];
+    size_t count = 0;
+    size_t chosen = 0;
+    const conus_score_info *info;
+    for (size_t i = 0; count < SCORE_LIMIT && (info = conus_score(i)); i++) {
+        if (!info->needs_history) {
+            chosen = viewer->options.score && strcmp(viewer->options.score, info->name) == 0 ? count : chosen;
+            names[count++] = info->name;
+        }
+    }
+    bool changed = ui_choose("score", &chosen, names, count);
+    viewer->options.score = names[chosen];
+    return changed;
+}
+
+static bool choose_shape(struct viewer *viewer)
+{
+    bool changed = ui_slider("angle", &viewer->angle, 0.1, 179, "%.1f\u00b0", true);
+    bool cylinder = viewer->options.radius > 0;
+    if (ui_check("cylinder instead", &cylinder)) {
+        viewer->options.radius = cylinder ? 2 : 0;
+        changed = true;
+    }
+    if (cylinder) {
+        changed = ui_slider("radius", &viewer->options.radius, 0.1, 50, "%.1f mm", true) || changed;
+    }
+    return changed;
+}
+
+static bool choose_look(struct viewer *viewer)
+{
+    conus_selector_options *options = &viewer->options;
+    uint32_t resolution = options->resolution ? options->resolution : 16;
+    size_t layer = (size_t)options->layers;
+    size_t aperture = (size_t)options->aperture;
+    size_t sampling = (size_t)options->sampling;
+    size_t engine = options->engine == CONUS_ENGINE_GL;
+    bool changed = ui_choose("layers", &layer, layers, 2);
+    changed = ui_count("pixels", &resolution, 1, 64) || changed;
+    changed = ui_choose("aperture", &aperture, apertures, 2) || changed;
+    changed = ui_choose("sampling", &sampling, samplings, 2) || changed;
+    changed = ui_choose("engine", &engine, engines, 2) || changed;
+    options->layers = sampling == CONUS_SLICES ? CONUS_VISIBLE : (conus_layers)layer;
+    options->resolution = resolution;
+    options->aperture = (conus_aperture)aperture;
+    options->sampling = (conus_sampling)sampling;
+    options->engine = engine ? CONUS_ENGINE_GL : CONUS_ENGINE_RAYS;
+    return changed;
+}
+
+static void show_pose(struct viewer *viewer)
+{
+    const double *m = viewer->pose.world_from_device;
+    double origin[3] = {m[12], m[13], m[14]};
+    double along[3] = {-m[8], -m[9], -m[10]};
+    if (!viewer->has_pose) {
+        ui_text("no pose yet: move the mouse over the brain");
+        return;
+    }
+    bool moved = ui_numbers("from, mm", origin, "%.1f");
+    bool turned = ui_numbers("along", along, "%.3f");
+    if (moved || turned) {
+        viewer_aim_along(viewer, origin, along);
+    }
+}
+
+void panel_cone(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    size_t pointer = (size_t)viewer->pointer;
+    if (!ui_section("Cone", true)) {
+        return;
+    }
+    if (ui_choose("points", &pointer, pointers, POINTER_COUNT)) {
+        viewer->pointer = (enum pointer)pointer;
+        viewer->version++;
+    }
+    panel_source(window);
+    show_pose(viewer);
+    bool changed = choose_shape(viewer);
+    changed = choose_score(viewer) || changed;
+    changed = choose_look(viewer) || changed;
+    if (changed) {
+        viewer_reselect(viewer);
+    }
+    if (ui_section("View", false)) {
+        bool shown = ui_slider("context", &viewer->fade, 0, 1, "%.2f faded", false);
+        shown = ui_slider("areas", &viewer->fill, 0, 1, "%.2f filled", false) || shown;
+        bool outlines = !viewer->no_outlines;
+        shown = ui_check("outlines", &outlines) || shown;
+        viewer->no_outlines = !outlines;
+        shown = ui_check("radiological (left is right)", &viewer->radiological) || shown;
+        bool safe = viewer->safe_colours;
+        if (ui_check("colours for any colour vision", &safe)) {
+            viewer_use_safe_colours(viewer, safe);
+        }
+        viewer->version += shown;
+    }
+    panel_transfer(window);
+}

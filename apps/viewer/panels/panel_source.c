@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where poses come from: the replay's time line, the tracker's state. */
+#include "viewer/window/window.h"
+
+#include "common/station_settings.h"
+
+#include <GLFW/glfw3.h>
+#include <math.h>
+
+static void show_replay(struct window *window)
+{
+    struct replay *replay = &window->replay;
+    size_t count = replay->poses ? conus_pose_list_count(replay->poses) : 0;
+    if (!count) {
+        ui_text("no poses: start with --poses FILE");
+        return;
+    }
+    uint32_t row = (uint32_t)replay->at + 1;
+    if (ui_button(replay->playing ? "stop" : "play")) {
+        replay_toggle(replay, glfwGetTime());
+    }
+    ui_same_line();
+    if (ui_count("row", &row, 1, (uint32_t)count)) {
+        replay->playing = false;
+        replay_show(replay, window->viewer, row - 1);
+    }
+    ui_text("%.2f of %.2f s, %s", replay_time(replay, replay->at), replay_time(replay, count - 1),
+            conus_pose_list_row(replay->poses, replay->at)->id);
+}
+
+static void show_tracker(struct window *window)
+{
+    static const ui_colour colours[] = {
+        {190, 190, 196, 255}, {190, 190, 196, 255}, {255, 120, 90, 255}, {255, 120, 90, 255}, {110, 230, 130, 255}};
+    char text[160];
+    if (!window->station) {
+        ui_text("no tracker: start with --listen or --connect");
+        return;
+    }
+    settings_station_text(text, sizeof text, window->station, &window->news);
+    ui_text_coloured(colours[window->news.state], "%s", text);
+}
+
+void panel_source(struct window *window)
+{
+    if (window->viewer->pointer == POINT_BY_REPLAY) {
+        show_replay(window);
+    } else if (window->viewer->pointer == POINT_BY_TRACKER) {
+        show_tracker(window);
+    }
+}

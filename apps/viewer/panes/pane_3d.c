@@ -1,0 +1,319 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/window/window.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const ui_colour light = {235, 235, 240, 255};
+static const ui_colour dark = {20, 20, 24, 255};
+static const ui_colour cross = {90, 220, 120, 160};
+static const ui_colour orange = {255, 150, 30, 255};
+
+/* What the mouse moves, and what a tracker or a replay moves, rests when it stood still for so long. */
+static const double view_rest_ms = 120, others_rest_ms = 300;
+
+static const double arm = 0.12; /* of the crosshair, in radii of the atlas */
+static const float click = 4;   /* pixels that the mouse may move and it is still one */
+
+enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the device's view */ };
+
+/* ---- The picture ------------------------------------------------------------------------------------------------- */
+
+static void ask_painter(struct window *window, bool moving)
+{
+    struct viewer *viewer = window->viewer;
+    const struct ui_box *box = &window->panes[PANE_3D];
+    struct painting what = {.sight = window->sight,
+                            .width = (uint32_t)fmaxf(box->width, 1),
+                            .height = (uint32_t)fmaxf(box->height, 1),
+                            .fade = viewer->fade,
+                            .chosen = viewer->chosen,
+                            .answer = viewer->answer,
+                            .answer_number = viewer->answer_number,
+                            .scene_number = viewer->scene_number,
+                            .moving = moving};
+    bool same = painting_shows_same(&what, &window->asked);
+    bool rests = window->asked.moving && !moving;
+    if (viewer->painter && (!same || rests)) {
+        painter_ask(viewer->painter, &what);
+        window->asked = what;
+        window->painted_fine = window->painted_fine && same;
+    }
+}
+
+static void note_picture(struct window *window, double milliseconds)
+{
+    struct times *times = &window->times;
+    times_add(times, TIMED_PICTURE, milliseconds);
+    times->first_picture = times->first_picture > 0 ? times->first_picture : times_now() - times->started;
+}
+
+static void take_picture(struct window *window)
+{
+    struct painted picture;
+    if (window->viewer->painter && painter_take(window->viewer->painter, &picture)) {
+        bool coarse = picture.width != picture.what.width || picture.height != picture.what.height;
+        note_picture(window, picture.milliseconds);
+        texture_set(&window->painted, picture.rgba, picture.width, picture.height, coarse);
+        window->painted_ms = picture.milliseconds;
+        window->painted_fine = picture.fine && painting_shows_same(&picture.what, &window->asked);
+        free(picture.rgba);
+    }
+}
+
+/* ---- Over it ----------------------------------------------------------------------------------------------------- */
+
+static bool place_of(float out[2], const struct window *window, const double world[3])
+{
+    const struct ui_box *box = &window->panes[PANE_3D];
+    double at[2];
+    bool visible = sight_project(at, &window->sight, (double[]){(double)box->width, (double)box->height}, world);
+    out[0] = box->x + (float)at[0];
+    out[1] = box->y + (float)at[1];
+    return visible;
+}
+
+/* Beside the place, on the side where there is room. */
+static void draw_name(const struct window *window, const float at[2], float y, const char *name)
+{
+    const struct ui_box *box = &window->panes[PANE_3D];
+    float gap = 18;
+    float width = ui_text_width(name) + 6;
+    bool fits = at[0] + gap + width <= box->x + box->width;
+    float x = fits ? at[0] + gap : fmaxf(at[0] - gap - width, box->x + 4);
+    ui_draw_line(at, (float[]){fits ? x - 2 : fminf(x + width - 4, at[0]), y + ui_line() * 0.575F}, light, 1);
+    ui_draw_text((float[]){x, y}, light, name);
+}
+
+/* The names of the best results beside their contacts, one below the other where they would overlap. */
+static void draw_names(const struct window *window)
+{
+    const conus_selection *selection = viewer_selection(window->viewer);
+    size_t count = conus_selection_count(selection);
+    float line = 1.15F * ui_line();
+    float taken[NAMES_SHOWN];
+    size_t shown = 0;
+    for (size_t i = 0; i < count && shown < NAMES_SHOWN; i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        float at[2];
+        if (result->object && result->pixels && place_of(at, window, result->contact)) {
+            float y = at[1] - line / 2;
+            for (size_t k = 0; k < shown; k++) {
+                y = fabsf(y - taken[k]) < line ? taken[k] + line : y;
+            }
+            taken[shown++] = y;
+            ui_draw_circle(at, 4, light, 1.5F);
+            draw_name(window, at, y, conus_atlas_object(window->viewer->atlas, result->object)->name);
+        }
+    }
+}
+
+/* What the device sees, enlarged: the pixels of its buffer in the areas' colours. */
+static void draw_device_view(struct window *window)
+{
+    const conus_selection *selection = viewer_selection(window->viewer);
+    conus_evidence evidence = conus_selection_evidence(selection);
+    uint32_t n = evidence.resolution;
+    if (n < 1 || n > 64) {
+        return;
+    }
+    uint8_t rgba[64 * 64 * 4];
+    for (uint32_t pixel = 0; pixel < n * n; pixel++) {
+        uint8_t *to = rgba + 4 * ((n - 1 - pixel / n) * n + pixel % n);
+        viewer_colour(to, window->viewer, evidence.object[pixel]);
+        if (!evidence.object[pixel]) {
+            memset(to, 52, 3);
+        }
+        for (int c = 0; c < 3 && !evidence.in_cone[pixel]; c++) {
+            to[c] = (uint8_t)(to[c] / 4);
+        }
+        to[3] = 255;
+    }
+    texture_set(&window->device_view, rgba, n, n, false);
+    const struct ui_box *box = &window->panes[PANE_3D];
+    float edge = fminf(INSET * 16 * window->scale, 0.3F * fminf(box->width, box->height));
+    struct ui_box inset = {box->x + box->width - edge - 10, box->y + 10, edge, edge};
+    ui_surface("inset", inset);
+    ui_draw_image(window->device_view.name, inset);
+    ui_draw_box(inset, light, 1);
+    static const char caption[] = "what the device sees";
+    ui_draw_text((float[]){inset.x + edge - ui_text_width(caption), inset.y + edge + 4}, light, caption);
+}
+
+/* The crosshair's arms, along the axes. */
+static void draw_crosshair(const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    for (int a = 0; a < 3; a++) {
+        double from[3];
+        double to[3];
+        float ends[2][2];
+        memcpy(from, viewer->crosshair, sizeof from);
+        memcpy(to, viewer->crosshair, sizeof to);
+        from[a] -= arm * viewer->radius;
+        to[a] += arm * viewer->radius;
+        if (place_of(ends[0], window, from) && place_of(ends[1], window, to)) {
+            ui_draw_line(ends[0], ends[1], cross, 1);
+        }
+    }
+}
+
+static void draw_waiting(const struct window *window)
+{
+    const struct ui_box *box = &window->panes[PANE_3D];
+    char error[256];
+    const float at[2] = {box->x + 20, box->y + box->height / 2};
+    if (!window->viewer->painter) {
+        ui_draw_text(at, orange, "not enough memory to draw");
+    } else if (painter_error(window->viewer->painter, error, sizeof error)) {
+        ui_draw_text(at, orange, error);
+    } else if (!window->painted.name) {
+        ui_draw_text(at, light, "drawing ...");
+    }
+}
+
+static void draw_head(const struct window *window)
+{
+    const struct ui_box *box = &window->panes[PANE_3D];
+    bool is_well;
+    const char *text = head_text(&window->viewer->head, &is_well);
+    if (text) {
+        ui_draw_text((float[]){box->x + 8, box->y + box->height - 1.4F * ui_line()}, is_well ? light : orange, text);
+    }
+}
+
+/* ---- The mouse --------------------------------------------------------------------------------------------------- */
+
+/* From the eye through the mouse. */
+static void find_ray(double eye[3], double direction[3], const struct window *window)
+{
+    const struct ui_box *box = &window->panes[PANE_3D];
+    const struct ui_mouse mouse = ui_mouse_now();
+    const double size[2] = {(double)box->width, (double)box->height};
+    const double at[2] = {(double)(mouse.x - box->x), (double)(mouse.y - box->y)};
+    memcpy(eye, window->sight.camera.world_from_device + 12, 3 * sizeof *eye);
+    sight_ray(direction, &window->sight, size, at);
+}
+
+static void point(struct window *window)
+{
+    double eye[3];
+    double direction[3];
+    find_ray(eye, direction, window);
+    viewer_aim_along(window->viewer, eye, direction);
+}
+
+/* Names what is under the mouse; where the cone follows the mouse, it has its name there already. */
+static void hover(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    double eye[3];
+    double direction[3];
+    find_ray(eye, direction, window);
+    window->hovers = viewer_pick(&window->hovered, window->hovered_at, viewer, eye, direction);
+    if (window->hovered) {
+        window->hovered_value = viewer_value(viewer, window->hovered, window->hovered_at);
+    }
+    if (window->hovered && (viewer->pointer != POINT_BY_MOUSE || viewer->frozen)) {
+        char tip[HOVER_TEXT];
+        window_hover_text(window, tip);
+        ui_tip(tip);
+    }
+}
+
+/* A click that turned nothing sets the crosshair to what is under it. */
+static void use_click(struct window *window, const struct ui_mouse *mouse)
+{
+    struct viewer *viewer = window->viewer;
+    uint32_t object;
+    double at[3];
+    double eye[3];
+    double direction[3];
+    window->dragged = mouse->pressed[0] ? 0 : window->dragged + fabsf(mouse->moved_x) + fabsf(mouse->moved_y);
+    if (!mouse->released[0] || window->dragged >= click) {
+        return;
+    }
+    find_ray(eye, direction, window);
+    if (viewer_pick(&object, at, viewer, eye, direction)) {
+        viewer_cross(viewer, at);
+        viewer->chosen = object ? object : viewer->chosen;
+    }
+}
+
+/* Returns whether the view moves. Where the head moves it, the mouse does not. */
+static bool use_mouse(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    struct ui_mouse mouse = ui_mouse_now();
+    double height = (double)window->panes[PANE_3D].height;
+    bool held = ui_surface_held();
+    bool moved = mouse.moved_x != 0 || mouse.moved_y != 0;
+    if (viewer->head.on && viewer->head.known && ((held && moved) || mouse.wheel != 0)) {
+        viewer_say(viewer, "the head moves the view; T gives it to the mouse");
+        return false;
+    }
+    if (held && moved && mouse.down[0]) {
+        orbit_turn(&viewer->orbit, (double)mouse.moved_x, (double)mouse.moved_y, height);
+    } else if (held && moved && (mouse.down[1] || mouse.down[2])) {
+        orbit_pan(&viewer->orbit, (double)mouse.moved_x, (double)mouse.moved_y, height);
+    } else if (!held && moved && viewer->pointer == POINT_BY_MOUSE && !viewer->frozen) {
+        point(window);
+    }
+    if (mouse.wheel != 0) {
+        orbit_zoom(&viewer->orbit, (double)mouse.wheel);
+    }
+    use_click(window, &mouse);
+    if (mouse.doubled) {
+        viewer_confirm(viewer);
+    }
+    return moved || mouse.wheel != 0;
+}
+
+/* Notes until when pictures shall be quick: the mouse moves the view or the cone, or a tracker or a replay does. */
+static void note_moves(struct window *window, bool by_mouse)
+{
+    const struct viewer *viewer = window->viewer;
+    double now = times_now();
+    bool carried = viewer->pointer == POINT_BY_TRACKER || viewer->pointer == POINT_BY_REPLAY;
+    if (by_mouse) {
+        window->moving_until = now + view_rest_ms;
+    }
+    if ((carried && window->carried_answer != viewer->answer_number) ||
+        (viewer->head.on && window->carried_head != viewer->head.number)) {
+        window->moving_until = now + others_rest_ms;
+    }
+    window->carried_answer = viewer->answer_number;
+    window->carried_head = viewer->head.number;
+    window->moving = now < window->moving_until;
+}
+
+void pane_3d(struct window *window)
+{
+    const struct ui_box *box = &window->panes[PANE_3D];
+    orbit_fit(&window->viewer->orbit, (double[]){(double)box->width, (double)box->height});
+    window_sight(window, &window->sight);
+    take_picture(window);
+    ui_panel("3d", *box, UI_PLAIN);
+    if (window->painted.name) {
+        ui_draw_image(window->painted.name, *box);
+    } else {
+        ui_draw_box(*box, dark, 0);
+    }
+    bool touched = ui_surface("surface", *box);
+    note_moves(window, touched && use_mouse(window));
+    if (touched) {
+        hover(window);
+    }
+    ask_painter(window, window->moving);
+    ui_clip(*box);
+    pane_compass(window);
+    draw_crosshair(window);
+    draw_names(window);
+    draw_waiting(window);
+    draw_head(window);
+    draw_device_view(window);
+    ui_clip_end();
+    ui_panel_end();
+}

@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/window/window.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const ui_colour light = {235, 235, 240, 255};
+static const ui_colour cross = {90, 220, 120, 160};
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* mm per pixel: at magnification 1 the atlas fills the pane. */
+static double scale_of(const struct viewer *viewer, const struct ui_box *box)
+{
+    return 1.9 * viewer->radius / (double)fmaxf(fminf(box->width, box->height), 1) / viewer->magnification;
+}
+
+/* What a pane shows now. */
+struct frame {
+    struct cut_pane *pane;
+    float title_width, title_height;
+    uint32_t width, height;
+    double centre[3], right[3], up[3], mm_per_pixel;
+};
+
+/* ---- The picture ------------------------------------------------------------------------------------------------ */
+
+/* A cutter holds as long as the atlas does not change. */
+static bool have_cutter(struct cut_pane *pane, struct viewer *viewer)
+{
+    if (pane->cutter && pane->atlas_number == viewer->atlas_number) {
+        return true;
+    }
+    conus_cutter_destroy(pane->cutter);
+    pane->cutter = NULL;
+    pane->atlas_number = viewer->atlas_number;
+    return !conus_cutter_create(&pane->cutter, viewer->atlas);
+}
+
+/* The pane looks at the atlas's middle, but for the depth, which is the crosshair's. */
+static void find_centre(double out[3], const struct viewer *viewer, enum plane plane)
+{
+    memcpy(out, viewer->centre, sizeof viewer->centre);
+    out[2 - (int)plane] = viewer->crosshair[2 - (int)plane];
+}
+
+static bool is_drawn(const struct cut_pane *pane, const struct viewer *viewer, const struct frame *frame)
+{
+    bool same = pane->version == viewer->version && pane->texture.width == frame->width &&
+                pane->texture.height == frame->height;
+    for (int a = 0; a < 3; a++) {
+        same = same && pane->centre[a] == frame->centre[a];
+    }
+    return same;
+}
+
+static void draw_picture(struct window *window, const struct frame *frame)
+{
+    struct viewer *viewer = window->viewer;
+    struct cut_pane *pane = frame->pane;
+    if (is_drawn(pane, viewer, frame)) {
+        return;
+    }
+    conus_cut_view view = {.mm_per_pixel = frame->mm_per_pixel,
+                           .width = frame->width,
+                           .height = frame->height,
+                           .fill = viewer->fill,
+                           .no_outlines = viewer->no_outlines,
+                           .window = {viewer->window[0], viewer->window[1]},
+                           .selection = viewer_selection(viewer),
+                           .chosen = viewer->chosen};
+    memcpy(view.centre, frame->centre, sizeof view.centre);
+    memcpy(view.right, frame->right, sizeof view.right);
+    memcpy(view.up, frame->up, sizeof view.up);
+    pane->version = viewer->version; /* what cannot be drawn is said once */
+    memcpy(pane->centre, frame->centre, sizeof pane->centre);
+    if (!have_cutter(pane, viewer) || conus_cutter_draw(pane->cutter, &view)) {
+        viewer_say(viewer, "%s", conus_message());
+    } else {
+        texture_set(&pane->texture, conus_cutter_rgba(pane->cutter), view.width, view.height, false);
+    }
+}
+
+/* ---- Where things are in it -------------------------------------------------------------------------------------- */
+
+static void world_at(double out[3], const struct frame *frame, float x, float y)
+{
+    const struct ui_box *box = &frame->pane->box;
+    double beside = ((double)(x - box->x) - (double)box->width / 2) * frame->mm_per_pixel;
+    double above = ((double)box->height / 2 - (double)(y - box->y)) * frame->mm_per_pixel;
+    for (int a = 0; a < 3; a++) {
+        out[a] = frame->centre[a] + beside * frame->right[a] + above * frame->up[a];
+    }
+}
+
+static void place_of(float out[2], const struct frame *frame, const double world[3])
+{
+    const struct ui_box *box = &frame->pane->box;
+    double offset[3];
+    for (int a = 0; a < 3; a++) {
+        offset[a] = world[a] - frame->centre[a];
+    }
+    out[0] = box->x + box->width / 2 + (float)(dot(offset, frame->right) / frame->mm_per_pixel);
+    out[1] = box->y + box->height / 2 - (float)(dot(offset, frame->up) / frame->mm_per_pixel);
+}
+
+static uint32_t object_at(const struct cut_pane *pane, float x, float y)
+{
+    float column = x - pane->box.x;
+    float row = y - pane->box.y;
+    bool inside = column >= 0 && row >= 0 && column < (float)pane->texture.width && row < (float)pane->texture.height;
+    const uint32_t *objects = inside && pane->cutter ? conus_cutter_objects(pane->cutter) : NULL;
+    return objects ? objects[(size_t)row * pane->texture.width + (size_t)column] : 0;
+}
+
+/* ---- Over it ----------------------------------------------------------------------------------------------------- */
+
+static char letter_towards(const double direction[3])
+{
+    static const char letters[2][3] = {{'R', 'A', 'S'}, {'L', 'P', 'I'}};
+    for (int a = 0; a < 3; a++) {
+        if (fabs(direction[a]) > 0.5) {
+            return letters[direction[a] < 0][a];
+        }
+    }
+    return ' ';
+}
+
+static void draw_letters(const struct frame *frame)
+{
+    const struct ui_box *box = &frame->pane->box;
+    const double left[3] = {-frame->right[0], -frame->right[1], -frame->right[2]};
+    const double down[3] = {-frame->up[0], -frame->up[1], -frame->up[2]};
+    struct {
+        const double *towards;
+        float x, y; /* parts of the room between the margins */
+    } places[] = {{left, 0, 0.5F}, {frame->right, 1, 0.5F}, {frame->up, 0.5F, 0}, {down, 0.5F, 1}};
+    const float margin = 7;
+    bool covered = 8 + frame->title_width > 0.5F * box->width - 2 * margin;
+    for (int i = 0; i < 4; i++) {
+        const char text[2] = {letter_towards(places[i].towards), '\0'};
+        const float room[2] = {box->width - ui_text_width(text) - 2 * margin, box->height - ui_line() - 2 * margin};
+        float top = places[i].towards == frame->up && covered ? frame->title_height : margin;
+        const float at[2] = {box->x + margin + places[i].x * room[0], box->y + top + places[i].y * room[1]};
+        ui_draw_text(at, light, text);
+    }
+}
+
+static void draw_crosshair(const struct window *window, const struct frame *frame)
+{
+    const struct ui_box *box = &frame->pane->box;
+    float at[2];
+    place_of(at, frame, window->viewer->crosshair);
+    ui_draw_line((float[]){box->x, at[1]}, (float[]){at[0] - 6, at[1]}, cross, 1);
+    ui_draw_line((float[]){at[0] + 6, at[1]}, (float[]){box->x + box->width, at[1]}, cross, 1);
+    ui_draw_line((float[]){at[0], box->y}, (float[]){at[0], at[1] - 6}, cross, 1);
+    ui_draw_line((float[]){at[0], at[1] + 6}, (float[]){at[0], box->y + box->height}, cross, 1);
+}
+
+static void draw_title(const struct window *window, struct frame *frame, enum plane plane)
+{
+    static const char *const names[] = {"axial", "coronal", "sagittal"};
+    static const char axes[] = {'z', 'y', 'x'};
+    const struct viewer *viewer = window->viewer;
+    const char *sides = plane == SAGITTAL ? "" : viewer->radiological ? "radiological" : "neurological";
+    const float at[2] = {frame->pane->box.x + 8, frame->pane->box.y + 6};
+    char text[96];
+    double depth = viewer->crosshair[2 - (int)plane];
+    snprintf(text, sizeof text, "%s  %c = %.1f mm", names[plane], axes[plane], fabs(depth) < 0.05 ? 0 : depth);
+    float first = ui_text_width(text);
+    float second = ui_text_width(sides);
+    bool fits = first + 12 + second < frame->pane->box.width - 16; /* else the sides stand below */
+    const float beside[2] = {fits ? at[0] + first + 12 : at[0], fits ? at[1] : at[1] + 1.2F * ui_line()};
+    frame->title_width = fits ? first + 12 + second : fmaxf(first, second);
+    frame->title_height = (fits ? 1.6F : 2.8F) * ui_line();
+    ui_draw_text(at, light, text);
+    if (*sides) {
+        ui_draw_text(beside, light, sides);
+    }
+}
+
+/* ---- The mouse --------------------------------------------------------------------------------------------------- */
+
+/* The first time it looks at the brain's middle, unless it is put there. */
+static void place_wand(struct viewer *viewer, const double at[3])
+{
+    double direction[3];
+    for (int a = 0; a < 3; a++) {
+        direction[a] = viewer->centre[a] - at[a];
+    }
+    if (dot(direction, direction) > 1) {
+        viewer_aim_along(viewer, at, direction);
+    } else {
+        viewer_place(viewer);
+    }
+}
+
+static void move_wand(struct viewer *viewer, const struct ui_mouse *mouse, const double at[3])
+{
+    const double *m = viewer->pose.world_from_device;
+    double direction[3] = {-m[8], -m[9], -m[10]};
+    double origin[3] = {m[12], m[13], m[14]};
+    for (int a = 0; a < 3; a++) {
+        direction[a] = mouse->shift ? at[a] - origin[a] : direction[a];
+        origin[a] = mouse->shift ? origin[a] : at[a];
+    }
+    viewer_aim_along(viewer, origin, direction);
+}
+
+static void use_wand(struct viewer *viewer, const struct ui_mouse *mouse, const double at[3])
+{
+    if (!viewer->has_pose && mouse->shift) {
+        viewer_place(viewer);
+    }
+    if (viewer->has_pose) {
+        move_wand(viewer, mouse, at);
+    } else {
+        place_wand(viewer, at);
+    }
+}
+
+static void use_mouse(struct window *window, const struct frame *frame, enum plane plane)
+{
+    struct viewer *viewer = window->viewer;
+    struct ui_mouse mouse = ui_mouse_now();
+    double at[3];
+    world_at(at, frame, mouse.x, mouse.y);
+    window->hovered = object_at(frame->pane, mouse.x, mouse.y);
+    memcpy(window->hovered_at, at, sizeof at);
+    window->hovers = true;
+    window->hovered_value = viewer_value(viewer, window->hovered, at);
+    if (mouse.wheel != 0 && mouse.control) {
+        viewer->magnification = fmin(fmax(viewer->magnification * pow(1.1, (double)mouse.wheel), 0.2), 50);
+        viewer->version++;
+    } else if (mouse.wheel != 0) {
+        double next[3] = {viewer->crosshair[0], viewer->crosshair[1], viewer->crosshair[2]};
+        next[2 - (int)plane] += mouse.wheel > 0 ? 1 : -1;
+        viewer_cross(viewer, next);
+    }
+    if (ui_surface_held() && mouse.down[0]) {
+        viewer_cross(viewer, at);
+        viewer->chosen = window->hovered ? window->hovered : viewer->chosen;
+    } else if (ui_surface_held() && mouse.down[1] && viewer->pointer == POINT_BY_WAND) {
+        use_wand(viewer, &mouse, at);
+    }
+}
+
+void pane_cut(struct window *window, enum plane plane)
+{
+    static const char *const ids[] = {"axial", "coronal", "sagittal"};
+    struct cut_pane *pane = &window->cuts[plane];
+    struct frame frame = {.pane = pane, .mm_per_pixel = scale_of(window->viewer, &window->panes[plane])};
+    pane->box = window->panes[plane];
+    frame.width = (uint32_t)fmaxf(pane->box.width, 1);
+    frame.height = (uint32_t)fmaxf(pane->box.height, 1);
+    viewer_plane(frame.right, frame.up, window->viewer, plane);
+    find_centre(frame.centre, window->viewer, plane);
+    draw_picture(window, &frame);
+    ui_panel(ids[plane], pane->box, UI_PLAIN);
+    if (pane->texture.name) {
+        ui_draw_image(pane->texture.name, pane->box);
+    }
+    bool touched = ui_surface("surface", pane->box);
+    if (touched) {
+        use_mouse(window, &frame, plane);
+    }
+    ui_clip(pane->box);
+    draw_crosshair(window, &frame);
+    draw_title(window, &frame, plane);
+    draw_letters(&frame);
+    ui_clip_end();
+    if (touched && window->hovered) {
+        char tip[HOVER_TEXT];
+        window_hover_text(window, tip);
+        ui_tip(tip);
+    }
+    ui_panel_end();
+}

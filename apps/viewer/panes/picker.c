@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What is under the mouse: single rays and small balls, by a selector of their own. */
+#include "viewer/model/viewer.h"
+
+#include <math.h>
+
+static const double ray_angle = 1e-3; /* the one pixel's ray is the axis, whatever it is */
+
+static conus_status make_picker(struct viewer *viewer)
+{
+    const conus_selector_options options = {.resolution = 1, .layers = CONUS_ALL_LAYERS};
+    return viewer->picker ? CONUS_OK : conus_selector_create(&viewer->picker, viewer->atlas, &options);
+}
+
+/* ---- What the context hides ---------------------------------------------------------------------------------------
+ */
+
+/* A ray through the context, and how the picture shows it there. */
+struct veil {
+    const conus_atlas *atlas;
+    size_t volume;
+    conus_transfer_point points[EDITOR_POINTS];
+    size_t count;
+    double thinned; /* what the fade leaves of it */
+};
+
+static bool veil_init(struct veil *out, const struct viewer *viewer)
+{
+    *out = (struct veil){.atlas = viewer->atlas, .volume = viewer_context(viewer), .thinned = 1 - viewer->fade};
+    if (out->volume < conus_atlas_volume_count(viewer->atlas) && viewer->painter) {
+        out->count = painter_transfer(viewer->painter, out->points, EDITOR_POINTS);
+    }
+    return out->count > 0;
+}
+
+/* Opacity of 1 mm at a grey value. */
+static double opacity_of(const struct veil *veil, double value)
+{
+    const conus_transfer_point *last = &veil->points[veil->count - 1];
+    size_t above = 0;
+    while (above < veil->count && veil->points[above].value <= value) {
+        above++;
+    }
+    const conus_transfer_point *low = &veil->points[above ? above - 1 : 0];
+    const conus_transfer_point *high = above < veil->count ? &veil->points[above] : last;
+    double part = high->value > low->value ? (value - low->value) / (high->value - low->value) : 0;
+    return low->rgba[3] + part * (high->rgba[3] - low->rgba[3]);
+}
+
+/* How far along the ray, in mm, only @p left of the light comes through; INFINITY beyond @p most. */
+static double depth_of(const struct veil *veil, const double origin[3], const double along[3], double most, double left)
+{
+    double light = 1;
+    for (unsigned step = 0; step < most; step++) {
+        double t = step;
+        const double place[3] = {origin[0] + t * along[0], origin[1] + t * along[1], origin[2] + t * along[2]};
+        double value = conus_atlas_value(veil->atlas, veil->volume, place);
+        light *= isfinite(value) ? pow(1 - fmin(opacity_of(veil, value), 1), veil->thinned) : 1;
+        if (light <= left) {
+            return t;
+        }
+    }
+    return INFINITY;
+}
+
+/* Through less than a tenth of its light nothing is recognised; the surface is where half of it is gone. */
+static double depth_of_surface(const struct viewer *viewer, const double origin[3], const double along[3], double most)
+{
+    static const double dark = 0.1, half = 0.5;
+    struct veil veil;
+    bool hides = veil_init(&veil, viewer) && depth_of(&veil, origin, along, most, dark) < most;
+    return hides ? depth_of(&veil, origin, along, most, half) : INFINITY;
+}
+
+/* ---- What is under the mouse --------------------------------------------------------------------------------------
+ */
+
+static bool has_pathways(const struct viewer *viewer)
+{
+    for (size_t number = viewer->object_count; number > 0; number--) { /* pathways come last */
+        if (conus_atlas_object(viewer->atlas, number)->kind != CONUS_PATHWAY) {
+            return false;
+        }
+        if (!viewer->hidden[number]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_hit(const struct viewer *viewer, uint32_t number)
+{
+    const conus_selection *selection = viewer_selection(viewer);
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        if (result->object == number && result->pixels + result->pierced > 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Areas of voxels would hide pathways: where there are any, the picture has the areas that are hit. */
+static bool is_drawn(const struct viewer *viewer, uint32_t number)
+{
+    const conus_object *object = conus_atlas_object(viewer->atlas, number);
+    return object->kind == CONUS_PATHWAY || object->triangles > 0 || !has_pathways(viewer) || is_hit(viewer, number);
+}
+
+/* How far it is to the first that is drawn; INFINITY and 0 where there is none. */
+static double find_first(uint32_t *object, struct viewer *viewer, const conus_pose *pose)
+{
+    conus_selection *selection = NULL;
+    size_t count = 0;
+    double depth = INFINITY;
+    *object = 0;
+    if (make_picker(viewer) || conus_select(&selection, viewer->picker, pose, ray_angle)) {
+        return INFINITY;
+    }
+    const conus_span *spans = conus_selection_spans(selection, &count);
+    for (size_t i = 0; i < count && !*object; i++) {
+        if (is_drawn(viewer, spans[i].object)) {
+            *object = spans[i].object;
+            depth = spans[i].entry;
+        }
+    }
+    conus_selection_destroy(selection);
+    return depth;
+}
+
+bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, const double origin[3],
+                 const double direction[3])
+{
+    conus_pose pose;
+    *object = 0;
+    if (conus_pose_along(&pose, origin, direction, NULL)) {
+        return false;
+    }
+    const double *m = pose.world_from_device;
+    const double along[3] = {-m[8], -m[9], -m[10]};
+    double across = 0;
+    for (int a = 0; a < 3; a++) {
+        across = hypot(across, origin[a] - viewer->centre[a]);
+    }
+    double depth = find_first(object, viewer, &pose);
+    double surface = depth_of_surface(viewer, origin, along, fmin(depth, across + 2 * viewer->radius));
+    if (surface < depth) {
+        *object = 0;
+        depth = surface;
+    }
+    for (int a = 0; a < 3 && isfinite(depth); a++) {
+        contact[a] = origin[a] + depth * along[a];
+    }
+    return isfinite(depth);
+}
+
+/* Half the diagonal of the pathway's voxels: a ball of it has the centre of one in it, wherever it is. */
+static double reach_of(const conus_atlas *atlas, uint32_t ordinal)
+{
+    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
+        const conus_volume_info *info = conus_atlas_volume(atlas, i);
+        if (info->role == CONUS_SCALAR && --ordinal == 0) {
+            const double *s = info->spacing;
+            return 0.51 * sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+        }
+    }
+    return 1;
+}
+
+double viewer_value(struct viewer *viewer, uint32_t object, const double place[3])
+{
+    const conus_object *info = conus_atlas_object(viewer->atlas, object);
+    conus_selection *selection = NULL;
+    double value = NAN;
+    if (!info || info->kind != CONUS_PATHWAY || make_picker(viewer) ||
+        conus_select_ball(&selection, viewer->picker, place, reach_of(viewer->atlas, info->label))) {
+        return NAN;
+    }
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        value = result->object == object && result->voxels ? result->max_value : value;
+    }
+    conus_selection_destroy(selection);
+    return value;
+}

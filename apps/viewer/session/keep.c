@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/session/keep.h"
+
+#include "viewer/session/session.h"
+
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { NAME_SIZE = 64, SAME_SECOND = 100 };
+
+static void make_name(char name[NAME_SIZE], const char *ending)
+{
+    char date[32];
+    struct tm now;
+    time_t clock = time(NULL);
+    strftime(date, sizeof date, "%Y%m%d-%H%M%S", localtime_r(&clock, &now));
+    snprintf(name, NAME_SIZE, "conus-%s%s", date, ending);
+    for (int i = 2; i < SAME_SECOND && access(name, F_OK) == 0; i++) {
+        snprintf(name, NAME_SIZE, "conus-%s-%d%s", date, i, ending);
+    }
+}
+
+void keep(struct window *window, enum keep what)
+{
+    char name[NAME_SIZE];
+    char why[SESSION_REASON] = "";
+    make_name(name, what == KEEP_SESSION ? ".json" : ".png");
+    bool kept = what == KEEP_SESSION ? session_save(window, name, why) : !window_write(window, name);
+    if (kept) {
+        viewer_say(window->viewer, "saved: %s", name);
+    } else {
+        viewer_say(window->viewer, "%s", why[0] ? why : conus_message());
+    }
+}

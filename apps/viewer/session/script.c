@@ -1,0 +1,459 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/session/script.h"
+
+#include "common/messages.h"
+#include "viewer/session/script_words.h"
+#include "viewer/session/session.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { SETTLE_FRAMES = 3, PICTURE_LIMIT = 16384, LINE_LIMIT = 65536 };
+
+static const double settle_limit_ms = 6e5; /* a window that is never settled is an error */
+
+struct script {
+    char *path;
+    FILE *file;
+    char line[LINE_LIMIT + 2]; /* with its end, and a NUL */
+    unsigned number;
+    unsigned waiting; /* frames to let pass before the next command */
+    unsigned settled; /* frames that the pictures shall still be fine for */
+    double until;     /* by times_now(): settled, or it fails; or the end of a pause */
+    bool settling, pausing;
+    char *awaited; /* a file that must be there before the next command; NULL = none */
+};
+
+/* What a command works on. */
+struct call {
+    struct script *script;
+    struct window *window;
+    char *words[SCRIPT_WORDS];
+    size_t count; /* of arguments, without the command's name */
+};
+
+static bool numbers(double *out, const struct call *call, size_t first, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (first + i >= call->count || !script_number(&out[i], call->words[1 + first + i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool is_done(conus_status status)
+{
+    if (status) {
+        complain_status(status);
+    }
+    return !status;
+}
+
+/* ---- The commands: false where the arguments are wrong ------------------------------------------------------------
+ */
+
+static bool do_key(struct call *call)
+{
+    return keys_press(call->window, call->words[1]);
+}
+
+static bool do_aim(struct call *call)
+{
+    double given[6];
+    double direction[3];
+    if (!numbers(given, call, 0, 6)) {
+        return false;
+    }
+    for (int a = 0; a < 3; a++) {
+        direction[a] = given[3 + a] - given[a];
+    }
+    viewer_aim_along(call->window->viewer, given, direction);
+    return true;
+}
+
+static bool do_crosshair(struct call *call)
+{
+    return numbers(call->window->viewer->crosshair, call, 0, 3);
+}
+
+static bool do_orbit(struct call *call)
+{
+    double given[2];
+    if (!numbers(given, call, 0, 2)) {
+        return false;
+    }
+    call->window->viewer->orbit.azimuth = given[0] * M_PI / 180;
+    call->window->viewer->orbit.elevation = given[1] * M_PI / 180;
+    return true;
+}
+
+static bool do_zoom(struct call *call)
+{
+    double clicks;
+    bool fine = numbers(&clicks, call, 0, 1);
+    if (fine) {
+        orbit_zoom(&call->window->viewer->orbit, clicks);
+    }
+    return fine;
+}
+
+/* Points by the mouse at a place of the 3-D pane, parts of its width and height. */
+static bool do_point(struct call *call)
+{
+    double part[2];
+    double direction[3];
+    struct sight sight;
+    if (!numbers(part, call, 0, 2)) {
+        return false;
+    }
+    window_sight(call->window, &sight);
+    sight_ray(direction, &sight, (double[]){1, 1}, part);
+    viewer_aim_along(call->window->viewer, sight.camera.world_from_device + 12, direction);
+    return true;
+}
+
+/* Where the screen stands: its middle, a point behind it in the line of sight, its size. */
+static bool do_screen(struct call *call)
+{
+    double given[8];
+    double away[3];
+    struct head *head = &call->window->viewer->head;
+    conus_pose screen;
+    if (!numbers(given, call, 0, 8) || !(given[6] > 0) || !(given[7] > 0)) {
+        return false;
+    }
+    for (int a = 0; a < 3; a++) {
+        away[a] = given[3 + a] - given[a];
+    }
+    bool fine = is_done(conus_pose_along(&screen, given, away, NULL));
+    if (fine) {
+        *head = (struct head){
+            .named = head->named, .screen = screen, .size = {given[6], given[7]}, .number = head->number + 1};
+    }
+    return fine;
+}
+
+/* The eye is there now, or the tracker has lost it. */
+static bool do_head(struct call *call)
+{
+    double eye[3];
+    struct head *head = &call->window->viewer->head;
+    if (call->count == 1 && strcmp(call->words[1], "lost") == 0) {
+        head_set_state(head, STATION_LOST);
+        return true;
+    }
+    bool fine = head->size[0] > 0 && numbers(eye, call, 0, 3);
+    if (fine) {
+        head->on = true;
+        head_set_state(head, STATION_SEEN);
+        head_move(head, eye, &head->screen);
+    }
+    return fine;
+}
+
+static bool do_angle(struct call *call)
+{
+    double angle;
+    bool fine = numbers(&angle, call, 0, 1) && angle > 0 && angle < 180;
+    if (fine) {
+        call->window->viewer->angle = angle;
+        viewer_reselect(call->window->viewer);
+    }
+    return fine;
+}
+
+static bool do_search(struct call *call)
+{
+    struct viewer *viewer = call->window->viewer;
+    snprintf(viewer->search, sizeof viewer->search, "%s", call->count ? call->words[1] : "");
+    return true;
+}
+
+static bool do_choose(struct call *call)
+{
+    uint32_t object = viewer_find(call->window->viewer, call->words[1]);
+    viewer_choose(call->window->viewer, object);
+    return object;
+}
+
+static bool do_threshold(struct call *call)
+{
+    struct viewer *viewer = call->window->viewer;
+    uint32_t object = viewer_find(viewer, call->words[1]);
+    const conus_volume_info *info = viewer_pathway(viewer, object);
+    double threshold;
+    bool fine = info && numbers(&threshold, call, 1, 1) && threshold >= info->minimum && threshold <= info->maximum;
+    if (fine) {
+        viewer_set_threshold(viewer, object, threshold);
+    }
+    return fine;
+}
+
+static bool do_fade(struct call *call)
+{
+    double fade;
+    bool fine = numbers(&fade, call, 0, 1) && fade >= 0 && fade <= 1;
+    if (fine) {
+        call->window->viewer->fade = fade;
+        call->window->viewer->version++;
+    }
+    return fine;
+}
+
+static bool do_pointer(struct call *call)
+{
+    static const char *const names[] = {"mouse", "wand", "replay", "tracker"};
+    for (int i = 0; i < POINTER_COUNT; i++) {
+        if (strcmp(names[i], call->words[1]) == 0) {
+            call->window->viewer->pointer = (enum pointer)i;
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool do_quiet_status(struct call *call)
+{
+    call->window->quiet_status = true;
+    return true;
+}
+
+static bool do_wait(struct call *call)
+{
+    double frames;
+    bool fine = numbers(&frames, call, 0, 1) && frames >= 0 && frames < 1e6;
+    call->script->waiting = fine ? (unsigned)frames : 0;
+    return fine;
+}
+
+/* For programs that drive the window from outside. */
+static bool do_until(struct call *call)
+{
+    free(call->script->awaited);
+    call->script->awaited = strdup(call->words[1]);
+    return call->script->awaited;
+}
+
+static bool do_settle(struct call *call)
+{
+    call->script->settling = true;
+    call->script->settled = SETTLE_FRAMES;
+    call->script->until = times_now() + settle_limit_ms;
+    return true;
+}
+
+/* The window does what it does while nobody touches it. */
+static bool do_pause(struct call *call)
+{
+    double seconds = 0;
+    bool fine = numbers(&seconds, call, 0, 1) && seconds >= 0 && seconds <= 3600;
+    call->script->pausing = fine;
+    call->script->until = times_now() + 1e3 * seconds;
+    return fine;
+}
+
+static bool do_screenshot(struct call *call)
+{
+    return is_done(window_write(call->window, call->words[1]));
+}
+
+static bool do_picture(struct call *call)
+{
+    double size[2];
+    struct sight sight;
+    bool fine = numbers(size, call, 1, 2) && size[0] >= 1 && size[1] >= 1;
+    window_sight(call->window, &sight);
+    return fine && size[0] <= PICTURE_LIMIT && size[1] <= PICTURE_LIMIT &&
+           is_done(viewer_write_picture(call->window->viewer, &sight, call->words[1], (uint32_t)size[0],
+                                        (uint32_t)size[1]));
+}
+
+static bool do_save(struct call *call)
+{
+    char why[SESSION_REASON];
+    bool fine = session_save(call->window, call->words[1], why);
+    if (!fine) {
+        complain("%s", why);
+    }
+    return fine;
+}
+
+static bool do_open(struct call *call)
+{
+    char why[SESSION_REASON];
+    bool fine = session_load(call->window, call->words[1], why);
+    if (!fine) {
+        complain("%s", why);
+    }
+    return fine;
+}
+
+static bool do_times(struct call *call)
+{
+    return is_done(times_write(&call->window->times, call->words[1]));
+}
+
+static bool do_size(struct call *call)
+{
+    double size[2];
+    bool fine = numbers(size, call, 0, 2) && size[0] >= 1 && size[1] >= 1 && size[0] <= PICTURE_LIMIT &&
+                size[1] <= PICTURE_LIMIT;
+    if (fine) {
+        window_resize(call->window, (int)size[0], (int)size[1]);
+    }
+    return fine;
+}
+
+/* What the list shows, as conus query would write it. */
+static bool do_results(struct call *call)
+{
+    return is_done(viewer_write_results(call->window->viewer, call->words[1]));
+}
+
+static const struct {
+    const char *name;
+    size_t least, most; /* arguments */
+    bool (*act)(struct call *call);
+    const char *arguments;
+} commands[] = {
+    {"key", 1, 1, do_key, "KEY"},
+    {"aim", 6, 6, do_aim, "X Y Z TX TY TZ"},
+    {"point", 2, 2, do_point, "RIGHT DOWN, parts of the 3-D pane"},
+    {"screen", 8, 8, do_screen, "X Y Z TX TY TZ WIDTH HEIGHT"},
+    {"head", 1, 3, do_head, "X Y Z, after screen, or lost"},
+    {"angle", 1, 1, do_angle, "DEGREES"},
+    {"pointer", 1, 1, do_pointer, "mouse|wand|replay|tracker"},
+    {"crosshair", 3, 3, do_crosshair, "X Y Z"},
+    {"orbit", 2, 2, do_orbit, "AZIMUTH ELEVATION, degrees"},
+    {"zoom", 1, 1, do_zoom, "CLICKS"},
+    {"fade", 1, 1, do_fade, "PART"},
+    {"search", 0, 1, do_search, "[TEXT]"},
+    {"choose", 1, 1, do_choose, "NAME"},
+    {"threshold", 2, 2, do_threshold, "PATHWAY VALUE"},
+    {"quiet-status", 0, 0, do_quiet_status, ""},
+    {"wait", 1, 1, do_wait, "FRAMES"},
+    {"pause", 1, 1, do_pause, "SECONDS"},
+    {"settle", 0, 0, do_settle, ""},
+    {"until", 1, 1, do_until, "FILE"},
+    {"screenshot", 1, 1, do_screenshot, "FILE.png"},
+    {"picture", 3, 3, do_picture, "FILE.png WIDTH HEIGHT"},
+    {"results", 1, 1, do_results, "FILE.tsv"},
+    {"times", 1, 1, do_times, "FILE.json"},
+    {"size", 2, 2, do_size, "WIDTH HEIGHT"},
+    {"save", 1, 1, do_save, "FILE.json"},
+    {"open", 1, 1, do_open, "FILE.json"},
+};
+enum { COMMANDS = sizeof commands / sizeof commands[0] };
+
+/* ---- Reading ------------------------------------------------------------------------------------------------------
+ */
+
+int script_load(struct script **out, const char *path)
+{
+    struct script *script = calloc(1, sizeof *script);
+    if (script) {
+        script->path = strdup(path);
+        script->file = fopen(path, "r");
+    }
+    if (!script || !script->path || !script->file) {
+        complain("%s: cannot be opened", path);
+        script_destroy(script);
+        return EXIT_DATA;
+    }
+    *out = script;
+    return EXIT_DONE;
+}
+
+void script_destroy(struct script *script)
+{
+    if (script) {
+        if (script->file) {
+            fclose(script->file);
+        }
+        free(script->path);
+        free(script->awaited);
+        free(script);
+    }
+}
+
+static bool act(struct call *call)
+{
+    for (size_t i = 0; i < COMMANDS; i++) {
+        if (strcmp(commands[i].name, call->words[0]) == 0) {
+            bool fits = call->count >= commands[i].least && call->count <= commands[i].most;
+            if (fits && commands[i].act(call)) {
+                return true;
+            }
+            complain("%s:%u: %s %s is needed, or it could not be done", call->script->path, call->script->number,
+                     commands[i].name, commands[i].arguments);
+            return false;
+        }
+    }
+    complain("%s:%u: unknown command \"%s\"", call->script->path, call->script->number, call->words[0]);
+    return false;
+}
+
+bool script_waits(struct script *script, const struct window *window)
+{
+    double now = times_now();
+    script->pausing = script->pausing && now < script->until;
+    if (script->awaited && !access(script->awaited, F_OK)) {
+        free(script->awaited);
+        script->awaited = NULL;
+    }
+    bool unsettled = script->settling && !window_is_settled(window) && now < script->until;
+    return script->pausing || script->awaited || unsettled;
+}
+
+/* Whether the frame was one to let pass. */
+static bool let_pass(struct script *script, const struct window *window)
+{
+    if (script->waiting) {
+        script->waiting--;
+        return true;
+    }
+    if (script->settling && window_is_settled(window)) {
+        script->settling = --script->settled > 0;
+        return script->settling;
+    }
+    return script->settling && times_now() < script->until;
+}
+
+static bool fail_line(struct script *script, int *code, const char *what)
+{
+    complain("%s:%u: %s", script->path, script->number, what);
+    *code = EXIT_DATA;
+    return true;
+}
+
+bool script_step(struct script *script, struct window *window, int *code)
+{
+    struct call call = {.script = script, .window = window};
+    size_t words;
+    if (let_pass(script, window)) {
+        return false;
+    }
+    if (script->settling) {
+        return fail_line(script, code, "the pictures were not fine after 600 s");
+    }
+    if (!fgets(script->line, sizeof script->line, script->file)) {
+        return true;
+    }
+    script->number++;
+    if (strlen(script->line) > LINE_LIMIT && script->line[LINE_LIMIT] != '\n') {
+        return fail_line(script, code, "more than 65536 bytes in a line");
+    }
+    if (!script_split(call.words, &words, script->line)) {
+        return fail_line(script, code, "more than 8 words");
+    }
+    call.count = words ? words - 1 : 0;
+    if (words && !act(&call)) {
+        *code = EXIT_DATA;
+        return true;
+    }
+    return false;
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * Scripts that drive the window, one command a line, for tests and figures (docs/viewer.md lists them). */
+#ifndef CONUS_VIEWER_SESSION_SCRIPT_H
+#define CONUS_VIEWER_SESSION_SCRIPT_H
+
+#include "viewer/window/window.h"
+
+struct script;
+
+/** Reads a script; gives the exit code, having complained unless it is 0. */
+int script_load(struct script **out, const char *path);
+void script_destroy(struct script *script); /**< NULL is fine. */
+
+/** Whether it waits for something that takes no frames: a file, a time, pictures being drawn. */
+bool script_waits(struct script *script, const struct window *window);
+/** To be called after a frame was drawn, before it is shown, unless it waits. Does the next command; true when there is
+ * none left or one failed (then *code is set, and it was said why). */
+bool script_step(struct script *script, struct window *window, int *code);
+
+#endif

@@ -1,0 +1,505 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/session/session.h"
+
+#include <errno.h>
+#include <float.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SESSION_VERSION = 1, SESSION_LIMIT = 64 << 20 /* bytes of a file */ };
+
+/* A number of the session and where it lives, with what is allowed. */
+struct field {
+    const char *key;
+    double *value;
+    size_t count;
+    double low, high;
+};
+
+/* What a session holds, apart from the viewer; scores are names, not pointers. */
+struct state {
+    double pose[16], angle, radius, range[2], resolution, layers, aperture, sampling, engine, pointer, has_pose, frozen;
+    double fade, fill, outlines, radiological;
+    double orbit[6]; /* centre, distance, azimuth, elevation */
+    double crosshair[3], magnification, enlarged;
+    double by_head, eye[3], screen[16], screen_mm[2];
+};
+
+enum { FIELD_LIMIT = 28, HEAD_FIELDS = 4 /* the last ones: only where a head moves the view */ };
+
+static size_t list_fields(struct field fields[FIELD_LIMIT], struct state *state)
+{
+    const struct field all[] = {
+        {"world_from_device", state->pose, 16, -1e6, 1e6},
+        {"has_pose", &state->has_pose, 1, 0, 1},
+        {"frozen", &state->frozen, 1, 0, 1},
+        {"pointer", &state->pointer, 1, 0, POINTER_COUNT - 1},
+        {"angle_deg", &state->angle, 1, 0.01, 179.99},
+        {"radius_mm", &state->radius, 1, 0, 1e6},
+        {"range_mm", state->range, 2, 0, 1e6},
+        {"resolution", &state->resolution, 1, 1, 1024},
+        {"layers", &state->layers, 1, 0, 1},
+        {"aperture", &state->aperture, 1, 0, 1},
+        {"sampling", &state->sampling, 1, 0, 1},
+        {"engine", &state->engine, 1, 0, 2},
+        {"fade", &state->fade, 1, 0, 1},
+        {"fill", &state->fill, 1, 0, 1},
+        {"outlines", &state->outlines, 1, 0, 1},
+        {"radiological", &state->radiological, 1, 0, 1},
+        {"orbit", state->orbit, 6, -1e6, 1e6},
+        {"crosshair", state->crosshair, 3, -1e6, 1e6},
+        {"magnification", &state->magnification, 1, 0.2, 50},
+        {"enlarged", &state->enlarged, 1, -1, PANE_COUNT - 1},
+        {"by_head", &state->by_head, 1, 0, 1},
+        {"eye", state->eye, 3, -1e6, 1e6},
+        {"world_from_screen", state->screen, 16, -1e6, 1e6},
+        {"screen_mm", state->screen_mm, 2, 0, 1e6},
+    };
+    memcpy(fields, all, sizeof all);
+    return sizeof all / sizeof all[0];
+}
+
+static bool refuse(char why[SESSION_REASON], const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(why, SESSION_REASON, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+/* ---- Between viewer and state ---------------------------------------------------------------------------------------
+ */
+
+static void take_state(struct state *out, const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    const conus_selector_options *options = &viewer->options;
+    *out = (struct state){.angle = viewer->angle,
+                          .radius = options->radius,
+                          .range = {options->range[0], options->range[1]},
+                          .resolution = options->resolution ? options->resolution : 16,
+                          .layers = (double)options->layers,
+                          .aperture = (double)options->aperture,
+                          .sampling = (double)options->sampling,
+                          .engine = (double)options->engine,
+                          .pointer = (double)viewer->pointer,
+                          .has_pose = viewer->has_pose,
+                          .frozen = viewer->frozen,
+                          .fade = viewer->fade,
+                          .fill = viewer->fill,
+                          .outlines = !viewer->no_outlines,
+                          .radiological = viewer->radiological,
+                          .magnification = viewer->magnification,
+                          .enlarged = window->enlarged};
+    memcpy(out->pose, viewer->pose.world_from_device, sizeof out->pose);
+    memcpy(out->orbit, viewer->orbit.centre, sizeof viewer->orbit.centre);
+    out->orbit[3] = viewer->orbit.distance;
+    out->orbit[4] = viewer->orbit.azimuth;
+    out->orbit[5] = viewer->orbit.elevation;
+    memcpy(out->crosshair, viewer->crosshair, sizeof out->crosshair);
+    out->by_head = viewer->head.on && viewer->head.known;
+    memcpy(out->eye, viewer->head.eye, sizeof out->eye);
+    memcpy(out->screen, viewer->head.screen.world_from_device, sizeof out->screen);
+    memcpy(out->screen_mm, viewer->head.size, sizeof out->screen_mm);
+}
+
+/* A view that the mouse turns is no reason to leave a head that is tracked now. */
+static void put_head(struct head *head, const struct state *state)
+{
+    conus_pose screen;
+    memcpy(screen.world_from_device, state->screen, sizeof state->screen);
+    head->on = state->by_head > 0 || head->named;
+    if (state->by_head > 0 && state->screen_mm[0] > 0 && state->screen_mm[1] > 0) {
+        memcpy(head->size, state->screen_mm, sizeof head->size);
+        head->known = false;
+        head_move(head, state->eye, &screen);
+    }
+}
+
+static void put_state(struct window *window, const struct state *state)
+{
+    struct viewer *viewer = window->viewer;
+    conus_selector_options *options = &viewer->options;
+    memcpy(viewer->pose.world_from_device, state->pose, sizeof state->pose);
+    viewer->has_pose = state->has_pose > 0;
+    viewer->frozen = state->frozen > 0;
+    viewer->pointer = (enum pointer)state->pointer;
+    viewer->angle = state->angle;
+    options->radius = state->radius;
+    memcpy(options->range, state->range, sizeof state->range);
+    options->resolution = (uint32_t)state->resolution;
+    options->layers = (conus_layers)state->layers;
+    options->aperture = (conus_aperture)state->aperture;
+    options->sampling = (conus_sampling)state->sampling;
+    options->engine = (conus_engine)state->engine;
+    viewer->fade = state->fade;
+    viewer->fill = state->fill;
+    viewer->no_outlines = !(state->outlines > 0);
+    viewer->radiological = state->radiological > 0;
+    memcpy(viewer->orbit.centre, state->orbit, sizeof viewer->orbit.centre);
+    viewer->orbit.distance = fmax(state->orbit[3], 1);
+    viewer->orbit.azimuth = state->orbit[4];
+    viewer->orbit.elevation = state->orbit[5];
+    memcpy(viewer->crosshair, state->crosshair, sizeof viewer->crosshair);
+    viewer->magnification = state->magnification;
+    window->enlarged = (int)state->enlarged;
+    put_head(&viewer->head, state);
+}
+
+/* ---- Writing
+ * --------------------------------------------------------------------------------------------------------- */
+
+static json_t *numbers(const struct field *field)
+{
+    if (field->count == 1) {
+        return json_real(*field->value);
+    }
+    json_t *array = json_array();
+    for (size_t i = 0; i < field->count; i++) {
+        json_array_append_new(array, json_real(field->value[i]));
+    }
+    return array;
+}
+
+static json_t *hidden_labels(const struct viewer *viewer)
+{
+    json_t *hidden = json_array();
+    for (uint32_t number = 1; number <= viewer->object_count; number++) {
+        if (viewer->hidden[number]) {
+            json_array_append_new(hidden, json_integer(number));
+        }
+    }
+    return hidden;
+}
+
+/* A hidden result that was confirmed has no contact and no distance. */
+static json_t *number_or_null(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *pins_of(const struct viewer *viewer)
+{
+    json_t *pins = json_array();
+    for (size_t i = 0; i < viewer->pin_count; i++) {
+        const struct pin *pin = &viewer->pins[i];
+        json_array_append_new(pins, json_pack("{s: i, s: f, s: o, s: [o, o, o]}", "object", (int)pin->object, "share",
+                                              pin->share, "distance_mm", number_or_null(pin->distance), "contact",
+                                              number_or_null(pin->contact[0]), number_or_null(pin->contact[1]),
+                                              number_or_null(pin->contact[2])));
+    }
+    return pins;
+}
+
+static json_t *thresholds_of(const struct viewer *viewer)
+{
+    json_t *list = json_array();
+    for (uint32_t number = 1; number <= viewer->object_count; number++) {
+        const conus_volume_info *info = viewer_pathway(viewer, number);
+        if (info) {
+            json_array_append_new(list,
+                                  json_pack("{s: s, s: f}", "pathway", conus_atlas_object(viewer->atlas, number)->name,
+                                            "threshold", info->threshold));
+        }
+    }
+    return list;
+}
+
+/* Null where the context is drawn as it came. */
+static json_t *transfer_of(const struct transfer_editor *editor)
+{
+    json_t *list = editor->edited ? json_array() : json_null();
+    for (size_t i = 0; editor->edited && i < editor->count; i++) {
+        const conus_transfer_point *point = &editor->points[i];
+        json_array_append_new(list, json_pack("[f, f, f, f, f]", point->value, point->rgba[0], point->rgba[1],
+                                              point->rgba[2], point->rgba[3]));
+    }
+    return list;
+}
+
+char *session_text(const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    struct field fields[FIELD_LIMIT];
+    struct state state;
+    take_state(&state, window);
+    size_t count = list_fields(fields, &state) - (state.by_head > 0 ? 0 : HEAD_FIELDS);
+    json_t *root =
+        json_pack("{s: i, s: s, s: i, s: s}", "conus_session", SESSION_VERSION, "atlas", viewer->atlas_path, "objects",
+                  (int)viewer->object_count, "score", viewer->options.score ? viewer->options.score : "share");
+    for (size_t i = 0; root && i < count; i++) {
+        json_object_set_new(root, fields[i].key, numbers(&fields[i]));
+    }
+    json_object_set_new(root, "hidden", hidden_labels(viewer));
+    json_object_set_new(root, "confirmed", pins_of(viewer));
+    json_object_set_new(root, "thresholds", thresholds_of(viewer));
+    json_object_set_new(root, "transfer", transfer_of(&viewer->transfer_editor));
+    json_object_set_new(root, "safe_colours", json_boolean(viewer->safe_colours));
+    char *text = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
+    json_decref(root);
+    return text;
+}
+
+bool session_save(const struct window *window, const char *path, char why[SESSION_REASON])
+{
+    char *text = session_text(window);
+    conus_status status = text ? conus_write_file(path, text, strlen(text)) : CONUS_ERROR_MEMORY;
+    free(text);
+    return !status ||
+           refuse(why, "%s", text ? conus_message() : "session: not enough memory, or a name that is not UTF-8");
+}
+
+/* ---- Reading
+ * --------------------------------------------------------------------------------------------------------- */
+
+static bool read_number(double *out, const json_t *value, const struct field *field)
+{
+    *out = json_number_value(value);
+    return json_is_number(value) && *out >= field->low && *out <= field->high;
+}
+
+static bool read_field(const json_t *root, const struct field *field, char why[SESSION_REASON])
+{
+    const json_t *value = json_object_get(root, field->key);
+    bool fine = field->count == 1 || (json_is_array(value) && json_array_size(value) == field->count);
+    for (size_t i = 0; fine && i < field->count; i++) {
+        fine = read_number(&field->value[i], field->count == 1 ? value : json_array_get(value, i), field);
+    }
+    return fine || refuse(why, "session: %s: %zu numbers from %g to %g are needed", field->key, field->count,
+                          field->low, field->high);
+}
+
+static const char *known_score(const char *name)
+{
+    const conus_score_info *info;
+    for (size_t i = 0; name && (info = conus_score(i)); i++) {
+        if (strcmp(info->name, name) == 0) {
+            return info->name;
+        }
+    }
+    return NULL;
+}
+
+/* Fills [object_count + 1]. */
+static bool read_hidden(bool *hidden, const json_t *root, size_t object_count, char why[SESSION_REASON])
+{
+    const json_t *list = json_object_get(root, "hidden");
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        json_int_t number = json_integer_value(json_array_get(list, i));
+        if (number < 1 || (uint64_t)number > object_count) {
+            return refuse(why, "session: hidden: %lld, allowed is 1 to %zu", (long long)number, object_count);
+        }
+        hidden[number] = true;
+    }
+    return true;
+}
+
+static double number_or_nan(const json_t *value)
+{
+    return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+static void read_pins(struct viewer *viewer, const json_t *root)
+{
+    const json_t *list = json_object_get(root, "confirmed");
+    viewer->pin_count = 0;
+    for (size_t i = 0; i < json_array_size(list) && viewer->pin_count < PIN_LIMIT; i++) {
+        const json_t *entry = json_array_get(list, i);
+        json_int_t object = json_integer_value(json_object_get(entry, "object"));
+        double contact[3];
+        for (size_t a = 0; a < 3; a++) {
+            contact[a] = number_or_nan(json_array_get(json_object_get(entry, "contact"), a));
+        }
+        if (object > 0 && conus_atlas_object(viewer->atlas, (size_t)object)) {
+            viewer_pin(viewer, (uint32_t)object, number_or_nan(json_object_get(entry, "share")),
+                       number_or_nan(json_object_get(entry, "distance_mm")), contact);
+        }
+    }
+}
+
+static bool read_threshold(double *out, const json_t *entry, const char *wanted, const conus_volume_info *info,
+                           char why[SESSION_REASON])
+{
+    const char *name = json_string_value(json_object_get(entry, "pathway"));
+    const struct field field = {.low = fmin(info->minimum, info->threshold),
+                                .high = fmax(info->maximum, info->threshold)};
+    if (!name || strcmp(name, wanted) != 0) {
+        return refuse(why, "session: thresholds: that of \"%s\" is needed, not of \"%s\"", wanted, name ? name : "");
+    }
+    return read_number(out, json_object_get(entry, "threshold"), &field) ||
+           refuse(why, "session: thresholds: %s: a number from %g to %g is needed", name, field.low, field.high);
+}
+
+/* One for each pathway, in the atlas's order. Fills [object_count + 1]. */
+static bool read_thresholds(double *out, const struct viewer *viewer, const json_t *list, char why[SESSION_REASON])
+{
+    size_t count = 0;
+    for (uint32_t number = 1; number <= viewer->object_count; number++) {
+        const conus_volume_info *info = viewer_pathway(viewer, number);
+        if (info && !read_threshold(&out[number], json_array_get(list, count++),
+                                    conus_atlas_object(viewer->atlas, number)->name, info, why)) {
+            return false;
+        }
+    }
+    return (json_is_array(list) && json_array_size(list) == count) ||
+           refuse(why, "session: thresholds: a list of %zu, one for each pathway, is needed", count);
+}
+
+static bool read_point(conus_transfer_point *out, const json_t *entry, double least)
+{
+    bool fine = json_is_array(entry) && json_array_size(entry) == 5;
+    const struct field value = {.low = least, .high = FLT_MAX};
+    const struct field part = {.low = 0, .high = 1};
+    fine = fine && read_number(&out->value, json_array_get(entry, 0), &value);
+    for (size_t i = 0; fine && i < 4; i++) {
+        fine = read_number(&out->rgba[i], json_array_get(entry, i + 1), &part);
+    }
+    return fine;
+}
+
+static bool read_transfer(struct atlas_edits *out, const struct viewer *viewer, const json_t *list,
+                          char why[SESSION_REASON])
+{
+    size_t count = json_array_size(list);
+    out->sets_transfer = true;
+    if (json_is_null(list)) {
+        return true;
+    }
+    if (viewer_context(viewer) == conus_atlas_volume_count(viewer->atlas)) {
+        return refuse(why, "session: transfer: there is no context here, open it with --context");
+    }
+    bool fine = json_is_array(list) && count >= 1 && count <= EDITOR_POINTS;
+    for (size_t i = 0; fine && i < count; i++) {
+        fine = read_point(&out->points[i], json_array_get(list, i), i ? out->points[i - 1].value : -FLT_MAX);
+    }
+    out->point_count = count;
+    return fine || refuse(why,
+                          "session: transfer: 1 to %d points are needed, each a grey value not less than the one "
+                          "before, red, green, blue and opacity from 0 to 1",
+                          EDITOR_POINTS);
+}
+
+/* What the session does not say stays as it is. */
+static bool read_atlas_edits(struct atlas_edits *out, double *thresholds, const struct viewer *viewer,
+                             const json_t *root, char why[SESSION_REASON])
+{
+    const json_t *list = json_object_get(root, "thresholds");
+    const json_t *transfer = json_object_get(root, "transfer");
+    const json_t *safe = json_object_get(root, "safe_colours");
+    *out = (struct atlas_edits){.thresholds = list ? thresholds : NULL,
+                                .safe_colours = safe ? json_is_true(safe) : viewer->safe_colours};
+    if (safe && !json_is_boolean(safe)) {
+        return refuse(why, "session: safe_colours: true or false is needed");
+    }
+    return (!list || read_thresholds(thresholds, viewer, list, why)) &&
+           (!transfer || read_transfer(out, viewer, transfer, why));
+}
+
+static bool read_state(struct state *out, const json_t *root, size_t object_count, char why[SESSION_REASON])
+{
+    struct field fields[FIELD_LIMIT];
+    size_t count = list_fields(fields, out) - (json_object_get(root, "by_head") ? 0 : HEAD_FIELDS);
+    if (json_integer_value(json_object_get(root, "conus_session")) != SESSION_VERSION) {
+        return refuse(why, "no session of this version of conus view");
+    }
+    if ((size_t)json_integer_value(json_object_get(root, "objects")) != object_count) {
+        return refuse(why, "session: of an atlas with %lld areas and pathways, this one has %zu",
+                      (long long)json_integer_value(json_object_get(root, "objects")), object_count);
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (!read_field(root, &fields[i], why)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The atlas first, since that may fail. */
+static bool set_up(struct viewer *viewer, const struct atlas_edits *settings, char why[SESSION_REASON])
+{
+    return !viewer_set_up(viewer, settings) || refuse(why, "session: not enough memory");
+}
+
+static bool read_session(struct window *window, const json_t *root, char why[SESSION_REASON])
+{
+    struct viewer *viewer = window->viewer;
+    struct state state = {0};
+    struct atlas_edits settings;
+    const char *score = known_score(json_string_value(json_object_get(root, "score")));
+    if (!read_state(&state, root, viewer->object_count, why)) {
+        return false;
+    }
+    if (!score) {
+        return refuse(why, "session: score: unknown");
+    }
+    bool *hidden = calloc(viewer->object_count + 1, sizeof *hidden);
+    double *thresholds = calloc(viewer->object_count + 1, sizeof *thresholds);
+    bool fine = hidden && thresholds
+                    ? read_hidden(hidden, root, viewer->object_count, why) &&
+                          read_atlas_edits(&settings, thresholds, viewer, root, why) && set_up(viewer, &settings, why)
+                    : refuse(why, "session: not enough memory");
+    free(thresholds);
+    if (!fine) {
+        free(hidden);
+        return false;
+    }
+    put_state(window, &state);
+    viewer->options.score = score;
+    viewer_set_hidden(viewer, hidden);
+    read_pins(viewer, root);
+    viewer_reselect(viewer);
+    return true;
+}
+
+static bool use_session(struct window *window, json_t *root, const char *path, const json_error_t *error,
+                        char why[SESSION_REASON])
+{
+    bool fine = root ? read_session(window, root, why) : refuse(why, "%s: line %d: %s", path, error->line, error->text);
+    json_decref(root);
+    return fine;
+}
+
+bool session_parse(struct window *window, const char *text, size_t size, char why[SESSION_REASON])
+{
+    json_error_t error;
+    json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
+    return use_session(window, root, "session", &error, why);
+}
+
+/* A file that is read up to a limit. */
+struct capped {
+    FILE *file;
+    size_t left;
+    bool is_larger;
+};
+
+/* For jansson: the bytes read, 0 at the end, (size_t)-1 ends it with an error. */
+static size_t read_capped(void *buffer, size_t size, void *user)
+{
+    struct capped *from = user;
+    size_t got = fread(buffer, 1, size, from->file);
+    from->is_larger = got > from->left;
+    from->left -= from->is_larger ? 0 : got;
+    return from->is_larger || ferror(from->file) ? (size_t)-1 : got;
+}
+
+bool session_load(struct window *window, const char *path, char why[SESSION_REASON])
+{
+    struct capped from = {.file = fopen(path, "re"), .left = SESSION_LIMIT};
+    json_error_t error;
+    if (!from.file) {
+        return refuse(why, "%s: cannot open: %s", path, strerror(errno));
+    }
+    json_t *root = json_load_callback(read_capped, &from, JSON_REJECT_DUPLICATES, &error);
+    fclose(from.file);
+    if (from.is_larger) {
+        json_decref(root);
+        return refuse(why, "%s: more than the %d bytes that are read", path, SESSION_LIMIT);
+    }
+    return use_session(window, root, path, &error, why);
+}

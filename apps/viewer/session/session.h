@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A session as JSON (docs/viewer.md): where the cone is and how it looks, what is hidden, where the panes look,
+ * thresholds, the context's transfer function, colours. */
+#ifndef CONUS_VIEWER_SESSION_SESSION_H
+#define CONUS_VIEWER_SESSION_SESSION_H
+
+#include "viewer/window/window.h"
+
+enum { SESSION_REASON = 256 };
+
+/** The session as text, to be freed; NULL without memory, or where a name is not UTF-8. */
+char *session_text(const struct window *window);
+/** Opens what session_text() gave; false, and @p why says why not, in one line; the window stays as it was then. */
+bool session_parse(struct window *window, const char *text, size_t size, char why[SESSION_REASON]);
+
+/** False: @p why says why not, in one line. */
+bool session_save(const struct window *window, const char *path, char why[SESSION_REASON]);
+/** Likewise; the window stays as it was unless the whole file fits. A session of another atlas is refused. */
+bool session_load(struct window *window, const char *path, char why[SESSION_REASON]);
+
+#endif

@@ -1,0 +1,475 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "viewer/window/ui.h"
+
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <epoxy/gl.h>
+#include <imgui.h>
+
+#include <cstdarg>
+#include <cstring>
+
+static const char *const font_file = CONUS_VIEWER_FONT;
+
+static ImU32 packed(ui_colour c)
+{
+    return IM_COL32(c.r, c.g, c.b, c.a);
+}
+
+static bool load_font(float scale)
+{
+    static const ImWchar ranges[] = {0x20, 0x24f, 0x370, 0x3ff, 0x2010, 0x2044, 0x2190, 0x22ff, 0};
+    ImGuiIO &io = ImGui::GetIO();
+    io.Fonts->Clear();
+    return io.Fonts->AddFontFromFileTTF(font_file, 15 * scale, nullptr, ranges) != nullptr;
+}
+
+static void set_style(float scale)
+{
+    ImGuiStyle style;
+    ImGui::StyleColorsDark(&style);
+    style.WindowRounding = style.WindowBorderSize = 0;
+    style.FrameRounding = 3;
+    style.WindowPadding = ImVec2(8, 6);
+    style.ItemSpacing = ImVec2(6, 4);
+    style.Colors[ImGuiCol_WindowBg] = ImVec4(0.13F, 0.135F, 0.15F, 1);
+    style.Colors[ImGuiCol_TitleBg] = style.Colors[ImGuiCol_TitleBgActive] = ImVec4(0.17F, 0.18F, 0.21F, 1);
+    style.ScaleAllSizes(scale);
+    ImGui::GetStyle() = style;
+}
+
+extern "C" {
+
+bool ui_create(void *window, float scale)
+{
+    IMGUI_CHECKVERSION();
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;
+    set_style(scale);
+    return load_font(scale) && ImGui_ImplGlfw_InitForOpenGL(static_cast<GLFWwindow *>(window), true) &&
+           ImGui_ImplOpenGL3_Init("#version 450 core");
+}
+
+void ui_destroy(void)
+{
+    if (ImGui::GetCurrentContext()) {
+        if (ImGui::GetIO().BackendRendererUserData) {
+            ImGui_ImplOpenGL3_Shutdown();
+        }
+        if (ImGui::GetIO().BackendPlatformUserData) {
+            ImGui_ImplGlfw_Shutdown();
+        }
+        ImGui::DestroyContext();
+    }
+}
+
+bool ui_set_scale(float scale)
+{
+    set_style(scale);
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    return load_font(scale) && ImGui_ImplOpenGL3_CreateFontsTexture();
+}
+
+void ui_begin(void)
+{
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGui::NewFrame();
+}
+
+void ui_end(void)
+{
+    ImGui::Render();
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+bool ui_wants_keys(void)
+{
+    return ImGui::GetIO().WantTextInput;
+}
+
+float ui_line(void)
+{
+    return ImGui::GetTextLineHeightWithSpacing();
+}
+
+float ui_text_width(const char *text)
+{
+    return ImGui::CalcTextSize(text).x;
+}
+
+void ui_panel(const char *title, struct ui_box box, unsigned flags)
+{
+    ImGuiWindowFlags window = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
+                              ImGuiWindowFlags_NoSavedSettings;
+    bool plain = flags & UI_PLAIN;
+    window |= flags & UI_IN_FRONT ? 0 : ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoBackground;
+    if (plain) {
+        window |= ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
+        ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
+    }
+    ImGui::SetNextWindowPos(ImVec2(box.x, box.y));
+    ImGui::SetNextWindowSize(ImVec2(box.width, box.height));
+    ImGui::Begin(title, nullptr, window);
+    if (plain) {
+        ImGui::PopStyleVar();
+    }
+}
+
+void ui_panel_end(void)
+{
+    ImGui::End();
+}
+
+void ui_scroll(const char *id, float height)
+{
+    ImGui::BeginChild(id, ImVec2(0, height));
+}
+
+void ui_scroll_end(void)
+{
+    ImGui::EndChild();
+}
+
+void ui_scroll_here(void)
+{
+    ImGui::SetScrollHereY(0.4F);
+}
+
+void ui_dim(float opacity)
+{
+    ImGui::PushStyleVar(ImGuiStyleVar_Alpha, opacity);
+}
+
+void ui_dim_end(void)
+{
+    ImGui::PopStyleVar();
+}
+
+void ui_same_line(void)
+{
+    ImGui::SameLine();
+}
+
+void ui_same_line_at(float x)
+{
+    ImGui::SameLine(x);
+}
+
+void ui_separator(void)
+{
+    ImGui::Separator();
+}
+
+void ui_indent(void)
+{
+    ImGui::Indent();
+}
+
+void ui_unindent(void)
+{
+    ImGui::Unindent();
+}
+
+void ui_width(float width)
+{
+    ImGui::SetNextItemWidth(width);
+}
+
+void ui_id(uint32_t id)
+{
+    ImGui::PushID(static_cast<int>(id));
+}
+
+void ui_id_end(void)
+{
+    ImGui::PopID();
+}
+
+void ui_text(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    ImGui::TextV(format, arguments);
+    va_end(arguments);
+}
+
+void ui_text_coloured(ui_colour colour, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    ImGui::TextColoredV(ImGui::ColorConvertU32ToFloat4(packed(colour)), format, arguments);
+    va_end(arguments);
+}
+
+void ui_text_number(const char *format, double value)
+{
+    ImGui::Text(format, value);
+}
+
+void ui_text_wrapped(const char *text)
+{
+    ImGui::PushTextWrapPos(0);
+    ImGui::TextUnformatted(text);
+    ImGui::PopTextWrapPos();
+}
+
+void ui_tip(const char *text)
+{
+    if (ImGui::IsItemHovered()) {
+        ImGui::BeginTooltip();
+        ImGui::TextUnformatted(text);
+        ImGui::EndTooltip();
+    }
+}
+
+bool ui_entered(void)
+{
+    return ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter));
+}
+
+bool ui_edited(void)
+{
+    return ImGui::IsItemDeactivatedAfterEdit();
+}
+
+bool ui_hovered(void)
+{
+    return ImGui::IsItemHovered();
+}
+
+bool ui_button(const char *label)
+{
+    return ImGui::Button(label);
+}
+
+bool ui_small_button(const char *label)
+{
+    return ImGui::SmallButton(label);
+}
+
+bool ui_check(const char *label, bool *value)
+{
+    return ImGui::Checkbox(label, value);
+}
+
+bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count)
+{
+    bool changed = false;
+    if (ImGui::BeginCombo(label, *index < count ? choices[*index] : "")) {
+        for (size_t i = 0; i < count; i++) {
+            if (ImGui::Selectable(choices[i], i == *index)) {
+                changed = i != *index;
+                *index = i;
+            }
+        }
+        ImGui::EndCombo();
+    }
+    return changed;
+}
+
+bool ui_slider(const char *label, double *value, double low, double high, const char *format, bool logarithmic)
+{
+    ImGuiSliderFlags flags = ImGuiSliderFlags_AlwaysClamp | (logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+    return ImGui::SliderScalar(label, ImGuiDataType_Double, value, &low, &high, format, flags);
+}
+
+bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high)
+{
+    return ImGui::SliderScalar(label, ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_AlwaysClamp);
+}
+
+bool ui_number(const char *label, double *value, const char *format)
+{
+    return ImGui::InputDouble(label, value, 0, 0, format, ImGuiInputTextFlags_EnterReturnsTrue);
+}
+
+bool ui_numbers(const char *label, double value[3], const char *format)
+{
+    return ImGui::InputScalarN(label, ImGuiDataType_Double, value, 3, nullptr, nullptr, format,
+                               ImGuiInputTextFlags_EnterReturnsTrue);
+}
+
+bool ui_type(const char *label, char *text, size_t size, const char *hint)
+{
+    return ImGui::InputTextWithHint(label, hint, text, size);
+}
+
+void ui_chip(const char *id, ui_colour colour)
+{
+    float edge = 0.8F * ImGui::GetTextLineHeight();
+    ImGui::ColorButton(id, ImGui::ColorConvertU32ToFloat4(packed(colour)),
+                       ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoDragDrop, ImVec2(edge, edge));
+}
+
+void ui_bar(double part, float width, ui_colour colour)
+{
+    ImVec2 at = ImGui::GetCursorScreenPos();
+    float height = 0.8F * ImGui::GetTextLineHeight();
+    ImDrawList *list = ImGui::GetWindowDrawList();
+    list->AddRectFilled(at, ImVec2(at.x + width, at.y + height), IM_COL32(255, 255, 255, 25));
+    list->AddRectFilled(at, ImVec2(at.x + width * static_cast<float>(part), at.y + height), packed(colour));
+    ImGui::Dummy(ImVec2(width, height));
+}
+
+bool ui_row(const char *label, bool selected)
+{
+    return ImGui::Selectable(label, selected);
+}
+
+bool ui_section(const char *label, bool open)
+{
+    return ImGui::CollapsingHeader(label, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+}
+
+bool ui_tree(const char *label, enum ui_opening opening)
+{
+    if (opening != UI_AS_IT_WAS) {
+        ImGui::SetNextItemOpen(true, opening == UI_OPEN_NOW ? ImGuiCond_Always : ImGuiCond_Once);
+    }
+    return ImGui::TreeNodeEx(label, ImGuiTreeNodeFlags_OpenOnArrow);
+}
+
+void ui_tree_end(void)
+{
+    ImGui::TreePop();
+}
+
+bool ui_table(const char *id, const char *const *columns, size_t count, float height)
+{
+    ImGuiTableFlags flags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit |
+                            ImGuiTableFlags_BordersInnerV;
+    if (!ImGui::BeginTable(id, static_cast<int>(count), flags, ImVec2(0, height))) {
+        return false;
+    }
+    ImGui::TableSetupScrollFreeze(0, 1);
+    for (size_t i = 0; i < count; i++) {
+        ImGui::TableSetupColumn(columns[i], i ? 0 : ImGuiTableColumnFlags_WidthStretch);
+    }
+    ImGui::TableHeadersRow();
+    return true;
+}
+
+void ui_cell(void)
+{
+    ImGui::TableNextColumn();
+}
+
+void ui_table_end(void)
+{
+    ImGui::EndTable();
+}
+
+/* Pictures are opaque, and blending costs a software renderer more than the picture. */
+static void stop_blending(const ImDrawList *, const ImDrawCmd *)
+{
+    glDisable(GL_BLEND);
+}
+
+static void blend_again(const ImDrawList *, const ImDrawCmd *)
+{
+    glEnable(GL_BLEND);
+}
+
+void ui_draw_image(uint32_t texture, struct ui_box box)
+{
+    ImDrawList *list = ImGui::GetWindowDrawList();
+    list->AddCallback(stop_blending, nullptr);
+    list->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture)), ImVec2(box.x, box.y),
+                   ImVec2(box.x + box.width, box.y + box.height));
+    list->AddCallback(blend_again, nullptr);
+}
+
+void ui_clip(struct ui_box box)
+{
+    ImGui::GetWindowDrawList()->PushClipRect(ImVec2(box.x, box.y), ImVec2(box.x + box.width, box.y + box.height), true);
+}
+
+void ui_clip_end(void)
+{
+    ImGui::GetWindowDrawList()->PopClipRect();
+}
+
+void ui_draw_line(const float from[2], const float to[2], ui_colour colour, float width)
+{
+    ImGui::GetWindowDrawList()->AddLine(ImVec2(from[0], from[1]), ImVec2(to[0], to[1]), packed(colour), width);
+}
+
+void ui_draw_circle(const float centre[2], float radius, ui_colour colour, float width)
+{
+    ImDrawList *list = ImGui::GetWindowDrawList();
+    if (width > 0) {
+        list->AddCircle(ImVec2(centre[0], centre[1]), radius, packed(colour), 0, width);
+    } else {
+        list->AddCircleFilled(ImVec2(centre[0], centre[1]), radius, packed(colour));
+    }
+}
+
+void ui_draw_box(struct ui_box box, ui_colour colour, float width)
+{
+    ImVec2 low(box.x, box.y);
+    ImVec2 high(box.x + box.width, box.y + box.height);
+    if (width > 0) {
+        ImGui::GetWindowDrawList()->AddRect(low, high, packed(colour), 0, 0, width);
+    } else {
+        ImGui::GetWindowDrawList()->AddRectFilled(low, high, packed(colour));
+    }
+}
+
+void ui_draw_text(const float at[2], ui_colour colour, const char *text)
+{
+    ImDrawList *list = ImGui::GetWindowDrawList();
+    ImVec2 size = ImGui::CalcTextSize(text);
+    list->AddRectFilled(ImVec2(at[0] - 3, at[1] - 1), ImVec2(at[0] + size.x + 3, at[1] + size.y + 1),
+                        IM_COL32(0, 0, 0, 150), 3);
+    list->AddText(ImVec2(at[0], at[1]), packed(colour), text);
+}
+
+struct ui_mouse ui_mouse_now(void)
+{
+    const ImGuiIO &io = ImGui::GetIO();
+    struct ui_mouse mouse = {};
+    mouse.x = io.MousePos.x;
+    mouse.y = io.MousePos.y;
+    mouse.moved_x = io.MouseDelta.x;
+    mouse.moved_y = io.MouseDelta.y;
+    mouse.wheel = io.MouseWheel;
+    for (int b = 0; b < 3; b++) {
+        mouse.down[b] = io.MouseDown[b];
+        mouse.pressed[b] = ImGui::IsMouseClicked(b);
+        mouse.released[b] = ImGui::IsMouseReleased(b);
+    }
+    mouse.doubled = ImGui::IsMouseDoubleClicked(0);
+    mouse.shift = io.KeyShift;
+    mouse.control = io.KeyCtrl;
+    return mouse;
+}
+
+bool ui_surface(const char *id, struct ui_box box)
+{
+    if (box.width < 1 || box.height < 1) {
+        return false;
+    }
+    ImGui::SetCursorScreenPos(ImVec2(box.x, box.y));
+    ImGui::InvisibleButton(id, ImVec2(box.width, box.height),
+                           ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
+                               ImGuiButtonFlags_MouseButtonMiddle);
+    return ImGui::IsItemHovered() || ImGui::IsItemActive();
+}
+
+struct ui_box ui_area(const char *id, float height)
+{
+    ImVec2 at = ImGui::GetCursorScreenPos();
+    float width = ImGui::GetContentRegionAvail().x;
+    struct ui_box box = {at.x, at.y, width > 1 ? width : 1, height};
+    ImGui::InvisibleButton(id, ImVec2(box.width, box.height));
+    return box;
+}
+
+bool ui_surface_held(void)
+{
+    return ImGui::IsItemActive();
+}
+
+} // extern "C"

@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The widgets of the window: the one border to Dear ImGui, which is C++. Everything here is for the thread that owns
+ * the window, between ui_begin() and ui_end() where nothing else is said. Positions and sizes are pixels of the window
+ * from its top left corner; colours are sRGB bytes with opacity. */
+#ifndef CONUS_VIEWER_WINDOW_UI_H
+#define CONUS_VIEWER_WINDOW_UI_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct ui_colour {
+    uint8_t r, g, b, a;
+} ui_colour;
+
+struct ui_box {
+    float x, y, width, height;
+};
+
+/** Makes the widgets ready for @p window, a GLFWwindow whose GL context is current; @p scale is that of a HiDPI screen.
+ * False where there is no font or no GL. */
+bool ui_create(void *window, float scale);
+void ui_destroy(void);
+/** Another scale from the next frame on; not between ui_begin() and ui_end(). */
+bool ui_set_scale(float scale);
+
+void ui_begin(void);
+/** Draws everything into the window's framebuffer. */
+void ui_end(void);
+
+/** Whether the widgets want the keyboard: a text is being typed. */
+bool ui_wants_keys(void);
+/** Height of a line of text. */
+float ui_line(void);
+float ui_text_width(const char *text);
+
+/* ---- Panels: a panel's widgets come between ui_panel() and ui_panel_end() --------------------------------------- */
+
+/** Panels have no background, which costs time: what the framebuffer was cleared to. But those in front have. */
+enum ui_panel_flag {
+    UI_PLAIN = 1,    /**< No title, no padding: for pictures. */
+    UI_IN_FRONT = 2, /**< Before all others.                  */
+};
+/** Of a node of a tree: as it was left, open at first, open now whatever it was. */
+enum ui_opening { UI_AS_IT_WAS = 0, UI_OPEN_FIRST, UI_OPEN_NOW };
+
+void ui_panel(const char *title, struct ui_box box, unsigned flags);
+void ui_panel_end(void);
+/** A part that scrolls by itself, @p height high (0 = the rest). */
+void ui_scroll(const char *id, float height);
+void ui_scroll_end(void);
+/** The list scrolls to where the next widget comes. */
+void ui_scroll_here(void);
+void ui_dim(float opacity); /**< Of the widgets up to ui_dim_end(). */
+void ui_dim_end(void);
+void ui_same_line(void);
+void ui_same_line_at(float x); /**< The next widget x from the panel's left edge. */
+void ui_separator(void);
+void ui_indent(void);
+void ui_unindent(void);
+void ui_width(float width); /**< Of the next widget. */
+/** Widgets up to ui_id_end() may have the names of others. */
+void ui_id(uint32_t id);
+void ui_id_end(void);
+
+void ui_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void ui_text_coloured(ui_colour colour, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/** One number, by a printf format for a double. */
+void ui_text_number(const char *format, double value);
+void ui_text_wrapped(const char *text);
+/** A text over the widget before, where the mouse is on it. */
+void ui_tip(const char *text);
+bool ui_entered(void); /**< Whether Enter was pressed in the line before. */
+bool ui_edited(void);  /**< Whether the widget before was let go after a change. */
+bool ui_hovered(void); /**< Whether the mouse is on the widget before. */
+
+bool ui_button(const char *label);
+bool ui_small_button(const char *label);
+bool ui_check(const char *label, bool *value);
+bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count);
+bool ui_slider(const char *label, double *value, double low, double high, const char *format, bool logarithmic);
+bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high);
+bool ui_number(const char *label, double *value, const char *format);
+bool ui_numbers(const char *label, double value[3], const char *format);
+/** A line that is typed; true when it changed. */
+bool ui_type(const char *label, char *text, size_t size, const char *hint);
+void ui_chip(const char *id, ui_colour colour); /**< A small square. */
+void ui_bar(double part, float width, ui_colour colour);
+bool ui_row(const char *label, bool selected); /**< A line that can be clicked. */
+bool ui_section(const char *label, bool open); /**< A heading that folds what is below. */
+/** A node of a tree; true while it is open, to be ended by ui_tree_end(). */
+bool ui_tree(const char *label, enum ui_opening opening);
+void ui_tree_end(void);
+
+bool ui_table(const char *id, const char *const *columns, size_t count, float height);
+void ui_cell(void); /**< The next cell. */
+void ui_table_end(void);
+
+/* ---- Pictures and what is drawn over them ------------------------------------------------------------------------ */
+
+/** A picture, @p texture of GL, opaque. */
+void ui_draw_image(uint32_t texture, struct ui_box box);
+void ui_clip(struct ui_box box); /**< What is drawn up to ui_clip_end() stays in it. */
+void ui_clip_end(void);
+void ui_draw_line(const float from[2], const float to[2], ui_colour colour, float width);
+void ui_draw_circle(const float centre[2], float radius, ui_colour colour, float width); /**< Width 0: filled. */
+void ui_draw_box(struct ui_box box, ui_colour colour, float width);
+/** Text with its top left corner there, in front of a dark shade. */
+void ui_draw_text(const float at[2], ui_colour colour, const char *text);
+
+/* ---- The mouse -------------------------------------------------------------------------------------------------- */
+
+struct ui_mouse {
+    float x, y, moved_x, moved_y, wheel;
+    bool down[3], pressed[3], released[3], doubled; /**< Left, right, middle. */
+    bool shift, control;
+};
+
+struct ui_mouse ui_mouse_now(void);
+/** A surface that takes the mouse: true while the mouse is on it or was pressed on it. */
+bool ui_surface(const char *id, struct ui_box box);
+/** Such a surface as wide as the panel, where the next widget would be; the widget before is it. */
+struct ui_box ui_area(const char *id, float height);
+bool ui_surface_held(void); /**< The one before: a button is down that was pressed on it. */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,400 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "viewer/window/window.h"
+
+#include "common/messages.h"
+
+#include <epoxy/gl.h>
+
+#include <GLFW/glfw3.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LEFT_WIDTH = 250, RIGHT_WIDTH = 430, STATUS_HEIGHT = 24 };
+
+/* ---- Textures ---------------------------------------------------------------------------------------------------- */
+
+void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth)
+{
+    if (texture->width != width || texture->height != height) {
+        glDeleteTextures(1, &texture->name);
+        glCreateTextures(GL_TEXTURE_2D, 1, &texture->name);
+        glTextureStorage2D(texture->name, 1, GL_RGBA8, (GLsizei)width, (GLsizei)height);
+        glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+        glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+        texture->width = width;
+        texture->height = height;
+    }
+    glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, smooth ? GL_LINEAR : GL_NEAREST);
+    glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, smooth ? GL_LINEAR : GL_NEAREST);
+    glTextureSubImage2D(texture->name, 0, 0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+}
+
+/* ---- Events ------------------------------------------------------------------------------------------------------ */
+
+/* Widgets need a few frames to answer: hovered, pressed, let go. */
+enum { FRAMES_PER_EVENT = 3 };
+
+static void touch(GLFWwindow *handle)
+{
+    struct window *window = glfwGetWindowUserPointer(handle);
+    if (window) {
+        window->frames_wanted = FRAMES_PER_EVENT;
+    }
+}
+
+static void touch_by_mouse(GLFWwindow *handle, double x, double y)
+{
+    (void)x;
+    (void)y;
+    touch(handle);
+}
+
+static void touch_by_button(GLFWwindow *handle, int button, int action, int mods)
+{
+    (void)button;
+    (void)action;
+    (void)mods;
+    touch(handle);
+}
+
+static void touch_by_number(GLFWwindow *handle, int number)
+{
+    (void)number;
+    touch(handle);
+}
+
+static void touch_by_numbers(GLFWwindow *handle, int x, int y)
+{
+    (void)x;
+    (void)y;
+    touch(handle);
+}
+
+/* ---- Keys -------------------------------------------------------------------------------------------------------- */
+
+static void press_named(GLFWwindow *handle, int key, int scancode, int action, int mods)
+{
+    static const struct {
+        int key;
+        const char *name;
+    } names[] = {{GLFW_KEY_ENTER, "enter"}, {GLFW_KEY_KP_ENTER, "enter"}, {GLFW_KEY_SPACE, "space"},
+                 {GLFW_KEY_TAB, "tab"},     {GLFW_KEY_F11, "f11"},        {GLFW_KEY_UP, "up"},
+                 {GLFW_KEY_DOWN, "down"},   {GLFW_KEY_LEFT, "left"},      {GLFW_KEY_RIGHT, "right"}};
+    struct window *window = glfwGetWindowUserPointer(handle);
+    (void)scancode;
+    (void)mods;
+    touch(handle);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        if (names[i].key == key && action != GLFW_RELEASE && !ui_wants_keys()) {
+            keys_press(window, names[i].name);
+        }
+    }
+}
+
+static void press_character(GLFWwindow *handle, unsigned character)
+{
+    struct window *window = glfwGetWindowUserPointer(handle);
+    const char key[2] = {(char)character, '\0'};
+    touch(handle);
+    if (character > ' ' && character < 127 && !ui_wants_keys()) {
+        keys_press(window, key);
+    }
+}
+
+/* The window came to a screen of another density. */
+static void note_scale(GLFWwindow *handle, float x, float y)
+{
+    struct window *window = glfwGetWindowUserPointer(handle);
+    (void)y;
+    if (window && !window->scale_given && x > 0) {
+        window->next_scale = x;
+    }
+    touch(handle);
+}
+
+/* Before ui_create(), which calls what is there already. */
+static void hear_events(GLFWwindow *handle)
+{
+    glfwSetKeyCallback(handle, press_named);
+    glfwSetCharCallback(handle, press_character);
+    glfwSetCursorPosCallback(handle, touch_by_mouse);
+    glfwSetScrollCallback(handle, touch_by_mouse);
+    glfwSetMouseButtonCallback(handle, touch_by_button);
+    glfwSetCursorEnterCallback(handle, touch_by_number);
+    glfwSetWindowFocusCallback(handle, touch_by_number);
+    glfwSetWindowIconifyCallback(handle, touch_by_number);
+    glfwSetFramebufferSizeCallback(handle, touch_by_numbers);
+    glfwSetWindowPosCallback(handle, touch_by_numbers); /* a tracked head sees another part */
+    glfwSetWindowRefreshCallback(handle, touch);
+    glfwSetWindowContentScaleCallback(handle, note_scale);
+}
+
+/* ---- The window -------------------------------------------------------------------------------------------------- */
+
+static void complain_glfw(int code, const char *text)
+{
+    (void)code;
+    complain("window: %s", text);
+}
+
+/* The library's contexts are EGL's, and put back what was current on a thread: they cannot where that is one of GLX. */
+static GLFWwindow *make_window(int width, int height, bool hidden, int api)
+{
+    glfwWindowHint(GLFW_CONTEXT_CREATION_API, api);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_VISIBLE, hidden ? GLFW_FALSE : GLFW_TRUE);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+    return glfwCreateWindow(width, height, "conus", NULL, NULL);
+}
+
+/* Unless that is where no screen is now. */
+static void put(struct window *window, const struct place *place)
+{
+    int count;
+    GLFWmonitor **monitors = glfwGetMonitors(&count);
+    for (int i = 0; place->known && i < count; i++) {
+        int x, y, width, height;
+        glfwGetMonitorWorkarea(monitors[i], &x, &y, &width, &height);
+        if (place->x >= x && place->y >= y && place->x < x + width - 50 && place->y < y + height - 50) {
+            glfwSetWindowPos(window->handle, place->x, place->y);
+        }
+    }
+}
+
+void window_place(const struct window *window, struct place *out)
+{
+    if (window->alone) {
+        *out = window->before;
+        return;
+    }
+    *out = (struct place){.known = true};
+    glfwGetWindowSize(window->handle, &out->width, &out->height);
+    glfwGetWindowPos(window->handle, &out->x, &out->y);
+}
+
+bool window_open(struct window *out, const struct place *place, double scale, bool hidden)
+{
+    struct window window = {.enlarged = -1, .scale = 1};
+    float across;
+    glfwSetErrorCallback(complain_glfw);
+    if (!glfwInit()) {
+        return false;
+    }
+    window.handle = make_window(place->width, place->height, hidden, GLFW_EGL_CONTEXT_API);
+    if (!window.handle) {
+        window.handle = make_window(place->width, place->height, hidden, GLFW_NATIVE_CONTEXT_API);
+    }
+    if (!window.handle) {
+        glfwTerminate();
+        return false;
+    }
+    glfwMakeContextCurrent(window.handle);
+    glfwSwapInterval(1);
+    glfwGetWindowContentScale(window.handle, &window.scale, &across);
+    window.scale_given = scale > 0;
+    window.scale = scale > 0 ? (float)scale : window.scale;
+    put(&window, place);
+    hear_events(window.handle);
+    if (!ui_create(window.handle, window.scale)) {
+        complain("window: no font for its texts");
+        window_close(&window);
+        return false;
+    }
+    *out = window;
+    glfwSetWindowUserPointer(out->handle, out);
+    return true;
+}
+
+void window_close(struct window *window)
+{
+    GLuint names[] = {window->painted.name, window->device_view.name, window->cuts[0].texture.name,
+                      window->cuts[1].texture.name, window->cuts[2].texture.name};
+    glDeleteTextures(sizeof names / sizeof names[0], names);
+    for (int p = 0; p < PLANE_COUNT; p++) {
+        conus_cutter_destroy(window->cuts[p].cutter);
+    }
+    ui_destroy();
+    glfwDestroyWindow(window->handle);
+    glfwTerminate();
+}
+
+void window_resize(struct window *window, int width, int height)
+{
+    glfwSetWindowSize(window->handle, width, height);
+}
+
+void window_lay_out(struct window *window)
+{
+    glfwGetFramebufferSize(window->handle, &window->width, &window->height);
+    float width = (float)window->width;
+    float status = STATUS_HEIGHT * window->scale;
+    float height = fmaxf((float)window->height - status, 0);
+    float left = floorf(fminf(LEFT_WIDTH * window->scale, width / 4));
+    float right = floorf(fminf(RIGHT_WIDTH * window->scale, width / 3));
+    float half_width = floorf((width - left - right) / 2);
+    float half_height = floorf(height / 2);
+    window->left = (struct ui_box){0, 0, left, height};
+    window->right = (struct ui_box){width - right, 0, right, height};
+    window->status = (struct ui_box){0, height, width, status};
+    for (int p = 0; p < PANE_COUNT; p++) {
+        static const int place[PANE_COUNT] = {1, 2, 3, 0}; /* 3-D is the first, then axial, coronal, sagittal */
+        bool only = window->enlarged == p;
+        int column = place[p] % 2;
+        int row = place[p] / 2;
+        window->panes[p] = (struct ui_box){left + (float)column * half_width, (float)row * half_height, half_width - 1,
+                                           half_height - 1};
+        if (only) {
+            window->panes[p] = (struct ui_box){left, 0, 2 * half_width, 2 * half_height};
+        }
+    }
+    if (window->alone) {
+        window->panes[PANE_3D] = (struct ui_box){0, 0, width, (float)window->height};
+    }
+}
+
+static bool is_shown(const struct window *window, int pane)
+{
+    const struct ui_box *box = &window->panes[pane];
+    bool chosen = window->alone ? pane == PANE_3D : window->enlarged < 0 || window->enlarged == pane;
+    return chosen && box->width >= 2 && box->height >= 2;
+}
+
+static void draw_panels(struct window *window)
+{
+    window->hovers = false;
+    window->hovered = 0;
+    window->hovered_value = NAN;
+    if (!window->alone) {
+        panel_areas(window);
+        panel_results(window);
+    }
+    for (int p = 0; p < PLANE_COUNT; p++) {
+        if (is_shown(window, p)) {
+            pane_cut(window, (enum plane)p);
+        }
+    }
+    if (is_shown(window, PANE_3D)) {
+        pane_3d(window);
+    }
+    if (!window->alone) { /* after the panes, which find what is under the mouse */
+        panel_status(window);
+    }
+    if (window->show_help) {
+        panel_help(window);
+    }
+}
+
+static bool is_behind(const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    return window->frames_wanted || window->shown_version != viewer->version || window->shown_said != viewer->said ||
+           window->shown_head != viewer->head.number;
+}
+
+bool window_wants_frame(struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    bool news = viewer->painter && painter_has_news(viewer->painter);
+    bool rests = window->moving && times_now() >= window->moving_until;
+    return news || rests || is_behind(window);
+}
+
+double window_rest(const struct window *window)
+{
+    if (is_behind(window)) {
+        return 0;
+    }
+    return window->moving ? fmax(window->moving_until - times_now(), 1) / 1e3 : INFINITY;
+}
+
+void window_clear(const struct window *window)
+{
+    glViewport(0, 0, window->width, window->height);
+    glClearColor(0.13F, 0.135F, 0.15F, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+}
+
+void window_draw(struct window *window)
+{
+    double begun = glfwGetTime();
+    window->frames_wanted -= window->frames_wanted > 0;
+    window->shown_version = window->viewer->version;
+    window->shown_said = window->viewer->said;
+    window->shown_head = window->viewer->head.number;
+    window->moving = window->moving && times_now() < window->moving_until;
+    window_lay_out(window);
+    if (window->width < 1 || window->height < 1) { /* minimised */
+        return;
+    }
+    if (window->next_scale > 0 && ui_set_scale(window->next_scale)) {
+        window->scale = window->next_scale;
+        window_lay_out(window);
+    }
+    window->next_scale = 0;
+    window_clear(window);
+    ui_begin();
+    draw_panels(window);
+    ui_end();
+    window->frame_ms = 1e3 * (glfwGetTime() - begun);
+    times_add(&window->times, TIMED_FRAME, window->frame_ms);
+}
+
+bool window_is_settled(const struct window *window)
+{
+    bool settled = window->painted_fine || !is_shown(window, PANE_3D);
+    for (int p = 0; p < PLANE_COUNT; p++) {
+        settled = settled && (window->cuts[p].version == window->viewer->version || !is_shown(window, p));
+    }
+    return settled;
+}
+
+conus_status window_write(const struct window *window, const char *path)
+{
+    size_t row = 4 * (size_t)window->width;
+    uint8_t *bottom_up = malloc(row * (size_t)window->height);
+    uint8_t *rgba = malloc(row * (size_t)window->height);
+    conus_image *image = NULL;
+    conus_status status = bottom_up && rgba ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status) {
+        glReadPixels(0, 0, window->width, window->height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up);
+        for (int y = 0; y < window->height; y++) {
+            memcpy(rgba + row * (size_t)y, bottom_up + row * (size_t)(window->height - 1 - y), row);
+        }
+        for (size_t p = 0; p < row * (size_t)window->height; p += 4) {
+            rgba[p + 3] = 255;
+        }
+        status = conus_image_from_bytes(&image, rgba, (uint32_t)window->width, (uint32_t)window->height);
+    }
+    status = status ? status : conus_image_write(image, path);
+    conus_image_destroy(image);
+    free(bottom_up);
+    free(rgba);
+    return status;
+}
+
+void window_hover_text(const struct window *window, char out[HOVER_TEXT])
+{
+    const conus_object *object = conus_atlas_object(window->viewer->atlas, window->hovered);
+    int used = snprintf(out, HOVER_TEXT, "%.200s", object ? object->name : "");
+    if (object && isfinite(window->hovered_value)) {
+        snprintf(out + used, HOVER_TEXT - (size_t)used, "  %.3g", window->hovered_value);
+    }
+}
+
+void window_copy(struct window *window, enum copied what)
+{
+    struct viewer *viewer = window->viewer;
+    char *text = what == COPY_PINS ? viewer_pins_text(viewer) : viewer_results_text(viewer);
+    size_t rows = what == COPY_PINS ? viewer->pin_count : conus_selection_count(viewer_selection(viewer));
+    if (text) {
+        glfwSetClipboardString(window->handle, text);
+        viewer_say(viewer, "copied %zu rows", rows);
+    } else {
+        viewer_say(viewer, "not copied: not enough memory");
+    }
+    free(text);
+}

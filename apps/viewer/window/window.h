@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The window, its textures, and how it is laid out: panels left and right, four panes between them, a status
+ * line. */
+#ifndef CONUS_VIEWER_WINDOW_WINDOW_H
+#define CONUS_VIEWER_WINDOW_WINDOW_H
+
+#include "viewer/model/source.h"
+#include "viewer/model/times.h"
+#include "viewer/model/viewer.h"
+#include "viewer/window/place.h"
+#include "viewer/window/ui.h"
+
+enum { PANE_COUNT = 4, PANE_3D = 3 /**< After the planes. */, KEY_LIMIT = 32, HOVER_TEXT = 256 };
+
+/** A picture on the screen. */
+struct texture {
+    uint32_t name; /**< Of GL; 0 = none yet. */
+    uint32_t width, height;
+};
+
+/** A flat pane as it was drawn last. */
+struct cut_pane {
+    struct ui_box box;
+    struct texture texture;
+    conus_cutter *cutter;  /**< NULL = none yet.                       */
+    unsigned atlas_number; /**< Of the viewer, when the cutter was made. */
+    unsigned version;      /**< Of the viewer, when it was drawn. */
+    double centre[3];
+};
+
+struct window {
+    void *handle; /**< GLFWwindow */
+    struct viewer *viewer;
+    struct replay replay;
+    struct station *station; /**< NULL = none. */
+    struct station_news news;
+    float scale;
+    int width, height;
+    struct ui_box left, right, status, panes[PANE_COUNT];
+    int enlarged;        /**< The pane that fills the middle, or -1. */
+    bool alone;          /**< The 3-D pane fills the whole screen.   */
+    struct place before; /**< Where the window was before that.      */
+    struct cut_pane cuts[PLANE_COUNT];
+    struct texture painted, device_view;
+    struct sight sight;    /**< Of the 3-D pane, in this frame.    */
+    struct painting asked; /**< What the painter was asked last. */
+    double painted_ms, frame_ms;
+    struct times times;
+    bool painted_fine;                  /**< The picture is what was asked last, as fine as it gets. */
+    unsigned carried_answer;            /**< The newest answer that was looked at for moves of the cone. */
+    unsigned carried_head;              /**< Likewise of the head's changes. */
+    double moving_until;                /**< By times_now(): until then pictures shall be quick. */
+    bool moving;                        /**< The newest was asked for as one of these. */
+    unsigned frames_wanted;             /**< To be drawn still, whatever changes. */
+    unsigned shown_version, shown_said; /**< Of the viewer, in the newest frame. */
+    unsigned shown_head;                /**< Likewise. */
+    bool show_help;
+    bool quiet_status; /**< The status line leaves out what differs from run to run: times and the device. */
+    uint32_t hovered;  /**< Object under the mouse. */
+    double hovered_at[3];
+    double hovered_value; /**< Of a pathway, there; NaN of an area. */
+    bool keeps_picture;   /**< The next frame goes into a file.     */
+    uint32_t listed;      /**< What the list of areas was scrolled to last. */
+    bool hovers;          /**< hovered_at holds. */
+    float dragged;        /**< Pixels that the mouse moved since it was pressed on the 3-D pane. */
+    unsigned told;        /**< The answer that whoever is connected was told last. */
+    double watched;       /**< When the atlas's files were looked at last, by times_now(). */
+    float next_scale;     /**< That the screen asks for; 0 = no other than before. */
+    bool scale_given;     /**< By the user: the screen is not asked. */
+};
+
+/** Opens a window at @p place, hidden where @p hidden, its widgets @p scale times as large as usual (0: as the screen
+ * says). False: it was said why, and nothing is open. */
+bool window_open(struct window *out, const struct place *place, double scale, bool hidden);
+/** Where it is now. */
+void window_place(const struct window *window, struct place *out);
+void window_close(struct window *window);
+/** Asks for another size; the screen may give another one, some frames later. */
+void window_resize(struct window *window, int width, int height);
+/** The screen (GLFWmonitor) that the window's middle is on, and its x, y, width and height; NULL where none is known.
+ */
+void *window_screen(const struct window *window, int screen[4]);
+/** Lets the 3-D pane fill the screen that the window is on, without panels, or brings the window back. */
+void window_fill_screen(struct window *window, bool fill);
+/** Lays everything out for the window's size now. */
+void window_lay_out(struct window *window);
+
+/** What the 3-D pane is to show now. */
+void window_sight(const struct window *window, struct sight *out);
+
+/** Clears it to the colour of panels. */
+void window_clear(const struct window *window);
+/** Draws one frame of @p window->viewer. */
+void window_draw(struct window *window);
+/** Whether the next frame will show something else than the newest. */
+bool window_wants_frame(struct window *window);
+/** Seconds after which it may, though nothing happens: 0 = at once, INFINITY = never. */
+double window_rest(const struct window *window);
+/** Whether all pictures are as fine as they get, and show what the viewer holds. */
+bool window_is_settled(const struct window *window);
+/** What the window shows now, as a PNG. */
+conus_status window_write(const struct window *window, const char *path);
+
+/** Name and, of a pathway, value of what is under the mouse. */
+void window_hover_text(const struct window *window, char out[HOVER_TEXT]);
+
+enum copied { COPY_RESULTS = 0, COPY_PINS };
+/** Puts a table on the clipboard. */
+void window_copy(struct window *window, enum copied what);
+
+/** Puts bytes of sRGB, top row first, on the screen's texture; @p smooth: where it is enlarged, pixels run into each
+ * other. */
+void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth);
+
+/** One key: a character as typed ("?"), or "escape", "left", "f1", ... False if it means nothing. */
+bool keys_press(struct window *window, const char *key);
+/** Entry @p index of the table of keys; false past the last. */
+bool keys_describe(size_t index, const char **key, const char **meaning);
+
+/* Panels and panes, one file each. */
+void pane_cut(struct window *window, enum plane plane);
+void pane_3d(struct window *window);
+void pane_compass(const struct window *window); /**< Over it: which way it looks. */
+void panel_areas(struct window *window);
+void panel_cone(struct window *window);
+void panel_results(struct window *window);
+void panel_transfer(struct window *window);
+void panel_source(struct window *window);
+void panel_status(struct window *window);
+void panel_help(struct window *window);
+
+#endif

@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "atlas/areas/area_find.h"
+
+#include "base/buffer.h"
+
+#include <string.h>
+#include <strings.h>
+
+enum { SHOWN = 4, CONTAINED_FROM = 3, QUOTED_SIZE = 80 };
+
+/** The areas that go by a text. */
+struct matches {
+    uint32_t first;
+    size_t count;
+    uint32_t labels[SHOWN];
+};
+
+static bool is_called(const conus_object *object, struct text text)
+{
+    uint64_t label;
+    return text_equal(text, object->name) || text_equal(text, object->abbreviation) ||
+           (object->kind == CONUS_AREA && text_to_uint(text, UINT32_MAX, &label) && label == object->label);
+}
+
+static bool is_called_ignoring_case(const conus_object *object, struct text text)
+{
+    return text_equal_ignoring_case(text, object->name) || text_equal_ignoring_case(text, object->abbreviation);
+}
+
+static struct matches match(const conus_atlas *atlas, struct text text,
+                            bool (*matches)(const conus_object *object, struct text text))
+{
+    struct matches found = {0};
+    for (size_t i = 0; i < atlas->area_count; i++) {
+        if (!atlas_is_paired(atlas, (uint32_t)i + 1) && matches(&atlas->objects[i], text)) {
+            found.first = found.count ? found.first : (uint32_t)i + 1;
+            if (found.count < SHOWN) {
+                found.labels[found.count] = atlas->objects[i].label;
+            }
+            found.count++;
+        }
+    }
+    return found;
+}
+
+/* Long texts are cut in messages. */
+static int shown_size(struct text text)
+{
+    return (int)(text.size < QUOTED_SIZE ? text.size : QUOTED_SIZE);
+}
+
+static conus_status fail_ambiguous(struct text text, const struct matches *found)
+{
+    struct buffer list = {0};
+    for (size_t i = 0; i < found->count && i < SHOWN; i++) {
+        buffer_format(&list, "%s%u", i ? ", " : "", found->labels[i]);
+    }
+    conus_status status = buffer_status(&list);
+    if (!status) {
+        status = fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" may be any of %zu areas, whose labels are %s%s: give a label",
+                      shown_size(text), text.data, found->count, list.data, found->count > SHOWN ? ", ..." : "");
+    }
+    buffer_finish(&list);
+    return status;
+}
+
+/** How likely a name was meant: compare near, then far. */
+struct likeness {
+    const char *name; /* NULL = none is close */
+    size_t near, far;
+};
+
+/* A name that contains the text is as near as a third of its bytes mistyped. */
+static void consider(struct likeness *best, const char *name, struct text text)
+{
+    size_t far = text_distance(text, text_from(name));
+    size_t limit = (text.size + 1) / 3;
+    bool contained = text.size >= CONTAINED_FROM && text_contains(text_from(name), text);
+    size_t near = contained && far > limit ? limit : far;
+    if (*name && near <= limit && (!best->name || near < best->near || (near == best->near && far < best->far))) {
+        *best = (struct likeness){name, near, far};
+    }
+}
+
+/* @p count: of the objects that were looked through, areas or all. */
+static conus_status fail_unknown(const conus_atlas *atlas, size_t count, struct text text)
+{
+    struct likeness best = {0};
+    const char *kind = count > atlas->area_count ? "area or pathway" : "area";
+    for (size_t i = 0; i < count; i++) {
+        if (atlas_is_paired(atlas, (uint32_t)i + 1)) {
+            continue;
+        }
+        consider(&best, atlas->objects[i].name, text);
+        consider(&best, atlas->objects[i].abbreviation, text);
+    }
+    if (!best.name) {
+        return fail(CONUS_ERROR_ARGUMENT, "no %s has the name, abbreviation or label \"%.*s\"", kind, shown_size(text),
+                    text.data);
+    }
+    return fail(CONUS_ERROR_ARGUMENT, "no %s has the name, abbreviation or label \"%.*s\"; did you mean \"%s\"?%s",
+                kind, shown_size(text), text.data, best.name,
+                strchr(best.name, ',') ? " Names with commas are put in double quotes" : "");
+}
+
+/* The number of the first pathway that goes by the text, 0 if there is none. */
+static uint32_t find_pathway(const conus_atlas *atlas, struct text text,
+                             bool (*matches)(const conus_object *object, struct text text))
+{
+    for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
+        if (matches(&atlas->objects[i], text)) {
+            return (uint32_t)i + 1;
+        }
+    }
+    return 0;
+}
+
+/* Whether `name` is `text` and then `side`. */
+static bool is_half_name(const char *name, struct text text, const char *side, bool ignoring_case)
+{
+    size_t size = text.size;
+    int (*compare)(const char *, const char *, size_t) = ignoring_case ? strncasecmp : strncmp;
+    return strlen(name) > size && compare(name, text.data, size) == 0 && strcmp(name + size, side) == 0;
+}
+
+static bool is_half_of(const conus_atlas *atlas, const conus_object *half, struct text text, bool ignoring_case)
+{
+    bool left = half->hemisphere == 'L';
+    uint32_t step = atlas->half_step * (left ? 1 : 2);
+    uint64_t label;
+    if (half->label < step) {
+        return false;
+    }
+    return is_half_name(half->name, text, left ? " left" : " right", ignoring_case) ||
+           is_half_name(half->abbreviation, text, left ? "_L" : "_R", ignoring_case) ||
+           (!ignoring_case && text_to_uint(text, UINT32_MAX, &label) && half->label - step == label);
+}
+
+static size_t match_halves(uint32_t out[2], const conus_atlas *atlas, struct text text, bool ignoring_case)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < atlas->area_count; i++) {
+        if (is_half_of(atlas, &atlas->objects[i], text, ignoring_case)) {
+            if (count < 2) {
+                out[count] = (uint32_t)i + 1;
+            }
+            count++;
+        }
+    }
+    return count;
+}
+
+bool area_find_halves(uint32_t out[2], const conus_atlas *atlas, struct text text)
+{
+    if (!atlas->half_step || !text.size) {
+        return false;
+    }
+    size_t count = match_halves(out, atlas, text, false);
+    count = count ? count : match_halves(out, atlas, text, true);
+    return count == 2;
+}
+
+/* The area as which a paired one called `text` is reported; NULL if there is none. */
+static const conus_object *find_pair(const conus_atlas *atlas, struct text text)
+{
+    for (uint32_t number = 1; number <= atlas->area_count; number++) {
+        const conus_object *area = &atlas->objects[number - 1];
+        if (atlas_is_paired(atlas, number) && is_called(area, text)) {
+            return &atlas->objects[area->parent - 1];
+        }
+    }
+    return NULL;
+}
+
+/* Sets the message where `text` is not an area any more, for what was done to its hemispheres; else gives CONUS_OK. */
+static conus_status refuse_changed(const conus_atlas *atlas, struct text text)
+{
+    uint32_t halves[2];
+    const conus_object *pair = find_pair(atlas, text);
+    if (pair) {
+        return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is merged with the other side into \"%s\", label %u",
+                    shown_size(text), text.data, pair->name, pair->label);
+    }
+    if (area_find_halves(halves, atlas, text)) {
+        const conus_object *left = &atlas->objects[halves[0] - 1];
+        const conus_object *right = &atlas->objects[halves[1] - 1];
+        return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is cut in two: \"%s\", label %u, and \"%s\", label %u",
+                    shown_size(text), text.data, left->name, left->label, right->name, right->label);
+    }
+    return CONUS_OK;
+}
+
+/* Sets *out to 0 where no area goes by the name, and nothing says why not. */
+static conus_status find_area(uint32_t *out, const conus_atlas *atlas, struct text text)
+{
+    struct matches found = match(atlas, text, is_called);
+    if (!found.count) {
+        found = match(atlas, text, is_called_ignoring_case);
+    }
+    if (found.count > 1) {
+        return fail_ambiguous(text, &found);
+    }
+    conus_status status = found.count ? CONUS_OK : refuse_changed(atlas, text);
+    if (!status) {
+        *out = found.first;
+    }
+    return status;
+}
+
+conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text)
+{
+    uint32_t found = 0;
+    conus_status status = find_area(&found, atlas, text);
+    if (!status && !found && find_pathway(atlas, text, is_called)) {
+        return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is a pathway, which is no part of the area tree", shown_size(text),
+                    text.data);
+    }
+    if (!status && !found) {
+        return fail_unknown(atlas, atlas->area_count, text);
+    }
+    if (!status) {
+        *out = found;
+    }
+    return status;
+}
+
+conus_status object_find(uint32_t *out, const conus_atlas *atlas, struct text text)
+{
+    uint32_t found = find_pathway(atlas, text, is_called);
+    conus_status status = found ? CONUS_OK : find_area(&found, atlas, text);
+    if (!status && !found) {
+        found = find_pathway(atlas, text, is_called_ignoring_case);
+    }
+    if (!status && !found) {
+        return fail_unknown(atlas, atlas->object_count, text);
+    }
+    if (!status) {
+        *out = found;
+    }
+    return status;
+}
+
+conus_status conus_atlas_find(uint32_t *out, const conus_atlas *atlas, const char *name)
+{
+    struct text text = text_from(name);
+    return text.size ? object_find(out, atlas, text) : fail(CONUS_ERROR_ARGUMENT, "name: empty, one is needed");
+}

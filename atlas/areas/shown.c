@@ -1,0 +1,285 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Objects that are hidden: as if they had never been loaded. What reads an atlas needs to know nothing of it: voxels of
+ * hidden areas hold no object, hidden pathways are not met (volume_is_met()), hidden meshes are not there
+ * (atlas_object_mesh()). */
+#include "atlas/areas/area_find.h"
+#include "atlas/areas/area_list.h"
+#include "atlas/atlas.h"
+#include "base/memory.h"
+
+#include <string.h>
+
+enum { NAMED = 4 }; /* names in a sentence */
+
+/* ---- Voxels ----------------------------------------------------------------------------------------------------- */
+
+static void show_voxels(struct volume *volume)
+{
+    for (size_t i = 0; i < volume->hidden_run_count; i++) {
+        const struct hidden_run *run = &volume->hidden_runs[i];
+        for (size_t v = run->first; v < run->first + run->count; v++) {
+            volume_set_object(volume, v, run->object);
+        }
+    }
+}
+
+static void hide_voxels(struct volume *volume)
+{
+    for (size_t i = 0; i < volume->hidden_run_count; i++) {
+        const struct hidden_run *run = &volume->hidden_runs[i];
+        for (size_t v = run->first; v < run->first + run->count; v++) {
+            volume_set_object(volume, v, 0);
+        }
+    }
+}
+
+/* What is found of them. */
+struct runs {
+    struct hidden_run *items;
+    size_t count, capacity;
+};
+
+static conus_status find_runs(struct runs *runs, const struct volume *volume, const bool *hidden)
+{
+    for (size_t first = 0, end; first < volume->voxel_count; first = end) {
+        uint32_t object = volume_object(volume, first);
+        for (end = first + 1; end < volume->voxel_count && volume_object(volume, end) == object;) {
+            end++;
+        }
+        if (hidden[object]) {
+            void *items = runs->items;
+            bool fits = memory_reserve(&items, &runs->capacity, runs->count + 1, sizeof *runs->items);
+            runs->items = items;
+            if (!fits) {
+                return CONUS_ERROR_MEMORY;
+            }
+            runs->items[runs->count++] = (struct hidden_run){first, end - first, object};
+        }
+    }
+    return CONUS_OK;
+}
+
+/* Of a parcellation. On failure all is as it was. */
+static conus_status change_voxels(struct volume *volume, const bool *hidden)
+{
+    struct runs runs = {0};
+    conus_status status = volume_own(volume);
+    if (status) {
+        return status;
+    }
+    show_voxels(volume);
+    status = find_runs(&runs, volume, hidden);
+    if (!status) {
+        memory_free(volume->hidden_runs);
+        volume->hidden_runs = runs.items;
+        volume->hidden_run_count = runs.count;
+        runs.items = NULL;
+    }
+    hide_voxels(volume);
+    memory_free(runs.items);
+    return status;
+}
+
+/* ---- Objects ---------------------------------------------------------------------------------------------------- */
+
+/* Whether an area with voxels would be hidden that is not, or the other way. */
+static bool voxels_change(const conus_atlas *atlas, const bool *hidden)
+{
+    for (size_t i = 0; i < atlas->area_count; i++) {
+        if (!atlas->places[i].is_mesh && atlas->places[i].is_hidden != hidden[i + 1]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static conus_status set_hidden(conus_atlas *atlas, const bool *hidden)
+{
+    struct volume *parcellation = (struct volume *)atlas_parcellation(atlas);
+    bool other = parcellation && voxels_change(atlas, hidden);
+    conus_status status = other ? change_voxels(parcellation, hidden) : CONUS_OK;
+    for (size_t i = 0; i < atlas->object_count && !status; i++) {
+        struct object_place *place = &atlas->places[i];
+        place->is_hidden = hidden[i + 1];
+        if (atlas->objects[i].kind == CONUS_PATHWAY) {
+            atlas->volumes[place->index].is_hidden = place->is_hidden;
+        }
+    }
+    return status;
+}
+
+conus_status conus_atlas_set_hidden(conus_atlas *atlas, const bool *hidden)
+{
+    size_t count = atlas->object_count + 1;
+    bool *copy = hidden ? memory_copy(hidden, count, sizeof *copy) : memory_zeroed(count, sizeof *copy);
+    if (!copy) {
+        return CONUS_ERROR_MEMORY;
+    }
+    copy[0] = false; /* "nothing" cannot be hidden */
+    conus_status status = set_hidden(atlas, copy);
+    memory_free(copy);
+    return status;
+}
+
+bool conus_atlas_is_hidden(const conus_atlas *atlas, size_t number)
+{
+    return conus_atlas_object(atlas, number) && atlas->places[number - 1].is_hidden;
+}
+
+bool atlas_has_hidden(const conus_atlas *atlas)
+{
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        if (atlas->places[i].is_hidden) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool atlas_has_meshes(const conus_atlas *atlas)
+{
+    for (uint32_t number = 1; atlas->mesh_count && number <= atlas->object_count; number++) {
+        if (atlas_object_mesh(atlas, number)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* ---- By name ---------------------------------------------------------------------------------------------------- */
+
+struct naming {
+    conus_atlas *atlas;
+    bool *named; /* [object_count + 1] */
+};
+
+static conus_status name_object(void *user, struct text name)
+{
+    struct naming *naming = user;
+    uint32_t found[2] = {0};
+    bool is_cut = area_find_halves(found, naming->atlas, name);
+    conus_status status = is_cut ? CONUS_OK : object_find(&found[0], naming->atlas, name);
+    for (uint32_t number = 1; number <= naming->atlas->object_count && !status; number++) {
+        if (atlas_is_below(naming->atlas, number, found[0]) ||
+            (is_cut && atlas_is_below(naming->atlas, number, found[1]))) {
+            naming->named[number] = true;
+        }
+    }
+    return status;
+}
+
+/* A list is a source of the answers, and no output is to overwrite it. */
+static conus_status note_list(void *user, const char *path, const struct bytes *content)
+{
+    struct naming *naming = user;
+    return atlas_add_file(naming->atlas, path, content);
+}
+
+/* Hides what @p list names, or what it does not, of what is not hidden yet. */
+static conus_status hide_list(bool *hidden, conus_atlas *atlas, const char *list, bool others, const char *what)
+{
+    struct naming naming = {atlas, memory_zeroed(atlas->object_count + 1, sizeof *naming.named)};
+    conus_status status = naming.named ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status) {
+        status = area_list_read(text_from(list), name_object, note_list, &naming);
+        status = status ? fail_in(status, what) : status;
+    }
+    for (size_t number = 1; number <= atlas->object_count && !status; number++) {
+        hidden[number] = hidden[number] || naming.named[number] != others;
+    }
+    memory_free(naming.named);
+    return status;
+}
+
+static bool has_shape(const conus_object *object)
+{
+    return object->voxels || object->triangles;
+}
+
+static conus_status need_something(const bool *hidden, const conus_atlas *atlas)
+{
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        if (!hidden[i + 1] && has_shape(&atlas->objects[i])) {
+            return CONUS_OK;
+        }
+    }
+    return fail(CONUS_ERROR_ARGUMENT, "everything is hidden: nothing is left that has voxels or triangles");
+}
+
+conus_status conus_atlas_show(conus_atlas *atlas, const char *only, const char *hide)
+{
+    size_t files = atlas->files.count;
+    bool *hidden = memory_zeroed(atlas->object_count + 1, sizeof *hidden);
+    conus_status status = hidden ? CONUS_OK : CONUS_ERROR_MEMORY;
+    status = !status && only ? hide_list(hidden, atlas, only, true, "only") : status;
+    status = !status && hide ? hide_list(hidden, atlas, hide, false, "hide") : status;
+    status = !status && (only || hide) ? need_something(hidden, atlas) : status;
+    status = status ? status : set_hidden(atlas, hidden);
+    if (status) {
+        file_sums_cut(&atlas->files, files);
+    }
+    memory_free(hidden);
+    return status;
+}
+
+/* ---- In words --------------------------------------------------------------------------------------------------- */
+
+/* Groups have nothing to hide. */
+static bool is_listed(const conus_atlas *atlas, size_t number)
+{
+    return atlas->places[number - 1].is_hidden && has_shape(&atlas->objects[number - 1]);
+}
+
+/* Those of the objects from number @p first to @p last. */
+static void list_labels(struct buffer *out, const conus_atlas *atlas, size_t first, size_t last, const char *kind)
+{
+    const char *before = out->size ? "; " : "";
+    for (size_t number = first; number <= last; number++) {
+        size_t end = number;
+        uint32_t label = atlas->objects[number - 1].label;
+        if (!is_listed(atlas, number)) {
+            continue;
+        }
+        while (end < last && is_listed(atlas, end + 1) &&
+               atlas->objects[end].label == label + (uint32_t)(end + 1 - number)) {
+            end++;
+        }
+        buffer_format(out, "%s%s%u", before, kind, label);
+        if (end > number) {
+            buffer_format(out, "-%u", atlas->objects[end - 1].label);
+        }
+        before = ",";
+        kind = "";
+        number = end;
+    }
+}
+
+void atlas_list_hidden(struct buffer *out, const conus_atlas *atlas)
+{
+    struct buffer list = {0};
+    list_labels(&list, atlas, 1, atlas->area_count, "areas ");
+    list_labels(&list, atlas, atlas->area_count + 1, atlas->object_count, "pathways ");
+    out->failed = out->failed || list.failed;
+    buffer_text(out, list.data ? list.data : "");
+    buffer_finish(&list);
+}
+
+void atlas_describe_shown(struct buffer *out, const conus_atlas *atlas)
+{
+    size_t count[2] = {0}; /* of those that are shown and hidden */
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        count[atlas->places[i].is_hidden] += has_shape(&atlas->objects[i]);
+    }
+    bool hidden = count[1] <= count[0]; /* those are named that are fewer */
+    size_t named = 0;
+    buffer_text(out, !count[1] ? "" : hidden ? "all but" : "only");
+    for (size_t i = 0; i < atlas->object_count && count[1] && named < NAMED; i++) {
+        if (has_shape(&atlas->objects[i]) && atlas->places[i].is_hidden == hidden) {
+            buffer_format(out, "%s %s", named ? "," : "", atlas->objects[i].name);
+            named++;
+        }
+    }
+    if (count[1] && count[hidden] > named) {
+        buffer_format(out, " and %zu more", count[hidden] - named);
+    }
+}

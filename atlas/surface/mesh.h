@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A triangulated surface in world space. */
+#ifndef CONUS_ATLAS_SURFACE_MESH_H
+#define CONUS_ATLAS_SURFACE_MESH_H
+
+#include "base/notes.h"
+
+/** What mesh_measure() finds. */
+struct mesh_shape {
+    double low[3], high[3]; /**< Bounds of the vertices that triangles use.                                  */
+    double volume_mm3;      /**< Signed: positive where the triangles face outwards (divergence theorem).    */
+    double centroid[3];     /**< Of the enclosed volume where closed, else of the surface.                   */
+    bool closed;            /**< mesh_is_closed(), triangles without area that were left out included.       */
+    bool has_volume;        /**< Closed, and volume_mm3 is that of its inside: mesh_winds_once().            */
+};
+
+struct mesh {
+    char *path;       /**< Of the file it came from; owned, NULL if none.                              */
+    float *positions; /**< [3 vertex_count] x, y, z in world mm (RAS); owned.                          */
+    size_t vertex_count;
+    uint32_t *triangles; /**< [3 triangle_count] vertex indices, counter-clockwise from outside; owned.   */
+    size_t triangle_count;
+    bool is_borrowed;        /**< The two arrays are not the mesh's own, not to be written, and 16 bytes behind each
+                                  may be read.                                                                  */
+    struct mesh_shape shape; /**< mesh_check() fills in whether it is closed, atlas_add_mesh() all of it.       */
+};
+
+void mesh_finish(struct mesh *mesh);
+
+/** A mesh of zeroed arrays for so many vertices and triangles. */
+conus_status mesh_init(struct mesh *out, size_t vertex_count, size_t triangle_count);
+
+/** Refuses what no engine may see: no triangle, a coordinate that is not within 1e9 mm of 0, an index out of range.
+ * Triangles of no area are left out and counted in @p notes, as is a mesh that is not closed. */
+conus_status mesh_check(struct mesh *mesh, struct notes *notes);
+
+/** The part of mesh_check() that makes a mesh safe to use: numbers and indices. */
+conus_status mesh_check_numbers(const struct mesh *mesh);
+
+/** Measures a checked mesh; what is closed by mesh->shape stays so. CONUS_ERROR_MEMORY without memory for its edges or
+ * crossings. */
+conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh);
+
+/** Distance along a ray to the plane of @p triangle, held within the triangle's reach along the ray: for a ray that
+ * meets it, or passes it by less than rounding. In units of @p direction's length. */
+double mesh_distance(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3]);
+
+/** mesh_distance(), and in @p side from which side the ray comes: 1 from that which the triangle faces, -1 from the
+ * other, 0 where it runs in the triangle's plane. */
+double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const double origin[3],
+                     const double direction[3]);
+
+/** Moves every vertex by @p world_from_mesh; turns triangles around where that mirrors. */
+void mesh_transform(struct mesh *mesh, const double world_from_mesh[16]);
+
+#endif

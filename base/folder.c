@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/folder.h"
+
+#include "base/memory.h"
+
+#include <dirent.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum { NAME_LIMIT = 4096 };
+
+void names_finish(struct names *names)
+{
+    for (size_t i = 0; i < names->count; i++) {
+        memory_free(names->names[i]);
+    }
+    memory_free(names->names);
+}
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+static bool ends_with(const char *name, const char *ending)
+{
+    size_t length = strlen(name);
+    size_t tail = strlen(ending);
+    return length >= tail && strcmp(name + length - tail, ending) == 0;
+}
+
+conus_status names_add(struct names *names, const char *name)
+{
+    char **grown = memory_resize(names->names, names->count + 1, sizeof *grown);
+    if (!grown) {
+        return CONUS_ERROR_MEMORY;
+    }
+    names->names = grown;
+    char *copy = memory_text(name, strlen(name));
+    if (!copy) {
+        return CONUS_ERROR_MEMORY;
+    }
+    grown[names->count++] = copy;
+    return CONUS_OK;
+}
+
+conus_status names_list(struct names *out, const char *folder, const char *ending)
+{
+    DIR *directory = opendir(folder);
+    conus_status status = CONUS_OK;
+    for (struct dirent *entry; directory && !status && out->count < NAME_LIMIT && (entry = readdir(directory));) {
+        status = ends_with(entry->d_name, ending) ? names_add(out, entry->d_name) : CONUS_OK;
+    }
+    if (directory) {
+        closedir(directory);
+    }
+    if (!status && out->count) {
+        qsort(out->names, out->count, sizeof *out->names, compare_names);
+    }
+    return status;
+}
+
+char *path_folder(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? memory_text(path, (size_t)(slash - path) + 1) : memory_text("./", 2);
+}
+
+size_t volume_stem_length(const char *path)
+{
+    static const char *const endings[] = {".nii.gz", ".hdr.gz", ".img.gz", ".mgh.gz", ".nii",
+                                          ".hdr",    ".img",    ".mgz",    ".mgh"};
+    size_t length = strlen(path);
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        size_t ending = strlen(endings[i]);
+        if (length > ending && strcasecmp(path + length - ending, endings[i]) == 0) {
+            return length - ending;
+        }
+    }
+    return length;
+}
+
+const char *path_base(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What lies in a folder, and the parts of a path. */
+#ifndef CONUS_BASE_FOLDER_H
+#define CONUS_BASE_FOLDER_H
+
+#include "base/status.h"
+
+/** File names, owned. */
+struct names {
+    char **names;
+    size_t count;
+};
+
+/** The first 4096 names in @p folder that end in @p ending, sorted, so that an answer does not hang on the file system;
+ * none if there is no such folder. @p out is the caller's to finish, also on failure. */
+conus_status names_list(struct names *out, const char *folder, const char *ending);
+void names_finish(struct names *names);
+
+/** Appends a copy of @p name. */
+conus_status names_add(struct names *names, const char *name);
+
+/** The folder of @p path with a '/' at its end, "./" if it has none. NULL without memory; memory_free() it. */
+char *path_folder(const char *path);
+
+/** What follows the last '/'. */
+const char *path_base(const char *path);
+
+/** Length of @p path without the ending of a volume (.nii.gz, .mgz, ...). */
+size_t volume_stem_length(const char *path);
+
+#endif

@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "bench/bench.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+#include <unistd.h>
+
+/* Milliseconds from which on it makes no difference what a run found in the caches. */
+#define LONG_RUN 250.0
+
+/* Milliseconds up to which other programs on the machine may spoil a run altogether, so that it is made AGAIN. */
+#define SHORT_RUN 50.0
+enum { AGAIN = 3 };
+
+static double clock_ms(clockid_t clock)
+{
+    struct timespec now;
+    clock_gettime(clock, &now);
+    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+}
+
+double bench_now(const struct bench *bench)
+{
+    return clock_ms(bench->one_thread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC);
+}
+
+double bench_wall(void)
+{
+    return clock_ms(CLOCK_MONOTONIC) / 1e3;
+}
+
+double bench_random(uint64_t *state, double low, double high)
+{
+    uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
+    z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);
+    return low + (high - low) * ((double)((z ^ z >> 31) >> 11) * 0x1p-53);
+}
+
+size_t bench_size(const struct bench_options *options, size_t full)
+{
+    return options->check ? (full + 49) / 50 : full;
+}
+
+conus_status bench_brain(char *path, size_t size, const struct bench *bench)
+{
+    snprintf(path, size, "%s/brain.atlas.json", bench->folder);
+    return access(path, R_OK) == 0 ? CONUS_OK : conus_phantom_write("brain", bench->folder, NULL);
+}
+
+/* ---- Statistics ------------------------------------------------------------------------------------------------ */
+
+static int compare_times(const void *a, const void *b)
+{
+    double x = *(const double *)a;
+    double y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(const double *sorted, size_t count)
+{
+    return 0.5 * (sorted[(count - 1) / 2] + sorted[count / 2]);
+}
+
+/* Times of one variant: of every round its first run, and the one that counts. */
+struct times {
+    double *cold, *warm;
+    double *cpu;   /* of all threads, of the one that counts */
+    bool has_cold; /* apart from the other                   */
+};
+
+/* Fills in the variant's numbers; returns how far apart the middle half of its times is, as a part of the median. */
+static double summarise(struct bench_variant *variant, const struct times *times, size_t rounds)
+{
+    qsort(times->warm, rounds, sizeof *times->warm, compare_times);
+    qsort(times->cold, rounds, sizeof *times->cold, compare_times);
+    qsort(times->cpu, rounds, sizeof *times->cpu, compare_times);
+    variant->median_ms = median(times->warm, rounds);
+    variant->min_ms = times->warm[0];
+    variant->p90_ms = times->warm[(rounds - 1) * 9 / 10];
+    variant->cold_ms = times->has_cold ? median(times->cold, rounds) : (double)NAN;
+    return (times->warm[(rounds - 1) * 3 / 4] - times->warm[(rounds - 1) / 4]) / variant->median_ms;
+}
+
+static const char *clock_name(const struct bench *bench)
+{
+    return bench->one_thread ? "CPU time of one thread" : "wall";
+}
+
+static void print_run(const char *scenario, const struct bench_variant *variant)
+{
+    char cold[32] = "";
+    if (!isnan(variant->cold_ms)) {
+        snprintf(cold, sizeof cold, ", cold %.4f", variant->cold_ms);
+    }
+    printf("%-11s %-44s %10.4f ms (min %.4f, p90 %.4f%s)%s\n", scenario, variant->name, variant->median_ms,
+           variant->min_ms, variant->p90_ms, cold,
+           variant->equal             ? ""
+           : variant->other_by_design ? "  other answers by design"
+                                      : "  ANSWERS DIFFER");
+}
+
+static conus_status add_run(struct bench *bench, const char *scenario, struct bench_variant *variant,
+                            const struct times *times, size_t rounds, size_t per, double angle_deg)
+{
+    double spread = summarise(variant, times, rounds);
+    json_t *cold = times->has_cold ? json_real(variant->cold_ms) : json_null();
+    json_t *run =
+        json_pack("{s:s, s:s, s:I, s:f, s:f, s:f, s:f, s:o, s:f, s:f, s:I, s:b, s:b, s:s}", "scenario", scenario,
+                  "variant", variant->name, "count", (json_int_t)per, "angle_deg", angle_deg, "median_ms",
+                  variant->median_ms, "min_ms", variant->min_ms, "p90_ms", variant->p90_ms, "cold_ms", cold, "cpu_ms",
+                  median(times->cpu, rounds), "spread", spread, "repeats", (json_int_t)rounds, "equal", variant->equal,
+                  "other_by_design", variant->other_by_design, "clock", clock_name(bench));
+    int error = !run || (variant->more && json_object_update(run, variant->more));
+    json_decref(variant->more);
+    variant->more = NULL;
+    print_run(scenario, variant);
+    if (error) {
+        json_decref(run);
+        return fail(CONUS_ERROR_MEMORY, "out of memory");
+    }
+    return json_array_append_new(bench->runs, run) ? fail(CONUS_ERROR_MEMORY, "out of memory") : CONUS_OK;
+}
+
+/* ---- Measuring ------------------------------------------------------------------------------------------------- */
+
+static double time_once(const struct bench *bench, const struct bench_variant *variant, double *cpu)
+{
+    if (variant->prepare) {
+        variant->prepare(variant->data);
+    }
+    double cpu_start = clock_ms(CLOCK_PROCESS_CPUTIME_ID);
+    double start = bench_now(bench);
+    variant->run(variant->data);
+    double time = bench_now(bench) - start;
+    *cpu = clock_ms(CLOCK_PROCESS_CPUTIME_ID) - cpu_start;
+    return time;
+}
+
+/* The median of three more runs, with the processor time of one of them. */
+static double time_again(const struct bench *bench, const struct bench_variant *variant, double *cpu)
+{
+    double runs[AGAIN];
+    for (int i = 0; i < AGAIN; i++) {
+        runs[i] = time_once(bench, variant, cpu);
+    }
+    qsort(runs, AGAIN, sizeof *runs, compare_times);
+    return median(runs, AGAIN);
+}
+
+static void take_round(const struct bench *bench, const struct bench_variant *variant, struct times *times,
+                       size_t round, size_t per)
+{
+    double cpu;
+    double first = time_once(bench, variant, &cpu); /* its neighbours emptied the caches */
+    double warm = first;
+    times->has_cold = first < LONG_RUN && !bench->options.check;
+    if (times->has_cold) {
+        warm = first < SHORT_RUN ? time_again(bench, variant, &cpu) : time_once(bench, variant, &cpu);
+    }
+    times->cold[round] = first / (double)per;
+    times->warm[round] = warm / (double)per;
+    times->cpu[round] = cpu / (double)per;
+}
+
+static size_t queries_in(const struct bench_variant *variant, size_t per)
+{
+    return variant->per ? variant->per : per;
+}
+
+/* As many rounds as there is time for; returns their number. */
+static size_t take_rounds(const struct bench *bench, const struct bench_variant *variants, size_t count,
+                          struct times *times, size_t per)
+{
+    double start = bench_wall();
+    double limit = bench->options.seconds > 0 ? bench->options.seconds : (double)INFINITY;
+    size_t round = 0;
+    while (round < bench->options.repeats && (round == 0 || bench_wall() - start < limit)) {
+        for (size_t v = 0; v < count; v++) {
+            take_round(bench, &variants[v], &times[v], round, queries_in(&variants[v], per));
+        }
+        round++;
+    }
+    return round;
+}
+
+conus_status bench_measure(struct bench *bench, const char *scenario, struct bench_variant *variants, size_t count,
+                           size_t per, double angle_deg)
+{
+    size_t repeats = bench->options.repeats;
+    double *room = memory_raw(3 * count * repeats, sizeof *room);
+    struct times *times = memory_zeroed(count, sizeof *times);
+    conus_status status = room && times ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t v = 0; v < count && !status; v++) {
+        double *own = room + 3 * v * repeats;
+        times[v] = (struct times){.cold = own, .warm = own + repeats, .cpu = own + 2 * repeats};
+    }
+    size_t rounds = status ? 0 : take_rounds(bench, variants, count, times, per);
+    for (size_t v = 0; v < count && !status; v++) {
+        status = add_run(bench, scenario, &variants[v], &times[v], rounds, queries_in(&variants[v], per), angle_deg);
+    }
+    memory_free(times);
+    memory_free(room);
+    return status;
+}
+
+/* ---- What follows ---------------------------------------------------------------------------------------------- */
+
+conus_status bench_value(struct bench *bench, const char *key, double value, bool equal)
+{
+    int error;
+    if (equal && isfinite(value)) {
+        printf("%s = %.4g\n", key, value);
+        error = json_object_set_new(bench->ratios, key, json_real(value));
+    } else {
+        const char *why = equal ? "it was not measured" : "the answers differ";
+        char name[96];
+        snprintf(name, sizeof name, "%s_null_because", key);
+        printf("%s = null: %s\n", key, why);
+        error = json_object_set_new(bench->ratios, key, json_null());
+        error |= json_object_set_new(bench->ratios, name, json_string(why));
+    }
+    return error ? fail(CONUS_ERROR_MEMORY, "out of memory") : CONUS_OK;
+}
+
+conus_status bench_ratio(struct bench *bench, const char *key, const struct bench_variant *above,
+                         const struct bench_variant *below)
+{
+    return bench_value(bench, key, above->median_ms / below->median_ms, above->equal && below->equal);
+}
+
+conus_status bench_ratio_cold(struct bench *bench, const char *key, const struct bench_variant *above,
+                              const struct bench_variant *below)
+{
+    double above_ms = isnan(above->cold_ms) ? above->median_ms : above->cold_ms;
+    return bench_value(bench, key, above_ms / below->median_ms, above->equal && below->equal);
+}
+
+conus_status bench_leave_out(struct bench *bench, const char *what)
+{
+    printf("%s: left out: %s\n", what, conus_message());
+    return json_object_set_new(bench->left_out, what, json_string(conus_message()))
+               ? fail(CONUS_ERROR_MEMORY, "out of memory")
+               : CONUS_OK;
+}

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * conus-bench: scenarios in a table, and what they share: interleaved timing, statistics, JSON. A scenario may use the
+ * library's internals. Every ratio stands on variants that ran side by side in one process and gave equal answers. */
+#ifndef CONUS_BENCH_BENCH_H
+#define CONUS_BENCH_BENCH_H
+
+#include "atlas/atlas.h"
+
+#include <jansson.h>
+
+struct bench_options {
+    const char *atlas;   /**< Path.                                       */
+    const char *context; /**< Path of the context volume, for pictures.   */
+    const char *bonsai;  /**< Path of the paper's volume; NULL = a stand-in for it is made. */
+    double angle;        /**< Full opening, degrees.                      */
+    size_t poses;
+    size_t slices;      /**< Planes of the colour pass.               */
+    size_t repeats;     /**< Rounds in which every variant runs once. */
+    double seconds;     /**< No measurement begins another round when it has taken so long; 0 = never mind. */
+    const char *record; /**< Where the poses of a hand go; NULL = nowhere. */
+    bool check;         /**< Everything small: what counts is whether answers are equal. */
+};
+
+/** Everything measured, as it goes into the JSON. */
+struct bench {
+    struct bench_options options;
+    const char *folder; /**< For files that a scenario makes; removed in the end. */
+    json_t *runs;
+    json_t *ratios;
+    json_t *left_out; /**< {what: why} of what could not be run. */
+    size_t crashed;   /**< Scenarios among these whose process ended without a word. */
+    char driver[512]; /**< Engine or GL renderer in use.                                              */
+    const char *note; /**< What a reader of the figures must know; NULL = nothing. A literal. */
+    bool one_thread;  /**< Set by a scenario whose variants all run on the calling thread: then its CPU
+                           time is taken, which other programs on the machine hardly disturb.        */
+};
+
+/** Something to time. */
+struct bench_variant {
+    const char *name;
+    void (*run)(void *data);
+    void *data;
+    void (*prepare)(void *data);      /**< Before each run, and not timed; may be NULL.                    */
+    size_t per;                       /**< Queries in a run; 0 = as many as the others.                    */
+    bool equal;                       /**< Its answers equal the first variant's.                          */
+    bool other_by_design;             /**< It answers something else (slices, say): no failure.            */
+    json_t *more;                     /**< Object of further keys for its run; taken over. May be NULL.    */
+    double median_ms, min_ms, p90_ms; /**< Out: one run / `per`.                                           */
+    double cold_ms;                   /**< Out: the median of first runs, behind the other variants; NAN where the
+                                           first run is what counts.                                       */
+};
+
+/** Times the variants in turn, options.repeats times or as long as options.seconds allows, and adds them to the runs.
+ * What is timed is a run behind another of its own, as in a batch that goes on: of short ones the median of three, of
+ * one that takes longer than caches matter the first. Times are those of one run divided by @p per (queries in a run,
+ * say); @p angle_deg 0 where there is no cone. */
+conus_status bench_measure(struct bench *bench, const char *scenario, struct bench_variant *variants, size_t count,
+                           size_t per, double angle_deg);
+
+/** Adds ratio @p key = @p above / @p below, by medians; null with the reason where their answers differ. */
+conus_status bench_ratio(struct bench *bench, const char *key, const struct bench_variant *above,
+                         const struct bench_variant *below);
+/** The same of @p above when it runs cold. */
+conus_status bench_ratio_cold(struct bench *bench, const char *key, const struct bench_variant *above,
+                              const struct bench_variant *below);
+/** Adds a number that is no ratio; null with the reason where @p equal is false. */
+conus_status bench_value(struct bench *bench, const char *key, double value, bool equal);
+
+/** Notes that @p what is left out, because of conus_message(). */
+conus_status bench_leave_out(struct bench *bench, const char *what);
+
+/** Milliseconds: of this thread's CPU time or of the wall clock. */
+double bench_now(const struct bench *bench);
+
+/** Seconds of the wall clock. */
+double bench_wall(void);
+
+/** A deterministic generator (SplitMix64); uniform in [low, high). */
+double bench_random(uint64_t *state, double low, double high);
+
+/** @p full, or in a check the fiftieth part of it: how many objects, say. */
+size_t bench_size(const struct bench_options *options, size_t full);
+
+/** Path of the brain phantom's manifest, which is written if it is not there yet. */
+conus_status bench_brain(char *path, size_t size, const struct bench *bench);
+
+struct bench_scenario {
+    const char *name, *description;
+    conus_status (*run)(struct bench *bench);
+    size_t poses, repeats; /**< When all are run; 0 = the default. */
+    double seconds;        /**< likewise, of one measurement       */
+};
+
+conus_status bench_brain_frames(struct bench *bench);
+conus_status bench_census(struct bench *bench);
+conus_status bench_batch(struct bench *bench);
+conus_status bench_batch_mesh(struct bench *bench); /**< On surfaces made of the atlas. */
+conus_status bench_accuracy(struct bench *bench);
+conus_status bench_bonsai(struct bench *bench);
+conus_status bench_colour(struct bench *bench);
+conus_status bench_hand(struct bench *bench);
+conus_status bench_volume(struct bench *bench);
+conus_status bench_volume_gl(struct bench *bench);
+conus_status bench_mesh(struct bench *bench);
+conus_status bench_leaps(struct bench *bench);
+conus_status bench_steps(struct bench *bench);
+conus_status bench_startup(struct bench *bench);
+conus_status bench_torus(struct bench *bench);
+conus_status bench_torus_frame(struct bench *bench);
+conus_status bench_torus_gl(struct bench *bench); /**< Its part that needs OpenGL. */
+conus_status bench_gl_layers(struct bench *bench);
+conus_status bench_layers(struct bench *bench);
+/* What people use today; they leave themselves out where VTK was not there to build them. */
+conus_status bench_peers_mesh(struct bench *bench);
+conus_status bench_peers_volume(struct bench *bench);
+conus_status bench_peers_colour(struct bench *bench);
+
+#endif

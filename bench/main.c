@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/text.h"
+#include "bench/all.h"
+#include "bench/bench.h"
+#include "bench/report.h"
+
+#include <ftw.h>
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define DEFAULT_ATLAS "/usr/share/mricron/templates/aal.nii.gz"
+#define DEFAULT_CONTEXT "/usr/share/mricron/templates/ch2bet.nii.gz"
+
+enum { EXIT_CHECK = 1, EXIT_USAGE = 2, EXIT_DATA = 3 };
+enum { DEFAULT_POSES = 64, DEFAULT_SLICES = 362, DEFAULT_REPEATS = 9 };
+enum { CHECK_POSES = 4, CHECK_SLICES = 45, CHECK_REPEATS = 1, CHECK_EDGE = 32 /* of the phantom */ };
+
+/* The last three numbers are for when all are run: poses, rounds, and seconds for one measurement. */
+static const struct bench_scenario scenarios[] = {
+    {"volume", "256 rays through a labelled volume: plain traversal against the rays engine", bench_volume, 64, 31, 10},
+    {"volume_gl", "256 rays through a labelled volume by OpenGL: the paper's slices against exact cells",
+     bench_volume_gl, 64, 9, 10},
+    {"census", "the voxels in cones of 5, 20 and 60 degrees: every one asked against the walk over rows", bench_census,
+     8, 3, 10},
+    {"batch", "poses as text in, rows as text out, on one thread and two, against plain traversal", bench_batch, 4000,
+     9, 20},
+    {"batch_mesh", "the same batch on surfaces that conus mesh makes of the areas", bench_batch_mesh, 1000, 5, 15},
+    {"torus", "256 rays into 1,000 to 200,000 tori, one at a time or in packets; the paper's pass", bench_torus, 64, 9,
+     12},
+    {"torus_frame", "frames of 1,000 to 200,000 tori, without and with a selection in each, as the paper has it",
+     bench_torus_frame, 1, 5, 15},
+    {"layers", "256 rays into 20,000 tori: what is visible and all layers, the engine alone and whole queries",
+     bench_layers, 16, 5, 20},
+    {"gl_layers", "256 rays into 20,000 tori by OpenGL: what is visible and all layers", bench_gl_layers, 16, 5, 20},
+    {"steps", "the gl engine's mesh pass with and without each of its steps, on 20,000 tori", bench_steps, 4, 3, 15},
+    {"leaps", "256 rays through a labelled volume by both engines, with and without leaping over what is empty",
+     bench_leaps, 64, 9, 10},
+    {"mesh", "256 rays at an atlas's surfaces (else the brain phantom's), one at a time or in packets", bench_mesh, 64,
+     9, 10},
+    {"colour", "a picture: blended slices against ray casting without and with skipping", bench_colour, 1, 5, 40},
+    {"peers_mesh", "256 rays into 20,000 tori: VTK's selector, locators and picker against the rays engine",
+     bench_peers_mesh, 4, 5, 40},
+    {"peers_volume", "256 rays through a labelled volume: VTK's pickers and selector beside the rays engine",
+     bench_peers_volume, 8, 5, 20},
+    {"peers_colour", "a picture of a volume: VTK's volume mappers against the colour pass", bench_peers_colour, 1, 3,
+     20},
+    {"bonsai", "frames of 1 to 45 volumes of 256^3 bytes, without and with a selection in each, as the paper has it",
+     bench_bonsai, 1, 3, 20},
+    {"brain", "frames of the brain phantom, surfaces and volumes, without and with a selection in each",
+     bench_brain_frames, 1, 9, 20},
+    {"accuracy", "how wrong slices are: labels and thin tubes, over cones' angles", bench_accuracy, 64, 5, 2},
+    {"startup", "loading an atlas, making selectors, and the whole of conus query", bench_startup, 1, 15, 15},
+    {"hand", "a trembling hand: how often --poses trials select the area that was meant", bench_hand, 64, 0, 0},
+};
+
+enum { SCENARIO_COUNT = sizeof scenarios / sizeof scenarios[0] };
+
+static void print_help(void)
+{
+    puts("usage: conus-bench SCENARIO|all [options]\n\nscenarios:");
+    for (size_t i = 0; i < SCENARIO_COUNT; i++) {
+        printf("  %-12s %s\n", scenarios[i].name, scenarios[i].description);
+    }
+    puts("  all          one after the other, each in a process of its own, with numbers that fit into 15 minutes\n"
+         "\noptions:\n"
+         "  --atlas FILE   labelled volume, or a manifest (default " DEFAULT_ATLAS ")\n"
+         "  --context FILE volume around the areas in pictures (default " DEFAULT_CONTEXT ")\n"
+         "  --bonsai FILE  the paper's volume, 256^3 bytes, raw or in a file of any format (else a stand-in is made)\n"
+         "  --slices N     planes of a picture (default 362)\n"
+         "  --angle A      full opening angle in degrees (default 5)\n"
+         "  --poses N      cones per round (default 64; all: its own)\n"
+         "  --repeats N    rounds in which every variant runs once (default 9; all: its own)\n"
+         "  --seconds S    begin no further round when a measurement has taken so long (all: its own)\n"
+         "  --record FILE  write the poses of the hand, for conus track\n"
+         "  --check        everything small: exit code 1 unless all answers are equal; times mean nothing\n"
+         "  --json FILE    write everything measured");
+}
+
+/* ---- Options --------------------------------------------------------------------------------------------------- */
+
+static conus_status parse_count(const char *option, const char *value, size_t *out)
+{
+    uint64_t number;
+    if (!text_to_uint(text_from(value), 1000000, &number) || number == 0) {
+        return fail(CONUS_ERROR_ARGUMENT, "--%s: '%s', allowed is 1 to 1000000", option, value);
+    }
+    *out = (size_t)number;
+    return CONUS_OK;
+}
+
+static conus_status parse_number(const char *option, const char *value, double limit, double *out)
+{
+    double number;
+    if (!text_to_double(text_from(value), &number) || !(number > 0 && number < limit)) {
+        return fail(CONUS_ERROR_ARGUMENT, "--%s: '%s', allowed is more than 0 and less than %g", option, value, limit);
+    }
+    *out = number;
+    return CONUS_OK;
+}
+
+struct arguments {
+    struct bench_options options;
+    const struct bench_scenario *scenario;
+    const char *json;
+    bool all, help;
+};
+
+static conus_status parse_option(struct arguments *out, int option)
+{
+    struct bench_options *options = &out->options;
+    switch (option) {
+    case 'a':
+        options->atlas = optarg;
+        return CONUS_OK;
+    case 'c':
+        options->context = optarg;
+        return CONUS_OK;
+    case 'b':
+        options->bonsai = optarg;
+        return CONUS_OK;
+    case 's':
+        return parse_count("slices", optarg, &options->slices);
+    case 'g':
+        return parse_number("angle", optarg, 180, &options->angle);
+    case 'p':
+        return parse_count("poses", optarg, &options->poses);
+    case 'r':
+        return parse_count("repeats", optarg, &options->repeats);
+    case 't':
+        return parse_number("seconds", optarg, 1e6, &options->seconds);
+    case 'o':
+        options->record = optarg;
+        return CONUS_OK;
+    case 'k':
+        options->check = true;
+        return CONUS_OK;
+    case 'j':
+        out->json = optarg;
+        return CONUS_OK;
+    case 'h':
+        out->help = true;
+        return CONUS_OK;
+    default:
+        return fail(CONUS_ERROR_ARGUMENT, "unknown option, or one without its value; see conus-bench --help");
+    }
+}
+
+static conus_status parse_scenario(struct arguments *out, const char *name)
+{
+    out->all = strcmp(name, "all") == 0;
+    for (size_t i = 0; i < SCENARIO_COUNT; i++) {
+        out->scenario = strcmp(name, scenarios[i].name) ? out->scenario : &scenarios[i];
+    }
+    return out->all || out->scenario
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "unknown scenario '%s'; see conus-bench --help", name);
+}
+
+static conus_status parse(struct arguments *out, int argc, char **argv)
+{
+    static const struct option table[] = {{"atlas", required_argument, NULL, 'a'},
+                                          {"context", required_argument, NULL, 'c'},
+                                          {"slices", required_argument, NULL, 's'},
+                                          {"angle", required_argument, NULL, 'g'},
+                                          {"poses", required_argument, NULL, 'p'},
+                                          {"repeats", required_argument, NULL, 'r'},
+                                          {"seconds", required_argument, NULL, 't'},
+                                          {"record", required_argument, NULL, 'o'},
+                                          {"check", no_argument, NULL, 'k'},
+                                          {"json", required_argument, NULL, 'j'},
+                                          {"bonsai", required_argument, NULL, 'b'},
+                                          {"help", no_argument, NULL, 'h'},
+                                          {NULL, 0, NULL, 0}};
+    opterr = 0;
+    for (int option; (option = getopt_long(argc, argv, "h", table, NULL)) != -1;) {
+        conus_status status = parse_option(out, option);
+        if (status) {
+            return status;
+        }
+    }
+    if (out->help) {
+        return CONUS_OK;
+    }
+    return optind + 1 == argc ? parse_scenario(out, argv[optind])
+                              : fail(CONUS_ERROR_ARGUMENT, "name one scenario, or all; see conus-bench --help");
+}
+
+/* ---- Running --------------------------------------------------------------------------------------------------- */
+
+static int remove_entry(const char *path, const struct stat *about, int kind, struct FTW *where)
+{
+    (void)about;
+    (void)kind;
+    (void)where;
+    return remove(path);
+}
+
+/* Fills in what was not given. In a check the atlas and its context are a small phantom in the bench's folder. */
+static conus_status fill_in(struct bench *bench, char *phantom, size_t size)
+{
+    struct bench_options *options = &bench->options;
+    bool check = options->check;
+    snprintf(phantom, size, "%s/u-shape.nii.gz", bench->folder);
+    options->poses = options->poses ? options->poses : check ? CHECK_POSES : DEFAULT_POSES;
+    options->slices = options->slices ? options->slices : check ? CHECK_SLICES : DEFAULT_SLICES;
+    options->repeats = options->repeats ? options->repeats : check ? CHECK_REPEATS : DEFAULT_REPEATS;
+    conus_status status = CONUS_OK;
+    if (check) {
+        status = conus_phantom_write("u-shape", bench->folder, &(conus_phantom_options){.size = CHECK_EDGE});
+    }
+    options->atlas = options->atlas ? options->atlas : check ? phantom : DEFAULT_ATLAS;
+    options->context = options->context ? options->context : check ? phantom : DEFAULT_CONTEXT;
+    return status;
+}
+
+static conus_status run_scenarios(struct bench *bench, json_t *settings, const struct arguments *arguments)
+{
+    double load = report_load();
+    if (arguments->all) {
+        return bench_all(bench, settings, scenarios, SCENARIO_COUNT);
+    }
+    double start = bench_wall();
+    conus_status status = arguments->scenario->run(bench);
+    json_t *own = status ? NULL : report_settings(bench, bench_wall() - start, load);
+    return !status && json_object_set_new(settings, arguments->scenario->name, own)
+               ? fail(CONUS_ERROR_MEMORY, "out of memory")
+               : status;
+}
+
+/* Writes and checks; returns the program's exit code. */
+static int conclude(const struct bench *bench, const json_t *settings, const struct arguments *arguments, double load)
+{
+    json_t *root = report_create(bench, settings, load);
+    conus_status status = root ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "out of memory");
+    if (!status && arguments->all && !bench->options.check) {
+        report_print_holds(root);
+    }
+    if (!status && arguments->json) {
+        status = report_write(root, arguments->json);
+    }
+    int code = status ? EXIT_DATA : bench->options.check && report_check(root) ? EXIT_CHECK : EXIT_SUCCESS;
+    if (status) {
+        fprintf(stderr, "conus-bench: %s\n", conus_message());
+    }
+    json_decref(root);
+    return code;
+}
+
+static int run(const struct arguments *arguments)
+{
+    char folder[] = "/tmp/conus-bench.XXXXXX";
+    char phantom[64];
+    double load = report_load();
+    if (!mkdtemp(folder)) {
+        fprintf(stderr, "conus-bench: no folder in /tmp\n");
+        return EXIT_DATA;
+    }
+    struct bench bench = {.options = arguments->options,
+                          .folder = folder,
+                          .runs = json_array(),
+                          .ratios = json_object(),
+                          .left_out = json_object()};
+    json_t *settings = json_object();
+    conus_status status = bench.runs && bench.ratios && bench.left_out && settings
+                              ? fill_in(&bench, phantom, sizeof phantom)
+                              : fail(CONUS_ERROR_MEMORY, "out of memory");
+    status = status ? status : run_scenarios(&bench, settings, arguments);
+    int code = EXIT_DATA;
+    if (status) {
+        fprintf(stderr, "conus-bench: %s\n", conus_message());
+    } else {
+        code = conclude(&bench, settings, arguments, load);
+    }
+    json_decref(settings);
+    json_decref(bench.runs);
+    json_decref(bench.ratios);
+    json_decref(bench.left_out);
+    nftw(folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+    return code;
+}
+
+int main(int argc, char **argv)
+{
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    struct arguments arguments = {.options = {.angle = 5}};
+    conus_status status = parse(&arguments, argc, argv);
+    if (status) {
+        fprintf(stderr, "conus-bench: %s\n", conus_message());
+        return EXIT_USAGE;
+    }
+    if (arguments.help) {
+        print_help();
+        return EXIT_SUCCESS;
+    }
+    return run(&arguments);
+}

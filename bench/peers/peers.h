@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * What people use today for the same questions: VTK's selector, pickers, locators and volume mappers, each as its
+ * documentation shows it. C++ stays behind this border; nothing here is part of the library.
+ *
+ * What draws needs a display (X, or Xvfb): CONUS_ERROR_GL where there is none. No context of VTK's stays current. */
+#ifndef CONUS_BENCH_PEERS_PEERS_H
+#define CONUS_BENCH_PEERS_PEERS_H
+
+#include "atlas/volume.h"
+#include "render/gl/camera.h"
+#include "selection/cone/cone.h"
+#include "selection/engine/mesh_rays.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Pixels along the edge of what a selector or picker is asked about. */
+enum { PEER_RESOLUTION = 16 };
+
+/** "VTK 9.1.0". */
+const char *peer_version(void);
+
+/** Whether there is a display. */
+conus_status peer_check_display(void);
+
+/* ---- vtkHardwareSelector: surfaces drawn with their numbers as colours --------------------------------------------
+ */
+
+enum peer_parts {
+    PEER_ACTORS,   /**< One vtkActor per object: how programs show parts.                                */
+    PEER_COMPOSITE /**< One vtkCompositePolyDataMapper2 over a block per object, told apart by flat index. */
+};
+
+struct peer_selector;
+
+/** Shows @p objects, within @p reach mm of every cone to come, in a window of width x height pixels, both even; draws
+ * it once, along @p cone. Object number k is objects[k - 1]. */
+conus_status peer_selector_create(struct peer_selector **out, const struct mesh_object *objects, size_t count,
+                                  enum peer_parts parts, const uint32_t size[2], double reach, const struct cone *cone);
+void peer_selector_destroy(struct peer_selector *selector); /**< NULL is fine. */
+
+/** Objects, [16 * 16], of the square of pixels in the window's middle, which @p cone just fills. @p actors_only: leaves
+ * out the passes that tell cells apart (vtkHardwareSelector::ActorPassOnly), which Select() makes by default. */
+conus_status peer_selector_look(struct peer_selector *selector, uint32_t *objects, const struct cone *cone,
+                                bool actors_only);
+
+/* ---- vtkCellPicker and cell locators: rays into one merged surface -------------------------------------------------
+ */
+
+enum peer_locator { PEER_CELL_LOCATOR, PEER_STATIC_LOCATOR, PEER_LOCATORS };
+
+struct peer_surface;
+
+/** Merges @p objects into one vtkPolyData; nothing to search it with is built yet. */
+conus_status peer_surface_create(struct peer_surface **out, const struct mesh_object *objects, size_t count,
+                                 double reach);
+void peer_surface_destroy(struct peer_surface *surface); /**< NULL is fine. */
+
+/** Builds a vtkCellLocator or vtkStaticCellLocator, with VTK's defaults; on all processors where VTK does so. */
+conus_status peer_surface_build(struct peer_surface *surface, enum peer_locator kind);
+
+/** Objects, [16 * 16], by IntersectWithLine() of a locator that has been built. */
+conus_status peer_surface_look(struct peer_surface *surface, uint32_t *objects, const struct cone *cone,
+                               enum peer_locator kind);
+
+/** The same by vtkCellPicker::Pick() at the pixels' centres, with that locator (AddLocator). */
+conus_status peer_surface_pick(struct peer_surface *surface, uint32_t *objects, const struct cone *cone,
+                               enum peer_locator kind);
+
+/* ---- vtkVolumePicker, vtkCellPicker and vtkHardwareSelector on a labelled volume -----------------------------------
+ */
+
+enum peer_picker { PEER_VOLUME_PICKER, PEER_CELL_PICKER };
+
+/** What a ray has met, in the labelled volume. */
+struct peer_contact {
+    uint32_t object;    /**< Of the voxel that was named; 0 = none, or a voxel of the background. */
+    uint64_t voxel;     /**< Its linear index; UINT64_MAX = nothing was met.                      */
+    double distance_mm; /**< From the apex to the point that was named; NAN if only a voxel was.  */
+};
+
+struct peer_labels;
+
+/** Shows the voxels of all objects of @p volume, clear elsewhere and with @p opacity per mm; whose a voxel is that VTK
+ * names, the labels tell. @p window: whether it is to be drawn, too. Eyes are within 2 m. */
+conus_status peer_labels_create(struct peer_labels **out, const struct volume *volume, double opacity, bool window);
+void peer_labels_destroy(struct peer_labels *labels); /**< NULL is fine. */
+
+/** What a picker's 16 * 16 rays through the pixels' centres meet. @p isovalue is VolumeOpacityIsovalue, VTK's default
+ * being 0.05. */
+conus_status peer_labels_pick(struct peer_labels *labels, struct peer_contact *contacts, const struct cone *cone,
+                              enum peer_picker kind, double isovalue);
+
+/** The voxels that vtkHardwareSelector names for cells, drawing with vtkGPUVolumeRayCastMapper. Needs the window. */
+conus_status peer_labels_select(struct peer_labels *labels, struct peer_contact *contacts, const struct cone *cone);
+
+/* ---- Volume mappers ------------------------------------------------------------------------------------------------
+ */
+
+enum peer_caster { PEER_GPU, PEER_FIXED_POINT };
+
+struct peer_picture_options {
+    enum peer_caster caster;
+    bool shade;       /**< Lights it by its gradient. */
+    bool one_thread;  /**< Only the calling one, where the caster is not OpenGL's. */
+    uint32_t size[2]; /**< Pixels. */
+    double sample_mm; /**< From sample to sample along a ray. */
+};
+
+/** Colour and opacity of grey values from low to high, evenly spaced. */
+struct peer_transfer {
+    double low, high;
+    const float (*rgba)[4]; /**< [count] colours as they are to be composed, and the opacity of 1 mm. */
+    size_t count;
+};
+
+struct peer_picture;
+
+/** Shows a volume's values through @p transfer, as bytes from its low to its high value; draws it once. */
+conus_status peer_picture_create(struct peer_picture **out, const struct volume *context,
+                                 const struct peer_transfer *transfer, const struct camera *camera,
+                                 const struct peer_picture_options *options);
+void peer_picture_destroy(struct peer_picture *picture); /**< NULL is fine. */
+
+conus_status peer_picture_draw(struct peer_picture *picture);
+
+/** What was drawn last: pixels of R, G, B times A, and A, bottom row first. */
+conus_status peer_picture_read(struct peer_picture *picture, float *rgba);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

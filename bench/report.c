@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "bench/report.h"
+
+#include "base/buffer.h"
+#include "base/file.h"
+#include "render/gl/context.h"
+
+#include <embree3/rtcore.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/utsname.h>
+#include <time.h>
+#include <unistd.h>
+
+/* ---- Where ----------------------------------------------------------------------------------------------------- */
+
+/* The words behind the first "model name" of /proc/cpuinfo. */
+static void find_cpu_model(char *out, size_t size)
+{
+    char line[512];
+    FILE *file = fopen("/proc/cpuinfo", "r");
+    snprintf(out, size, "unknown CPU");
+    while (file && fgets(line, sizeof line, file)) {
+        char *colon = strchr(line, ':');
+        if (colon && strncmp(line, "model name", strlen("model name")) == 0) {
+            struct text model = text_trim(text_from(colon + 1));
+            snprintf(out, size, "%.*s", (int)model.size, model.data);
+            break;
+        }
+    }
+    if (file) {
+        fclose(file);
+    }
+}
+
+/* "none: why" where there is no OpenGL. */
+static void find_gl(char *renderer, char *version, size_t size)
+{
+    struct gl_context *context = NULL;
+    struct gl_current previous;
+    conus_status status = gl_context_create(&context, NULL, NULL);
+    status = status ? status : gl_context_use(context, &previous);
+    if (status) {
+        snprintf(renderer, size, "none: %s", conus_message());
+        snprintf(version, size, "none");
+    } else {
+        snprintf(renderer, size, "%s", gl_context_renderer(context));
+        snprintf(version, size, "%s", (const char *)glGetString(GL_VERSION));
+        gl_current_restore(&previous);
+    }
+    gl_context_destroy(context);
+}
+
+static json_t *versions(void)
+{
+    char renderer[160], version[160];
+    struct utsname system = {0};
+    find_gl(renderer, version, sizeof renderer);
+    uname(&system);
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s}", "gl", version, "gl_renderer", renderer, "embree",
+                     RTC_VERSION_STRING, "vtk", CONUS_BENCH_VTK, "compiler", CONUS_BENCH_COMPILER, "build",
+                     CONUS_BENCH_BUILD, "kernel", system.release);
+}
+
+double report_load(void)
+{
+    double load = (double)NAN;
+    return getloadavg(&load, 1) == 1 ? load : (double)NAN;
+}
+
+/* JSON has no NAN. */
+static json_t *number(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+/* ---- What is held ---------------------------------------------------------------------------------------------- */
+
+static const struct hold {
+    const char *key;
+    bool at_most;
+    double limit;
+} holds[] = {
+    {"naive_over_rays", false, 300},
+    {"naive_over_gl", false, 25},
+    {"naive_over_gl_20deg", false, 10},
+    {"id_over_colour_rays", true, 0.0004},
+    {"id_over_colour_gl", true, 0.003},
+    {"rays_200k_over_1k", true, 2.5},
+    {"vtkselector_over_rays", false, 500},
+    {"slices72_over_exact", false, 1.5},
+    {"colour_slicing_over_skipping", false, 5},
+    {"dda_over_simd", false, 6},
+    {"query_process_s", true, 0.1},
+};
+
+enum { HOLD_COUNT = sizeof holds / sizeof holds[0] };
+
+static bool is_met(const struct hold *hold, double value)
+{
+    return hold->at_most ? value <= hold->limit : value >= hold->limit;
+}
+
+/* {key: {at_least or at_most: limit, met: whether}} of the keys that were measured. */
+static json_t *held(const json_t *ratios)
+{
+    json_t *all = json_object();
+    for (size_t i = 0; i < HOLD_COUNT; i++) {
+        const json_t *value = json_object_get(ratios, holds[i].key);
+        if (value) {
+            bool met = json_is_number(value) && is_met(&holds[i], json_number_value(value));
+            json_object_set_new(
+                all, holds[i].key,
+                json_pack("{s:f, s:b}", holds[i].at_most ? "at_most" : "at_least", holds[i].limit, "met", met));
+        }
+    }
+    return all;
+}
+
+void report_print_holds(const json_t *root)
+{
+    const json_t *ratios = json_object_get(root, "ratios");
+    for (size_t i = 0; i < HOLD_COUNT; i++) {
+        const json_t *value = json_object_get(ratios, holds[i].key);
+        const char *bound = holds[i].at_most ? "at most" : "at least";
+        if (!value) {
+            printf("%-30s not measured     (%s %g)\n", holds[i].key, bound, holds[i].limit);
+        } else {
+            double x = json_number_value(value);
+            printf("%-30s %10.4g %-8s (%s %g)\n", holds[i].key, x, is_met(&holds[i], x) ? "" : "NOT MET", bound,
+                   holds[i].limit);
+        }
+    }
+}
+
+/* ---- All of it ------------------------------------------------------------------------------------------------- */
+
+json_t *report_settings(const struct bench *bench, double seconds, double load)
+{
+    const struct bench_options *o = &bench->options;
+    return json_pack("{s:s, s:s, s:f, s:I, s:I, s:I, s:f, s:s, s:s, s:s, s:f, s:o, s:o}", "atlas", o->atlas, "context",
+                     o->context, "angle_deg", o->angle, "poses", (json_int_t)o->poses, "slices", (json_int_t)o->slices,
+                     "repeats", (json_int_t)o->repeats, "seconds_per_measurement", o->seconds, "clock",
+                     bench->one_thread ? "CPU time of one thread" : "wall", "driver", bench->driver, "note",
+                     bench->note ? bench->note : "", "took_s", seconds, "load_start", number(load), "load_end",
+                     number(report_load()));
+}
+
+json_t *report_create(const struct bench *bench, const json_t *scenarios, double load)
+{
+    char model[128], machine[192], when[32];
+    time_t now = time(NULL);
+    find_cpu_model(model, sizeof model);
+    snprintf(machine, sizeof machine, "%s, %ld CPUs", model, sysconf(_SC_NPROCESSORS_ONLN));
+    strftime(when, sizeof when, "%Y-%m-%dT%H:%M:%SZ", gmtime(&now));
+    json_t *settings =
+        json_pack("{s:b, s:s, s:O}", "check", bench->options.check, "written", when, "scenarios", scenarios);
+    return json_pack("{s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:O, s:O, s:o, s:O, s:I}", "version", conus_version(),
+                     "machine", machine, "driver", bench->driver, "versions", versions(), "load_start", number(load),
+                     "load_end", number(report_load()), "settings", settings, "runs", bench->runs, "ratios",
+                     bench->ratios, "holds", held(bench->ratios), "left_out", bench->left_out, "crashed",
+                     (json_int_t)bench->crashed);
+}
+
+conus_status report_write(const json_t *root, const char *path)
+{
+    char *text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(6));
+    struct buffer buffer = {0};
+    if (text) {
+        buffer_format(&buffer, "%s\n", text);
+    }
+    conus_status status = text ? buffer_status(&buffer) : fail(CONUS_ERROR_MEMORY, "out of memory");
+    status = status ? status : conus_write_file(path, buffer.data, buffer.size);
+    buffer_finish(&buffer);
+    free(text);
+    return status;
+}
+
+/* ---- Is it as it should be? ------------------------------------------------------------------------------------ */
+
+static size_t check_keys(const json_t *object, const char *const *keys, const char *what)
+{
+    size_t wrong = 0;
+    for (; *keys; keys++) {
+        if (!json_object_get(object, *keys)) {
+            fprintf(stderr, "check: %s has no \"%s\"\n", what, *keys);
+            wrong++;
+        }
+    }
+    return wrong;
+}
+
+static size_t check_run(const json_t *run)
+{
+    static const char *const keys[] = {"scenario", "variant", "count",   "angle_deg", "median_ms",
+                                       "min_ms",   "p90_ms",  "repeats", "equal",     NULL};
+    const char *name = json_string_value(json_object_get(run, "variant"));
+    size_t wrong = check_keys(run, keys, name ? name : "a run");
+    if (!json_is_true(json_object_get(run, "equal")) && !json_is_true(json_object_get(run, "other_by_design"))) {
+        fprintf(stderr, "check: %s, %s: the answers differ\n", json_string_value(json_object_get(run, "scenario")),
+                name);
+        wrong++;
+    }
+    return wrong;
+}
+
+size_t report_check(const json_t *root)
+{
+    static const char *const keys[] = {"version", "machine", "driver", "versions", "settings",
+                                       "runs",    "ratios",  "holds",  "left_out", NULL};
+    size_t wrong = check_keys(root, keys, "the JSON"), index;
+    const json_t *runs = json_object_get(root, "runs"), *run, *value;
+    const char *key;
+    json_array_foreach(runs, index, run)
+    {
+        wrong += check_run(run);
+    }
+    if (json_integer_value(json_object_get(root, "crashed"))) {
+        fprintf(stderr, "check: a scenario crashed: see \"left_out\"\n");
+        wrong++;
+    }
+    if (!json_array_size(runs)) {
+        fprintf(stderr, "check: nothing was run\n");
+        wrong++;
+    }
+    json_object_foreach(json_object_get(root, "ratios"), key, value)
+    {
+        if (json_is_null(value)) {
+            fprintf(stderr, "check: %s is null\n", key);
+            wrong++;
+        }
+    }
+    return wrong;
+}

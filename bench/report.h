@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What conus-bench writes: where and how it was measured, what is held, and whether all of it is as it should.
+ */
+#ifndef CONUS_BENCH_REPORT_H
+#define CONUS_BENCH_REPORT_H
+
+#include "bench/bench.h"
+
+/** The JSON of everything measured: docs/benchmarks.md, "What is written". @p load is what it was at the start;
+ * @p scenarios {name: settings} of each that ran, borrowed. NULL if memory runs out. */
+json_t *report_create(const struct bench *bench, const json_t *scenarios, double load);
+
+/** Settings of one scenario as they go into the JSON; NULL if memory runs out. */
+json_t *report_settings(const struct bench *bench, double seconds, double load);
+
+/** Load average of the last minute. */
+double report_load(void);
+
+conus_status report_write(const json_t *root, const char *path);
+
+/** Prints which ratios are what they are held to. */
+void report_print_holds(const json_t *root);
+
+/** Prints, to stderr, what is not as --check wants it: keys that are missing, answers that differ without being meant
+ * to, ratios that are null. Returns how many there are. */
+size_t report_check(const json_t *root);
+
+#endif

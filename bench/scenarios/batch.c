@@ -1,0 +1,286 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Whole batches: poses as text in, rows as text out. */
+#include "bench/bench.h"
+#include "bench/scenarios/look.h"
+
+#include "base/buffer.h"
+#include "base/file.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "selection/selection.h"
+#include "tests/support/oracle_traversal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { SEED = 2010 };
+enum { NO_ROWS, PLAIN, RAYS, RAYS_2, GL_ALONE, GL_BLOCKS, VARIANTS };
+
+struct scene {
+    conus_atlas *atlas;
+    conus_selector *selector; /* of the rays engine   */
+    conus_selector *plain;    /* of plain_engine      */
+    conus_selector *gl;       /* NULL where there is no OpenGL */
+    double angle;             /* radians              */
+    char path[96];            /* of the poses         */
+    conus_atlas *surfaces;    /* made of the atlas's areas, where they are asked for */
+    conus_selector *surface;
+};
+
+struct contender {
+    const struct scene *scene;
+    conus_batch *batch; /* NULL = only the plain traversal */
+    conus_pose_list *list;
+    struct buffer rows;
+    conus_status status;
+};
+
+/* ---- The scene ----------------------------------------------------------------------------------------------------
+ */
+
+/* As cones_round_grid() has them: a place and a point that the device looks at. */
+static conus_status write_poses(struct scene *scene, const struct bench *bench, const conus_volume_info *info)
+{
+    size_t count = bench->options.poses;
+    struct buffer text = {0};
+    struct cone *cones = memory_zeroed(count, sizeof *cones);
+    if (!cones) {
+        return CONUS_ERROR_MEMORY;
+    }
+    cones_round_grid(cones, count, info, bench->options.angle, SEED);
+    buffer_text(&text, "x\ty\tz\ttx\tty\ttz\n");
+    for (size_t i = 0; i < count; i++) {
+        const double *m = cones[i].pose.world_from_device;
+        double target[3];
+        vec3_add_scaled(target, m + 12, -200, m + 8);
+        buffer_format(&text, "%.3f\t%.3f\t%.3f\t%.3f\t%.3f\t%.3f\n", m[12], m[13], m[14], target[0], target[1],
+                      target[2]);
+    }
+    snprintf(scene->path, sizeof scene->path, "%s/poses-%ld.tsv", bench->folder, (long)getpid());
+    conus_status status = buffer_status(&text);
+    status = status ? status : file_write_soon(scene->path, text.data, text.size);
+    buffer_finish(&text);
+    memory_free(cones);
+    return status;
+}
+
+/* The selector takes over the plain engine in the place of its own. */
+static conus_status make_plain(struct scene *scene)
+{
+    struct engine *engine = NULL;
+    conus_status status = conus_selector_create(&scene->plain, scene->atlas, NULL);
+    status = status ? status : plain_engine_create(&engine, scene->atlas);
+    if (!status) {
+        engine_destroy(scene->plain->engine);
+        scene->plain->engine = engine;
+    }
+    return status;
+}
+
+/* The labelled volume, and poses around it. */
+static conus_status make_scene(struct scene *scene, const struct bench *bench)
+{
+    conus_status status = conus_atlas_load(&scene->atlas, bench->options.atlas, NULL);
+    if (!status && !atlas_parcellation(scene->atlas)) {
+        status = fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", bench->options.atlas);
+    }
+    status = status ? status : write_poses(scene, bench, &scene->atlas->volumes[0].info);
+    status = status ? status : conus_selector_create(&scene->selector, scene->atlas, NULL);
+    scene->angle = radians_from_degrees(bench->options.angle);
+    return status;
+}
+
+static conus_status make_gl(struct scene *scene, struct bench *bench)
+{
+    const conus_selector_options options = {.engine = CONUS_ENGINE_GL};
+    conus_status status = conus_selector_create(&scene->gl, scene->atlas, &options);
+    return status == CONUS_ERROR_GL ? bench_leave_out(bench, "batches by OpenGL") : status;
+}
+
+static void scene_finish(struct scene *scene)
+{
+    if (scene->path[0]) {
+        unlink(scene->path);
+    }
+    conus_selector_destroy(scene->plain);
+    conus_selector_destroy(scene->gl);
+    conus_selector_destroy(scene->selector);
+    conus_selector_destroy(scene->surface);
+    conus_atlas_destroy(scene->surfaces);
+    conus_atlas_destroy(scene->atlas);
+}
+
+/* ---- The contenders -----------------------------------------------------------------------------------------------
+ */
+
+/* @p selector NULL = only the plain traversal. */
+static conus_status contender_init(struct contender *out, const struct scene *scene, conus_selector *selector,
+                                   uint32_t threads, bool one_by_one)
+{
+    const conus_batch_options options = {.threads = threads,
+                                         .block = one_by_one,
+                                         .angle = scene->angle,
+                                         .report = {.format = CONUS_TSV, .no_voxels = true}};
+    out->scene = scene;
+    return selector ? conus_batch_create(&out->batch, selector, &options)
+                    : conus_pose_list_load(&out->list, scene->path, NULL);
+}
+
+static void contender_finish(struct contender *contender)
+{
+    conus_batch_destroy(contender->batch);
+    conus_pose_list_destroy(contender->list);
+    buffer_finish(&contender->rows);
+}
+
+static bool keep_rows(void *user, const conus_batch_block *block)
+{
+    struct contender *contender = user;
+    buffer_append(&contender->rows, block->text, block->size);
+    return true;
+}
+
+/* Nothing but the evidence. */
+static conus_status look_at_all(const struct contender *contender)
+{
+    struct evidence evidence;
+    conus_status status = evidence_init(&evidence, 16);
+    for (size_t i = 0; i < conus_pose_list_count(contender->list) && !status; i++) {
+        struct cone cone = {
+            .pose = conus_pose_list_row(contender->list, i)->pose, .angle = contender->scene->angle, .resolution = 16};
+        oracle_look(&evidence, contender->scene->atlas, &cone);
+    }
+    evidence_finish(&evidence);
+    return status;
+}
+
+static conus_status answer_all(struct contender *contender)
+{
+    conus_pose_stream *poses = NULL;
+    buffer_clear(&contender->rows);
+    conus_status status = conus_pose_stream_open(&poses, contender->scene->path, NULL);
+    status = status ? status : conus_batch_run(contender->batch, poses, UINT64_MAX, keep_rows, contender);
+    conus_pose_stream_destroy(poses);
+    return status;
+}
+
+static void run(void *data)
+{
+    struct contender *contender = data;
+    conus_status status = contender->batch ? answer_all(contender) : look_at_all(contender);
+    contender->status = status ? status : contender->status;
+}
+
+static bool gives_the_same(const struct contender *contender, const struct contender *reference)
+{
+    return !contender->status && contender->rows.size == reference->rows.size &&
+           memcmp(contender->rows.data, reference->rows.data, reference->rows.size) == 0;
+}
+
+/* ---- Measuring ----------------------------------------------------------------------------------------------------
+ */
+
+static conus_status add_speed(struct bench *bench, const char *key, const struct bench_variant *variant)
+{
+    return bench_value(bench, key, 1000 / variant->median_ms, variant->equal);
+}
+
+static conus_status measure(struct bench *bench, struct contender *contenders, size_t count)
+{
+    static const char *const names[VARIANTS] = {"plain scalar traversal, no rows", "plain scalar traversal, batch",
+                                                "rays, batch, 1 thread",           "rays, batch, 2 threads",
+                                                "gl, batch, one cone at a time",   "gl, batch, blocks of 256 cones"};
+    struct bench_variant variants[VARIANTS];
+    for (size_t i = 0; i < count; i++) {
+        run(&contenders[i]);
+        bool same = i == 0 ? !contenders[0].status : gives_the_same(&contenders[i], &contenders[1]);
+        variants[i] = (struct bench_variant){.name = names[i], .run = run, .data = &contenders[i], .equal = same};
+    }
+    conus_status status = bench_measure(bench, "batch", variants, count, bench->options.poses, bench->options.angle);
+    status = status ? status : bench_ratio(bench, "plain_over_batch", &variants[NO_ROWS], &variants[RAYS]);
+    status = status ? status : bench_ratio(bench, "batch_one_over_two_threads", &variants[RAYS], &variants[RAYS_2]);
+    if (!status && count > GL_BLOCKS) {
+        status = bench_ratio(bench, "gl_one_over_block", &variants[GL_ALONE], &variants[GL_BLOCKS]);
+    }
+    return status ? status : add_speed(bench, "batch_cones_per_s", &variants[RAYS_2]);
+}
+
+conus_status bench_batch(struct bench *bench)
+{
+    struct scene scene = {0};
+    struct contender contenders[VARIANTS] = {0};
+    conus_status status = make_scene(&scene, bench);
+    status = status ? status : make_plain(&scene);
+    status = status ? status : make_gl(&scene, bench);
+    conus_selector *const selectors[VARIANTS] = {NULL, scene.plain, scene.selector, scene.selector, scene.gl, scene.gl};
+    size_t count = scene.gl ? VARIANTS : GL_ALONE;
+    for (size_t i = 0; i < count && !status; i++) {
+        status = contender_init(&contenders[i], &scene, selectors[i], i == RAYS_2 ? 2 : 1, i == GL_ALONE);
+    }
+    if (!status) {
+        snprintf(bench->driver, sizeof bench->driver, "%s; %s", conus_selector_engine(scene.selector),
+                 conus_selector_engine(scene.gl));
+        status = measure(bench, contenders, count);
+    }
+    for (size_t i = 0; i < VARIANTS; i++) {
+        contender_finish(&contenders[i]);
+    }
+    scene_finish(&scene);
+    return status;
+}
+
+/* ---- On surfaces --------------------------------------------------------------------------------------------------
+ */
+
+/* The areas' surfaces, as `conus mesh` makes them, in a folder of their own. */
+static conus_status make_surfaces(struct scene *scene, const struct bench *bench)
+{
+    char folder[96], program[320] = "";
+    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 32);
+    char *slash = length > 0 ? strrchr(program, '/') : NULL;
+    if (slash) {
+        snprintf(slash, (size_t)(program + sizeof program - slash), "/../apps/cli/conus-mesh"); /* where the build puts it */
+    }
+    if (slash && access(program, X_OK) == 0) {
+        setenv("CONUS_MESH", program, 0);
+    }
+    setenv("XDG_CACHE_HOME", bench->folder, 1);
+    snprintf(folder, sizeof folder, "%s/surfaces", bench->folder);
+    conus_status status = conus_atlas_write_meshes(scene->atlas, folder, NULL);
+    status = status ? status : conus_atlas_load(&scene->surfaces, folder, NULL);
+    return status ? status : conus_selector_create(&scene->surface, scene->surfaces, NULL);
+}
+
+conus_status bench_batch_mesh(struct bench *bench)
+{
+    enum { ONE, TWO, VOLUME, WAYS };
+    static const char *const names[WAYS] = {"surfaces, rays, batch, 1 thread", "surfaces, rays, batch, 2 threads",
+                                            "volume, rays, batch, 1 thread"};
+    struct scene scene = {0};
+    struct contender contenders[WAYS] = {0};
+    struct bench_variant variants[WAYS];
+    conus_status status = make_scene(&scene, bench);
+    status = status ? status : make_surfaces(&scene, bench);
+    for (size_t i = 0; i < WAYS && !status; i++) {
+        conus_selector *selector = i == VOLUME ? scene.selector : scene.surface;
+        status = contender_init(&contenders[i], &scene, selector, i == TWO ? 2 : 1, false);
+        variants[i] = (struct bench_variant){.name = names[i], .run = run, .data = &contenders[i]};
+        if (!status) {
+            run(&contenders[i]);
+            variants[i].equal = gives_the_same(&contenders[i], &contenders[ONE]);
+            variants[i].other_by_design = i == VOLUME; /* surfaces cut corners */
+        }
+    }
+    if (!status) {
+        snprintf(bench->driver, sizeof bench->driver, "%s", conus_selector_engine(scene.surface));
+        status = bench_measure(bench, "batch_mesh", variants, WAYS, bench->options.poses, bench->options.angle);
+    }
+    status = status ? status : add_speed(bench, "batch_mesh_cones_per_s", &variants[TWO]);
+    for (size_t i = 0; i < WAYS; i++) {
+        contender_finish(&contenders[i]);
+    }
+    scene_finish(&scene);
+    return status;
+}

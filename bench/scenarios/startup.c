@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From nothing to an answer: loading an atlas, from the disk and from memory, making what selects from it, and the
+ * whole program. */
+#include "base/buffer.h"
+#include "base/memory.h"
+#include "bench/bench.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+enum { PATH_SIZE = 512, QUERIES = 5 };
+
+/* An atlas, and what is asked of it. */
+struct job {
+    const char *path, *folder; /* folder: all of whose files belong to it; NULL = it is one file */
+    const char *program;       /* of conus, for a whole process */
+    conus_atlas *atlas;        /* loaded, for a selector        */
+    conus_engine engine;
+    conus_status status;
+};
+
+static void keep(struct job *job, conus_status status)
+{
+    job->status = job->status ? job->status : status;
+}
+
+/* ---- Forgetting -------------------------------------------------------------------------------------------------- */
+
+/* Lets the system drop the file from its cache: what nobody has mapped and is on the disk goes. */
+static void forget_file(const char *path)
+{
+    int file = open(path, O_RDONLY | O_CLOEXEC);
+    if (file >= 0) {
+        fdatasync(file);
+        posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED);
+        close(file);
+    }
+}
+
+static void forget(void *data)
+{
+    const struct job *job = data;
+    DIR *folder = job->folder ? opendir(job->folder) : NULL;
+    for (const struct dirent *entry; folder && (entry = readdir(folder));) {
+        char path[PATH_SIZE];
+        snprintf(path, sizeof path, "%s/%s", job->folder, entry->d_name);
+        forget_file(path);
+    }
+    if (folder) {
+        closedir(folder);
+    } else {
+        forget_file(job->path);
+    }
+}
+
+/* ---- What is timed ----------------------------------------------------------------------------------------------- */
+
+static void load(void *data)
+{
+    struct job *job = data;
+    conus_atlas *atlas = NULL;
+    keep(job, conus_atlas_load(&atlas, job->path, NULL));
+    conus_atlas_destroy(atlas);
+}
+
+static void make_selector(void *data)
+{
+    struct job *job = data;
+    const conus_selector_options options = {.engine = job->engine};
+    conus_selector *selector = NULL;
+    keep(job, conus_selector_create(&selector, job->atlas, &options));
+    conus_selector_destroy(selector);
+}
+
+static void run_query(void *data)
+{
+    struct job *job = data;
+    char *arguments[] = {(char *)job->program,
+                         "query",
+                         (char *)job->path,
+                         "--origin=-90,20,20",
+                         "--toward=0,-10,10",
+                         "--angle",
+                         "10",
+                         NULL};
+    posix_spawn_file_actions_t actions;
+    pid_t pid;
+    int how = -1;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    if (!posix_spawn(&pid, job->program, &actions, NULL, arguments, environ)) {
+        while (waitpid(pid, &how, 0) < 0) {
+        }
+    }
+    posix_spawn_file_actions_destroy(&actions);
+    if (!WIFEXITED(how) || WEXITSTATUS(how) != EXIT_SUCCESS) {
+        keep(job, fail(CONUS_ERROR_ARGUMENT, "%s query %s: it failed", job->program, job->path));
+    }
+}
+
+/* ---- The scenario ------------------------------------------------------------------------------------------------ */
+
+/* $CONUS, else conus beside this program or where the build puts it. */
+static conus_status find_program(char *out, size_t size)
+{
+    static const char *const places[] = {"conus", "../apps/cli/conus"};
+    const char *given = getenv("CONUS");
+    char self[PATH_SIZE / 2] = "";
+    if (given) {
+        snprintf(out, size, "%s", given);
+        return CONUS_OK;
+    }
+    ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+    char *slash = length > 0 ? strrchr(self, '/') : NULL;
+    for (size_t i = 0; slash && i < sizeof places / sizeof *places; i++) {
+        snprintf(out, size, "%.*s/%s", (int)(slash - self), self, places[i]);
+        if (access(out, X_OK) == 0) {
+            return CONUS_OK;
+        }
+    }
+    return fail(CONUS_ERROR_ARGUMENT, "there is no program conus beside conus-bench; $CONUS may name it");
+}
+
+/* Runs them all once, for what is wrong with them. */
+static void try_all(struct bench_variant *variants, size_t count)
+{
+    for (size_t v = 0; v < count; v++) {
+        struct job *job = variants[v].data;
+        variants[v].run(job);
+        variants[v].equal = !job->status;
+    }
+}
+
+static conus_status measure_loading(struct bench *bench, struct job *labels, struct job *brain)
+{
+    struct job rays = *labels, gl = *labels;
+    rays.engine = CONUS_ENGINE_RAYS;
+    gl.engine = CONUS_ENGINE_GL;
+    struct bench_variant variants[] = {
+        {.name = "labelled volume, from memory", .run = load, .data = labels},
+        {.name = "labelled volume, from the disk", .run = load, .data = labels, .prepare = forget},
+        {.name = "brain phantom, from memory", .run = load, .data = brain},
+        {.name = "brain phantom, from the disk", .run = load, .data = brain, .prepare = forget},
+        {.name = "labelled volume, selector, rays", .run = make_selector, .data = &rays},
+        {.name = "labelled volume, selector, gl", .run = make_selector, .data = &gl}};
+    size_t count = sizeof variants / sizeof *variants;
+    try_all(variants, count);
+    if (gl.status == CONUS_ERROR_GL) {
+        conus_status status = bench_leave_out(bench, "startup by OpenGL");
+        count--;
+        if (status) {
+            return status;
+        }
+    }
+    return bench_measure(bench, "startup", variants, count, 1, 0);
+}
+
+static double seconds_of(const struct timeval *time)
+{
+    return (double)time->tv_sec + (double)time->tv_usec * 1e-6;
+}
+
+/* Processor time of one process, which other programs hardly disturb. */
+static double cpu_of_queries(struct job *labels)
+{
+    struct rusage before, after;
+    getrusage(RUSAGE_CHILDREN, &before);
+    for (int i = 0; i < QUERIES; i++) {
+        run_query(labels);
+    }
+    getrusage(RUSAGE_CHILDREN, &after);
+    return (seconds_of(&after.ru_utime) + seconds_of(&after.ru_stime) - seconds_of(&before.ru_utime) -
+            seconds_of(&before.ru_stime)) /
+           QUERIES;
+}
+
+static conus_status measure_query(struct bench *bench, struct job *labels)
+{
+    char program[PATH_SIZE];
+    if (find_program(program, sizeof program)) {
+        return bench_leave_out(bench, "conus query");
+    }
+    labels->program = program;
+    struct bench_variant variants[] = {
+        {.name = "conus query, whole process", .run = run_query, .data = labels},
+        {.name = "conus query, atlas from the disk", .run = run_query, .data = labels, .prepare = forget}};
+    try_all(variants, 2);
+    double cpu_s = cpu_of_queries(labels);
+    conus_status status = bench_measure(bench, "startup", variants, 2, 1, 10);
+    status = status ? status : bench_value(bench, "query_process_cpu_s", cpu_s, variants[0].equal);
+    return status ? status : bench_value(bench, "query_process_s", variants[0].median_ms / 1e3, variants[0].equal);
+}
+
+conus_status bench_startup(struct bench *bench)
+{
+    char path[PATH_SIZE];
+    struct job labels = {.path = bench->options.atlas};
+    struct job brain = {.path = path, .folder = bench->folder};
+    conus_status status = bench_brain(path, sizeof path, bench);
+    status = status ? status : conus_atlas_load(&labels.atlas, labels.path, NULL);
+    status = status ? status : measure_loading(bench, &labels, &brain);
+    status = status ? status : measure_query(bench, &labels);
+    conus_atlas_destroy(labels.atlas);
+    return status;
+}

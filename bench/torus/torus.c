@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/memory.h"
+#include "bench/bench.h"
+#include "bench/scenarios/look.h"
+#include "bench/torus/torus_scene.h"
+
+#include <stdio.h>
+
+enum { WIDTHS = 5, LOOKS = WIDTHS + 1, BY_RULE = WIDTHS - 1 };
+
+/* Largest scene that is an atlas, too, whose tori have triangles of their own. */
+enum { FLAT_LIMIT = 20000 };
+
+/* Everything about one number of tori: placed, with each number of rays at once, then as an atlas. */
+struct round {
+    struct torus_scene scene;
+    struct cone *cones;
+    conus_atlas *atlas; /* NULL beyond FLAT_LIMIT */
+    struct mesh_rays *rays;
+    struct engine *engines[LOOKS];
+    struct look looks[LOOKS];
+    size_t count;
+};
+
+static void round_finish(struct round *round)
+{
+    for (size_t i = 0; i < LOOKS; i++) {
+        look_finish(&round->looks[i]);
+        engine_destroy(round->engines[i]);
+    }
+    mesh_rays_destroy(round->rays);
+    conus_atlas_destroy(round->atlas);
+    memory_free(round->cones);
+    torus_scene_finish(&round->scene);
+}
+
+static conus_status add_look(struct round *round, size_t cone_count, const char *how)
+{
+    struct look *look = &round->looks[round->count];
+    struct engine *engine = round->engines[round->count++];
+    conus_status status = look_init(look, engine, round->cones, cone_count);
+    snprintf(look->name, sizeof look->name, "%zu tori, %s%s", round->scene.count, how,
+             round->atlas ? "" : engine->name);
+    return status;
+}
+
+static conus_status add_placed(struct round *round, size_t cone_count)
+{
+    static const unsigned widths[WIDTHS] = {1, 4, 8, 16, 0};
+    conus_status status = torus_scene_rays(&round->rays, &round->scene);
+    for (size_t w = 0; w < WIDTHS && !status; w++) {
+        status = mesh_engine_create(&round->engines[w], round->rays, widths[w]);
+        status = status ? status : add_look(round, cone_count, "placed, ");
+    }
+    return status;
+}
+
+static conus_status add_flat(struct round *round, size_t cone_count)
+{
+    conus_status status = torus_scene_atlas(&round->atlas, &round->scene);
+    status = status ? status : engine_rays_create(&round->engines[WIDTHS], round->atlas, &(struct engine_options){0});
+    return status ? status : add_look(round, cone_count, "rays engine");
+}
+
+static conus_status round_init(struct round *out, size_t tori, const struct bench_options *options)
+{
+    conus_status status = torus_scene_init(&out->scene, tori);
+    out->cones = status ? NULL : memory_zeroed(options->poses, sizeof *out->cones);
+    if (!out->cones) {
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    torus_scene_cones(out->cones, &out->scene, options->poses, options->angle);
+    status = add_placed(out, options->poses);
+    return !status && tori <= bench_size(options, FLAT_LIMIT) ? add_flat(out, options->poses) : status;
+}
+
+/* An atlas has moved vertices, which are rounded: its tori are not quite the placed ones, and a ray in thousands
+ * tells. */
+static void fill_in(struct bench_variant *out, struct round *round, size_t index)
+{
+    struct look *look = &round->looks[index];
+    size_t differ = look_differences(look, &round->looks[0]);
+    size_t allowed = index == WIDTHS ? look_pixels(look) / 1000 : 0;
+    *out = (struct bench_variant){.name = look->name, .run = look_all, .data = look};
+    out->equal = !look->status && differ <= allowed;
+    if (differ) {
+        printf("%s: %zu of %zu pixels differ\n", look->name, differ, look_pixels(look));
+    }
+}
+
+static const size_t sizes[] = {1000, 5000, 20000, 200000};
+enum { SIZES = sizeof sizes / sizeof sizes[0] };
+
+/* All sizes side by side, since their ratio is wanted. */
+static conus_status measure(struct bench *bench, struct round rounds[SIZES])
+{
+    struct bench_variant variants[SIZES * LOOKS];
+    const struct bench_variant *by_rule[SIZES];
+    size_t count = 0;
+    for (size_t s = 0; s < SIZES; s++) {
+        by_rule[s] = &variants[count + BY_RULE];
+        for (size_t i = 0; i < rounds[s].count; i++) {
+            fill_in(&variants[count++], &rounds[s], i);
+        }
+    }
+    conus_status status = bench_measure(bench, "torus", variants, count, bench->options.poses, bench->options.angle);
+    return status ? status : bench_ratio(bench, "rays_200k_over_1k", by_rule[SIZES - 1], by_rule[0]);
+}
+
+conus_status bench_torus(struct bench *bench)
+{
+    struct round rounds[SIZES] = {0};
+    bench->one_thread = true;
+    conus_status status = CONUS_OK;
+    for (size_t s = 0; s < SIZES && !status; s++) {
+        status = round_init(&rounds[s], bench_size(&bench->options, sizes[s]), &bench->options);
+    }
+    if (!status) {
+        snprintf(bench->driver, sizeof bench->driver, "%s", rounds[0].engines[WIDTHS]->name);
+        status = measure(bench, rounds);
+    }
+    for (size_t s = 0; s < SIZES; s++) {
+        round_finish(&rounds[s]);
+    }
+    return status ? status : bench_torus_gl(bench);
+}

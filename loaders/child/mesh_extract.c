@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/child/mesh_extract.h"
+
+#include "base/byte_order.h"
+#include "base/memory.h"
+#include "loaders/child/mesh_cache.h"
+#include "loaders/child/mesh_child.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* A run under way. */
+struct extraction {
+    const conus_atlas *atlas;
+    const struct volume *volume;
+    mesh_take take;
+    void *user;
+    struct notes *notes;
+    uint32_t number;       /* of the area that came last                                 */
+    struct buffer *stream; /* what came, for the cache; NULL when it comes from there    */
+    uint32_t frames;
+};
+
+static const struct volume *parcellation_of(const conus_atlas *atlas)
+{
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        if (atlas->volumes[i].info.role == CONUS_PARCELLATION) {
+            return &atlas->volumes[i];
+        }
+    }
+    return NULL;
+}
+
+static void append_f64(struct buffer *out, double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    mesh_append_u32(out, (uint32_t)bits);
+    mesh_append_u32(out, (uint32_t)(bits >> 32));
+}
+
+/* The request without the voxels: everything on which the surfaces depend, but them. */
+static void append_request(struct buffer *out, const struct extraction *work,
+                           const struct mesh_extract_options *options)
+{
+    const conus_volume_info *info = &work->volume->info;
+    buffer_append(out, MESH_REQUEST_MAGIC, MESH_MAGIC_SIZE);
+    mesh_append_u32(out, MESH_REQUEST_SURFACES);
+    mesh_append_u32(out, (uint32_t)work->atlas->area_count);
+    for (int a = 0; a < 3; a++) {
+        mesh_append_u32(out, (uint32_t)info->dim[a]);
+    }
+    mesh_append_u32(out, work->volume->objects16 ? 2 : 4);
+    mesh_append_u32(out, options->iterations);
+    mesh_append_u32(out, 0);
+    append_f64(out, options->pass_band);
+    append_f64(out, options->reduction);
+    for (int i = 0; i < 16; i++) {
+        append_f64(out, info->world_from_voxel[i]);
+    }
+    for (size_t i = 0; i < work->atlas->area_count; i++) {
+        mesh_append_u32(out, work->atlas->objects[i].label);
+    }
+}
+
+/* The voxels count by the file that they come from, whose SHA-256 is known; its header is in the request. */
+static void find_key(char key[MESH_CACHE_KEY_SIZE], const struct buffer *request, const conus_volume_info *info)
+{
+    struct buffer recipe = {0};
+    buffer_format(&recipe, "conus %s " MESH_STREAM_MAGIC " %s volume %zu of %zu, %s, %a %a\n", conus_version(),
+                  info->sha256, info->volume, info->volume_count, info->datatype, info->slope, info->intercept);
+    buffer_append(&recipe, request->data, request->size);
+    key[0] = '\0';
+    if (buffer_status(&recipe) == CONUS_OK && info->sha256[0]) {
+        mesh_cache_key(key, &recipe);
+    }
+    buffer_finish(&recipe);
+}
+
+/* Frames come in the order of the areas. */
+static conus_status find_area(struct extraction *work, uint32_t label)
+{
+    while (work->number < work->atlas->area_count) {
+        if (work->atlas->objects[work->number++].label == label) {
+            return CONUS_OK;
+        }
+    }
+    return fail(CONUS_ERROR_DATA, "mesh stream: a surface of label %u, which is none of the areas left", label);
+}
+
+static conus_status take_frame(void *user, const struct mesh_frame *frame)
+{
+    struct extraction *work = user;
+    struct mesh mesh = {0};
+    char name[32];
+    if (frame->kind == MESH_FRAME_FAILURE) {
+        return fail(CONUS_ERROR_DATA, "conus-mesh: %.*s", (int)frame->text.size, frame->text.data);
+    }
+    snprintf(name, sizeof name, "area %u", frame->id);
+    conus_status status = find_area(work, frame->id);
+    status = status ? status : mesh_take_frame(&mesh, frame, name, work->notes, work->stream);
+    status = status ? status : work->take(work->user, work->number, &mesh);
+    work->frames++;
+    mesh_finish(&mesh);
+    return status;
+}
+
+static conus_status run_child(struct extraction *work, const struct buffer *request, const char *key,
+                              const struct mesh_extract_options *options)
+{
+    const struct volume *volume = work->volume;
+    const struct mesh_child_request all = {.head = *request,
+                                           .voxels = volume->objects16 ? (const void *)volume->objects16
+                                                                       : (const void *)volume->objects32,
+                                           .size = volume->voxel_count * (volume->objects16 ? 2 : 4)};
+    /* AAL's 7 million voxels take 1 s, 5 s when decimated. */
+    const uint32_t seconds = 120 + (uint32_t)(volume->voxel_count / 50000);
+    const struct mesh_child_limits limits = {.memory = options->max_memory, .seconds = seconds, .wait = 4 * seconds};
+    struct buffer stream = {0};
+    work->stream = key[0] ? &stream : NULL;
+    mesh_stream_start(&stream);
+    conus_status status = mesh_child_run(&all, &limits, take_frame, work);
+    mesh_stream_end(&stream, work->frames);
+    if (!status && key[0]) {
+        status = buffer_status(&stream);
+        status = status ? status : mesh_cache_keep(key, &stream);
+    }
+    work->stream = NULL;
+    buffer_finish(&stream);
+    return status;
+}
+
+static conus_status extract_with(struct extraction *work, const struct buffer *request,
+                                 const struct mesh_extract_options *options)
+{
+    char key[MESH_CACHE_KEY_SIZE];
+    struct bytes cached = {0};
+    find_key(key, request, &work->volume->info);
+    conus_status status = key[0] ? mesh_cache_find(&cached, key, work->notes) : CONUS_OK;
+    if (!status) {
+        status = cached.data ? mesh_stream_read(cached.data, cached.size, take_frame, work)
+                             : run_child(work, request, key, options);
+    }
+    bytes_finish(&cached);
+    return status;
+}
+
+static conus_status check_size(const conus_volume_info *info)
+{
+    enum { MOST = 1 << 20 };
+    for (int a = 0; a < 3; a++) {
+        if (info->dim[a] > MOST) {
+            return fail(CONUS_ERROR_UNSUPPORTED, "%s: %zu voxels along %c, surfaces are made of up to %d", info->path,
+                        info->dim[a], "ijk"[a], MOST);
+        }
+    }
+    return CONUS_OK;
+}
+
+conus_status mesh_extract(const conus_atlas *atlas, const struct mesh_extract_options *options, mesh_take take,
+                          void *user, struct notes *notes)
+{
+    struct extraction work = {
+        .atlas = atlas, .volume = parcellation_of(atlas), .take = take, .user = user, .notes = notes};
+    struct buffer request = {0};
+    if (!work.volume) {
+        return CONUS_OK;
+    }
+    conus_status status = check_size(&work.volume->info);
+    if (!status) {
+        append_request(&request, &work, options);
+        status = buffer_status(&request);
+    }
+    status = status ? status : extract_with(&work, &request, options);
+    buffer_finish(&request);
+    return status;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Surfaces of the areas of a labelled volume, made by conus-mesh or found in the cache. */
+#ifndef CONUS_LOADERS_CHILD_MESH_EXTRACT_H
+#define CONUS_LOADERS_CHILD_MESH_EXTRACT_H
+
+#include "atlas/atlas.h"
+#include "atlas/surface/mesh.h"
+
+/* What keeps AAL nearest to its voxels: of more, the corners that voxels have are lost, too. */
+enum { MESH_DEFAULT_SMOOTH = 5 };
+#define MESH_DEFAULT_PASS_BAND 0.7
+
+struct mesh_extract_options {
+    uint32_t iterations; /**< Of windowed-sinc smoothing; 0 = none.                          */
+    double pass_band;    /**< Of it, above 0 to 2; less is smoother.                         */
+    double reduction;    /**< Part of the triangles that decimation removes, in [0, 1).      */
+    uint64_t max_memory; /**< Of conus-mesh and of one mesh, in bytes.                       */
+};
+
+/** Gets the surface of area @p number of the atlas, checked (mesh_check()), in world mm. */
+typedef conus_status (*mesh_take)(void *user, uint32_t number, const struct mesh *mesh);
+
+/** Gives @p take one surface for each area that has voxels in the atlas's parcellation, in their order. @p notes gets
+ * what mesh_check() finds. Ends early when @p take fails. Without a parcellation, nothing happens. */
+conus_status mesh_extract(const conus_atlas *atlas, const struct mesh_extract_options *options, mesh_take take,
+                          void *user, struct notes *notes);
+
+#endif

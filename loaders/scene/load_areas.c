@@ -1,0 +1,585 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From planned surfaces to areas of the atlas: who has which label, reading, the area tree. */
+#include "atlas/label_map.h"
+#include "atlas/palette.h"
+#include "atlas/surface/mesh_split.h"
+#include "base/buffer.h"
+#include "base/folder.h"
+#include "base/memory.h"
+#include "loaders/child/mesh_foreign.h"
+#include "loaders/scene/load_plan.h"
+#include "loaders/surfaces/mesh_file.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* ---- Labels that the parcellation has, too ----------------------------------------------------------------------- */
+
+/* Voxels of each planned area's label, in the plan's order. */
+static conus_status count_voxels(uint64_t *counts, const struct area_plan *plan, const struct parcellation *parts)
+{
+    const size_t *dim = parts->file.info.dim;
+    struct label_map map = {0};
+    uint32_t last = 0;
+    conus_status status = CONUS_OK;
+    uint64_t *count = NULL;
+    for (size_t i = 0; !status && i < dim[0] * dim[1] * dim[2]; i++) {
+        uint32_t label = parts->labels[i];
+        if (label != last) {
+            count = label ? label_map_at(&map, label) : NULL;
+            status = label && !count ? CONUS_ERROR_MEMORY : CONUS_OK;
+            last = label;
+        }
+        if (count) {
+            ++*count;
+        }
+    }
+    for (size_t i = 0; !status && i < plan->count; i++) {
+        count = label_map_at(&map, plan->areas[i].label.number);
+        status = count ? CONUS_OK : CONUS_ERROR_MEMORY;
+        counts[i] = count ? *count : 0;
+    }
+    label_map_finish(&map);
+    return status;
+}
+
+static void planned_area_finish(struct planned_area *area)
+{
+    memory_free(area->path);
+    memory_free(area->label.name);
+    memory_free(area->label.abbreviation);
+}
+
+/* Leaves the surfaces out whose label has voxels. */
+static void drop_surfaces(struct area_plan *plan, const uint64_t *counts)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < plan->count; i++) {
+        if (counts[i]) {
+            planned_area_finish(&plan->areas[i]);
+        } else {
+            plan->areas[kept++] = plan->areas[i];
+        }
+    }
+    plan->count = kept;
+}
+
+/* Gives the surface what the table's entry says and the manifest does not. */
+static void take_words(struct label *label, struct label *entry)
+{
+    if (!label->name) {
+        label->name = entry->name;
+        entry->name = NULL;
+    }
+    if (!label->abbreviation) {
+        label->abbreviation = entry->abbreviation;
+        entry->abbreviation = NULL;
+    }
+    if (!label->has_rgb) {
+        label->has_rgb = entry->has_rgb;
+        memcpy(label->rgb, entry->rgb, sizeof label->rgb);
+    }
+    label->hemisphere = label->hemisphere ? label->hemisphere : entry->hemisphere;
+}
+
+/* Gives the surfaces the parents that the table knows and the manifest does not. */
+static void hand_over_parents(struct area_plan *plan, const struct label_table *table)
+{
+    for (size_t i = 0; i < plan->count; i++) {
+        struct label *label = &plan->areas[i].label;
+        const struct label *entry = label_table_find(table, label->number);
+        bool known = entry && entry->has_parent &&
+                     (label_table_find(table, entry->parent) || area_plan_find(plan, entry->parent));
+        if (known && !label->has_parent) {
+            label->has_parent = true;
+            label->parent = entry->parent;
+        }
+    }
+}
+
+/* An entry of the table that lies in a surface becomes a node of the tree, since the table will not know its parent.
+ * The first `stated` nodes are the manifest's. */
+static conus_status hand_over_link(struct area_plan *plan, struct label *entry, size_t stated)
+{
+    if (!entry->name || !entry->has_parent || !area_plan_find(plan, entry->parent)) {
+        return CONUS_OK;
+    }
+    struct label *node = NULL;
+    for (size_t i = 0; i < stated && !node; i++) {
+        node = plan->groups.entries[i].number == entry->number ? &plan->groups.entries[i] : NULL;
+    }
+    node = node ? node : label_table_add(&plan->groups, entry->number);
+    if (!node) {
+        return CONUS_ERROR_MEMORY;
+    }
+    node->parent = node->has_parent ? node->parent : entry->parent;
+    node->has_parent = true;
+    entry->has_parent = false;
+    return CONUS_OK;
+}
+
+/* The table keeps what is no surface's. */
+static conus_status hand_over_entries(struct area_plan *plan, struct label_table *table)
+{
+    size_t kept = 0;
+    size_t stated = plan->groups.count;
+    conus_status status = CONUS_OK;
+    hand_over_parents(plan, table);
+    for (size_t i = 0; !status && i < table->count; i++) {
+        status = hand_over_link(plan, &table->entries[i], stated);
+    }
+    for (size_t i = 0; i < table->count; i++) {
+        struct label *entry = &table->entries[i];
+        struct planned_area *area = area_plan_find(plan, entry->number);
+        if (area) {
+            take_words(&area->label, entry);
+            memory_free(entry->name);
+            memory_free(entry->abbreviation);
+        } else {
+            table->entries[kept++] = *entry;
+        }
+    }
+    table->count = kept;
+    return status;
+}
+
+/* Voxels with a planned area's label become background. */
+static void clear_voxels(const struct area_plan *plan, struct parcellation *parts)
+{
+    const size_t *dim = parts->file.info.dim;
+    uint32_t last = 0;
+    bool cleared = false;
+    for (size_t i = 0; i < dim[0] * dim[1] * dim[2]; i++) {
+        uint32_t label = parts->labels[i];
+        if (label != last) {
+            cleared = label && area_plan_find(plan, label);
+            last = label;
+        }
+        parts->labels[i] = cleared ? 0 : label;
+    }
+}
+
+static conus_status prefer(struct area_plan *plan, struct parcellation *parts, const uint64_t *counts,
+                           enum manifest_preference preference)
+{
+    size_t shared = 0;
+    const struct planned_area *first = NULL;
+    for (size_t i = 0; i < plan->count; i++) {
+        first = counts[i] && !first ? &plan->areas[i] : first;
+        shared += counts[i] > 0;
+    }
+    if (first && preference == MANIFEST_PREFER_NONE) {
+        return fail(CONUS_ERROR_DATA,
+                    "areas[%zu]: label %u of %s is in the parcellation, too: say \"prefer\": \"areas\" or "
+                    "\"parcellation\"",
+                    first->entry, first->label.number, path_base(first->path));
+    }
+    bool surfaces = preference != MANIFEST_PREFER_PARCELLATION;
+    if (first && surfaces) {
+        clear_voxels(plan, parts);
+    } else if (first) {
+        drop_surfaces(plan, counts);
+    }
+    return !first ? CONUS_OK
+                  : notes_add(&parts->notes, "labels that are both a surface and voxels: %zu, the %s taken", shared,
+                              surfaces ? "surfaces are" : "voxels are");
+}
+
+conus_status area_plan_settle(struct area_plan *plan, struct parcellation *parts, enum manifest_preference preference)
+{
+    uint64_t *counts = memory_zeroed(plan->count, sizeof *counts);
+    conus_status status = counts ? count_voxels(counts, plan, parts) : CONUS_ERROR_MEMORY;
+    status = status ? status : prefer(plan, parts, counts, preference);
+    status = status ? status : hand_over_entries(plan, &parts->table);
+    status = status ? status : label_table_sort(&plan->groups, &parts->notes);
+    memory_free(counts);
+    return status;
+}
+
+/* ---- Reading ---------------------------------------------------------------------------------------------------- */
+
+/* What surfaces are read into, all before any becomes an area. */
+struct surfaces {
+    struct mesh *meshes;   /* [count], as the plan's areas */
+    const char **foreign;  /* paths that conus-mesh reads */
+    struct mesh *received; /* [foreign_count] */
+    size_t count, foreign_count;
+    enum mesh_space space;
+    uint64_t max_memory;
+    struct notes *notes;
+    struct load_progress *progress;
+};
+
+static void surfaces_finish(struct surfaces *surfaces)
+{
+    for (size_t i = 0; surfaces->meshes && i < surfaces->count; i++) {
+        mesh_finish(&surfaces->meshes[i]);
+    }
+    for (size_t i = 0; surfaces->received && i < surfaces->foreign_count; i++) {
+        mesh_finish(&surfaces->received[i]);
+    }
+    memory_free(surfaces->meshes);
+    memory_free(surfaces->received);
+    memory_free(surfaces->foreign);
+}
+
+static conus_status surfaces_init(struct surfaces *out, size_t count)
+{
+    out->count = count;
+    out->meshes = memory_zeroed(count, sizeof *out->meshes);
+    out->received = memory_zeroed(count, sizeof *out->received);
+    out->foreign = memory_zeroed(count, sizeof *out->foreign);
+    return out->meshes && out->received && out->foreign ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+/* The name in the file, else the file's. */
+static conus_status name_area(struct planned_area *area, struct label *said)
+{
+    if (!area->label.name && said->name) {
+        area->label.name = said->name;
+        said->name = NULL;
+    } else if (!area->label.name) {
+        area->label.name = mesh_file_name(area->path);
+    }
+    area->label.hemisphere = area->label.hemisphere ? area->label.hemisphere : said->hemisphere;
+    return area->label.name ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+/* Reads one surface that lies by itself. */
+static conus_status read_own(struct surfaces *surfaces, struct planned_area *area, struct mesh *mesh)
+{
+    struct label said = {0};
+    struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->max_memory};
+    conus_status status = mesh_file_read(mesh, &said, area->path, &options, surfaces->notes);
+    status = status ? status : name_area(area, &said);
+    memory_free(said.name);
+    memory_free(said.abbreviation);
+    return status;
+}
+
+static conus_status read_sheet(struct mesh *mesh, const struct surfaces *surfaces, const char *path)
+{
+    if (!mesh_file_keeps_vertices(path)) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "vertex_labels: %s: a GIFTI or FreeSurfer surface is needed",
+                    path_base(path));
+    }
+    struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->max_memory};
+    return mesh_file_read(mesh, NULL, path, &options, surfaces->notes);
+}
+
+/* Gives the parts to the areas planned for them. */
+static conus_status hand_out_parts(struct surfaces *surfaces, struct area_plan *plan, size_t sheet,
+                                   struct mesh_parts *parts)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < plan->count; i++) {
+        struct planned_area *area = &plan->areas[i];
+        for (size_t k = 0; area->is_part && area->sheet == sheet && k < parts->count; k++) {
+            if (parts->parts[k].label == area->part) {
+                surfaces->meshes[i] = parts->parts[k].mesh;
+                parts->parts[k].mesh = (struct mesh){0};
+            }
+        }
+        if (area->is_part && area->sheet == sheet && !surfaces->meshes[i].triangle_count) {
+            status = notes_add(surfaces->notes, "%s: label %u is on no triangle, left out", area->path, area->part);
+        }
+    }
+    return status;
+}
+
+static conus_status cut_sheet(struct surfaces *surfaces, struct area_plan *plan, size_t index)
+{
+    const struct planned_sheet *sheet = &plan->sheets[index];
+    struct mesh mesh = {0};
+    struct mesh_parts parts = {0};
+    conus_status status = read_sheet(&mesh, surfaces, sheet->path);
+    if (!status && mesh.vertex_count != sheet->labels.count) {
+        status = fail(CONUS_ERROR_DATA, "vertex_labels: %zu labels, %s has %zu vertices: they must be as many",
+                      sheet->labels.count, path_base(sheet->path), mesh.vertex_count);
+    }
+    status = status ? status : mesh_split(&parts, &mesh, sheet->labels.labels, surfaces->notes);
+    status = status ? status : hand_out_parts(surfaces, plan, index, &parts);
+    mesh_parts_finish(&parts);
+    mesh_finish(&mesh);
+    return status;
+}
+
+/* A FreeSurfer surface may have any name. */
+static bool is_foreign(const struct planned_area *area)
+{
+    return !area->is_part && mesh_foreign_is(area->path) && !mesh_file_keeps_vertices(area->path);
+}
+
+/* Reads what conus-mesh must read: with a placement of their own, or without. */
+static conus_status read_foreign(struct surfaces *surfaces, struct area_plan *plan, bool placed)
+{
+    struct mesh_foreign_options options = {placed ? MESH_SPACE_RAS : surfaces->space, surfaces->max_memory};
+    struct label nothing = {0};
+    size_t n = 0;
+    for (size_t i = 0; i < plan->count; i++) {
+        if (plan->areas[i].placed == placed && is_foreign(&plan->areas[i])) {
+            surfaces->foreign[n++] = plan->areas[i].path;
+        }
+    }
+    if (!n) {
+        return CONUS_OK;
+    }
+    load_progress_tell(surfaces->progress, surfaces->foreign[0], n);
+    conus_status status = mesh_foreign_read(surfaces->received, surfaces->foreign, n, &options, surfaces->notes);
+    surfaces->foreign_count = status ? 0 : n;
+    n = 0;
+    for (size_t i = 0; !status && i < plan->count; i++) {
+        if (plan->areas[i].placed == placed && is_foreign(&plan->areas[i])) {
+            surfaces->meshes[i] = surfaces->received[n];
+            surfaces->received[n++] = (struct mesh){0};
+            status = name_area(&plan->areas[i], &nothing);
+        }
+    }
+    return status;
+}
+
+static conus_status read_areas(struct surfaces *surfaces, struct area_plan *plan)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < plan->count; i++) {
+        char key[48];
+        struct planned_area *area = &plan->areas[i];
+        if (!area->is_part && !is_foreign(area)) {
+            load_progress_tell(surfaces->progress, area->path, 1);
+            status = read_own(surfaces, area, &surfaces->meshes[i]);
+        }
+        snprintf(key, sizeof key, "areas[%zu]", area->entry);
+        status = status ? fail_in(status, key) : CONUS_OK;
+    }
+    return status;
+}
+
+/* A file that is not there is its reader's to complain of. */
+static void keep_states(struct area_plan *plan)
+{
+    for (size_t i = 0; i < plan->count; i++) {
+        (void)file_state_find(&plan->areas[i].state, plan->areas[i].path);
+    }
+}
+
+static conus_status read_all(struct surfaces *surfaces, struct area_plan *plan)
+{
+    keep_states(plan);
+    conus_status status = read_foreign(surfaces, plan, true);
+    status = status ? status : read_foreign(surfaces, plan, false);
+    for (size_t i = 0; !status && i < plan->sheet_count; i++) {
+        load_progress_tell(surfaces->progress, plan->sheets[i].path, 1);
+        status = cut_sheet(surfaces, plan, i);
+    }
+    return status ? fail_in(status, "areas") : read_areas(surfaces, plan);
+}
+
+/* ---- Notes about many surfaces ------------------------------------------------------------------------------------
+ */
+
+/* The area that a note "path: text" is about, and its text; NULL if it is about none. */
+static const struct planned_area *area_of_note(const char **text, const struct area_plan *plan, const char *note)
+{
+    for (size_t i = 0; i < plan->count; i++) {
+        size_t length = strlen(plan->areas[i].path);
+        if (strncmp(note, plan->areas[i].path, length) == 0 && strncmp(note + length, ": ", 2) == 0) {
+            *text = note + length + 2;
+            return &plan->areas[i];
+        }
+    }
+    return NULL;
+}
+
+/* Adds note `first`; if others say the same about other surfaces, "N surfaces (a, b, ...): text", and takes those out.
+ */
+static conus_status add_gathered(struct notes *to, const struct area_plan *plan, struct notes *from, size_t first)
+{
+    enum { SHOWN = 3 };
+    const char *text = NULL;
+    const char *other = NULL;
+    struct buffer names = {0};
+    size_t count = 0;
+    if (!area_of_note(&text, plan, from->lines[first])) {
+        return notes_add(to, "%s", from->lines[first]);
+    }
+    for (size_t i = first; i < from->count; i++) {
+        const struct planned_area *area = from->lines[i] ? area_of_note(&other, plan, from->lines[i]) : NULL;
+        if (!area || strcmp(other, text) != 0) {
+            continue;
+        }
+        if (count++ < SHOWN) {
+            buffer_format(&names, "%s%s", count > 1 ? ", " : "", path_base(area->path));
+        }
+        if (i != first) {
+            memory_free(from->lines[i]);
+            from->lines[i] = NULL;
+        }
+    }
+    conus_status status = buffer_status(&names);
+    status = status ? status
+             : count == 1
+                 ? notes_add(to, "%s", from->lines[first])
+                 : notes_add(to, "%zu surfaces (%s%s): %s", count, names.data, count > SHOWN ? ", ..." : "", text);
+    buffer_finish(&names);
+    return status;
+}
+
+/* Moves the notes to `to`; what several surfaces have in common is said once. */
+static conus_status gather_notes(struct notes *to, const struct area_plan *plan, struct notes *from)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < from->count; i++) {
+        status = from->lines[i] ? add_gathered(to, plan, from, i) : CONUS_OK;
+    }
+    return status;
+}
+
+/* ---- Areas ------------------------------------------------------------------------------------------------------ */
+
+/* `digits` becomes its name where it has none. */
+static conus_object object_of(const struct label *label, size_t index, char digits[16])
+{
+    conus_object object = {
+        .kind = CONUS_AREA, .label = label->number, .named = label->name != NULL, .hemisphere = label->hemisphere};
+    snprintf(digits, 16, "%u", label->number);
+    object.name = label->name ? label->name : digits;
+    object.abbreviation = label->abbreviation ? label->abbreviation : "";
+    palette_colour(object.rgb, index);
+    memcpy(object.rgb, label->has_rgb ? label->rgb : object.rgb, sizeof object.rgb);
+    return object;
+}
+
+static conus_status add_surfaces(struct area_plan *plan, struct surfaces *surfaces, conus_atlas *atlas)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < plan->count; i++) {
+        const struct planned_area *area = &plan->areas[i];
+        char digits[16];
+        conus_object object = object_of(&area->label, atlas->object_count, digits);
+        if (!surfaces->meshes[i].triangle_count) { /* a label on no triangle */
+            continue;
+        }
+        if (area->placed) {
+            mesh_transform(&surfaces->meshes[i], area->world_from_mesh);
+        }
+        bool repeated = area->is_part && i && strcmp(plan->areas[i - 1].path, area->path) == 0;
+        status = atlas_add_mesh(atlas, &object, &surfaces->meshes[i]);
+        status = status || repeated ? status : atlas_note_file(atlas, area->path, &area->state);
+    }
+    return status;
+}
+
+/* Label -> number of the area. */
+static conus_status map_areas(struct label_map *map, const conus_atlas *atlas)
+{
+    for (size_t i = 0; i < atlas->area_count; i++) {
+        uint64_t *number = label_map_at(map, atlas->objects[i].label);
+        if (!number) {
+            return CONUS_ERROR_MEMORY;
+        }
+        *number = i + 1;
+    }
+    return CONUS_OK;
+}
+
+/* Adds the groups that are no area yet. */
+static conus_status add_groups(struct area_plan *plan, conus_atlas *atlas, struct label_map *map)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < plan->groups.count; i++) {
+        const struct label *group = &plan->groups.entries[i];
+        uint64_t *number = label_map_at(map, group->number);
+        if (!number) {
+            return CONUS_ERROR_MEMORY;
+        }
+        if (*number) {
+            continue;
+        }
+        char digits[16];
+        conus_object object = object_of(group, atlas->object_count, digits);
+        if (!group->name) {
+            return fail(CONUS_ERROR_DATA, "tree: label %u is no area, and a new one needs a name", group->number);
+        }
+        status = atlas_add_group(atlas, &object);
+        *number = atlas->object_count;
+    }
+    return status;
+}
+
+static conus_status link_parent(conus_atlas *atlas, struct label_map *map, const struct label *label)
+{
+    if (!label->has_parent) {
+        return CONUS_OK;
+    }
+    uint64_t *child = label_map_at(map, label->number);
+    uint64_t child_number = child ? *child : 0;
+    uint64_t *parent = label_map_at(map, label->parent);
+    if (!child || !parent) {
+        return CONUS_ERROR_MEMORY;
+    }
+    if (!child_number) { /* left out */
+        return CONUS_OK;
+    }
+    if (!*parent) {
+        return fail(CONUS_ERROR_DATA, "label %u: its parent %u is no area (tree may name one)", label->number,
+                    label->parent);
+    }
+    atlas->objects[child_number - 1].parent = (uint32_t)*parent;
+    return CONUS_OK;
+}
+
+static conus_status refuse_cycles(const conus_atlas *atlas)
+{
+    for (size_t i = 1; i <= atlas->area_count; i++) {
+        size_t steps = 0;
+        for (uint32_t at = atlas->objects[i - 1].parent; at; at = atlas->objects[at - 1].parent) {
+            if (++steps > atlas->area_count) {
+                break; /* a cycle that this one is not on */
+            }
+            if (at == i) {
+                return fail(CONUS_ERROR_DATA, "tree: label %u lies below itself", atlas->objects[i - 1].label);
+            }
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status grow_tree(struct area_plan *plan, conus_atlas *atlas)
+{
+    struct label_map map = {0};
+    conus_status status = map_areas(&map, atlas);
+    status = status ? status : add_groups(plan, atlas, &map);
+    for (size_t i = 0; !status && i < plan->count; i++) {
+        status = link_parent(atlas, &map, &plan->areas[i].label);
+    }
+    for (size_t i = 0; !status && i < plan->groups.count; i++) {
+        status = link_parent(atlas, &map, &plan->groups.entries[i]);
+    }
+    label_map_finish(&map);
+    return status ? status : refuse_cycles(atlas);
+}
+
+size_t area_plan_files(const struct area_plan *plan)
+{
+    size_t files = plan->sheet_count;
+    for (size_t i = 0; i < plan->count; i++) {
+        files += !plan->areas[i].is_part;
+    }
+    return files;
+}
+
+conus_status area_plan_load(struct area_plan *plan, conus_atlas *atlas, const struct manifest *manifest,
+                            const conus_load_options *options, struct load_progress *progress)
+{
+    struct notes notes = {0};
+    struct surfaces surfaces = {
+        .space = manifest->space, .max_memory = options->max_memory, .notes = &notes, .progress = progress};
+    conus_status status = surfaces_init(&surfaces, plan->count);
+    status = status ? status : read_all(&surfaces, plan);
+    status = status ? status : gather_notes(&atlas->notes, plan, &notes);
+    status = status ? status : add_surfaces(plan, &surfaces, atlas);
+    status = status ? status : grow_tree(plan, atlas);
+    surfaces_finish(&surfaces);
+    notes_finish(&notes);
+    return status;
+}

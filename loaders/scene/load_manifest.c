@@ -1,0 +1,392 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From a manifest to the atlas that it describes. Every failure names the manifest and the key. */
+#include "base/buffer.h"
+#include "base/folder.h"
+#include "base/memory.h"
+#include "loaders/labels/fsl_atlas.h"
+#include "loaders/labels/label_parse.h"
+#include "loaders/scene/load_plan.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { XML_LIMIT = 4 << 20 };
+
+/* What all steps need. */
+struct loading {
+    const struct manifest *manifest;
+    const char *path;         /* of the manifest, ending in '/' if it was made for a folder */
+    const struct bytes *file; /* its bytes */
+    const conus_load_options *options;
+    conus_atlas *atlas;
+    struct volume_file series; /* kept for the pathways that follow, if any of them is of it */
+    const char *series_name;   /* as the manifest writes it; NULL without one */
+    struct load_progress progress;
+};
+
+/* Puts manifest and key in front of the message. What a manifest asks for in vain is its fault, not the caller's. */
+static conus_status fail_at(conus_status status, const struct loading *loading, const char *key)
+{
+    status = fail_in(status == CONUS_ERROR_ARGUMENT ? CONUS_ERROR_DATA : status, key);
+    return fail_in(status, loading->path);
+}
+
+/* The path of `source` from where this process is, with ",volume=K" where one is chosen; NULL without memory. */
+static char *source_path(const struct loading *loading, const struct manifest_volume *source)
+{
+    char *path = file_beside(loading->path, source->file);
+    if (!path || !source->chosen) {
+        return path;
+    }
+    struct buffer selected = {0};
+    buffer_format(&selected, "%s,volume=%u", path, source->volume);
+    memory_free(path);
+    return selected.failed ? (buffer_finish(&selected), NULL) : selected.data;
+}
+
+/* ---- Areas --------------------------------------------------------------------------------------------------- */
+
+static conus_status read_parcellation(struct parcellation *parts, struct loading *loading)
+{
+    static const char needed[] = "a labelled volume (NIfTI-1, NIfTI-2 or MGH) or an FSL atlas XML of type Label";
+    const struct manifest_parcellation *from = &loading->manifest->parcellation;
+    conus_load_options options = *loading->options;
+    char *labels = from->labels && !options.labels ? file_beside(loading->path, from->labels) : NULL;
+    char *path = source_path(loading, &from->source);
+    conus_status status = path && (labels || !from->labels || options.labels) ? CONUS_OK : CONUS_ERROR_MEMORY;
+    options.labels = labels ? labels : options.labels;
+    if (!status) {
+        load_progress_tell(&loading->progress, path, 1);
+        status = parcellation_read(parts, path, &options, needed);
+    }
+    memory_free(path);
+    memory_free(labels);
+    if (status == CONUS_ERROR_ARGUMENT && !loading->options->labels) { /* as in fail_at() */
+        status = CONUS_ERROR_DATA;
+    }
+    return status ? fail_in(status, "parcellation") : CONUS_OK;
+}
+
+static conus_status refuse_labels(const struct loading *loading)
+{
+    const char *labels = loading->options->labels;
+    bool made_up = !path_base(loading->path)[0];
+    return made_up ? fail(CONUS_ERROR_ARGUMENT,
+                          "--labels %s: a folder of surfaces is named by its files; a manifest ('conus manifest') can "
+                          "name them by a table (\"files\" with \"labels\")",
+                          labels)
+                   : fail(CONUS_ERROR_ARGUMENT, "--labels %s: the manifest has no parcellation that they could name",
+                          labels);
+}
+
+/* An atlas of the parcellation, if there is one, with all voxels that are no surface's. */
+static conus_status create_atlas(struct loading *loading, struct area_plan *plan)
+{
+    struct parcellation parts = {0};
+    if (!loading->manifest->parcellation.source.file) {
+        return loading->options->labels ? refuse_labels(loading) : atlas_create_empty(&loading->atlas, "the manifest");
+    }
+    conus_status status = read_parcellation(&parts, loading);
+    status = status ? status : area_plan_settle(plan, &parts, loading->manifest->prefer);
+    status = status ? status : parcellation_atlas(&loading->atlas, &parts);
+    status = status ? status : file_sums_move(&plan->read, &parts.read);
+    parcellation_finish(&parts);
+    return status;
+}
+
+/* Parcellation, pathways, context. Volumes of one file count each: they are unpacked one by one. */
+static size_t files_besides(const struct manifest *manifest)
+{
+    size_t files = manifest->parcellation.source.file ? 1 : 0;
+    files += manifest->context.source.file ? 1 : 0;
+    for (size_t i = 0; i < manifest->pathway_count; i++) {
+        files += manifest->pathways[i].names ? manifest->pathways[i].name_count : 1;
+    }
+    return files;
+}
+
+static conus_status load_areas(struct loading *loading)
+{
+    struct area_plan plan = {.max_memory = loading->options->max_memory};
+    struct notes notes = {0};
+    conus_status status = area_plan_make(&plan, loading->manifest, loading->path, &notes);
+    size_t planned = area_plan_files(&plan);
+    loading->progress.total = files_besides(loading->manifest) + planned;
+    status = status ? status : create_atlas(loading, &plan);
+    loading->progress.total -= planned - area_plan_files(&plan); /* the parcellation may have them */
+    status = status ? status : notes_move(&loading->atlas->notes, &notes);
+    if (!status && path_base(loading->path)[0]) {
+        status = atlas_add_file(loading->atlas, loading->path, loading->file);
+    }
+    status = status ? status : file_sums_move(&loading->atlas->files, &plan.read);
+    status = status ? status
+                    : area_plan_load(&plan, loading->atlas, loading->manifest, loading->options, &loading->progress);
+    area_plan_finish(&plan);
+    notes_finish(&notes);
+    return status ? fail_in(status, loading->path) : CONUS_OK;
+}
+
+/* ---- Pathways ----------------------------------------------------------------------------------------------- */
+
+/* Adds volume `volume` of `file`; notes of opening it go to the atlas with it. */
+static conus_status add_volume(struct loading *loading, const struct manifest_pathway *pathway,
+                               struct volume_file *file, size_t volume, const char *name, struct notes *notes)
+{
+    double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
+    load_progress_tell(&loading->progress, file->path, 1);
+    conus_status status = volume_file_select(file, volume);
+    return status ? status : pathway_add(loading->atlas, file, threshold, name, notes);
+}
+
+static conus_status add_named_volumes(struct loading *loading, const struct manifest_pathway *pathway)
+{
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    char *path = file_beside(loading->path, pathway->source.file);
+    conus_status status =
+        path ? volume_file_open_series(&file, path, loading->options->max_memory, &notes) : CONUS_ERROR_MEMORY;
+    if (!status && file.info.volume_count != pathway->name_count) {
+        status = fail(CONUS_ERROR_DATA, "names: has %zu entries, %s has %zu volumes: they must be as many",
+                      pathway->name_count, pathway->source.file, file.info.volume_count);
+    }
+    for (size_t i = 0; !status && i < pathway->name_count; i++) {
+        status = add_volume(loading, pathway, &file, i, pathway->names[i], &notes);
+    }
+    volume_file_finish(&file);
+    notes_finish(&notes);
+    memory_free(path);
+    return status;
+}
+
+/* ---- Pathways of an FSL atlas -------------------------------------------------------------------------------- */
+
+/* An FSL atlas and the image of it that is taken. */
+struct fsl_choice {
+    struct fsl_atlas atlas;
+    struct volume_file image; /* path NULL before there is one */
+    struct notes notes;       /* of opening it */
+};
+
+static void fsl_choice_finish(struct fsl_choice *choice)
+{
+    fsl_atlas_finish(&choice->atlas);
+    volume_file_finish(&choice->image);
+    notes_finish(&choice->notes);
+}
+
+static double voxel_mm3(const struct volume_file *file)
+{
+    const double *s = file->info.spacing;
+    return s[0] * s[1] * s[2];
+}
+
+/* Takes the image `path` if its voxels are smaller than those of the one that is there. */
+static conus_status consider_image(struct fsl_choice *choice, const struct loading *loading, const char *path)
+{
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    conus_status status = volume_file_open_series(&file, path, loading->options->max_memory, &notes);
+    if (!status && (!choice->image.path || voxel_mm3(&file) < voxel_mm3(&choice->image))) {
+        volume_file_finish(&choice->image);
+        notes_finish(&choice->notes);
+        choice->image = file;
+        choice->notes = notes;
+        return CONUS_OK;
+    }
+    volume_file_finish(&file);
+    notes_finish(&notes);
+    return status;
+}
+
+static conus_status choose_image(struct fsl_choice *choice, const struct loading *loading, const char *xml)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < choice->atlas.image_count; i++) {
+        char *path = NULL;
+        const char *image = choice->atlas.images[i].image;
+        status = image ? fsl_image_find(&path, xml, image) : CONUS_OK;
+        status = !status && path ? consider_image(choice, loading, path) : status;
+        memory_free(path);
+    }
+    if (!status && !choice->image.path) {
+        return fail(CONUS_ERROR_DATA, "fsl: none of the %zu images of %s is there (<imagefile> is relative to the XML)",
+                    choice->atlas.image_count, path_base(xml));
+    }
+    return status;
+}
+
+static conus_status read_fsl(struct fsl_choice *choice, const struct loading *loading, const char *xml)
+{
+    struct bytes bytes = {0};
+    conus_status status = file_read(&bytes, xml, XML_LIMIT);
+    if (!status) {
+        status = fsl_atlas_parse(&choice->atlas, label_text_of(bytes.data, bytes.size));
+        status = status ? fail_in(status, xml) : CONUS_OK;
+    }
+    if (!status && choice->atlas.is_label) {
+        status = fail(CONUS_ERROR_DATA,
+                      "fsl: %s is of type Label, which has no volume per pathway: load it as parcellation", xml);
+    }
+    status = status ? status : label_table_sort(&choice->atlas.labels, &loading->atlas->notes);
+    status = status ? status : atlas_add_file(loading->atlas, xml, &bytes);
+    bytes_finish(&bytes);
+    return status;
+}
+
+static conus_status choose_fsl(struct fsl_choice *choice, const struct loading *loading,
+                               const struct manifest_pathway *pathway, const char *xml)
+{
+    conus_status status = read_fsl(choice, loading, xml);
+    if (!status && pathway->source.file) {
+        char *path = file_beside(loading->path, pathway->source.file);
+        status = path ? consider_image(choice, loading, path) : CONUS_ERROR_MEMORY;
+        memory_free(path);
+    } else if (!status) {
+        status = choose_image(choice, loading, xml);
+    }
+    if (!status && choice->atlas.labels.count > choice->image.info.volume_count) {
+        status = fail(CONUS_ERROR_DATA, "fsl: %s has %zu labels, %s has %zu volumes", path_base(xml),
+                      choice->atlas.labels.count, path_base(choice->image.path), choice->image.info.volume_count);
+    }
+    return status;
+}
+
+static conus_status add_fsl(struct loading *loading, const struct manifest_pathway *pathway)
+{
+    struct fsl_choice choice = {0};
+    char *xml = file_beside(loading->path, pathway->fsl);
+    conus_status status = xml ? choose_fsl(&choice, loading, pathway, xml) : CONUS_ERROR_MEMORY;
+    loading->progress.total += choice.atlas.labels.count - 1; /* it counted as one so far */
+    for (size_t i = 0; !status && i < choice.atlas.labels.count; i++) {
+        const struct label *label = &choice.atlas.labels.entries[i];
+        status = add_volume(loading, pathway, &choice.image, label->number - 1, label->name, &choice.notes);
+    }
+    status = status ? status
+                    : notes_add(&loading->atlas->notes, "pathways of %s: %zu, from %s", path_base(xml),
+                                choice.atlas.labels.count, path_base(choice.image.path));
+    fsl_choice_finish(&choice);
+    memory_free(xml);
+    return status;
+}
+
+/* ---- Pathways one by one ------------------------------------------------------------------------------------- */
+
+static conus_status add_one(struct loading *loading, const struct manifest_pathway *pathway)
+{
+    double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
+    const conus_pathway_options options = {threshold, pathway->name, loading->options->max_memory};
+    char *path = source_path(loading, &pathway->source);
+    load_progress_tell(&loading->progress, path ? path : "", 1);
+    conus_status status = path ? conus_atlas_add_pathway(loading->atlas, path, &options) : CONUS_ERROR_MEMORY;
+    memory_free(path);
+    return status;
+}
+
+static void close_series(struct loading *loading)
+{
+    volume_file_finish(&loading->series);
+    loading->series_name = NULL;
+}
+
+static conus_status open_series(struct loading *loading, const char *name, struct notes *notes)
+{
+    if (loading->series_name && strcmp(loading->series_name, name) == 0) {
+        return CONUS_OK;
+    }
+    close_series(loading);
+    char *path = file_beside(loading->path, name);
+    conus_status status = path ? volume_file_open_series(&loading->series, path, loading->options->max_memory, notes)
+                               : CONUS_ERROR_MEMORY;
+    loading->series_name = status ? NULL : name;
+    memory_free(path);
+    return status;
+}
+
+/* Adds a pathway whose neighbours in the manifest are of the same file. */
+static conus_status add_of_series(struct loading *loading, const struct manifest_pathway *pathway)
+{
+    struct notes notes = {0};
+    conus_status status = open_series(loading, pathway->source.file, &notes);
+    status =
+        status ? status : add_volume(loading, pathway, &loading->series, pathway->source.volume, pathway->name, &notes);
+    notes_finish(&notes);
+    return status;
+}
+
+static bool of_one_file(const struct manifest_pathway *a, const struct manifest_pathway *b)
+{
+    return a->source.chosen && b->source.chosen && strcmp(a->source.file, b->source.file) == 0;
+}
+
+static conus_status add_pathways(struct loading *loading)
+{
+    conus_status status = CONUS_OK;
+    size_t count = loading->manifest->pathway_count;
+    for (size_t i = 0; !status && i < count; i++) {
+        char key[48];
+        const struct manifest_pathway *pathway = &loading->manifest->pathways[i];
+        bool shared = (i && of_one_file(pathway - 1, pathway)) || (i + 1 < count && of_one_file(pathway, pathway + 1));
+        status = pathway->fsl     ? add_fsl(loading, pathway)
+                 : pathway->names ? add_named_volumes(loading, pathway)
+                 : shared         ? add_of_series(loading, pathway)
+                                  : add_one(loading, pathway);
+        snprintf(key, sizeof key, "pathways[%zu]", i);
+        status = status ? fail_at(status, loading, key) : CONUS_OK;
+    }
+    close_series(loading);
+    return status;
+}
+
+/* ---- Context ------------------------------------------------------------------------------------------------- */
+
+static conus_status set_transfer(struct loading *loading)
+{
+    const struct manifest_context *context = &loading->manifest->context;
+    const char *name = context->transfer;
+    char *transfer = context->transfer_is_file ? file_beside(loading->path, name) : memory_text(name, strlen(name));
+    if (!transfer) {
+        return CONUS_ERROR_MEMORY;
+    }
+    loading->atlas->transfer = transfer;
+    return context->transfer_is_file && !file_exists(transfer)
+               ? fail(CONUS_ERROR_IO, "transfer.file: %s: there is no such file", transfer)
+               : CONUS_OK;
+}
+
+static conus_status set_context(struct loading *loading)
+{
+    const struct manifest_context *context = &loading->manifest->context;
+    if (!context->source.file) {
+        return CONUS_OK;
+    }
+    char *path = source_path(loading, &context->source);
+    const conus_context_options options = {context->blocks, loading->options ? loading->options->max_memory : 0};
+    load_progress_tell(&loading->progress, path ? path : "", 1);
+    conus_status status = path ? conus_atlas_set_context(loading->atlas, path, &options) : CONUS_ERROR_MEMORY;
+    status = status || !context->transfer ? status : set_transfer(loading);
+    memory_free(path);
+    return status ? fail_at(status, loading, "context") : CONUS_OK;
+}
+
+conus_status manifest_load(conus_atlas **out, const char *path, const struct bytes *file,
+                           const conus_load_options *options)
+{
+    struct manifest manifest;
+    conus_status status = manifest_parse(&manifest, label_text_of(file->data, file->size));
+    if (status) {
+        return fail_in(status, path);
+    }
+    struct loading loading = {
+        .manifest = &manifest, .path = path, .file = file, .options = options, .progress = {.options = options}};
+    status = load_areas(&loading);
+    status = status ? status : add_pathways(&loading);
+    status = status ? status : set_context(&loading);
+    manifest_finish(&manifest);
+    if (status) {
+        conus_atlas_destroy(loading.atlas);
+        return status;
+    }
+    *out = loading.atlas;
+    return CONUS_OK;
+}

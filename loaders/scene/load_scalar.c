@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus_atlas_add_pathway() and conus_atlas_set_context(): volumes whose values are numbers, not names. */
+#include "atlas/atlas.h"
+#include "base/buffer.h"
+#include "base/folder.h"
+#include "base/memory.h"
+#include "loaders/labels/fsl_atlas.h"
+#include "loaders/scene/load.h"
+
+#include <string.h>
+#include <strings.h>
+
+/* The value that means "certainly". Probabilities are stored as 0..1, as percent, or over the whole range of an
+ * unsigned integer; what fits none of these is measured by its own largest value. */
+struct scale {
+    double value;
+    const char *words;
+};
+
+static struct scale scale_of(const conus_volume_info *info)
+{
+    static const struct {
+        const char *datatype;
+        double value;
+        const char *words;
+    } full[] = {{"uint8", UINT8_MAX, "values over the range of uint8"},
+                {"uint16", UINT16_MAX, "values over the range of uint16"}};
+    if (info->maximum <= 1) {
+        return (struct scale){1, "values up to 1, taken as probabilities"};
+    }
+    if (info->maximum <= 100) {
+        return (struct scale){100, "values up to 100, taken as percent"};
+    }
+    for (size_t i = 0; i < 2; i++) {
+        bool stored = strcmp(info->datatype, full[i].datatype) == 0 && info->slope == 1 && info->intercept == 0;
+        if (stored && info->maximum > full[i].value / 2) {
+            return (struct scale){full[i].value, full[i].words};
+        }
+    }
+    return (struct scale){info->maximum, "values of no usual scale, measured by the largest"};
+}
+
+/* Eq. 6's threshold: the one asked for, or a quarter of the scale. */
+static conus_status choose_threshold(struct volume_file *file, double wanted, const char *name, struct notes *notes)
+{
+    conus_volume_info *info = &file->info;
+    char threshold[TEXT_NUMBER_SIZE];
+    char maximum[TEXT_NUMBER_SIZE];
+    text_number(maximum, info->maximum);
+    if (!(info->maximum > 0)) {
+        return fail(CONUS_ERROR_DATA, "%s: its largest value is %s, a pathway needs values above 0", info->path,
+                    maximum);
+    }
+    if (!(wanted >= 0 && (float)wanted <= (float)info->maximum)) { /* as the values are kept */
+        return fail(CONUS_ERROR_ARGUMENT, "%s: threshold %s, allowed is above 0 to %s, the largest value (0 = default)",
+                    info->path, text_number(threshold, wanted), maximum);
+    }
+    struct scale scale = scale_of(info);
+    info->threshold = wanted > 0 ? wanted : scale.value / 4;
+    text_number(threshold, info->threshold);
+    if ((float)info->threshold > (float)info->maximum) {
+        return fail(CONUS_ERROR_DATA,
+                    "%s: the default threshold %s (%s) is above its largest value %s: give a threshold", info->path,
+                    threshold, scale.words, maximum);
+    }
+    return wanted > 0 ? CONUS_OK : notes_add(notes, "pathway %s: %s; threshold %s", name, scale.words, threshold);
+}
+
+/* The file's name without folder and ending, and with the volume where there are several. */
+static conus_status name_by_file(struct buffer *out, const conus_volume_info *info)
+{
+    const char *name = path_base(info->path);
+    buffer_append(out, name, volume_stem_length(name));
+    if (info->volume_count > 1) {
+        buffer_format(out, ",volume=%zu", info->volume);
+    }
+    return buffer_status(out);
+}
+
+/* What FSL atlas XMLs call a volume. */
+struct title {
+    const conus_volume_info *info;
+    struct buffer *name;
+    struct buffer from; /* the XML */
+};
+
+static const char *name_in(const struct fsl_atlas *atlas, size_t volume)
+{
+    for (size_t i = 0; i < atlas->labels.count; i++) {
+        if (atlas->labels.entries[i].number - 1 == volume) {
+            return atlas->labels.entries[i].name;
+        }
+    }
+    return NULL;
+}
+
+static conus_status take_title(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
+{
+    struct title *title = user;
+    (void)file;
+    const char *name = name_in(atlas, title->info->volume);
+    if (!name) {
+        return CONUS_OK;
+    }
+    if (!title->from.size) {
+        buffer_text(title->name, name);
+        buffer_text(&title->from, path_base(path));
+        return buffer_status(title->name);
+    }
+    return strcasecmp(name, title->name->data) == 0
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA,
+                      "%s: two FSL atlas XMLs contradict each other: volume %zu is \"%s\" in %s, \"%s\" in %s; name it "
+                      "(--pathway FILE,name=NAME)",
+                      title->info->path, title->info->volume, title->name->data, title->from.data, name,
+                      path_base(path));
+}
+
+/* The name that is wanted, else what an FSL atlas XML calls this volume, else the file's name. */
+static conus_status choose_name(struct buffer *out, const char *wanted, const conus_volume_info *info,
+                                struct notes *notes)
+{
+    struct title title = {.info = info, .name = out};
+    if (wanted && wanted[0]) {
+        buffer_text(out, wanted);
+        return buffer_status(out);
+    }
+    conus_status status = fsl_atlas_each(info->path, FSL_VOLUMES, take_title, &title);
+    status = status ? status : buffer_status(&title.from);
+    if (!status) {
+        status = title.from.size ? notes_add(notes, "pathway %s: named by %s", out->data, title.from.data)
+                                 : name_by_file(out, info);
+    }
+    buffer_finish(&title.from);
+    return status;
+}
+
+/* Drops the notes that a failed step left behind. */
+static void cut_notes(struct notes *notes, size_t count)
+{
+    while (notes->count > count) {
+        memory_free(notes->lines[--notes->count]);
+    }
+}
+
+conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, double threshold, const char *wanted,
+                         struct notes *notes)
+{
+    struct buffer name = {0};
+    float *values = NULL;
+    size_t note_count = atlas->notes.count;
+    conus_status status = volume_file_values(&values, file, notes);
+    if (!status) {
+        file->info.role = CONUS_SCALAR;
+        status = choose_name(&name, wanted, &file->info, notes);
+    }
+    const char *words = name.data;
+    status = status ? status : choose_threshold(file, threshold, words, notes);
+    status = status ? status : notes_move(&atlas->notes, notes);
+    status = status ? status : atlas_add_pathway(atlas, &file->info, values, words);
+    if (status) {
+        memory_free(values);
+        cut_notes(&atlas->notes, note_count);
+    }
+    buffer_finish(&name);
+    return status;
+}
+
+conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path, const conus_pathway_options *options)
+{
+    static const conus_pathway_options defaults;
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    options = options ? options : &defaults;
+    if (!atlas || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_pathway: an atlas and a path are needed");
+    }
+    conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
+    status = status ? status : pathway_add(atlas, &file, options->threshold, options->name, &notes);
+    notes_finish(&notes);
+    volume_file_finish(&file);
+    return status;
+}
+
+static conus_status choose_block(conus_volume_info *info, double wanted)
+{
+    char threshold[TEXT_NUMBER_SIZE];
+    char maximum[TEXT_NUMBER_SIZE];
+    bool fits = wanted > 0 && (float)wanted <= (float)info->maximum; /* as the values are kept */
+    info->threshold = wanted;
+    return wanted == 0 || fits ? CONUS_OK
+                               : fail(CONUS_ERROR_ARGUMENT,
+                                      "%s: blocks from %s on, allowed is above 0 to %s, the largest value (0 = never)",
+                                      info->path, text_number(threshold, wanted), text_number(maximum, info->maximum));
+}
+
+conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const conus_context_options *options)
+{
+    static const conus_context_options defaults;
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    float *values = NULL;
+    if (!atlas || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context: an atlas and a path are needed");
+    }
+    options = options ? options : &defaults;
+    size_t note_count = atlas->notes.count;
+    conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
+    status = status ? status : volume_file_values(&values, &file, &notes);
+    if (!status) {
+        file.info.role = CONUS_CONTEXT;
+        status = choose_block(&file.info, options->block_threshold);
+    }
+    status = status ? status : notes_move(&atlas->notes, &notes);
+    status = status ? status : atlas_set_context(atlas, &file.info, values);
+    if (status) {
+        memory_free(values);
+        cut_notes(&atlas->notes, note_count);
+    }
+    notes_finish(&notes);
+    volume_file_finish(&file);
+    return status;
+}

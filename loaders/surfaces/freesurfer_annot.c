@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/byte_order.h"
+#include "base/memory.h"
+#include "loaders/labels/label_parse.h"
+#include "loaders/surfaces/freesurfer.h"
+
+#include <stdlib.h>
+
+enum { NEW_TABLE = -2, ENTRY_LIMIT = 1 << 20, NOTES_LIMIT = 8 };
+
+/* An entry of the colour table. */
+struct entry {
+    uint32_t colour; /* packed: red + 256 green + 65536 blue */
+    uint32_t number;
+    struct text name;
+};
+
+struct annot {
+    const uint8_t *data; /* what is left to read */
+    size_t size;
+    const uint8_t *vertices; /* [count] pairs of vertex and colour */
+    size_t count;
+    struct entry *entries; /* sorted by colour, then number */
+    size_t entry_count;
+    struct notes *notes;
+};
+
+static conus_status take_int(struct annot *annot, const char *field, int32_t low, int32_t high, int32_t *out)
+{
+    if (annot->size < 4) {
+        return fail(CONUS_ERROR_DATA, "%s: the file ends before it", field);
+    }
+    int32_t value = order_i32(annot->data, BIG_ENDIAN_IS_SWAPPED);
+    if (value < low || value > high) {
+        return fail(CONUS_ERROR_DATA, "%s: found %d, allowed are %d to %d", field, value, low, high);
+    }
+    annot->data += 4;
+    annot->size -= 4;
+    *out = value;
+    return CONUS_OK;
+}
+
+/* A length, and so many bytes with a NUL at their end. */
+static conus_status take_text(struct annot *annot, const char *field, struct text *out)
+{
+    int32_t length = 0;
+    conus_status status = take_int(annot, field, 0, INT32_MAX, &length);
+    if (!status && (size_t)length > annot->size) {
+        status = fail(CONUS_ERROR_DATA, "%s: %d bytes long, %zu are left", field, length, annot->size);
+    }
+    if (!status) {
+        *out = (struct text){(const char *)annot->data, strnlen((const char *)annot->data, (size_t)length)};
+        annot->data += length;
+        annot->size -= (size_t)length;
+    }
+    return status;
+}
+
+static conus_status take_vertices(struct annot *annot)
+{
+    int32_t count = 0;
+    conus_status status = take_int(annot, "number of vertices", 1, INT32_MAX, &count);
+    if (!status && (uint64_t)count > annot->size / 8) {
+        status = fail(CONUS_ERROR_DATA, "number of vertices: found %d, the file has %zu bytes for them, 8 each", count,
+                      annot->size);
+    }
+    if (!status) {
+        annot->vertices = annot->data;
+        annot->count = (size_t)count;
+        annot->data += 8 * annot->count;
+        annot->size -= 8 * annot->count;
+    }
+    return status;
+}
+
+static conus_status take_entry(struct annot *annot, bool numbered, int32_t number)
+{
+    struct text name = {0};
+    int32_t rgbt[4] = {0};
+    conus_status status = numbered ? take_int(annot, "colour table: number", 0, INT32_MAX - 1, &number) : CONUS_OK;
+    status = status ? status : take_text(annot, "colour table: name", &name);
+    for (int i = 0; !status && i < 4; i++) {
+        status = take_int(annot, "colour table: colour", 0, 255, &rgbt[i]);
+    }
+    if (!status) {
+        uint32_t colour = (uint32_t)rgbt[0] | (uint32_t)rgbt[1] << 8 | (uint32_t)rgbt[2] << 16;
+        annot->entries[annot->entry_count++] = (struct entry){colour, (uint32_t)number, name};
+    }
+    return status;
+}
+
+static conus_status take_entries(struct annot *annot, bool numbered, int32_t count)
+{
+    conus_status status = CONUS_OK;
+    annot->entries = memory_raw((size_t)count, sizeof *annot->entries);
+    if (!annot->entries) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (int32_t i = 0; !status && i < count; i++) {
+        status = take_entry(annot, numbered, i);
+    }
+    return status;
+}
+
+/* Old: the number of entries, where the table is from, the entries. New: -2, a bound of the numbers, where it is from,
+ * the number of entries, the entries with their numbers. */
+static conus_status take_table(struct annot *annot)
+{
+    int32_t there = 0;
+    int32_t first = 0;
+    int32_t count = 0;
+    struct text origin;
+    conus_status status = take_int(annot, "colour table: flag", 0, 1, &there);
+    if (!status && !there) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "colour table: there is none, and without it areas have no names");
+    }
+    status = status ? status : take_int(annot, "colour table: size or version", NEW_TABLE, ENTRY_LIMIT, &first);
+    if (!status && (first == 0 || first == -1)) {
+        return fail(CONUS_ERROR_DATA, "colour table: size or version: found %d, allowed are 1 or more, and -2", first);
+    }
+    bool numbered = first == NEW_TABLE;
+    if (!status && numbered) {
+        status = take_int(annot, "colour table: bound", 0, INT32_MAX, &count);
+    }
+    status = status ? status : take_text(annot, "colour table: origin", &origin);
+    count = first;
+    if (!status && numbered) {
+        status = take_int(annot, "colour table: size", 1, ENTRY_LIMIT, &count);
+    }
+    return status ? status : take_entries(annot, numbered, count);
+}
+
+static int compare_entries(const void *a, const void *b)
+{
+    const struct entry *x = a;
+    const struct entry *y = b;
+    return x->colour != y->colour ? (x->colour > y->colour) - (x->colour < y->colour)
+                                  : (x->number > y->number) - (x->number < y->number);
+}
+
+/* What the packed colours cannot tell apart. */
+static conus_status note_colours(const struct annot *annot)
+{
+    conus_status status = CONUS_OK;
+    size_t collisions = 0;
+    for (size_t i = 0; !status && i < annot->entry_count; i++) {
+        const struct entry *entry = &annot->entries[i];
+        const struct entry *before = i ? entry - 1 : NULL;
+        int length = (int)(entry->name.size < 80 ? entry->name.size : 80);
+        if (!entry->colour && !label_is_background(entry->name)) {
+            status =
+                notes_add(annot->notes, "\"%.*s\" is black, which stands for unlabelled vertices, too: it has none",
+                          length, entry->name.data);
+        } else if (before && before->colour == entry->colour && entry->colour && collisions++ < NOTES_LIMIT) {
+            status = notes_add(annot->notes,
+                               "\"%.*s\" has the colour of \"%.*s\", by which vertices name their area: all are taken "
+                               "for the latter's",
+                               length, entry->name.data, (int)(before->name.size < 80 ? before->name.size : 80),
+                               before->name.data);
+        }
+    }
+    return status || collisions <= NOTES_LIMIT
+               ? status
+               : notes_add(annot->notes, "%zu areas in all share the colour of another", collisions);
+}
+
+/* Entry 0 cannot be label 0, which is no area. */
+static conus_status move_entry_0(struct annot *annot)
+{
+    uint32_t next = 0;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < annot->entry_count; i++) {
+        next = annot->entries[i].number >= next ? annot->entries[i].number + 1 : next;
+    }
+    for (size_t i = 0; !status && i < annot->entry_count; i++) {
+        struct entry *entry = &annot->entries[i];
+        if (entry->number == 0 && entry->colour && !label_is_background(entry->name)) {
+            entry->number = next++;
+            status = notes_add(annot->notes, "entry 0 of the colour table, \"%.*s\", has label %u, since 0 is no area",
+                               (int)(entry->name.size < 80 ? entry->name.size : 80), entry->name.data, entry->number);
+        }
+    }
+    return status;
+}
+
+static int compare_colour(const void *key, const void *item)
+{
+    const struct entry *entry = item;
+    uint32_t colour = *(const uint32_t *)key;
+    return (colour > entry->colour) - (colour < entry->colour);
+}
+
+/* The first entry of a colour. */
+static const struct entry *find_entry(const struct annot *annot, uint32_t colour)
+{
+    const struct entry *entry =
+        bsearch(&colour, annot->entries, annot->entry_count, sizeof *annot->entries, compare_colour);
+    while (entry && entry > annot->entries && entry[-1].colour == colour) {
+        entry--;
+    }
+    return entry;
+}
+
+static conus_status fill_labels(uint32_t *labels, const struct annot *annot)
+{
+    static const uint32_t UNSEEN = UINT32_MAX;
+    size_t strangers = 0;
+    memset(labels, 0xff, annot->count * sizeof *labels);
+    for (size_t i = 0; i < annot->count; i++) {
+        uint32_t vertex = order_u32(annot->vertices + 8 * i, BIG_ENDIAN_IS_SWAPPED);
+        uint32_t colour = order_u32(annot->vertices + 8 * i + 4, BIG_ENDIAN_IS_SWAPPED);
+        if (vertex >= annot->count || labels[vertex] != UNSEEN) {
+            return fail(CONUS_ERROR_DATA, "pair %zu: vertex %d%s, allowed are 0 to %zu, each once", i, (int)vertex,
+                        vertex < annot->count ? " again" : "", annot->count - 1);
+        }
+        const struct entry *entry = colour ? find_entry(annot, colour) : NULL;
+        labels[vertex] = entry ? entry->number : 0;
+        strangers += colour && !entry;
+    }
+    return strangers ? notes_add(annot->notes,
+                                 "%zu vertices have colours that the colour table lacks, and belong to no "
+                                 "area",
+                                 strangers)
+                     : CONUS_OK;
+}
+
+static conus_status fill_table(struct label_table *table, const struct annot *annot)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < annot->entry_count; i++) {
+        const struct entry *entry = &annot->entries[i];
+        if (entry->number) {
+            struct label label = {.number = entry->number, .has_rgb = true};
+            for (int c = 0; c < 3; c++) {
+                label.rgb[c] = (uint8_t)(entry->colour >> 8 * c);
+            }
+            status = label_set_text(&label.name, entry->name);
+            status = label_keep(table, &label, status, annot->notes);
+        }
+    }
+    return status ? status : label_table_sort(table, annot->notes);
+}
+
+static conus_status parse(struct annot *annot, uint32_t **labels, struct label_table *table)
+{
+    conus_status status = take_vertices(annot);
+    status = status ? status : take_table(annot);
+    if (status) {
+        return status;
+    }
+    qsort(annot->entries, annot->entry_count, sizeof *annot->entries, compare_entries);
+    *labels = memory_raw(annot->count, sizeof **labels);
+    status = *labels ? note_colours(annot) : CONUS_ERROR_MEMORY;
+    status = status ? status : move_entry_0(annot);
+    status = status ? status : fill_labels(*labels, annot);
+    return status ? status : fill_table(table, annot);
+}
+
+conus_status freesurfer_annot_parse(uint32_t **labels, size_t *count, struct label_table *table, const uint8_t *data,
+                                    size_t size, struct notes *notes)
+{
+    struct annot annot = {.data = data, .size = size, .notes = notes};
+    struct label_table entries = {0};
+    uint32_t *out = NULL;
+    conus_status status = parse(&annot, &out, &entries);
+    memory_free(annot.entries);
+    if (status) {
+        memory_free(out);
+        label_table_finish(&entries);
+        return status;
+    }
+    *labels = out;
+    *count = annot.count;
+    *table = entries;
+    return CONUS_OK;
+}

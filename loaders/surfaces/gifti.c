@@ -1,0 +1,494 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The elements of a GIFTI document. */
+#include "loaders/surfaces/gifti.h"
+
+#include "base/byte_order.h"
+#include "base/file.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "base/xml.h"
+#include "loaders/labels/label_parse.h"
+#include "loaders/surfaces/gifti_data.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
+enum { ARRAY_LIMIT = 100000, TRANSFORM_LIMIT = 16 };
+
+struct parsing {
+    struct gifti gifti;
+    const struct gifti_options *options;
+    struct notes *notes;
+    bool in_gifti;
+    bool counted;                 /* NumberOfDataArrays was given: */
+    uint64_t array_count;         /* ... this */
+    struct gifti_array *array;    /* the DataArray that is open */
+    struct gifti_storage storage; /* of it */
+    char *external;               /* storage.path, owned */
+    char *md_name;                /* Name of the MD that is open */
+    struct label label;           /* the Label that is open */
+    bool negative_label;          /* ... and has a number below 0 */
+};
+
+static void array_finish(struct gifti_array *array)
+{
+    memory_free(array->values);
+    memory_free(array->name);
+    memory_free(array->transforms);
+    *array = (struct gifti_array){0};
+}
+
+void gifti_finish(struct gifti *gifti)
+{
+    for (size_t i = 0; i < gifti->array_count; i++) {
+        array_finish(&gifti->arrays[i]);
+    }
+    memory_free(gifti->arrays);
+    memory_free(gifti->name);
+    label_table_finish(&gifti->labels);
+    *gifti = (struct gifti){0};
+}
+
+/* A word and what it stands for; a list ends with NULL. */
+struct word {
+    const char *text;
+    int value;
+};
+
+static const struct word intents[] = {{"NIFTI_INTENT_POINTSET", GIFTI_POINTSET},
+                                      {"NIFTI_INTENT_TRIANGLE", GIFTI_TRIANGLE},
+                                      {"NIFTI_INTENT_LABEL", GIFTI_LABEL},
+                                      {"NIFTI_INTENT_NODE_INDEX", GIFTI_NODE_INDEX},
+                                      {NULL, GIFTI_OTHER}};
+static const struct word encodings[] = {{"ASCII", GIFTI_ASCII},
+                                        {"Base64Binary", GIFTI_BASE64},
+                                        {"GZipBase64Binary", GIFTI_GZIP_BASE64},
+                                        {"ExternalFileBinary", GIFTI_EXTERNAL},
+                                        {"GIFTI_ENCODING_ASCII", GIFTI_ASCII}, /* of old files */
+                                        {"GIFTI_ENCODING_B64BIN", GIFTI_BASE64},
+                                        {"GIFTI_ENCODING_B64GZ", GIFTI_GZIP_BASE64},
+                                        {"GIFTI_ENCODING_EXTBIN", GIFTI_EXTERNAL},
+                                        {NULL, -1}};
+static const struct word types[] = {{"NIFTI_TYPE_UINT8", GIFTI_UINT8},
+                                    {"NIFTI_TYPE_INT32", GIFTI_INT32},
+                                    {"NIFTI_TYPE_FLOAT32", GIFTI_FLOAT32},
+                                    {"NIFTI_TYPE_FLOAT64", GIFTI_FLOAT64},
+                                    {"NIFTI_TYPE_INT8", GIFTI_INT8},
+                                    {"NIFTI_TYPE_INT16", GIFTI_INT16},
+                                    {"NIFTI_TYPE_UINT16", GIFTI_UINT16},
+                                    {"NIFTI_TYPE_UINT32", GIFTI_UINT32},
+                                    {"NIFTI_TYPE_INT64", GIFTI_INT64},
+                                    {"NIFTI_TYPE_UINT64", GIFTI_UINT64},
+                                    {NULL, -1}};
+static const struct word orders[] = {{"RowMajorOrder", false}, {"ColumnMajorOrder", true}, {NULL, -1}};
+static const struct word endians[] = {{"LittleEndian", !BIG_ENDIAN_IS_SWAPPED},
+                                      {"BigEndian", BIG_ENDIAN_IS_SWAPPED},
+                                      {"GIFTI_ENDIAN_LITTLE", !BIG_ENDIAN_IS_SWAPPED}, /* of old files */
+                                      {"GIFTI_ENDIAN_BIG", BIG_ENDIAN_IS_SWAPPED},
+                                      {NULL, -1}};
+static const struct word spaces[] = {{"NIFTI_XFORM_UNKNOWN", 0},      {"NIFTI_XFORM_SCANNER_ANAT", 1},
+                                     {"NIFTI_XFORM_ALIGNED_ANAT", 2}, {"NIFTI_XFORM_TALAIRACH", 3},
+                                     {"NIFTI_XFORM_MNI_152", 4},      {NULL, -1}};
+
+static int value_of(const struct word *words, struct text text)
+{
+    while (words->text && !text_equal(text, words->text)) {
+        words++;
+    }
+    return words->value;
+}
+
+/* Looks up an attribute that must be there and in the list. */
+static conus_status read_word(int *out, const struct xml_event *event, const char *attribute, const struct word *words,
+                              const char *allowed)
+{
+    const char *given = xml_attribute(event, attribute);
+    int value = given ? value_of(words, text_trim(text_from(given))) : -1;
+    if (value < 0) {
+        return fail(CONUS_ERROR_DATA, "%s: found \"%.60s\", allowed are %s", attribute, given ? given : "", allowed);
+    }
+    *out = value;
+    return CONUS_OK;
+}
+
+static conus_status read_whole(uint64_t *out, const struct xml_event *event, const char *attribute, uint64_t low,
+                               uint64_t high)
+{
+    const char *given = xml_attribute(event, attribute);
+    if (!given || !text_to_uint(text_trim(text_from(given)), high, out) || *out < low) {
+        return fail(CONUS_ERROR_DATA, "%s: found \"%.60s\", allowed are whole numbers from %llu to %llu", attribute,
+                    given ? given : "", (unsigned long long)low, (unsigned long long)high);
+    }
+    return CONUS_OK;
+}
+
+static conus_status start_gifti(struct parsing *parsing, const struct xml_event *event)
+{
+    const char *version = xml_attribute(event, "Version");
+    if (version && strcmp(version, "1") != 0 && strncmp(version, "1.", 2) != 0) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "Version: found \"%.20s\", 1.x is read", version);
+    }
+    parsing->in_gifti = true;
+    parsing->counted = xml_attribute(event, "NumberOfDataArrays") != NULL;
+    return parsing->counted ? read_whole(&parsing->array_count, event, "NumberOfDataArrays", 0, ARRAY_LIMIT) : CONUS_OK;
+}
+
+static conus_status end_gifti(struct parsing *parsing, struct text text)
+{
+    (void)text;
+    if (parsing->counted && parsing->array_count != parsing->gifti.array_count) {
+        return fail(CONUS_ERROR_DATA, "NumberOfDataArrays: found %llu, but %zu are there",
+                    (unsigned long long)parsing->array_count, parsing->gifti.array_count);
+    }
+    return CONUS_OK;
+}
+
+static conus_status append_array(struct parsing *parsing)
+{
+    struct gifti *gifti = &parsing->gifti;
+    if (gifti->array_count == ARRAY_LIMIT) {
+        return fail(CONUS_ERROR_DATA, "more than %d DataArrays", ARRAY_LIMIT);
+    }
+    struct gifti_array *arrays = memory_resize(gifti->arrays, gifti->array_count + 1, sizeof *arrays);
+    if (!arrays) {
+        return CONUS_ERROR_MEMORY;
+    }
+    gifti->arrays = arrays;
+    parsing->array = &arrays[gifti->array_count++];
+    *parsing->array = (struct gifti_array){0};
+    return CONUS_OK;
+}
+
+static conus_status read_dims(struct gifti_array *array, const struct xml_event *event, uint64_t max_memory)
+{
+    uint64_t rank;
+    conus_status status = read_whole(&rank, event, "Dimensionality", 1, GIFTI_RANK_LIMIT);
+    array->rank = status ? 0 : (size_t)rank;
+    array->count = 1;
+    for (size_t d = 0; d < GIFTI_RANK_LIMIT; d++) {
+        char name[16];
+        uint64_t dim = 1;
+        snprintf(name, sizeof name, "Dim%zu", d);
+        status = status || d >= array->rank ? status : read_whole(&dim, event, name, 1, INT64_MAX);
+        array->dim[d] = (size_t)dim;
+        if (!status && (!memory_multiply(array->count, array->dim[d], &array->count) ||
+                        array->count > max_memory / sizeof *array->values)) {
+            status = fail(CONUS_ERROR_MEMORY, "%s: found %llu, more numbers than fit in %llu bytes", name,
+                          (unsigned long long)dim, (unsigned long long)max_memory);
+        }
+    }
+    return status;
+}
+
+/* A plain name: an array can neither leave its folder nor be read from a device. */
+static conus_status read_external(struct parsing *parsing, const struct xml_event *event)
+{
+    const struct gifti_options *options = parsing->options;
+    const char *name = xml_attribute(event, "ExternalFileName");
+    const char *offset = xml_attribute(event, "ExternalFileOffset");
+    if (!options || !options->external || !options->path) {
+        return fail(CONUS_ERROR_UNSUPPORTED,
+                    "Encoding: found ExternalFileBinary, arrays in other files are not read unless that is allowed");
+    }
+    if (!name || !*name || *name == '.' || strchr(name, '/')) {
+        return fail(CONUS_ERROR_DATA,
+                    "ExternalFileName: found \"%.60s\", allowed is the name of a file beside this one",
+                    name ? name : "");
+    }
+    memory_free(parsing->external);
+    parsing->external = file_beside(options->path, name);
+    parsing->storage.path = parsing->external;
+    return !parsing->external  ? CONUS_ERROR_MEMORY
+           : offset && *offset ? read_whole(&parsing->storage.offset, event, "ExternalFileOffset", 0, INT64_MAX)
+                               : CONUS_OK;
+}
+
+static conus_status read_storage(struct parsing *parsing, const struct xml_event *event)
+{
+    struct gifti_array *array = parsing->array;
+    const char *intent = xml_attribute(event, "Intent");
+    if (!intent || strncmp(intent, "NIFTI_INTENT_", strlen("NIFTI_INTENT_")) != 0) {
+        return fail(CONUS_ERROR_DATA, "Intent: found \"%.60s\", allowed are the names of NIfTI intents",
+                    intent ? intent : "");
+    }
+    array->intent = (enum gifti_intent)value_of(intents, text_from(intent));
+    uint64_t max_memory =
+        parsing->options && parsing->options->max_memory ? parsing->options->max_memory : DEFAULT_MEMORY;
+    int encoding = 0;
+    int type = 0;
+    int column_major = false;
+    int swapped = false;
+    conus_status status;
+    if ((status = read_dims(array, event, max_memory)) ||
+        (status = read_word(&encoding, event, "Encoding", encodings,
+                            "ASCII, Base64Binary, GZipBase64Binary and ExternalFileBinary")) ||
+        (status = read_word(&type, event, "DataType", types,
+                            "NIFTI_TYPE_ with UINT8, INT32, FLOAT32, INT8, INT16, UINT16, UINT32, INT64, UINT64 and "
+                            "FLOAT64")) ||
+        (array->rank > 1 && (status = read_word(&column_major, event, "ArrayIndexingOrder", orders,
+                                                "RowMajorOrder and ColumnMajorOrder"))) ||
+        (encoding != GIFTI_ASCII && type != GIFTI_UINT8 && type != GIFTI_INT8 &&
+         (status = read_word(&swapped, event, "Endian", endians, "LittleEndian and BigEndian")))) {
+        return status;
+    }
+    parsing->storage = (struct gifti_storage){.encoding = (enum gifti_encoding)encoding,
+                                              .type = (enum gifti_type)type,
+                                              .swapped = swapped,
+                                              .column_major = column_major,
+                                              .rank = array->rank,
+                                              .count = array->count};
+    return encoding == GIFTI_EXTERNAL ? read_external(parsing, event) : CONUS_OK;
+}
+
+static conus_status start_array(struct parsing *parsing, const struct xml_event *event)
+{
+    if (parsing->array || !parsing->in_gifti) {
+        return fail(CONUS_ERROR_DATA, "DataArray inside another, allowed is one after the other in GIFTI");
+    }
+    conus_status status = append_array(parsing);
+    return status ? status : read_storage(parsing, event);
+}
+
+static conus_status end_data(struct parsing *parsing, struct text text)
+{
+    struct gifti_array *array = parsing->array;
+    if (!array || array->values) {
+        return fail(CONUS_ERROR_DATA, "Data %s, allowed is one in each DataArray",
+                    array ? "twice" : "outside DataArray");
+    }
+    parsing->storage.dim = array->dim;
+    return gifti_data_decode(&array->values, &parsing->storage, text);
+}
+
+static conus_status end_array(struct parsing *parsing, struct text text)
+{
+    (void)text;
+    if (parsing->array && !parsing->array->values) {
+        return fail(CONUS_ERROR_DATA, "Data is missing, one is needed in each DataArray");
+    }
+    parsing->array = NULL;
+    return CONUS_OK;
+}
+
+static struct gifti_transform *transform_of(const struct gifti_array *array)
+{
+    return array && array->transform_count ? &array->transforms[array->transform_count - 1] : NULL;
+}
+
+static conus_status start_transform(struct gifti_array *array)
+{
+    if (!array) {
+        return fail(CONUS_ERROR_DATA, "CoordinateSystemTransformMatrix outside DataArray");
+    }
+    if (array->transform_count == TRANSFORM_LIMIT) {
+        return fail(CONUS_ERROR_DATA, "more than %d CoordinateSystemTransformMatrix", TRANSFORM_LIMIT);
+    }
+    struct gifti_transform *transforms =
+        memory_resize(array->transforms, array->transform_count + 1, sizeof *transforms);
+    if (!transforms) {
+        return CONUS_ERROR_MEMORY;
+    }
+    array->transforms = transforms;
+    transforms[array->transform_count] = (struct gifti_transform){0};
+    mat4_identity(transforms[array->transform_count++].matrix);
+    return CONUS_OK;
+}
+
+static conus_status end_space(int *space, const char *name, struct text text)
+{
+    int value = value_of(spaces, text_trim(text));
+    if (value < 0) {
+        return fail(CONUS_ERROR_DATA,
+                    "%s: found \"%.*s\", allowed are NIFTI_XFORM_ with UNKNOWN, SCANNER_ANAT, "
+                    "ALIGNED_ANAT, TALAIRACH and MNI_152",
+                    name, (int)(text.size < 60 ? text.size : 60), text.size ? text.data : "");
+    }
+    *space = value;
+    return CONUS_OK;
+}
+
+static conus_status end_matrix(double matrix[16], struct text text)
+{
+    double rows[16];
+    struct text word;
+    size_t n = 0;
+    while (text_word(&text, &word)) {
+        if (n == 16 || !text_to_double(word, &rows[n]) || !isfinite(rows[n])) {
+            n = 0;
+            break;
+        }
+        n++;
+    }
+    if (n != 16 || rows[12] != 0 || rows[13] != 0 || rows[14] != 0 || rows[15] != 1) {
+        return fail(CONUS_ERROR_DATA, "MatrixData: 16 finite numbers by rows are needed, the last row 0 0 0 1");
+    }
+    for (int i = 0; i < 16; i++) {
+        matrix[4 * (i % 4) + i / 4] = rows[i];
+    }
+    return CONUS_OK;
+}
+
+/* The number of "VolGeomX_R" among FreeSurfer's twelve, or -1. */
+static int geometry_index(const char *name)
+{
+    if (strncmp(name, "VolGeom", 7) != 0 || strlen(name) != 10 || name[8] != '_') {
+        return -1;
+    }
+    const char *column = strchr("XYZC", name[7]);
+    const char *row = strchr("RAS", name[9]);
+    return column && row ? (int)(3 * (column - "XYZC") + (row - "RAS")) : -1;
+}
+
+static void keep_geometry(struct gifti_array *array, const char *name, struct text text)
+{
+    int index = geometry_index(name);
+    double value;
+    if (array && index >= 0 && text_to_double(text_trim(text), &value) && isfinite(value)) {
+        *(index < 9 ? &array->geometry.axes[index] : &array->geometry.centre[index - 9]) = value;
+        array->geometry.given |= 1U << index;
+    }
+}
+
+static char hemisphere_of(struct text structure)
+{
+    size_t size = structure.size;
+    const char *end = structure.data + size;
+    return size > 4 && memcmp(end - 4, "Left", 4) == 0              ? 'L'
+           : size > 5 && memcmp(end - 5, "Right", 5) == 0           ? 'R'
+           : size > 12 && memcmp(end - 12, "LeftAndRight", 12) == 0 ? 'B'
+                                                                    : 0;
+}
+
+/* The Value of an MD. Only what is used is kept. */
+static conus_status end_value(struct parsing *parsing, struct text text)
+{
+    const char *name = parsing->md_name ? parsing->md_name : "";
+    if (strcmp(name, "Name") == 0) {
+        char **field = parsing->array ? &parsing->array->name : &parsing->gifti.name;
+        return *field ? CONUS_OK : label_set_text(field, text);
+    }
+    if (strcmp(name, "AnatomicalStructurePrimary") == 0 && !parsing->gifti.hemisphere) {
+        parsing->gifti.hemisphere = hemisphere_of(text_trim(text));
+    }
+    keep_geometry(parsing->array, name, text);
+    return CONUS_OK;
+}
+
+static conus_status end_name(struct parsing *parsing, struct text text)
+{
+    text = text_trim(text);
+    memory_free(parsing->md_name);
+    parsing->md_name = memory_text(text.size ? text.data : "", text.size);
+    return parsing->md_name ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status start_label(struct parsing *parsing, const struct xml_event *event)
+{
+    const char *key = xml_attribute(event, "Key");
+    int64_t number;
+    key = key ? key : xml_attribute(event, "Index");
+    parsing->negative_label = key && text_to_int(text_from(key), &number) && number < 0;
+    parsing->label = (struct label){0};
+    return parsing->negative_label ? CONUS_OK : label_element(&parsing->label, event);
+}
+
+/* The name follows in `text`. 0 and what lies below stand for no area. */
+static conus_status end_label(struct parsing *parsing, struct text text)
+{
+    struct label *label = &parsing->label;
+    conus_status status = label_set_text(&label->name, text);
+    bool no_area = !label->number || parsing->negative_label;
+    if (!status && no_area && label->name && !label_is_background(text_from(label->name))) {
+        status = notes_add(parsing->notes, "label %s is called \"%s\"; its vertices belong to no area",
+                           parsing->negative_label ? "below 0" : "0", label->name);
+    }
+    if (status || no_area) {
+        memory_free(label->name);
+    } else {
+        status = label_keep(&parsing->gifti.labels, label, CONUS_OK, parsing->notes);
+    }
+    *label = (struct label){0};
+    return status;
+}
+
+static conus_status start_element(struct parsing *parsing, const struct xml_event *event)
+{
+    if (!parsing->in_gifti && strcmp(event->name, "GIFTI") != 0) {
+        return fail(CONUS_ERROR_DATA, "outermost element: found <%.40s>, allowed is <GIFTI>", event->name);
+    }
+    return strcmp(event->name, "GIFTI") == 0                             ? start_gifti(parsing, event)
+           : strcmp(event->name, "DataArray") == 0                       ? start_array(parsing, event)
+           : strcmp(event->name, "Label") == 0                           ? start_label(parsing, event)
+           : strcmp(event->name, "CoordinateSystemTransformMatrix") == 0 ? start_transform(parsing->array)
+                                                                         : CONUS_OK;
+}
+
+/* The end of an element inside a CoordinateSystemTransformMatrix. */
+static conus_status end_in_transform(struct gifti_transform *transform, const struct xml_event *event)
+{
+    return strcmp(event->name, "DataSpace") == 0 ? end_space(&transform->data_space, event->name, event->text)
+           : strcmp(event->name, "TransformedSpace") == 0
+               ? end_space(&transform->transformed_space, event->name, event->text)
+           : strcmp(event->name, "MatrixData") == 0 ? end_matrix(transform->matrix, event->text)
+                                                    : CONUS_OK;
+}
+
+static conus_status end_element(struct parsing *parsing, const struct xml_event *event)
+{
+    static const struct {
+        const char *name;
+        conus_status (*end)(struct parsing *parsing, struct text text);
+    } elements[] = {{"Data", end_data},   {"DataArray", end_array}, {"Name", end_name},
+                    {"Value", end_value}, {"Label", end_label},     {"GIFTI", end_gifti}};
+    struct gifti_transform *transform = transform_of(parsing->array);
+    conus_status status = transform ? end_in_transform(transform, event) : CONUS_OK;
+    for (size_t i = 0; !status && i < sizeof elements / sizeof elements[0]; i++) {
+        if (strcmp(event->name, elements[i].name) == 0) {
+            return elements[i].end(parsing, event->text);
+        }
+    }
+    return status;
+}
+
+/* Says where: "line 7, DataArray 1: ...". */
+static conus_status place(conus_status status, const struct parsing *parsing, const struct xml_event *event)
+{
+    char where[64];
+    if (!status) {
+        return CONUS_OK;
+    }
+    int length = snprintf(where, sizeof where, "line %zu", event->line);
+    if (parsing->array) {
+        snprintf(where + length, sizeof where - (size_t)length, ", DataArray %zu", parsing->gifti.array_count - 1);
+    }
+    return status == CONUS_ERROR_MEMORY && !parsing->array ? status : fail_in(status, where);
+}
+
+static conus_status on_start(void *user, const struct xml_event *event)
+{
+    return place(start_element(user, event), user, event);
+}
+
+static conus_status on_end(void *user, const struct xml_event *event)
+{
+    return place(end_element(user, event), user, event);
+}
+
+conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, const struct gifti_options *options,
+                         struct notes *notes)
+{
+    struct parsing parsing = {.options = options, .notes = notes};
+    struct xml_handler handler = {on_start, on_end, &parsing, true};
+    conus_status status = xml_parse(&handler, label_text_of(data, size));
+    status = status ? status : label_table_sort(&parsing.gifti.labels, notes);
+    memory_free(parsing.label.name);
+    memory_free(parsing.md_name);
+    memory_free(parsing.external);
+    if (status) {
+        gifti_finish(&parsing.gifti);
+        return status;
+    }
+    *out = parsing.gifti;
+    return CONUS_OK;
+}

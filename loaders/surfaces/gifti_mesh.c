@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the arrays of a GIFTI file mean: a surface, or labels of its vertices. */
+#include "atlas/space.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "loaders/surfaces/freesurfer.h"
+#include "loaders/surfaces/gifti.h"
+
+enum { SPACE_UNKNOWN = 0, SPACE_ALIGNED = 2, GEOMETRY_WHOLE = (1 << 12) - 1 };
+
+/* The n-th array of an intent, or NULL; *count becomes how many there are. */
+static const struct gifti_array *find(const struct gifti *gifti, enum gifti_intent intent, size_t n, size_t *count)
+{
+    const struct gifti_array *found = NULL;
+    *count = 0;
+    for (size_t i = 0; i < gifti->array_count; i++) {
+        if (gifti->arrays[i].intent == intent && (*count)++ == n) {
+            found = &gifti->arrays[i];
+        }
+    }
+    return found;
+}
+
+/* The first array of an intent, which must be a list of triples. */
+static conus_status find_triples(const struct gifti_array **out, const struct gifti *gifti, enum gifti_intent intent,
+                                 const char *name, struct notes *notes)
+{
+    size_t count;
+    const struct gifti_array *array = find(gifti, intent, 0, &count);
+    if (!array) {
+        const char *way = find(gifti, GIFTI_LABEL, 0, &count)
+                              ? ": these are labels of vertices, give them as --labels and their surface as ATLAS"
+                              : "";
+        return fail(CONUS_ERROR_DATA, "no %s array: not a surface (which has POINTSET and TRIANGLE)%s", name, way);
+    }
+    if (array->rank != 2 || array->dim[1] != 3) {
+        return fail(CONUS_ERROR_DATA, "%s array: found %zu dimensions, Dim1 = %zu, allowed are 2 and 3", name,
+                    array->rank, array->dim[1]);
+    }
+    *out = array;
+    return count > 1 ? notes_add(notes, "%zu %s arrays: the first was used", count, name) : CONUS_OK;
+}
+
+static bool is_identity(const double m[16])
+{
+    double largest = 0;
+    for (int i = 0; i < 16; i++) {
+        largest = fmax(largest, fabs(m[i] - (i % 5 == 0)));
+    }
+    return largest <= 1e-6;
+}
+
+/* The matrix from an unknown space into the scanner's or an aligned one; else NULL. */
+static const struct gifti_transform *find_way_home(const struct gifti_array *points)
+{
+    for (size_t i = 0; i < points->transform_count; i++) {
+        int space = points->transforms[i].transformed_space;
+        if (space > SPACE_UNKNOWN && space <= SPACE_ALIGNED) {
+            return &points->transforms[i];
+        }
+    }
+    return NULL;
+}
+
+/* The space in which all matrices say that the vertices are stored. That of one that changes nothing is as good. */
+static conus_status find_space(int *out, const struct gifti_array *points)
+{
+    *out = SPACE_UNKNOWN;
+    for (size_t i = 0; i < points->transform_count; i++) {
+        int space = points->transforms[i].data_space;
+        if (i && space != points->transforms[0].data_space) {
+            return fail(CONUS_ERROR_DATA, "DataSpace: found \"%s\" and \"%s\" for one array",
+                        space_code_name(points->transforms[0].data_space), space_code_name(space));
+        }
+        bool same = is_identity(points->transforms[i].matrix);
+        *out = space != SPACE_UNKNOWN          ? space
+               : same && *out == SPACE_UNKNOWN ? points->transforms[i].transformed_space
+                                               : *out;
+    }
+    return CONUS_OK;
+}
+
+static conus_status place_by_geometry(double world[16], const struct gifti_geometry *geometry, struct notes *notes)
+{
+    if (!freesurfer_world_from_surface(world, geometry->axes, geometry->centre)) {
+        return fail(CONUS_ERROR_DATA, "VolGeomX_R to VolGeomZ_S: no directions at right angles");
+    }
+    return notes_add(notes,
+                     "FreeSurfer surface coordinates were moved into the scanner's by the file's VolGeom metadata "
+                     "(c_ras %g, %g, %g)",
+                     geometry->centre[0], geometry->centre[1], geometry->centre[2]);
+}
+
+static conus_status note_matrix(const struct gifti_array *points, struct notes *notes)
+{
+    for (size_t i = 0; i < points->transform_count; i++) {
+        const struct gifti_transform *transform = &points->transforms[i];
+        if (transform->transformed_space != transform->data_space && !is_identity(transform->matrix)) {
+            return notes_add(notes,
+                             "the matrix from %s to %s space was not applied: vertices stay where they are stored",
+                             space_code_name(transform->data_space), space_code_name(transform->transformed_space));
+        }
+    }
+    return CONUS_OK;
+}
+
+/* docs/spaces.md, GIFTI. */
+static conus_status find_place(double world[16], const struct gifti_array *points, struct notes *notes)
+{
+    int space;
+    conus_status status = find_space(&space, points);
+    const struct gifti_transform *home = find_way_home(points);
+    mat4_identity(world);
+    if (status || space != SPACE_UNKNOWN) {
+        return status ? status : note_matrix(points, notes);
+    }
+    if (home) {
+        double inverse[16];
+        memcpy(world, home->matrix, sizeof home->matrix);
+        return !mat4_invert_affine(inverse, world)
+                   ? fail(CONUS_ERROR_DATA, "MatrixData: the matrix is singular, an invertible one is needed")
+               : is_identity(world) ? CONUS_OK
+                                    : notes_add(notes, "vertices were moved by the file's matrix into %s space",
+                                                space_code_name(home->transformed_space));
+    }
+    if (points->geometry.given == GEOMETRY_WHOLE) {
+        return place_by_geometry(world, &points->geometry, notes);
+    }
+    status = note_matrix(points, notes);
+    return status
+               ? status
+               : notes_add(notes, "the surface does not say in which space it is (DataSpace is unknown): vertices were "
+                                  "taken as the world's");
+}
+
+static conus_status fill_triangles(struct mesh *mesh, const struct gifti_array *triangles)
+{
+    for (size_t i = 0; i < triangles->count; i++) {
+        double index = triangles->values[i];
+        if (!(index >= 0 && index < (double)mesh->vertex_count) || index != floor(index)) {
+            return fail(CONUS_ERROR_DATA, "triangle %zu: vertex index %.9g, allowed are whole numbers from 0 to %zu",
+                        i / 3, index, mesh->vertex_count - 1);
+        }
+        mesh->triangles[i] = (uint32_t)index;
+    }
+    return CONUS_OK;
+}
+
+conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_stored, struct notes *notes)
+{
+    const struct gifti_array *points = NULL;
+    const struct gifti_array *triangles = NULL;
+    struct mesh mesh = {0};
+    double world[16];
+    conus_status status;
+    if ((status = find_triples(&points, gifti, GIFTI_POINTSET, "POINTSET", notes)) ||
+        (status = find_triples(&triangles, gifti, GIFTI_TRIANGLE, "TRIANGLE", notes)) ||
+        (!as_stored && (status = find_place(world, points, notes))) ||
+        (status = mesh_init(&mesh, points->dim[0], triangles->dim[0]))) {
+        return status;
+    }
+    for (size_t i = 0; i < points->count; i++) {
+        mesh.positions[i] = (float)points->values[i];
+    }
+    status = fill_triangles(&mesh, triangles);
+    if (status) {
+        mesh_finish(&mesh);
+        return status;
+    }
+    if (!as_stored && !is_identity(world)) {
+        mesh_transform(&mesh, world);
+    }
+    *out = mesh;
+    return CONUS_OK;
+}
+
+static conus_status fill_labels(uint32_t *labels, const struct gifti_array *array, struct notes *notes)
+{
+    size_t negative = 0;
+    for (size_t i = 0; i < array->count; i++) {
+        double value = array->values[i];
+        if (value != floor(value) || value > UINT32_MAX) {
+            return fail(CONUS_ERROR_DATA, "vertex %zu: label %.9g, allowed are whole numbers up to 4294967295", i,
+                        value);
+        }
+        labels[i] = value > 0 ? (uint32_t)value : 0;
+        negative += value < 0;
+    }
+    return negative ? notes_add(notes, "%zu vertices have labels below 0 and belong to no area", negative) : CONUS_OK;
+}
+
+conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *gifti, size_t map, struct notes *notes)
+{
+    size_t arrays;
+    size_t sparse;
+    const struct gifti_array *array = find(gifti, GIFTI_LABEL, map, &arrays);
+    if (!arrays && !map) {
+        *labels = NULL;
+        *count = 0;
+        return CONUS_OK;
+    }
+    if (!array) {
+        return fail(CONUS_ERROR_DATA, "LABEL array %zu: the file has %zu (counted from 0)", map, arrays);
+    }
+    if (find(gifti, GIFTI_NODE_INDEX, 0, &sparse)) {
+        return fail(CONUS_ERROR_UNSUPPORTED,
+                    "labels of only some vertices (NODE_INDEX array), all vertices are needed");
+    }
+    if (array->dim[0] != array->count) {
+        return fail(CONUS_ERROR_DATA, "LABEL array: found %zu numbers for %zu vertices, one each is needed",
+                    array->count, array->dim[0]);
+    }
+    uint32_t *out = memory_raw(array->count, sizeof *out);
+    conus_status status = out ? fill_labels(out, array, notes) : CONUS_ERROR_MEMORY;
+    if (!status && arrays > 1) {
+        status = notes_add(notes, "%zu LABEL arrays: number %zu (from 0) was used", arrays, map);
+    }
+    if (status) {
+        memory_free(out);
+        return status;
+    }
+    *labels = out;
+    *count = array->count;
+    return CONUS_OK;
+}

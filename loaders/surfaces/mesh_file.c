@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/surfaces/mesh_file.h"
+
+#include "base/file.h"
+#include "base/folder.h"
+#include "base/gzip.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "base/text.h"
+#include "base/xml.h"
+#include "loaders/child/mesh_foreign.h"
+#include "loaders/file_kind.h"
+#include "loaders/labels/label_parse.h"
+#include "loaders/surfaces/freesurfer.h"
+#include "loaders/surfaces/gifti.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
+static const struct mesh_file_options defaults;
+
+static uint64_t limit_of(const struct mesh_file_options *options)
+{
+    return options->max_memory ? options->max_memory : DEFAULT_MEMORY;
+}
+
+/* The whole file, unpacked. */
+static conus_status read_unpacked(struct bytes *out, const char *path, const struct mesh_file_options *options)
+{
+    struct bytes stored = {0};
+    conus_status status = file_read_allowed(&stored, path, limit_of(options));
+    status = status || !options->read ? status : file_sums_add(options->read, path, &stored);
+    if (!status && !gzip_is(stored.data, stored.size)) {
+        *out = stored;
+        return CONUS_OK;
+    }
+    if (!status) {
+        status = gzip_unpack_all(out, stored.data, stored.size, limit_of(options));
+        status = status ? fail_in(status, path) : CONUS_OK;
+    }
+    bytes_finish(&stored);
+    return status;
+}
+
+static bool is_gifti(const struct bytes *bytes)
+{
+    return text_equal(xml_root(label_text_of(bytes->data, bytes->size)), "GIFTI");
+}
+
+static bool is_own(const struct bytes *bytes)
+{
+    return is_gifti(bytes) || freesurfer_is_surface(bytes->data, bytes->size);
+}
+
+bool mesh_file_keeps_vertices(const char *path)
+{
+    enum { HEAD = 4096 };
+    uint8_t head[HEAD];
+    FILE *file = file_exists(path) ? fopen(path, "rbe") : NULL;
+    struct bytes start = {head, file ? fread(head, 1, sizeof head, file) : 0};
+    struct bytes unpacked = {0};
+    if (file) {
+        fclose(file);
+    }
+    if (gzip_is(start.data, start.size) && !gzip_head(&unpacked, start.data, start.size, HEAD)) {
+        start = unpacked;
+    }
+    bool own = is_own(&start);
+    bytes_finish(&unpacked);
+    return own;
+}
+
+bool mesh_file_is(const char *path)
+{
+    return mesh_file_keeps_vertices(path) || (file_exists(path) && mesh_foreign_is(path));
+}
+
+char *mesh_file_name(const char *path)
+{
+    static const char *const endings[] = {".gz", ".gii", ".surf", ".vtk", ".vtp", ".ply", ".stl", ".obj"};
+    const char *file = path_base(path);
+    size_t length = strlen(file);
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        size_t ending = strlen(endings[i]);
+        if (length > ending && strncasecmp(file + length - ending, endings[i], ending) == 0) {
+            length -= ending;
+        }
+    }
+    return memory_text(file, length);
+}
+
+static conus_status parse_gifti(struct gifti *out, const struct bytes *bytes, const char *path,
+                                const struct mesh_file_options *options, struct notes *notes)
+{
+    const struct gifti_options gifti_options = {path, options->external, options->max_memory};
+    return gifti_parse(out, bytes->data, bytes->size, &gifti_options, notes);
+}
+
+static conus_status take_gifti(struct mesh *out, struct label *about, const struct bytes *bytes, const char *path,
+                               const struct mesh_file_options *options, struct notes *notes)
+{
+    struct gifti gifti = {0};
+    conus_status status = parse_gifti(&gifti, bytes, path, options, notes);
+    status = status ? status : gifti_mesh(out, &gifti, options->space != MESH_SPACE_UNSTATED, notes);
+    if (!status && about) {
+        about->name = gifti.name;
+        about->hemisphere = gifti.hemisphere;
+        gifti.name = NULL;
+    }
+    gifti_finish(&gifti);
+    return status;
+}
+
+static conus_status take_any(struct mesh *out, struct label *about, const struct bytes *bytes, const char *path,
+                             const struct mesh_file_options *options, struct notes *notes)
+{
+    if (is_gifti(bytes)) {
+        return take_gifti(out, about, bytes, path, options, notes);
+    }
+    if (freesurfer_is_surface(bytes->data, bytes->size)) {
+        return freesurfer_surface_parse(out, bytes->data, bytes->size, options->space != MESH_SPACE_UNSTATED, notes);
+    }
+    return file_kind_fail(path, bytes, "a surface (GIFTI, FreeSurfer, or named as VTK, VTP, PLY, STL or OBJ)");
+}
+
+/* Notes of the parsers do not know the path. */
+static conus_status move_notes(struct notes *to, struct notes *from, const char *path)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < from->count; i++) {
+        status = notes_add(to, "%s: %s", path, from->lines[i]);
+    }
+    notes_finish(from);
+    return status;
+}
+
+static conus_status finish_mesh(struct mesh *mesh, const char *path, enum mesh_space space, struct notes *notes)
+{
+    static const double turn[16] = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    if (space == MESH_SPACE_LPS) {
+        mesh_transform(mesh, turn);
+    }
+    mesh->path = memory_text(path, strlen(path));
+    conus_status status = mesh->path ? mesh_check(mesh, notes) : CONUS_ERROR_MEMORY;
+    return status ? fail_in(status, path) : CONUS_OK;
+}
+
+/* A surface of ours, in `bytes`. */
+static conus_status read_own(struct mesh *out, struct label *about, const struct bytes *bytes, const char *path,
+                             const struct mesh_file_options *options, struct notes *notes)
+{
+    struct mesh mesh = {0};
+    struct label said = {0};
+    struct notes own = {0};
+    conus_status status = take_any(&mesh, &said, bytes, path, options, &own);
+    status = status ? fail_in(status, path) : move_notes(notes, &own, path);
+    status = status ? status : finish_mesh(&mesh, path, options->space, notes);
+    notes_finish(&own);
+    if (status || !about) {
+        memory_free(said.name);
+    } else {
+        *about = said;
+    }
+    if (status) {
+        mesh_finish(&mesh);
+        return status;
+    }
+    *out = mesh;
+    return CONUS_OK;
+}
+
+conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
+                            const struct mesh_file_options *options, struct notes *notes)
+{
+    struct bytes bytes = {0};
+    options = options ? options : &defaults;
+    conus_status status = read_unpacked(&bytes, path, options);
+    if (status) {
+        return status;
+    }
+    if (is_own(&bytes) || !mesh_foreign_is(path)) {
+        status = read_own(out, about, &bytes, path, options, notes);
+        bytes_finish(&bytes);
+        return status;
+    }
+    bytes_finish(&bytes); /* conus-mesh reads the file itself */
+    const struct mesh_foreign_options foreign = {options->space, options->max_memory};
+    return mesh_foreign_read(out, &path, 1, &foreign, notes);
+}
+
+void vertex_labels_finish(struct vertex_labels *labels)
+{
+    memory_free(labels->labels);
+    label_table_finish(&labels->table);
+    *labels = (struct vertex_labels){0};
+}
+
+static conus_status take_gifti_labels(struct vertex_labels *out, const struct bytes *bytes, const char *path,
+                                      const struct mesh_file_options *options, struct notes *notes)
+{
+    struct gifti gifti = {0};
+    conus_status status = parse_gifti(&gifti, bytes, path, options, notes);
+    status = status ? status : gifti_labels(&out->labels, &out->count, &gifti, 0, notes);
+    if (!status) {
+        out->table = gifti.labels;
+        out->hemisphere = gifti.hemisphere;
+        gifti.labels = (struct label_table){0};
+    }
+    gifti_finish(&gifti);
+    return status;
+}
+
+static conus_status take_labels(struct vertex_labels *out, const struct bytes *bytes, const char *path,
+                                const struct mesh_file_options *options, struct notes *notes)
+{
+    if (is_gifti(bytes)) {
+        return take_gifti_labels(out, bytes, path, options, notes);
+    }
+    if (freesurfer_is_surface(bytes->data, bytes->size) || mesh_foreign_is(path)) {
+        return CONUS_OK;
+    }
+    conus_status status =
+        freesurfer_annot_parse(&out->labels, &out->count, &out->table, bytes->data, bytes->size, notes);
+    if (status == CONUS_ERROR_DATA && file_kind_of(NULL, bytes)) { /* an annotation has no mark of its own */
+        return file_kind_fail(NULL, bytes, "labels of vertices (GIFTI labels or a FreeSurfer annotation)");
+    }
+    return status == CONUS_ERROR_DATA ? fail_in(status, "not GIFTI, and as a FreeSurfer annotation") : status;
+}
+
+conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
+                                struct notes *notes)
+{
+    struct bytes bytes = {0};
+    struct vertex_labels labels = {0};
+    struct notes own = {0};
+    options = options ? options : &defaults;
+    conus_status status = read_unpacked(&bytes, path, options);
+    if (status) {
+        return status;
+    }
+    status = take_labels(&labels, &bytes, path, options, &own);
+    bytes_finish(&bytes);
+    status = status ? fail_in(status, path) : move_notes(notes, &own, path);
+    notes_finish(&own);
+    if (status) {
+        vertex_labels_finish(&labels);
+        return status;
+    }
+    *out = labels;
+    return CONUS_OK;
+}

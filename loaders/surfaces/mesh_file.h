@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Surfaces and labels of their vertices as files hold them. What a file is, is told by its content. */
+#ifndef CONUS_LOADERS_SURFACES_MESH_FILE_H
+#define CONUS_LOADERS_SURFACES_MESH_FILE_H
+
+#include "atlas/labels.h"
+#include "atlas/surface/mesh.h"
+#include "base/file_sums.h"
+#include "loaders/child/mesh_protocol.h"
+
+/** Zero is the default of each. */
+struct mesh_file_options {
+    enum mesh_space space;
+    bool external;          /**< GIFTI arrays may lie in other files in the same folder. */
+    uint64_t max_memory;    /**< For a file, and for the numbers of one array; 8 GiB.    */
+    struct file_sums *read; /**< Gets the file that is read. */
+};
+
+/** What the name of the file @p path says: "lh.pial" of "lh.pial.surf.gii.gz". The caller's to memory_free(); NULL
+ * without memory. */
+char *mesh_file_name(const char *path);
+
+/** Reads the surface @p path: GIFTI or FreeSurfer, each plain or gzip, by content; else, by its name, what conus-mesh
+ * reads (loaders/child/mesh_foreign.h; many at once are better read there). Checked by mesh_check(), path set. @p
+ * about, if not NULL, gets name and hemisphere as far as the file says them; its strings are the caller's to
+ * memory_free(). Notes and errors carry the path. @p options may be NULL. */
+conus_status mesh_file_read(struct mesh *out, struct label *about, const char *path,
+                            const struct mesh_file_options *options, struct notes *notes);
+
+/** Labels of the vertices of a surface that lies elsewhere. */
+struct vertex_labels {
+    uint32_t *labels; /**< [count] 0 = no area; owned. */
+    size_t count;
+    struct label_table table; /**< Sorted. */
+    char hemisphere;          /**< 'L', 'R', 'B' where the file says so, else 0. */
+};
+
+void vertex_labels_finish(struct vertex_labels *labels);
+
+/** Reads GIFTI labels (.label.gii, the first LABEL array; also those of a surface file itself) or a FreeSurfer
+ * annotation (.annot), each plain or gzip. A surface without labels has none: count 0. Notes and errors carry the path.
+ * @p options may be NULL. */
+conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
+                                struct notes *notes);
+
+/** True where @p path begins like a surface that mesh_file_read() reads; false also where it cannot be read. */
+bool mesh_file_is(const char *path);
+
+/** True where mesh_file_read() keeps the file's own vertices in their order, so that labels can be told which is whose:
+ * GIFTI and FreeSurfer. What conus-mesh reads comes in another order. */
+bool mesh_file_keeps_vertices(const char *path);
+
+#endif

@@ -1,0 +1,350 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/volumes/grey.h"
+
+#include "base/folder.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    BLOCK = 1 << 16,     /* voxels whose counts 32 bits hold */
+    LOOKS = 1 << 13,     /* voxels among which the commonest values are looked for */
+    PLATEAUS = 3,        /* of them, at most, and each of at least */
+    PLATEAU_SHARE = 8,   /* one voxel in eight */
+    VALUES = 1 << 18,    /* voxels among which different values are counted */
+    DIFFERING = 1 << 16, /* neighbours that differ, compared with others */
+    FEW_VOXELS = 128,    /* and fewer tell nothing */
+    INTENT_LABEL = 1002, /* NIfTI's code for "the values are labels" */
+    FEW_VALUES = 6       /* besides plateaus: tissue classes, layers; never an image */
+};
+
+static const size_t small = (size_t)1 << 21; /* voxels; of a bigger volume, planes are passed over */
+static const size_t planes = 64;             /* of which so many are enough */
+static const double most_equal = 0.7;        /* equal neighbours, above which no image is */
+static const double least_equal = 0.2;       /* below which no parcellation is */
+static const double wrinkled = 2.5;          /* surface of an area over that of as many voxels in a cube */
+static const double allowance = 2.0 / 3;     /* where something says that they are labels */
+static const double chance = 0.55;           /* of a neighbour to be nearer in value than a voxel elsewhere */
+
+/* The volume, and how to go through it. */
+struct walk {
+    const uint32_t *labels;
+    const size_t *dim;
+    size_t step;                 /* every step-th plane */
+    uint32_t plateaus[PLATEAUS]; /* values that do not count, 0 where there are fewer; 0 itself does not either */
+};
+
+static int compare(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a;
+    uint32_t y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* 1 or 0. */
+static uint32_t counts(uint32_t value, const uint32_t plateaus[PLATEAUS])
+{
+    return (uint32_t)((value != 0) & (value != plateaus[0]) & (value != plateaus[1]) & (value != plateaus[2]));
+}
+
+/* ---- Plateaus ------------------------------------------------------------------------------------------------- */
+
+/* Puts `value` with `count` voxels among the commonest. */
+static void rank_value(uint32_t values[PLATEAUS], size_t ranked[PLATEAUS], uint32_t value, size_t count)
+{
+    for (size_t i = 0; i < PLATEAUS; i++) {
+        if (count > ranked[i]) {
+            memmove(values + i + 1, values + i, (PLATEAUS - 1 - i) * sizeof *values);
+            memmove(ranked + i + 1, ranked + i, (PLATEAUS - 1 - i) * sizeof *ranked);
+            values[i] = value;
+            ranked[i] = count;
+            return;
+        }
+    }
+}
+
+static void take_plateaus(uint32_t out[PLATEAUS], const uint32_t *sorted, size_t count)
+{
+    size_t ranked[PLATEAUS] = {0};
+    for (size_t i = 0, start = 0; i < count; i++) {
+        if (i + 1 == count || sorted[i + 1] != sorted[i]) {
+            if (PLATEAU_SHARE * (i + 1 - start) >= count) {
+                rank_value(out, ranked, sorted[i], i + 1 - start);
+            }
+            start = i + 1;
+        }
+    }
+}
+
+/* The commonest values of a sample. An image's background where it is not 0, saturated voxels, the inside of a phantom
+ * would look like areas. */
+static conus_status find_plateaus(struct walk *walk, size_t count)
+{
+    size_t step = count / LOOKS | 1; /* odd, so that it does not stay in a column */
+    size_t n = 0;
+    uint32_t *sample = memory_raw(count / step + 1, sizeof *sample);
+    if (!sample) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < count; i += step) {
+        sample[n] = walk->labels[i];
+        n += walk->labels[i] != 0;
+    }
+    qsort(sample, n, sizeof *sample, compare);
+    take_plateaus(walk->plateaus, sample, n);
+    memory_free(sample);
+    return CONUS_OK;
+}
+
+/* ---- Neighbours ----------------------------------------------------------------------------------------------- */
+
+typedef void pair_visitor(void *user, const uint32_t *a, const uint32_t *b, size_t count, const uint32_t *plateaus);
+
+/* Visits the voxels a[] of a row with their neighbours b[] along i, j and k. */
+static void visit_row(const struct walk *walk, size_t j, size_t k, pair_visitor *visit, void *user)
+{
+    size_t row = walk->dim[0];
+    size_t plane = row * walk->dim[1];
+    const uint32_t *start = walk->labels + k * plane + j * row;
+    for (size_t i = 0; i < row; i += BLOCK) {
+        const uint32_t *a = start + i;
+        size_t count = row - i < BLOCK ? row - i : BLOCK;
+        visit(user, a, a + 1, i + count < row ? count : count - 1, walk->plateaus);
+        if (j + 1 < walk->dim[1]) {
+            visit(user, a, a + row, count, walk->plateaus);
+        }
+        if (k + 1 < walk->dim[2]) {
+            visit(user, a, a + plane, count, walk->plateaus);
+        }
+    }
+}
+
+static void visit_neighbours(const struct walk *walk, pair_visitor *visit, void *user)
+{
+    for (size_t k = 0; k < walk->dim[2]; k += walk->step) {
+        for (size_t j = 0; j < walk->dim[1]; j++) {
+            visit_row(walk, j, k, visit, user);
+        }
+    }
+}
+
+struct tally {
+    size_t pairs, equal;
+};
+
+static void count_pairs(void *user, const uint32_t *a, const uint32_t *b, size_t count, const uint32_t *plateaus)
+{
+    struct tally *tally = user;
+    const uint32_t copies[PLATEAUS] = {plateaus[0], plateaus[1], plateaus[2]}; /* in registers */
+    uint32_t pairs = 0;
+    uint32_t equal = 0;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t both = counts(a[i], copies) & counts(b[i], copies);
+        pairs += both;
+        equal += both & (uint32_t)(a[i] == b[i]);
+    }
+    tally->pairs += pairs;
+    tally->equal += equal;
+}
+
+/* ---- Values --------------------------------------------------------------------------------------------------- */
+
+/* The values of up to VALUES voxels, sorted. */
+struct values {
+    uint32_t *sorted;
+    size_t count;   /* of different ones, which are in front */
+    size_t voxels;  /* in all planes of the walk */
+    double surface; /* along one axis, of cubes, one of all the voxels of each value: the sum of n^(2/3) */
+};
+
+static size_t count_filled(const struct walk *walk)
+{
+    size_t plane = walk->dim[0] * walk->dim[1];
+    size_t filled = 0;
+    for (size_t k = 0; k < walk->dim[2]; k += walk->step) {
+        for (size_t i = 0; i < plane; i++) {
+            filled += counts(walk->labels[k * plane + i], walk->plateaus);
+        }
+    }
+    return filled;
+}
+
+static size_t gather(uint32_t *out, const struct walk *walk, size_t every)
+{
+    size_t plane = walk->dim[0] * walk->dim[1];
+    size_t seen = 0;
+    size_t n = 0;
+    for (size_t k = 0; k < walk->dim[2]; k += walk->step) {
+        for (size_t i = 0; i < plane; i++) {
+            uint32_t value = walk->labels[k * plane + i];
+            if (counts(value, walk->plateaus) && seen++ % every == 0) {
+                out[n++] = value;
+            }
+        }
+    }
+    return n;
+}
+
+/* Leaves each value once, and sums up the cubes' surfaces; a voxel stands for `weight`. */
+static void merge_values(struct values *values, size_t count, double weight)
+{
+    for (size_t i = 0, start = 0; i < count; i++) {
+        if (i + 1 == count || values->sorted[i + 1] != values->sorted[i]) {
+            double edge = cbrt((double)(i + 1 - start) * weight);
+            values->surface += edge * edge;
+            values->sorted[values->count++] = values->sorted[i];
+            start = i + 1;
+        }
+    }
+}
+
+static conus_status find_values(struct values *out, const struct walk *walk)
+{
+    out->voxels = count_filled(walk);
+    size_t every = out->voxels / VALUES + 1;
+    out->sorted = memory_raw(out->voxels / every + 1, sizeof *out->sorted);
+    if (!out->sorted) {
+        return CONUS_ERROR_MEMORY;
+    }
+    size_t n = gather(out->sorted, walk, every);
+    qsort(out->sorted, n, sizeof *out->sorted, compare);
+    merge_values(out, n, (double)(every * walk->step));
+    return CONUS_OK;
+}
+
+/* Whether the table is about these values: it names nine of ten, and they are half of what it names. */
+static bool names_values(const struct label_table *table, const struct values *values)
+{
+    size_t named = 0;
+    size_t entries = 0;
+    for (size_t i = 0; table && i < table->count; i++) {
+        entries += table->entries[i].name != NULL;
+    }
+    for (size_t i = 0; entries && i < values->count; i++) {
+        const struct label *label = label_table_find(table, values->sorted[i]);
+        named += label && label->name;
+    }
+    return named && 10 * named >= 9 * values->count && 2 * named >= entries;
+}
+
+/* Of n neighbours along an axis, a cube of n voxels shares n^(2/3) with others. */
+static double needed_share(const struct values *values, const struct walk *walk, const struct grey_claims *claims)
+{
+    double share = 1 - wrinkled * values->surface / ((double)values->voxels * (double)walk->step);
+    share = fmin(fmax(share, least_equal), most_equal);
+    return claims->stated || names_values(claims->table, values) ? share * allowance : share;
+}
+
+/* ---- How near the values of neighbours are -------------------------------------------------------------------- */
+
+/* Neighbours that differ. */
+struct differing {
+    uint32_t (*pairs)[2];
+    size_t count, seen, every;
+};
+
+static void keep_differing(void *user, const uint32_t *a, const uint32_t *b, size_t count, const uint32_t *plateaus)
+{
+    struct differing *differing = user;
+    for (size_t i = 0; i < count; i++) {
+        bool differ = counts(a[i], plateaus) && counts(b[i], plateaus) && a[i] != b[i];
+        if (differ && differing->seen++ % differing->every == 0) {
+            differing->pairs[differing->count][0] = a[i];
+            differing->pairs[differing->count++][1] = b[i];
+        }
+    }
+}
+
+static double distance(uint32_t a, uint32_t b)
+{
+    return fabs((double)a - (double)b);
+}
+
+/* How often a voxel's neighbour is nearer to it in value than another voxel, which differs from it, too. */
+static double share_nearer(const struct differing *differing)
+{
+    uint64_t random = 1;
+    double nearer = 0;
+    size_t tried = 0;
+    for (size_t i = 0; i < differing->count; i++) {
+        random = random * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407); /* Knuth's MMIX */
+        uint32_t a = differing->pairs[i][0];
+        uint32_t other = differing->pairs[(random >> 33) % differing->count][1];
+        double own = distance(a, differing->pairs[i][1]);
+        if (other != a) {
+            nearer += own < distance(a, other) ? 1 : own > distance(a, other) ? 0 : 0.5;
+            tried++;
+        }
+    }
+    return tried ? nearer / (double)tried : 0;
+}
+
+static conus_status are_near(bool *out, const struct walk *walk, const struct tally *tally)
+{
+    size_t total = tally->pairs - tally->equal;
+    struct differing differing = {.every = total / DIFFERING + 1};
+    differing.pairs = memory_raw(total / differing.every + 1, sizeof *differing.pairs);
+    if (!differing.pairs) {
+        return CONUS_ERROR_MEMORY;
+    }
+    visit_neighbours(walk, keep_differing, &differing);
+    *out = share_nearer(&differing) > chance;
+    memory_free(differing.pairs);
+    return CONUS_OK;
+}
+
+/* ---- The verdict ---------------------------------------------------------------------------------------------- */
+
+/* Where fewer neighbours are equal than areas may be sure of. */
+static conus_status judge_values(struct grey_verdict *out, const struct walk *walk, const struct tally *tally,
+                                 const struct grey_claims *claims)
+{
+    struct values values = {0};
+    conus_status status = find_values(&values, walk);
+    out->telling = values.voxels >= FEW_VOXELS && values.count > FEW_VALUES && 2 * tally->pairs >= values.voxels;
+    if (!status && out->telling) {
+        out->needed = needed_share(&values, walk, claims);
+        status = out->equal < out->needed ? are_near(&out->grey, walk, tally) : CONUS_OK;
+    }
+    memory_free(values.sorted);
+    return status;
+}
+
+conus_status grey_judge(struct grey_verdict *out, const uint32_t *labels, const size_t dim[3],
+                        const struct grey_claims *claims)
+{
+    size_t count = dim[0] * dim[1] * dim[2];
+    struct walk walk = {labels, dim, count > small ? dim[2] / planes + 1 : 1, {0}};
+    struct tally tally = {0};
+    struct grey_verdict verdict = {.equal = 1, .telling = true};
+    conus_status status = find_plateaus(&walk, count);
+    if (status) {
+        return status;
+    }
+    visit_neighbours(&walk, count_pairs, &tally);
+    verdict.equal = tally.pairs ? (double)tally.equal / (double)tally.pairs : 1;
+    status = verdict.equal < most_equal ? judge_values(&verdict, &walk, &tally, claims) : CONUS_OK;
+    *out = status ? *out : verdict;
+    return status;
+}
+
+static bool is_named_dseg(const char *path)
+{
+    static const char suffix[] = "_dseg";
+    const size_t length = sizeof suffix - 1;
+    size_t stem = volume_stem_length(path);
+    return stem > length && memcmp(path + stem - length, suffix, length) == 0;
+}
+
+conus_status grey_judge_file(struct grey_verdict *out, const struct volume_file *file, const uint32_t *labels,
+                             const struct label_table *table, bool stated)
+{
+    const struct grey_claims claims = {table, stated || is_named_dseg(file->path)};
+    if (file->intent_code == INTENT_LABEL) {
+        *out = (struct grey_verdict){.equal = 1, .telling = true};
+        return CONUS_OK;
+    }
+    return grey_judge(out, labels, file->info.dim, &claims);
+}

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Whether the whole numbers of a volume are labels, or an image's grey values. docs/formats.md has the rule and
+ * how it was measured. */
+#ifndef CONUS_LOADERS_VOLUMES_GREY_H
+#define CONUS_LOADERS_VOLUMES_GREY_H
+
+#include "atlas/labels.h"
+#include "loaders/volumes/volume_file.h"
+
+/** What else there is to say that the numbers are labels. */
+struct grey_claims {
+    const struct label_table *table; /**< Sorted; NULL or empty: none.                             */
+    bool stated;                     /**< By the volume's name, or by an FSL atlas XML of its own. */
+};
+
+struct grey_verdict {
+    bool grey;
+    bool telling;  /**< There are voxels and values enough to tell; else grey is false.                 */
+    double equal;  /**< Share of equal ones among neighbours that are neither 0 nor a plateau. */
+    double needed; /**< Share that labels have at least; set where it had to be worked out, else 0.     */
+};
+
+/** Judges @p labels, i fastest. In an image most neighbours differ, and by less than voxels far apart; areas are
+ * pieces, whose voxels have equal neighbours. */
+conus_status grey_judge(struct grey_verdict *out, const uint32_t *labels, const size_t dim[3],
+                        const struct grey_claims *claims);
+
+/** The same of the chosen volume of @p file. That is not grey where its intent code says labels, and is stated to be
+ * labels where its name ends in "_dseg", as BIDS wants it, or @p stated. @p table may be NULL. */
+conus_status grey_judge_file(struct grey_verdict *out, const struct volume_file *file, const uint32_t *labels,
+                             const struct label_table *table, bool stated);
+
+#endif

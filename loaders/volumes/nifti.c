@@ -1,0 +1,292 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/volumes/nifti.h"
+
+#include "base/byte_order.h"
+#include "base/memory.h"
+#include "loaders/volumes/nifti_transform.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { NIFTI1_SIZE = 348, NIFTI2_SIZE = 540, EXTENDER_SIZE = 4, EXTENSION_HEAD_SIZE = 8, EXTENSION_UNIT = 16 };
+
+/* The fields that matter, of either version. */
+struct fields {
+    int version;
+    bool swapped;
+    bool pair;
+    int64_t dim[8];
+    double vox_offset;
+    double slope, inter;
+    int datatype, bitpix, intent_code;
+    struct nifti_placement placement;
+};
+
+bool nifti_is(const uint8_t *data, size_t size)
+{
+    if (size < 4) {
+        return false;
+    }
+    uint32_t size_field = order_u32(data, false);
+    uint32_t swapped = order_u32(data, true);
+    return size_field == NIFTI1_SIZE || size_field == NIFTI2_SIZE || swapped == NIFTI1_SIZE || swapped == NIFTI2_SIZE;
+}
+
+static bool is_version_1(const uint8_t *data)
+{
+    return order_u32(data, false) == NIFTI1_SIZE || order_u32(data, true) == NIFTI1_SIZE;
+}
+
+static bool magic_is(const uint8_t *data, size_t size, const char *name)
+{
+    static const uint8_t ending[4] = {'\r', '\n', 0x1a, '\n'};
+    if (is_version_1(data)) {
+        return size >= NIFTI1_SIZE && memcmp(data + 344, name, 2) == 0 && data[346] == '1' && data[347] == 0;
+    }
+    return size >= 12 && memcmp(data + 4, name, 2) == 0 && data[6] == '2' && data[7] == 0 &&
+           memcmp(data + 8, ending, sizeof ending) == 0;
+}
+
+bool nifti_has_magic(const uint8_t *data, size_t size)
+{
+    return nifti_is(data, size) && (magic_is(data, size, "n+") || magic_is(data, size, "ni"));
+}
+
+static void read_floats(double *out, size_t count, const uint8_t *data, bool swapped)
+{
+    for (size_t i = 0; i < count; i++) {
+        out[i] = (double)order_f32(data + 4 * i, swapped);
+    }
+}
+
+static void read_doubles(double *out, size_t count, const uint8_t *data, bool swapped)
+{
+    for (size_t i = 0; i < count; i++) {
+        out[i] = order_f64(data + 8 * i, swapped);
+    }
+}
+
+/* Offsets: nifti1.h. */
+static void read_fields_1(struct fields *f, const uint8_t *data)
+{
+    bool swapped = f->swapped;
+    for (size_t i = 0; i < 8; i++) {
+        f->dim[i] = order_i16(data + 40 + 2 * i, swapped);
+    }
+    f->intent_code = order_i16(data + 68, swapped);
+    f->datatype = order_i16(data + 70, swapped);
+    f->bitpix = order_i16(data + 72, swapped);
+    read_floats(f->placement.pixdim, 8, data + 76, swapped);
+    f->vox_offset = (double)order_f32(data + 108, swapped);
+    f->slope = (double)order_f32(data + 112, swapped);
+    f->inter = (double)order_f32(data + 116, swapped);
+    f->placement.units = data[123];
+    f->placement.qform_code = order_i16(data + 252, swapped);
+    f->placement.sform_code = order_i16(data + 254, swapped);
+    read_floats(f->placement.quatern, 3, data + 256, swapped);
+    read_floats(f->placement.qoffset, 3, data + 268, swapped);
+    read_floats(f->placement.srow, 12, data + 280, swapped);
+}
+
+/* Offsets: nifti2.h. */
+static void read_fields_2(struct fields *f, const uint8_t *data)
+{
+    bool swapped = f->swapped;
+    for (size_t i = 0; i < 8; i++) {
+        f->dim[i] = order_i64(data + 16 + 8 * i, swapped);
+    }
+    f->datatype = order_i16(data + 12, swapped);
+    f->bitpix = order_i16(data + 14, swapped);
+    read_doubles(f->placement.pixdim, 8, data + 104, swapped);
+    f->vox_offset = (double)order_i64(data + 168, swapped);
+    f->slope = order_f64(data + 176, swapped);
+    f->inter = order_f64(data + 184, swapped);
+    f->placement.qform_code = order_i32(data + 344, swapped);
+    f->placement.sform_code = order_i32(data + 348, swapped);
+    read_doubles(f->placement.quatern, 3, data + 352, swapped);
+    read_doubles(f->placement.qoffset, 3, data + 376, swapped);
+    read_doubles(f->placement.srow, 12, data + 400, swapped);
+    f->placement.units = order_i32(data + 500, swapped);
+    f->intent_code = order_i32(data + 504, swapped);
+}
+
+static conus_status read_fields(struct fields *f, const uint8_t *data, size_t size)
+{
+    if (!nifti_is(data, size)) {
+        return fail(CONUS_ERROR_DATA, "sizeof_hdr: found %d, allowed are 348 (NIfTI-1) and 540 (NIfTI-2)",
+                    size < 4 ? 0 : order_i32(data, false));
+    }
+    f->version = is_version_1(data) ? 1 : 2;
+    size_t needed = f->version == 1 ? NIFTI1_SIZE : NIFTI2_SIZE;
+    if (size < needed) {
+        return fail(CONUS_ERROR_DATA, "header: found %zu bytes, NIfTI-%d needs %zu", size, f->version, needed);
+    }
+    f->pair = magic_is(data, size, "ni");
+    if (!f->pair && !magic_is(data, size, "n+")) {
+        const char *magic = (const char *)data + (f->version == 1 ? 344 : 4);
+        return fail(
+            CONUS_ERROR_DATA,
+            "magic: found \"%.*s\", allowed are \"n+%d\" and \"ni%d\" (ANALYZE 7.5, which has no magic, does not "
+            "say which side is left)",
+            4, magic, f->version, f->version);
+    }
+    f->swapped = order_u32(data, false) != needed;
+    (f->version == 1 ? read_fields_1 : read_fields_2)(f, data);
+    return CONUS_OK;
+}
+
+static conus_status check_dim(int64_t dim[8])
+{
+    if (dim[0] < 1 || dim[0] > 7) {
+        return fail(CONUS_ERROR_DATA, "dim[0]: found %lld, allowed are 1 to 7", (long long)dim[0]);
+    }
+    for (int i = 1; i < 8; i++) {
+        if (i > dim[0]) {
+            dim[i] = 1;
+        }
+        if (dim[i] < 1) {
+            return fail(CONUS_ERROR_DATA, "dim[%d]: found %lld, allowed is 1 or more", i, (long long)dim[i]);
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status check_offset(const struct fields *f, size_t header_size)
+{
+    double least = f->pair ? 0 : (double)(header_size + EXTENDER_SIZE);
+    if (f->vox_offset >= least && f->vox_offset <= 0x1p53 && f->vox_offset == floor(f->vox_offset)) {
+        return CONUS_OK;
+    }
+    return fail(CONUS_ERROR_DATA, "vox_offset: found %.9g, allowed are whole numbers from %g", f->vox_offset, least);
+}
+
+/* A slope that is 0 or not finite means "unscaled" (nifti1.h says so of 0; NaN is what many programs write). */
+static conus_status read_scaling(conus_volume_info *info, const struct fields *f)
+{
+    info->slope = 1;
+    info->intercept = 0;
+    if (isinf(f->slope)) {
+        return fail(CONUS_ERROR_DATA, "scl_slope: found %g, allowed are finite numbers", f->slope);
+    }
+    if (f->slope == 0 || isnan(f->slope)) {
+        return CONUS_OK;
+    }
+    if (!isfinite(f->inter)) {
+        return fail(CONUS_ERROR_DATA, "scl_inter: found %g with scl_slope %g, allowed are finite numbers", f->inter,
+                    f->slope);
+    }
+    info->slope = f->slope;
+    info->intercept = f->inter;
+    return CONUS_OK;
+}
+
+static conus_status check_bitpix(const struct volume_header *header, int bitpix)
+{
+    int wanted = 8 * (int)volume_datatype_size(header->datatype);
+    return bitpix == wanted ? CONUS_OK
+                            : fail(CONUS_ERROR_DATA, "bitpix: found %d, datatype %s needs %d", bitpix,
+                                   header->info.datatype, wanted);
+}
+
+/* CIFTI matrices (vertices and voxels by anything) come as NIfTI-2 files without a grid. */
+static conus_status check_intent(const struct fields *f)
+{
+    bool is_matrix = f->version == 2 && f->intent_code >= 3000 && f->intent_code < 3100;
+    return is_matrix ? fail(CONUS_ERROR_UNSUPPORTED,
+                            "intent_code: found %d (a CIFTI matrix), allowed are volumes; 'wb_command "
+                            "-cifti-separate' writes them, and labels of vertices (.label.gii)",
+                            f->intent_code)
+                     : CONUS_OK;
+}
+
+conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, size_t size, struct notes *notes)
+{
+    struct fields f = {0};
+    conus_status status = read_fields(&f, data, size);
+    if (status) {
+        return status;
+    }
+    struct volume_header header = {.swapped = f.swapped,
+                                   .pair = f.pair,
+                                   .header_size = f.version == 1 ? NIFTI1_SIZE : NIFTI2_SIZE,
+                                   .intent_code = f.intent_code};
+    snprintf(header.info.format, sizeof header.info.format, "NIfTI-%d", f.version);
+    if ((status = check_intent(&f)) || (status = volume_header_set_datatype(&header, f.datatype)) ||
+        (status = check_bitpix(&header, f.bitpix)) || (status = check_dim(f.dim)) ||
+        (status = volume_header_set_dim(&header, f.dim + 1)) || (status = check_offset(&f, header.header_size)) ||
+        (status = read_scaling(&header.info, &f))) {
+        return status;
+    }
+    header.offset = (uint64_t)f.vox_offset;
+    for (int i = 1; i < 4; i++) { /* an axis that the file does not have has a size of its own choosing */
+        bool absent = i > 1 && f.dim[i] == 1 && f.placement.pixdim[i] == 0;
+        f.placement.pixdim[i] = absent ? 1 : f.placement.pixdim[i];
+    }
+    status = nifti_place(&header.info, &f.placement, notes);
+    if (!status) {
+        *out = header;
+    }
+    return status;
+}
+
+/* Reads the extension at @p at, or finds that the list ends there: no room for another one, or only zeros. */
+static conus_status read_extension(struct volume_extension *out, size_t *next, const struct bytes *head, size_t at,
+                                   bool swapped)
+{
+    size_t room = head->size - at;
+    *next = at;
+    if (room < EXTENSION_HEAD_SIZE) {
+        return CONUS_OK;
+    }
+    int32_t esize = order_i32(head->data + at, swapped);
+    int32_t ecode = order_i32(head->data + at + 4, swapped);
+    if (esize == 0 && ecode == 0) {
+        return CONUS_OK;
+    }
+    if (esize < EXTENSION_UNIT || esize % EXTENSION_UNIT || (size_t)esize > room) {
+        return fail(
+            CONUS_ERROR_DATA,
+            "extension at byte %zu: found esize %d, allowed are multiples of 16 from 16 to the %zu bytes before "
+            "the voxels",
+            at, esize, room);
+    }
+    *out = (struct volume_extension){ecode, head->data + at + EXTENSION_HEAD_SIZE, (size_t)esize - EXTENSION_HEAD_SIZE};
+    *next = at + (size_t)esize;
+    return CONUS_OK;
+}
+
+conus_status nifti_extensions_parse(struct volume_extension **out, size_t *count, size_t *end, const struct bytes *head,
+                                    const struct volume_header *header)
+{
+    size_t at = header->header_size + EXTENDER_SIZE;
+    *out = NULL;
+    *count = 0;
+    *end = at < head->size ? at : head->size;
+    if (head->size < at || !head->data[header->header_size]) {
+        return CONUS_OK;
+    }
+    struct volume_extension *list = memory_zeroed((head->size - at) / EXTENSION_UNIT, sizeof *list);
+    if (!list) {
+        return CONUS_ERROR_MEMORY;
+    }
+    size_t found = 0;
+    for (;;) {
+        struct volume_extension extension;
+        size_t next;
+        conus_status status = read_extension(&extension, &next, head, at, header->swapped);
+        if (status) {
+            memory_free(list);
+            return status;
+        }
+        if (next == at) {
+            break;
+        }
+        list[found++] = extension;
+        at = next;
+    }
+    *out = list;
+    *count = found;
+    *end = at;
+    return CONUS_OK;
+}

@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/volumes/nifti_write.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+
+#include <libdeflate.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+enum { HEADER = 352, EDGE_LIMIT = 32767, GZIP_LEVEL = 6 };
+enum { INTENT_NONE = 0, INTENT_LABEL = 1002, UNITS_MM = 2, CODE_ALIGNED = 2 };
+
+struct datatype {
+    uint32_t limit;
+    size_t size;
+    int code;
+};
+
+static const struct datatype datatypes[] = {[CONUS_UINT8] = {UINT8_MAX, 1, 2},
+                                            [CONUS_UINT16] = {UINT16_MAX, 2, 512},
+                                            [CONUS_UINT32] = {UINT32_MAX, 4, 768},
+                                            [CONUS_FLOAT32] = {0, 4, 16}};
+
+/* What the header is made of. */
+struct heading {
+    const size_t *dim;
+    const double *world_from_voxel;
+    int code; /* of the space */
+    int intent;
+    const struct datatype *type;
+    const char *description;
+};
+
+static void put(uint8_t *at, uint32_t value, size_t size)
+{
+    for (size_t i = 0; i < size; i++) {
+        at[i] = (uint8_t)(value >> 8 * i);
+    }
+}
+
+static void put_float(uint8_t *at, double value)
+{
+    float narrow = (float)value;
+    uint32_t bits;
+    memcpy(&bits, &narrow, sizeof bits);
+    put(at, bits, sizeof bits);
+}
+
+static conus_status check_grid(const struct heading *heading)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        if (heading->dim[axis] < 1 || heading->dim[axis] > EDGE_LIMIT) {
+            return fail(CONUS_ERROR_ARGUMENT, "NIfTI-1: dim[%d]: %zu, allowed is 1 to %d", axis + 1, heading->dim[axis],
+                        EDGE_LIMIT);
+        }
+    }
+    for (int i = 0; i < 16; i++) {
+        if (!isfinite((float)heading->world_from_voxel[i])) {
+            return fail(CONUS_ERROR_ARGUMENT, "NIfTI-1: srow: %g, a finite float is needed",
+                        heading->world_from_voxel[i]);
+        }
+    }
+    return CONUS_OK;
+}
+
+/* Unit columns of the matrix's linear part, the third turned so that they are right-handed; *qfac says whether it was.
+ * False where they are not perpendicular: no quaternion says that. */
+static bool rotation_of(double r[3][3], double *qfac, const double m[16])
+{
+    for (int column = 0; column < 3; column++) {
+        if (!vec3_normalise(r[column], m + 4 * column)) {
+            return false;
+        }
+    }
+    *qfac = mat4_determinant3(m) < 0 ? -1 : 1;
+    vec3_scale(r[2], r[2], *qfac);
+    return fabs(vec3_dot(r[0], r[1])) < 1e-5 && fabs(vec3_dot(r[1], r[2])) < 1e-5 && fabs(vec3_dot(r[2], r[0])) < 1e-5;
+}
+
+/* The unit quaternion w, x, y, z (w >= 0) of a rotation, from its largest component (Shepperd 1978). */
+static void quaternion_of(double q[4], double r[3][3])
+{
+    double trace = r[0][0] + r[1][1] + r[2][2];
+    double square[4] = {1 + trace, 1 + 2 * r[0][0] - trace, 1 + 2 * r[1][1] - trace, 1 + 2 * r[2][2] - trace};
+    int best = 0;
+    for (int i = 1; i < 4; i++) {
+        best = square[i] > square[best] ? i : best;
+    }
+    double skew[3] = {r[1][2] - r[2][1], r[2][0] - r[0][2], r[0][1] - r[1][0]};
+    double twice = sqrt(square[best]);
+    q[best] = twice / 2;
+    for (int i = 1; i < 4; i++) {
+        if (best == 0) {
+            q[i] = skew[i - 1] / (2 * twice);
+        } else if (i != best) {
+            q[i] = (r[best - 1][i - 1] + r[i - 1][best - 1]) / (2 * twice);
+        }
+    }
+    if (best != 0) {
+        q[0] = skew[best - 1] / (2 * twice);
+    }
+    double sign = q[0] < 0 ? -1 : 1;
+    for (int i = 0; i < 4; i++) {
+        q[i] *= sign;
+    }
+}
+
+static void put_qform(uint8_t *header, const double m[16], int code)
+{
+    double r[3][3];
+    double q[4];
+    double qfac;
+    if (!rotation_of(r, &qfac, m)) {
+        return;
+    }
+    quaternion_of(q, r);
+    put_float(header + 76, qfac);
+    put(header + 252, (uint32_t)code, 2);
+    for (int i = 0; i < 3; i++) {
+        put_float(header + 256 + 4 * i, q[i + 1]);
+        put_float(header + 268 + 4 * i, m[12 + i]);
+    }
+}
+
+static void put_header(uint8_t *header, const struct heading *heading)
+{
+    const double *m = heading->world_from_voxel;
+    put(header, 348, 4);
+    put(header + 40, 3, 2);
+    for (int axis = 0; axis < 7; axis++) {
+        put(header + 42 + 2 * axis, axis < 3 ? (uint32_t)heading->dim[axis] : 1, 2);
+        put_float(header + 80 + 4 * axis, axis < 3 ? vec3_length(m + 4 * axis) : 1);
+    }
+    put(header + 68, (uint32_t)heading->intent, 2);
+    put(header + 70, (uint32_t)heading->type->code, 2);
+    put(header + 72, (uint32_t)heading->type->size * 8, 2);
+    put_float(header + 76, 1);
+    put_float(header + 108, HEADER);
+    put_float(header + 112, 1);
+    header[123] = UNITS_MM;
+    snprintf((char *)header + 148, 80, "%s", heading->description);
+    put_qform(header, m, heading->code);
+    put(header + 254, (uint32_t)heading->code, 2);
+    for (int row = 0; row < 3; row++) {
+        for (int column = 0; column < 4; column++) {
+            put_float(header + 280 + 16 * row + 4 * column, m[4 * column + row]);
+        }
+    }
+    memcpy(header + 344, "n+1", 4);
+}
+
+/* A file of a checked grid with its header, and zeros for voxels. */
+static conus_status start_file(struct bytes *out, const struct heading *heading)
+{
+    struct bytes file = {.size = HEADER + heading->dim[0] * heading->dim[1] * heading->dim[2] * heading->type->size};
+    file.data = memory_zeroed(file.size, 1);
+    if (!file.data) {
+        return CONUS_ERROR_MEMORY;
+    }
+    put_header(file.data, heading);
+    *out = file;
+    return CONUS_OK;
+}
+
+static const struct datatype *narrowest(const uint32_t *labels, size_t count)
+{
+    uint32_t most = 0;
+    for (size_t i = 0; i < count; i++) {
+        most = labels[i] > most ? labels[i] : most;
+    }
+    const struct datatype *type = datatypes;
+    while (most > type->limit) {
+        type++;
+    }
+    return type;
+}
+
+static conus_status format_numbers(struct bytes *out, const conus_volume_info *info, const uint32_t *labels, int intent,
+                                   int code)
+{
+    struct heading heading = {.dim = info->dim,
+                              .world_from_voxel = info->world_from_voxel,
+                              .code = code,
+                              .intent = intent,
+                              .description = "conus " CONUS_VERSION};
+    conus_status status = check_grid(&heading);
+    if (status) {
+        return status;
+    }
+    heading.type = narrowest(labels, info->dim[0] * info->dim[1] * info->dim[2]);
+    status = start_file(out, &heading);
+    if (status) {
+        return status;
+    }
+    size_t size = heading.type->size;
+    for (size_t i = 0; i < (out->size - HEADER) / size; i++) {
+        put(out->data + HEADER + i * size, labels[i], size);
+    }
+    return CONUS_OK;
+}
+
+conus_status nifti_format_labels(struct bytes *out, const conus_volume_info *info, const uint32_t *labels, int code)
+{
+    return format_numbers(out, info, labels, INTENT_LABEL, code);
+}
+
+conus_status nifti_format_values(struct bytes *out, const conus_volume_info *info, const uint32_t *values, int code)
+{
+    return format_numbers(out, info, values, INTENT_NONE, code);
+}
+
+conus_status gzip_format(struct bytes *out, const void *data, size_t size)
+{
+    struct libdeflate_compressor *packer = libdeflate_alloc_compressor(GZIP_LEVEL);
+    size_t bound = packer ? libdeflate_gzip_compress_bound(packer, size) : 0;
+    struct bytes packed = {.data = packer ? memory_raw(bound, 1) : NULL};
+    if (packed.data) {
+        packed.size = libdeflate_gzip_compress(packer, data, size, packed.data, bound);
+    }
+    libdeflate_free_compressor(packer);
+    if (!packed.size) {
+        bytes_finish(&packed);
+        return fail(CONUS_ERROR_MEMORY, "gzip: no memory to pack %zu bytes", size);
+    }
+    *out = packed;
+    return CONUS_OK;
+}
+
+static uint32_t bits_at(const conus_grid *grid, size_t i)
+{
+    switch (grid->size) {
+    case 1:
+        return ((const uint8_t *)grid->data)[i];
+    case 2:
+        return ((const uint16_t *)grid->data)[i];
+    default:
+        return ((const uint32_t *)grid->data)[i];
+    }
+}
+
+conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid)
+{
+    const conus_grid_view *view = &grid->view;
+    const struct heading heading = {.dim = view->dim,
+                                    .world_from_voxel = view->world_from_voxel,
+                                    .code = view->space_code <= INT16_MAX ? view->space_code : CODE_ALIGNED,
+                                    .intent = grid->labels ? INTENT_LABEL : INTENT_NONE,
+                                    .type = &datatypes[view->number],
+                                    .description = view->description};
+    conus_status status = check_grid(&heading);
+    status = status ? status : start_file(out, &heading);
+    for (size_t i = 0; !status && i < view->count; i++) {
+        put(out->data + HEADER + i * grid->size, bits_at(grid, i), grid->size);
+    }
+    return status;
+}
+
+static bool ends(const char *path, const char *ending)
+{
+    size_t length = strlen(path);
+    size_t wanted = strlen(ending);
+    return length > wanted && strcasecmp(path + length - wanted, ending) == 0;
+}
+
+conus_status conus_grid_write(const conus_grid *grid, const char *path)
+{
+    struct bytes file = {0};
+    struct bytes packed = {0};
+    if (!ends(path, ".nii") && !ends(path, ".nii.gz")) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: a volume's name ends in .nii or .nii.gz", path);
+    }
+    conus_status status = nifti_format_grid(&file, grid);
+    status = status ? fail_in(status, path) : CONUS_OK;
+    if (!status && ends(path, ".gz")) {
+        status = gzip_format(&packed, file.data, file.size);
+    }
+    const struct bytes *content = packed.data ? &packed : &file;
+    status = status ? status : file_write(path, content->data, content->size);
+    bytes_finish(&packed);
+    bytes_finish(&file);
+    return status;
+}

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Volumes as NIfTI-1 (nifti1.h, https://nifti.nimh.nih.gov/nifti-1). */
+#ifndef CONUS_LOADERS_VOLUMES_NIFTI_WRITE_H
+#define CONUS_LOADERS_VOLUMES_NIFTI_WRITE_H
+
+#include "atlas/grid.h"
+#include "base/file.h"
+
+/** Writes @p labels (one per voxel of @p info, i fastest) as a little-endian single file in the narrowest of uint8,
+ * uint16 and uint32 that holds them all, intent "label". dim and world_from_voxel of @p info are used: the sform
+ * always, with code @p code; the qform too where the matrix has no shear. Same input, same bytes: no time stamps.
+ * @p out is the caller's to finish. CONUS_ERROR_ARGUMENT for a grid that NIfTI-1 cannot hold (1 to 32767 voxels an
+ * edge) or a matrix that is not finite as float. */
+conus_status nifti_format_labels(struct bytes *out, const conus_volume_info *info, const uint32_t *labels, int code);
+
+/** The same without intent, for values that are no labels. */
+conus_status nifti_format_values(struct bytes *out, const conus_volume_info *info, const uint32_t *values, int code);
+
+/** The numbers of @p grid in their own type; otherwise the same, with the grid's code and description. */
+conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid);
+
+/** Packs as one gzip member without name or time. @p out is the caller's to finish. */
+conus_status gzip_format(struct bytes *out, const void *data, size_t size);
+
+#endif

@@ -1,0 +1,491 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/volumes/volume_file.h"
+
+#include "base/byte_order.h"
+#include "base/gzip.h"
+#include "base/memory.h"
+#include "loaders/file_kind.h"
+#include "loaders/volumes/mgh.h"
+#include "loaders/volumes/nifti.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
+static const char default_needed[] = "a volume (NIfTI-1, NIfTI-2 or MGH)";
+enum {
+    HEAD_LIMIT = 1 << 26,  /* of the header file of a pair */
+    HEADER_READ = 1 << 16, /* of a file of which the header alone is wanted; packed, it takes less */
+};
+
+/* A file of which some bytes are wanted, packed or not. */
+struct stored {
+    char *path;
+    struct bytes bytes;
+    bool packed;
+};
+
+static void stored_finish(struct stored *stored)
+{
+    memory_free(stored->path);
+    bytes_finish(&stored->bytes);
+    *stored = (struct stored){0};
+}
+
+static conus_status stored_read(struct stored *out, const char *path, uint64_t limit)
+{
+    struct stored stored = {.path = memory_text(path, strlen(path))};
+    conus_status status = stored.path ? file_read_allowed(&stored.bytes, path, limit) : CONUS_ERROR_MEMORY;
+    if (status) {
+        stored_finish(&stored);
+        return status;
+    }
+    stored.packed = gzip_is(stored.bytes.data, stored.bytes.size);
+    *out = stored;
+    return CONUS_OK;
+}
+
+/* The first `limit` unpacked bytes, or fewer. */
+static conus_status stored_head(struct bytes *out, const struct stored *stored, size_t limit)
+{
+    if (stored->packed) {
+        return gzip_head(out, stored->bytes.data, stored->bytes.size, limit);
+    }
+    size_t size = stored->bytes.size < limit ? stored->bytes.size : limit;
+    uint8_t *copy = memory_raw(size, 1);
+    if (!copy) {
+        return CONUS_ERROR_MEMORY;
+    }
+    memcpy(copy, stored->bytes.data, size);
+    *out = (struct bytes){copy, size};
+    return CONUS_OK;
+}
+
+/* Turns a plain file's bytes, without copying them elsewhere, into those of `range`. */
+static conus_status take_plain(struct bytes *out, struct gzip_range *range, struct bytes *bytes)
+{
+    if (bytes->size < range->total) {
+        return fail(CONUS_ERROR_DATA, "voxels: the file has %zu bytes, the header asks for %llu", bytes->size,
+                    (unsigned long long)range->total);
+    }
+    range->extra = bytes->size - range->total;
+    range->junk = 0;
+    memmove(bytes->data, bytes->data + range->from, range->count);
+    uint8_t *less = memory_resize(bytes->data, range->count, 1);
+    *out = (struct bytes){less ? less : bytes->data, range->count};
+    *bytes = (struct bytes){0};
+    return CONUS_OK;
+}
+
+static conus_status note_rest(const struct gzip_range *range, bool footer, struct notes *notes)
+{
+    conus_status status = CONUS_OK;
+    if (range->extra && !footer) {
+        status = notes_add(notes, "%llu bytes after the last voxel were ignored", (unsigned long long)range->extra);
+    }
+    if (!status && range->junk) {
+        status = notes_add(notes, "%zu bytes after the end of the gzip data were ignored", range->junk);
+    }
+    return status;
+}
+
+/* ---- Names ------------------------------------------------------------------------------------------------------- */
+
+/* True where `path` ends in ".ext" or ".ext.gz", whatever the case; *at is where "ext" stands. */
+static bool has_ending(const char *path, const char *ext, size_t *at)
+{
+    size_t length = strlen(path);
+    if (length > 3 && strcasecmp(path + length - 3, ".gz") == 0) {
+        length -= 3;
+    }
+    size_t ending = strlen(ext);
+    *at = length - ending;
+    return length > ending && path[*at - 1] == '.' && strncasecmp(path + *at, ext, ending) == 0;
+}
+
+/* Path of the other half of a pair: `path` with "hdr" at `at` replaced by "img" or the reverse, in capitals if this
+ * half is; packed like this half if there is such a file, else not. NULL without memory. */
+static char *other_half(const char *path, size_t at, const char *ext)
+{
+    bool packed = path[at + 3] != '\0';
+    char *other = memory_raw(at + 7, 1);
+    if (!other) {
+        return NULL;
+    }
+    for (int attempt = 0; attempt < 2; attempt++) {
+        snprintf(other, at + 7, "%.*s%s%s", (int)at, path, ext, packed == (attempt == 0) ? ".gz" : "");
+        for (size_t i = at; i < at + 3; i++) {
+            other[i] = path[at] < 'a' ? (char)(other[i] - 'a' + 'A') : other[i];
+        }
+        if (file_exists(other)) {
+            break;
+        }
+    }
+    return other;
+}
+
+static conus_status read_other_half(struct stored *out, const char *path, size_t at, const char *ext, uint64_t limit)
+{
+    char *other = other_half(path, at, ext);
+    if (!other) {
+        return CONUS_ERROR_MEMORY;
+    }
+    conus_status status;
+    if (file_exists(other)) {
+        status = stored_read(out, other, limit);
+    } else {
+        status = fail(CONUS_ERROR_IO, "%s: the other half of the pair is missing: %.*s%s or %.*s%s.gz", path, (int)at,
+                      path, ext, (int)at, path, ext);
+    }
+    memory_free(other);
+    return status;
+}
+
+/* Splits "path,volume=K". */
+static conus_status split_selector(char **path, bool *chosen, uint64_t *volume, const char *text)
+{
+    static const char selector[] = ",volume=";
+    const char *slash = strrchr(text, '/');
+    const char *at = strstr(slash ? slash : text, selector); /* folders may be called anything */
+    *chosen = at != NULL;
+    *volume = 0;
+    if (at && !text_to_uint(text_from(at + strlen(selector)), SIZE_MAX, volume)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: volume: found \"%s\", allowed are whole numbers from 0", text,
+                    at + strlen(selector));
+    }
+    *path = memory_text(text, at ? (size_t)(at - text) : strlen(text));
+    return *path ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+/* ---- Opening ----------------------------------------------------------------------------------------------------- */
+
+/* What is known while a volume is being opened. */
+struct opening {
+    struct stored voxels;
+    struct stored pair_header; /* the .hdr of a pair, else empty */
+    struct volume_header header;
+    struct notes notes;
+    uint64_t limit;
+    const char *needed; /* in the place where the file stands; NULL: default_needed */
+    bool chosen;        /* the caller says which volume */
+    uint64_t volume;
+    bool all; /* volumes are kept, not only the chosen one */
+};
+
+static void opening_finish(struct opening *opening)
+{
+    stored_finish(&opening->voxels);
+    stored_finish(&opening->pair_header);
+    notes_finish(&opening->notes);
+}
+
+static conus_status parse_head(struct volume_header *out, const struct stored *stored, const char *needed,
+                               struct notes *notes)
+{
+    struct bytes head;
+    conus_status status = stored_head(&head, stored, NIFTI_HEAD_SIZE);
+    if (status) {
+        return status;
+    }
+    status = nifti_is(head.data, head.size) ? nifti_header_parse(out, head.data, head.size, notes)
+             : mgh_is(head.data, head.size) ? mgh_header_parse(out, head.data, head.size, notes)
+             : head.size || !stored->packed
+                 ? file_kind_fail(stored->path, &stored->bytes, needed)
+                 : fail(CONUS_ERROR_DATA, "content: the file unpacks to nothing; needed is %s", needed);
+    bytes_finish(&head);
+    return status;
+}
+
+/* Reads the header out of `stored`. */
+static conus_status read_header(struct opening *o, const struct stored *stored)
+{
+    conus_status status = parse_head(&o->header, stored, o->needed ? o->needed : default_needed, &o->notes);
+    return status ? fail_in(status, stored->path) : CONUS_OK;
+}
+
+/* True where `path` names the voxels of a pair, and does not hold a header itself. */
+static conus_status is_image_half(bool *out, size_t *at, const struct stored *stored)
+{
+    *out = false;
+    if (!has_ending(stored->path, "img", at)) {
+        return CONUS_OK;
+    }
+    struct bytes head;
+    conus_status status = stored_head(&head, stored, NIFTI_HEAD_SIZE);
+    if (status) {
+        return fail_in(status, stored->path);
+    }
+    *out = !nifti_has_magic(head.data, head.size);
+    bytes_finish(&head);
+    return CONUS_OK;
+}
+
+static conus_status open_by_image(struct opening *o, size_t at)
+{
+    conus_status status = read_other_half(&o->pair_header, o->voxels.path, at, "hdr", o->limit);
+    if (!status) {
+        status = read_header(o, &o->pair_header);
+    }
+    if (!status && !o->header.pair) {
+        return fail(CONUS_ERROR_DATA, "%s: magic: found that of a single file, a .hdr beside an .img needs \"ni\"",
+                    o->pair_header.path);
+    }
+    return status;
+}
+
+static conus_status open_by_header(struct opening *o)
+{
+    size_t at;
+    conus_status status = read_header(o, &o->voxels);
+    if (status || !o->header.pair) {
+        return status;
+    }
+    if (!has_ending(o->voxels.path, "hdr", &at)) {
+        return fail(CONUS_ERROR_DATA, "%s: magic: found that of a .hdr/.img pair, but the name does not end in .hdr",
+                    o->voxels.path);
+    }
+    o->pair_header = o->voxels;
+    o->voxels = (struct stored){0};
+    return read_other_half(&o->voxels, o->pair_header.path, at, "img", o->limit);
+}
+
+static conus_status open_files(struct opening *o, const char *path)
+{
+    bool image = false;
+    size_t at = 0;
+    conus_status status = stored_read(&o->voxels, path, o->limit);
+    if (!status) {
+        status = is_image_half(&image, &at, &o->voxels);
+    }
+    if (!status) {
+        status = image ? open_by_image(o, at) : open_by_header(o);
+    }
+    return status;
+}
+
+/* Which volume is wanted; all of them only where they are allowed together. */
+static conus_status choose_volume(struct opening *o)
+{
+    struct volume_header *header = &o->header;
+    size_t count = header->info.volume_count;
+    if (!o->chosen && count > 1) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "volume: the file has %zu, choose one by adding \",volume=K\", K from 0 to %zu", count, count - 1);
+    }
+    if (o->volume >= count) {
+        return fail(CONUS_ERROR_ARGUMENT, "volume: found %llu, allowed are 0 to %zu", (unsigned long long)o->volume,
+                    count - 1);
+    }
+    if (header->volume_size > o->limit || header->offset > o->limit - header->volume_size) {
+        return fail(CONUS_ERROR_MEMORY,
+                    "dim: %zu x %zu x %zu voxels of %s take %zu bytes unpacked, allowed are %llu "
+                    "(--max-memory)",
+                    header->info.dim[0], header->info.dim[1], header->info.dim[2], header->info.datatype,
+                    header->volume_size, (unsigned long long)o->limit);
+    }
+    header->info.volume = (size_t)o->volume;
+    o->all = o->all && count <= (o->limit - header->offset) / header->volume_size;
+    return CONUS_OK;
+}
+
+/* The header file of a pair whole, or what lies before the voxels of a single file. */
+static conus_status take_head(struct volume_file *file, const struct opening *o)
+{
+    if (!o->header.pair) {
+        return stored_head(&file->head, &o->voxels, (size_t)o->header.offset);
+    }
+    conus_status status = stored_head(&file->head, &o->pair_header, HEAD_LIMIT);
+    if (status || !o->pair_header.packed) {
+        return status;
+    }
+    struct bytes checked;
+    struct gzip_range all = {.count = file->head.size, .total = file->head.size};
+    status = gzip_unpack(&checked, &all, o->pair_header.bytes.data, o->pair_header.bytes.size);
+    if (!status) { /* the same bytes, now with their checksum verified */
+        bytes_finish(&checked);
+    }
+    return status;
+}
+
+static conus_status take_extensions(struct volume_file *file, const struct volume_header *header)
+{
+    size_t end = header->header_size;
+    conus_status status = CONUS_OK;
+    if (header->header_size != MGH_HEADER_SIZE) {
+        status = nifti_extensions_parse(&file->extensions, &file->extension_count, &end, &file->head, header);
+    }
+    if (status) {
+        return status;
+    }
+    struct text text = {(const char *)file->head.data + end, file->head.size - end};
+    while (text.size && text.data[0] == '\0') {
+        text.data++;
+        text.size--;
+    }
+    while (text.size && text.data[text.size - 1] == '\0') {
+        text.size--;
+    }
+    file->embedded = text;
+    return CONUS_OK;
+}
+
+static void describe_format(conus_volume_info *info, const struct volume_header *header, bool packed)
+{
+    bool big = header->swapped == BIG_ENDIAN_IS_SWAPPED;
+    snprintf(info->format, sizeof info->format, "%.16s%s%s%s", header->info.format, header->pair ? " pair" : "",
+             packed ? ", gzip" : "", big ? ", big-endian" : ", little-endian");
+}
+
+/* Moves the voxels out of what is stored, whose packed bytes are gone afterwards. */
+static conus_status take_voxels(struct volume_file *file, struct opening *o)
+{
+    const struct volume_header *header = &o->header;
+    struct stored *stored = &o->voxels;
+    struct bytes *out = o->all ? &file->series : &file->voxels;
+    struct gzip_range range = {.from = header->offset + (o->all ? 0 : header->info.volume * header->volume_size),
+                               .count = header->volume_size * (o->all ? header->info.volume_count : 1),
+                               .total = header->offset + header->info.volume_count * header->volume_size};
+    conus_status status = stored->packed ? gzip_unpack(out, &range, stored->bytes.data, stored->bytes.size)
+                                         : take_plain(out, &range, &stored->bytes);
+    if (!status && o->all) {
+        file->voxels =
+            (struct bytes){file->series.data + header->info.volume * header->volume_size, header->volume_size};
+    }
+    return status ? status : note_rest(&range, header->footer, &o->notes);
+}
+
+/* Everything into `file`, which the caller finishes on failure. */
+static conus_status take_all(struct volume_file *file, struct opening *o)
+{
+    conus_status status = take_head(file, o);
+    if (!status) {
+        status = take_extensions(file, &o->header);
+    }
+    if (status) {
+        return fail_in(status, o->header.pair ? o->pair_header.path : o->voxels.path);
+    }
+    file->info = o->header.info;
+    file->datatype = o->header.datatype;
+    file->swapped = o->header.swapped;
+    file->intent_code = o->header.intent_code;
+    describe_format(&file->info, &o->header, o->voxels.packed);
+    file_sha256(file->info.sha256, &o->voxels.bytes);
+    file->max_memory = o->limit;
+    status = take_voxels(file, o);
+    if (status) {
+        return fail_in(status, o->voxels.path);
+    }
+    file->path = o->voxels.path;
+    file->info.path = file->path;
+    o->voxels.path = NULL;
+    return CONUS_OK;
+}
+
+/* Moves the notes on, each with the path in front. */
+static conus_status hand_over_notes(struct notes *notes, const struct opening *o, const char *path)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < o->notes.count; i++) {
+        status = notes_add(notes, "%s: %s", path, o->notes.lines[i]);
+    }
+    return status;
+}
+
+/* Opens what `o` asks for, and finishes it. */
+static conus_status open_wanted(struct volume_file *out, const char *path, struct opening *o, struct notes *notes)
+{
+    struct volume_file file = {0};
+    conus_status status = open_files(o, path);
+    if (!status && (status = choose_volume(o))) {
+        fail_in(status, path);
+    }
+    status = status ? status : take_all(&file, o);
+    status = status ? status : hand_over_notes(notes, o, file.path);
+    if (status) {
+        volume_file_finish(&file);
+    } else {
+        *out = file;
+    }
+    opening_finish(o);
+    return status;
+}
+
+conus_status volume_file_header(conus_volume_info *out, const char *path)
+{
+    struct stored stored = {0};
+    struct notes notes = {0};
+    struct volume_header header = {0};
+    conus_status status = file_read_head(&stored.bytes, path, HEADER_READ);
+    stored.packed = !status && gzip_is(stored.bytes.data, stored.bytes.size);
+    status = status ? status : parse_head(&header, &stored, default_needed, &notes);
+    if (!status) {
+        *out = header.info;
+    }
+    notes_finish(&notes);
+    stored_finish(&stored);
+    return status ? fail_in(status, path) : CONUS_OK;
+}
+
+conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes)
+{
+    return volume_file_open_as(out, path, max_memory, default_needed, notes);
+}
+
+conus_status volume_file_open_as(struct volume_file *out, const char *path, uint64_t max_memory, const char *needed,
+                                 struct notes *notes)
+{
+    char *name = NULL;
+    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY, .needed = needed};
+    conus_status status = split_selector(&name, &opening.chosen, &opening.volume, path);
+    status = status ? status : open_wanted(out, name, &opening, notes);
+    memory_free(name);
+    return status;
+}
+
+conus_status volume_file_open_series(struct volume_file *out, const char *path, uint64_t max_memory,
+                                     struct notes *notes)
+{
+    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY, .chosen = true, .all = true};
+    return open_wanted(out, path, &opening, notes);
+}
+
+/* Its notes were given when the file was opened first. */
+static conus_status reopen(struct volume_file *file, size_t volume)
+{
+    struct volume_file other = {0};
+    struct notes notes = {0};
+    struct opening opening = {.limit = file->max_memory, .chosen = true, .volume = volume};
+    conus_status status = open_wanted(&other, file->path, &opening, &notes);
+    notes_finish(&notes);
+    if (!status) {
+        volume_file_finish(file);
+        *file = other;
+    }
+    return status;
+}
+
+conus_status volume_file_select(struct volume_file *file, size_t volume)
+{
+    size_t count = file->info.volume_count;
+    if (volume >= count) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: volume: found %zu, allowed are 0 to %zu", file->path, volume, count - 1);
+    }
+    if (volume != file->info.volume && !file->series.data) {
+        return reopen(file, volume);
+    }
+    file->info.volume = volume;
+    if (file->series.data) {
+        file->voxels.data = file->series.data + volume * file->voxels.size;
+    }
+    return CONUS_OK;
+}
+
+void volume_file_finish(struct volume_file *file)
+{
+    memory_free(file->path);
+    memory_free(file->extensions);
+    bytes_finish(&file->head);
+    bytes_finish(file->series.data ? &file->series : &file->voxels);
+    *file = (struct volume_file){0};
+}

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * A volume as a file holds it: header, transform and stored voxels, for NIfTI-1/2 and MGH alike. What its values mean
+ * (labels, a probability, grey) is for the caller to decide. */
+#ifndef CONUS_LOADERS_VOLUMES_VOLUME_FILE_H
+#define CONUS_LOADERS_VOLUMES_VOLUME_FILE_H
+
+#include "base/file.h"
+#include "base/notes.h"
+#include "base/text.h"
+
+/** One NIfTI header extension. */
+struct volume_extension {
+    int code;
+    const uint8_t *data; /**< Without the 8 bytes of esize and ecode; inside volume_file.head. */
+    size_t size;
+};
+
+struct volume_file {
+    conus_volume_info info; /**< role, minimum, maximum and threshold not set; info.path is this->path.       */
+    char *path;             /**< Of the voxels, without ",volume=K".                                         */
+    struct bytes head;      /**< Everything before the voxels, unpacked: header, extensions, gap.             */
+    struct bytes voxels;    /**< The chosen volume's voxels, stored form, unpacked, i fastest.                */
+    int datatype;           /**< NIfTI datatype code (DT_UINT8 = 2, ...), for MGH translated.                 */
+    bool swapped;           /**< Stored in the other byte order than this machine's.                         */
+    struct volume_extension *extensions;
+    size_t extension_count;
+    struct text embedded; /**< Between the last extension (or header) and the voxels, NULs at both ends left out. */
+    int intent_code;      /**< NIfTI intent, 0 if none.                                                    */
+    struct bytes series;  /**< The voxels of all volumes, in which `voxels` lies; empty where only those are kept. */
+    uint64_t max_memory;
+};
+
+/** Reads @p path (NIfTI-1/2 single file or either half of a pair, MGH; each plain or gzip, told by content), which may
+ * end in ",volume=K" with K from 0. Without it a 4-D file of more than one volume is an error that names the choice.
+ * What a careful user should know (a qform used because there is no sform, a second transform that differs) goes into
+ * @p notes. Errors carry path, field, value found and what is allowed. */
+conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes);
+
+/** Likewise, where other files than volumes would do as well: @p needed says in words which. */
+conus_status volume_file_open_as(struct volume_file *out, const char *path, uint64_t max_memory, const char *needed,
+                                 struct notes *notes);
+
+/** Reads only the header of @p path: dimensions, transform, datatype; out->path is NULL. */
+conus_status volume_file_header(conus_volume_info *out, const char *path);
+
+/** Reads @p path as above, but takes it whole for a name: volume 0, and the others for volume_file_select(). They are
+ * unpacked together and kept, unless that takes more than @p max_memory (0 = 8 GiB): then each is read when selected.
+ */
+conus_status volume_file_open_series(struct volume_file *out, const char *path, uint64_t max_memory,
+                                     struct notes *notes);
+
+/** Makes @p volume, from 0, the chosen one, as if the file had been opened with it. A failure leaves @p file as it was;
+ * a volume that is not there is CONUS_ERROR_ARGUMENT. */
+conus_status volume_file_select(struct volume_file *file, size_t volume);
+void volume_file_finish(struct volume_file *file);
+
+/** Decodes to labels, one per voxel. Refuses scaled values that are not whole, or outside 0..4294967295, naming the
+ * first such voxel. *out is the caller's to memory_free(). Sets info.minimum and maximum. */
+conus_status volume_file_labels(uint32_t **out, struct volume_file *file);
+
+/** Decodes to scaled values. Values that are not finite become 0, and a note counts them. Otherwise as above. */
+conus_status volume_file_values(float **out, struct volume_file *file, struct notes *notes);
+
+#endif

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/volumes/volume_header.h"
+
+#include "base/memory.h"
+
+#include <stdio.h>
+
+/* nifti1.h, nifti2.h: "the types of data"; size 0 = known, but not one real number. */
+static const struct datatype {
+    int code;
+    const char *name;
+    size_t size;
+} datatypes[] = {
+    {VOLUME_UINT8, "uint8", 1},
+    {VOLUME_INT8, "int8", 1},
+    {VOLUME_UINT16, "uint16", 2},
+    {VOLUME_INT16, "int16", 2},
+    {VOLUME_UINT32, "uint32", 4},
+    {VOLUME_INT32, "int32", 4},
+    {VOLUME_UINT64, "uint64", 8},
+    {VOLUME_INT64, "int64", 8},
+    {VOLUME_FLOAT32, "float32", 4},
+    {VOLUME_FLOAT64, "float64", 8},
+    {1, "binary (1 bit)", 0},
+    {32, "complex64", 0},
+    {128, "RGB24", 0},
+    {1536, "float128", 0},
+    {1792, "complex128", 0},
+    {2048, "complex256", 0},
+    {2304, "RGBA32", 0},
+};
+
+static const struct datatype *find(int code)
+{
+    for (size_t i = 0; i < sizeof datatypes / sizeof datatypes[0]; i++) {
+        if (datatypes[i].code == code) {
+            return &datatypes[i];
+        }
+    }
+    return NULL;
+}
+
+size_t volume_datatype_size(int code)
+{
+    const struct datatype *type = find(code);
+    return type ? type->size : 0;
+}
+
+conus_status volume_header_set_datatype(struct volume_header *header, int code)
+{
+    static const char allowed[] = "allowed are int8 to uint64, float32 and float64";
+    const struct datatype *type = find(code);
+    if (!type) {
+        return fail(CONUS_ERROR_DATA, "datatype: found %d, %s", code, allowed);
+    }
+    if (!type->size) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "datatype: found %d (%s), %s", code, type->name, allowed);
+    }
+    header->datatype = code;
+    snprintf(header->info.datatype, sizeof header->info.datatype, "%s", type->name);
+    return CONUS_OK;
+}
+
+conus_status volume_header_set_dim(struct volume_header *header, const int64_t dim[7])
+{
+    size_t size = volume_datatype_size(header->datatype);
+    size_t count = 1;
+    size_t total;
+    bool fits = true;
+    for (int i = 0; i < 3; i++) {
+        fits = fits && memory_multiply(size, (size_t)dim[i], &size);
+    }
+    for (int i = 3; i < 7; i++) {
+        fits = fits && memory_multiply(count, (size_t)dim[i], &count);
+    }
+    if (!fits || !memory_multiply(size, count, &total) || total > INT64_MAX / 2) {
+        return fail(CONUS_ERROR_DATA,
+                    "dim: found %lld x %lld x %lld x %lld x %lld x %lld x %lld voxels of %s, "
+                    "allowed are as many as fit in 2^62 bytes",
+                    (long long)dim[0], (long long)dim[1], (long long)dim[2], (long long)dim[3], (long long)dim[4],
+                    (long long)dim[5], (long long)dim[6], header->info.datatype);
+    }
+    for (int i = 0; i < 3; i++) {
+        header->info.dim[i] = (size_t)dim[i];
+    }
+    header->info.volume_count = count;
+    header->volume_size = size;
+    return CONUS_OK;
+}

@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Stored voxels into labels and values. */
+#include "base/byte_order.h"
+#include "base/memory.h"
+#include "loaders/volumes/volume_file.h"
+#include "loaders/volumes/volume_header.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+
+enum { BLOCK = 4096 }; /* voxels converted at a time: small enough for the cache, big enough for vectors */
+
+static size_t count_voxels(const struct volume_file *file)
+{
+    return file->info.dim[0] * file->info.dim[1] * file->info.dim[2]; /* checked when the header was read */
+}
+
+static bool is_scaled(const struct volume_file *file)
+{
+    return file->info.slope != 1 || file->info.intercept != 0;
+}
+
+/* ---- Block decoders: `count` voxels from `in`, unscaled ---------------------------------------------------------- */
+
+/* Defines one function per type for doubles, and one for labels that returns false if some voxel is none. Doubles hold
+ * every 32-bit type exactly; labels never pass through them. */
+#define DEFINE_DECODERS(name, type, read, is_label)                                                                    \
+    static void name##_doubles(double *out, const uint8_t *in, size_t count, bool swapped)                             \
+    {                                                                                                                  \
+        for (size_t i = 0; i < count; i++) {                                                                           \
+            out[i] = (double)(type)read(in + i * sizeof(type), swapped);                                               \
+        }                                                                                                              \
+    }                                                                                                                  \
+    static bool name##_labels(uint32_t *out, const uint8_t *in, size_t count, bool swapped)                            \
+    {                                                                                                                  \
+        bool fine = true;                                                                                              \
+        for (size_t i = 0; i < count; i++) {                                                                           \
+            type v = (type)read(in + i * sizeof(type), swapped);                                                       \
+            bool good = is_label;                                                                                      \
+            fine &= good;                                                                                              \
+            out[i] = good ? (uint32_t)v : 0;                                                                           \
+        }                                                                                                              \
+        return fine;                                                                                                   \
+    }
+
+static uint8_t read_byte(const uint8_t *data, bool swapped)
+{
+    (void)swapped;
+    return *data;
+}
+
+DEFINE_DECODERS(u8, uint8_t, read_byte, true)
+DEFINE_DECODERS(i8, int8_t, read_byte, v >= 0)
+DEFINE_DECODERS(u16, uint16_t, order_u16, true)
+DEFINE_DECODERS(i16, int16_t, order_i16, v >= 0)
+DEFINE_DECODERS(u32, uint32_t, order_u32, true)
+DEFINE_DECODERS(i32, int32_t, order_i32, v >= 0)
+DEFINE_DECODERS(u64, uint64_t, order_u64, v <= UINT32_MAX)
+DEFINE_DECODERS(i64, int64_t, order_i64, v >= 0 && v <= UINT32_MAX)
+DEFINE_DECODERS(f32, float, order_f32, v >= 0 && v < 0x1p32F && v == floorf(v))
+DEFINE_DECODERS(f64, double, order_f64, v >= 0 && v < 0x1p32 && v == floor(v))
+
+struct decoder {
+    int datatype;
+    void (*doubles)(double *out, const uint8_t *in, size_t count, bool swapped);
+    bool (*labels)(uint32_t *out, const uint8_t *in, size_t count, bool swapped);
+};
+
+static const struct decoder decoders[] = {
+    {VOLUME_UINT8, u8_doubles, u8_labels},     {VOLUME_INT8, i8_doubles, i8_labels},
+    {VOLUME_UINT16, u16_doubles, u16_labels},  {VOLUME_INT16, i16_doubles, i16_labels},
+    {VOLUME_UINT32, u32_doubles, u32_labels},  {VOLUME_INT32, i32_doubles, i32_labels},
+    {VOLUME_UINT64, u64_doubles, u64_labels},  {VOLUME_INT64, i64_doubles, i64_labels},
+    {VOLUME_FLOAT32, f32_doubles, f32_labels}, {VOLUME_FLOAT64, f64_doubles, f64_labels},
+};
+
+static const struct decoder *find_decoder(int datatype)
+{
+    size_t i = 0;
+    while (decoders[i].datatype != datatype) { /* the header's reader has let through only these */
+        i++;
+    }
+    return &decoders[i];
+}
+
+/* ---- Labels ------------------------------------------------------------------------------------------------------ */
+
+/* Scaled values, of which labels must be whole. */
+static bool scaled_labels(uint32_t *out, const struct decoder *decoder, const struct volume_file *file,
+                          const uint8_t *in, size_t count)
+{
+    double values[BLOCK];
+    bool fine = true;
+    decoder->doubles(values, in, count, file->swapped);
+    for (size_t i = 0; i < count; i++) {
+        double v = values[i] * file->info.slope + file->info.intercept;
+        bool good = v >= 0 && v < 0x1p32 && v == floor(v);
+        fine &= good;
+        out[i] = good ? (uint32_t)v : 0;
+    }
+    return fine;
+}
+
+static bool block_labels(uint32_t *out, const struct decoder *decoder, const struct volume_file *file,
+                         const uint8_t *in, size_t count)
+{
+    return is_scaled(file) ? scaled_labels(out, decoder, file, in, count)
+                           : decoder->labels(out, in, count, file->swapped);
+}
+
+/* Writes the value of one voxel as a person would: integers whole, however big; scaled ones with their scale. */
+static void describe_value(char *out, size_t size, const struct volume_file *file, const uint8_t *voxel)
+{
+    double value;
+    find_decoder(file->datatype)->doubles(&value, voxel, 1, file->swapped);
+    if (is_scaled(file)) {
+        snprintf(out, size, "%.12g (stored %.12g, scale %.9g, offset %.9g)",
+                 value * file->info.slope + file->info.intercept, value, file->info.slope, file->info.intercept);
+    } else if (file->datatype == VOLUME_UINT64) {
+        snprintf(out, size, "%llu", (unsigned long long)order_u64(voxel, file->swapped));
+    } else if (file->datatype == VOLUME_INT64) {
+        snprintf(out, size, "%lld", (long long)order_i64(voxel, file->swapped));
+    } else {
+        snprintf(out, size, "%.17g", value);
+    }
+}
+
+/* Names the first voxel from `start` on that is no label. */
+static conus_status fail_label(const struct volume_file *file, const struct decoder *decoder, size_t start)
+{
+    size_t size = volume_datatype_size(file->datatype);
+    uint32_t label;
+    while (block_labels(&label, decoder, file, file->voxels.data + start * size, 1)) {
+        start++;
+    }
+    char value[128];
+    describe_value(value, sizeof value, file, file->voxels.data + start * size);
+    size_t row = start / file->info.dim[0];
+    return fail(CONUS_ERROR_DATA,
+                "%s: voxel (%zu, %zu, %zu): found %s, allowed labels are whole numbers from 0 to "
+                "4294967295; --context draws an image, --pathway selects what is bright in it",
+                file->path, start % file->info.dim[0], row % file->info.dim[1], row / file->info.dim[1], value);
+}
+
+conus_status volume_file_labels(uint32_t **out, struct volume_file *file)
+{
+    const struct decoder *decoder = find_decoder(file->datatype);
+    size_t count = count_voxels(file);
+    size_t size = volume_datatype_size(file->datatype);
+    uint32_t *labels = memory_raw(count, sizeof *labels);
+    if (!labels) {
+        return CONUS_ERROR_MEMORY;
+    }
+    uint32_t minimum = UINT32_MAX;
+    uint32_t maximum = 0;
+    for (size_t at = 0; at < count; at += BLOCK) {
+        size_t block = count - at < BLOCK ? count - at : BLOCK;
+        if (!block_labels(labels + at, decoder, file, file->voxels.data + at * size, block)) {
+            memory_free(labels);
+            return fail_label(file, decoder, at);
+        }
+        for (size_t i = at; i < at + block; i++) {
+            minimum = labels[i] < minimum ? labels[i] : minimum;
+            maximum = labels[i] > maximum ? labels[i] : maximum;
+        }
+    }
+    file->info.minimum = minimum;
+    file->info.maximum = maximum;
+    *out = labels;
+    return CONUS_OK;
+}
+
+/* ---- Values ------------------------------------------------------------------------------------------------------ */
+
+/* Scales a block into `out`; returns how many values are not finite (and become 0). */
+static size_t block_values(float *out, const double *values, size_t count, conus_volume_info *info)
+{
+    size_t bad = 0;
+    for (size_t i = 0; i < count; i++) {
+        double v = values[i] * info->slope + info->intercept;
+        bool good = fabs(v) <= (double)FLT_MAX;
+        bad += !good;
+        v = good ? v : 0;
+        info->minimum = v < info->minimum ? v : info->minimum;
+        info->maximum = v > info->maximum ? v : info->maximum;
+        out[i] = (float)v;
+    }
+    return bad;
+}
+
+conus_status volume_file_values(float **out, struct volume_file *file, struct notes *notes)
+{
+    const struct decoder *decoder = find_decoder(file->datatype);
+    size_t count = count_voxels(file);
+    size_t size = volume_datatype_size(file->datatype);
+    float *values = memory_raw(count, sizeof *values);
+    if (!values) {
+        return CONUS_ERROR_MEMORY;
+    }
+    size_t bad = 0;
+    file->info.minimum = INFINITY;
+    file->info.maximum = -INFINITY;
+    for (size_t at = 0; at < count; at += BLOCK) {
+        double stored[BLOCK];
+        size_t block = count - at < BLOCK ? count - at : BLOCK;
+        decoder->doubles(stored, file->voxels.data + at * size, block, file->swapped);
+        bad += block_values(values + at, stored, block, &file->info);
+    }
+    if (bad &&
+        notes_add(notes, "%s: %zu voxels are not finite numbers (or beyond float32) and count as 0", file->path, bad)) {
+        memory_free(values);
+        return CONUS_ERROR_MEMORY;
+    }
+    *out = values;
+    return CONUS_OK;
+}

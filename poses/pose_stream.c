@@ -1,0 +1,586 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "poses/pose_stream.h"
+
+#include "base/memory.h"
+#include "poses/pose_file.h"
+#include "poses/pose_lines.h"
+#include "poses/pose_list.h"
+#include "poses/pose_row.h"
+#include "poses/pose_strings.h"
+#include "poses/pose_table.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const uint64_t DEFAULT_MEMORY = UINT64_C(1) << 30;
+
+struct conus_pose_stream {
+    conus_pose_options options;
+    conus_pose_format format;
+    char *name;       /* for messages; NULL for a text */
+    const char *path; /* while it is opened; NULL for a text and stdin */
+    int descriptor;   /* -1 for a text */
+    bool owned;       /* it is ours to close */
+    int stop;         /* of a pipe: can be read once the stream is stopped; -1 of others */
+    uint64_t start;   /* of the text in the file */
+    struct text text;
+    struct pose_lines lines;
+    struct pose_table table;
+    struct pose_strings strings; /* of the rows of the last block */
+    conus_pose_list whole;       /* rows of a format that is read whole, and all notes */
+    uint64_t taken;              /* rows read or passed over */
+};
+
+static conus_status fail_of(const conus_pose_stream *stream, conus_status status)
+{
+    return status && stream->name ? fail_in(status, stream->name) : status;
+}
+
+/* What a text that begins with this line of data is. */
+static conus_pose_format format_of(struct text line)
+{
+    struct text word;
+    struct text rest = line;
+    double number;
+    if (line.data[0] == '<' || line.data[0] == '{') {
+        return line.data[0] == '<' ? CONUS_POSES_LOCALITE : CONUS_POSES_MARKUPS;
+    }
+    return pose_is_point(line)                                        ? CONUS_POSES_POINTS
+           : text_word(&rest, &word) && text_to_double(word, &number) ? CONUS_POSES_MATRIX
+           : pose_electrodes_header(line)                             ? CONUS_POSES_ELECTRODES
+                                                                      : CONUS_POSES_TABLE;
+}
+
+/* What the first line with data looks like, which ends behind *used bytes; CONUS_POSES_AUTO while it is not all there.
+ */
+static conus_pose_format guess(struct text text, bool all, size_t *used)
+{
+    const char *begin = text.data;
+    const char *end = text.data + text.size;
+    struct text line;
+    *used = text.size;
+    while (text_line(&text, &line)) {
+        struct text trimmed = text_trim(line);
+        if (!all && line.data + line.size == end) {
+            return CONUS_POSES_AUTO;
+        }
+        *used = (size_t)(line.data + line.size - begin);
+        if (pose_brainsight_line(line)) {
+            return CONUS_POSES_BRAINSIGHT;
+        }
+        if (trimmed.size && trimmed.data[0] != '#') {
+            return format_of(trimmed);
+        }
+    }
+    return all ? CONUS_POSES_TABLE : CONUS_POSES_AUTO;
+}
+
+/* What the first bytes show not to be a text, as it is said to the user; NULL if nothing. */
+static const char *kind_of_bytes(struct text text)
+{
+    static const struct {
+        const char *bytes, *kind;
+    } kinds[] = {
+        {"\x1f\x8b", "packed by gzip: unpack it, or let gzip -dc write it to standard input"},
+        {"\xfd"
+         "7zXZ",
+         "packed by xz: unpack it, or let xz -dc write it to standard input"},
+        {"BZh", "packed by bzip2: unpack it, or let bzip2 -dc write it to standard input"},
+        {"\x28\xb5\x2f\xfd", "packed by zstd: unpack it, or let zstd -dc write it to standard input"},
+        {"PK\x03\x04", "a zip file or a spreadsheet: unpack it, or export it as text with tabs or commas"},
+        {"\xd0\xcf\x11\xe0", "a spreadsheet: export it as text with tabs or commas"},
+        {"\xff\xfe", "UTF-16 text: save it as UTF-8"},
+        {"\xfe\xff", "UTF-16 text: save it as UTF-8"},
+    };
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        if (text_starts(text, kinds[i].bytes)) {
+            return kinds[i].kind;
+        }
+    }
+    return NULL;
+}
+
+/* Looks no farther than it must, so that it finds the same however the text comes in. */
+static conus_status find_format(conus_pose_stream *stream)
+{
+    struct pose_lines *lines = &stream->lines;
+    conus_status status = CONUS_OK;
+    conus_pose_format found = CONUS_POSES_AUTO;
+    size_t used = 0;
+    while (!status && found == CONUS_POSES_AUTO) {
+        bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
+        size_t size = lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT;
+        found = guess((struct text){lines->data, size}, all, &used);
+        if (found == CONUS_POSES_AUTO) {
+            status = pose_lines_fill(lines, lines->size + 1);
+        }
+    }
+    const char *kind = status ? NULL : kind_of_bytes((struct text){lines->data, lines->size});
+    if (kind) {
+        return fail(CONUS_ERROR_DATA, "%s", kind);
+    }
+    if (!status && used && memchr(lines->data, '\0', used)) {
+        status = fail(CONUS_ERROR_DATA, "a zero byte: not a text of poses");
+    }
+    stream->format = stream->options.format ? stream->options.format : found;
+    return status;
+}
+
+static conus_status skip_mark(struct pose_lines *lines)
+{
+    static const char mark[] = "\xef\xbb\xbf";
+    enum { SIZE = sizeof mark - 1 };
+    conus_status status = pose_lines_fill(lines, SIZE);
+    if (!status && lines->size >= SIZE && memcmp(lines->data, mark, SIZE) == 0) {
+        lines->data += SIZE;
+        lines->size -= SIZE;
+    }
+    return status;
+}
+
+/* The next line that holds data. */
+static conus_status next_line(struct pose_lines *lines, struct pose_line *line, bool *found)
+{
+    conus_status status = CONUS_OK;
+    do {
+        status = pose_lines_next(lines, line, found);
+    } while (!status && *found && line->blank);
+    return status;
+}
+
+static conus_status read_header(conus_pose_stream *stream)
+{
+    struct pose_line line;
+    bool found = false;
+    conus_status status = next_line(&stream->lines, &line, &found);
+    if (status) {
+        return status;
+    }
+    if (!found) {
+        return fail(CONUS_ERROR_DATA, "no poses: " POSE_FORMATS " is needed");
+    }
+    return line.too_long ? fail(CONUS_ERROR_DATA, "header: a line of more than %d bytes", POSE_LINE_LIMIT)
+                         : pose_table_header(&stream->table, &stream->whole.notes, line.text, stream->options.axis);
+}
+
+static conus_status parse_matrix(conus_pose_list *list, struct text text, const conus_pose_options *options)
+{
+    conus_pose_row row = pose_row_at(1);
+    conus_status bad = CONUS_OK;
+    if (!pose_plain_matrix(&row, &bad, text, options)) {
+        return fail(CONUS_ERROR_DATA, "numbers, but neither the 16 of a matrix nor lines of x y z and a name");
+    }
+    return pose_list_add(list, &row, text_from(""), bad ? conus_message() : NULL);
+}
+
+/* Formats by number. Those without a parser are read line by line. */
+static const struct {
+    const char *name;
+    pose_parser parse;
+} formats[] = {
+    [CONUS_POSES_AUTO] = {"auto", NULL},
+    [CONUS_POSES_TABLE] = {"table", NULL},
+    [CONUS_POSES_MATRIX] = {"matrix", parse_matrix},
+    [CONUS_POSES_POINTS] = {"points", NULL},
+    [CONUS_POSES_BRAINSIGHT] = {"brainsight", pose_brainsight_parse},
+    [CONUS_POSES_LOCALITE] = {"localite", pose_localite_parse},
+    [CONUS_POSES_ELECTRODES] = {"electrodes", pose_electrodes_parse},
+    [CONUS_POSES_MARKUPS] = {"markups", pose_markups_parse},
+};
+
+enum { FORMATS = sizeof formats / sizeof formats[0] };
+
+const char *conus_pose_format_name(size_t index)
+{
+    return index < FORMATS ? formats[index].name : NULL;
+}
+
+static bool is_whole(const conus_pose_stream *stream)
+{
+    return formats[stream->format].parse != NULL;
+}
+
+/* The table as it is, for an answer that adds columns to it. */
+static conus_status keep_electrodes(conus_pose_list *list, struct text text)
+{
+    if (text.size && memchr(text.data, '\0', text.size)) {
+        return fail(CONUS_ERROR_DATA, "a zero byte: not a table of electrodes");
+    }
+    list->electrodes = memory_text(text.data, text.size);
+    return list->electrodes ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status read_whole(conus_pose_stream *stream)
+{
+    struct bytes bytes = {0};
+    conus_status status = stream->format == CONUS_POSES_ELECTRODES && stream->path
+                              ? pose_coordsystem_find(&stream->whole, stream->path)
+                              : CONUS_OK;
+    uint64_t limit = stream->options.max_memory ? stream->options.max_memory : DEFAULT_MEMORY;
+    status = status ? status : pose_lines_rest(&bytes, &stream->lines, limit);
+    const struct text text = {(const char *)bytes.data, bytes.size};
+    status = status ? status : formats[stream->format].parse(&stream->whole, text, &stream->options);
+    if (!status && stream->format == CONUS_POSES_ELECTRODES) {
+        status = keep_electrodes(&stream->whole, text);
+    }
+    bytes_finish(&bytes);
+    return status;
+}
+
+static conus_status check_no_axis(const conus_pose_stream *stream)
+{
+    return stream->options.axis == CONUS_AXIS_OF_FORMAT
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "points look nowhere, so that no axis (%s) is to be chosen",
+                      pose_axis_name(stream->options.axis));
+}
+
+static conus_status begin(conus_pose_stream *stream)
+{
+    conus_status status = skip_mark(&stream->lines);
+    status = status ? status : find_format(stream);
+    if (status) {
+        return status;
+    }
+    if (stream->options.along_shafts && stream->format != CONUS_POSES_ELECTRODES) {
+        return fail(CONUS_ERROR_DATA, "shafts are of electrodes (BIDS), not of %s", formats[stream->format].name);
+    }
+    return is_whole(stream)                      ? read_whole(stream)
+           : stream->format == CONUS_POSES_TABLE ? read_header(stream)
+                                                 : check_no_axis(stream);
+}
+
+static conus_status fail_errno(const char *action)
+{
+    return fail(CONUS_ERROR_IO, "cannot %s: %s", action, strerror(errno));
+}
+
+static conus_status begin_file(conus_pose_stream *stream)
+{
+    struct stat info;
+    if (fstat(stream->descriptor, &info)) {
+        return fail_errno("read");
+    }
+    if (S_ISDIR(info.st_mode)) {
+        return fail(CONUS_ERROR_IO, "cannot read: is a folder, a file is needed");
+    }
+    off_t at = S_ISREG(info.st_mode) ? lseek(stream->descriptor, 0, SEEK_CUR) : -1;
+    stream->start = at > 0 ? (uint64_t)at : 0;
+    stream->stop = at < 0 ? eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK) : -1;
+    if (at < 0 && stream->stop < 0) {
+        return fail_errno("read");
+    }
+    conus_status status = pose_lines_init(&stream->lines, stream->descriptor, at >= 0, stream->start);
+    stream->lines.stop = stream->stop;
+    return status ? status : begin(stream);
+}
+
+static bool is_stdin(const char *path)
+{
+    return !path || strcmp(path, "-") == 0;
+}
+
+const char *pose_path_name(const char *path)
+{
+    return is_stdin(path) ? "standard input" : path;
+}
+
+static conus_status open_path(conus_pose_stream *stream, const char *path)
+{
+    const char *name = pose_path_name(path);
+    stream->name = memory_text(name, strlen(name));
+    if (!stream->name) {
+        return CONUS_ERROR_MEMORY;
+    }
+    stream->path = is_stdin(path) ? NULL : path;
+    stream->descriptor = is_stdin(path) ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    stream->owned = !is_stdin(path) && stream->descriptor >= 0;
+    return fail_of(stream, stream->descriptor < 0 ? fail_errno("open") : begin_file(stream));
+}
+
+static conus_status check_options(const conus_pose_options *options)
+{
+    bool fine = (unsigned)options->space <= CONUS_LPS && (unsigned)options->axis <= CONUS_AXIS_MINUS_Z &&
+                (unsigned)options->format < FORMATS;
+    return fine ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "options of poses: space, axis or format is none of its names");
+}
+
+static conus_status create(conus_pose_stream **out, const conus_pose_options *options)
+{
+    static const conus_pose_options none = {0};
+    options = options ? options : &none;
+    conus_status status = check_options(options);
+    conus_pose_stream *stream = status ? NULL : memory_zeroed(1, sizeof *stream);
+    if (!stream) {
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    stream->options = *options;
+    stream->descriptor = -1;
+    stream->stop = -1;
+    stream->lines.descriptor = -1;
+    *out = stream;
+    return CONUS_OK;
+}
+
+static conus_status settle(conus_pose_stream **out, conus_pose_stream *stream, conus_status status)
+{
+    if (status) {
+        conus_pose_stream_destroy(stream);
+    } else {
+        *out = stream;
+    }
+    return status;
+}
+
+conus_status conus_pose_stream_open(conus_pose_stream **out, const char *path, const conus_pose_options *options)
+{
+    conus_pose_stream *stream = NULL;
+    conus_status status = create(&stream, options);
+    return settle(out, stream, status ? status : open_path(stream, path));
+}
+
+conus_status pose_stream_parse(conus_pose_stream **out, struct text text, const conus_pose_options *options)
+{
+    conus_pose_stream *stream = NULL;
+    conus_status status = create(&stream, options);
+    if (!status) {
+        stream->text = text;
+        pose_lines_init_text(&stream->lines, text);
+        status = begin(stream);
+    }
+    return settle(out, stream, status);
+}
+
+void conus_pose_stream_destroy(conus_pose_stream *stream)
+{
+    if (!stream) {
+        return;
+    }
+    if (stream->owned) {
+        close(stream->descriptor);
+    }
+    if (stream->stop >= 0) {
+        close(stream->stop);
+    }
+    pose_lines_finish(&stream->lines);
+    pose_strings_finish(&stream->strings);
+    pose_list_finish(&stream->whole);
+    memory_free(stream->name);
+    memory_free(stream);
+}
+
+static conus_status row_from_line(conus_pose_row *row, struct pose_name *name, const conus_pose_stream *stream,
+                                  const struct pose_line *line)
+{
+    if (line->too_long) {
+        return fail(CONUS_ERROR_DATA, "a line of more than %d bytes", POSE_LINE_LIMIT);
+    }
+    return stream->format == CONUS_POSES_POINTS
+               ? pose_point_row(row, name, line->text, &stream->options)
+               : pose_table_row(row, name, &stream->table, line->text, &stream->options);
+}
+
+/* Gives the row its strings, which live until the next block. */
+static conus_status keep_strings(conus_pose_row *row, conus_pose_stream *stream, struct text id, const char *error)
+{
+    char ordinal[POSE_ORDINAL_SIZE];
+    const char *bad = pose_check_id(&id, ordinal, stream->taken + 1);
+    error = error ? error : bad;
+    row->id = pose_strings_add(&stream->strings, id);
+    row->error = error ? pose_strings_add(&stream->strings, text_from(error)) : NULL;
+    return row->id && (!error || row->error) ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, bool *found)
+{
+    struct pose_line line;
+    conus_status status = next_line(&stream->lines, &line, found);
+    if (status || !*found) {
+        return status;
+    }
+    conus_pose_row row = pose_row_at(line.number);
+    struct pose_name name;
+    name.text = (struct text){"", 0};
+    conus_status bad = row_from_line(&row, &name, stream, &line);
+    status = keep_strings(&row, stream, name.text, bad ? conus_message() : NULL);
+    *out = row;
+    return status;
+}
+
+static void read_kept(conus_pose_row *out, const conus_pose_stream *stream, bool *found)
+{
+    *found = stream->taken < stream->whole.count;
+    if (*found) {
+        *out = stream->whole.rows[stream->taken];
+    }
+}
+
+conus_status conus_pose_stream_read(conus_pose_stream *stream, conus_pose_row *rows, size_t capacity, size_t *count)
+{
+    size_t got = 0;
+    bool found = true;
+    conus_status status = capacity ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "capacity: 0 rows, allowed is 1 or more");
+    pose_strings_clear(&stream->strings);
+    while (!status && found && got < capacity) {
+        if (is_whole(stream)) {
+            read_kept(&rows[got], stream, &found);
+        } else {
+            status = read_row(&rows[got], stream, &found);
+        }
+        got += found;
+        stream->taken += found;
+    }
+    *count = status ? *count : got;
+    return fail_of(stream, status);
+}
+
+conus_status conus_pose_stream_skip(conus_pose_stream *stream, uint64_t rows)
+{
+    conus_status status = CONUS_OK;
+    pose_strings_clear(&stream->strings);
+    if (is_whole(stream)) {
+        uint64_t left = stream->whole.count - stream->taken;
+        stream->taken += rows < left ? rows : left;
+        return CONUS_OK;
+    }
+    for (bool found = true; !status && found && rows; rows--) {
+        struct pose_line line;
+        status = next_line(&stream->lines, &line, &found);
+        stream->taken += !status && found;
+    }
+    return fail_of(stream, status);
+}
+
+static conus_status count_lines(uint64_t *count, struct pose_lines *lines)
+{
+    struct pose_line line;
+    bool found = true;
+    conus_status status = skip_mark(lines);
+    for (*count = 0; !status && found; *count += found) {
+        status = next_line(lines, &line, &found);
+        found = !status && found;
+    }
+    return status;
+}
+
+static conus_status count_again(uint64_t *count, const conus_pose_stream *stream)
+{
+    struct pose_lines lines = {.descriptor = -1};
+    conus_status status = CONUS_OK;
+    if (stream->descriptor < 0) {
+        pose_lines_init_text(&lines, stream->text);
+    } else if (stream->lines.seekable) {
+        status = pose_lines_init(&lines, stream->descriptor, true, stream->start);
+        lines.state = stream->lines.state;
+    } else {
+        status = fail(CONUS_ERROR_UNSUPPORTED, "rows of a pipe cannot be counted before they are read");
+    }
+    status = status ? status : count_lines(count, &lines);
+    pose_lines_finish(&lines);
+    return status;
+}
+
+conus_status conus_pose_stream_count(conus_pose_stream *stream, uint64_t *count)
+{
+    if (is_whole(stream)) {
+        *count = stream->whole.count;
+        return CONUS_OK;
+    }
+    uint64_t lines = 0;
+    conus_status status = count_again(&lines, stream);
+    if (status) {
+        return fail_of(stream, status);
+    }
+    *count = lines - (stream->format == CONUS_POSES_TABLE); /* without the header */
+    return CONUS_OK;
+}
+
+conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream)
+{
+    return stream->format;
+}
+
+const char *conus_pose_stream_space(const conus_pose_stream *stream)
+{
+    return stream ? stream->whole.space.name : "";
+}
+
+bool conus_pose_stream_is_live(const conus_pose_stream *stream)
+{
+    return stream->stop >= 0 && !is_whole(stream);
+}
+
+void conus_pose_stream_stop(conus_pose_stream *stream)
+{
+    if (stream->stop >= 0) {
+        const uint64_t one = 1;
+        int error = errno; /* of what a signal interrupts */
+        ssize_t written = write(stream->stop, &one, sizeof one);
+        (void)written; /* it fails only where it has been stopped 2^64 times already */
+        errno = error;
+    }
+}
+
+bool conus_pose_stream_has_times(const conus_pose_stream *stream)
+{
+    if (!is_whole(stream)) {
+        return stream->format == CONUS_POSES_TABLE && pose_table_has_times(&stream->table);
+    }
+    bool found = stream->whole.count == 0;
+    for (size_t i = 0; i < stream->whole.count && !found; i++) {
+        found = !isnan(stream->whole.rows[i].time_s);
+    }
+    return found;
+}
+
+const char *conus_pose_stream_electrodes(const conus_pose_stream *stream)
+{
+    return conus_pose_list_electrodes(&stream->whole);
+}
+
+uint64_t pose_stream_position(const conus_pose_stream *stream)
+{
+    return stream->taken;
+}
+
+const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream)
+{
+    return stream ? conus_pose_list_coordsystem(&stream->whole) : "";
+}
+
+const char *conus_pose_stream_coordsystem_sha256(const conus_pose_stream *stream)
+{
+    return stream ? stream->whole.coordsystem_sha256 : "";
+}
+
+conus_status conus_pose_stream_sha256(char out[65], conus_pose_stream *stream)
+{
+    return fail_of(stream, stream->lines.seekable ? pose_lines_sha256(out, &stream->lines)
+                                                  : fail(CONUS_ERROR_UNSUPPORTED,
+                                                         "only a file has a SHA-256, what comes from a pipe none"));
+}
+
+conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas)
+{
+    return pose_space_match(&stream->whole.notes, &stream->whole.space, atlas);
+}
+
+const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index)
+{
+    return stream && index < stream->whole.notes.count ? stream->whole.notes.lines[index] : NULL;
+}
+
+conus_status pose_stream_take_header(conus_pose_list *list, conus_pose_stream *stream)
+{
+    list->space = stream->whole.space;
+    list->coordsystem = stream->whole.coordsystem;
+    stream->whole.coordsystem = NULL;
+    list->electrodes = stream->whole.electrodes;
+    stream->whole.electrodes = NULL;
+    return notes_move(&list->notes, &stream->whole.notes);
+}

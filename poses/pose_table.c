@@ -1,0 +1,500 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "poses/pose_table.h"
+
+#include "base/buffer.h"
+#include "base/math3.h"
+#include "base/notes.h"
+#include "base/status.h"
+#include "poses/pose_row.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { MATRIX_NUMBERS = 16 };
+
+/* The columns that a row may have; m00..m33 are row-major. */
+enum column {
+    X,
+    Y,
+    Z,
+    TX,
+    TY,
+    TZ,
+    DX,
+    DY,
+    DZ,
+    QW,
+    QX,
+    QY,
+    QZ,
+    M00,
+    M33 = M00 + 15,
+    UX,
+    UY,
+    UZ,
+    ANGLE,
+    TIME,
+    TRIGGER,
+    ERROR_DEG,
+    ERROR_MM,
+    ID,
+    COLUMNS
+};
+
+_Static_assert((int)COLUMNS == POSE_COLUMNS, "one flag per column");
+
+static const char *const names[COLUMNS] = {
+    "x",   "y",   "z",   "tx",  "ty",  "tz",  "dx",    "dy",     "dz",      "qw",        "qx",       "qy",      "qz",
+    "m00", "m01", "m02", "m03", "m10", "m11", "m12",   "m13",    "m20",     "m21",       "m22",      "m23",     "m30",
+    "m31", "m32", "m33", "ux",  "uy",  "uz",  "angle", "time_s", "trigger", "error_deg", "error_mm", "query_id"};
+
+/* A header being read. */
+struct header {
+    struct pose_table table;
+    int id_rank; /* of the column that names the rows; 0 = none yet */
+    size_t id_field;
+};
+
+static bool has_all(const struct pose_table *table, enum column first, size_t count)
+{
+    bool all = true;
+    for (size_t i = 0; i < count; i++) {
+        all = all && table->has[first + i];
+    }
+    return all;
+}
+
+static bool has_any(const struct pose_table *table, enum column first, size_t count)
+{
+    bool any = false;
+    for (size_t i = 0; i < count; i++) {
+        any = any || table->has[first + i];
+    }
+    return any;
+}
+
+static conus_status check_axis(const struct pose_table *table, conus_axis axis)
+{
+    bool turns = table->has[QW] || table->has[M00];
+    return axis == CONUS_AXIS_OF_FORMAT || turns
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA,
+                      "header: it gives a direction, so that no axis (%s) is to be chosen; "
+                      "qw qx qy qz or m00...m33 have axes",
+                      pose_axis_name(axis));
+}
+
+/* One way of saying where the device looks, and only one, each with all its columns. */
+static conus_status check_header(const struct pose_table *table)
+{
+    static const struct {
+        enum column first;
+        size_t count;
+        const char *names;
+    } groups[] = {{TX, 3, "tx ty tz"}, {DX, 3, "dx dy dz"}, {QW, 4, "qw qx qy qz"}, {M00, 16, "m00...m33"}};
+    size_t directions = 0;
+    for (size_t i = 0; i < sizeof groups / sizeof groups[0]; i++) {
+        bool some = has_any(table, groups[i].first, groups[i].count);
+        if (some && !has_all(table, groups[i].first, groups[i].count)) {
+            return fail(CONUS_ERROR_DATA, "header: only some of the columns %s", groups[i].names);
+        }
+        directions += some;
+    }
+    if (directions != 1) {
+        return fail(CONUS_ERROR_DATA,
+                    "header: %zu ways of giving the direction, exactly one of tx ty tz, dx dy dz, qw "
+                    "qx qy qz, m00...m33 is needed",
+                    directions);
+    }
+    if (table->has[M00] ? has_any(table, X, 3) : !has_all(table, X, 3)) {
+        return fail(CONUS_ERROR_DATA, "header: x y z are needed, and only, without m00...m33");
+    }
+    bool up_fits = table->has[TX] || table->has[DX];
+    if (has_any(table, UX, 3) && !(has_all(table, UX, 3) && up_fits)) {
+        return fail(CONUS_ERROR_DATA, "header: ux uy uz go together, with tx ty tz or dx dy dz");
+    }
+    return CONUS_OK;
+}
+
+static enum column column_named(struct text field)
+{
+    enum column column = 0;
+    while (column < COLUMNS && !text_equal_ignoring_case(field, names[column])) {
+        column++;
+    }
+    return column;
+}
+
+/* How well a column names the rows: query_id before id before name; 0 = it does not. */
+static int rank_of_id(struct text field)
+{
+    static const char *const ids[] = {"name", "id", "query_id"};
+    int rank = 3;
+    while (rank && !text_equal_ignoring_case(field, ids[rank - 1])) {
+        rank--;
+    }
+    return rank;
+}
+
+/* The name of the rows is in the field that names them best; a worse one is passed over. */
+static bool add_id(struct header *header, struct text field)
+{
+    struct pose_table *table = &header->table;
+    int rank = rank_of_id(field);
+    if (rank <= header->id_rank) {
+        return false;
+    }
+    if (header->id_rank) {
+        table->of_field[header->id_field] = COLUMNS;
+    }
+    header->id_rank = rank;
+    header->id_field = table->field_count;
+    table->has[ID] = true;
+    return true;
+}
+
+static conus_status add_column(struct header *header, struct text field)
+{
+    struct pose_table *table = &header->table;
+    double number;
+    bool is_index = !field.size && !table->field_count; /* as pandas writes a table's index */
+    if ((!field.size && !is_index) || text_to_double(field, &number)) {
+        return fail(CONUS_ERROR_DATA,
+                    "header: \"%.*s\" is no name of a column, but the first line of a table has names",
+                    pose_quote(field), field.data);
+    }
+    if (table->field_count == POSE_COLUMN_LIMIT) {
+        return fail(CONUS_ERROR_DATA, "header: more than %d columns", POSE_COLUMN_LIMIT);
+    }
+    enum column column = column_named(field);
+    if ((column < COLUMNS && column != ID && table->has[column]) ||
+        (rank_of_id(field) && rank_of_id(field) == header->id_rank)) {
+        field = column < COLUMNS ? text_from(names[column]) : field;
+        return fail(CONUS_ERROR_DATA, "header: column \"%.*s\" twice", pose_quote(field), field.data);
+    }
+    column = add_id(header, field) ? ID : column == ID ? COLUMNS : column;
+    if (column < COLUMNS) {
+        table->has[column] = true;
+    }
+    table->of_field[table->field_count++] = (uint8_t)column;
+    return CONUS_OK;
+}
+
+/* Whether a field is a name with a word before or behind it: orign_x, angle_deg, "angle (deg)". */
+static bool is_name_with_word(struct text field, const char *name)
+{
+    const size_t size = strlen(name);
+    if (field.size <= size + 1) {
+        return false;
+    }
+    bool starts = text_equal_ignoring_case((struct text){field.data, size}, name);
+    bool ends = text_equal_ignoring_case((struct text){field.data + field.size - size, size}, name);
+    return (starts && strchr("_ ([.-", field.data[size])) || (ends && field.data[field.size - size - 1] == '_');
+}
+
+/* The known column that was perhaps meant: it is not there, and little is to be changed, or it stands beside a word.
+ * NULL if there is none. */
+static const char *column_meant(const struct pose_table *table, struct text field)
+{
+    const char *meant = NULL;
+    size_t least = (field.size + 1) / 3;
+    for (enum column column = 0; column < COLUMNS; column++) {
+        size_t distance = text_distance(field, text_from(names[column]));
+        bool beside = is_name_with_word(field, names[column]);
+        if (!table->has[column] && field.size && (beside || (distance <= least && distance < strlen(names[column])))) {
+            meant = names[column];
+            least = beside ? 0 : distance;
+        }
+    }
+    return meant;
+}
+
+/* Which columns are passed over, and what might have been meant. */
+static conus_status list_passed_over(struct buffer *out, const struct pose_table *table, struct text line)
+{
+    enum { SHOWN = 8 };
+    struct text field;
+    enum text_quotes quotes;
+    size_t count = 0;
+    size_t index = 0;
+    for (bool more = true; text_quoted_field(&line, table->separator, &more, &field, &quotes); index++) {
+        if (table->of_field[index] != COLUMNS || count++ >= SHOWN) {
+            continue;
+        }
+        const char *meant = column_meant(table, field);
+        buffer_format(out, "%s\"%.*s\"", count > 1 ? ", " : "", pose_quote(field), field.data);
+        buffer_format(out, meant ? " (did you mean %s?)" : "", meant);
+    }
+    if (count > SHOWN) {
+        buffer_format(out, " and %zu more", count - SHOWN);
+    }
+    return buffer_status(out);
+}
+
+/* A column that is missing may be one that is misspelt; what is passed over without need is said once. */
+static conus_status tell_passed_over(struct notes *notes, const struct pose_table *table, struct text line,
+                                     conus_status status)
+{
+    char reason[256];
+    struct buffer list = {0};
+    snprintf(reason, sizeof reason, "%s", status ? conus_message() : "");
+    conus_status listed = list_passed_over(&list, table, line);
+    if (!listed && list.size && status) {
+        status = fail(status, "%s; columns that are not known: %s", reason, list.data);
+    } else if (!listed && list.size) {
+        status = notes_add(notes, "columns passed over: %s", list.data);
+    }
+    buffer_finish(&list);
+    return listed ? listed : status;
+}
+
+/* In a table with commas a mark in the middle is what is left of a field that goes on from line to line. */
+static conus_status check_quotes(const struct pose_table *table, struct text field, enum text_quotes quotes)
+{
+    if (quotes == TEXT_UNCLOSED) {
+        return fail(CONUS_ERROR_DATA, "a quotation mark that is not closed in its line: \"%.*s", pose_quote(field),
+                    field.data);
+    }
+    bool stray = quotes == TEXT_PLAIN && table->separator != '\t' && field.size && memchr(field.data, '"', field.size);
+    return !stray && quotes != TEXT_FOLLOWED
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "a quotation mark inside a field: %.*s", pose_quote(field), field.data);
+}
+
+conus_status pose_table_header(struct pose_table *out, struct notes *notes, struct text line, conus_axis axis)
+{
+    struct header header = {.table.separator = memchr(line.data, '\t', line.size)  ? '\t'
+                                               : memchr(line.data, ',', line.size) ? ','
+                                                                                   : ';'};
+    struct pose_table *table = &header.table;
+    const struct text whole = line;
+    struct text field;
+    enum text_quotes quotes;
+    conus_status status = text_is_utf8(line) ? CONUS_OK : fail(CONUS_ERROR_DATA, "header: not UTF-8 text");
+    if (!status && !memchr(line.data, table->separator, line.size)) {
+        status = fail(CONUS_ERROR_DATA, "header: \"%.*s\": no tab, comma or semicolon is between names of columns",
+                      pose_quote(line), line.data);
+    }
+    for (bool more = true; !status && text_quoted_field(&line, table->separator, &more, &field, &quotes);) {
+        status = check_quotes(table, field, quotes);
+        status = status ? status : add_column(&header, field);
+    }
+    if (!status) {
+        status = tell_passed_over(notes, table, whole, check_header(table));
+    }
+    status = status ? status : check_axis(table, axis);
+    *out = status ? *out : *table;
+    return status;
+}
+
+bool pose_table_has_times(const struct pose_table *table)
+{
+    return table->has[TIME];
+}
+
+static conus_status pose_from_values(conus_pose *out, const struct pose_table *table, double v[COLUMNS],
+                                     const conus_pose_options *options)
+{
+    double m[16];
+    double q[4] = {v[QW], v[QX], v[QY], v[QZ]};
+    for (int i = 0; i < 16; i++) {
+        m[i] = v[M00 + 4 * (i % 4) + i / 4];
+    }
+    if (options->space == CONUS_LPS) { /* turning by pi about z takes a rotation's LPS form to its RAS form:
+                                          (w, x, y, z) -> (-z, -y, x, w) */
+        pose_flip_point(v + X);
+        pose_flip_point(v + TX);
+        pose_flip_point(v + DX);
+        pose_flip_point(v + UX);
+        pose_flip_matrix(m);
+        const double turned[4] = {-v[QZ], -v[QY], v[QX], v[QW]};
+        memcpy(q, turned, sizeof q);
+    }
+    const double *up = table->has[UX] ? v + UX : NULL;
+    conus_status status = table->has[M00]  ? conus_pose_from_matrix(out, m)
+                          : table->has[QW] ? conus_pose_from_quaternion(out, v + X, q)
+                          : table->has[TX] ? conus_pose_toward(out, v + X, v + TX, up)
+                                           : conus_pose_along(out, v + X, v + DX, up);
+    if (!status) {
+        pose_turn(out, options->axis);
+    }
+    return status;
+}
+
+static bool is_absent(struct text field)
+{
+    return !field.size || text_equal_ignoring_case(field, "n/a");
+}
+
+static conus_status read_trigger(double *out, struct text field)
+{
+    bool on = text_equal(field, "1") || text_equal_ignoring_case(field, "true");
+    bool off = is_absent(field) || text_equal(field, "0") || text_equal_ignoring_case(field, "false");
+    *out = on;
+    return on || off ? CONUS_OK
+                     : fail(CONUS_ERROR_DATA, "column trigger: \"%.*s\", allowed are 0, 1, true, false and n/a",
+                            pose_quote(field), field.data);
+}
+
+static conus_status read_value(double *out, enum column column, struct text field)
+{
+    if (column >= ANGLE && is_absent(field)) { /* what a row can do without */
+        *out = NAN;
+        return CONUS_OK;
+    }
+    if (!text_to_double(field, out) || !isfinite(*out)) {
+        char what[32];
+        snprintf(what, sizeof what, "column %s", names[column]);
+        return pose_no_number(what, field);
+    }
+    bool is_error = column == ERROR_DEG || column == ERROR_MM;
+    return is_error && *out < 0 ? fail(CONUS_ERROR_DATA, "column %s: %g, allowed are 0 and more", names[column], *out)
+                                : CONUS_OK;
+}
+
+/* A name without its doubled marks. */
+static struct text name_in(char out[POSE_NAME_SIZE], struct text field)
+{
+    size_t size = 0;
+    for (size_t i = 0; i < field.size && size < POSE_NAME_SIZE; i++) {
+        out[size++] = field.data[i];
+        i += field.data[i] == '"'; /* and the one behind it */
+    }
+    return (struct text){out, size};
+}
+
+static conus_status read_field(double values[COLUMNS], struct text *id, enum column column, struct text field)
+{
+    if (column == ID) {
+        *id = field;
+        return CONUS_OK;
+    }
+    return column == TRIGGER ? read_trigger(&values[TRIGGER], field) : read_value(&values[column], column, field);
+}
+
+static conus_status read_values(double values[COLUMNS], struct pose_name *name, const struct pose_table *table,
+                                struct text line)
+{
+    struct text field;
+    enum text_quotes quotes;
+    size_t count = 0;
+    conus_status status = CONUS_OK;
+    for (bool more = true; text_quoted_field(&line, table->separator, &more, &field, &quotes); count++) {
+        status = status ? status : check_quotes(table, field, quotes);
+        if (count < table->field_count && table->of_field[count] != COLUMNS && !status) {
+            field = quotes == TEXT_QUOTED && table->of_field[count] == ID ? name_in(name->own, field) : field;
+            status = read_field(values, &name->text, table->of_field[count], field);
+        }
+    }
+    return count == table->field_count || status
+               ? status
+               : fail(CONUS_ERROR_DATA, "%zu fields, the header has %zu", count, table->field_count);
+}
+
+static conus_status check_text(struct text line)
+{
+    if (memchr(line.data, '\0', line.size)) {
+        return fail(CONUS_ERROR_DATA, "a zero byte: not text");
+    }
+    return text_is_utf8(line) ? CONUS_OK : fail(CONUS_ERROR_DATA, "not UTF-8 text");
+}
+
+static conus_status check_angle(double *out, double degrees)
+{
+    if (degrees == 0) {
+        return fail(CONUS_ERROR_DATA, "angle: 0 degrees, allowed is more than 0 and less than 180, or n/a for none");
+    }
+    *out = radians_from_degrees(degrees);
+    return pose_check_angle(*out);
+}
+
+conus_status pose_table_row(conus_pose_row *row, struct pose_name *name, const struct pose_table *table,
+                            struct text line, const conus_pose_options *options)
+{
+    double values[COLUMNS] = {[TIME] = NAN, [ERROR_DEG] = NAN, [ERROR_MM] = NAN};
+    conus_status status = check_text(line);
+    status = status ? status : read_values(values, name, table, line);
+    status = status ? status : pose_from_values(&row->pose, table, values, options);
+    if (!status && table->has[ANGLE] && !isnan(values[ANGLE])) {
+        status = check_angle(&row->angle, values[ANGLE]);
+    }
+    row->time_s = values[TIME];
+    row->trigger = values[TRIGGER] != 0;
+    row->error_deg = values[ERROR_DEG];
+    row->error_mm = values[ERROR_MM];
+    return status;
+}
+
+static struct text next_field(struct text *rest, bool commas)
+{
+    struct text field = {"", 0};
+    bool more = true;
+    (void)(commas ? text_field(rest, ',', &more, &field) : text_word(rest, &field));
+    return text_trim(field);
+}
+
+/* Three numbers and the rest of the line; false with a message. */
+static bool read_point(double point[3], struct text *name, struct text line)
+{
+    struct text rest = line;
+    struct text word = next_field(&rest, false);
+    bool commas = word.size && memchr(word.data, ',', word.size);
+    for (int i = 0; i < 3; i++) {
+        word = next_field(&line, commas);
+        if (!text_to_double(word, &point[i]) || !isfinite(point[i])) {
+            (void)pose_no_number((const char[]){"xyz"[i], '\0'}, word);
+            return false;
+        }
+    }
+    *name = text_trim(line);
+    rest = *name;
+    word = next_field(&rest, commas);
+    double number;
+    if (text_to_double(word, &number)) {
+        (void)fail(CONUS_ERROR_DATA, "a number after x y z: \"%.*s\", allowed is a name that does not begin with one",
+                   pose_quote(word), word.data);
+        return false;
+    }
+    return true;
+}
+
+bool pose_is_point(struct text line)
+{
+    double point[3];
+    struct text name;
+    return read_point(point, &name, line);
+}
+
+conus_status pose_point_row(conus_pose_row *row, struct pose_name *name, struct text line,
+                            const conus_pose_options *options)
+{
+    double point[3];
+    conus_status status = check_text(line);
+    if (status || !read_point(point, &name->text, line)) {
+        return CONUS_ERROR_DATA;
+    }
+    if (options->space == CONUS_LPS) {
+        pose_flip_point(point);
+    }
+    row->is_point = true;
+    return pose_of_point(&row->pose, point);
+}
+
+bool pose_plain_matrix(conus_pose_row *row, conus_status *bad, struct text text, const conus_pose_options *options)
+{
+    const struct pose_table table = {.has[M00] = true};
+    double values[COLUMNS] = {0};
+    struct text word;
+    size_t count = 0;
+    while (text_word(&text, &word)) {
+        if (count == MATRIX_NUMBERS || !text_to_double(word, &values[M00 + count])) {
+            return false;
+        }
+        count++;
+    }
+    if (count != MATRIX_NUMBERS) {
+        return false;
+    }
+    *bad = pose_from_values(&row->pose, &table, values, options);
+    return true;
+}

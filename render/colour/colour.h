@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The colour pass (Eq. 8): the atlas's areas, opaque, or its pathways, where it has any, with the areas that a
+ * selection hits; areas that are meshes; around them the context volume through its transfer function; and a cone with
+ * markers. One ray per pixel over view-aligned planes (Eq. 7), empty bricks skipped, up to the mesh that covers the
+ * pixel. */
+#ifndef CONUS_RENDER_COLOUR_COLOUR_H
+#define CONUS_RENDER_COLOUR_COLOUR_H
+
+#include "atlas/atlas.h"
+#include "render/colour/emphasis.h"
+#include "render/colour/transfer.h"
+#include "render/gl/camera.h"
+#include "render/gl/program.h"
+#include "render/id/mesh_layer.h"
+#include "render/id/slices.h"
+
+enum {
+    COLOUR_MARKER_LIMIT = 64,
+    COLOUR_TILE = 8 /**< Pixels along the edge of the squares that the tile program draws. */
+};
+
+/** A volume as the colour pass holds it. */
+struct colour_volume {
+    GLuint field, empty;
+    size_t dim[3];
+    double world_from_voxel[16];
+    double texture_from_world[16]; /**< Texture coordinates: 0 to 1 over the grid's cells. */
+};
+
+/** GL objects of one atlas; everything here happens in the context that was current at colour_pass_init(). */
+struct colour_pass {
+    GLuint program;      /**< Over one triangle on the screen.                   */
+    GLuint tile_program; /**< Over squares of the screen (shaders/tile.vert.glsl). */
+    GLuint view, palette, vertices, transfer, objects;
+    struct colour_volume areas, context;
+    struct mesh_layer *meshes; /**< NULL if there are none.              */
+    bool has_areas, has_context;
+    size_t object_count;
+    float *colours;       /**< [object_count + 1][4] linear R, G, B, 1.                                        */
+    float *shown;         /**< [object_count + 1][4] what the last picture used of them.                       */
+    double (*content)[3]; /**< [content_count] world points around everything that shows.                */
+    size_t content_count;
+    size_t object_points; /**< The first so many of these are of voxels' objects.                        */
+    bool *drawn;          /**< [object_count + 1] areas that are drawn beside pathways.                  */
+};
+
+struct colour_marker {
+    double centre[3], radius; /**< World mm. */
+    uint8_t rgb[3];           /**< sRGB.     */
+};
+
+/** What the picture shows besides the atlas, and how. */
+struct colour_view {
+    const struct camera *camera;
+    uint32_t width, height;
+    uint32_t slices; /**< N of Eq. 7; 0 = default.                                       */
+    bool no_skipping;
+    double shift[2];                /**< Of the rays from the pixels' centres, in pixels, right and up.         */
+    const double *world_from_cone;  /**< NULL = no cone; else its apex and frame, looking down -z.      */
+    double cone_slope, cone_radius; /**< Tangent of half its angle; mm about the apex, 0 unless a cylinder. */
+    double cone_start, cone_length; /**< Depths along its axis between which it is drawn, mm.           */
+    double fade;                    /**< How much the context is thinned, 0 to 1 (gone).                */
+    double line_width;              /**< mm, of axis, rim and outline.                                  */
+    const struct colour_marker *markers;
+    size_t marker_count;     /**< Markers from COLOUR_MARKER_LIMIT on are not drawn.             */
+    const uint8_t *emphasis; /**< [object_count + 1] of enum emphasis, by number; NULL = all full. */
+    const uint32_t *group;   /**< [object_count + 1] whose colour each object has; NULL = its own. */
+};
+
+conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas, const struct transfer *transfer,
+                              uint64_t max_memory);
+void colour_pass_finish(struct colour_pass *pass);
+
+/** Takes over what is hidden in the atlas now. */
+conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atlas, uint64_t max_memory);
+
+/** Of an atlas with pathways, draws from now on beside them the areas that stand out by @p emphasis [object_count + 1];
+ * NULL = none. */
+conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *emphasis,
+                                 uint64_t max_memory);
+
+/** Changes the transfer function of the context, if there is one. */
+conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atlas *atlas,
+                                      const struct transfer *transfer, uint64_t max_memory);
+
+/** The planes of Eq. 7 over the joint depth range of the volumes: @p count of them, 0 = slices_default() of the finest
+ * volume. */
+struct slices colour_pass_slices(const struct colour_pass *pass, const struct camera *camera, uint32_t count);
+
+/** Draws the meshes of @p view into textures of the pass, which the calls below use; to be called before each of them,
+ * and before the picture's framebuffer is bound. */
+conus_status colour_pass_begin(const struct colour_pass *pass, const struct colour_view *view);
+
+/** Draws into the framebuffer that is bound (RGBA float, linear light times opacity). */
+conus_status colour_pass_draw(const struct colour_pass *pass, const struct colour_view *view);
+
+/** Does everything for drawing @p view but draw, and binds it. */
+void colour_pass_prepare(const struct colour_pass *pass, const struct colour_view *view);
+
+enum colour_program {
+    COLOUR_RAYS = 0,   /**< Over one triangle on the screen: what pictures use.                          */
+    COLOUR_RAYS_PLAIN, /**< The same, areas being no more than single samples show: for comparison with ... */
+    COLOUR_SLICES /**< ... polygons on the planes, blended by the framebuffer: the paper's way. The vertex shader hands
+                      on the plane's number as `layout(location = 0) flat out float`.                    */
+};
+
+conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind);
+
+#endif

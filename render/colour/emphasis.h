@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file How an object stands out in a picture with a cone. */
+#ifndef CONUS_RENDER_COLOUR_EMPHASIS_H
+#define CONUS_RENDER_COLOUR_EMPHASIS_H
+
+enum emphasis {
+    EMPHASIS_PALE = 0, /**< Not in the cone.                               */
+    EMPHASIS_FULL,     /**< Met first by a pixel.                          */
+    EMPHASIS_HATCHED,  /**< In the cone, but hidden: stripes of its colour. */
+};
+
+#endif

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * What the colour pass samples of a volume: per voxel a density and its gradient in four bytes, and per brick of 8^3
+ * voxels the range of densities, from which the empty space around the ray follows. */
+#ifndef CONUS_RENDER_COLOUR_FIELD_H
+#define CONUS_RENDER_COLOUR_FIELD_H
+
+#include "render/colour/bricks.h"
+
+enum {
+    FIELD_LEVELS = 256,  /**< Densities are bytes.                         */
+    FIELD_SURFACE = 128, /**< Labels: the density at which an area begins. */
+};
+
+struct field {
+    size_t dim[3];
+    uint8_t *texels; /**< [voxels][4]: gradient in world axes (128 = 0) as g / (|g| + FIELD_SOFTNESS), density.     */
+    size_t brick_dim[3];
+    uint8_t *low, *high; /**< [bricks] range of the densities that a trilinear sample in the brick, or up to one
+                              voxel outside it, can take.                                                         */
+};
+
+/** Density change per mm, of the whole range, at which the stored gradient has half its full length. */
+#define FIELD_SOFTNESS 0.03
+
+/** Grey values, @p low to @p high mapped to densities 0 to 255 and held outside; central differences. */
+conus_status field_of_values(struct field *out, const struct volume *volume, double low, double high);
+
+/** Voxels of any object: their blurred occupancy (binomial, sigma 1 voxel), held above FIELD_SURFACE in voxels of
+ * objects and below it in others, so that the surface is smooth and yet no voxel changes sides; gradients of the
+ * occupancy blurred twice, without that. */
+conus_status field_of_objects(struct field *out, const struct volume *volume);
+
+void field_finish(struct field *field);
+
+/** Bricks and their distances to the next one with a density that @p visible names. It has @p per_level entries for
+ * each step between densities and one for the last: entry i is density i / per_level. @p out is the caller's to finish.
+ */
+conus_status field_bricks(struct bricks *out, const struct field *field, const bool *visible, size_t per_level);
+
+#endif

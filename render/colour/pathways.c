@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "render/colour/pathways.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+
+const struct volume *pathways_first(const conus_atlas *atlas)
+{
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        const struct volume *volume = &atlas->volumes[i];
+        if (volume->info.role == CONUS_SCALAR && volume_is_met(volume)) {
+            return volume;
+        }
+    }
+    return NULL;
+}
+
+/* Object of the pathway whose cell holds the world point, 0 if none. */
+static uint32_t pathway_at(const conus_atlas *atlas, const double world[3])
+{
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        const struct volume *volume = &atlas->volumes[i];
+        const size_t *dim = volume->info.dim;
+        double p[3];
+        mat4_point(p, volume->voxel_from_world, world);
+        bool inside = volume->info.role == CONUS_SCALAR && volume_is_met(volume);
+        for (int a = 0; a < 3; a++) {
+            inside = inside && p[a] >= -0.5 && p[a] < (double)dim[a] - 0.5;
+        }
+        if (inside) {
+            size_t voxel = (size_t)(p[0] + 0.5) + dim[0] * ((size_t)(p[1] + 0.5) + dim[1] * (size_t)(p[2] + 0.5));
+            uint32_t object = volume_object(volume, voxel);
+            if (object) {
+                return object;
+            }
+        }
+    }
+    return 0;
+}
+
+/* Where voxels lie next to each other in several volumes, on the grid of one of them. */
+struct joint {
+    conus_volume_info info; /* that grid, extended */
+    long low[3], high[3];   /* first and last voxel, by the grid's own index */
+};
+
+static void extend_joint(struct joint *joint, const struct volume *first, const struct volume *volume)
+{
+    for (int corner = 0; corner < 8; corner++) {
+        double p[3];
+        for (int a = 0; a < 3; a++) {
+            p[a] = corner >> a & 1 ? (double)volume->info.dim[a] - 1 : 0;
+        }
+        mat4_point(p, volume->info.world_from_voxel, p);
+        mat4_point(p, first->voxel_from_world, p);
+        for (int a = 0; a < 3; a++) {
+            joint->low[a] = (long)fmin((double)joint->low[a], floor(p[a] + 0.5));
+            joint->high[a] = (long)fmax((double)joint->high[a], floor(p[a] + 0.5));
+        }
+    }
+}
+
+/* Of all pathways, and of the areas if @p areas; only of `first` where a common one would be far larger than each. */
+static void find_joint(struct joint *out, const conus_atlas *atlas, const struct volume *first, bool areas)
+{
+    enum { LARGER = 4 };
+    double most = 0;
+    double count = 1;
+    *out = (struct joint){.info = first->info};
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        const struct volume *volume = &atlas->volumes[i];
+        conus_role role = volume->info.role;
+        if (volume_is_met(volume) && (role == CONUS_SCALAR || (role == CONUS_PARCELLATION && areas))) {
+            extend_joint(out, first, volume);
+            most = fmax(most, (double)volume->voxel_count);
+        }
+    }
+    for (int a = 0; a < 3; a++) {
+        count *= (double)(out->high[a] - out->low[a] + 1);
+    }
+    for (size_t a = 0; a < 3 && count <= LARGER * most; a++) {
+        const double *m = first->info.world_from_voxel;
+        vec3_add_scaled(out->info.world_from_voxel + 12, out->info.world_from_voxel + 12, (double)out->low[a],
+                        m + 4 * a);
+        out->info.dim[a] = (size_t)(out->high[a] - out->low[a] + 1);
+    }
+}
+
+/* The area that is drawn and whose cell holds the world point, 0 if none. */
+static uint32_t area_at(const struct volume *parcellation, const bool *drawn, const double world[3])
+{
+    size_t voxel = 0;
+    uint32_t object = volume_find_voxel(&voxel, parcellation, world) ? volume_object(parcellation, voxel) : 0;
+    return drawn[object] ? object : 0;
+}
+
+conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const bool *drawn)
+{
+    const struct volume *first = pathways_first(atlas);
+    struct joint grid;
+    struct volume joint = {0};
+    const struct volume *parcellation = drawn ? atlas_parcellation(atlas) : NULL;
+    find_joint(&grid, atlas, first, parcellation);
+    conus_status status = volume_init(&joint, &grid.info);
+    joint.objects32 = status ? NULL : memory_raw(joint.voxel_count, sizeof *joint.objects32);
+    if (!joint.objects32) {
+        volume_finish(&joint);
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    const size_t *dim = grid.info.dim;
+    for (size_t v = 0; v < joint.voxel_count; v++) {
+        const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
+        double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
+        mat4_point(p, grid.info.world_from_voxel, p);
+        uint32_t area = parcellation ? area_at(parcellation, drawn, p) : 0;
+        joint.objects32[v] = area ? area : pathway_at(atlas, p);
+    }
+    *out = joint;
+    return CONUS_OK;
+}

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "render/colour/renderer.h"
+
+#include "base/memory.h"
+#include "render/colour/smooth.h"
+#include "render/gl/target.h"
+
+#define DEFAULT_MEMORY (UINT64_C(8) << 30)
+
+/* Turns values that are fractions of the context's window into grey values. */
+static conus_status make_absolute(struct transfer *transfer, const struct volume *context)
+{
+    double low;
+    double high;
+    if (!transfer->relative || !context) {
+        return CONUS_OK;
+    }
+    conus_status status = transfer_window(&low, &high, context);
+    for (size_t i = 0; !status && i < transfer->count; i++) {
+        transfer->points[i].value = low + transfer->points[i].value * (high - low);
+    }
+    transfer->relative = status ? transfer->relative : false;
+    return status;
+}
+
+/* With the renderer's context current. */
+static conus_status fill(conus_renderer *renderer, const conus_renderer_options *options)
+{
+    const char *own = renderer->atlas->transfer ? renderer->atlas->transfer : "brain";
+    conus_status status = transfer_load(&renderer->transfer, options->transfer ? options->transfer : own);
+    status = status ? status : make_absolute(&renderer->transfer, atlas_context(renderer->atlas));
+    return status ? status
+                  : colour_pass_init(&renderer->colour, renderer->atlas, &renderer->transfer, renderer->max_memory);
+}
+
+conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atlas,
+                                   const conus_renderer_options *options)
+{
+    static const conus_renderer_options defaults = {0};
+    options = options ? options : &defaults;
+    conus_renderer *renderer = memory_zeroed(1, sizeof *renderer);
+    if (!renderer) {
+        return CONUS_ERROR_MEMORY;
+    }
+    renderer->atlas = atlas;
+    renderer->max_memory = options->max_memory ? options->max_memory : DEFAULT_MEMORY;
+    renderer->log = options->log;
+    renderer->log_user = options->log_user;
+    conus_status status = gl_context_create(&renderer->context, options->log, options->log_user);
+    struct gl_current previous;
+    if (!status) {
+        status = gl_context_use(renderer->context, &previous);
+    }
+    if (!status) {
+        status = fill(renderer, options);
+        gl_current_restore(&previous);
+    }
+    if (status) {
+        conus_renderer_destroy(renderer);
+        return status;
+    }
+    *out = renderer;
+    return CONUS_OK;
+}
+
+void conus_renderer_destroy(conus_renderer *renderer)
+{
+    if (!renderer) {
+        return;
+    }
+    struct gl_current previous;
+    if (renderer->colour.program && !gl_context_use(renderer->context, &previous)) {
+        colour_pass_finish(&renderer->colour);
+        gl_current_restore(&previous);
+    }
+    gl_context_destroy(renderer->context);
+    transfer_finish(&renderer->transfer);
+    memory_free(renderer);
+}
+
+conus_status conus_renderer_update(conus_renderer *renderer)
+{
+    struct gl_current previous;
+    conus_status status = gl_context_use(renderer->context, &previous);
+    if (!status) {
+        status = colour_pass_update(&renderer->colour, renderer->atlas, renderer->max_memory);
+        gl_current_restore(&previous);
+    }
+    return status;
+}
+
+conus_status renderer_include(conus_renderer *renderer, const uint8_t *emphasis)
+{
+    struct gl_current previous;
+    conus_status status = gl_context_use(renderer->context, &previous);
+    if (!status) {
+        status = colour_pass_include(&renderer->colour, renderer->atlas, emphasis, renderer->max_memory);
+        gl_current_restore(&previous);
+    }
+    return status;
+}
+
+const conus_transfer_point *conus_renderer_transfer(const conus_renderer *renderer, size_t *count)
+{
+    bool used = renderer && atlas_context(renderer->atlas);
+    *count = used ? renderer->transfer.count : 0;
+    return used ? renderer->transfer.points : NULL;
+}
+
+conus_status conus_renderer_set_transfer(conus_renderer *renderer, const conus_transfer_point *points, size_t count)
+{
+    struct transfer transfer = {0};
+    struct gl_current previous;
+    conus_status status = transfer_copy(&transfer, points, count);
+    status = status ? status : gl_context_use(renderer->context, &previous);
+    if (!status) {
+        status = colour_pass_set_transfer(&renderer->colour, renderer->atlas, &transfer, renderer->max_memory);
+        gl_current_restore(&previous);
+    }
+    if (!status) {
+        struct transfer old = renderer->transfer;
+        renderer->transfer = transfer;
+        transfer = old;
+    }
+    transfer_finish(&transfer);
+    return status;
+}
+
+const char *conus_renderer_device(const conus_renderer *renderer)
+{
+    return renderer ? gl_context_renderer(renderer->context) : "";
+}
+
+static conus_status draw(float *rgba, const struct colour_pass *pass, const struct colour_view *view, bool smooth)
+{
+    static const struct target_attachment colour = {"colour", TARGET_FLOAT4};
+    struct target target = {0};
+    conus_status status = target_init(&target, view->width, view->height, &colour, 1);
+    if (!status) {
+        status = colour_pass_begin(pass, view);
+    }
+    if (!status) {
+        target_bind(&target);
+        target_clear(&target);
+        status = colour_pass_draw(pass, view);
+    }
+    if (!status) {
+        status = target_read(&target, "colour", rgba);
+    }
+    if (!status && smooth) {
+        status = smooth_edges(rgba, &target, pass, view);
+    }
+    target_finish(&target);
+    return status;
+}
+
+conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct colour_view *view, bool smooth)
+{
+    struct gl_current previous;
+    conus_status status = gl_context_use(renderer->context, &previous);
+    if (!status) {
+        status = draw(rgba, &renderer->colour, view, smooth);
+        gl_current_restore(&previous);
+    }
+    return status;
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The renderer, from inside: a context of its own and the passes of one atlas in it. */
+#ifndef CONUS_RENDER_COLOUR_RENDERER_H
+#define CONUS_RENDER_COLOUR_RENDERER_H
+
+#include "render/colour/colour.h"
+#include "render/gl/context.h"
+
+struct conus_renderer {
+    const conus_atlas *atlas;
+    struct gl_context *context;
+    struct colour_pass colour;
+    struct transfer transfer; /**< Of the context, in grey values. */
+    uint64_t max_memory;
+    conus_log log; /**< May be NULL. */
+    void *log_user;
+};
+
+/** Draws from now on beside pathways the areas that stand out by @p emphasis (colour_pass_include()). */
+conus_status renderer_include(conus_renderer *renderer, const uint8_t *emphasis);
+
+/** Runs the colour pass off-screen, and again at edges if @p smooth. @p rgba gets width * height pixels of linear R, G,
+ * B times A, and A, bottom row first. */
+conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct colour_view *view, bool smooth);
+
+#endif

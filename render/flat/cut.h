@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * A flat cut through an atlas, drawn on the CPU: the context in grey, areas filled and outlined, meshes as their
+ * contours and filled where they are closed, pathways over them, and the cut through a cone. Labels are looked up,
+ * never interpolated.
+ *
+ * A cut keeps what it found: the next one looks at voxels and triangles again only where they lie elsewhere. */
+#ifndef CONUS_RENDER_FLAT_CUT_H
+#define CONUS_RENDER_FLAT_CUT_H
+
+#include "atlas/atlas.h"
+#include "render/colour/emphasis.h"
+
+/** A cone or cylinder as the cut sees it; world mm. */
+struct cut_cone {
+    const double *world_from_cone; /**< Apex and frame, looking down -z.                                         */
+    double slope;                  /**< Tangent of half the angle.                                               */
+    double radius;                 /**< At the apex: 0 of a cone.                                                */
+    double near, far;              /**< Depths along the axis between which it is drawn.                          */
+};
+
+/** Which pixel is where. */
+struct cut_place {
+    double centre[3];       /**< World position of the picture's middle.                                       */
+    double right[3], up[3]; /**< Unit vectors in the world, perpendicular.                                     */
+    double mm_per_pixel;
+    uint32_t width, height;
+};
+
+struct cut_view {
+    struct cut_place place;
+    const uint8_t *emphasis; /**< [object_count + 1] of enum emphasis; NULL = all full.                 */
+    double fill;             /**< Opacity of areas, 0 to 1; outlines are drawn over it.                          */
+    bool no_outlines;
+    double window[2];            /**< Grey values shown as black and white.                                         */
+    const struct cut_cone *cone; /**< NULL = none.                                                               */
+};
+
+struct cut {
+    const conus_atlas *atlas;
+    uint8_t *rgba;     /**< [height width 4] sRGB and opacity 255, top row first.                               */
+    uint32_t *objects; /**< [height width] The area or pathway that a pixel's centre is in; 0 = none.            */
+
+    uint8_t *grey;      /**< [height width] Of the context.                                                      */
+    uint32_t *contours; /**< [height width] The object whose surface the plane cuts there; NULL without meshes.  */
+    int32_t *turns;    /**< [height width] Of the surface at hand: how often more it winds from there on; NULL likewise.
+                            0 between surfaces.                                                              */
+    size_t pixel_room; /**< Of each of these arrays.                                                            */
+    uint32_t *surfaces; /**< Objects with a mesh, the large ones first: they may hold others.                    */
+    size_t surface_count;
+    double window[2];    /**< Of grey.                                                                            */
+    struct cut_place of; /**< Where grey and objects were found.                                                  */
+    bool has_grey, has_objects; /**< They hold.                                                                   */
+};
+
+/** Ready to draw @p atlas, which must not change from then on. */
+conus_status cut_init(struct cut *out, const conus_atlas *atlas);
+void cut_finish(struct cut *cut);
+
+/** Fills rgba and objects. On failure what is there is of no picture. */
+conus_status cut_draw(struct cut *cut, const struct cut_view *view);
+
+/** Draws the cone over @p rgba, of @p place. */
+void cut_draw_cone(uint8_t *rgba, const struct cut_place *place, const struct cut_cone *cone);
+
+/** Finds grey, as @p view asks for. */
+void cut_find_grey(struct cut *cut, const struct cut_view *view);
+/** Finds objects and contours. */
+void cut_find_objects(struct cut *cut, const struct cut_view *view);
+
+/** How a pixel steps through an index space: `start` of the top left pixel's centre, and per pixel. */
+struct cut_walk {
+    double start[3], right[3], down[3];
+};
+
+void cut_walk_init(struct cut_walk *out, const struct cut_place *place, const double index_from_world[16]);
+
+static inline void cut_blend(uint8_t *pixel, const uint8_t rgb[3], double opacity)
+{
+    for (int c = 0; c < 3; c++) {
+        pixel[c] = (uint8_t)(pixel[c] + (rgb[c] - pixel[c]) * opacity + 0.5);
+    }
+}
+
+#endif

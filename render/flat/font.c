@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "render/flat/font.h"
+
+#include "base/memory.h"
+#include "render/flat/draw.h"
+
+#include <fontconfig/fontconfig.h>
+#include <ft2build.h>
+#include <math.h>
+#include <string.h>
+#include FT_FREETYPE_H
+#include FT_MODULE_H
+#include FT_OUTLINE_H
+
+#define ELLIPSIS "\xe2\x80\xa6"
+
+struct font {
+    struct FT_MemoryRec_ memory;
+    FT_Library library;
+    FT_Face face;
+};
+
+static void *allocate(FT_Memory memory, long size)
+{
+    (void)memory;
+    return memory_raw((size_t)size, 1);
+}
+
+static void *resize(FT_Memory memory, long old_size, long size, void *block)
+{
+    (void)memory;
+    (void)old_size;
+    return memory_resize(block, (size_t)size, 1);
+}
+
+static void release(FT_Memory memory, void *block)
+{
+    (void)memory;
+    memory_free(block);
+}
+
+static conus_status fail_font(FT_Error error, const char *what)
+{
+    return FT_ERROR_BASE(error) == FT_Err_Out_Of_Memory
+               ? fail(CONUS_ERROR_MEMORY, "no memory for a font")
+               : fail(CONUS_ERROR_UNSUPPORTED, "%s: FreeType error %d", what, error);
+}
+
+static conus_status open_face(struct font *font, const char *path, int index)
+{
+    FT_Error error = FT_New_Library(&font->memory, &font->library);
+    if (!error) {
+        FT_Add_Default_Modules(font->library);
+        error = FT_New_Face(font->library, path, index, &font->face);
+    }
+    if (error) {
+        return fail_font(error, path);
+    }
+    return FT_IS_SCALABLE(font->face) ? CONUS_OK : fail(CONUS_ERROR_UNSUPPORTED, "%s: not a scalable font", path);
+}
+
+static conus_status open_match(struct font *font, FcPattern *match)
+{
+    FcChar8 *path = NULL;
+    int index = 0;
+    if (!match || FcPatternGetString(match, FC_FILE, 0, &path) != FcResultMatch) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "no text in pictures: no scalable font is installed (see fc-match sans)");
+    }
+    FcPatternGetInteger(match, FC_INDEX, 0, &index);
+    return open_face(font, (const char *)path, index);
+}
+
+static conus_status open_sans(struct font *font)
+{
+    FcConfig *config = FcInitLoadConfigAndFonts(); /* our own, so that it can be destroyed */
+    if (!config) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "no text in pictures: fontconfig cannot read its settings");
+    }
+    FcPattern *pattern = FcNameParse((const FcChar8 *)"sans:scalable=true");
+    FcPattern *match = NULL;
+    if (pattern && FcConfigSubstitute(config, pattern, FcMatchPattern)) {
+        FcResult result;
+        FcDefaultSubstitute(pattern);
+        match = FcFontMatch(config, pattern, &result);
+    }
+    conus_status status = open_match(font, match);
+    if (match) {
+        FcPatternDestroy(match);
+    }
+    if (pattern) {
+        FcPatternDestroy(pattern);
+    }
+    FcConfigDestroy(config);
+    return status;
+}
+
+conus_status font_create(struct font **out)
+{
+    struct font *font = memory_zeroed(1, sizeof *font);
+    if (!font) {
+        return CONUS_ERROR_MEMORY;
+    }
+    font->memory = (struct FT_MemoryRec_){NULL, allocate, release, resize};
+    conus_status status = open_sans(font);
+    if (status) {
+        font_destroy(font);
+        return status;
+    }
+    *out = font;
+    return CONUS_OK;
+}
+
+void font_destroy(struct font *font)
+{
+    if (!font) {
+        return;
+    }
+    if (font->library) {
+        FT_Done_Library(font->library); /* and its faces */
+    }
+    memory_free(font);
+}
+
+/* The character at *text, which moves on; U+FFFD for a byte that starts none. */
+static FT_ULong next_character(const unsigned char **text)
+{
+    unsigned first = *(*text)++;
+    int more = first >= 0xf0 && first < 0xf8 ? 3 : first >= 0xe0 && first < 0xf0 ? 2 : first >= 0xc2 && first < 0xe0;
+    if (first < 0x80 || !more) {
+        return first < 0x80 ? first : 0xfffd;
+    }
+    FT_ULong character = first & (0x3fU >> more);
+    for (int i = 0; i < more; i++) {
+        if (((*text)[i] & 0xc0) != 0x80) {
+            return 0xfffd;
+        }
+        character = character << 6 | ((*text)[i] & 0x3f);
+    }
+    *text += more;
+    return character;
+}
+
+/* Light hinting snaps heights to pixels and leaves widths alone. */
+static FT_Error load_glyph(struct font *font, double size, FT_ULong character)
+{
+    FT_Error error = FT_Set_Char_Size(font->face, 0, lrint(size * 64), 72, 72);
+    return error ? error
+                 : FT_Load_Glyph(font->face, FT_Get_Char_Index(font->face, character),
+                                 FT_LOAD_TARGET_LIGHT | FT_LOAD_NO_BITMAP);
+}
+
+static double advance(const struct font *font)
+{
+    return (double)font->face->glyph->linearHoriAdvance / 65536;
+}
+
+double font_width(struct font *font, double size, const char *text)
+{
+    double width = 0;
+    for (const unsigned char *rest = (const unsigned char *)text; *rest;) {
+        if (load_glyph(font, size, next_character(&rest)) == 0) {
+            width += advance(font);
+        }
+    }
+    return width;
+}
+
+/* Lays the glyph in the face's slot over the image, its origin at pixel (x, y). */
+static void paint_glyph(const struct font *font, conus_image *image, long x, long y, const float rgba[4])
+{
+    const struct image_rgba planes = image_rgba(image);
+    const FT_Bitmap *bitmap = &font->face->glyph->bitmap;
+    long left = x + font->face->glyph->bitmap_left;
+    long top = y - font->face->glyph->bitmap_top;
+    for (long j = 0; j < (long)bitmap->rows; j++) {
+        for (long i = 0; i < (long)bitmap->width; i++) {
+            uint8_t coverage = bitmap->buffer[j * bitmap->pitch + i];
+            bool inside =
+                left + i >= 0 && left + i < (long)image->width && top + j >= 0 && top + j < (long)image->height;
+            if (inside && coverage) {
+                draw_over(&planes, (size_t)(top + j) * image->width + (size_t)(left + i), rgba, (float)coverage / 255);
+            }
+        }
+    }
+}
+
+conus_status font_draw(struct font *font, conus_image *image, const double at[2], double size, const float rgba[4],
+                       const char *text)
+{
+    double x = at[0];
+    for (const unsigned char *rest = (const unsigned char *)text; *rest;) {
+        FT_Error error = load_glyph(font, size, next_character(&rest));
+        if (!error) {
+            FT_Outline_Translate(&font->face->glyph->outline, lrint((x - floor(x)) * 64), 0);
+            error = FT_Render_Glyph(font->face->glyph, FT_RENDER_MODE_NORMAL);
+        }
+        if (error) {
+            return fail_font(error, "text in a picture");
+        }
+        paint_glyph(font, image, lrint(floor(x)), lrint(at[1]), rgba);
+        x += advance(font);
+    }
+    return CONUS_OK;
+}
+
+void font_shorten(char *out, size_t out_size, struct font *font, double size, const char *text, double limit)
+{
+    size_t length = strlen(text);
+    if (length < out_size && font_width(font, size, text) <= limit) {
+        memcpy(out, text, length + 1);
+        return;
+    }
+    length = length < out_size - sizeof ELLIPSIS ? length : out_size - sizeof ELLIPSIS;
+    memcpy(out, text, length);
+    do {
+        while (length && ((unsigned char)text[length] & 0xc0) == 0x80) {
+            length--; /* back to where a character starts */
+        }
+        memcpy(out + length, ELLIPSIS, sizeof ELLIPSIS);
+    } while (font_width(font, size, out) > limit && length-- > 0);
+    if (font_width(font, size, out) > limit) {
+        out[0] = '\0';
+    }
+}

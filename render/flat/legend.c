@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "render/flat/legend.h"
+
+#include "render/flat/draw.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Lengths in em. */
+static const double MARGIN = 0.9;
+static const double PADDING = 0.8;
+static const double LINE = 1.45;
+static const double TITLE = 1.15; /* size of its letters */
+static const double CHIP = 0.78;
+static const double CHIP_GAP = 0.5;
+static const double COLUMN_GAP = 1.0;
+static const double SHORTEST_NAME = 5;
+static const double BELOW_BASELINE = 0.45; /* what of a line lies below its baseline */
+
+static const double WIDEST = 0.42;
+
+static const float PANEL[4] = {0.004F, 0.005F, 0.008F, 0.88F};
+static const float RIM[4] = {0.6F, 0.65F, 0.75F, 0.25F};
+static const float BRIGHT[4] = {0.95F, 0.95F, 0.95F, 1};
+static const float DIM[4] = {0.42F, 0.45F, 0.5F, 1};
+
+/* A legend with what was measured. */
+struct layout {
+    const struct legend *legend;
+    struct font *font;
+    conus_image *image;
+    double em;
+    size_t shown; /* rows, without the line that counts the others */
+    int columns;  /* details shown */
+    double name_width, column_width[LEGEND_DETAILS];
+    bool has_headings;
+    struct draw_box panel;
+};
+
+double legend_size(const conus_image *image)
+{
+    return fmax(11, fmin(image->width, image->height) / 54.0);
+}
+
+static double width_of(const struct layout *layout, double size, const char *text)
+{
+    return text ? font_width(layout->font, size, text) : 0;
+}
+
+static double column_width(const struct layout *layout, int column)
+{
+    double width = width_of(layout, layout->em, layout->legend->heading[column]);
+    for (size_t i = 0; i < layout->shown; i++) {
+        width = fmax(width, width_of(layout, layout->em, layout->legend->rows[i].detail[column]));
+    }
+    return width > 0 ? width + COLUMN_GAP * layout->em : 0;
+}
+
+/* Lines that are no rows, and the height they take. */
+static double head_height(const struct layout *layout)
+{
+    double height = layout->legend->title ? TITLE * LINE : 0;
+    height += layout->legend->subtitle ? LINE : 0;
+    height += layout->has_headings ? LINE : 0;
+    return height * layout->em;
+}
+
+static void choose_rows(struct layout *layout)
+{
+    double room = layout->image->height - 2 * (MARGIN + PADDING) * layout->em - head_height(layout);
+    size_t fitting = room > 0 ? (size_t)(room / (LINE * layout->em)) : 0;
+    size_t count = layout->legend->count;
+    layout->shown = count <= fitting ? count : fitting > 0 ? fitting - 1 : 0;
+}
+
+/* Chooses the columns, and the width of the names: as wide as they are, or what the columns leave them. */
+static double choose_columns(struct layout *layout)
+{
+    double em = layout->em;
+    double details = 0;
+    for (int c = 0; c < LEGEND_DETAILS; c++) {
+        layout->column_width[c] = column_width(layout, c);
+        details += layout->column_width[c];
+    }
+    for (size_t i = 0; i < layout->shown; i++) {
+        layout->name_width = fmax(layout->name_width, width_of(layout, em, layout->legend->rows[i].name));
+    }
+    double widest = layout->legend->widest > 0 ? layout->legend->widest : WIDEST;
+    double room = widest * layout->image->width - (MARGIN + 2 * PADDING + CHIP + CHIP_GAP) * em;
+    double shortest = fmin(layout->name_width, SHORTEST_NAME * em);
+    layout->columns = LEGEND_DETAILS;
+    while (layout->columns > 0 && room - details < shortest) {
+        details -= layout->column_width[--layout->columns];
+    }
+    layout->name_width = fmin(layout->name_width, room - details);
+    double width = (CHIP + CHIP_GAP) * em + layout->name_width + details;
+    width = fmax(width, width_of(layout, TITLE * em, layout->legend->title));
+    width = fmax(width, width_of(layout, em, layout->legend->subtitle));
+    return fmin(width, room + (CHIP + CHIP_GAP) * em);
+}
+
+/* False where nothing fits. */
+static bool measure(struct layout *layout)
+{
+    const struct legend *legend = layout->legend;
+    double em = layout->em;
+    for (int c = 0; c < LEGEND_DETAILS; c++) {
+        layout->has_headings = layout->has_headings || legend->heading[c];
+    }
+    choose_rows(layout);
+    double width = choose_columns(layout) + 2 * PADDING * em;
+    size_t lines = layout->shown + (layout->shown < legend->count);
+    double height = head_height(layout) + (LINE * (double)lines + 2 * PADDING) * em;
+    bool right = legend->corner == LEGEND_TOP_RIGHT || legend->corner == LEGEND_BOTTOM_RIGHT;
+    bool bottom = legend->corner == LEGEND_BOTTOM_LEFT || legend->corner == LEGEND_BOTTOM_RIGHT;
+    double left = rint(right ? layout->image->width - MARGIN * em - width : MARGIN * em);
+    double top = rint(bottom ? layout->image->height - MARGIN * em - height : MARGIN * em);
+    layout->panel = (struct draw_box){left, top, left + rint(width), top + rint(height)};
+    return (layout->shown > 0 || legend->count == 0) && layout->name_width >= 0 && left >= 0 && top >= 0;
+}
+
+/* Draws `text`, shortened to `limit` pixels. */
+static conus_status write_text(const struct layout *layout, const double at[2], double size, double limit,
+                               const float rgba[4], const char *text)
+{
+    char shorter[256];
+    font_shorten(shorter, sizeof shorter, layout->font, size, text, limit);
+    return font_draw(layout->font, layout->image, at, size, rgba, shorter);
+}
+
+/* Draws the detail columns of one line, which end at the panel's right padding. */
+static conus_status write_details(const struct layout *layout, double baseline, const char *const *detail,
+                                  const float rgba[4])
+{
+    double right = layout->panel.right - PADDING * layout->em;
+    for (int c = layout->columns - 1; c >= 0; c--) {
+        if (detail[c]) {
+            double at[2] = {right - font_width(layout->font, layout->em, detail[c]), baseline};
+            conus_status status = font_draw(layout->font, layout->image, at, layout->em, rgba, detail[c]);
+            if (status) {
+                return status;
+            }
+        }
+        right -= layout->column_width[c];
+    }
+    return CONUS_OK;
+}
+
+static conus_status write_head(const struct layout *layout, double *y)
+{
+    const struct legend *legend = layout->legend;
+    double em = layout->em;
+    double left = layout->panel.left + PADDING * em;
+    double limit = layout->panel.right - PADDING * em - left;
+    conus_status status = CONUS_OK;
+    if (legend->title) {
+        *y += TITLE * LINE * em;
+        status = write_text(layout, (double[]){left, *y - BELOW_BASELINE * TITLE * em}, TITLE * em, limit, BRIGHT,
+                            legend->title);
+    }
+    if (!status && legend->subtitle) {
+        *y += LINE * em;
+        status = write_text(layout, (double[]){left, *y - BELOW_BASELINE * em}, em, limit, DIM, legend->subtitle);
+    }
+    if (!status && layout->has_headings) {
+        *y += LINE * em;
+        status = write_details(layout, *y - BELOW_BASELINE * em, legend->heading, DIM);
+    }
+    return status;
+}
+
+static void draw_chip(const struct layout *layout, double left, double baseline, const struct legend_row *row)
+{
+    float colour[4];
+    double bottom = baseline + 0.04 * layout->em;
+    const struct draw_box box = {rint(left), rint(bottom - CHIP * layout->em), rint(left + CHIP * layout->em),
+                                 rint(bottom)};
+    draw_colour(colour, row->rgb, 1);
+    draw_frame(layout->image, &box, 0.18 * layout->em, row->hollow ? fmax(1, 0.08 * layout->em) : 0, colour);
+}
+
+static conus_status write_rows(const struct layout *layout, double y)
+{
+    double em = layout->em;
+    double left = layout->panel.left + PADDING * em;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < layout->shown; i++) {
+        const struct legend_row *row = &layout->legend->rows[i];
+        y += LINE * em;
+        double at[2] = {left + (CHIP + CHIP_GAP) * em, rint(y - BELOW_BASELINE * em)};
+        draw_chip(layout, left, at[1], row);
+        status = write_text(layout, at, em, layout->name_width + 0.01, row->hollow ? DIM : BRIGHT, row->name);
+        status = status ? status : write_details(layout, at[1], row->detail, row->hollow ? DIM : BRIGHT);
+    }
+    if (!status && layout->shown < layout->legend->count) {
+        char text[64];
+        snprintf(text, sizeof text, "\xe2\x80\xa6 and %zu more", layout->legend->count - layout->shown);
+        double at[2] = {left + (CHIP + CHIP_GAP) * em, rint(y + (LINE - BELOW_BASELINE) * em)};
+        status = font_draw(layout->font, layout->image, at, em, DIM, text);
+    }
+    return status;
+}
+
+conus_status legend_draw(conus_image *image, struct font *font, const struct legend *legend)
+{
+    const struct image_rgba planes = image_rgba(image);
+    if (!planes.plane[0] || !planes.plane[1] || !planes.plane[2] || !planes.plane[3]) {
+        return fail(CONUS_ERROR_ARGUMENT, "a legend needs an image with the channels R, G, B, A");
+    }
+    struct layout layout = {.legend = legend, .font = font, .image = image};
+    layout.em = legend->size > 0 ? legend->size : legend_size(image);
+    if (!measure(&layout)) {
+        return CONUS_OK;
+    }
+    draw_box(image, &layout.panel, 0.45 * layout.em, PANEL);
+    draw_frame(image, &layout.panel, 0.45 * layout.em, fmax(1, 0.06 * layout.em), RIM);
+    double y = layout.panel.top + PADDING * layout.em;
+    conus_status status = write_head(&layout, &y);
+    return status ? status : write_rows(&layout, y);
+}

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A panel in a corner of a picture that names what its colours mean. */
+#ifndef CONUS_RENDER_FLAT_LEGEND_H
+#define CONUS_RENDER_FLAT_LEGEND_H
+
+#include "render/flat/font.h"
+
+enum { LEGEND_DETAILS = 3 };
+
+struct legend_row {
+    uint8_t rgb[3]; /**< sRGB of the chip.                                                            */
+    bool hollow;    /**< Only the chip's outline: for what is no object.                              */
+    const char *name;
+    const char *detail[LEGEND_DETAILS]; /**< Right-aligned columns after the name; NULL = empty.      */
+};
+
+enum legend_corner { LEGEND_TOP_LEFT = 0, LEGEND_TOP_RIGHT, LEGEND_BOTTOM_LEFT, LEGEND_BOTTOM_RIGHT };
+
+struct legend {
+    const char *title;                   /**< NULL = none.                                            */
+    const char *subtitle;                /**< In grey below it; NULL = none.                          */
+    const char *heading[LEGEND_DETAILS]; /**< Of the detail columns; all NULL = no line of headings.  */
+    const struct legend_row *rows;
+    size_t count;
+    enum legend_corner corner;
+    double widest; /**< The part of the image's width that it may take, with its margin; 0 = 0.42.              */
+    double size;   /**< Of the letters, pixels per em; 0 = a 54th of the image's shorter side, at least 11.   */
+};
+
+/** Size of the letters that a legend of default size has in @p image: for other text to match. */
+double legend_size(const conus_image *image);
+
+/** Draws the panel onto R, G, B, A. It keeps within `widest` and the image's height: names that are too long
+ * end in an ellipsis, columns that do not fit are left out from the last on, and of too many rows the first are shown
+ * with a last line "... and N more". An image too small for one row stays as it is. */
+conus_status legend_draw(conus_image *image, struct font *font, const struct legend *legend);
+
+#endif

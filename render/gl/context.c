@@ -1,0 +1,300 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "render/gl/context.h"
+
+#include "base/memory.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { DEVICE_LIMIT = 32 };
+
+struct gl_context {
+    EGLDisplay display;
+    EGLContext context;
+    conus_log log;
+    void *log_user;
+    char renderer[128];
+};
+
+/* ---- What is current ---------------------------------------------------------------------------------------- */
+
+static void remember(struct gl_current *out)
+{
+    *out = (struct gl_current){eglGetCurrentDisplay(), eglGetCurrentSurface(EGL_DRAW), eglGetCurrentSurface(EGL_READ),
+                               eglGetCurrentContext(), eglQueryAPI()};
+}
+
+conus_status gl_context_use(struct gl_context *context, struct gl_current *previous)
+{
+    struct gl_current current;
+    remember(&current);
+    if (current.context != context->context) {
+        eglBindAPI(EGL_OPENGL_API);
+        if (!eglMakeCurrent(context->display, EGL_NO_SURFACE, EGL_NO_SURFACE, context->context)) {
+            unsigned error = (unsigned)eglGetError();
+            eglBindAPI(current.api);
+            return fail(CONUS_ERROR_GL,
+                        "OpenGL context cannot be made current (EGL error 0x%04x): it must not be in use on another "
+                        "thread, nor may a GLX context be current on this one",
+                        error);
+        }
+    }
+    *previous = current;
+    return CONUS_OK;
+}
+
+void gl_current_restore(const struct gl_current *previous)
+{
+    EGLContext ours = eglGetCurrentContext();
+    if (previous->context == ours) {
+        return;
+    }
+    if (previous->context == EGL_NO_CONTEXT) {
+        eglMakeCurrent(eglGetCurrentDisplay(), EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+        eglBindAPI(previous->api);
+        return;
+    }
+    eglBindAPI(previous->api);
+    eglMakeCurrent(previous->display, previous->draw, previous->read, previous->context);
+}
+
+/* ---- Creation ----------------------------------------------------------------------------------------------- */
+
+/* Why the last display was of no use; grows by one clause per try. */
+struct attempts {
+    char text[512];
+};
+
+static void note_attempt(struct attempts *attempts, const char *display, const char *reason)
+{
+    size_t used = strlen(attempts->text);
+    snprintf(attempts->text + used, sizeof attempts->text - used, "%s%s: %s", used ? "; " : "", display, reason);
+}
+
+static bool has_word(const char *words, const char *word)
+{
+    size_t length = strlen(word);
+    for (const char *at = words; at && (at = strstr(at, word)); at += length) {
+        if ((at == words || at[-1] == ' ') && (at[length] == ' ' || !at[length])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* epoxy ends the process when a library that it needs is missing, so look first. */
+static conus_status find_libraries(void)
+{
+    static const char *const needed[][2] = {{"libEGL.so.1", "libEGL.so.1"}, {"libOpenGL.so.0", "libGL.so.1"}};
+    for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++) {
+        void *library = dlopen(needed[i][0], RTLD_LAZY | RTLD_LOCAL);
+        library = library ? library : dlopen(needed[i][1], RTLD_LAZY | RTLD_LOCAL);
+        if (!library) {
+            return fail(
+                CONUS_ERROR_GL,
+                "no OpenGL 4.5 core context: %s cannot be loaded; needed are EGL and a driver (Debian: libegl1, "
+                "libopengl0, libgl1-mesa-dri), or use the rays engine",
+                needed[i][0]);
+        }
+        dlclose(library);
+    }
+    return CONUS_OK;
+}
+
+static void GLAPIENTRY receive_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
+                                       const GLchar *message, const void *user)
+{
+    (void)source, (void)id, (void)length;
+    const struct gl_context *context = user;
+    char line[512];
+    snprintf(line, sizeof line, "OpenGL %s%s: %s", type == GL_DEBUG_TYPE_ERROR ? "error" : "message",
+             severity == GL_DEBUG_SEVERITY_HIGH ? " (high severity)" : "", message);
+    for (char *at = line; *at; at++) {
+        *at = (unsigned char)*at < 0x20 ? ' ' : *at;
+    }
+    context->log(context->log_user, line);
+}
+
+/* With the new context current: what it is, and where its messages go. */
+static void describe(struct gl_context *context)
+{
+    const char *renderer = (const char *)glGetString(GL_RENDERER);
+    snprintf(context->renderer, sizeof context->renderer, "%s", renderer ? renderer : "unnamed renderer");
+    if (context->log) {
+        glEnable(GL_DEBUG_OUTPUT);
+        glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+        glDebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DEBUG_SEVERITY_NOTIFICATION, 0, NULL, GL_FALSE);
+        glDebugMessageCallback(receive_message, context);
+    }
+}
+
+static const char *egl_reason(char out[64], const char *what)
+{
+    snprintf(out, 64, "%s (EGL error 0x%04x)", what, (unsigned)eglGetError());
+    return out;
+}
+
+/* Fills context->display and ->context, or says why `display` does not do. */
+static bool open_display(struct gl_context *context, EGLDisplay display, const char *name, struct attempts *attempts)
+{
+    char reason[64];
+    if (display == EGL_NO_DISPLAY || !eglInitialize(display, NULL, NULL)) {
+        note_attempt(attempts, name, egl_reason(reason, "no display"));
+        return false;
+    }
+    const char *extensions = eglQueryString(display, EGL_EXTENSIONS);
+    if (!has_word(extensions, "EGL_KHR_surfaceless_context") || !has_word(extensions, "EGL_KHR_no_config_context") ||
+        !eglBindAPI(EGL_OPENGL_API)) {
+        note_attempt(attempts, name, "no OpenGL without a surface");
+        return false;
+    }
+    const EGLint wanted[] = {EGL_CONTEXT_MAJOR_VERSION,
+                             4,
+                             EGL_CONTEXT_MINOR_VERSION,
+                             5,
+                             EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                             EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                             EGL_CONTEXT_OPENGL_DEBUG,
+                             context->log ? EGL_TRUE : EGL_FALSE,
+                             EGL_NONE};
+    context->display = display;
+    context->context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, wanted);
+    if (context->context == EGL_NO_CONTEXT) {
+        note_attempt(attempts, name, egl_reason(reason, "no OpenGL 4.5 core context"));
+        return false;
+    }
+    return true;
+}
+
+/* Reads off what the context is. Mesa may promise a version that its override then takes back. */
+static bool is_usable(struct gl_context *context, const char *name, struct attempts *attempts)
+{
+    struct gl_current previous = {0};
+    char reason[64];
+    if (gl_context_use(context, &previous)) {
+        note_attempt(attempts, name, "cannot be made current");
+        return false;
+    }
+    int version = epoxy_gl_version();
+    if (version >= 45) {
+        describe(context);
+    } else {
+        snprintf(reason, sizeof reason, "only OpenGL %d.%d", version / 10, version % 10);
+        note_attempt(attempts, name, reason);
+    }
+    gl_current_restore(&previous);
+    return version >= 45;
+}
+
+static bool try_display(struct gl_context *context, EGLDisplay display, const char *name, struct attempts *attempts)
+{
+    if (!open_display(context, display, name, attempts)) {
+        return false;
+    }
+    if (is_usable(context, name, attempts)) {
+        return true;
+    }
+    eglDestroyContext(context->display, context->context);
+    context->context = EGL_NO_CONTEXT;
+    return false;
+}
+
+static bool try_devices(struct gl_context *context, bool software, struct attempts *attempts)
+{
+    EGLDeviceEXT devices[DEVICE_LIMIT];
+    EGLint count = 0;
+    if (!eglQueryDevicesEXT(DEVICE_LIMIT, devices, &count)) {
+        return false;
+    }
+    for (EGLint i = 0; i < count; i++) {
+        const char *extensions = eglQueryDeviceStringEXT(devices[i], EGL_EXTENSIONS);
+        if (has_word(extensions, "EGL_MESA_device_software") != software) {
+            continue;
+        }
+        char name[32];
+        snprintf(name, sizeof name, "EGL device %d", i);
+        if (try_display(context, eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], NULL), name, attempts)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool try_all(struct gl_context *context, struct attempts *attempts)
+{
+    const char *extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+    bool has_devices =
+        has_word(extensions, "EGL_EXT_platform_device") &&
+        (has_word(extensions, "EGL_EXT_device_base") || has_word(extensions, "EGL_EXT_device_enumeration"));
+    if (!has_devices) {
+        note_attempt(attempts, "EGL devices", "not offered");
+    } else if (try_devices(context, false, attempts) || try_devices(context, true, attempts)) {
+        return true;
+    }
+    if (!has_word(extensions, "EGL_MESA_platform_surfaceless")) {
+        note_attempt(attempts, "surfaceless", "not offered");
+        return false;
+    }
+    return try_display(context, eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL),
+                       "surfaceless", attempts);
+}
+
+conus_status gl_context_create(struct gl_context **out, conus_log log, void *log_user)
+{
+    conus_status status = find_libraries();
+    struct gl_context *context = status ? NULL : memory_zeroed(1, sizeof *context);
+    if (!context) {
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    context->log = log;
+    context->log_user = log_user;
+    struct attempts attempts = {0};
+    EGLenum api = eglQueryAPI();
+    bool found = try_all(context, &attempts);
+    eglBindAPI(api);
+    if (!found) {
+        memory_free(context);
+        return fail(
+            CONUS_ERROR_GL,
+            "no OpenGL 4.5 core context: a driver that has it is needed (a GPU's, or Mesa's libgl1-mesa-dri); tried %s",
+            attempts.text);
+    }
+    *out = context;
+    return CONUS_OK;
+}
+
+void gl_context_destroy(struct gl_context *context)
+{
+    if (!context) {
+        return;
+    }
+    if (eglGetCurrentContext() == context->context) {
+        eglMakeCurrent(context->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    }
+    eglDestroyContext(context->display, context->context);
+    memory_free(context);
+}
+
+const char *gl_context_renderer(const struct gl_context *context)
+{
+    return context->renderer;
+}
+
+bool gl_is_software(void)
+{
+    const char *renderer = (const char *)glGetString(GL_RENDERER);
+    return renderer && (strstr(renderer, "llvmpipe") || strstr(renderer, "softpipe"));
+}
+
+conus_status gl_check(const char *what)
+{
+    GLenum error = glGetError();
+    if (error == GL_NO_ERROR) {
+        return CONUS_OK;
+    }
+    for (int i = 0; i < 16 && glGetError() != GL_NO_ERROR; i++) { /* a lost context reports errors for ever */
+    }
+    return fail(CONUS_ERROR_GL, "OpenGL failed: %s (error 0x%04x%s)", what, error,
+                error == GL_OUT_OF_MEMORY ? ", out of memory" : "");
+}

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * An off-screen OpenGL 4.5 core context without a surface, from EGL: a device's display (hardware before software),
+ * else Mesa's surfaceless one. No GL library is loaded before gl_context_create() is called.
+ *
+ * EGL displays belong to the process (an application may use the same one), so they are initialised when needed and
+ * never terminated. */
+#ifndef CONUS_RENDER_GL_CONTEXT_H
+#define CONUS_RENDER_GL_CONTEXT_H
+
+#include "base/status.h"
+
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+
+struct gl_context;
+
+/** What was current on this thread, to be put back. */
+struct gl_current {
+    EGLDisplay display;
+    EGLSurface draw, read;
+    EGLContext context;
+    EGLenum api;
+};
+
+/** Makes a context; it is not current afterwards. What the driver has to say about our calls (KHR_debug) goes to
+ * @p log, one line each; NULL asks for no such messages. CONUS_ERROR_GL: the message says what was tried. */
+conus_status gl_context_create(struct gl_context **out, conus_log log, void *log_user);
+
+/** NULL is fine. GL objects made in the context go with it. */
+void gl_context_destroy(struct gl_context *context);
+
+/** Makes @p context current on this thread and remembers in @p previous what was. Pair with gl_current_restore(). */
+conus_status gl_context_use(struct gl_context *context, struct gl_current *previous);
+void gl_current_restore(const struct gl_current *previous);
+
+/** GL_RENDERER: "llvmpipe (LLVM 15.0.6, 256 bits)". */
+const char *gl_context_renderer(const struct gl_context *context);
+
+/** Whether the current context draws on the CPU: Mesa's llvmpipe or softpipe. */
+bool gl_is_software(void);
+
+/** CONUS_ERROR_GL, naming @p what, when GL has recorded an error in the current context since the last check. */
+conus_status gl_check(const char *what);
+
+#endif

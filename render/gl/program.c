@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "render/gl/program.h"
+
+#include "base/buffer.h"
+#include "base/text.h"
+#include "render/gl/context.h"
+#include "render/gl/shaders.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Lines of the n-th part of a text count from n * PART_LINES, by #line: compilers repeat those, while Mesa 22.3 loses
+ * the number of the source string. */
+enum { PART_PREAMBLE, PART_COMMON, PART_PASS, PART_LINES = 10000 };
+
+static void append_text(struct buffer *out, const struct program_source *source, const struct program_shader *shader)
+{
+    buffer_text(out, "#version 450 core\n");
+    for (size_t i = 0; i < source->define_count; i++) {
+        buffer_format(out, "#define %s %ld\n", source->defines[i].name, source->defines[i].value);
+    }
+    buffer_format(out, "#line %d\n%s\n#line %d\n%s", PART_COMMON * PART_LINES + 1, shader_common,
+                  PART_PASS * PART_LINES + 1, shader->text);
+}
+
+/* The first line of a log that tells of an error, else the first line. */
+static struct text worst_line(const char *log)
+{
+    struct text rest = text_from(log);
+    struct text first = {0};
+    struct text line;
+    while (text_line(&rest, &line)) {
+        first = first.data ? first : line;
+        char copy[256];
+        snprintf(copy, sizeof copy, "%.*s", (int)line.size, line.data);
+        if (strstr(copy, "error")) {
+            return line;
+        }
+    }
+    return first;
+}
+
+/* Compilers begin a line with "0:20017(5): " or "0(20017) : ": string and line. The words after that, or NULL. */
+static const char *find_place(const char *log_line, unsigned long *line)
+{
+    const char *at = log_line + strspn(log_line, "0123456789");
+    char *end = NULL;
+    *line = *at == ':' || *at == '(' ? strtoul(at + 1, &end, 10) : 0;
+    return *line / PART_LINES <= PART_PASS && end ? strchr(end, ':') : NULL;
+}
+
+static conus_status fail_to_compile(const char *file, const char *log)
+{
+    const char *const parts[] = {[PART_PREAMBLE] = "preamble", [PART_COMMON] = "common.glsl", [PART_PASS] = file};
+    char copy[512];
+    struct text worst = worst_line(log);
+    snprintf(copy, sizeof copy, "%.*s", (int)worst.size, worst.data ? worst.data : "");
+    unsigned long line = 0;
+    const char *words = find_place(copy, &line);
+    if (!words) {
+        return fail(CONUS_ERROR_GL, "shader %s: %s", file, copy);
+    }
+    return fail(CONUS_ERROR_GL, "shader %s:%lu%s", parts[line / PART_LINES], line % PART_LINES, words);
+}
+
+static conus_status compile(GLuint *out, GLenum stage, const struct program_source *source,
+                            const struct program_shader *shader)
+{
+    struct buffer text = {0};
+    append_text(&text, source, shader);
+    conus_status status = buffer_status(&text);
+    if (!status) {
+        GLuint object = glCreateShader(stage);
+        const GLchar *whole = text.data;
+        glShaderSource(object, 1, &whole, NULL);
+        glCompileShader(object);
+        GLint done = 0;
+        glGetShaderiv(object, GL_COMPILE_STATUS, &done);
+        if (done) {
+            *out = object;
+        } else {
+            char log[4096] = "";
+            glGetShaderInfoLog(object, sizeof log, NULL, log);
+            glDeleteShader(object);
+            status = fail_to_compile(shader->file, log);
+        }
+    }
+    buffer_finish(&text);
+    return status;
+}
+
+static conus_status link_program(GLuint program, const char *file)
+{
+    glLinkProgram(program);
+    GLint done = 0;
+    glGetProgramiv(program, GL_LINK_STATUS, &done);
+    if (done) {
+        return CONUS_OK;
+    }
+    char log[4096] = "";
+    glGetProgramInfoLog(program, sizeof log, NULL, log);
+    struct text line = worst_line(log);
+    return fail(CONUS_ERROR_GL, "shader %s does not link: %.*s", file, (int)line.size, line.data ? line.data : "");
+}
+
+conus_status program_create(GLuint *out, const struct program_source *source)
+{
+    const struct {
+        GLenum stage;
+        const struct program_shader *shader;
+    } stages[] = {{GL_VERTEX_SHADER, &source->vertex},
+                  {GL_FRAGMENT_SHADER, &source->fragment},
+                  {GL_COMPUTE_SHADER, &source->compute}};
+    GLuint program = glCreateProgram();
+    const char *last = "";
+    conus_status status = program ? CONUS_OK : fail(CONUS_ERROR_GL, "OpenGL makes no program");
+    for (size_t i = 0; i < sizeof stages / sizeof stages[0] && !status; i++) {
+        if (stages[i].shader->text) {
+            GLuint shader = 0;
+            last = stages[i].shader->file;
+            status = compile(&shader, stages[i].stage, source, stages[i].shader);
+            if (!status) {
+                glAttachShader(program, shader);
+                glDeleteShader(shader); /* lives on as long as the program */
+            }
+        }
+    }
+    status = status ? status : link_program(program, last);
+    if (status) {
+        glDeleteProgram(program);
+        return status;
+    }
+    *out = program;
+    return CONUS_OK;
+}
+
+GLint program_uniform(GLuint program, const char *name)
+{
+    GLint location = glGetUniformLocation(program, name);
+    assert(location >= 0);
+    return location;
+}

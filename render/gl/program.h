@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * GL programs out of embedded shaders. A shader's text is put together as
+ *
+ *     #version 450 core, defines | common.glsl | the pass's own file
+ *
+ * and a compiler's complaint names the .glsl file and the line in it. */
+#ifndef CONUS_RENDER_GL_PROGRAM_H
+#define CONUS_RENDER_GL_PROGRAM_H
+
+#include "base/status.h"
+
+#include <epoxy/gl.h>
+
+/** `#define name value`, so that shaders see the constants of C. */
+struct program_define {
+    const char *name;
+    long value;
+};
+
+struct program_shader {
+    const char *file; /**< "id.frag.glsl", for messages.               */
+    const char *text; /**< shader_id_frag.                             */
+};
+
+struct program_source {
+    struct program_shader vertex, fragment; /**< A compute program has neither text ...        */
+    struct program_shader compute;          /**< ... and this one; other programs have it zeroed. */
+    const struct program_define *defines;
+    size_t define_count;
+};
+
+/** Compiles and links in the current context. *out is the caller's to glDeleteProgram(). CONUS_ERROR_GL with the first
+ * line of the compiler's complaint. */
+conus_status program_create(GLuint *out, const struct program_source *source);
+
+/** Location of uniform @p name, which must be in use in @p program: to be called once, after creation. */
+GLint program_uniform(GLuint program, const char *name);
+
+#endif

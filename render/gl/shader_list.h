@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * A list that shaders append to: a storage buffer
+ *
+ *     layout(std430, binding = ...) restrict buffer List { uint count; uint unused; Record records[]; };
+ *
+ * in which a fragment takes the place atomicAdd(count, 1u) and writes its record if that is below records.length().
+ * A draw that had more to say than there was room is made again, with more room or for fewer pixels at once, so a list
+ * on the device stays small and yet none is too long. Needs a current context throughout. */
+#ifndef CONUS_RENDER_GL_SHADER_LIST_H
+#define CONUS_RENDER_GL_SHADER_LIST_H
+
+#include "base/status.h"
+
+#include <epoxy/gl.h>
+
+struct shader_list {
+    GLuint buffer;
+    size_t record_size; /**< Bytes. */
+    uint32_t room;      /**< Records that fit.                            */
+    uint32_t limit;     /**< And will at most.                            */
+    void *records;      /**< What was read; room for as many, or NULL.    */
+};
+
+/** One drawing into a list. Both functions get @p user. */
+struct shader_list_job {
+    GLuint binding;
+    /** Draws pixels number @p first to @p end - 1; nothing else may write to the list. */
+    conus_status (*draw)(void *user, uint32_t first, uint32_t end);
+    /** Takes what these pixels appended: any order, but that of each shader's own. */
+    conus_status (*take)(void *user, const void *records, uint32_t count);
+    void *user;
+    uint32_t pixels;    /**< Number of pixels.                                  */
+    uint32_t per_pixel; /**< No pixel appends more records; 0 = none does any.  */
+};
+
+/** An empty list of records of @p record_size bytes; @p first of them fit before it grows. */
+conus_status shader_list_init(struct shader_list *out, size_t record_size, uint32_t first);
+void shader_list_finish(struct shader_list *list);
+
+/** Draws and takes until all pixels are done. */
+conus_status shader_list_collect(struct shader_list *list, const struct shader_list_job *job);
+
+#endif

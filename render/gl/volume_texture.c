@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "render/gl/volume_texture.h"
+
+#include "render/gl/context.h"
+
+/* How GL calls a volume_texture_kind. */
+struct format {
+    GLenum internal, layout, type;
+    GLint filter;
+    size_t size;
+};
+
+static const struct format formats[] = {
+    [VOLUME_TEXTURE_UINT8] = {GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, GL_NEAREST, 1},
+    [VOLUME_TEXTURE_UINT16] = {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, GL_NEAREST, 2},
+    [VOLUME_TEXTURE_UINT32] = {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, GL_NEAREST, 4},
+    [VOLUME_TEXTURE_FLOAT] = {GL_R32F, GL_RED, GL_FLOAT, GL_LINEAR, 4},
+    [VOLUME_TEXTURE_BYTE4] = {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, GL_LINEAR, 4},
+};
+
+static conus_status check_size(const size_t dim[3], size_t texel, uint64_t memory_left, size_t *bytes)
+{
+    GLint limit = 0;
+    glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &limit);
+    for (int axis = 0; axis < 3; axis++) {
+        if (dim[axis] > (size_t)limit) {
+            return fail(CONUS_ERROR_GL, "volume of %zu x %zu x %zu voxels: this OpenGL driver allows %d along an edge",
+                        dim[0], dim[1], dim[2], limit);
+        }
+    }
+    *bytes = dim[0] * dim[1] * dim[2] * texel; /* fits: GL's limit is below 2^16 */
+    if (*bytes > memory_left) {
+        return fail(CONUS_ERROR_MEMORY,
+                    "texture of %zu x %zu x %zu voxels needs %zu bytes: %llu are left of the allowed memory", dim[0],
+                    dim[1], dim[2], *bytes, (unsigned long long)memory_left);
+    }
+    return CONUS_OK;
+}
+
+conus_status volume_texture_create(GLuint *out, enum volume_texture_kind kind, const size_t dim[3], const void *voxels,
+                                   uint64_t *memory_left)
+{
+    const struct format *format = &formats[kind];
+    size_t bytes = 0;
+    conus_status status = check_size(dim, format->size, *memory_left, &bytes);
+    if (status) {
+        return status;
+    }
+    GLuint texture = 0;
+    GLsizei width = (GLsizei)dim[0], height = (GLsizei)dim[1], depth = (GLsizei)dim[2];
+    glCreateTextures(GL_TEXTURE_3D, 1, &texture);
+    glTextureStorage3D(texture, 1, format->internal, width, height, depth);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glTextureSubImage3D(texture, 0, 0, 0, 0, width, height, depth, format->layout, format->type, voxels);
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, format->filter);
+    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, format->filter);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_R, GL_CLAMP_TO_EDGE);
+    status = gl_check("volume texture");
+    if (status) {
+        glDeleteTextures(1, &texture);
+        return status;
+    }
+    *memory_left -= bytes;
+    *out = texture;
+    return CONUS_OK;
+}

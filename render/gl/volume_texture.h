@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Voxels as a 3-D texture: texel (i, j, k) is voxel (i, j, k). */
+#ifndef CONUS_RENDER_GL_VOLUME_TEXTURE_H
+#define CONUS_RENDER_GL_VOLUME_TEXTURE_H
+
+#include "base/status.h"
+
+#include <epoxy/gl.h>
+
+enum volume_texture_kind {
+    VOLUME_TEXTURE_UINT8 = 1, /**< R8UI; integers are never filtered. */
+    VOLUME_TEXTURE_UINT16,    /**< R16UI */
+    VOLUME_TEXTURE_UINT32,    /**< R32UI */
+    VOLUME_TEXTURE_FLOAT,     /**< R32F, trilinear between voxel centres, clamped to the edge. */
+    VOLUME_TEXTURE_BYTE4      /**< RGBA8, likewise.                                            */
+};
+
+/** Uploads @p voxels (i fastest) in the current context. *out is the caller's to glDeleteTextures(). @p memory_left is
+ * what may still be used, in bytes; this texture's size is taken off it. Errors: CONUS_ERROR_MEMORY above that,
+ * CONUS_ERROR_GL when an edge is longer than the driver allows or the driver has no memory. */
+conus_status volume_texture_create(GLuint *out, enum volume_texture_kind kind, const size_t dim[3], const void *voxels,
+                                   uint64_t *memory_left);
+
+#endif

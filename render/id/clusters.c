@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "render/id/clusters.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+
+#include <assert.h>
+
+#define NO_VERTEX UINT32_MAX
+
+/* Three times the middle of a triangle, and its number. */
+struct middle {
+    float at[3];
+    uint32_t triangle;
+};
+
+/* Scratch space for the largest mesh. */
+struct scratch {
+    struct middle *middles;
+    uint32_t *vertex_of; /* a mesh's vertex -> one of its numbers when drawn */
+};
+
+/* ---- Neighbours ----------------------------------------------------------------------------------------------- */
+
+static int longest_axis(const struct middle *middles, size_t count)
+{
+    float low[3] = {INFINITY, INFINITY, INFINITY};
+    float high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t i = 0; i < count; i++) {
+        for (int a = 0; a < 3; a++) {
+            low[a] = fminf(low[a], middles[i].at[a]);
+            high[a] = fmaxf(high[a], middles[i].at[a]);
+        }
+    }
+    int axis = 0;
+    for (int a = 1; a < 3; a++) {
+        axis = high[a] - low[a] > high[axis] - low[axis] ? a : axis;
+    }
+    return axis;
+}
+
+static void swap(struct middle *a, struct middle *b)
+{
+    struct middle kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
+/* Hoare's selection: afterwards the `part` lowest along the axis come first. */
+static void select_lowest(struct middle *middles, size_t count, size_t part, int axis)
+{
+    size_t low = 0;
+    size_t high = count - 1;
+    while (low < high) {
+        float pivot = middles[low + (high - low) / 2].at[axis];
+        size_t i = low;
+        size_t j = high;
+        while (true) {
+            while (middles[i].at[axis] < pivot) {
+                i++;
+            }
+            while (middles[j].at[axis] > pivot) {
+                j--;
+            }
+            if (i >= j) {
+                break;
+            }
+            swap(&middles[i++], &middles[j--]);
+        }
+        if (part <= j) {
+            high = j;
+        } else {
+            low = j + 1;
+        }
+    }
+}
+
+/* Orders the triangles so that each CLUSTER_TRIANGLES in a row are neighbours. */
+static void gather_neighbours(struct middle *middles, size_t count)
+{
+    while (count > CLUSTER_TRIANGLES) {
+        size_t parts = (count + CLUSTER_TRIANGLES - 1) / CLUSTER_TRIANGLES;
+        size_t half = parts / 2 * CLUSTER_TRIANGLES;
+        select_lowest(middles, count, half, longest_axis(middles, count));
+        gather_neighbours(middles, half);
+        middles += half;
+        count -= half;
+    }
+}
+
+static void find_middles(struct middle *out, const struct mesh *mesh)
+{
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        const uint32_t *corner = &mesh->triangles[3 * i];
+        out[i].triangle = (uint32_t)i;
+        for (size_t a = 0; a < 3; a++) {
+            out[i].at[a] = mesh->positions[3 * (size_t)corner[0] + a] + mesh->positions[3 * (size_t)corner[1] + a] +
+                           mesh->positions[3 * (size_t)corner[2] + a];
+        }
+    }
+}
+
+/* ---- Balls ---------------------------------------------------------------------------------------------------- */
+
+static const float *corner_position(const struct clusters *clusters, size_t corner)
+{
+    return &clusters->positions[3 * (size_t)clusters->corners[corner]];
+}
+
+/* Round the middle of the bounds of the triangles drawn as first, first + 1, ... */
+static void find_ball(double centre[3], double *radius, const struct clusters *clusters, size_t first, size_t count)
+{
+    double low[3] = {INFINITY, INFINITY, INFINITY};
+    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t k = 3 * first; k < 3 * (first + count); k++) {
+        for (int a = 0; a < 3; a++) {
+            low[a] = fmin(low[a], (double)corner_position(clusters, k)[a]);
+            high[a] = fmax(high[a], (double)corner_position(clusters, k)[a]);
+        }
+    }
+    double farthest = 0;
+    for (int a = 0; a < 3; a++) {
+        centre[a] = (low[a] + high[a]) / 2;
+    }
+    for (size_t k = 3 * first; k < 3 * (first + count); k++) {
+        const float *p = corner_position(clusters, k);
+        const double offset[3] = {(double)p[0] - centre[0], (double)p[1] - centre[1], (double)p[2] - centre[2]};
+        farthest = fmax(farthest, vec3_dot(offset, offset));
+    }
+    *radius = sqrt(farthest) * (1 + 1e-12);
+}
+
+/* ---- Layout --------------------------------------------------------------------------------------------------- */
+
+static uint32_t new_vertex(struct clusters *clusters, const struct mesh *mesh, uint32_t vertex, size_t number)
+{
+    for (size_t a = 0; a < 3; a++) {
+        clusters->positions[3 * number + a] = mesh->positions[3 * (size_t)vertex + a];
+    }
+    return (uint32_t)number;
+}
+
+/* The corner that becomes the last: one whose vertex has not been drawn yet, if there is one. */
+static size_t choose_last(const uint32_t *corner, const uint32_t *vertex_of)
+{
+    for (size_t k = 0; k < 3; k++) {
+        if (vertex_of[corner[k]] == NO_VERTEX) {
+            return k;
+        }
+    }
+    return 2;
+}
+
+/* Lays out a mesh from triangle number `first` on; vertices beyond one per triangle go behind them all. */
+static void lay_out(struct clusters *clusters, const struct mesh *mesh, const struct scratch *scratch, size_t first)
+{
+    for (size_t v = 0; v < mesh->vertex_count; v++) {
+        scratch->vertex_of[v] = NO_VERTEX;
+    }
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        uint32_t triangle = scratch->middles[i].triangle;
+        const uint32_t *corner = &mesh->triangles[3 * (size_t)triangle];
+        size_t last = choose_last(corner, scratch->vertex_of);
+        clusters->triangle[first + i] = triangle;
+        for (size_t k = 0; k < 3; k++) { /* still the mesh's vertices; turned, not mirrored */
+            clusters->corners[3 * (first + i) + k] = corner[(last + 1 + k) % 3];
+        }
+        scratch->vertex_of[corner[last]] = new_vertex(clusters, mesh, corner[last], first + i);
+    }
+    for (size_t i = first; i < first + mesh->triangle_count; i++) {
+        uint32_t *corner = &clusters->corners[3 * i];
+        for (size_t k = 0; k < 2; k++) {
+            uint32_t *number = &scratch->vertex_of[corner[k]];
+            *number = *number == NO_VERTEX ? new_vertex(clusters, mesh, corner[k], clusters->vertex_count++) : *number;
+            corner[k] = *number;
+        }
+        corner[2] = (uint32_t)i;
+    }
+}
+
+static void add_clusters(struct clusters *clusters, size_t mesh, uint32_t object, size_t first, size_t count)
+{
+    size_t next = clusters->first_cluster[mesh];
+    double centre[3];
+    find_ball(centre, &clusters->ball[3][mesh], clusters, first, count);
+    for (int a = 0; a < 3; a++) {
+        clusters->ball[a][mesh] = centre[a];
+    }
+    for (size_t at = 0; at < count; at += CLUSTER_TRIANGLES) {
+        struct cluster *cluster = &clusters->cluster[next++];
+        size_t size = count - at < CLUSTER_TRIANGLES ? count - at : CLUSTER_TRIANGLES;
+        find_ball(cluster->centre, &cluster->radius, clusters, first + at, size);
+        cluster->first = (uint32_t)(first + at);
+        cluster->count = (uint32_t)size;
+        cluster->object = object;
+    }
+    clusters->first_cluster[mesh + 1] = next;
+}
+
+/* ---- All of it ------------------------------------------------------------------------------------------------ */
+
+struct sizes {
+    size_t meshes, clusters, triangles, vertices;
+    size_t most_triangles, most_vertices; /* of one mesh */
+};
+
+static struct sizes add_up(const struct mesh *const *meshes, size_t count)
+{
+    struct sizes sizes = {0};
+    for (size_t i = 0; i < count; i++) {
+        const struct mesh *mesh = meshes[i];
+        if (mesh) {
+            sizes.meshes++;
+            sizes.clusters += (mesh->triangle_count + CLUSTER_TRIANGLES - 1) / CLUSTER_TRIANGLES;
+            sizes.triangles += mesh->triangle_count;
+            sizes.vertices += mesh->triangle_count + mesh->vertex_count; /* at most */
+            sizes.most_triangles =
+                mesh->triangle_count > sizes.most_triangles ? mesh->triangle_count : sizes.most_triangles;
+            sizes.most_vertices = mesh->vertex_count > sizes.most_vertices ? mesh->vertex_count : sizes.most_vertices;
+        }
+    }
+    return sizes;
+}
+
+static conus_status reserve(struct clusters *clusters, struct scratch *scratch, const struct sizes *sizes)
+{
+    if (sizes->vertices > INT32_MAX) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "%zu triangles: the gl engine takes up to 1e9", sizes->triangles);
+    }
+    bool done = true;
+    for (int k = 0; k < 4; k++) {
+        clusters->ball[k] = memory_raw(sizes->meshes, sizeof *clusters->ball[k]);
+        done = done && clusters->ball[k];
+    }
+    clusters->first_cluster = memory_zeroed(sizes->meshes + 1, sizeof *clusters->first_cluster);
+    clusters->cluster = memory_raw(sizes->clusters, sizeof *clusters->cluster);
+    clusters->triangle = memory_raw(sizes->triangles, sizeof *clusters->triangle);
+    clusters->positions = memory_raw(sizes->vertices, 3 * sizeof *clusters->positions);
+    clusters->corners = memory_raw(sizes->triangles, 3 * sizeof *clusters->corners);
+    scratch->middles = memory_raw(sizes->most_triangles, sizeof *scratch->middles);
+    scratch->vertex_of = memory_raw(sizes->most_vertices, sizeof *scratch->vertex_of);
+    return done && clusters->first_cluster && clusters->cluster && clusters->triangle && clusters->positions &&
+                   clusters->corners && scratch->middles && scratch->vertex_of
+               ? CONUS_OK
+               : CONUS_ERROR_MEMORY;
+}
+
+conus_status clusters_init(struct clusters *out, const struct mesh *const *meshes, size_t count)
+{
+    struct clusters clusters = {0};
+    struct scratch scratch = {0};
+    struct sizes sizes = add_up(meshes, count);
+    conus_status status = reserve(&clusters, &scratch, &sizes);
+    clusters.vertex_count = sizes.triangles;
+    for (size_t i = 0; i < count && !status; i++) {
+        if (meshes[i]) {
+            find_middles(scratch.middles, meshes[i]);
+            gather_neighbours(scratch.middles, meshes[i]->triangle_count);
+            lay_out(&clusters, meshes[i], &scratch, clusters.triangle_count);
+            add_clusters(&clusters, clusters.mesh_count++, (uint32_t)i + 1, clusters.triangle_count,
+                         meshes[i]->triangle_count);
+            clusters.triangle_count += meshes[i]->triangle_count;
+        }
+    }
+    memory_free(scratch.middles);
+    memory_free(scratch.vertex_of);
+    if (status) {
+        clusters_finish(&clusters);
+        return status;
+    }
+    *out = clusters;
+    return CONUS_OK;
+}
+
+void clusters_finish(struct clusters *clusters)
+{
+    for (int k = 0; k < 4; k++) {
+        memory_free(clusters->ball[k]);
+    }
+    memory_free(clusters->first_cluster);
+    memory_free(clusters->cluster);
+    memory_free(clusters->triangle);
+    clusters_drop_triangles(clusters);
+    *clusters = (struct clusters){0};
+}
+
+void clusters_drop_triangles(struct clusters *clusters)
+{
+    memory_free(clusters->positions);
+    memory_free(clusters->corners);
+    clusters->positions = NULL;
+    clusters->corners = NULL;
+}
+
+const struct cluster *clusters_find(const struct clusters *clusters, uint32_t triangle)
+{
+    size_t end = clusters->first_cluster[clusters->mesh_count];
+    size_t low = triangle / CLUSTER_TRIANGLES; /* not beyond it, and seldom far before it */
+    size_t step = 1;
+    assert(triangle < clusters->triangle_count);
+    for (; end - low > step && clusters->cluster[low + step].first <= triangle; step *= 2) {
+        low += step;
+    }
+    size_t high = end - low > step ? low + step : end;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (clusters->cluster[middle].first <= triangle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return &clusters->cluster[low];
+}

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * Meshes cut into clusters of neighbouring triangles, so that what a view cannot show is left out in one test, and laid
+ * out for drawing without a draw call, an attribute or a query per triangle: a triangle's last corner is a vertex of
+ * its own, whose number is the triangle's. */
+#ifndef CONUS_RENDER_ID_CLUSTERS_H
+#define CONUS_RENDER_ID_CLUSTERS_H
+
+#include "atlas/surface/mesh.h"
+
+enum { CLUSTER_TRIANGLES = 16 };
+
+/** At most CLUSTER_TRIANGLES neighbours of one mesh and a ball around them. */
+struct cluster {
+    double centre[3], radius;
+    uint32_t first, count; /**< Triangles in drawing order. */
+    uint32_t object;
+};
+
+struct clusters {
+    size_t mesh_count;
+    double *ball[4];         /**< [mesh_count] each: x, y, z and radius of a ball around the mesh.            */
+    size_t *first_cluster;   /**< [mesh_count + 1]                                                            */
+    struct cluster *cluster; /**< By `first`.                                                                 */
+    size_t triangle_count;
+    uint32_t *triangle; /**< [triangle_count] number in its mesh, by drawing order.                           */
+    size_t vertex_count;
+    float *positions;  /**< [vertex_count][3]; NULL once dropped.                                             */
+    uint32_t *corners; /**< [triangle_count][3] vertices; the last one's number is the triangle's; likewise.  */
+};
+
+/** Object number k is meshes[k - 1]; NULL = it is no mesh. */
+conus_status clusters_init(struct clusters *out, const struct mesh *const *meshes, size_t count);
+void clusters_finish(struct clusters *clusters);
+
+/** Frees positions and corners, which a driver has a copy of. */
+void clusters_drop_triangles(struct clusters *clusters);
+
+/** The cluster of the triangle that is drawn as number @p triangle. */
+const struct cluster *clusters_find(const struct clusters *clusters, uint32_t triangle);
+
+#endif

@@ -1,0 +1,310 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "render/id/id_pass.h"
+
+#include "base/memory.h"
+#include "render/gl/context.h"
+#include "render/gl/program.h"
+#include "render/gl/shader_list.h"
+#include "render/gl/shaders.h"
+#include "render/gl/volume_texture.h"
+
+#include <assert.h>
+#include <string.h>
+
+enum { OBJECTS_UNIT, LEAP_UNIT, IDENTIFIER_UNIT, RAY_UNIT };
+enum { OUT_BUFFER };
+enum { GROUP = 64, FIRST_PIECES = 1024, RAY_TEXELS = sizeof(struct id_ray) / 16 };
+
+/* What a program does with a ray: the first contact, also if it is nearer than what is known, or all layers. */
+enum id_kind { FIRST, LATER, PIERCE, KIND_COUNT };
+
+struct id_program {
+    GLuint program;
+    GLint range;
+    GLint first_cell, last_cell; /* not with slices */
+};
+
+struct id_volume {
+    GLuint objects, leaps; /* no leaps with slices */
+    int first[3], last[3];
+    size_t dim[3];
+};
+
+struct id_pass {
+    conus_sampling sampling;
+    struct id_program programs[KIND_COUNT]; /* made when they are needed for the first time */
+    GLuint identifier_buffer, ray_buffer, hit_buffer;
+    GLuint identifiers, ray_texels; /* through which shaders see the first two */
+    struct shader_list pieces;      /* of struct id_piece */
+    struct id_volume *volumes;
+    size_t volume_count;
+    size_t looks; /* since id_pass_begin() */
+    uint32_t ray_count;
+    uint32_t room; /* rays for which there is */
+    struct id_ray *rays;
+    struct id_hit *hits;
+};
+
+static conus_status create_program(struct id_program *out, conus_sampling sampling, enum id_kind kind)
+{
+    const struct program_define defines[] = {
+        {"SLICES", sampling == CONUS_SLICES}, {"MERGE", kind == LATER},
+        {"PIERCE", kind == PIERCE},           {"GROUP", GROUP},
+        {"OBJECTS_UNIT", OBJECTS_UNIT},       {"LEAP_UNIT", LEAP_UNIT},
+        {"IDENTIFIER_UNIT", IDENTIFIER_UNIT}, {"RAY_UNIT", RAY_UNIT},
+        {"OUT_BUFFER", OUT_BUFFER},
+    };
+    const struct program_source source = {.compute = {"id.comp.glsl", shader_id_comp},
+                                          .defines = defines,
+                                          .define_count = sizeof defines / sizeof defines[0]};
+    GLuint program = 0;
+    conus_status status = program_create(&program, &source);
+    if (!status) {
+        bool leaps = sampling == CONUS_EXACT;
+        *out = (struct id_program){program, program_uniform(program, "range"),
+                                   leaps ? program_uniform(program, "first_cell") : -1,
+                                   leaps ? program_uniform(program, "last_cell") : -1};
+    }
+    return status;
+}
+
+static conus_status need_program(struct id_pass *pass, enum id_kind kind)
+{
+    struct id_program *program = &pass->programs[kind];
+    return program->program ? CONUS_OK : create_program(program, pass->sampling, kind);
+}
+
+conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const uint32_t *identifiers,
+                            size_t identifier_count)
+{
+    static_assert(sizeof(struct id_ray) == 80 && sizeof(struct id_hit) == 24, "the shader's structs");
+    struct id_pass *pass = memory_zeroed(1, sizeof *pass);
+    if (!pass) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->sampling = sampling;
+    conus_status status = need_program(pass, FIRST);
+    if (!status) {
+        glCreateBuffers(1, &pass->ray_buffer);
+        glCreateBuffers(1, &pass->hit_buffer);
+        glCreateBuffers(1, &pass->identifier_buffer);
+        glNamedBufferStorage(pass->identifier_buffer, (GLsizeiptr)(identifier_count * sizeof *identifiers), identifiers,
+                             0);
+        glCreateTextures(GL_TEXTURE_BUFFER, 1, &pass->identifiers);
+        glTextureBuffer(pass->identifiers, GL_R32UI, pass->identifier_buffer);
+        glCreateTextures(GL_TEXTURE_BUFFER, 1, &pass->ray_texels);
+        status = gl_check("identifiers");
+    }
+    if (status) {
+        id_pass_destroy(pass);
+        return status;
+    }
+    *out = pass;
+    return CONUS_OK;
+}
+
+static void drop_rays(struct id_pass *pass)
+{
+    memory_free(pass->rays);
+    memory_free(pass->hits);
+    pass->rays = NULL;
+    pass->hits = NULL;
+    pass->room = 0;
+}
+
+void id_pass_destroy(struct id_pass *pass)
+{
+    if (!pass) {
+        return;
+    }
+    drop_rays(pass);
+    for (size_t i = 0; i < pass->volume_count; i++) {
+        glDeleteTextures(1, &pass->volumes[i].objects);
+        glDeleteTextures(1, &pass->volumes[i].leaps);
+    }
+    memory_free(pass->volumes);
+    const GLuint buffers[] = {pass->identifier_buffer, pass->ray_buffer, pass->hit_buffer};
+    const GLuint textures[] = {pass->identifiers, pass->ray_texels};
+    glDeleteTextures(2, textures);
+    glDeleteBuffers(3, buffers);
+    for (int kind = 0; kind < KIND_COUNT; kind++) {
+        glDeleteProgram(pass->programs[kind].program);
+    }
+    shader_list_finish(&pass->pieces);
+    memory_free(pass);
+}
+
+/* ---- Volumes ------------------------------------------------------------------------------------------------ */
+
+static conus_status upload(struct id_volume *out, const struct volume *volume, const struct id_leaps *leaps,
+                           conus_sampling sampling, uint64_t *memory_left)
+{
+    struct id_volume made = {0};
+    const size_t *dim = volume->info.dim;
+    enum volume_texture_kind kind = volume->objects16 ? VOLUME_TEXTURE_UINT16 : VOLUME_TEXTURE_UINT32;
+    const void *objects = volume->objects16 ? (const void *)volume->objects16 : volume->objects32;
+    conus_status status = volume_texture_create(&made.objects, kind, dim, objects, memory_left);
+    if (!status && sampling == CONUS_EXACT) {
+        status = volume_texture_create(&made.leaps, VOLUME_TEXTURE_UINT8, dim, leaps->codes, memory_left);
+        memcpy(made.first, leaps->first, sizeof made.first);
+        memcpy(made.last, leaps->last, sizeof made.last);
+    }
+    if (status) {
+        glDeleteTextures(1, &made.objects);
+        return status;
+    }
+    memcpy(made.dim, dim, sizeof made.dim);
+    *out = made;
+    return CONUS_OK;
+}
+
+conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, const struct id_leaps *leaps,
+                                uint64_t *memory_left)
+{
+    struct id_volume *volumes = memory_resize(pass->volumes, pass->volume_count + 1, sizeof *volumes);
+    if (!volumes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->volumes = volumes;
+    conus_status status = CONUS_OK;
+    if (pass->volume_count == 1) {
+        status = need_program(pass, LATER);
+    }
+    if (!status) {
+        status = upload(&volumes[pass->volume_count], volume, leaps, pass->sampling, memory_left);
+    }
+    pass->volume_count += !status;
+    return status;
+}
+
+/* ---- A look ------------------------------------------------------------------------------------------------- */
+
+static conus_status make_room(struct id_pass *pass, uint32_t rays)
+{
+    GLint limit = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
+    if (rays > (uint32_t)limit / RAY_TEXELS) {
+        return fail(CONUS_ERROR_GL, "%u rays at once: this OpenGL driver allows %d", rays, limit / RAY_TEXELS);
+    }
+    drop_rays(pass);
+    pass->rays = memory_raw(rays, sizeof *pass->rays);
+    pass->hits = memory_raw(rays, sizeof *pass->hits);
+    if (!pass->rays || !pass->hits) {
+        drop_rays(pass);
+        return CONUS_ERROR_MEMORY;
+    }
+    glNamedBufferData(pass->ray_buffer, (GLsizeiptr)(rays * sizeof *pass->rays), NULL, GL_STREAM_DRAW);
+    glNamedBufferData(pass->hit_buffer, (GLsizeiptr)(rays * sizeof *pass->hits), NULL, GL_STREAM_READ);
+    glTextureBuffer(pass->ray_texels, GL_RGBA32UI, pass->ray_buffer);
+    conus_status status = gl_check("rays");
+    if (status) {
+        drop_rays(pass);
+        return status;
+    }
+    pass->room = rays;
+    return CONUS_OK;
+}
+
+conus_status id_pass_begin(struct id_pass *pass, uint32_t rays)
+{
+    conus_status status = rays > pass->room ? make_room(pass, rays) : CONUS_OK;
+    pass->ray_count = status ? 0 : rays;
+    pass->looks = 0;
+    return status;
+}
+
+struct id_ray *id_pass_rays(struct id_pass *pass)
+{
+    return pass->rays;
+}
+
+static void upload_rays(const struct id_pass *pass)
+{
+    glNamedBufferSubData(pass->ray_buffer, 0, (GLsizeiptr)(pass->ray_count * sizeof *pass->rays), pass->rays);
+}
+
+/* Walks rays number `first` to `end` - 1 through a volume. */
+static void dispatch(const struct id_pass *pass, enum id_kind kind, const struct id_volume *volume, uint32_t first,
+                     uint32_t end)
+{
+    const struct id_program *program = &pass->programs[kind];
+    glBindTextureUnit(OBJECTS_UNIT, volume->objects);
+    glBindTextureUnit(LEAP_UNIT, volume->leaps);
+    glBindTextureUnit(IDENTIFIER_UNIT, pass->identifiers);
+    glBindTextureUnit(RAY_UNIT, pass->ray_texels);
+    glUseProgram(program->program);
+    glUniform3iv(program->first_cell, 1, volume->first);
+    glUniform3iv(program->last_cell, 1, volume->last);
+    glUniform2i(program->range, (GLint)first, (GLint)end);
+    glDispatchCompute((end - first + GROUP - 1) / GROUP, 1, 1);
+}
+
+conus_status id_pass_look(struct id_pass *pass, size_t volume)
+{
+    assert(volume < pass->volume_count && pass->ray_count);
+    upload_rays(pass);
+    if (pass->looks) {
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); /* what was met before is now read */
+    }
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, OUT_BUFFER, pass->hit_buffer);
+    dispatch(pass, pass->looks ? LATER : FIRST, &pass->volumes[volume], 0, pass->ray_count);
+    pass->looks++;
+    return gl_check("ID pass");
+}
+
+conus_status id_pass_read(struct id_pass *pass, const struct id_hit **out)
+{
+    assert(pass->looks);
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glGetNamedBufferSubData(pass->hit_buffer, 0, (GLsizeiptr)(pass->ray_count * sizeof *pass->hits), pass->hits);
+    conus_status status = gl_check("reading the ID pass");
+    if (!status) {
+        *out = pass->hits;
+    }
+    return status;
+}
+
+/* ---- All layers ----------------------------------------------------------------------------------------------- */
+
+struct piercing {
+    struct id_pass *pass;
+    size_t volume;
+    id_pass_take take;
+    void *user;
+};
+
+static conus_status append_pieces(void *user, uint32_t first, uint32_t end)
+{
+    const struct piercing *piercing = user;
+    dispatch(piercing->pass, PIERCE, &piercing->pass->volumes[piercing->volume], first, end);
+    return gl_check("ID pass of all layers");
+}
+
+static conus_status take_pieces(void *user, const void *records, uint32_t count)
+{
+    const struct piercing *piercing = user;
+    return piercing->take(piercing->user, records, count);
+}
+
+conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take take, void *user)
+{
+    assert(volume < pass->volume_count && pass->ray_count && pass->sampling == CONUS_EXACT);
+    static_assert(sizeof(struct id_piece) == 40, "the shader's Piece");
+    struct piercing piercing = {pass, volume, take, user};
+    conus_status status = need_program(pass, PIERCE);
+    if (!status && !pass->pieces.buffer) {
+        status = shader_list_init(&pass->pieces, sizeof(struct id_piece), FIRST_PIECES);
+    }
+    if (status) {
+        return status;
+    }
+    const size_t *dim = pass->volumes[volume].dim;
+    const struct shader_list_job job = {.binding = OUT_BUFFER,
+                                        .draw = append_pieces,
+                                        .take = take_pieces,
+                                        .user = &piercing,
+                                        .pixels = pass->ray_count,
+                                        .per_pixel = (uint32_t)(dim[0] + dim[1] + dim[2])}; /* cells of any ray */
+    upload_rays(pass);
+    return shader_list_collect(&pass->pieces, &job);
+}

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The ID pass: which object each of many rays meets first. The rays are those of the pixels of as many cones as one
+ * likes, so a block of cones is one dispatch per volume and one readback. Needs a current context throughout. One look
+ * is: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_look(); id_pass_read(). For all layers:
+ * id_pass_begin(); for each volume fill id_pass_rays() and id_pass_pierce(). */
+#ifndef CONUS_RENDER_ID_ID_PASS_H
+#define CONUS_RENDER_ID_ID_PASS_H
+
+#include "atlas/volume.h"
+#include "render/id/slices.h"
+
+struct id_pass;
+
+/** A ray in a volume's index space, per mm; with exact sampling, on an axis along which it does not move, origin is the
+ * centre of its cell, direction 0 and inverse infinity. Neighbours should be neighbours in the list: they are walked in
+ * step. */
+struct id_ray {
+    double origin[3], direction[3];
+    union {
+        double inverse[3]; /**< Exact sampling.                                     */
+        struct {
+            double start, spacing, count; /**< Its cone's struct slices.              */
+            double per_depth;             /**< 1 / cosine to the view axis: mm along the ray per mm of depth. */
+        } planes;                         /**< CONUS_SLICES.                                      */
+    };
+};
+
+/** What a ray met first. */
+struct id_hit {
+    double distance;     /**< mm along the ray, exact; INFINITY = nothing.    */
+    uint32_t identifier; /**< 0 = nothing.                                    */
+    uint32_t cell[3];    /**< Indices of the voxel.                           */
+};
+
+/** A piece of a ray: a run of cells that are known by one identifier (Eq. 10). */
+struct id_piece {
+    uint32_t ray, identifier;
+    double entry, exit; /**< mm along the ray, exact.          */
+    uint32_t cell[3];   /**< Indices of its first voxel.       */
+};
+
+/** @p identifiers[k] is what object number k is known by, the last one also what VOLUME_BLOCKER is known by; 0 makes it
+ * invisible. */
+conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const uint32_t *identifiers,
+                            size_t identifier_count);
+/** NULL is fine. */
+void id_pass_destroy(struct id_pass *pass);
+
+/** How far a volume is empty. */
+struct id_leaps {
+    const uint8_t *codes;  /**< [voxels] 0 where the voxel holds an object; else 1 + r, where no voxel that differs from
+                              it  by at most r in every index does.                                       */
+    int first[3], last[3]; /**< The box of the voxels with objects; last below first where there are none. */
+};
+
+/** Uploads the objects of @p volume, which is number 0, 1, ... by the order of these calls; takes the textures' size
+ * off @p memory_left. */
+conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, const struct id_leaps *leaps,
+                                uint64_t *memory_left);
+
+/** Makes ready for @p rays rays, at least 1. */
+conus_status id_pass_begin(struct id_pass *pass, uint32_t rays);
+
+/** The rays, to be filled in before each volume. */
+struct id_ray *id_pass_rays(struct id_pass *pass);
+
+/** Looks along the rays at volume number @p volume: its cells (Eq. 5) or, with CONUS_SLICES, on the rays' planes (Eq.
+ * 7). What lies nearer stays; of equally near objects the one with the lower identifier. */
+conus_status id_pass_look(struct id_pass *pass, size_t volume);
+
+/** What each ray met, after at least one look; borrowed until the next id_pass_begin(). */
+conus_status id_pass_read(struct id_pass *pass, const struct id_hit **out);
+
+/** Takes @p count pieces in any order, but those of one ray as they lie along it. */
+typedef conus_status (*id_pass_take)(void *user, const struct id_piece *pieces, uint32_t count);
+
+/** Hands to @p take, in portions, all pieces of the rays in volume number @p volume, whatever hides them. Not for
+ * CONUS_SLICES. */
+conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take take, void *user);
+
+#endif

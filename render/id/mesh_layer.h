@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The meshes of an atlas as a camera sees them: which object covers a pixel, its depth and its normal. The colour pass
+ * lights them and lets its rays end there. Needs a current context throughout. */
+#ifndef CONUS_RENDER_ID_MESH_LAYER_H
+#define CONUS_RENDER_ID_MESH_LAYER_H
+
+#include "atlas/atlas.h"
+#include "render/gl/camera.h"
+#include "render/gl/target.h"
+
+struct mesh_layer;
+
+/** Uploads the meshes of @p atlas, of which there must be some. Takes their size off @p memory_left. */
+conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas, uint64_t *memory_left);
+/** NULL is fine. */
+void mesh_layer_destroy(struct mesh_layer *layer);
+
+/** Takes over which meshes are hidden in the atlas now. */
+void mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atlas);
+
+struct mesh_layer_view {
+    const struct camera *camera;
+    uint32_t width, height;
+    double shift[2]; /**< Of the rays from the pixels' centres, in pixels, right and up. */
+};
+
+/** Draws into textures of its own; its framebuffer stays bound. */
+conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_view *view);
+
+/** RGBA32F: the normal on the side that is seen, in world axes, and the depth along the view axis in mm; 0 = nothing.
+ */
+GLuint mesh_layer_surface(const struct mesh_layer *layer);
+/** R32UI: the object's number. */
+GLuint mesh_layer_object(const struct mesh_layer *layer);
+
+#endif

@@ -1,0 +1,576 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "render/id/mesh_pass.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+#include "render/gl/context.h"
+#include "render/gl/program.h"
+#include "render/gl/shader_list.h"
+#include "render/gl/shaders.h"
+#include "render/gl/target.h"
+
+#include <string.h>
+
+enum { POSITION_UNIT, CORNER_UNIT };
+enum { PIXEL_BUFFER, HIT_BUFFER };
+enum { FIRST_ROOM = 6, ROOM_STEP = 8 };
+/* Triangles. On a GPU each batch is waited for; on the CPU waiting costs nothing, so fewer are drawn that batches
+ * before them hide. */
+enum { BATCH = 4096, SOFTWARE_BATCH = 1024, PIERCE_BATCH = 65536, FIRST_HITS = 1024 };
+
+/* llvmpipe keeps triangles until it rasterises, in memory that it gives back to the system afterwards: thousands of
+ * them cost it two to three times as much each as hundreds, by page faults. So it is told to begin after that many. */
+enum { SOFTWARE_PORTION = 1024 };
+
+/* Looks are under way side by side as long as what they are culled with takes no more than so many bytes, and are drawn
+ * and read at once as long as their pixels do not. */
+enum { SLOT_LIMIT = 256, SLOT_MEMORY = 1 << 28, PIXEL_MEMORY = 1 << 24 };
+
+/* A look under way. */
+struct slot {
+    const struct mesh_look *look;
+    struct mesh_cull *cull;
+    const uint32_t *batch; /* clusters, borrowed from cull; count 0 = all of the last batch is settled */
+    size_t count;
+    uint32_t attempts; /* drawings of it without enough room */
+    uint32_t most;     /* triangles that one pixel had to note */
+};
+
+/* Uniforms that a program has not are -1, which GL ignores. */
+struct mesh_program {
+    GLuint program;
+    GLint apex, device_from_world, parallel, resolution;
+    GLint direction_from_place, origin_from_place, first_pixel; /* of `first` only */
+    GLint pixels;                                               /* of `all` only   */
+};
+
+struct mesh_pass {
+    const struct mesh *const *meshes; /* a copy of the caller's array, by object */
+    struct clusters clusters;
+    struct slot slots[SLOT_LIMIT]; /* the first slot_count have a cull; one always has */
+    size_t slot_count, slot_limit;
+    size_t batch, portion;          /* triangles that are settled, and that are drawn, at once */
+    struct mesh_program first, all; /* all: made when it is needed for the first time */
+    GLuint vertices, position_buffer, corner_buffer, positions, corners;
+    struct target target; /* without pixels: what is drawn goes to the buffer */
+    GLuint pixel_buffer;
+    uint32_t *pixels;   /* [pixel_slots n n][2 + room]: the shader's nearest, count and triangles */
+    size_t pixel_slots; /* that many are drawn and read at once */
+    uint32_t room;      /* triangles that a pixel can note in one batch */
+    GLsizei *draw_counts;
+    const void **draw_offsets;
+    struct shader_list hits; /* of pixel and triangle */
+};
+
+/* ---- Creation ------------------------------------------------------------------------------------------------- */
+
+static conus_status create_program(struct mesh_program *out, const struct program_shader *fragment, uint32_t room)
+{
+    const struct program_define defines[] = {{"ROOM", room},
+                                             {"PIXEL_BUFFER", PIXEL_BUFFER},
+                                             {"HIT_BUFFER", HIT_BUFFER},
+                                             {"POSITION_UNIT", POSITION_UNIT},
+                                             {"CORNER_UNIT", CORNER_UNIT}};
+    const struct program_source source = {.vertex = {"mesh_id.vert.glsl", shader_mesh_id_vert},
+                                          .fragment = *fragment,
+                                          .defines = defines,
+                                          .define_count = sizeof defines / sizeof defines[0]};
+    GLuint program = 0;
+    conus_status status = program_create(&program, &source);
+    if (status) {
+        return status;
+    }
+    out->program = program;
+    out->apex = program_uniform(program, "apex");
+    out->device_from_world = program_uniform(program, "device_from_world");
+    out->parallel = program_uniform(program, "parallel");
+    out->resolution = program_uniform(program, "resolution");
+    return CONUS_OK;
+}
+
+/* The program of the first triangle, with room for so many in every pixel. */
+static conus_status create_first(struct mesh_pass *pass, uint32_t room)
+{
+    const struct program_shader fragment = {"mesh_id.frag.glsl", shader_mesh_id_frag};
+    struct mesh_program first = {.pixels = -1};
+    conus_status status = create_program(&first, &fragment, room);
+    if (status) {
+        return status;
+    }
+    first.direction_from_place = program_uniform(first.program, "direction_from_place");
+    first.origin_from_place = program_uniform(first.program, "origin_from_place");
+    first.first_pixel = program_uniform(first.program, "first_pixel");
+    glDeleteProgram(pass->first.program);
+    pass->first = first;
+    pass->room = room;
+    return CONUS_OK;
+}
+
+/* That of all of them, and its list. */
+static conus_status create_all(struct mesh_pass *pass)
+{
+    const struct program_shader fragment = {"mesh_hits.frag.glsl", shader_mesh_hits_frag};
+    struct mesh_program all = {.direction_from_place = -1, .origin_from_place = -1, .first_pixel = -1};
+    conus_status status = shader_list_init(&pass->hits, 2 * sizeof(uint32_t), FIRST_HITS);
+    status = status ? status : create_program(&all, &fragment, 0);
+    if (status) {
+        shader_list_finish(&pass->hits);
+        return status;
+    }
+    all.pixels = program_uniform(all.program, "pixels");
+    pass->all = all;
+    return CONUS_OK;
+}
+
+static conus_status check_size(const struct clusters *clusters, uint64_t *memory_left)
+{
+    GLint limit = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
+    uint64_t size = (clusters->vertex_count + clusters->triangle_count) * UINT64_C(12);
+    if (clusters->vertex_count > (size_t)limit) {
+        return fail(CONUS_ERROR_GL, "meshes of %zu triangles: this driver allows some %d", clusters->triangle_count,
+                    limit);
+    }
+    if (size > *memory_left) {
+        return fail(CONUS_ERROR_MEMORY, "meshes of %zu triangles: %llu bytes, allowed are %llu more",
+                    clusters->triangle_count, (unsigned long long)size, (unsigned long long)*memory_left);
+    }
+    *memory_left -= size;
+    return CONUS_OK;
+}
+
+/* A buffer, and the texture through which shaders see it. */
+static void upload(GLuint *buffer, GLuint *texture, GLenum format, const void *data, size_t size)
+{
+    glCreateBuffers(1, buffer);
+    glNamedBufferStorage(*buffer, (GLsizeiptr)size, data, 0);
+    glCreateTextures(GL_TEXTURE_BUFFER, 1, texture);
+    glTextureBuffer(*texture, format, *buffer);
+}
+
+/* Uploads the triangles; afterwards only the driver has them. */
+static conus_status upload_triangles(struct mesh_pass *pass, uint64_t *memory_left)
+{
+    struct clusters *clusters = &pass->clusters;
+    conus_status status = check_size(clusters, memory_left);
+    if (status) {
+        return status;
+    }
+    upload(&pass->position_buffer, &pass->positions, GL_RGB32F, clusters->positions,
+           clusters->vertex_count * 3 * sizeof *clusters->positions);
+    upload(&pass->corner_buffer, &pass->corners, GL_RGB32UI, clusters->corners,
+           clusters->triangle_count * 3 * sizeof *clusters->corners);
+    glCreateBuffers(1, &pass->pixel_buffer);
+    glCreateVertexArrays(1, &pass->vertices);
+    glVertexArrayVertexBuffer(pass->vertices, 0, pass->position_buffer, 0, 3 * sizeof *clusters->positions);
+    glVertexArrayElementBuffer(pass->vertices, pass->corner_buffer);
+    glVertexArrayAttribFormat(pass->vertices, 0, 3, GL_FLOAT, GL_FALSE, 0);
+    glVertexArrayAttribBinding(pass->vertices, 0, 0);
+    glEnableVertexArrayAttrib(pass->vertices, 0);
+    clusters_drop_triangles(clusters);
+    return gl_check("meshes");
+}
+
+/* Makes slots for @p wanted looks, or as many as may be. */
+static conus_status make_slots(struct mesh_pass *pass, size_t wanted)
+{
+    conus_status status = CONUS_OK;
+    while (pass->slot_count < wanted && pass->slot_count < pass->slot_limit && !status) {
+        status = mesh_cull_create(&pass->slots[pass->slot_count].cull, &pass->clusters);
+        pass->slot_count += !status;
+    }
+    return status;
+}
+
+static conus_status reserve(struct mesh_pass *pass, const struct mesh *const *meshes, size_t count)
+{
+    const struct mesh **copy = memory_raw(count, sizeof(void *));
+    if (!copy) {
+        return CONUS_ERROR_MEMORY;
+    }
+    memcpy(copy, meshes, count * sizeof(void *));
+    pass->meshes = copy;
+    pass->batch = gl_is_software() ? SOFTWARE_BATCH : BATCH;
+    pass->portion = gl_is_software() ? SOFTWARE_PORTION : SIZE_MAX;
+    conus_status status = clusters_init(&pass->clusters, meshes, count);
+    if (!status) {
+        size_t fitting = SLOT_MEMORY / mesh_cull_size(&pass->clusters);
+        pass->slot_limit = fitting < 1 ? 1 : fitting < SLOT_LIMIT ? fitting : SLOT_LIMIT;
+        status = make_slots(pass, 1);
+    }
+    if (!status) {
+        size_t clusters = pass->clusters.first_cluster[pass->clusters.mesh_count];
+        pass->draw_counts = memory_raw(clusters, sizeof *pass->draw_counts);
+        pass->draw_offsets = memory_raw(clusters, sizeof *pass->draw_offsets);
+        status = pass->draw_counts && pass->draw_offsets ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    return status;
+}
+
+conus_status mesh_pass_create(struct mesh_pass **out, const struct mesh *const *meshes, size_t count,
+                              uint64_t *memory_left)
+{
+    struct mesh_pass *pass = memory_zeroed(1, sizeof *pass);
+    if (!pass) {
+        return CONUS_ERROR_MEMORY;
+    }
+    conus_status status = reserve(pass, meshes, count);
+    status = status ? status : create_first(pass, FIRST_ROOM);
+    status = status ? status : upload_triangles(pass, memory_left);
+    if (status) {
+        mesh_pass_destroy(pass);
+        return status;
+    }
+    *out = pass;
+    return CONUS_OK;
+}
+
+void mesh_pass_destroy(struct mesh_pass *pass)
+{
+    if (!pass) {
+        return;
+    }
+    const GLuint buffers[] = {pass->position_buffer, pass->corner_buffer, pass->pixel_buffer};
+    const GLuint textures[] = {pass->positions, pass->corners};
+    glDeleteTextures(2, textures);
+    glDeleteBuffers(3, buffers);
+    glDeleteVertexArrays(1, &pass->vertices);
+    glDeleteProgram(pass->first.program);
+    glDeleteProgram(pass->all.program);
+    target_finish(&pass->target);
+    shader_list_finish(&pass->hits);
+    for (size_t i = 0; i < pass->slot_count; i++) {
+        mesh_cull_destroy(pass->slots[i].cull);
+    }
+    clusters_finish(&pass->clusters);
+    memory_free((void *)pass->meshes);
+    memory_free(pass->pixels);
+    memory_free(pass->draw_counts);
+    memory_free(pass->draw_offsets);
+    memory_free(pass);
+}
+
+/* ---- Pixels --------------------------------------------------------------------------------------------------- */
+
+static size_t pixel_count(const struct mesh_pass *pass)
+{
+    return (size_t)pass->target.width * pass->target.height;
+}
+
+/* Of the slot that is number `place` of those that are drawn at once. */
+static uint32_t *pixel_at(const struct mesh_pass *pass, size_t place, size_t pixel)
+{
+    return pass->pixels + (place * pixel_count(pass) + pixel) * (2 + (size_t)pass->room);
+}
+
+/* Bytes of the pixels of so many slots. */
+static size_t pixels_size(const struct mesh_pass *pass, size_t slots)
+{
+    return slots * pixel_count(pass) * (2 + (size_t)pass->room) * sizeof *pass->pixels;
+}
+
+/* Pixels of so many slots, or as many as may be. */
+static conus_status make_pixels(struct mesh_pass *pass, size_t slots)
+{
+    size_t fitting = PIXEL_MEMORY / pixels_size(pass, 1);
+    slots = slots < fitting ? slots : fitting < 1 ? 1 : fitting;
+    if (slots == pass->pixel_slots) {
+        return CONUS_OK;
+    }
+    pass->pixel_slots = 0;
+    memory_free(pass->pixels);
+    pass->pixels = memory_raw(1, pixels_size(pass, slots));
+    if (!pass->pixels) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->pixel_slots = slots;
+    glNamedBufferData(pass->pixel_buffer, (GLsizeiptr)pixels_size(pass, slots), NULL, GL_STREAM_READ);
+    return gl_check("pixels");
+}
+
+static conus_status resize(struct mesh_pass *pass, uint32_t resolution)
+{
+    if (pass->target.width == resolution) {
+        return CONUS_OK;
+    }
+    pass->pixel_slots = 0;
+    target_finish(&pass->target);
+    return target_init(&pass->target, resolution, resolution, NULL, 0);
+}
+
+/* Room for @p count triangles in every pixel. */
+static conus_status make_room(struct mesh_pass *pass, uint32_t count)
+{
+    uint32_t room = (count + 2 + ROOM_STEP - 1) / ROOM_STEP * ROOM_STEP - 2;
+    size_t slots = pass->pixel_slots;
+    conus_status status = create_first(pass, room);
+    pass->pixel_slots = 0; /* those are too small */
+    return status ? status : make_pixels(pass, slots);
+}
+
+/* Nothing noted yet; what is known to be farther than `distances` need not be. */
+static void clear_pixels(const struct mesh_pass *pass, size_t place, const double *distances)
+{
+    for (size_t i = 0; i < pixel_count(pass); i++) {
+        float nearest = (float)distances[i];
+        memcpy(pixel_at(pass, place, i), &nearest, sizeof nearest);
+        pixel_at(pass, place, i)[1] = 0;
+    }
+}
+
+/* Waits for the drawing. */
+static conus_status read_pixels(const struct mesh_pass *pass, size_t slots)
+{
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glFinish();
+    glGetNamedBufferSubData(pass->pixel_buffer, 0, (GLsizeiptr)pixels_size(pass, slots), pass->pixels);
+    return gl_check("mesh ID pass");
+}
+
+/* Eq. 9: nearest first; of equally near ones the lower object, then the lower triangle. */
+static void weigh(const struct mesh_pass *pass, const struct mesh_pixels *pixels, size_t pixel, uint32_t drawn)
+{
+    uint32_t object = clusters_find(&pass->clusters, drawn)->object;
+    uint64_t triangle = pass->clusters.triangle[drawn];
+    const struct mesh *mesh = pass->meshes[object - 1];
+    double t = mesh_distance(mesh, (size_t)triangle, pixels->origins[pixel], pixels->directions[pixel]);
+    double known = pixels->distances[pixel];
+    uint32_t holder = pixels->objects[pixel];
+    bool wins_tie = object < holder || (object == holder && triangle < pixels->triangles[pixel]);
+    if (t >= 0 && (t < known || (t <= known && wins_tie))) {
+        pixels->objects[pixel] = object;
+        pixels->distances[pixel] = t;
+        pixels->triangles[pixel] = triangle;
+    }
+}
+
+/* Weighs what the driver noted in the pixels at a place, and keeps the most that one of them had to note. */
+static void settle(const struct mesh_pass *pass, struct slot *slot, size_t place)
+{
+    slot->most = 0;
+    for (size_t i = 0; i < pixel_count(pass); i++) {
+        const uint32_t *pixel = pixel_at(pass, place, i);
+        uint32_t count = pixel[1];
+        slot->most = count > slot->most ? count : slot->most;
+        for (uint32_t k = 0; k < count && k < pass->room; k++) {
+            weigh(pass, &slot->look->pixels, i, pixel[2 + k]);
+        }
+    }
+}
+
+/* ---- A look --------------------------------------------------------------------------------------------------- */
+
+static void use_program(const struct mesh_program *program, const struct mesh_view *view)
+{
+    const double *m = view->world_from_device;
+    bool parallel = view->radius > 0;
+    double width = parallel ? view->radius : view->slope; /* half the buffer's edge, at depth 1 */
+    double narrow[9], wide[9], sideways[6];
+    for (int a = 0; a < 3; a++) {
+        narrow[a] = m[a] / width;
+        narrow[3 + a] = m[4 + a] / width;
+        wide[a] = m[a] * view->slope;
+        wide[3 + a] = m[4 + a] * view->slope;
+        narrow[6 + a] = wide[6 + a] = -m[8 + a];
+        sideways[a] = m[a] * view->radius;
+        sideways[3 + a] = m[4 + a] * view->radius;
+    }
+    glUseProgram(program->program);
+    glUniform3dv(program->apex, 1, m + 12);
+    glUniformMatrix3dv(program->device_from_world, 1, GL_TRUE, narrow);
+    glUniform1i(program->parallel, parallel);
+    glUniformMatrix3dv(program->direction_from_place, 1, GL_FALSE, wide);
+    glUniformMatrix2x3dv(program->origin_from_place, 1, GL_FALSE, sideways);
+    glUniform1i(program->resolution, (GLint)view->resolution);
+}
+
+/* Draws with the program in use. */
+static void draw(const struct mesh_pass *pass, const uint32_t *batch, size_t count)
+{
+    target_bind(&pass->target);
+    glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
+    glBindTextureUnit(POSITION_UNIT, pass->positions);
+    glBindTextureUnit(CORNER_UNIT, pass->corners);
+    glBindVertexArray(pass->vertices);
+    for (size_t i = 0, portion; i < count; i += portion) {
+        size_t triangles = 0;
+        for (portion = 0; i + portion < count && triangles < pass->portion; portion++) {
+            const struct cluster *cluster = &pass->clusters.cluster[batch[i + portion]];
+            pass->draw_counts[portion] = (GLsizei)(3 * cluster->count);
+            pass->draw_offsets[portion] = (const void *)((uintptr_t)cluster->first * 3 * sizeof(uint32_t));
+            triangles += cluster->count;
+        }
+        glMultiDrawElements(GL_TRIANGLES, pass->draw_counts, GL_UNSIGNED_INT, pass->draw_offsets, (GLsizei)portion);
+        if (pass->portion < SIZE_MAX) {
+            glFlush();
+        }
+    }
+}
+
+/* Looks that are still to be begun. */
+struct queue {
+    const struct mesh_look *next, *end;
+};
+
+/* Gives the slot its look's next batch, or the first one of the next look; false when there is none. */
+static bool feed(struct slot *slot, struct queue *queue, size_t batch)
+{
+    while (!slot->count && (slot->look || queue->next < queue->end)) {
+        if (!slot->look) {
+            slot->look = queue->next++;
+            mesh_cull_begin(slot->cull, &slot->look->view);
+        }
+        mesh_cull_hide(slot->cull, slot->look->pixels.distances);
+        slot->count = mesh_cull_batch(&slot->batch, slot->cull, batch);
+        slot->attempts = 0;
+        slot->look = slot->count ? slot->look : NULL;
+    }
+    return slot->count > 0;
+}
+
+/* Feeds the slots and returns how many are under way: they come to be the first ones. */
+static size_t feed_all(struct mesh_pass *pass, size_t slots, struct queue *queue)
+{
+    for (size_t i = 0; i < slots;) {
+        if (feed(&pass->slots[i], queue, pass->batch)) {
+            i++;
+        } else {
+            struct slot idle = pass->slots[i];
+            pass->slots[i] = pass->slots[--slots];
+            pass->slots[slots] = idle;
+        }
+    }
+    return slots;
+}
+
+/* Draws the slots' batches and reads what they show. */
+static conus_status draw_batches(struct mesh_pass *pass, const struct slot *slots, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        clear_pixels(pass, i, slots[i].look->pixels.distances);
+    }
+    glNamedBufferSubData(pass->pixel_buffer, 0, (GLsizeiptr)pixels_size(pass, count), pass->pixels);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PIXEL_BUFFER, pass->pixel_buffer);
+    for (size_t i = 0; i < count; i++) {
+        use_program(&pass->first, &slots[i].look->view);
+        glUniform1i(pass->first.first_pixel, (GLint)(i * pixel_count(pass)));
+        draw(pass, slots[i].batch, slots[i].count);
+    }
+    return read_pixels(pass, count);
+}
+
+/* A batch is drawn again where a pixel had to note more triangles than it has room for: what is known by then leaves
+ * most of them out, and if that is not enough there is more room. */
+static conus_status settle_batches(struct mesh_pass *pass, struct slot *slots, size_t count)
+{
+    uint32_t wanted = 0;
+    for (size_t i = 0; i < count; i++) {
+        settle(pass, &slots[i], i);
+        if (slots[i].most <= pass->room) {
+            slots[i].count = 0;
+        } else if (++slots[i].attempts > 1 && slots[i].most > wanted) {
+            wanted = slots[i].most;
+        }
+    }
+    return wanted ? make_room(pass, wanted) : CONUS_OK;
+}
+
+/* One batch of each of the first `count` slots. */
+static conus_status take_round(struct mesh_pass *pass, size_t count)
+{
+    conus_status status = CONUS_OK;
+    for (size_t first = 0, together; first < count && !status; first += together) {
+        together = count - first < pass->pixel_slots ? count - first : pass->pixel_slots;
+        status = draw_batches(pass, &pass->slots[first], together);
+        status = status ? status : settle_batches(pass, &pass->slots[first], together);
+    }
+    return status;
+}
+
+conus_status mesh_pass_look(struct mesh_pass *pass, const struct mesh_look *looks, size_t count)
+{
+    struct queue queue = {looks, looks + count};
+    conus_status status = count ? resize(pass, looks->view.resolution) : CONUS_OK;
+    status = status ? status : make_slots(pass, count);
+    size_t slots = count < pass->slot_count ? count : pass->slot_count;
+    if (!status && pass->pixel_slots < slots) {
+        status = make_pixels(pass, slots);
+    }
+    for (size_t i = 0; i < slots; i++) { /* whatever a look that failed left behind */
+        pass->slots[i].look = NULL;
+        pass->slots[i].count = 0;
+    }
+    while (!status && (slots = feed_all(pass, slots, &queue)) > 0) {
+        status = take_round(pass, slots);
+    }
+    return status;
+}
+
+/* ---- All layers ----------------------------------------------------------------------------------------------- */
+
+struct piercing {
+    struct mesh_pass *pass;
+    const struct mesh_view *view;
+    const uint32_t *batch; /* clusters */
+    size_t count;
+    mesh_pass_take take;
+    void *user;
+};
+
+static conus_status draw_hits(void *user, uint32_t first, uint32_t end)
+{
+    const struct piercing *piercing = user;
+    const struct mesh_program *all = &piercing->pass->all;
+    use_program(all, piercing->view);
+    glUniform2i(all->pixels, (GLint)first, (GLint)end);
+    draw(piercing->pass, piercing->batch, piercing->count);
+    return gl_check("mesh pass of all layers");
+}
+
+static conus_status take_hits(void *user, const void *records, uint32_t count)
+{
+    const struct piercing *piercing = user;
+    const struct clusters *clusters = &piercing->pass->clusters;
+    const uint32_t(*record)[2] = (const uint32_t(*)[2])records;
+    conus_status status = CONUS_OK;
+    for (uint32_t i = 0; i < count && !status; i++) {
+        uint32_t drawn = record[i][1];
+        const struct mesh_pass_hit hit = {record[i][0], clusters_find(clusters, drawn)->object,
+                                          clusters->triangle[drawn]};
+        status = piercing->take(piercing->user, &hit);
+    }
+    return status;
+}
+
+static uint32_t count_triangles(const struct piercing *piercing)
+{
+    uint32_t count = 0;
+    for (size_t i = 0; i < piercing->count; i++) {
+        count += piercing->pass->clusters.cluster[piercing->batch[i]].count;
+    }
+    return count;
+}
+
+conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *view, mesh_pass_take take, void *user)
+{
+    struct piercing piercing = {.pass = pass, .view = view, .count = 1, .take = take, .user = user};
+    uint32_t pixels = view->resolution * view->resolution;
+    size_t countable = UINT32_MAX / pixels - CLUSTER_TRIANGLES; /* at once for all pixels, see shader_list.h */
+    size_t triangles = countable < PIERCE_BATCH ? countable : PIERCE_BATCH;
+    conus_status status = pass->all.program ? CONUS_OK : create_all(pass);
+    status = status ? status : resize(pass, view->resolution);
+    struct mesh_cull *cull = pass->slots[0].cull;
+    mesh_cull_begin(cull, view);
+    mesh_cull_hide(cull, NULL);
+    while (piercing.count && !status) {
+        piercing.count = mesh_cull_batch(&piercing.batch, cull, triangles);
+        const struct shader_list_job job = {.binding = HIT_BUFFER,
+                                            .draw = draw_hits,
+                                            .take = take_hits,
+                                            .user = &piercing,
+                                            .pixels = pixels,
+                                            .per_pixel = count_triangles(&piercing)};
+        status = shader_list_collect(&pass->hits, &job);
+    }
+    return status;
+}

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The mesh ID pass (Eq. 9): which triangle each pixel of n x n buffers meets first. Needs a current context throughout.
+ *
+ * Clusters of triangles are drawn front to back in batches (mesh_cull.h), each batch with one call; the driver proposes
+ * the triangles that cover a pixel's centre and are the nearest within rounding, and mesh_distance() settles in double
+ * precision which of them is: nearest first; of equally near ones that of the lower object, then the lower triangle.
+ *
+ * Many looks are answered side by side, in rounds: in each, every look that is under way draws its next batch, and all
+ * of them are read back at once. What a look draws, and where on the driver's grid, does not depend on its neighbours.
+ */
+#ifndef CONUS_RENDER_ID_MESH_PASS_H
+#define CONUS_RENDER_ID_MESH_PASS_H
+
+#include "render/id/mesh_cull.h"
+
+struct mesh_pass;
+
+/** What each pixel's ray has met so far; bottom row first, [n n] each. */
+struct mesh_pixels {
+    const double (*origins)[3];    /**< In the world, those of the view's pixels.              */
+    const double (*directions)[3]; /**< Unit vectors in the world, likewise.                   */
+    uint32_t *objects;             /**< In and out: 0 = none.                                  */
+    double *distances;             /**< In and out: mm; INFINITY = none.                       */
+    uint64_t *triangles;           /**< Out, where a mesh is met first.                        */
+};
+
+/** One look. */
+struct mesh_look {
+    struct mesh_view view;
+    struct mesh_pixels pixels;
+};
+
+/** A triangle that covers a pixel's centre. */
+struct mesh_pass_hit {
+    uint32_t pixel, object;
+    uint32_t triangle; /**< Of the object's mesh. */
+};
+
+/** Takes hits in any order. */
+typedef conus_status (*mesh_pass_take)(void *user, const struct mesh_pass_hit *hit);
+
+/** Uploads meshes, which must outlive the pass; object number k is meshes[k - 1], NULL = it is none. Takes their size
+ * on the device off @p memory_left. */
+conus_status mesh_pass_create(struct mesh_pass **out, const struct mesh *const *meshes, size_t count,
+                              uint64_t *memory_left);
+/** NULL is fine. */
+void mesh_pass_destroy(struct mesh_pass *pass);
+
+/** Adds to what the pixels of @p count looks, all of one resolution, have met what they meet of the meshes, if that is
+ * nearer. */
+conus_status mesh_pass_look(struct mesh_pass *pass, const struct mesh_look *looks, size_t count);
+
+/** Hands to @p take every triangle that covers a pixel's centre, whatever hides it (Eq. 10); in the view of a cylinder
+ * those behind the device, too. Nothing is settled: where a ray meets a triangle says mesh_distance(). */
+conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *view, mesh_pass_take take, void *user);
+
+#endif

@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "render/image/image.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+conus_status image_create(conus_image **out, uint32_t width, uint32_t height)
+{
+    if (width < 1 || height < 1 || width > IMAGE_MAX_SIDE || height > IMAGE_MAX_SIDE) {
+        return fail(CONUS_ERROR_DATA, "image of %u x %u pixels, allowed are 1 to %u each", width, height,
+                    IMAGE_MAX_SIDE);
+    }
+    conus_image *image = memory_zeroed(1, sizeof *image);
+    if (!image) {
+        return CONUS_ERROR_MEMORY;
+    }
+    image->width = width;
+    image->height = height;
+    *out = image;
+    return CONUS_OK;
+}
+
+void conus_image_destroy(conus_image *image)
+{
+    if (!image) {
+        return;
+    }
+    for (size_t i = 0; i < image->channel_count; i++) {
+        memory_free(image->channels[i].floats);
+    }
+    for (size_t i = 0; i < image->attribute_count; i++) {
+        memory_free(image->attributes[i].name);
+        memory_free(image->attributes[i].text);
+    }
+    memory_free(image->channels);
+    memory_free(image->attributes);
+    memory_free(image->png_rgba);
+    memory_free(image);
+}
+
+static conus_status check_channel(const conus_image *image, const char *name)
+{
+    size_t length = strlen(name);
+    if (!length || length >= sizeof image->channels->name) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "channel name %.64s of %zu bytes, allowed are 1 to %zu", name, length,
+                    sizeof image->channels->name - 1);
+    }
+    if (image_find(image, name)) {
+        return fail(CONUS_ERROR_DATA, "two channels called %s", name);
+    }
+    uint64_t bytes = (uint64_t)image->width * image->height * sizeof(float);
+    if (bytes * (image->channel_count + 1) > IMAGE_MAX_BYTES) {
+        return fail(CONUS_ERROR_MEMORY, "image of %u x %u pixels and more than %zu channels, allowed are %llu bytes",
+                    image->width, image->height, image->channel_count, (unsigned long long)IMAGE_MAX_BYTES);
+    }
+    return CONUS_OK;
+}
+
+conus_status image_add_channel(conus_image *image, const char *name, enum image_type type, struct image_channel **out)
+{
+    conus_status status = check_channel(image, name);
+    if (status) {
+        return status;
+    }
+    struct image_channel *channels = memory_resize(image->channels, image->channel_count + 1, sizeof *channels);
+    if (!channels) {
+        return CONUS_ERROR_MEMORY;
+    }
+    image->channels = channels;
+    struct image_channel channel = {.type = type,
+                                    .floats = memory_zeroed((size_t)image->width * image->height, sizeof(float))};
+    if (!channel.floats) {
+        return CONUS_ERROR_MEMORY;
+    }
+    snprintf(channel.name, sizeof channel.name, "%s", name);
+    channels[image->channel_count] = channel;
+    if (out) {
+        *out = &channels[image->channel_count];
+    }
+    image->channel_count++;
+    return CONUS_OK;
+}
+
+conus_status image_create_rgba(conus_image **out, uint32_t width, uint32_t height)
+{
+    conus_image *image = NULL;
+    conus_status status = image_create(&image, width, height);
+    for (const char *name = "RGBA"; !status && *name; name++) {
+        status = image_add_channel(image, (char[]){*name, '\0'}, IMAGE_FLOAT, NULL);
+    }
+    if (status) {
+        conus_image_destroy(image);
+        return status;
+    }
+    *out = image;
+    return CONUS_OK;
+}
+
+static struct image_attribute *find_attribute(const conus_image *image, const char *name)
+{
+    for (size_t i = 0; i < image->attribute_count; i++) {
+        if (strcmp(image->attributes[i].name, name) == 0) {
+            return &image->attributes[i];
+        }
+    }
+    return NULL;
+}
+
+const struct image_attribute *image_find_attribute(const conus_image *image, const char *name)
+{
+    return find_attribute(image, name);
+}
+
+/* The attribute called `name`, put in as an empty one if it is new. */
+static struct image_attribute *attribute_at(conus_image *image, const char *name)
+{
+    struct image_attribute *attribute = find_attribute(image, name);
+    if (attribute) {
+        return attribute;
+    }
+    struct image_attribute *attributes =
+        memory_resize(image->attributes, image->attribute_count + 1, sizeof *attributes);
+    char *copy = attributes ? memory_text(name, strlen(name)) : NULL;
+    image->attributes = attributes ? attributes : image->attributes;
+    if (!copy) {
+        return NULL;
+    }
+    attributes[image->attribute_count] = (struct image_attribute){.name = copy};
+    return &attributes[image->attribute_count++];
+}
+
+conus_status image_add_text(conus_image *image, const char *name, const char *text)
+{
+    char *copy = memory_text(text, strlen(text));
+    struct image_attribute *attribute = copy ? attribute_at(image, name) : NULL;
+    if (!attribute) {
+        memory_free(copy);
+        return CONUS_ERROR_MEMORY;
+    }
+    memory_free(attribute->text);
+    attribute->text = copy;
+    attribute->is_matrix = false;
+    return CONUS_OK;
+}
+
+conus_status image_add_matrix(conus_image *image, const char *name, const double matrix[16])
+{
+    struct image_attribute *attribute = attribute_at(image, name);
+    if (!attribute) {
+        return CONUS_ERROR_MEMORY;
+    }
+    memory_free(attribute->text);
+    attribute->text = NULL;
+    attribute->is_matrix = true;
+    memcpy(attribute->matrix, matrix, sizeof attribute->matrix);
+    return CONUS_OK;
+}
+
+struct image_channel *image_find(const conus_image *image, const char *name)
+{
+    for (size_t i = 0; image && i < image->channel_count; i++) {
+        if (strcmp(image->channels[i].name, name) == 0) {
+            return &image->channels[i];
+        }
+    }
+    return NULL;
+}
+
+struct image_rgba image_rgba(const conus_image *image)
+{
+    static const char *const names[] = {"R", "G", "B", "A"};
+    struct image_rgba rgba;
+    for (int i = 0; i < 4; i++) {
+        struct image_channel *channel = image_find(image, names[i]);
+        rgba.plane[i] = channel && channel->type == IMAGE_FLOAT ? channel->floats : NULL;
+    }
+    return rgba;
+}
+
+double srgb_from_linear(double linear)
+{
+    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
+}
+
+double linear_from_srgb(double srgb)
+{
+    return srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4);
+}
+
+uint32_t conus_image_width(const conus_image *image)
+{
+    return image ? image->width : 0;
+}
+
+uint32_t conus_image_height(const conus_image *image)
+{
+    return image ? image->height : 0;
+}
+
+const char *conus_image_channel(const conus_image *image, size_t index)
+{
+    return image && index < image->channel_count ? image->channels[index].name : NULL;
+}
+
+const float *conus_image_floats(const conus_image *image, const char *channel)
+{
+    const struct image_channel *found = image_find(image, channel);
+    return found && found->type == IMAGE_FLOAT ? found->floats : NULL;
+}
+
+const uint32_t *conus_image_uints(const conus_image *image, const char *channel)
+{
+    const struct image_channel *found = image_find(image, channel);
+    return found && found->type == IMAGE_UINT ? found->uints : NULL;
+}
+
+static conus_status parse(conus_image **out, const struct bytes *bytes)
+{
+    static const uint8_t exr[] = {0x76, 0x2f, 0x31, 0x01};
+    static const uint8_t png[] = {0x89, 'P', 'N', 'G'};
+    if (bytes->size >= sizeof exr && memcmp(bytes->data, exr, sizeof exr) == 0) {
+        return image_parse_exr(out, bytes->data, bytes->size);
+    }
+    if (bytes->size >= sizeof png && memcmp(bytes->data, png, sizeof png) == 0) {
+        return image_parse_png(out, bytes->data, bytes->size);
+    }
+    return fail(CONUS_ERROR_DATA, "%zu bytes that are neither OpenEXR nor PNG", bytes->size);
+}
+
+conus_status conus_image_load(conus_image **out, const char *path)
+{
+    if (!out || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_image_load: %s is NULL", out ? "path" : "out");
+    }
+    struct bytes bytes;
+    conus_status status = file_read(&bytes, path, IMAGE_MAX_BYTES);
+    if (status) {
+        return status;
+    }
+    status = parse(out, &bytes);
+    bytes_finish(&bytes);
+    return status ? fail_in(status, path) : CONUS_OK;
+}
+
+conus_status conus_image_write(const conus_image *image, const char *path)
+{
+    if (!image || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_image_write: %s is NULL", image ? "path" : "image");
+    }
+    const char *dot = strrchr(path, '.');
+    bool exr = dot && strcasecmp(dot, ".exr") == 0;
+    if (!exr && !(dot && strcasecmp(dot, ".png") == 0)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: the ending says the format of a picture: .exr or .png", path);
+    }
+    struct bytes bytes;
+    conus_status status = exr ? image_format_exr(&bytes, image) : image_format_png(&bytes, image);
+    if (status) {
+        return fail_in(status, path);
+    }
+    status = file_write(path, bytes.data, bytes.size);
+    bytes_finish(&bytes);
+    return status;
+}
+
+conus_status conus_image_from_bytes(conus_image **out, const uint8_t *rgba, uint32_t width, uint32_t height)
+{
+    conus_image *image = NULL;
+    conus_status status = image_create_rgba(&image, width, height);
+    if (status) {
+        return status;
+    }
+    float linear[256];
+    const struct image_rgba to = image_rgba(image);
+    for (int i = 0; i < 256; i++) {
+        linear[i] = (float)linear_from_srgb(i / 255.0);
+    }
+    for (size_t p = 0; p < (size_t)width * height; p++) {
+        float opacity = (float)rgba[4 * p + 3] / 255;
+        for (size_t c = 0; c < 3; c++) {
+            to.plane[c][p] = linear[rgba[4 * p + c]] * opacity;
+        }
+        to.plane[3][p] = opacity;
+    }
+    *out = image;
+    return CONUS_OK;
+}

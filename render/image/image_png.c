@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* PNG through libpng, between an image and bytes in memory. libpng reports by longjmp: what a jump may cross lives in
+ * struct job, and functions that set the jump have no locals that change. */
+#include "render/image/image.h"
+
+#include "base/buffer.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <png.h>
+#include <setjmp.h>
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    MAX_RATIO = 1032, /* of deflate */
+    SAMPLES = 1 << 16,
+};
+
+struct job {
+    png_structp png;
+    png_infop info;
+    bool no_memory;
+    char message[128];
+    struct buffer written;
+    const uint8_t *data; /* read */
+    size_t size, offset;
+    uint8_t *rows; /* the whole picture in RGBA16 */
+    uint8_t **row_pointers;
+    conus_image *image;
+};
+
+static void jump(png_structp png, const char *message)
+{
+    struct job *job = png_get_error_ptr(png);
+    snprintf(job->message, sizeof job->message, "%s", message);
+    png_longjmp(png, 1);
+}
+
+static void ignore(png_structp png, const char *message)
+{
+    (void)png;
+    (void)message;
+}
+
+static void *allocate(png_structp png, size_t size)
+{
+    struct job *job = png_get_mem_ptr(png);
+    void *block = memory_raw(size, 1);
+    job->no_memory = job->no_memory || !block;
+    return block;
+}
+
+static void release(png_structp png, void *block)
+{
+    (void)png;
+    memory_free(block);
+}
+
+static conus_status fail_png(const struct job *job)
+{
+    return job->no_memory ? fail(CONUS_ERROR_MEMORY, "no memory for a PNG")
+                          : fail(CONUS_ERROR_DATA, "PNG: %s", job->message);
+}
+
+/* ---- Writing ---- */
+
+/* An sRGB byte is the number of these that a value reaches: the middles between the bytes, in linear light. */
+static void make_steps(float steps[255])
+{
+    for (int i = 0; i < 255; i++) {
+        steps[i] = (float)linear_from_srgb((i + 0.5) / 255);
+    }
+}
+
+static uint8_t byte_from_linear(const float steps[255], float linear)
+{
+    unsigned low = 0;
+    for (unsigned half = 128; half; half /= 2) {
+        low += low + half <= 255 && linear >= steps[low + half - 1] ? half : 0;
+    }
+    return (uint8_t)low;
+}
+
+static uint8_t byte_from_opacity(float opacity)
+{
+    return (uint8_t)(opacity > 0 ? lrintf(255 * fminf(opacity, 1)) : 0);
+}
+
+conus_status image_srgb_bytes(uint8_t **out, const conus_image *image)
+{
+    const struct image_rgba rgba = image_rgba(image);
+    if (!rgba.plane[0] || !rgba.plane[1] || !rgba.plane[2]) {
+        return fail(CONUS_ERROR_ARGUMENT, "a PNG shows the channels R, G and B, this image has not all of them");
+    }
+    size_t count = (size_t)image->width * image->height;
+    uint8_t *bytes = memory_raw(count, 4);
+    if (!bytes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    float steps[255];
+    make_steps(steps);
+    for (size_t i = 0; i < count; i++) {
+        float opacity = rgba.plane[3] ? rgba.plane[3][i] : 1;
+        for (size_t c = 0; c < 3; c++) {
+            bytes[4 * i + c] = opacity > 0 ? byte_from_linear(steps, rgba.plane[c][i] / opacity) : 0;
+        }
+        bytes[4 * i + 3] = byte_from_opacity(opacity);
+    }
+    *out = bytes;
+    return CONUS_OK;
+}
+
+static void write_bytes(png_structp png, png_bytep bytes, size_t size)
+{
+    struct job *job = png_get_io_ptr(png);
+    buffer_append(&job->written, bytes, size);
+    if (job->written.failed) {
+        job->no_memory = true;
+        png_error(png, "no memory");
+    }
+}
+
+static void flush_nothing(png_structp png)
+{
+    (void)png;
+}
+
+static bool write_png(struct job *job, const uint8_t *rgba, uint32_t width, uint32_t height)
+{
+    if (setjmp(png_jmpbuf(job->png))) {
+        return false;
+    }
+    png_set_write_fn(job->png, job, write_bytes, flush_nothing);
+    png_set_IHDR(job->png, job->info, width, height, 8, PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_BASE, PNG_FILTER_TYPE_BASE);
+    png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_RELATIVE);
+    png_write_info(job->png, job->info);
+    for (uint32_t y = 0; y < height; y++) {
+        png_write_row(job->png, rgba + (size_t)y * width * 4);
+    }
+    png_write_end(job->png, NULL);
+    return true;
+}
+
+static conus_status format(struct bytes *out, const uint8_t *rgba, uint32_t width, uint32_t height)
+{
+    struct job job = {0};
+    job.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &job, jump, ignore, &job, allocate, release);
+    job.info = job.png ? png_create_info_struct(job.png) : NULL;
+    job.no_memory = !job.info;
+    conus_status status = job.info && write_png(&job, rgba, width, height) ? CONUS_OK : fail_png(&job);
+    png_destroy_write_struct(&job.png, &job.info);
+    if (status) {
+        buffer_finish(&job.written);
+        return status;
+    }
+    *out = (struct bytes){(uint8_t *)job.written.data, job.written.size};
+    return CONUS_OK;
+}
+
+conus_status image_format_png(struct bytes *out, const conus_image *image)
+{
+    if (image->png_rgba) {
+        return format(out, image->png_rgba, image->png_width, image->png_height);
+    }
+    uint8_t *rgba = NULL;
+    conus_status status = image_srgb_bytes(&rgba, image);
+    status = status ? status : format(out, rgba, image->width, image->height);
+    memory_free(rgba);
+    return status;
+}
+
+/* ---- Reading ---- */
+
+static void read_bytes(png_structp png, png_bytep bytes, size_t size)
+{
+    struct job *job = png_get_io_ptr(png);
+    if (size > job->size - job->offset) {
+        png_error(png, "file ends too early");
+    }
+    memcpy(bytes, job->data + job->offset, size);
+    job->offset += size;
+}
+
+/* Turns whatever comes into RGBA with 16 bits in this machine's byte order. */
+static void set_transformations(png_structp png)
+{
+    png_set_expand_16(png); /* palette, few bits and transparent colours too */
+    png_set_gray_to_rgb(png);
+    png_set_add_alpha(png, 0xffff, PNG_FILLER_AFTER);
+    png_set_swap(png);
+    png_set_interlace_handling(png);
+}
+
+static bool read_head(struct job *job)
+{
+    if (setjmp(png_jmpbuf(job->png))) {
+        return false;
+    }
+    png_set_user_limits(job->png, IMAGE_MAX_SIDE, IMAGE_MAX_SIDE);
+    png_set_keep_unknown_chunks(job->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1); /* else libpng makes room as they claim */
+    png_set_read_fn(job->png, job, read_bytes);
+    png_read_info(job->png, job->info);
+    uint64_t unpacked = (uint64_t)png_get_rowbytes(job->png, job->info) * png_get_image_height(job->png, job->info);
+    if (unpacked / MAX_RATIO > job->size) {
+        png_error(job->png, "more pixels than a file of this size can hold");
+    }
+    set_transformations(job->png);
+    png_read_update_info(job->png, job->info);
+    return true;
+}
+
+static bool read_picture(struct job *job)
+{
+    if (setjmp(png_jmpbuf(job->png))) {
+        return false;
+    }
+    png_read_image(job->png, job->row_pointers);
+    png_read_end(job->png, NULL);
+    return true;
+}
+
+static conus_status make_room(struct job *job)
+{
+    uint32_t width = png_get_image_width(job->png, job->info);
+    uint32_t height = png_get_image_height(job->png, job->info);
+    size_t row = png_get_rowbytes(job->png, job->info);
+    if (row != (size_t)width * 8) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "PNG: %zu bytes in a row of %u pixels, 8 for each expected", row, width);
+    }
+    conus_status status = image_create_rgba(&job->image, width, height);
+    if (status) {
+        return status;
+    }
+    job->rows = memory_zeroed(height, row);
+    job->row_pointers = job->rows ? memory_raw(height, sizeof *job->row_pointers) : NULL;
+    if (!job->row_pointers) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (uint32_t y = 0; y < height; y++) {
+        job->row_pointers[y] = job->rows + y * row;
+    }
+    return CONUS_OK;
+}
+
+static conus_status convert_picture(struct job *job)
+{
+    float *linear = memory_raw(SAMPLES, sizeof *linear);
+    if (!linear) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (int i = 0; i < SAMPLES; i++) {
+        linear[i] = (float)linear_from_srgb(i / 65535.0);
+    }
+    const struct image_rgba rgba = image_rgba(job->image);
+    size_t count = (size_t)job->image->width * job->image->height;
+    for (size_t i = 0; i < count; i++) {
+        uint16_t pixel[4];
+        memcpy(pixel, job->rows + 8 * i, sizeof pixel);
+        float opacity = (float)pixel[3] / 65535;
+        for (int c = 0; c < 3; c++) {
+            rgba.plane[c][i] = linear[pixel[c]] * opacity;
+        }
+        rgba.plane[3][i] = opacity;
+    }
+    memory_free(linear);
+    return CONUS_OK;
+}
+
+static conus_status read_png(struct job *job)
+{
+    if (!job->info || !read_head(job)) {
+        return fail_png(job);
+    }
+    conus_status status = make_room(job);
+    if (status) {
+        return status;
+    }
+    return read_picture(job) ? convert_picture(job) : fail_png(job);
+}
+
+conus_status image_parse_png(conus_image **out, const uint8_t *data, size_t size)
+{
+    struct job job = {.data = data, .size = size};
+    job.png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &job, jump, ignore, &job, allocate, release);
+    job.info = job.png ? png_create_info_struct(job.png) : NULL;
+    job.no_memory = !job.info;
+    conus_status status = read_png(&job);
+    png_destroy_read_struct(&job.png, &job.info, NULL);
+    memory_free(job.rows);
+    memory_free(job.row_pointers);
+    if (status) {
+        conus_image_destroy(job.image);
+        return status;
+    }
+    *out = job.image;
+    return CONUS_OK;
+}

@@ -1,0 +1,424 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* An atlas as one block of memory: a head, what is small, and from a cache line on what is large. One walk over the
+ * atlas says where everything lies, whether the block is measured, written or read. It lies here and not in atlas/
+ * because leaps are packed, too. */
+#include "atlas/atlas.h"
+#include "base/memory.h"
+#include "selection/engine/leap_map.h"
+
+#include <assert.h>
+#include <string.h>
+#include <zlib.h>
+
+enum { LINE = 64, BEHIND = 64 }; /* where arrays begin, and bytes behind each that may be read */
+
+enum mode { MEASURE, PACK, ATTACH };
+
+/* What must be the same for a block to be read. */
+struct head {
+    char magic[24];
+    uint64_t crc;    /* of what follows, up to the end of what is small */
+    uint64_t layout; /* of this build's structures */
+    uint64_t small_end, size;
+};
+
+struct walk {
+    enum mode mode;
+    uint8_t *memory; /* read only when attaching, NULL when measuring */
+    size_t small, small_end;
+    size_t large, size;
+    conus_status status;
+};
+
+static const char magic[24] = "conus-atlas " CONUS_VERSION;
+static_assert(sizeof "conus-atlas " CONUS_VERSION <= sizeof magic, "name and version fit");
+
+static uint64_t layout_of_structures(void)
+{
+    const size_t sizes[] = {sizeof(struct head),     sizeof(conus_atlas),         sizeof(struct volume),
+                            sizeof(conus_object),    sizeof(struct object_place), sizeof(struct mesh),
+                            sizeof(struct leap_map), sizeof(struct hidden_run)};
+    uint64_t layout = 0;
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        layout = 1000003 * layout + sizes[i];
+    }
+    return layout;
+}
+
+static conus_status fail_damaged(void)
+{
+    return fail(CONUS_ERROR_DATA, "the memory holds no atlas that this version of conus has packed");
+}
+
+/* ---- Steps of the walk ------------------------------------------------------------------------------------------- */
+
+static void pass(struct walk *walk, void *data, size_t size)
+{
+    if (walk->status) {
+        return;
+    }
+    if (walk->mode == ATTACH && size > walk->small_end - walk->small) {
+        walk->status = fail_damaged();
+        return;
+    }
+    if (walk->mode == PACK) {
+        memcpy(walk->memory + walk->small, data, size);
+    } else if (walk->mode == ATTACH) {
+        memcpy(data, walk->memory + walk->small, size);
+    }
+    walk->small += size;
+}
+
+/* A string of its own, or none. */
+static void pass_text(struct walk *walk, char **text)
+{
+    char *given = *text;
+    size_t size = walk->mode != ATTACH && given ? strlen(given) + 1 : 0;
+    if (walk->mode == ATTACH) {
+        *text = NULL;
+    }
+    pass(walk, &size, sizeof size);
+    if (walk->status || size == 0) {
+        return;
+    }
+    if (walk->mode == ATTACH) {
+        bool fits = size <= walk->small_end - walk->small;
+        *text = fits ? memory_text((const char *)walk->memory + walk->small, size - 1) : NULL;
+        walk->status = !fits ? fail_damaged() : *text ? CONUS_OK : CONUS_ERROR_MEMORY;
+        walk->small += size;
+    } else {
+        pass(walk, given, size);
+    }
+}
+
+/* Where the next `size` bytes lie; NULL when measuring, and where there are none. */
+static uint8_t *pass_place(struct walk *walk, size_t size)
+{
+    size_t at = walk->large;
+    bool fits = walk->mode == MEASURE || (at <= walk->size && size <= walk->size - at);
+    if (walk->status) {
+        return NULL;
+    }
+    if (!fits) {
+        walk->status = fail_damaged();
+        return NULL;
+    }
+    walk->large += (size + BEHIND + LINE - 1) / LINE * LINE;
+    return walk->mode == MEASURE ? NULL : walk->memory + at;
+}
+
+/* Whether there is something. Not as a bool, which damage could make neither. */
+static bool pass_whether(struct walk *walk, const void *thing)
+{
+    uint8_t is_there = thing ? 1 : 0;
+    pass(walk, &is_there, sizeof is_there);
+    return is_there;
+}
+
+/* An array that stays in the block; `array` is the address of a pointer. Whether there is one is passed, too. */
+static void pass_array(struct walk *walk, void *array, size_t count, size_t size)
+{
+    void *given;
+    size_t bytes;
+    memcpy(&given, array, sizeof given);
+    bool is_there = pass_whether(walk, given);
+    if (!walk->status && !memory_multiply(count, size, &bytes)) {
+        walk->status = fail_damaged();
+    }
+    uint8_t *place = is_there && !walk->status ? pass_place(walk, bytes) : NULL;
+    if (place && walk->mode == PACK) {
+        memcpy(place, given, bytes);
+    } else if (walk->mode == ATTACH) {
+        memcpy(array, &place, sizeof place);
+    }
+}
+
+/* Makes room for things that the atlas has by itself, up to the next power of two, as it does. */
+static void *room(struct walk *walk, void *things, size_t count, size_t size)
+{
+    size_t capacity = 1;
+    if (walk->mode != ATTACH || walk->status) {
+        return things;
+    }
+    if (count > walk->small_end) { /* each takes a byte at least */
+        walk->status = fail_damaged();
+        return things;
+    }
+    while (capacity < count) {
+        capacity *= 2;
+    }
+    things = memory_zeroed(capacity, size);
+    walk->status = things ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return things;
+}
+
+/* ---- The parts of an atlas --------------------------------------------------------------------------------------- */
+
+static void pass_leaps(struct walk *walk, struct volume *volume, const struct volume *source)
+{
+    bool is_there = pass_whether(walk, walk->mode != ATTACH && volume_is_met(source) ? source : NULL);
+    uint8_t *place = is_there && !walk->status ? pass_place(walk, leap_map_size(volume)) : NULL;
+    if (place && walk->mode == PACK) {
+        walk->status = leap_map_write(place, source);
+    } else if (walk->mode == ATTACH) {
+        volume->leaps = place;
+    }
+}
+
+/* Each voxel has a value or an object of some bytes in the block. */
+static bool fits_block(const struct volume *volume, const struct walk *walk)
+{
+    const size_t *dim = volume->info.dim;
+    size_t count;
+    uint8_t hidden; /* not as a bool, which damage could make neither */
+    memcpy(&hidden, &volume->is_hidden, sizeof hidden);
+    return hidden <= 1 && dim[0] && dim[1] && dim[2] && memory_multiply(dim[0], dim[1], &count) &&
+           memory_multiply(count, dim[2], &count) && count == volume->voxel_count && count <= walk->size;
+}
+
+/* Numbers, and of the rest nothing: what goes into the block, and all that is taken from it. So for each kind. */
+static struct volume bare_volume(const struct volume *volume)
+{
+    struct volume bare = *volume;
+    bare.path = NULL;
+    bare.info.path = NULL;
+    bare.objects16 = NULL;
+    bare.objects32 = NULL;
+    bare.values = NULL;
+    bare.hidden_runs = NULL;
+    bare.leaps = NULL;
+    bare.is_borrowed = true;
+    return bare;
+}
+
+/* Into a volume of zeros when attaching, else from a copy. */
+static void pass_volume(struct walk *walk, struct volume *volume)
+{
+    struct volume source = *volume;
+    struct volume plain = bare_volume(&source);
+    pass(walk, &plain, sizeof plain);
+    if (!walk->status && walk->mode == ATTACH && !fits_block(&plain, walk)) {
+        walk->status = fail_damaged();
+    }
+    if (walk->status) {
+        return;
+    }
+    if (walk->mode == ATTACH) {
+        *volume = bare_volume(&plain);
+    }
+    pass_text(walk, &volume->path);
+    volume->info.path = volume->path;
+    pass_array(walk, &volume->objects16, volume->voxel_count, sizeof *volume->objects16);
+    pass_array(walk, &volume->objects32, volume->voxel_count, sizeof *volume->objects32);
+    pass_array(walk, &volume->values, volume->voxel_count, sizeof *volume->values);
+    pass_array(walk, &volume->hidden_runs, volume->hidden_run_count, sizeof *volume->hidden_runs);
+    pass_leaps(walk, volume, walk->mode == ATTACH ? volume : &source);
+}
+
+static struct mesh bare_mesh(const struct mesh *mesh)
+{
+    struct mesh bare = *mesh;
+    bare.path = NULL;
+    bare.positions = NULL;
+    bare.triangles = NULL;
+    bare.is_borrowed = true;
+    return bare;
+}
+
+static void pass_mesh(struct walk *walk, struct mesh *mesh)
+{
+    struct mesh plain = bare_mesh(mesh);
+    pass(walk, &plain, sizeof plain);
+    if (walk->status) {
+        return;
+    }
+    if (walk->mode == ATTACH) {
+        *mesh = bare_mesh(&plain);
+    }
+    pass_text(walk, &mesh->path);
+    pass_array(walk, &mesh->positions, mesh->vertex_count, 3 * sizeof *mesh->positions);
+    pass_array(walk, &mesh->triangles, mesh->triangle_count, 3 * sizeof *mesh->triangles);
+}
+
+static void pass_object(struct walk *walk, conus_object *object, struct object_place *place)
+{
+    conus_object plain = *object;
+    char *name = (char *)object->name;
+    char *abbreviation = (char *)object->abbreviation;
+    plain.name = NULL;
+    plain.abbreviation = NULL;
+    pass(walk, &plain, sizeof plain);
+    pass(walk, place, sizeof *place);
+    pass_text(walk, &name);
+    pass_text(walk, &abbreviation);
+    *object = plain;
+    object->name = name;
+    object->abbreviation = abbreviation;
+}
+
+static void pass_shapes(struct walk *walk, conus_atlas *atlas, const conus_atlas *counts)
+{
+    atlas->volumes = room(walk, atlas->volumes, counts->volume_count, sizeof *atlas->volumes);
+    for (size_t i = 0; i < counts->volume_count && !walk->status; i++) {
+        struct volume volume = walk->mode == ATTACH ? (struct volume){0} : atlas->volumes[i];
+        pass_volume(walk, &volume);
+        if (walk->mode == ATTACH) {
+            atlas->volumes[i] = volume;
+            atlas->volume_count = i + 1;
+        }
+    }
+    atlas->meshes = room(walk, atlas->meshes, counts->mesh_count, sizeof *atlas->meshes);
+    for (size_t i = 0; i < counts->mesh_count && !walk->status; i++) {
+        struct mesh mesh = walk->mode == ATTACH ? (struct mesh){0} : atlas->meshes[i];
+        pass_mesh(walk, &mesh);
+        if (walk->mode == ATTACH) {
+            atlas->meshes[i] = mesh;
+            atlas->mesh_count = i + 1;
+        }
+    }
+}
+
+static void pass_objects(struct walk *walk, conus_atlas *atlas, const conus_atlas *counts)
+{
+    atlas->objects = room(walk, atlas->objects, counts->object_count, sizeof *atlas->objects);
+    atlas->places = room(walk, atlas->places, counts->object_count, sizeof *atlas->places);
+    for (size_t i = 0; i < counts->object_count && !walk->status; i++) {
+        conus_object object = walk->mode == ATTACH ? (conus_object){0} : atlas->objects[i];
+        pass_object(walk, &object, &atlas->places[i]);
+        if (walk->mode == ATTACH) {
+            atlas->objects[i] = object;
+            atlas->object_count = i + 1;
+        }
+    }
+}
+
+static void pass_lists(struct walk *walk, conus_atlas *atlas, const conus_atlas *counts)
+{
+    atlas->files.items = room(walk, atlas->files.items, counts->files.count, sizeof *atlas->files.items);
+    for (size_t i = 0; i < counts->files.count && !walk->status; i++) {
+        atlas->files.count = i + 1;
+        pass(walk, atlas->files.items[i].sha256, sizeof atlas->files.items[i].sha256);
+        pass_text(walk, &atlas->files.items[i].path);
+    }
+    atlas->notes.lines = room(walk, atlas->notes.lines, counts->notes.count, sizeof *atlas->notes.lines);
+    for (size_t i = 0; i < counts->notes.count && !walk->status; i++) {
+        atlas->notes.count = i + 1;
+        pass_text(walk, &atlas->notes.lines[i]);
+    }
+}
+
+static conus_atlas bare_atlas(const conus_atlas *atlas)
+{
+    conus_atlas bare = *atlas;
+    bare.volumes = NULL;
+    bare.meshes = NULL;
+    bare.objects = NULL;
+    bare.places = NULL;
+    bare.label_source = NULL;
+    bare.files.items = NULL;
+    bare.transfer = NULL;
+    bare.notes.lines = NULL;
+    return bare;
+}
+
+/* Into an atlas of zeros when attaching, which has at every moment what conus_atlas_destroy() may end. */
+static void pass_atlas(struct walk *walk, conus_atlas *atlas)
+{
+    conus_atlas plain = bare_atlas(atlas);
+    pass(walk, &plain, sizeof plain);
+    const conus_atlas counts = plain;
+    if (walk->mode == ATTACH && !walk->status) {
+        *atlas = bare_atlas(&plain);
+        atlas->volume_count = atlas->mesh_count = atlas->object_count = atlas->files.count = atlas->notes.count = 0;
+    }
+    pass_text(walk, &atlas->path);
+    pass_text(walk, &atlas->label_source);
+    pass_text(walk, &atlas->transfer);
+    if (!walk->status) {
+        pass_shapes(walk, atlas, &counts);
+        pass_objects(walk, atlas, &counts);
+        pass_lists(walk, atlas, &counts);
+    }
+}
+
+/* ---- Blocks ------------------------------------------------------------------------------------------------------ */
+
+static size_t round_up(size_t size)
+{
+    return (size + LINE - 1) / LINE * LINE;
+}
+
+/* The walk over an atlas that is only read: the walk writes to copies of its parts, and to them only what is there. */
+static struct walk walk_over(const conus_atlas *atlas, enum mode mode, uint8_t *memory, size_t large, size_t size)
+{
+    conus_atlas copy = *atlas;
+    struct walk walk = {
+        .mode = mode, .memory = memory, .small = sizeof(struct head), .small_end = large, .large = large, .size = size};
+    pass_atlas(&walk, &copy);
+    return walk;
+}
+
+size_t conus_atlas_packed_size(const conus_atlas *atlas)
+{
+    struct walk walk = walk_over(atlas, MEASURE, NULL, 0, 0);
+    return round_up(walk.small) + walk.large;
+}
+
+static uint64_t crc_of(const uint8_t *memory, size_t small_end)
+{
+    size_t from = offsetof(struct head, layout);
+    return crc32_z(0, memory + from, small_end - from);
+}
+
+conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atlas)
+{
+    struct walk measured = walk_over(atlas, MEASURE, NULL, 0, 0);
+    size_t needed = round_up(measured.small) + measured.large;
+    if (!memory || (uintptr_t)memory % LINE || size < needed) {
+        return fail(CONUS_ERROR_ARGUMENT, "%zu bytes at %p for an atlas: %zu at a multiple of %d are needed", size,
+                    memory, needed, LINE);
+    }
+    struct walk walk = walk_over(atlas, PACK, memory, round_up(measured.small), needed);
+    struct head head = {.layout = layout_of_structures(), .small_end = walk.small, .size = needed};
+    memcpy(head.magic, magic, sizeof magic);
+    memcpy(memory, &head, sizeof head);
+    head.crc = crc_of(memory, head.small_end);
+    memcpy(memory, &head, sizeof head);
+    return walk.status;
+}
+
+static bool is_whole(const struct head *head, const uint8_t *memory, size_t size)
+{
+    return memcmp(head->magic, magic, sizeof magic) == 0 && head->layout == layout_of_structures() &&
+           head->size <= size && head->small_end >= sizeof *head && head->small_end <= head->size &&
+           round_up(head->small_end) <= head->size && crc_of(memory, head->small_end) == head->crc;
+}
+
+conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t size)
+{
+    struct head head;
+    if (!memory || (uintptr_t)memory % LINE) {
+        return fail(CONUS_ERROR_ARGUMENT, "memory %p of an atlas: a multiple of %d is needed", memory, LINE);
+    }
+    memcpy(&head, memory, size < sizeof head ? 0 : sizeof head);
+    if (size < sizeof head || !is_whole(&head, memory, size)) {
+        return fail_damaged();
+    }
+    conus_atlas *atlas = memory_zeroed(1, sizeof *atlas);
+    struct walk walk = {.mode = ATTACH,
+                        .memory = (uint8_t *)memory, /* is only read */
+                        .small = sizeof head,
+                        .small_end = head.small_end,
+                        .large = round_up(head.small_end),
+                        .size = head.size};
+    if (!atlas) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass_atlas(&walk, atlas);
+    if (walk.status) {
+        conus_atlas_destroy(atlas);
+        return walk.status;
+    }
+    *out = atlas;
+    return CONUS_OK;
+}

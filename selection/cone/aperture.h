@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What all cones of one shape have in common, wherever they are: kept from one query to the next. */
+#ifndef CONUS_SELECTION_CONE_APERTURE_H
+#define CONUS_SELECTION_CONE_APERTURE_H
+
+#include "selection/cone/cone.h"
+
+/** Rays that are walked together are neighbours both ways: pixels come in blocks, and in a block in tiles. */
+enum { APERTURE_BLOCK = 16, APERTURE_TILE = 4 };
+
+/** Column of pixel number @p k of a block. */
+static inline uint32_t aperture_column(uint32_t k)
+{
+    uint32_t tile = k / (APERTURE_TILE * APERTURE_TILE);
+    return tile % (APERTURE_BLOCK / APERTURE_TILE) * APERTURE_TILE + k % APERTURE_TILE;
+}
+
+/** And its row. */
+static inline uint32_t aperture_row(uint32_t k)
+{
+    uint32_t tile = k / (APERTURE_TILE * APERTURE_TILE);
+    return tile / (APERTURE_BLOCK / APERTURE_TILE) * APERTURE_TILE + k / APERTURE_TILE % APERTURE_TILE;
+}
+
+/** Of n x n pixels, row-major. */
+struct aperture {
+    uint32_t resolution; /**< n */
+    conus_aperture shape;
+    double angle;
+    bool is_wide_square;     /**< Its pixels are those of this angle only (Eq. 15).      */
+    bool *in_cone;           /**< cone_has_pixel()                                       */
+    double *radius;          /**< cone_radius()                                          */
+    double *weight;          /**< cone_weight()                                          */
+    uint32_t *inside;        /**< The pixels in the cone, rays.count of them, in the pixels' order. */
+    struct device_rays rays; /**< Of the pixels in the cone, block by block.             */
+    double total_weight;     /**< Of the pixels in the cone, summed in the pixels' order. */
+};
+
+/** Makes it that of @p cone, which takes time only where it was that of another shape. A zeroed one is ready. */
+conus_status aperture_prepare(struct aperture *aperture, const struct cone *cone);
+void aperture_finish(struct aperture *aperture);
+
+#endif

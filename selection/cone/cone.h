@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A cone: a pose, an opening angle and the pixels it is looked at through (Eq. 3); or a cylinder, whose rays are
+ * parallel. */
+#ifndef CONUS_SELECTION_CONE_CONE_H
+#define CONUS_SELECTION_CONE_CONE_H
+
+#include "base/status.h"
+
+/** Rays of a cone in the device's frame: (right, up, -forward) is a ray's unit direction. */
+struct device_rays {
+    size_t count;
+    uint32_t *pixel; /**< Which, row-major. */
+    double *right, *up, *forward;
+};
+
+struct cone {
+    conus_pose pose;
+    double angle;        /**< Full opening angle, radians, in (0, pi); 0 of a cylinder. */
+    uint32_t resolution; /**< n */
+    conus_aperture aperture;
+    double radius;                  /**< Of a cylinder, mm; 0 of a cone.                                        */
+    double range[2];                /**< Nearest and farthest depth along the axis, mm; both 0 = everything.   */
+    double slope;                   /**< tan(angle / 2), where it is known already, else 0.                    */
+    const bool *wanted;             /**< [n*n] Pixels that are to be looked at; NULL = all.                   */
+    const struct device_rays *rays; /**< Their rays, neighbours one after the other, where they are known; else NULL. */
+};
+
+/** CONUS_ERROR_ARGUMENT with what is allowed, unless angle, resolution, radius and range are in their ranges. */
+conus_status cone_check(const struct cone *cone);
+
+/** Buffer coordinates u (or v) of pixel column (or row) @p i: (2i + 1)/n - 1 (Eq. 3). */
+static inline double cone_coordinate(uint32_t i, uint32_t resolution)
+{
+    return (2.0 * i + 1) / resolution - 1;
+}
+
+/** tan(angle / 2). */
+double cone_slope(const struct cone *cone);
+
+/** Whether the rays are spread evenly in angle, not as a perspective picture's (Eq. 15). */
+bool cone_is_wide(const struct cone *cone);
+
+/** Angle to the axis of the rays at the distance @p radius from the buffer's centre, radians. */
+double cone_off_axis(const struct cone *cone, double radius);
+
+/** Unit direction in world space of the ray of pixel column @p i, row @p j (Eq. 3). */
+void cone_ray(double out[3], const struct cone *cone, uint32_t i, uint32_t j);
+
+/** Where that ray starts: the apex, or (u, v) radii beside it for a cylinder (Eq. 3). */
+void cone_origin(double out[3], const struct cone *cone, uint32_t i, uint32_t j);
+
+/** mm along that ray per mm of depth along the axis. */
+double cone_per_depth(const struct cone *cone, uint32_t i, uint32_t j);
+
+static inline bool cone_has_range(const struct cone *cone)
+{
+    return cone->range[1] > 0;
+}
+
+/** Solid angle of the aperture, or the cross-section of a cylinder in mm^2 (Eq. 10). */
+double cone_cross_section(const struct cone *cone);
+
+/** cone_ray() for @p count rays through the points (u, v) of the buffer: out[axis][ray]. The same bits, too. */
+void cone_rays(double *const out[3], const struct cone *cone, const double *u, const double *v, size_t count);
+
+/** The rays through @p count points (u, v) of the buffer, in the device's frame, wherever the cone is. */
+void cone_device_rays(double *right, double *up, double *forward, const struct cone *cone, const double *u,
+                      const double *v, size_t count);
+
+/** Those of them from number @p first on, @p count of them, in the world, as cone_rays() gives them. */
+void cone_rays_from(double *const out[3], const struct cone *cone, const struct device_rays *rays, size_t first,
+                    size_t count);
+
+/** Distance of a pixel's centre from the buffer's, r = sqrt(u^2 + v^2), 1 at the circle's rim (Eq. 3). */
+double cone_radius(const struct cone *cone, uint32_t i, uint32_t j);
+
+/** Whether the aperture lets the pixel through: r <= 1, or for a square one always (Eq. 3), but of a wide cone's only
+ * where its ray is in the pyramid (Eq. 15). */
+bool cone_has_pixel(const struct cone *cone, uint32_t i, uint32_t j);
+
+/** Weight of a pixel, proportional to its solid angle: (1 + tan^2(angle/2) r^2)^(-3/2) (Eq. 4), of a wide cone
+ * sin(theta) / theta (Eq. 15). */
+double cone_weight(const struct cone *cone, uint32_t i, uint32_t j);
+
+#endif

@@ -1,0 +1,494 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/engine/engine_rays.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+#include "render/gl/context.h"
+#include "render/id/id_pass.h"
+#include "render/id/mesh_pass.h"
+#include "selection/engine/mesh_spans.h"
+#include "selection/engine/traverse.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const uint64_t memory_limit = (uint64_t)8 << 30;
+
+/* Rays that are walked in step lie in such a part of the buffer. */
+enum { TILE_WIDTH = 4, TILE_HEIGHT = 2 };
+
+struct gl_engine {
+    struct engine base;
+    const conus_atlas *atlas;
+    struct gl_context *context;
+    struct id_pass *pass;        /* NULL where there are no volumes to select from */
+    struct mesh_pass *mesh_pass; /* NULL where there are no meshes                 */
+    struct engine *wide;         /* what finds meshes in wide cones; NULL before the first one */
+    double (*origins)[3];        /* [pixel_room] of all pixels of all cones in view */
+    double (*directions)[3];
+    uint32_t *walked;        /* [ray_count] those along which volumes are looked through, neighbours together */
+    struct mesh_look *looks; /* [cone_room] */
+    size_t pixel_room, cone_room;
+    uint32_t ray_count;
+    struct mesh_spans spans;
+    conus_sampling sampling;
+    uint32_t slices;
+    size_t *volumes; /* [volume_count] of the atlas, in the order in which the pass has them */
+    size_t volume_count;
+};
+
+static void destroy(struct engine *engine)
+{
+    struct gl_engine *gl = (struct gl_engine *)engine;
+    struct gl_current previous = {0};
+    if (gl->context && !gl_context_use(gl->context, &previous)) {
+        id_pass_destroy(gl->pass);
+        mesh_pass_destroy(gl->mesh_pass);
+        gl_current_restore(&previous);
+    }
+    gl_context_destroy(gl->context);
+    engine_destroy(gl->wide);
+    mesh_spans_finish(&gl->spans);
+    memory_free(gl->origins);
+    memory_free(gl->directions);
+    memory_free(gl->walked);
+    memory_free(gl->looks);
+    memory_free(gl->volumes);
+    memory_free(gl);
+}
+
+/* ---- A look ------------------------------------------------------------------------------------------------- */
+
+/* The cones of one look, all of one resolution, and where their answers go (NULL when it is layers). */
+struct view {
+    const struct cone *const *cones;
+    struct evidence *const *out;
+    size_t count;
+    uint32_t pixels; /* of a cone */
+};
+
+static struct view view_of(const struct cone *const *cones, struct evidence *const *out, size_t count)
+{
+    return (struct view){cones, out, count, cones[0]->resolution * cones[0]->resolution};
+}
+
+static conus_status reserve(struct gl_engine *gl, const struct view *view)
+{
+    size_t pixels = view->count * view->pixels;
+    if (gl->pixel_room >= pixels && gl->cone_room >= view->count) {
+        return CONUS_OK;
+    }
+    memory_free(gl->origins);
+    memory_free(gl->directions);
+    memory_free(gl->walked);
+    memory_free(gl->looks);
+    gl->pixel_room = gl->cone_room = 0;
+    gl->origins = memory_raw(pixels, sizeof *gl->origins);
+    gl->directions = memory_raw(pixels, sizeof *gl->directions);
+    gl->walked = memory_raw(pixels, sizeof *gl->walked);
+    gl->looks = memory_raw(view->count, sizeof *gl->looks);
+    if (!gl->origins || !gl->directions || !gl->walked || !gl->looks) {
+        return CONUS_ERROR_MEMORY;
+    }
+    gl->pixel_room = pixels;
+    gl->cone_room = view->count;
+    return CONUS_OK;
+}
+
+/* Puts the wanted pixels of a cone, whose first has number `first`, behind those that are walked: by tiles. */
+static void walk_cone(struct gl_engine *gl, const struct cone *cone, uint32_t first)
+{
+    uint32_t n = cone->resolution;
+    uint32_t across = (n + TILE_WIDTH - 1) / TILE_WIDTH;
+    uint32_t tiles = across * ((n + TILE_HEIGHT - 1) / TILE_HEIGHT);
+    for (uint32_t k = 0; k < tiles * TILE_WIDTH * TILE_HEIGHT; k++) {
+        uint32_t tile = k / (TILE_WIDTH * TILE_HEIGHT);
+        uint32_t i = tile % across * TILE_WIDTH + k % TILE_WIDTH;
+        uint32_t j = tile / across * TILE_HEIGHT + k / TILE_WIDTH % TILE_HEIGHT;
+        if (i < n && j < n && (!cone->wanted || cone->wanted[j * n + i])) {
+            gl->walked[gl->ray_count++] = first + j * n + i;
+        }
+    }
+}
+
+/* The rays of all pixels of all cones, in the world. */
+static conus_status aim(struct gl_engine *gl, const struct view *view)
+{
+    conus_status status = reserve(gl, view);
+    gl->ray_count = 0;
+    for (size_t c = 0; c < view->count && !status; c++) {
+        const struct cone *cone = view->cones[c];
+        uint32_t first = (uint32_t)c * view->pixels;
+        for (uint32_t pixel = 0; pixel < view->pixels; pixel++) {
+            cone_origin(gl->origins[first + pixel], cone, pixel % cone->resolution, pixel / cone->resolution);
+            cone_ray(gl->directions[first + pixel], cone, pixel % cone->resolution, pixel / cone->resolution);
+        }
+        walk_cone(gl, cone, first);
+    }
+    return status;
+}
+
+static void prepare_exact(struct id_ray *out, const double origin[3], const double direction[3])
+{
+    struct traverse_ray ray;
+    traverse_ray_init(&ray, origin, direction);
+    memcpy(out->origin, ray.origin, sizeof out->origin);
+    memcpy(out->direction, ray.direction, sizeof out->direction);
+    memcpy(out->inverse, ray.inverse, sizeof out->inverse);
+}
+
+/* Sets the planes (Eq. 7) of the rays of one cone. */
+static void prepare_planes(const struct gl_engine *gl, const struct volume *volume, const struct cone *cone,
+                           struct id_ray *rays, const uint32_t *walked, size_t count)
+{
+    const size_t *dim = volume->info.dim;
+    double axis[3];
+    vec3_scale(axis, cone->pose.world_from_device + 8, -1); /* the device looks down its -z */
+    struct slices slices = slices_over(dim, volume->info.world_from_voxel, cone->pose.world_from_device + 12, axis,
+                                       slices_of_id_pass(gl->slices, dim));
+    for (size_t r = 0; r < count; r++) {
+        rays[r].planes.start = slices.start;
+        rays[r].planes.spacing = slices.spacing;
+        rays[r].planes.count = slices.count;
+        rays[r].planes.per_depth = 1 / vec3_dot(gl->directions[walked[r]], axis);
+    }
+}
+
+/* The rays in the volume's index space. */
+static void prepare_rays(struct gl_engine *gl, const struct volume *volume, const struct view *view)
+{
+    struct id_ray *rays = id_pass_rays(gl->pass);
+    for (uint32_t r = 0; r < gl->ray_count; r++) {
+        double origin[3];
+        double direction[3];
+        mat4_point(origin, volume->voxel_from_world, gl->origins[gl->walked[r]]);
+        mat4_direction(direction, volume->voxel_from_world, gl->directions[gl->walked[r]]);
+        if (gl->sampling == CONUS_EXACT) {
+            prepare_exact(&rays[r], origin, direction);
+        } else {
+            memcpy(rays[r].origin, origin, sizeof origin);
+            memcpy(rays[r].direction, direction, sizeof direction);
+        }
+    }
+    for (uint32_t first = 0, end; first < gl->ray_count && gl->sampling == CONUS_SLICES; first = end) {
+        uint32_t c = gl->walked[first] / view->pixels;
+        for (end = first; end < gl->ray_count && gl->walked[end] / view->pixels == c;) {
+            end++;
+        }
+        prepare_planes(gl, volume, view->cones[c], rays + first, gl->walked + first, end - first);
+    }
+}
+
+static conus_status walk_volumes(struct gl_engine *gl, const struct view *view, const struct id_hit **hits)
+{
+    conus_status status = id_pass_begin(gl->pass, gl->ray_count);
+    for (size_t i = 0; i < gl->volume_count && !status; i++) {
+        prepare_rays(gl, &gl->atlas->volumes[gl->volumes[i]], view);
+        status = id_pass_look(gl->pass, i);
+    }
+    return status ? status : id_pass_read(gl->pass, hits);
+}
+
+static uint64_t linear_index(const conus_atlas *atlas, uint32_t object, const uint32_t cell[3])
+{
+    bool blocked = object == VOLUME_BLOCKER;
+    const size_t *dim = (blocked ? atlas_context(atlas) : atlas_object_volume(atlas, object))->info.dim;
+    return cell[0] + dim[0] * (cell[1] + dim[1] * (uint64_t)cell[2]);
+}
+
+static conus_status look_at_volumes(struct gl_engine *gl, const struct view *view)
+{
+    const struct id_hit *hits = NULL;
+    conus_status status = gl->ray_count ? walk_volumes(gl, view, &hits) : CONUS_OK;
+    for (uint32_t r = 0; r < gl->ray_count && !status; r++) {
+        struct evidence *out = view->out[gl->walked[r] / view->pixels];
+        uint32_t pixel = gl->walked[r] % view->pixels;
+        if (hits[r].identifier) {
+            out->object[pixel] = hits[r].identifier;
+            out->distance[pixel] = hits[r].distance + 0.0; /* -0 becomes 0 */
+            out->voxel[pixel] = linear_index(gl->atlas, hits[r].identifier, hits[r].cell);
+        }
+    }
+    return status;
+}
+
+static struct mesh_view mesh_view_of(const struct cone *cone)
+{
+    return (struct mesh_view){cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, cone->resolution, 0};
+}
+
+/* To the rays of pixels that are not wanted. */
+static void set_distances(struct evidence *out, const struct cone *cone, double distance)
+{
+    size_t pixels = (size_t)cone->resolution * cone->resolution;
+    for (size_t pixel = 0; cone->wanted && pixel < pixels; pixel++) {
+        if (!cone->wanted[pixel]) {
+            out->distance[pixel] = distance;
+        }
+    }
+}
+
+/* Wide cones are no perspective picture, which is all that a driver can draw: there the rays engine finds the meshes
+ * (Eq. 15), with the same answers. */
+static conus_status prepare_wide(struct gl_engine *gl)
+{
+    return gl->wide ? CONUS_OK : engine_rays_create_for_meshes(&gl->wide, gl->atlas);
+}
+
+/* Sets the looks of the cones that are not wide, and looks for meshes in those that are. */
+static conus_status prepare_looks(struct gl_engine *gl, const struct view *view, size_t *count)
+{
+    conus_status status = CONUS_OK;
+    *count = 0;
+    for (size_t c = 0; c < view->count && !status; c++) {
+        struct evidence *out = view->out[c];
+        const struct mesh_pixels pixels = {(const double(*)[3])gl->origins + c * view->pixels,
+                                           (const double(*)[3])gl->directions + c * view->pixels, out->object,
+                                           out->distance, out->voxel};
+        if (cone_is_wide(view->cones[c])) {
+            status = prepare_wide(gl);
+            status = status ? status : engine_rays_look_on(gl->wide, out, view->cones[c]);
+        } else {
+            gl->looks[(*count)++] = (struct mesh_look){mesh_view_of(view->cones[c]), pixels};
+            set_distances(out, view->cones[c], 0);
+        }
+    }
+    return status;
+}
+
+/* Behind look_at_volumes(): what the volumes show limits how far the meshes are looked for; and where nothing is
+ * wanted, nothing is. */
+static conus_status look_at_meshes(struct gl_engine *gl, const struct view *view)
+{
+    size_t count;
+    conus_status status = prepare_looks(gl, view, &count);
+    status = !status && count ? mesh_pass_look(gl->mesh_pass, gl->looks, count) : status;
+    for (size_t c = 0; c < view->count; c++) {
+        set_distances(view->out[c], view->cones[c], INFINITY);
+    }
+    return status;
+}
+
+static conus_status look_many(struct engine *engine, struct evidence *const *out, const struct cone *const *cones,
+                              size_t count)
+{
+    struct gl_engine *gl = (struct gl_engine *)engine;
+    const struct view view = view_of(cones, out, count);
+    struct gl_current previous = {0};
+    conus_status status = gl_context_use(gl->context, &previous);
+    if (status) {
+        return status;
+    }
+    for (size_t c = 0; c < count; c++) {
+        evidence_clear(out[c]);
+    }
+    status = aim(gl, &view);
+    status = !status && gl->pass ? look_at_volumes(gl, &view) : status;
+    status = !status && gl->mesh_pass ? look_at_meshes(gl, &view) : status;
+    gl_current_restore(&previous);
+    return status;
+}
+
+static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+{
+    return look_many(engine, &out, &cone, 1);
+}
+
+/* ---- All layers --------------------------------------------------------------------------------------------- */
+
+struct piercing {
+    struct gl_engine *gl;
+    struct layers *out;
+};
+
+static conus_status take_pieces(void *user, const struct id_piece *pieces, uint32_t count)
+{
+    const struct piercing *piercing = user;
+    conus_status status = CONUS_OK;
+    for (uint32_t i = 0; i < count && !status; i++) {
+        const struct id_piece *piece = &pieces[i];
+        const conus_span span = {piercing->gl->walked[piece->ray], piece->identifier, piece->entry + 0.0,
+                                 piece->exit + 0.0, /* -0 becomes 0 */
+                                 linear_index(piercing->gl->atlas, piece->identifier, piece->cell)};
+        status = layers_add(piercing->out, &span);
+    }
+    return status;
+}
+
+static conus_status pierce_volumes(struct gl_engine *gl, struct layers *out, const struct view *view)
+{
+    struct piercing piercing = {gl, out};
+    conus_status status = gl->ray_count ? id_pass_begin(gl->pass, gl->ray_count) : CONUS_OK;
+    for (size_t i = 0; i < gl->volume_count && gl->ray_count && !status; i++) {
+        prepare_rays(gl, &gl->atlas->volumes[gl->volumes[i]], view);
+        status = id_pass_pierce(gl->pass, i, take_pieces, &piercing);
+    }
+    return status;
+}
+
+static conus_status take_hit(void *user, const struct mesh_pass_hit *hit)
+{
+    struct gl_engine *gl = user;
+    const struct mesh *mesh = atlas_object_mesh(gl->atlas, hit->object);
+    int side = 0;
+    double t = mesh_crossing(&side, mesh, hit->triangle, gl->origins[hit->pixel], gl->directions[hit->pixel]);
+    const struct crossing crossing = {hit->pixel, hit->object, hit->triangle, side, t};
+    return t >= 0 ? mesh_spans_add(&gl->spans, &crossing) : CONUS_OK;
+}
+
+static conus_status pierce_meshes(struct gl_engine *gl, struct layers *out, const struct cone *cone)
+{
+    const struct mesh_view view = mesh_view_of(cone);
+    if (cone_is_wide(cone)) {
+        conus_status status = prepare_wide(gl);
+        return status ? status : gl->wide->functions->pierce(gl->wide, out, cone);
+    }
+    conus_status status = mesh_pass_pierce(gl->mesh_pass, &view, take_hit, gl);
+    status = status ? status : mesh_spans_pair(out, &gl->spans, cone);
+    gl->spans.count = 0;
+    return status;
+}
+
+static conus_status pierce(struct engine *engine, struct layers *out, const struct cone *cone)
+{
+    struct gl_engine *gl = (struct gl_engine *)engine;
+    const struct view view = view_of(&cone, NULL, 1);
+    struct gl_current previous = {0};
+    conus_status status = gl_context_use(gl->context, &previous);
+    if (status) {
+        return status;
+    }
+    status = aim(gl, &view);
+    status = !status && gl->pass ? pierce_volumes(gl, out, &view) : status;
+    status = !status && gl->mesh_pass ? pierce_meshes(gl, out, cone) : status;
+    gl_current_restore(&previous);
+    return status;
+}
+
+/* ---- Creation ----------------------------------------------------------------------------------------------- */
+
+/* Identifiers are the objects' numbers: dense, from 1, integers all the way; behind them that of what blocks. */
+static conus_status create_pass(struct gl_engine *gl)
+{
+    size_t count = gl->atlas->object_count + 2;
+    uint32_t *identifiers = memory_raw(count, sizeof *identifiers);
+    if (!identifiers) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < count; i++) {
+        identifiers[i] = (uint32_t)i;
+    }
+    identifiers[count - 1] = VOLUME_BLOCKER;
+    conus_status status = id_pass_create(&gl->pass, gl->sampling, identifiers, count);
+    memory_free(identifiers);
+    return status;
+}
+
+static conus_status make_codes(uint8_t **out, const struct leap_map *map)
+{
+    uint8_t *codes = memory_raw(map->dim[0] * map->dim[1] * map->dim[2], 1);
+    size_t at = 0;
+    for (size_t k = 0; k < map->dim[2] && codes; k++) {
+        for (size_t j = 0; j < map->dim[1]; j++) {
+            for (size_t i = 0; i < map->dim[0]; i++) {
+                codes[at++] = map->codes[leap_map_at(map, i, j, k)];
+            }
+        }
+    }
+    *out = codes;
+    return codes ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status upload_volume(struct gl_engine *gl, const struct volume *volume, uint64_t *memory_left)
+{
+    struct leap_map map = {0};
+    struct id_leaps leaps = {0};
+    uint8_t *codes = NULL;
+    conus_status status = CONUS_OK;
+    if (gl->sampling == CONUS_EXACT) {
+        status = leap_map_init(&map, volume);
+        status = status ? status : make_codes(&codes, &map);
+        leaps.codes = codes;
+        for (int a = 0; a < 3; a++) {
+            leaps.first[a] = (int)map.first[a];
+            leaps.last[a] = (int)map.last[a];
+        }
+    }
+    status = status ? status : id_pass_add_volume(gl->pass, volume, &leaps, memory_left);
+    memory_free(codes);
+    leap_map_finish(&map);
+    return status;
+}
+
+static conus_status upload_volumes(struct gl_engine *gl, uint64_t *memory_left)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < gl->atlas->volume_count && !status; i++) {
+        if (volume_is_met(&gl->atlas->volumes[i])) {
+            status = gl->pass ? CONUS_OK : create_pass(gl);
+            status = status ? status : upload_volume(gl, &gl->atlas->volumes[i], memory_left);
+            gl->volumes[gl->volume_count] = i;
+            gl->volume_count += !status;
+        }
+    }
+    return status;
+}
+
+static conus_status upload_meshes(struct gl_engine *gl, uint64_t *memory_left)
+{
+    const struct mesh **meshes = memory_raw(gl->atlas->object_count, sizeof(void *));
+    if (!meshes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < gl->atlas->object_count; i++) {
+        meshes[i] = atlas_object_mesh(gl->atlas, (uint32_t)i + 1);
+    }
+    conus_status status = mesh_pass_create(&gl->mesh_pass, meshes, gl->atlas->object_count, memory_left);
+    memory_free(meshes);
+    return status;
+}
+
+static conus_status fill(struct gl_engine *gl, const struct engine_options *options)
+{
+    gl->volumes = memory_raw(gl->atlas->volume_count, sizeof *gl->volumes);
+    if (!gl->volumes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    conus_status status = gl_context_create(&gl->context, options->log, options->log_user);
+    if (status) {
+        return status;
+    }
+    snprintf(gl->base.name, sizeof gl->base.name, "gl, %s", gl_context_renderer(gl->context));
+    struct gl_current previous = {0};
+    status = gl_context_use(gl->context, &previous);
+    if (status) {
+        return status;
+    }
+    uint64_t memory_left = memory_limit;
+    status = upload_volumes(gl, &memory_left);
+    status = !status && atlas_has_meshes(gl->atlas) ? upload_meshes(gl, &memory_left) : status;
+    gl_current_restore(&previous);
+    return status;
+}
+
+conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options)
+{
+    static const struct engine_functions functions = {
+        .look = look, .look_many = look_many, .pierce = pierce, .destroy = destroy};
+    struct gl_engine *gl = memory_zeroed(1, sizeof *gl);
+    if (!gl) {
+        return CONUS_ERROR_MEMORY;
+    }
+    gl->base.functions = &functions;
+    gl->atlas = atlas;
+    gl->sampling = options->sampling;
+    gl->slices = options->slices;
+    mesh_spans_init(&gl->spans, atlas);
+    conus_status status = fill(gl, options);
+    if (status) {
+        destroy(&gl->base);
+        return status;
+    }
+    *out = &gl->base;
+    return CONUS_OK;
+}

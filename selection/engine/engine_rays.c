@@ -1,0 +1,370 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/engine/engine_rays.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+#include "render/id/slices.h"
+#include "selection/cone/aperture.h"
+#include "selection/engine/mesh_rays.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { BLOCK = APERTURE_BLOCK };
+
+struct target {
+    const struct volume *volume;
+    struct leap_map map; /* exact sampling  */
+    uint32_t slices;     /* sampled slices  */
+};
+
+struct rays_engine {
+    struct engine base;
+    conus_sampling sampling;
+    const struct traverse_kernel *kernel;
+    struct mesh_rays *meshes; /* NULL if the atlas has none */
+    struct mesh_spans spans;  /* empty: what a query begins with */
+    size_t target_count;
+    struct target targets[];
+};
+
+/* One block of pixels on its way. */
+struct block {
+    size_t pixel[TRAVERSE_BUNDLE];
+    struct traverse_bundle bundle;
+    struct mesh_bundle meshes; /* filled in where there are any */
+};
+
+static void destroy(struct engine *engine)
+{
+    struct rays_engine *rays = (struct rays_engine *)engine;
+    for (size_t i = 0; i < rays->target_count; i++) {
+        leap_map_finish(&rays->targets[i].map);
+    }
+    mesh_rays_destroy(rays->meshes);
+    memory_free(rays);
+}
+
+/* Nearest first; of equally near ones the object with the lower number. */
+static void keep_nearer(struct evidence *out, size_t pixel, const struct volume *volume, double t, uint64_t voxel)
+{
+    if (voxel == UINT64_MAX || t > out->distance[pixel]) {
+        return;
+    }
+    uint32_t object = volume_object(volume, (size_t)voxel);
+    if (t < out->distance[pixel] || object < out->object[pixel]) {
+        out->object[pixel] = object;
+        out->distance[pixel] = t;
+        out->voxel[pixel] = voxel;
+    }
+}
+
+/* A bundle has one origin, so every ray of a cylinder is one. */
+static uint32_t block_edge(const struct cone *cone)
+{
+    return cone->radius > 0 ? 1 : BLOCK;
+}
+
+static bool is_wanted(const struct cone *cone, uint32_t i, uint32_t j)
+{
+    return !cone->wanted || cone->wanted[(size_t)j * cone->resolution + i];
+}
+
+/* Fills the block of pixels whose lowest column and row are given. */
+static void block_init(struct block *block, const struct cone *cone, uint32_t column, uint32_t row)
+{
+    struct traverse_bundle *bundle = &block->bundle;
+    double u[TRAVERSE_BUNDLE];
+    double v[TRAVERSE_BUNDLE];
+    double coordinate[2][BLOCK];
+    size_t count = 0;
+    for (uint32_t k = 0; k < BLOCK; k++) {
+        coordinate[0][k] = cone_coordinate(column + k, cone->resolution);
+        coordinate[1][k] = cone_coordinate(row + k, cone->resolution);
+    }
+    for (uint32_t k = 0; k < BLOCK * BLOCK; k++) {
+        uint32_t i = aperture_column(k);
+        uint32_t j = aperture_row(k);
+        bool is_mine = i < block_edge(cone) && j < block_edge(cone);
+        if (is_mine && column + i < cone->resolution && row + j < cone->resolution &&
+            is_wanted(cone, column + i, row + j)) {
+            block->pixel[count] = (size_t)(row + j) * cone->resolution + column + i;
+            u[count] = coordinate[0][i];
+            v[count++] = coordinate[1][j];
+        }
+    }
+    double *const directions[3] = {bundle->direction[0], bundle->direction[1], bundle->direction[2]};
+    cone_rays(directions, cone, u, v, count);
+    bundle->count = count;
+    cone_origin(bundle->origin, cone, column, row);
+}
+
+/* Fills a block with the rays that are known from number `first` on. */
+static void block_take(struct block *block, const struct cone *cone, size_t first)
+{
+    struct traverse_bundle *bundle = &block->bundle;
+    double *const directions[3] = {bundle->direction[0], bundle->direction[1], bundle->direction[2]};
+    size_t left = cone->rays->count - first;
+    bundle->count = left < TRAVERSE_BUNDLE ? left : TRAVERSE_BUNDLE;
+    for (size_t ray = 0; ray < bundle->count; ray++) {
+        block->pixel[ray] = cone->rays->pixel[first + ray];
+    }
+    cone_rays_from(directions, cone, cone->rays, first, bundle->count);
+    cone_origin(bundle->origin, cone, 0, 0);
+}
+
+/* Eq. 7: the first of the planes, at depths along the axis, on which a ray meets an object's voxel. */
+static struct traverse_contact sample_slices(const struct volume *volume, const struct slices *slices,
+                                             const double origin[3], const double direction[3], double per_depth)
+{
+    const size_t *dim = volume->info.dim;
+    for (uint32_t k = 0; k < slices->count; k++) {
+        double t = slices_depth(slices, k) * per_depth;
+        double cell[3];
+        bool inside = true;
+        for (int a = 0; a < 3; a++) {
+            cell[a] = floor(origin[a] + t * direction[a] + 0.5);
+            inside = inside && cell[a] >= 0 && cell[a] < (double)dim[a];
+        }
+        size_t voxel = inside ? (size_t)cell[0] + dim[0] * ((size_t)cell[1] + dim[1] * (size_t)cell[2]) : 0;
+        if (inside && volume_object(volume, voxel)) {
+            return (struct traverse_contact){.t = t, .voxel = voxel};
+        }
+    }
+    return (struct traverse_contact){.t = INFINITY, .voxel = UINT64_MAX};
+}
+
+static void walk_slices(const struct target *target, struct traverse_bundle *bundle, const struct cone *cone)
+{
+    const struct volume *volume = target->volume;
+    const double *device = cone->pose.world_from_device;
+    double axis[3];
+    double origin[3];
+    vec3_scale(axis, device + 8, -1);
+    mat4_point(origin, volume->voxel_from_world, bundle->origin);
+    struct slices slices =
+        slices_over(volume->info.dim, volume->info.world_from_voxel, device + 12, axis, target->slices);
+    for (size_t ray = 0; ray < bundle->count; ray++) {
+        double direction[3] = {bundle->direction[0][ray], bundle->direction[1][ray], bundle->direction[2][ray]};
+        double per_depth = 1 / vec3_dot(direction, axis);
+        mat4_direction(direction, volume->voxel_from_world, direction);
+        struct traverse_contact contact = sample_slices(volume, &slices, origin, direction, per_depth);
+        bundle->t[ray] = contact.t;
+        bundle->voxel[ray] = contact.voxel;
+    }
+}
+
+static void look_through(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
+                         struct block *block)
+{
+    struct traverse_bundle *bundle = &block->bundle;
+    for (size_t i = 0; i < engine->target_count; i++) {
+        const struct target *target = &engine->targets[i];
+        for (size_t ray = 0; ray < bundle->count; ray++) {
+            bundle->limit[ray] = i ? out->distance[block->pixel[ray]] : INFINITY;
+        }
+        if (engine->sampling == CONUS_SLICES) {
+            walk_slices(target, bundle, cone);
+        } else {
+            traverse_bundle_walk(engine->kernel, &target->map, target->volume, bundle);
+        }
+        for (size_t ray = 0; ray < bundle->count; ray++) { /* or each would be waited for in turn */
+            volume_fetch(target->volume, bundle->voxel[ray]);
+        }
+        for (size_t ray = 0; ray < bundle->count; ray++) {
+            keep_nearer(out, block->pixel[ray], target->volume, bundle->t[ray], bundle->voxel[ray]);
+        }
+    }
+}
+
+static void aim_at_meshes(struct block *block)
+{
+    struct mesh_bundle *bundle = &block->meshes;
+    bundle->count = block->bundle.count;
+    bundle->origin = block->bundle.origin;
+    bundle->direction = (const double(*)[MESH_RAYS_LIMIT])block->bundle.direction;
+}
+
+/* Behind look_through(): what the volumes show limits how far the meshes are looked for. */
+static conus_status look_at_meshes(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
+                                   struct block *block)
+{
+    struct mesh_bundle *bundle = &block->meshes;
+    aim_at_meshes(block);
+    for (size_t ray = 0; ray < bundle->count; ray++) {
+        size_t pixel = block->pixel[ray];
+        bundle->object[ray] = out->object[pixel];
+        bundle->t[ray] = out->distance[pixel];
+        bundle->triangle[ray] = out->voxel[pixel];
+    }
+    unsigned width = mesh_rays_width(engine->meshes, bundle->origin, cone->angle / cone->resolution);
+    conus_status status = mesh_rays_walk(engine->meshes, bundle, width);
+    for (size_t ray = 0; ray < bundle->count; ray++) {
+        size_t pixel = block->pixel[ray];
+        out->object[pixel] = bundle->object[ray];
+        out->distance[pixel] = bundle->t[ray];
+        out->voxel[pixel] = bundle->triangle[ray];
+    }
+    return status;
+}
+
+static conus_status look_through_block(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
+                                       struct block *block)
+{
+    look_through(engine, out, cone, block);
+    return engine->meshes ? look_at_meshes(engine, out, cone, block) : CONUS_OK;
+}
+
+conus_status engine_rays_look_on(struct engine *engine, struct evidence *out, const struct cone *cone)
+{
+    const struct rays_engine *rays = (const struct rays_engine *)engine;
+    struct block block;
+    conus_status status = CONUS_OK;
+    uint32_t edge = block_edge(cone);
+    for (size_t first = 0; cone->rays && first < cone->rays->count && !status; first += TRAVERSE_BUNDLE) {
+        block_take(&block, cone, first);
+        status = look_through_block(rays, out, cone, &block);
+    }
+    for (uint32_t row = 0; row < cone->resolution && !cone->rays && !status; row += edge) {
+        for (uint32_t column = 0; column < cone->resolution && !status; column += edge) {
+            block_init(&block, cone, column, row);
+            status = look_through_block(rays, out, cone, &block);
+        }
+    }
+    return status;
+}
+
+static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+{
+    evidence_clear(out);
+    return engine_rays_look_on(engine, out, cone);
+}
+
+static conus_status pierce_volumes(const struct rays_engine *engine, struct layers *out, const struct cone *cone,
+                                   uint32_t pixel)
+{
+    conus_status status = CONUS_OK;
+    double origin[3];
+    double direction[3];
+    cone_origin(origin, cone, pixel % cone->resolution, pixel / cone->resolution);
+    cone_ray(direction, cone, pixel % cone->resolution, pixel / cone->resolution);
+    for (size_t t = 0; t < engine->target_count && !status; t++) {
+        const struct target *target = &engine->targets[t];
+        double start[3];
+        double step[3];
+        struct traverse_ray ray;
+        mat4_point(start, target->volume->voxel_from_world, origin);
+        mat4_direction(step, target->volume->voxel_from_world, direction);
+        traverse_ray_init(&ray, start, step);
+        status = traverse_pierce(out, &target->map, target->volume, &ray, pixel);
+    }
+    return status;
+}
+
+static conus_status pierce_meshes(const struct rays_engine *engine, struct layers *out, const struct cone *cone)
+{
+    struct block block;
+    struct mesh_spans spans = engine->spans; /* of its own, since several threads may be here */
+    conus_status status = CONUS_OK;
+    uint32_t edge = block_edge(cone);
+    for (uint32_t row = 0; row < cone->resolution && !status; row += edge) {
+        for (uint32_t column = 0; column < cone->resolution && !status; column += edge) {
+            block_init(&block, cone, column, row);
+            aim_at_meshes(&block);
+            status = mesh_rays_pierce(engine->meshes, &block.meshes, &spans, block.pixel);
+        }
+    }
+    status = status ? status : mesh_spans_pair(out, &spans, cone);
+    mesh_spans_finish(&spans);
+    return status;
+}
+
+static conus_status pierce(struct engine *engine, struct layers *out, const struct cone *cone)
+{
+    const struct rays_engine *rays = (const struct rays_engine *)engine;
+    conus_status status = CONUS_OK;
+    uint32_t pixels = rays->target_count ? cone->resolution * cone->resolution : 0;
+    for (uint32_t pixel = 0; pixel < pixels && !status; pixel++) {
+        if (is_wanted(cone, pixel % cone->resolution, pixel / cone->resolution)) {
+            status = pierce_volumes(rays, out, cone, pixel);
+        }
+    }
+    return !status && rays->meshes ? pierce_meshes(rays, out, cone) : status;
+}
+
+static conus_status add_meshes(struct rays_engine *engine, const conus_atlas *atlas)
+{
+    if (!atlas_has_meshes(atlas)) {
+        return CONUS_OK;
+    }
+    struct mesh_object *objects = memory_zeroed(atlas->object_count, sizeof *objects);
+    if (!objects) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        objects[i].mesh = atlas_object_mesh(atlas, (uint32_t)i + 1);
+    }
+    conus_status status = mesh_rays_create(&engine->meshes, objects, atlas->object_count);
+    mesh_spans_init(&engine->spans, atlas);
+    memory_free(objects);
+    return status;
+}
+
+static conus_status add_target(struct rays_engine *engine, const struct volume *volume, uint32_t slices)
+{
+    struct target *target = &engine->targets[engine->target_count];
+    *target = (struct target){.volume = volume};
+    target->slices = slices_of_id_pass(slices, volume->info.dim);
+    conus_status status = engine->sampling == CONUS_EXACT ? leap_map_init(&target->map, volume) : CONUS_OK;
+    engine->target_count += !status;
+    return status;
+}
+
+static const struct engine_functions functions = {.look = look, .pierce = pierce, .destroy = destroy};
+
+conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atlas,
+                                     const struct engine_options *options, const struct traverse_kernel *kernel)
+{
+    struct rays_engine *engine = memory_zeroed(1, sizeof *engine + atlas->volume_count * sizeof engine->targets[0]);
+    if (!engine) {
+        return CONUS_ERROR_MEMORY;
+    }
+    engine->base.functions = &functions;
+    engine->sampling = options->sampling;
+    engine->kernel = kernel;
+    snprintf(engine->base.name, sizeof engine->base.name, "rays, %s", kernel->name);
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < atlas->volume_count && !status; i++) {
+        if (volume_is_met(&atlas->volumes[i])) {
+            status = add_target(engine, &atlas->volumes[i], options->slices);
+        }
+    }
+    status = status ? status : add_meshes(engine, atlas);
+    if (status) {
+        destroy(&engine->base);
+        return status;
+    }
+    *out = &engine->base;
+    return CONUS_OK;
+}
+
+conus_status engine_rays_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options)
+{
+    return engine_rays_create_with(out, atlas, options, traverse_best_kernel());
+}
+
+conus_status engine_rays_create_for_meshes(struct engine **out, const conus_atlas *atlas)
+{
+    struct rays_engine *engine = memory_zeroed(1, sizeof *engine);
+    if (!engine) {
+        return CONUS_ERROR_MEMORY;
+    }
+    engine->base.functions = &functions;
+    conus_status status = add_meshes(engine, atlas);
+    if (status) {
+        destroy(&engine->base);
+        return status;
+    }
+    *out = &engine->base;
+    return CONUS_OK;
+}

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The rays engine with its kernel chosen by hand, for tests and measurements; and for the meshes alone. */
+#ifndef CONUS_SELECTION_ENGINE_ENGINE_RAYS_H
+#define CONUS_SELECTION_ENGINE_ENGINE_RAYS_H
+
+#include "selection/engine/evidence.h"
+#include "selection/engine/traverse.h"
+
+/** engine_rays_create() with @p kernel, which this machine must support. */
+conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atlas,
+                                     const struct engine_options *options, const struct traverse_kernel *kernel);
+
+/** A rays engine that knows only the meshes of @p atlas. */
+conus_status engine_rays_create_for_meshes(struct engine **out, const conus_atlas *atlas);
+
+/** look() of a rays engine, but behind what @p out has already: it keeps what is nearer. */
+conus_status engine_rays_look_on(struct engine *engine, struct evidence *out, const struct cone *cone);
+
+#endif

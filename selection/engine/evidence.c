@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/engine/evidence.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+conus_status evidence_init(struct evidence *out, uint32_t resolution)
+{
+    size_t pixels = (size_t)resolution * resolution;
+    struct evidence evidence = {.resolution = resolution};
+    evidence.object = memory_raw(pixels, sizeof *evidence.object);
+    evidence.distance = memory_raw(pixels, sizeof *evidence.distance);
+    evidence.voxel = memory_raw(pixels, sizeof *evidence.voxel);
+    if (!evidence.object || !evidence.distance || !evidence.voxel) {
+        evidence_finish(&evidence);
+        return CONUS_ERROR_MEMORY;
+    }
+    evidence_clear(&evidence);
+    *out = evidence;
+    return CONUS_OK;
+}
+
+void evidence_finish(struct evidence *evidence)
+{
+    memory_free(evidence->object);
+    memory_free(evidence->distance);
+    memory_free(evidence->voxel);
+    *evidence = (struct evidence){0};
+}
+
+static void clear_pixel(struct evidence *evidence, size_t pixel)
+{
+    evidence->object[pixel] = 0;
+    evidence->distance[pixel] = INFINITY;
+    evidence->voxel[pixel] = EVIDENCE_NO_VOXEL;
+}
+
+void evidence_clear(struct evidence *evidence)
+{
+    size_t pixels = (size_t)evidence->resolution * evidence->resolution;
+    memset(evidence->object, 0, pixels * sizeof *evidence->object);
+    memset(evidence->voxel, 0xff, pixels * sizeof *evidence->voxel); /* EVIDENCE_NO_VOXEL */
+    for (size_t i = 0; i < pixels; i++) {
+        evidence->distance[i] = INFINITY;
+    }
+}
+
+void evidence_drop_blocked(struct evidence *evidence)
+{
+    size_t pixels = (size_t)evidence->resolution * evidence->resolution;
+    uint32_t any = 0;
+    for (size_t i = 0; i < pixels; i++) { /* without a branch, since mostly there are none */
+        any |= evidence->object[i] == VOLUME_BLOCKER ? 1 : 0;
+    }
+    for (size_t i = 0; i < pixels && any; i++) {
+        if (evidence->object[i] == VOLUME_BLOCKER) {
+            clear_pixel(evidence, i);
+        }
+    }
+}
+
+void engine_destroy(struct engine *engine)
+{
+    if (engine) {
+        engine->functions->destroy(engine);
+    }
+}

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * All layers of the evidence (Eq. 10): every piece of every pixel's ray inside an object. Engines append spans in any
+ * order; what is behind them gets them sorted. There is no limit on their number but memory's. */
+#ifndef CONUS_SELECTION_ENGINE_LAYERS_H
+#define CONUS_SELECTION_ENGINE_LAYERS_H
+
+#include "selection/engine/evidence.h"
+
+/** Spans of an n x n buffer, pixels outside the aperture too. A zeroed one is empty. */
+struct layers {
+    conus_span *spans;
+    size_t count, capacity;
+};
+
+void layers_finish(struct layers *layers);
+
+/** Empties it and keeps its memory. */
+static inline void layers_clear(struct layers *layers)
+{
+    layers->count = 0;
+}
+
+/** Appends a copy of @p span. */
+conus_status layers_add(struct layers *layers, const conus_span *span);
+
+/** Sorts by pixel (of @p pixels), then entry, then object, then exit. Quick where a pixel's spans were appended in
+ * about that order. */
+conus_status layers_sort(struct layers *layers, size_t pixels);
+
+/** Drops what lies outside the cone's range; pieces that reach into it are cut there. Needs sorted layers and leaves
+ * them so. */
+void layers_clip(struct layers *layers, const struct cone *cone);
+
+/** What each pixel met first, from sorted layers: the visible part of the evidence. */
+void layers_first(struct evidence *out, const struct layers *layers);
+
+/** Gives every span the object as which its own is reported, by @p group [@p object_count + 1]; spans of a pixel that
+ * then have one object and touch or overlap become one. Needs sorted layers without blockers and leaves them sorted. */
+conus_status layers_regroup(struct layers *layers, const uint32_t *group, size_t object_count);
+
+/** Drops the spans of what blocks and is no object (VOLUME_BLOCKER). */
+void layers_drop_blockers(struct layers *layers);
+
+#endif

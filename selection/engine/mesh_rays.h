@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The first triangle along rays (Eq. 9), or all (Eq. 10), found by Embree and settled in double precision.
+ *
+ * Embree works in single precision, so it only proposes: every triangle that it finds nearer than what a ray has, or
+ * as near within its precision, is weighed by mesh_distance(), and the nearest wins; of equally near ones that of the
+ * lower object, then the lower triangle. What stays to Embree is whether a ray passes an edge on this side or that. */
+#ifndef CONUS_SELECTION_ENGINE_MESH_RAYS_H
+#define CONUS_SELECTION_ENGINE_MESH_RAYS_H
+
+#include "atlas/surface/mesh.h"
+#include "selection/engine/mesh_spans.h"
+
+/** A surface at its place. */
+struct mesh_object {
+    const struct mesh *mesh;       /**< Must outlive the rays. NULL = this object is no mesh.                      */
+    const double *world_from_mesh; /**< Matrix that places it; NULL = it lies in world space. Objects in a row
+                                        that have a matrix and the same mesh share its triangles in memory.       */
+};
+
+enum { MESH_RAYS_LIMIT = 256 };
+
+/** Rays with one origin, neighbours side by side, and what each has met so far. The caller fills in everything. */
+struct mesh_bundle {
+    size_t count;                               /**< At most MESH_RAYS_LIMIT.                       */
+    const double *origin;                       /**< [3] in the world.                              */
+    const double (*direction)[MESH_RAYS_LIMIT]; /**< [3][] in the world, unit length.               */
+    uint32_t object[MESH_RAYS_LIMIT];           /**< Met first so far; 0 = none.                    */
+    double t[MESH_RAYS_LIMIT];                  /**< mm to it; INFINITY = none.                     */
+    uint64_t triangle[MESH_RAYS_LIMIT];         /**< Of its mesh, if mesh_rays_walk() found it.     */
+};
+
+struct mesh_rays;
+
+/** Makes the surfaces ready; object number k is objects[k - 1]. */
+conus_status mesh_rays_create(struct mesh_rays **out, const struct mesh_object *objects, size_t count);
+
+/** NULL is fine. */
+void mesh_rays_destroy(struct mesh_rays *rays);
+
+/** Looks for nearer contacts than those that @p bundle has, @p width rays at once: 1, 4, 8 or 16. */
+conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width);
+
+/** Appends all crossings of all of the bundle's rays with all surfaces to @p out (Eq. 10), whatever the rays have met;
+ * ray k is that of pixel[k]. Leaves t undefined. */
+conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_spans *out,
+                              const size_t *pixel);
+
+/** The width to take for rays from @p apex that are @p pitch radians apart: 16 as long as neighbours meet the scene
+ * less than a triangle's cell apart, else 1. The cell is the cube root of the scene's volume per triangle. */
+unsigned mesh_rays_width(const struct mesh_rays *rays, const double apex[3], double pitch);
+
+#endif

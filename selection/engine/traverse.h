@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The exact walk of rays through a volume's cells (Eq. 5), leaping over what is known to be empty.
+ *
+ * A ray is a point and a direction per mm in index space. It crosses the plane between cells b - 1 and b of axis a at
+ * t_a(b) = (b - 1/2 - o_a) * (1 / d_a), evaluated as written. All its crossings, sorted by t and then by axis, make the
+ * sequence of its cells; so the cell after any crossing is a function of that crossing alone, however it was reached,
+ * and a leap to it gives the same bits as stepping there. */
+#ifndef CONUS_SELECTION_ENGINE_TRAVERSE_H
+#define CONUS_SELECTION_ENGINE_TRAVERSE_H
+
+#include "selection/engine/layers.h"
+#include "selection/engine/leap_map.h"
+
+#include <stdalign.h>
+
+/** A ray, prepared. An axis along which it does not move has direction 0, inverse infinity, sign 1, and the centre of
+ * its cell for origin. */
+struct traverse_ray {
+    double origin[3];
+    double direction[3];
+    double inverse[3];
+    double sign[3]; /**< +1 or -1 */
+};
+
+/** Where a ray is: in the cell with these indices (whole numbers) since @p t mm. */
+struct traverse_place {
+    double cell[3];
+    double t;
+};
+
+/** The map's code there. */
+static inline uint8_t traverse_code(const struct leap_map *map, const struct traverse_place *place)
+{
+    const double *cell = place->cell;
+    return map->codes[leap_map_at(map, (size_t)cell[0], (size_t)cell[1], (size_t)cell[2])];
+}
+
+/** The voxel there, its linear index. */
+static inline size_t traverse_voxel(const struct leap_map *map, const struct traverse_place *place)
+{
+    const double *cell = place->cell;
+    return (size_t)cell[0] + map->dim[0] * ((size_t)cell[1] + map->dim[1] * (size_t)cell[2]);
+}
+
+/** The first voxel with an object. */
+struct traverse_contact {
+    double t;       /**< mm to the entry into its cell; 0 if the ray starts in it; INFINITY = none. */
+    uint64_t voxel; /**< Linear index i + dim0 (j + dim1 k); UINT64_MAX = none.                     */
+};
+
+/** Index of the cell [i - 1/2, i + 1/2) that holds @p x. */
+double traverse_cell(double x);
+
+void traverse_ray_init(struct traverse_ray *out, const double origin[3], const double direction[3]);
+
+/** The ray's first place in the map's box; false if it misses it. */
+bool traverse_enter(const struct leap_map *map, const struct traverse_ray *ray, struct traverse_place *out);
+
+/** Leaves the box of @p radius cells around @p place, which must be empty; false if the ray is out of the map's box
+ * then. */
+bool traverse_leap(const struct leap_map *map, const struct traverse_ray *ray, double radius,
+                   struct traverse_place *place);
+
+/** Walks one ray; gives up beyond @p limit mm. */
+struct traverse_contact traverse_one(const struct leap_map *map, const struct traverse_ray *ray, double limit);
+
+/** Appends to @p out the pieces of @p pixel's ray inside the objects of @p volume, whose map @p map is: runs of cells
+ * with the same object, to the exit from the last one (Eq. 10). */
+conus_status traverse_pierce(struct layers *out, const struct leap_map *map, const struct volume *volume,
+                             const struct traverse_ray *ray, uint32_t pixel);
+
+enum { TRAVERSE_BUNDLE = 256, TRAVERSE_LANES = 16 };
+
+/** Origins farther away than so many voxels, grids with more voxels along an edge and maps with more codes need
+ * traverse_one(). */
+#define TRAVERSE_FAR 0x1p25
+enum { TRAVERSE_EDGE = 1 << 20, TRAVERSE_CODES = INT32_MAX };
+
+/** Rays with one origin, neighbours side by side: what a kernel walks at once. The caller fills in the first three, and
+ * the origin. */
+struct traverse_bundle {
+    size_t count;                                     /**< Of rays, at most TRAVERSE_BUNDLE.                        */
+    alignas(64) double direction[3][TRAVERSE_BUNDLE]; /**< In the world, unit length.                               */
+    double limit[TRAVERSE_BUNDLE];                    /**< Give up beyond, mm.                                      */
+    double origin[3];                                 /**< In the world.                                            */
+    const double *index_from_world;                   /**< Of the volume, a matrix, and                             */
+    double start[3];                                  /**< the origin in its index space, and                       */
+    double start_cell[3];                  /**< its cell: traverse_bundle_walk() sets all three.             */
+    alignas(64) double t[TRAVERSE_BUNDLE]; /**< Out: as in struct traverse_contact.                      */
+    uint64_t voxel[TRAVERSE_BUNDLE];
+};
+
+/** Walks ray @p i alone. */
+void traverse_bundle_ray(const struct leap_map *map, struct traverse_bundle *bundle, size_t i);
+
+/** One way to walk bundles. Kernels need `count` to be a multiple of TRAVERSE_LANES and near origins;
+ * traverse_bundle_walk() sees to both. */
+struct traverse_kernel {
+    const char *name; /**< "avx512" */
+    bool (*is_supported)(void);
+    void (*walk)(const struct leap_map *map, struct traverse_bundle *bundle);
+};
+
+/* By instruction set: traverse_avx512.c, traverse_avx2.c, traverse_plain.c; all of them from traverse_lanes.h. */
+void traverse_walk_avx512(const struct leap_map *map, struct traverse_bundle *bundle);
+void traverse_walk_avx2(const struct leap_map *map, struct traverse_bundle *bundle);
+void traverse_walk_plain(const struct leap_map *map, struct traverse_bundle *bundle);
+
+/** Entry @p index of the table of kernels, the fastest first; NULL past the last. The last runs on any machine. */
+const struct traverse_kernel *traverse_kernel(size_t index);
+
+/** The fastest that this machine can run. */
+const struct traverse_kernel *traverse_best_kernel(void);
+
+/** Walks the rays through @p volume, whose map @p map is. */
+void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct leap_map *map, const struct volume *volume,
+                          struct traverse_bundle *bundle);
+
+#endif

@@ -1,0 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#define LANES 4
+#define KERNEL traverse_walk_plain
+#include "selection/engine/traverse_lanes.h"

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The census (Eq. 10): which voxels have their centre in a region, and what they amount to for each object. Exact: the
+ * voxels are those for which region_has() holds, to the last bit. */
+#ifndef CONUS_SELECTION_MEASURE_CENSUS_H
+#define CONUS_SELECTION_MEASURE_CENSUS_H
+
+#include "atlas/atlas.h"
+#include "selection/measure/region.h"
+
+/** @p count voxels of @p volume in the region, from indices @p at on along i. */
+typedef void (*census_row)(void *user, const struct volume *volume, const size_t at[3], size_t count);
+
+/** First and last index along each axis; the last below the first where there is nothing. */
+struct census_box {
+    size_t first[3], last[3];
+};
+
+/** Calls @p row for all voxels of @p volume in @p region, in the order in which they are stored. */
+void census_walk(const struct region *region, const struct volume *volume, census_row row, void *user);
+
+/** The same for those in @p box only. */
+void census_walk_box(const struct region *region, const struct volume *volume, const struct census_box *box,
+                     census_row row, void *user);
+
+/** What the voxels of an object in a region add up to. */
+struct census_count {
+    uint64_t voxels;
+    uint64_t index[3];     /**< Sums of their i, j and k.                                                   */
+    double value, maximum; /**< Sum and largest of their values; 0 of a parcellation's.                     */
+    double moment[3];      /**< Sums of value times i, j, k.                                                */
+};
+
+/** Counts of all objects, kept between regions, so that a query costs what it meets and not what the atlas has. */
+struct census {
+    struct census_count *counts; /**< [object_count + 1]; [0]: voxels of the parcellation that are no object's. */
+    uint32_t *touched;           /**< Objects with voxels, in ascending order; 0 is not among them.         */
+    size_t touched_count;
+    struct census_box *boxes; /**< [volume_count] around the voxels of a scalar volume's object: pathways are thin. */
+    size_t object_count;
+};
+
+/** Makes room for the objects of @p atlas; a zeroed census is ready for it. */
+conus_status census_prepare(struct census *census, const conus_atlas *atlas);
+void census_finish(struct census *census);
+
+/** Forgets the last region's counts and takes those of @p region. The context takes no part. */
+void census_take(struct census *census, const conus_atlas *atlas, const struct region *region);
+
+/** World position of the centroid of the voxels of @p object, weighted by value in a scalar volume. */
+void census_centroid(double out[3], const struct census *census, const conus_atlas *atlas, uint32_t object);
+
+#endif

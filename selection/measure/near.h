@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What is how near to a point: each object's distance, to the cells of its voxels or to its surface. */
+#ifndef CONUS_SELECTION_MEASURE_NEAR_H
+#define CONUS_SELECTION_MEASURE_NEAR_H
+
+#include "atlas/atlas.h"
+#include "selection/measure/region.h"
+
+/** Nearest points of objects to a ball's centre; kept between balls. A zeroed one is ready for near_prepare(). */
+struct near {
+    struct near_object {
+        double distance; /**< mm; INFINITY if none was found.                                                   */
+        double point[3]; /**< World position.                                                                   */
+    } * objects;         /**< [object_count + 1]                                                                */
+    uint32_t *touched;   /**< Objects within the ball.                                                          */
+    size_t touched_count;
+    size_t object_count;
+};
+
+/** Makes room for the objects of @p atlas. */
+conus_status near_prepare(struct near *near, const conus_atlas *atlas);
+void near_finish(struct near *near);
+
+/** Forgets the last ball's and finds all objects of @p atlas no farther from the centre of @p ball than its radius. 0
+ * in an object: in one of its cells (Eq. 5), or where its surface winds around the point by half a turn or more. */
+void near_take(struct near *near, const conus_atlas *atlas, const struct region *ball);
+
+/** Offset to the point nearest to the origin of the parallelepiped of @p box, low and high ends along three axes whose
+ * dot products are @p gram: in units of the axes. Returns the distance. */
+double near_box(double out[3], double box[2][3], double gram[3][3]);
+
+#endif

@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/measure/region.h"
+
+#include "base/math3.h"
+
+/* How far, in voxels, bounds reach beyond what is exact. */
+static const double SLACK = 0.01;
+/* More than any depth is rounded by, as a part of the coordinates' size. */
+static const double ROUNDING = 1e-12;
+
+void region_from_cone(struct region *out, const struct cone *cone)
+{
+    const double *m = cone->pose.world_from_device;
+    *out = (struct region){.shape = cone->radius > 0 ? REGION_CYLINDER : REGION_CONE,
+                           .square = cone->aperture == CONUS_SQUARE,
+                           .radius = cone->radius,
+                           .near = cone->range[0],
+                           .far = cone_has_range(cone) ? cone->range[1] : INFINITY};
+    for (int a = 0; a < 3; a++) {
+        out->right[a] = m[a];
+        out->up[a] = m[4 + a];
+        out->axis[a] = -m[8 + a];
+        out->origin[a] = m[12 + a];
+    }
+    out->slope = tan(cone->angle / 2); /* a cylinder's angle is 0 */
+    out->sine = sin(cone->angle / 2);
+    out->cosine = cos(cone->angle / 2);
+}
+
+void region_ball(struct region *out, const double center[3], double radius)
+{
+    *out = (struct region){.shape = REGION_BALL, .radius = radius, .near = -INFINITY, .far = INFINITY};
+    memcpy(out->origin, center, sizeof out->origin);
+}
+
+bool region_has(const struct region *region, const double point[3])
+{
+    double v[3];
+    vec3_sub(v, point, region->origin);
+    if (region->shape == REGION_BALL) {
+        return vec3_dot(v, v) <= region->radius * region->radius;
+    }
+    double x = vec3_dot(v, region->right);
+    double y = vec3_dot(v, region->up);
+    double z = vec3_dot(v, region->axis);
+    double rim = region->shape == REGION_CONE ? region->slope * z : region->radius;
+    if (!(z >= region->near && z <= region->far)) {
+        return false;
+    }
+    return region->square ? fabs(x) <= rim && fabs(y) <= rim : x * x + y * y <= rim * rim;
+}
+
+/* These two and not fmax() and fmin(), which are slower by their care for NaN. */
+static void raise_low(double interval[2], double low)
+{
+    interval[0] = low > interval[0] ? low : interval[0];
+}
+
+static void lower_high(double interval[2], double high)
+{
+    interval[1] = high < interval[1] ? high : interval[1];
+}
+
+/* Cuts the interval to a + b t >= 0; `per` is 1 / b. */
+static bool clip_half(double interval[2], double a, double b, double per)
+{
+    if (b > 0) {
+        raise_low(interval, -a * per);
+    } else if (b < 0) {
+        lower_high(interval, -a * per);
+    } else if (a < 0) {
+        return false;
+    }
+    return interval[0] <= interval[1];
+}
+
+/* Cuts the interval, on which the width w + width[1] t is 0 or more, to (w + width[1] t)^2 >= |across|^2: what is left
+ * is one piece. */
+static bool clip_round(double interval[2], const struct region_line *line, double w)
+{
+    double a = line->curve;
+    double b = w * line->width[1] - vec3_dot(line->across[0], line->across[1]);
+    double c = w * w - vec3_dot(line->across[0], line->across[0]);
+    double d = b * b - a * c;
+    if (a == 0) {
+        return clip_half(interval, c, 2 * b, 0.5 / b);
+    }
+    if (d < 0) {
+        if (a < 0) {
+            return false;
+        }
+        d = 0;
+    }
+    double q = b < 0 ? sqrt(d) - b : -sqrt(d) - b;
+    double one = q * line->per_curve;
+    double other = q != 0 ? c / q : 0;
+    double low = one < other ? one : other;
+    double high = one < other ? other : one;
+    if (a < 0 || line->width[1] > 0) {
+        raise_low(interval, a < 0 ? low : high);
+    }
+    if (a < 0 || line->width[1] < 0) {
+        lower_high(interval, a < 0 ? high : low);
+    }
+    return interval[0] <= interval[1];
+}
+
+static bool clip_square(double interval[2], const struct region_line *line, double w)
+{
+    for (int side = 0; side < 4; side++) {
+        double sign = side & 1 ? 1 : -1;
+        double per_t = line->width[1] + sign * line->across[1][side >> 1];
+        if (!clip_half(interval, w + sign * line->across[0][side >> 1], per_t, 1 / per_t)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* depth, width and across of the vector v; what does not change along a line is left out. */
+static void see(double *depth, double *width, double across[3], const struct region *region, const double v[3])
+{
+    if (region->shape == REGION_BALL) {
+        *depth = *width = 0;
+        memcpy(across, v, 3 * sizeof *v);
+        return;
+    }
+    *depth = vec3_dot(v, region->axis);
+    *width = region->sine * *depth;
+    across[0] = region->cosine * vec3_dot(v, region->right);
+    across[1] = region->cosine * vec3_dot(v, region->up);
+    across[2] = 0;
+}
+
+void region_line_direct(struct region_line *out, const struct region *region, const double step[3])
+{
+    see(&out->depth[1], &out->width[1], out->across[1], region, step);
+    out->curve = out->width[1] * out->width[1] - vec3_dot(out->across[1], out->across[1]);
+    out->per_depth = 1 / out->depth[1];
+    out->per_width = 1 / out->width[1];
+    out->per_curve = 1 / out->curve;
+}
+
+void region_line_place(struct region_line *out, const struct region *region, const double at[3])
+{
+    double v[3];
+    vec3_sub(v, at, region->origin);
+    see(&out->depth[0], &out->width[0], out->across[0], region, v);
+    out->width[0] += region->radius;
+}
+
+bool region_clip(double interval[2], const struct region *region, const struct region_line *line, double margin)
+{
+    const double *z = line->depth;
+    double w = line->width[0] + margin;
+    double beyond = region->far - z[0] + margin;
+    if (!clip_half(interval, z[0] - region->near + margin, z[1], line->per_depth) ||
+        (beyond < INFINITY && !clip_half(interval, beyond, -z[1], -line->per_depth)) ||
+        !clip_half(interval, w, line->width[1], line->per_width)) {
+        return false;
+    }
+    return region->square ? clip_square(interval, line, w) : clip_round(interval, line, w);
+}
+
+bool region_line_has(const struct region *region, const struct region_line *line, double t, double margin)
+{
+    double z = line->depth[0] + t * line->depth[1];
+    double w = line->width[0] + margin + t * line->width[1];
+    double v[3];
+    vec3_add_scaled(v, line->across[0], t, line->across[1]);
+    if (!(z >= region->near - margin && z <= region->far + margin && w >= 0)) {
+        return false;
+    }
+    return region->square ? fabs(v[0]) <= w && fabs(v[1]) <= w : vec3_dot(v, v) <= w * w;
+}
+
+/* Least and greatest depth of the grid's voxels, within the region's; a little more, for what is rounded. */
+static void bound_depth(double depth[2], const struct region *region, const struct volume *volume)
+{
+    depth[0] = INFINITY;
+    depth[1] = -INFINITY;
+    for (int corner = 0; corner < 8; corner++) {
+        double p[3];
+        for (int a = 0; a < 3; a++) {
+            p[a] = corner >> a & 1 ? (double)(volume->info.dim[a] - 1) : 0;
+        }
+        mat4_point(p, volume->info.world_from_voxel, p);
+        double slack = ROUNDING * (vec3_length(p) + vec3_length(region->origin));
+        vec3_sub(p, p, region->origin);
+        double z = vec3_dot(p, region->axis);
+        depth[0] = fmin(depth[0], z - slack);
+        depth[1] = fmax(depth[1], z + slack);
+    }
+    depth[0] = fmax(depth[0], region->near);
+    depth[1] = fmin(depth[1], region->far);
+}
+
+void region_bounds_init(struct region_bounds *out, const struct region *region, const struct volume *volume)
+{
+    const double *m = volume->voxel_from_world;
+    double origin[3];
+    *out = (struct region_bounds){.rim = {region->radius, region->slope}};
+    mat4_point(origin, m, region->origin);
+    for (int a = 0; a < 3; a++) {
+        const double g[3] = {m[a], m[4 + a], m[8 + a]};
+        double x = vec3_dot(g, region->right);
+        double y = vec3_dot(g, region->up);
+        out->along[a].center[0] = origin[a];
+        out->along[a].center[1] = vec3_dot(g, region->axis);
+        out->along[a].spread = region->shape == REGION_BALL ? vec3_length(g)
+                               : region->square             ? fabs(x) + fabs(y)
+                                                            : sqrt(x * x + y * y);
+    }
+    if (region->shape != REGION_BALL) {
+        bound_depth(out->depth, region, volume);
+    }
+}
+
+bool region_bounds_plane(double depth[2], const struct region_bounds *bounds, int axis, double index)
+{
+    const double *center = bounds->along[axis].center;
+    double reach[2] = {SLACK + bounds->along[axis].spread * bounds->rim[0],
+                       bounds->along[axis].spread * bounds->rim[1]};
+    return clip_half(depth, reach[0] + center[0] - index, reach[1] + center[1], 1 / (reach[1] + center[1])) &&
+           clip_half(depth, reach[0] - center[0] + index, reach[1] - center[1], 1 / (reach[1] - center[1]));
+}
+
+bool region_bounds_range(size_t out[2], const struct region_bounds *bounds, int axis, const double depth[2], size_t dim)
+{
+    double low = INFINITY;
+    double high = -INFINITY;
+    for (int end = 0; end < 2; end++) {
+        double center = bounds->along[axis].center[0] + bounds->along[axis].center[1] * depth[end];
+        double reach = SLACK + bounds->along[axis].spread * (bounds->rim[0] + bounds->rim[1] * depth[end]);
+        low = fmin(low, center - reach);
+        high = fmax(high, center + reach);
+    }
+    low = fmax(ceil(low), 0);
+    high = fmin(floor(high), (double)dim - 1);
+    if (!(low <= high)) {
+        return false;
+    }
+    out[0] = (size_t)low;
+    out[1] = (size_t)high;
+    return true;
+}

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * A region of space that voxels can be in: a cone, a cylinder about the axis, a ball (Eq. 10). One predicate decides;
+ * whatever finds voxels faster only keeps from asking it where the answer is certain. Every region is convex. */
+#ifndef CONUS_SELECTION_MEASURE_REGION_H
+#define CONUS_SELECTION_MEASURE_REGION_H
+
+#include "atlas/volume.h"
+#include "selection/cone/cone.h"
+
+enum region_shape { REGION_CONE, REGION_CYLINDER, REGION_BALL };
+
+struct region {
+    enum region_shape shape;
+    bool square; /**< A pyramid or a prism in place of a cone or a cylinder. */
+    double origin[3];
+    double right[3], up[3], axis[3]; /**< Unit vectors; of a ball none.                                     */
+    double slope;                    /**< Cone: tan(angle/2).                                               */
+    double sine, cosine;             /**< Cone: of angle/2; cylinder: 0 and 1.                                   */
+    double radius;                   /**< Cylinder and ball, mm.                                            */
+    double near, far;                /**< Depth along the axis in mm, 0 or more; infinite where there is none. */
+};
+
+/** The cone with its range, or the cylinder. */
+void region_from_cone(struct region *out, const struct cone *cone);
+
+/** A ball of @p radius > 0 mm. */
+void region_ball(struct region *out, const double center[3], double radius);
+
+/** Whether the world point @p point is in the region, its border included (Eq. 10). */
+bool region_has(const struct region *region, const double point[3]);
+
+/** A line at + t step as a region sees it: numbers that are linear in t, [0] at t = 0 and [1] per t. */
+struct region_line {
+    double depth[2];
+    double width[2]; /**< The line is in the region where the length of `across` is not above it.           */
+    double across[2][3];
+    double curve;                           /**< width[1]^2 - |across[1]|^2 */
+    double per_depth, per_width, per_curve; /**< 1 / depth[1], 1 / width[1], 1 / curve.                          */
+};
+
+/** Sets what is per t; @p step is in world mm. */
+void region_line_direct(struct region_line *out, const struct region *region, const double step[3]);
+/** Sets what is at t = 0, at the world point @p at. */
+void region_line_place(struct region_line *out, const struct region *region, const double at[3]);
+
+/** Cuts @p interval to the t for which the line is in the region grown by @p margin mm (shrunk where negative). False
+ * where nothing is left. Rounded: a border is met within 1e-7 of the coordinates' size, in mm. */
+bool region_clip(double interval[2], const struct region *region, const struct region_line *line, double margin);
+
+/** Whether the point at @p t lies in the region grown by @p margin mm, likewise. */
+bool region_line_has(const struct region *region, const struct region_line *line, double t, double margin);
+
+/** Between which indices along each axis a region's part in a grid lies. */
+struct region_bounds {
+    double depth[2]; /**< Of the grid's voxels in the region, along the axis; of a ball (0, 0).             */
+    double rim[2];   /**< Half-width at depth z: rim[0] + rim[1] z.                                         */
+    struct {
+        double center[2]; /**< The axis at depth z is at center[0] + center[1] z;                           */
+        double spread;    /**< the region reaches so much farther both ways, times its half-width.          */
+    } along[3];
+};
+
+void region_bounds_init(struct region_bounds *out, const struct region *region, const struct volume *volume);
+
+/** Cuts @p depth to where the plane of index @p index along @p axis meets the region; false where nothing is left. */
+bool region_bounds_plane(double depth[2], const struct region_bounds *bounds, int axis, double index);
+
+/** First and last index along @p axis of voxels at the depths @p depth, of @p dim; false where there is none. The
+ * bounds are not tight, but hold whatever is rounded. */
+bool region_bounds_range(size_t out[2], const struct region_bounds *bounds, int axis, const double depth[2],
+                         size_t dim);
+
+#endif

@@ -1,0 +1,385 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/measure/statistics.h"
+
+#include "atlas/space.h"
+#include "base/math3.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { NO_PIXEL = UINT32_MAX };
+
+/* What is kept of an object while its pixels and spans come by. */
+struct tallied {
+    bool touched;
+    uint32_t pixels;
+    uint32_t pixel; /* of its contact so far */
+    double weight;
+    double radius;           /* r of that pixel */
+    double contact_distance; /* and its distance */
+    double nearest;
+    uint32_t pierced;
+    uint32_t last_pixel; /* the one that pierced it last, and */
+    double run_entry;    /* where its last spans there begin, without a gap between them, */
+    double last_exit;    /* and how far they reach */
+    double entry, exit;
+    double length; /* of all its spans' union, over all rays, but for the last run */
+    double volume; /* of its meshes                          */
+    bool in_grid;  /* some of it is voxels,                  */
+    uint64_t voxels;
+    double mm3; /* of which these are in the cone         */
+    double value, maximum;
+    double moment[3];      /* sum of position times weight, that being the number of voxels or their values, */
+    double weight_in_grid; /* and the sum of the weights                 */
+    double point[3];       /* the nearest one, of what is near           */
+};
+
+/* Of the whole cone. */
+struct totals {
+    double weight; /* of its pixels       */
+    double areas;  /* mm^3 of areas in it */
+};
+
+void statistics_finish(struct statistics *statistics)
+{
+    memory_free(statistics->results);
+    *statistics = (struct statistics){0};
+}
+
+/* ---- The tally ---------------------------------------------------------------------------------------------- */
+
+conus_status tally_prepare(struct tally *tally, size_t object_count)
+{
+    if (tally->objects && tally->object_count >= object_count) {
+        return CONUS_OK;
+    }
+    struct tally larger = {.object_count = object_count};
+    larger.objects = memory_zeroed(object_count + 1, sizeof *larger.objects);
+    larger.touched = memory_raw(object_count + 1, sizeof *larger.touched);
+    if (!larger.objects || !larger.touched) {
+        tally_finish(&larger);
+        return CONUS_ERROR_MEMORY;
+    }
+    tally_finish(tally);
+    *tally = larger;
+    return CONUS_OK;
+}
+
+void tally_finish(struct tally *tally)
+{
+    memory_free(tally->objects);
+    memory_free(tally->touched);
+    *tally = (struct tally){0};
+}
+
+static struct tallied *touch(struct tally *tally, uint32_t object)
+{
+    struct tallied *tallied = &tally->objects[object];
+    if (!tallied->touched) {
+        *tallied = (struct tallied){.touched = true,
+                                    .radius = INFINITY,
+                                    .last_pixel = NO_PIXEL,
+                                    .entry = INFINITY,
+                                    .nearest = INFINITY,
+                                    .maximum = -INFINITY};
+        tally->touched[tally->touched_count++] = object;
+    }
+    return tallied;
+}
+
+static void clear(struct tally *tally)
+{
+    for (size_t i = 0; i < tally->touched_count; i++) {
+        tally->objects[tally->touched[i]].touched = false;
+    }
+    tally->touched_count = 0;
+}
+
+static uint32_t group_of(const struct gathering *gathering, uint32_t object)
+{
+    return gathering->group ? gathering->group[object] : object;
+}
+
+/* ---- What is met first -------------------------------------------------------------------------------------- */
+
+void evidence_position(double out[3], const struct evidence *evidence, const struct cone *cone, uint32_t i, uint32_t j)
+{
+    double ray[3];
+    size_t pixel = (size_t)j * evidence->resolution + i;
+    if (!evidence->object[pixel]) {
+        out[0] = out[1] = out[2] = NAN;
+        return;
+    }
+    cone_ray(ray, cone, i, j);
+    cone_origin(out, cone, i, j);
+    vec3_add_scaled(out, out, evidence->distance[pixel], ray);
+}
+
+/* Adds the pixels in the cone from number `first` on, as far as they met the same; gives the number behind them. The
+ * contact is at the smallest r, of equal ones at the nearest (Eq. 11). */
+static size_t add_run(struct tallied *object, const struct aperture *aperture, const struct evidence *evidence,
+                      size_t first)
+{
+    const uint32_t *inside = aperture->inside;
+    const double *distances = evidence->distance;
+    uint32_t met = evidence->object[inside[first]];
+    uint32_t contact = object->pixel; /* what is added up is here, or it would go to memory and back each time */
+    double radius = object->radius;
+    double contact_distance = object->contact_distance;
+    double nearest = object->nearest;
+    double weight = object->weight;
+    size_t k = first;
+    do {
+        uint32_t pixel = inside[k++];
+        double r = aperture->radius[pixel];
+        double distance = distances[pixel];
+        bool better = (r < radius) | ((r == radius) & (distance < contact_distance));
+        contact = better ? pixel : contact;
+        radius = better ? r : radius;
+        contact_distance = better ? distance : contact_distance;
+        nearest = distance < nearest ? distance : nearest;
+        weight += aperture->weight[pixel];
+    } while (k < aperture->rays.count && evidence->object[inside[k]] == met);
+    object->pixel = contact;
+    object->radius = radius;
+    object->contact_distance = contact_distance;
+    object->nearest = nearest;
+    object->weight = weight;
+    object->pixels += (uint32_t)(k - first);
+    return k;
+}
+
+static void add_pixels(struct tally *tally, const struct gathering *gathering)
+{
+    const struct evidence *evidence = gathering->evidence;
+    const struct aperture *aperture = gathering->aperture;
+    touch(tally, 0);
+    for (size_t k = 0; k < aperture->rays.count;) {
+        uint32_t met = evidence->object[aperture->inside[k]];
+        k = add_run(touch(tally, group_of(gathering, met)), aperture, evidence, k);
+    }
+}
+
+/* ---- All layers --------------------------------------------------------------------------------------------- */
+
+/* Between two distances on rays from one point the volume grows with their cubes, on parallel ones with themselves. */
+static double volume_between(const struct cone *cone, double from, double to)
+{
+    return cone->radius > 0 ? to - from : (to * to * to - from * from * from) / 3;
+}
+
+/* Adds the run that has come to its end, in one piece: however it is cut into objects that are reported as one, its
+ * length has the same bits. */
+static void end_run(struct tallied *object, const conus_span *next)
+{
+    object->length += object->last_exit - object->run_entry;
+    object->run_entry = object->last_exit = next->entry;
+}
+
+/* Spans of a pixel come by entry, so what they add to their union is what reaches beyond the last exit. */
+static void add_span(struct tallied *object, const conus_span *span, const struct cone *cone, double weight)
+{
+    bool is_next_pixel = object->last_pixel != span->pixel;
+    if (is_next_pixel || span->entry > object->last_exit) {
+        end_run(object, span);
+    }
+    object->pierced += is_next_pixel;
+    object->last_pixel = span->pixel;
+    object->entry = fmin(object->entry, span->entry);
+    object->exit = fmax(object->exit, span->exit);
+    if (span->exit > object->last_exit) {
+        object->volume += weight * volume_between(cone, object->last_exit, span->exit);
+        object->last_exit = span->exit;
+    }
+}
+
+static void add_spans(struct tally *tally, const struct gathering *gathering)
+{
+    const struct layers *layers = gathering->layers;
+    const struct aperture *aperture = gathering->aperture;
+    for (size_t s = 0; s < layers->count; s++) {
+        const conus_span *span = &layers->spans[s];
+        if (aperture->in_cone[span->pixel]) {
+            bool mesh = atlas_object_mesh(gathering->atlas, span->object);
+            struct tallied *object = touch(tally, group_of(gathering, span->object));
+            object->in_grid = object->in_grid || !mesh;
+            add_span(object, span, gathering->cone, mesh ? aperture->weight[span->pixel] : 0);
+        }
+    }
+}
+
+static void add_count(struct tallied *to, const struct gathering *gathering, uint32_t number)
+{
+    const struct census_count *count = &gathering->census->counts[number];
+    const struct volume *volume = atlas_object_volume(gathering->atlas, number);
+    double weight = volume->values ? count->value : (double)count->voxels;
+    double centroid[3];
+    census_centroid(centroid, gathering->census, gathering->atlas, number);
+    vec3_add_scaled(to->moment, to->moment, weight, centroid);
+    to->weight_in_grid += weight;
+    to->maximum = fmax(to->maximum, count->maximum);
+    to->value += count->value;
+    to->voxels += count->voxels;
+    to->mm3 += (double)count->voxels * space_voxel_mm3(&volume->info);
+    to->in_grid = true;
+}
+
+static void add_census(struct tally *tally, const struct gathering *gathering)
+{
+    const struct census *census = gathering->census;
+    const struct volume *parcellation = atlas_parcellation(gathering->atlas);
+    for (size_t i = 0; i < census->touched_count; i++) {
+        add_count(touch(tally, group_of(gathering, census->touched[i])), gathering, census->touched[i]);
+    }
+    if (parcellation) {
+        struct tallied *nothing = touch(tally, 0);
+        nothing->in_grid = true;
+        nothing->voxels += census->counts[0].voxels;
+        nothing->mm3 += (double)census->counts[0].voxels * space_voxel_mm3(&parcellation->info);
+    }
+}
+
+static void add_near(struct tally *tally, const struct gathering *gathering)
+{
+    const struct near *near = gathering->near;
+    for (size_t i = 0; i < near->touched_count; i++) {
+        const struct near_object *found = &near->objects[near->touched[i]];
+        struct tallied *to = touch(tally, group_of(gathering, near->touched[i]));
+        to->in_grid = to->in_grid || !atlas_object_mesh(gathering->atlas, near->touched[i]);
+        if (found->distance < to->nearest) {
+            to->nearest = found->distance;
+            memcpy(to->point, found->point, sizeof to->point);
+        }
+    }
+}
+
+/* ---- Results ------------------------------------------------------------------------------------------------ */
+
+/* mm^3 in the cone: of voxels by count, of meshes from the rays, for each of which `total` is the whole cone. */
+static double volume_of(const struct tallied *object, const struct gathering *gathering, double total)
+{
+    double of_meshes = object->volume > 0 ? object->volume / total * cone_cross_section(gathering->cone) : 0;
+    return object->mm3 + of_meshes;
+}
+
+/* Of all areas in the cone. */
+static double volume_of_areas(const struct tally *tally, const struct gathering *gathering, double total)
+{
+    double sum = 0;
+    for (size_t i = 0; i < tally->touched_count; i++) {
+        uint32_t number = tally->touched[i];
+        if (number && number <= gathering->atlas->area_count) {
+            sum += volume_of(&tally->objects[number], gathering, total);
+        }
+    }
+    return sum;
+}
+
+static void describe_voxels(conus_result *result, const struct tallied *object, bool pathway)
+{
+    result->voxels = object->voxels;
+    if (object->weight_in_grid > 0) {
+        vec3_scale(result->centroid, object->moment, 1 / object->weight_in_grid);
+    }
+    if (pathway) {
+        result->sum_value = object->value;
+    }
+    if (pathway && object->voxels) {
+        result->mean_value = object->value / (double)object->voxels;
+        result->max_value = object->maximum;
+    }
+}
+
+static void describe_layers(conus_result *result, const struct tallied *object, const struct gathering *gathering,
+                            const struct totals *totals)
+{
+    bool pathway = result->object > gathering->atlas->area_count;
+    result->pierced = object->pierced;
+    if (object->pierced) {
+        result->entry = object->entry;
+        result->exit = object->exit;
+        result->path = (object->length + (object->last_exit - object->run_entry)) / object->pierced;
+    }
+    if (object->in_grid || object->volume > 0) {
+        result->volume = volume_of(object, gathering, totals->weight);
+    }
+    if (result->object && result->volume >= 0) {
+        double whole = gathering->whole[result->object];
+        result->fraction = whole > 0 ? result->volume / whole : NAN;
+        result->cone_fraction = pathway || totals->areas == 0 ? NAN : result->volume / totals->areas;
+    }
+    describe_voxels(result, object, pathway);
+}
+
+conus_result statistics_empty_result(uint32_t number)
+{
+    conus_result result = {.object = number, .score = NAN, .center_px = NAN, .offset = NAN, .distance = NAN};
+    result.contact[0] = result.contact[1] = result.contact[2] = NAN;
+    result.entry = result.exit = result.path = NAN;
+    result.volume = result.fraction = result.cone_fraction = NAN;
+    result.sum_value = result.mean_value = result.max_value = NAN;
+    result.centroid[0] = result.centroid[1] = result.centroid[2] = NAN;
+    return result;
+}
+
+static conus_result describe(uint32_t number, const struct tallied *object, const struct gathering *gathering,
+                             const struct totals *totals)
+{
+    const struct cone *cone = gathering->cone;
+    conus_result result = statistics_empty_result(number);
+    result.pixels = object->pixels;
+    result.share = object->weight / totals->weight;
+    if (number && object->pixels) {
+        result.center_px = object->radius * cone->resolution / 2;
+        result.offset = cone_off_axis(cone, object->radius);
+        result.distance = object->nearest;
+        evidence_position(result.contact, gathering->evidence, cone, object->pixel % cone->resolution,
+                          object->pixel / cone->resolution);
+    }
+    if (number && gathering->near) {
+        result.distance = object->nearest;
+        memcpy(result.contact, object->point, sizeof result.contact);
+    }
+    if (gathering->census) {
+        describe_layers(&result, object, gathering, totals);
+    }
+    return result;
+}
+
+static int by_number(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a - 1; /* what met nothing is the last */
+    uint32_t y = *(const uint32_t *)b - 1;
+    return (x > y) - (x < y);
+}
+
+conus_status statistics_gather(struct statistics *out, const struct gathering *gathering, struct tally *tally)
+{
+    struct totals totals = {.weight = gathering->aperture ? gathering->aperture->total_weight : 0};
+    if (gathering->aperture) {
+        add_pixels(tally, gathering);
+    }
+    if (gathering->aperture && gathering->layers) {
+        add_spans(tally, gathering);
+    }
+    if (gathering->near) {
+        add_near(tally, gathering);
+    }
+    if (gathering->census) {
+        add_census(tally, gathering);
+        totals.areas = volume_of_areas(tally, gathering, totals.weight);
+    }
+    size_t count = tally->touched_count;
+    conus_result *results = memory_raw(count, sizeof *results);
+    if (results) {
+        qsort(tally->touched, count, sizeof *tally->touched, by_number);
+        for (size_t i = 0; i < count; i++) {
+            uint32_t number = tally->touched[i];
+            results[i] = describe(number, &tally->objects[number], gathering, &totals);
+        }
+        *out = (struct statistics){results, count};
+    }
+    clear(tally);
+    return results ? CONUS_OK : CONUS_ERROR_MEMORY;
+}

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file From evidence to one result per object met. */
+#ifndef CONUS_SELECTION_MEASURE_STATISTICS_H
+#define CONUS_SELECTION_MEASURE_STATISTICS_H
+
+#include "selection/cone/aperture.h"
+#include "selection/engine/layers.h"
+#include "selection/measure/census.h"
+#include "selection/measure/near.h"
+
+struct statistics {
+    conus_result *results; /**< In order of object number, then what hit nothing (object 0); kind,
+                              rank and score are still to be set. */
+    size_t count;
+};
+
+void statistics_finish(struct statistics *statistics);
+
+/** What is added up per object while pixels and rays come by; of all objects, so that a query costs what it meets and
+ * not what the atlas has. A zeroed one is ready for statistics_prepare(). */
+struct tally {
+    struct tallied *objects; /**< [object_count + 1]; number 0 is what met nothing.        */
+    uint32_t *touched;       /**< [object_count + 1] Numbers of those that are not zeroed, */
+    size_t touched_count;    /**< of which there are so many.                              */
+    size_t object_count;
+};
+
+/** Makes room for objects up to @p object_count. */
+conus_status tally_prepare(struct tally *tally, size_t object_count);
+void tally_finish(struct tally *tally);
+
+/** What is to be gathered. */
+struct gathering {
+    const conus_atlas *atlas;
+    const struct cone *cone;
+    const struct aperture *aperture; /**< Prepared for the cone; NULL where there are no pixels. */
+    const struct evidence *evidence;
+    const struct layers *layers; /**< Sorted; NULL = visible only.                                     */
+    const struct census *census; /**< Of the voxels in the cone or ball; with layers or near.           */
+    const struct near *near;     /**< What is near to a ball's centre; with its census.                        */
+    const double *whole;         /**< [object_count + 1] Whole volumes of the objects, with layers, mm^3.  */
+    const uint32_t *group;       /**< [object_count + 1] As what each object is reported; NULL = itself. */
+};
+
+/** Gathers pixels, share (Eq. 4), nearest distance, smallest offset and contact (Eq. 11) of each object that an
+ * in-cone pixel met first, and with layers pierced pixels, entry, exit and path length, and what lies in the cone,
+ * by the census or, of meshes, by rays (Eq. 10): objects with a voxel there have a result even if no ray meets them. Of
+ * a ball, which has no pixels, distance and contact are those of what is near. @p tally is prepared for the atlas's
+ * objects. */
+conus_status statistics_gather(struct statistics *out, const struct gathering *gathering, struct tally *tally);
+
+/** The result of an object of which nothing is known. */
+conus_result statistics_empty_result(uint32_t number);
+
+/** World position of the contact of pixel column @p i, row @p j: the ray's origin + distance x ray. */
+void evidence_position(double out[3], const struct evidence *evidence, const struct cone *cone, uint32_t i, uint32_t j);
+
+#endif

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A picture in the making: what conus_render() hands from step to step. */
+#ifndef CONUS_SELECTION_PICTURE_PICTURE_H
+#define CONUS_SELECTION_PICTURE_PICTURE_H
+
+#include "render/colour/renderer.h"
+#include "selection/selection.h"
+
+/** Tangents of a frustum's edges are at most so large. */
+enum { PICTURE_FRUSTUM_LIMIT = 1000 };
+
+struct picture {
+    conus_view options; /**< Defaults filled in. */
+    const conus_atlas *atlas;
+    struct camera camera;
+    struct camera_frame frame;
+    double centre[3], radius; /**< A ball around what shows, world mm. */
+    struct colour_view view;
+    struct colour_marker markers[COLOUR_MARKER_LIMIT];
+    uint8_t *emphasis; /**< [objects + 1] of enum emphasis, by the cone; NULL without one. */
+    float *rgba;       /**< [height * width * 4], bottom row first. */
+};
+
+/** Lays the legend of the areas hit, a scale bar and the directions (R L A P S I) over @p image.
+ * CONUS_ERROR_UNSUPPORTED where there is no font, and the image has no text. */
+conus_status picture_annotate(conus_image *image, const struct picture *picture);
+
+/** Whether a legend of what is met first lists @p result. */
+static inline bool picture_lists(const conus_result *result)
+{
+    return !result->object || result->pixels > 0;
+}
+
+/** How each object, by number, stands out in a picture of @p selection: [object count + 1] of enum emphasis, to be
+ * freed. @p chosen (0 = none) and what is below it in the area tree are never pale. NULL without memory. */
+uint8_t *picture_emphasis(const conus_selection *selection, uint32_t chosen);
+
+/** Adds paths and SHA-256 of the atlas's files to the image's header; those of the context only if @p context. */
+conus_status picture_add_volumes(conus_image *image, const conus_atlas *atlas, bool context);
+
+/** Adds to the image's header how @p selection came about, the atlas's files, and what is in the cone. */
+conus_status picture_add_selection(conus_image *image, const conus_selection *selection);
+
+#endif

@@ -1,0 +1,287 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Everything in the cone as a deep image: a sample for each piece of a pixel's ray inside an object. */
+#include "base/memory.h"
+#include "render/image/deep_image.h"
+#include "render/image/id_manifest.h"
+#include "selection/picture/picture.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Samples ---- */
+
+/* Samples of pixel (x, y) of the image, which begins at its top, begin at this span. */
+static size_t *first_spans(const conus_selection *selection)
+{
+    size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
+    size_t *first = memory_zeroed(pixels + 1, sizeof *first);
+    for (size_t i = 0; first && i < selection->layers.count; i++) {
+        first[selection->layers.spans[i].pixel + 1]++;
+    }
+    for (size_t i = 0; first && i < pixels; i++) {
+        first[i + 1] += first[i];
+    }
+    return first;
+}
+
+static size_t pixel_from_top(const conus_selection *selection, uint32_t x, uint32_t y)
+{
+    uint32_t n = selection->cone.resolution;
+    return (size_t)(n - 1 - y) * n + x;
+}
+
+static conus_status count_samples(struct deep_image **out, const conus_selection *selection, const size_t *first)
+{
+    uint32_t n = selection->cone.resolution;
+    uint32_t *counts = memory_raw((size_t)n * n, sizeof *counts);
+    if (!counts) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (uint32_t y = 0; y < n; y++) {
+        for (uint32_t x = 0; x < n; x++) {
+            size_t pixel = pixel_from_top(selection, x, y);
+            counts[(size_t)y * n + x] = (uint32_t)(first[pixel + 1] - first[pixel]);
+        }
+    }
+    conus_status status = deep_image_create(out, n, n, counts);
+    memory_free(counts);
+    return status;
+}
+
+enum { ID, OBJECT, Z, Z_BACK, T, T_BACK, A, CHANNEL_COUNT };
+
+static const char *const CHANNELS[CHANNEL_COUNT] = {"id", "object", "Z", "ZBack", "t", "tBack", "A"};
+
+static conus_status add_channels(struct deep_image *image)
+{
+    conus_status status = CONUS_OK;
+    for (int c = 0; !status && c < CHANNEL_COUNT; c++) {
+        struct image_channel *channel = NULL;
+        status = deep_image_add_channel(image, CHANNELS[c], c < Z ? IMAGE_UINT : IMAGE_FLOAT, &channel);
+    }
+    return status;
+}
+
+static void fill_sample(struct image_channel *channels, size_t sample, const conus_selection *selection,
+                        const conus_span *span)
+{
+    uint32_t n = selection->cone.resolution;
+    double per_depth = cone_per_depth(&selection->cone, span->pixel % n, span->pixel / n);
+    channels[ID].uints[sample] = conus_atlas_object(selection->atlas, span->object)->label;
+    channels[OBJECT].uints[sample] = span->object;
+    channels[Z].floats[sample] = (float)(span->entry / per_depth);
+    channels[Z_BACK].floats[sample] = (float)(span->exit / per_depth);
+    channels[T].floats[sample] = (float)span->entry;
+    channels[T_BACK].floats[sample] = (float)span->exit;
+    channels[A].floats[sample] = 1;
+}
+
+static void fill_channels(struct deep_image *image, const conus_selection *selection, const size_t *first)
+{
+    uint32_t n = selection->cone.resolution;
+    size_t sample = 0;
+    for (uint32_t y = 0; y < n; y++) {
+        for (uint32_t x = 0; x < n; x++) {
+            size_t pixel = pixel_from_top(selection, x, y);
+            for (size_t i = first[pixel]; i < first[pixel + 1]; i++) {
+                fill_sample(image->channels, sample++, selection, &selection->layers.spans[i]);
+            }
+        }
+    }
+}
+
+/* ---- Names ---- */
+
+/* An object in the image. */
+struct named {
+    uint32_t number;
+    const conus_object *object;
+};
+
+static struct named *list_objects(size_t *count, const conus_selection *selection)
+{
+    const conus_atlas *atlas = selection->atlas;
+    struct named *named = memory_raw(atlas->object_count, sizeof *named);
+    bool *present = memory_zeroed(atlas->object_count + 1, sizeof *present);
+    if (!named || !present) {
+        memory_free(named);
+        memory_free(present);
+        return NULL;
+    }
+    for (size_t i = 0; i < selection->layers.count; i++) {
+        present[selection->layers.spans[i].object] = true;
+    }
+    *count = 0;
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        if (present[number]) {
+            named[(*count)++] = (struct named){number, conus_atlas_object(atlas, number)};
+        }
+    }
+    memory_free(present);
+    return named;
+}
+
+static int by_label(const void *a, const void *b)
+{
+    const struct named *x = a;
+    const struct named *y = b;
+    if (x->object->label != y->object->label) {
+        return x->object->label < y->object->label ? -1 : 1;
+    }
+    return (x->number > y->number) - (x->number < y->number);
+}
+
+/* Room for the tables of a manifest: of objects, and of labels, of which there are no more. */
+struct names {
+    uint32_t *numbers, *labels; /* [count] */
+    const char **of_numbers;    /* [3 * count] name, label, kind */
+    const char **of_labels;     /* [count] */
+    char (*digits)[12];         /* [count] labels of the objects as texts */
+    char **joined;              /* [count] owned */
+};
+
+static void names_finish(struct names *names, size_t count)
+{
+    for (size_t i = 0; names->joined && i < count; i++) {
+        memory_free(names->joined[i]);
+    }
+    memory_free(names->joined);
+    memory_free(names->numbers);
+    memory_free(names->labels);
+    memory_free(names->of_numbers);
+    memory_free(names->of_labels);
+    memory_free(names->digits);
+}
+
+static conus_status names_init(struct names *out, size_t count)
+{
+    *out = (struct names){.numbers = memory_raw(count, sizeof *out->numbers),
+                          .labels = memory_raw(count, sizeof *out->labels),
+                          .of_numbers = memory_raw(3 * count, sizeof *out->of_numbers),
+                          .of_labels = memory_raw(count, sizeof *out->of_labels),
+                          .digits = memory_raw(count, sizeof *out->digits),
+                          .joined = memory_zeroed(count, sizeof *out->joined)};
+    if (!out->numbers || !out->labels || !out->of_numbers || !out->of_labels || !out->digits || !out->joined) {
+        names_finish(out, count);
+        return CONUS_ERROR_MEMORY;
+    }
+    return CONUS_OK;
+}
+
+/* "Hippocampus / fornix": an area and a pathway may have one label. */
+static char *join(const char *a, const char *b)
+{
+    size_t size = strlen(a) + strlen(b) + 4;
+    char *joined = memory_raw(size, 1);
+    if (joined) {
+        snprintf(joined, size, "%s / %s", a, b);
+    }
+    return joined;
+}
+
+/* Names for the labels of `named`, which is sorted by them; gives how many in *labels. */
+static conus_status name_labels(struct names *names, size_t *labels, const struct named *named, size_t count)
+{
+    *labels = 0;
+    for (size_t i = 0; i < count; i++) {
+        size_t at = *labels;
+        const conus_object *object = named[i].object;
+        if (at == 0 || names->labels[at - 1] != object->label) {
+            names->labels[at] = object->label;
+            names->of_labels[at] = object->name;
+            (*labels)++;
+            continue;
+        }
+        char *joined = join(names->of_labels[at - 1], object->name);
+        if (!joined) {
+            return CONUS_ERROR_MEMORY;
+        }
+        memory_free(names->joined[at - 1]);
+        names->joined[at - 1] = joined;
+        names->of_labels[at - 1] = joined;
+    }
+    return CONUS_OK;
+}
+
+static conus_status format_names(struct bytes *out, struct names *names, struct named *named, size_t count)
+{
+    static const char *const components[] = {"name", "label", "kind"};
+    size_t labels = 0;
+    qsort(named, count, sizeof *named, by_label);
+    conus_status status = name_labels(names, &labels, named, count);
+    if (status) {
+        return status;
+    }
+    const struct id_manifest_group groups[] = {
+        {"id", components, 1, names->labels, labels, names->of_labels},
+        {"object", components, 3, names->numbers, count, names->of_numbers},
+    };
+    return id_manifest_format(out, groups, sizeof groups / sizeof groups[0]);
+}
+
+static conus_status add_names(struct deep_image *image, const conus_selection *selection)
+{
+    size_t count = 0;
+    struct names names;
+    struct named *named = list_objects(&count, selection);
+    if (!named) {
+        return CONUS_ERROR_MEMORY;
+    }
+    conus_status status = names_init(&names, count);
+    if (!status) {
+        for (size_t i = 0; i < count; i++) {
+            names.numbers[i] = named[i].number;
+            names.of_numbers[3 * i] = named[i].object->name;
+            names.of_numbers[3 * i + 1] = names.digits[i];
+            snprintf(names.digits[i], sizeof names.digits[i], "%u", named[i].object->label);
+            names.of_numbers[3 * i + 2] = named[i].object->kind == CONUS_PATHWAY ? "pathway" : "area";
+        }
+        status = format_names(&image->manifest, &names, named, count);
+        names_finish(&names, count);
+    }
+    memory_free(named);
+    return status;
+}
+
+/* ---- */
+
+static conus_status create_image(struct deep_image **out, const conus_selection *selection)
+{
+    struct deep_image *image = NULL;
+    size_t *first = first_spans(selection);
+    conus_status status = first ? count_samples(&image, selection, first) : CONUS_ERROR_MEMORY;
+    status = status ? status : add_channels(image);
+    if (!status) {
+        fill_channels(image, selection, first);
+        status = add_names(image, selection);
+    }
+    status = status ? status : picture_add_selection(image->header, selection);
+    memory_free(first);
+    if (status) {
+        deep_image_destroy(image);
+        return status;
+    }
+    *out = image;
+    return CONUS_OK;
+}
+
+conus_status conus_selection_write_deep(const conus_selection *selection, const char *path)
+{
+    struct deep_image *image = NULL;
+    struct bytes bytes = {0};
+    if (selection->region.shape == REGION_BALL) {
+        return fail(CONUS_ERROR_ARGUMENT, "deep image: of a ball, which has no pixels");
+    }
+    if (!selection->has_layers) {
+        return fail(CONUS_ERROR_ARGUMENT, "deep image: of what is visible only, a selection of all layers is needed");
+    }
+    conus_status status = create_image(&image, selection);
+    if (!status) {
+        status = deep_image_format(&bytes, image);
+        status = status ? fail_in(status, path) : file_write(path, bytes.data, bytes.size);
+    }
+    bytes_finish(&bytes);
+    deep_image_destroy(image);
+    return status;
+}

@@ -1,0 +1,374 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the device saw: the evidence as an image, and a picture of it with a legend. */
+#include "selection/picture/picture.h"
+
+#include "base/buffer.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "base/text.h"
+#include "render/flat/draw.h"
+#include "render/flat/legend.h"
+#include "selection/picture/cryptomatte.h"
+#include "selection/selection.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    PICTURE_SIDE = 512, /* pixels of the device's are magnified until they fill at least this */
+    LEGEND_WIDTH = 420,
+    LETTERS = 15,
+    GRID = 8, /* from this magnification on, lines between the device's pixels */
+};
+
+static const uint8_t NOTHING[3] = {52, 53, 58};
+static const uint8_t BACKGROUND[3] = {24, 25, 28};
+static const float HIDDEN_SHADE = 0.15F; /* of what the aperture hides: linear light */
+static const float LINE_SHADE = 0.72F;
+
+/* Row of the evidence that row `y` of the image shows: the image begins at the top. */
+static size_t evidence_pixel(uint32_t n, uint32_t x, uint32_t y)
+{
+    return (size_t)(n - 1 - y) * n + x;
+}
+
+static uint32_t label_of(const conus_atlas *atlas, uint32_t number)
+{
+    const conus_object *object = conus_atlas_object(atlas, number);
+    return object ? object->label : 0;
+}
+
+/* ---- Channels ---- */
+
+static const char *const UINT_CHANNELS[] = {"id", "object"};
+static const char *const FLOAT_CHANNELS[] = {"X", "Y", "Z", "t"};
+
+static conus_status add_channels(conus_image *image, const conus_selection *selection)
+{
+    const struct evidence *evidence = &selection->evidence;
+    uint32_t *uints[2];
+    float *floats[4];
+    conus_status status = CONUS_OK;
+    for (int c = 0; !status && c < 6; c++) {
+        struct image_channel *channel = NULL;
+        status = image_add_channel(image, c < 2 ? UINT_CHANNELS[c] : FLOAT_CHANNELS[c - 2],
+                                   c < 2 ? IMAGE_UINT : IMAGE_FLOAT, &channel);
+        if (!status && c < 2) {
+            uints[c] = channel->uints;
+        } else if (!status) {
+            floats[c - 2] = channel->floats;
+        }
+    }
+    for (uint32_t y = 0, n = evidence->resolution; !status && y < n; y++) {
+        for (uint32_t x = 0; x < n; x++) {
+            size_t from = evidence_pixel(n, x, y);
+            size_t to = (size_t)y * n + x;
+            double position[3];
+            conus_selection_position(selection, from, position);
+            uints[0][to] = label_of(selection->atlas, evidence->object[from]);
+            uints[1][to] = evidence->object[from];
+            for (int c = 0; c < 3; c++) {
+                floats[c][to] = (float)position[c];
+            }
+            floats[3][to] = (float)evidence->distance[from];
+        }
+    }
+    return status;
+}
+
+/* ---- Attributes ---- */
+
+/* A volume as "conus:NAME" with its SHA-256; without its path, if that is said already. */
+static conus_status add_volume(conus_image *image, const conus_volume_info *info, const char *name, bool said)
+{
+    char sum_name[64];
+    snprintf(sum_name, sizeof sum_name, "%sSha256", name);
+    conus_status status = said ? CONUS_OK : image_add_text(image, name, info->path);
+    return status ? status : image_add_text(image, sum_name, info->sha256);
+}
+
+/* The parcellation is the atlas itself, or what a manifest or an XML names. */
+static conus_status add_any_volume(conus_image *image, const conus_atlas *atlas, size_t index)
+{
+    char name[40];
+    const conus_volume_info *info = conus_atlas_volume(atlas, index);
+    bool is_atlas = info->role == CONUS_PARCELLATION && strcmp(info->path, atlas_path(atlas)) == 0;
+    if (info->role == CONUS_PARCELLATION) {
+        return add_volume(image, info, is_atlas ? "conus:atlas" : "conus:parcellation", is_atlas);
+    }
+    snprintf(name, sizeof name, "conus:volume%zu", index);
+    return add_volume(image, info, name, false);
+}
+
+/* The manifest, surfaces and the like, a line each. */
+static conus_status add_files(conus_image *image, const conus_atlas *atlas)
+{
+    struct buffer text = {0};
+    for (size_t i = 0; i < atlas->files.count; i++) {
+        buffer_format(&text, "%s  %s\n", atlas->files.items[i].sha256, atlas->files.items[i].path);
+    }
+    conus_status status = buffer_status(&text);
+    if (!status && text.size) {
+        status = image_add_text(image, "conus:files", text.data);
+    }
+    buffer_finish(&text);
+    return status;
+}
+
+static conus_status add_hidden(conus_image *image, const conus_atlas *atlas)
+{
+    struct buffer text = {0};
+    atlas_list_hidden(&text, atlas);
+    conus_status status = buffer_status(&text);
+    if (!status && text.size) {
+        status = image_add_text(image, "conus:hidden", text.data);
+    }
+    buffer_finish(&text);
+    return status;
+}
+
+conus_status picture_add_volumes(conus_image *image, const conus_atlas *atlas, bool context)
+{
+    const char *path = atlas_path(atlas);
+    conus_status status = path[0] ? image_add_text(image, "conus:atlas", path) : CONUS_OK;
+    for (size_t i = 0; !status && i < conus_atlas_volume_count(atlas); i++) {
+        if (conus_atlas_volume(atlas, i)->role != CONUS_CONTEXT || context) {
+            status = add_any_volume(image, atlas, i);
+        }
+    }
+    status = status ? status : add_files(image, atlas);
+    return status ? status : add_hidden(image, atlas);
+}
+
+/* The names of the objects in the cone, so that the numbers in the image can be read without the atlas. */
+static conus_status add_names(conus_image *image, const conus_selection *selection)
+{
+    struct buffer text = {0};
+    buffer_text(&text, "object\tid\tkind\tname\n");
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        uint32_t number = conus_selection_result(selection, i)->object;
+        const conus_object *object = conus_atlas_object(selection->atlas, number);
+        if (object) {
+            buffer_format(&text, "%u\t%u\t%s\t%s\n", number, object->label,
+                          object->kind == CONUS_PATHWAY ? "pathway" : "area", object->name);
+        }
+    }
+    conus_status status = buffer_status(&text);
+    status = status ? status : image_add_text(image, "conus:objects", text.data);
+    buffer_finish(&text);
+    return status;
+}
+
+conus_status picture_add_selection(conus_image *image, const conus_selection *selection)
+{
+    const struct cone *cone = &selection->cone;
+    char angle[TEXT_NUMBER_SIZE];
+    char radius[TEXT_NUMBER_SIZE];
+    char near[TEXT_NUMBER_SIZE];
+    char far[TEXT_NUMBER_SIZE];
+    char range[2 * TEXT_NUMBER_SIZE];
+    text_number(angle, degrees_from_radians(cone->angle));
+    text_number(radius, cone->radius);
+    snprintf(range, sizeof range, "%s %s", text_number(near, cone->range[0]), text_number(far, cone->range[1]));
+    const char *const pairs[][2] = {
+        {"conus:version", CONUS_VERSION},
+        {"conus:space", "RAS mm"},
+        {"conus:angleDegrees", angle},
+        {"conus:radiusMm", cone->radius > 0 ? radius : NULL},
+        {"conus:rangeMm", cone_has_range(cone) ? range : NULL},
+        {"conus:aperture", cone->aperture == CONUS_SQUARE ? "square" : "circle"},
+        {"conus:spread", cone_is_wide(cone) ? "even" : NULL},
+        {"conus:sampling", selection->sampling == CONUS_SLICES ? "slices" : "exact"},
+        {"conus:engine", selection->engine},
+    };
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < sizeof pairs / sizeof pairs[0]; i++) {
+        status = pairs[i][1] ? image_add_text(image, pairs[i][0], pairs[i][1]) : CONUS_OK;
+    }
+    status = status ? status : image_add_matrix(image, "conus:worldFromDevice", cone->pose.world_from_device);
+    status = status ? status : picture_add_volumes(image, selection->atlas, false);
+    return status ? status : add_names(image, selection);
+}
+
+/* ---- The picture ---- */
+
+static void shade(float colour[4], float factor)
+{
+    for (int c = 0; c < 3; c++) {
+        colour[c] *= factor;
+    }
+}
+
+/* Fills one pixel of the device, `factor` pixels wide; its first row and column are darker, to make a grid. */
+static void draw_pixel(conus_image *picture, uint32_t x, uint32_t y, uint32_t factor, const float colour[4])
+{
+    const struct image_rgba planes = image_rgba(picture);
+    float shaded[4] = {colour[0], colour[1], colour[2], 1};
+    shade(shaded, LINE_SHADE);
+    for (uint32_t j = 0; j < factor; j++) {
+        for (uint32_t i = 0; i < factor; i++) {
+            size_t pixel = ((size_t)y * factor + j) * picture->width + (size_t)x * factor + i;
+            bool line = factor >= GRID && (i == 0 || j == 0);
+            draw_over(&planes, pixel, line ? shaded : colour, 1);
+        }
+    }
+}
+
+static void draw_pixels(conus_image *picture, const conus_selection *selection, uint32_t factor)
+{
+    uint32_t n = selection->evidence.resolution;
+    for (uint32_t y = 0; y < n; y++) {
+        for (uint32_t x = 0; x < n; x++) {
+            size_t pixel = evidence_pixel(n, x, y);
+            const conus_object *object = conus_atlas_object(selection->atlas, selection->evidence.object[pixel]);
+            float colour[4];
+            draw_colour(colour, object ? object->rgb : NOTHING, 1);
+            shade(colour, selection->in_cone[pixel] ? 1 : HIDDEN_SHADE);
+            draw_pixel(picture, x, y, factor, colour);
+        }
+    }
+}
+
+struct details {
+    char pixels[24], share[24], distance[24];
+};
+
+static void describe(struct legend_row *row, struct details *details, const conus_selection *selection, size_t index)
+{
+    const conus_result *result = conus_selection_result(selection, index);
+    const conus_object *object = conus_atlas_object(selection->atlas, result->object);
+    *row = (struct legend_row){.hollow = !object,
+                               .name = object ? object->name : "unassigned",
+                               .detail = {details->pixels, details->share, details->distance}};
+    memcpy(row->rgb, object ? object->rgb : (const uint8_t[]){130, 132, 138}, sizeof row->rgb);
+    snprintf(details->pixels, sizeof details->pixels, "%u", result->pixels);
+    snprintf(details->share, sizeof details->share, "%.1f %%", 100 * result->share);
+    if (isfinite(result->distance)) {
+        snprintf(details->distance, sizeof details->distance, "%.1f mm", result->distance);
+    }
+}
+
+static conus_status draw_legend(conus_image *panel, const conus_selection *selection, struct font *font)
+{
+    size_t results = conus_selection_count(selection);
+    size_t count = 0;
+    struct legend_row *rows = memory_zeroed(results, sizeof *rows);
+    struct details *details = memory_zeroed(results, sizeof *details);
+    conus_status status = rows && details ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < results; i++) {
+        if (picture_lists(conus_selection_result(selection, i))) {
+            describe(&rows[count], &details[count], selection, i);
+            count++;
+        }
+    }
+    if (!status) {
+        char title[96];
+        bool rod = selection->cone.radius > 0;
+        snprintf(title, sizeof title, "What the device saw, %.4g%s",
+                 rod ? selection->cone.radius : degrees_from_radians(selection->cone.angle), rod ? " mm" : "\xc2\xb0");
+        const struct legend legend = {.title = title,
+                                      .heading = {"pixels", "share", "distance"},
+                                      .rows = rows,
+                                      .count = count,
+                                      .size = LETTERS,
+                                      .widest = 1};
+        status = legend_draw(panel, font, &legend);
+    }
+    memory_free(rows);
+    memory_free(details);
+    return status;
+}
+
+/* A panel with the legend, or *out = NULL where no font is installed. */
+static conus_status create_panel(conus_image **out, const conus_selection *selection, uint32_t height)
+{
+    struct font *font = NULL;
+    conus_image *panel = NULL;
+    conus_status status = font_create(&font);
+    if (status == CONUS_ERROR_UNSUPPORTED) {
+        *out = NULL;
+        return CONUS_OK;
+    }
+    status = status ? status : image_create_rgba(&panel, LEGEND_WIDTH, height);
+    status = status ? status : draw_legend(panel, selection, font);
+    font_destroy(font);
+    if (status) {
+        conus_image_destroy(panel);
+        return status;
+    }
+    *out = panel;
+    return CONUS_OK;
+}
+
+/* Lays the panel over the picture's right edge. */
+static void copy_panel(conus_image *picture, const conus_image *panel)
+{
+    const struct image_rgba to = image_rgba(picture);
+    const struct image_rgba from = image_rgba(panel);
+    for (size_t y = 0; y < panel->height; y++) {
+        size_t start = y * picture->width + picture->width - panel->width;
+        for (size_t x = 0; x < panel->width; x++) {
+            size_t pixel = y * panel->width + x;
+            float rest = 1 - from.plane[3][pixel];
+            for (int c = 0; c < 4; c++) {
+                to.plane[c][start + x] = from.plane[c][pixel] + rest * to.plane[c][start + x];
+            }
+        }
+    }
+}
+
+static conus_status create_picture(conus_image **out, const conus_selection *selection)
+{
+    uint32_t n = selection->evidence.resolution;
+    uint32_t factor = (PICTURE_SIDE + n - 1) / n;
+    uint32_t side = factor * n;
+    conus_image *panel = NULL;
+    conus_image *picture = NULL;
+    conus_status status = create_panel(&panel, selection, side);
+    status = status ? status : image_create_rgba(&picture, side + (panel ? LEGEND_WIDTH : 0), side);
+    if (!status) {
+        float background[4];
+        draw_colour(background, BACKGROUND, 1);
+        draw_box(picture, &(struct draw_box){-1, -1, picture->width + 1.0, side + 1.0}, 0, background);
+        draw_pixels(picture, selection, factor);
+        if (panel) {
+            copy_panel(picture, panel);
+        }
+        *out = picture;
+    }
+    conus_image_destroy(panel);
+    return status;
+}
+
+static conus_status add_picture(conus_image *image, const conus_selection *selection)
+{
+    conus_image *picture = NULL;
+    conus_status status = create_picture(&picture, selection);
+    if (!status) {
+        status = image_srgb_bytes(&image->png_rgba, picture);
+        image->png_width = picture->width;
+        image->png_height = picture->height;
+    }
+    conus_image_destroy(picture);
+    return status;
+}
+
+conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection)
+{
+    conus_image *image = NULL;
+    if (selection->region.shape == REGION_BALL) {
+        return fail(CONUS_ERROR_ARGUMENT, "image of a ball: it has no pixels, a cone is needed");
+    }
+    conus_status status = image_create(&image, selection->evidence.resolution, selection->evidence.resolution);
+    status = status ? status : add_channels(image, selection);
+    status = status ? status : picture_add_selection(image, selection);
+    status = status ? status : cryptomatte_add(image, selection);
+    status = status ? status : add_picture(image, selection);
+    if (status) {
+        conus_image_destroy(image);
+        return status;
+    }
+    *out = image;
+    return CONUS_OK;
+}

@@ -1,0 +1,291 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/report/report.h"
+
+#include "base/memory.h"
+#include "base/text.h"
+
+#include <string.h>
+
+/* What the level was, so that the report does not need the selector. */
+static conus_status keep_level(conus_report *report, const conus_selector *selector)
+{
+    if (!selector->level_spec) {
+        return CONUS_OK;
+    }
+    const uint32_t *areas = level_areas(selector->level, &report->level_area_count);
+    report->level = memory_text(selector->level_spec, strlen(selector->level_spec));
+    report->level_areas = memory_copy(areas, report->level_area_count, sizeof *areas);
+    return report->level && report->level_areas ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status check_options(const conus_report_options *options)
+{
+    bool foreign = options->format > CONUS_NDJSON;
+    if (options->rows == CONUS_SUMMARIES && options->format == CONUS_TABLE) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: summaries are not written as a table for people");
+    }
+    if (foreign && (options->rows != CONUS_ANSWERS || options->tracker)) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: other programs' are only of answers, and not of a track");
+    }
+    if ((options->format == CONUS_BIDS) != (options->electrodes != NULL)) {
+        return fail(CONUS_ERROR_ARGUMENT, "electrodes: BIDS needs the table, and no other format does");
+    }
+    return CONUS_OK;
+}
+
+conus_status conus_report_create(conus_report **out, const conus_selector *selector,
+                                 const conus_report_options *options)
+{
+    conus_status status = options ? check_options(options) : CONUS_OK;
+    if (status) {
+        return status;
+    }
+    conus_report *report = memory_zeroed(1, sizeof *report);
+    if (!report) {
+        return CONUS_ERROR_MEMORY;
+    }
+    report->atlas = selector->atlas;
+    report->selector = selector->options;
+    memcpy(report->score, selector->ranking.formula.text, sizeof report->score);
+    report->options = options ? *options : (conus_report_options){0};
+    report->options.no_voxels = report->options.no_voxels || report->options.tracker;
+    memcpy(report->engine, selector->engine->name, sizeof report->engine);
+    status = keep_level(report, selector);
+    status = status || !report->options.electrodes ? status : report_read_electrodes(report);
+    if (status) {
+        conus_report_destroy(report);
+        return status;
+    }
+    *out = report;
+    return CONUS_OK;
+}
+
+void report_clear(conus_report *report)
+{
+    for (size_t i = 0; i < report->query_count; i++) {
+        memory_free(report->queries[i].id);
+        memory_free(report->queries[i].error);
+    }
+    report->query_count = 0;
+    report->row_count = 0;
+    buffer_clear(&report->voxels);
+}
+
+void conus_report_destroy(conus_report *report)
+{
+    if (!report) {
+        return;
+    }
+    report_clear(report);
+    memory_free(report->level);
+    memory_free(report->level_areas);
+    memory_free(report->queries);
+    memory_free(report->rows);
+    memory_free(report->electrode_lines);
+    buffer_finish(&report->voxels);
+    buffer_finish(&report->text);
+    memory_free(report);
+}
+
+/* The id of the new query is copied first, so that nothing has changed where there is no memory. */
+static conus_status append_query(conus_report *report, const char *id, const struct report_query *query)
+{
+    void *queries = report->queries;
+    bool fits = memory_reserve(&queries, &report->query_capacity, report->query_count + 1, sizeof *report->queries);
+    report->queries = queries;
+    char *copy = fits ? text_to_utf8(text_from(id)) : NULL;
+    if (!copy) {
+        return CONUS_ERROR_MEMORY;
+    }
+    report->queries[report->query_count] = *query;
+    report->queries[report->query_count++].id = copy;
+    return CONUS_OK;
+}
+
+/* Whether a result belongs into the report. CONUS_UNASSIGNED comes after all others of its query. */
+static bool is_wanted(const conus_report *report, const struct report_row *row)
+{
+    const conus_step *step = &report->queries[row->query].step;
+    bool is_nothing = !row->result.object && !step->selected && !step->confirmed;
+    return !report->options.selected_only || is_nothing || report_is_selected(report, row) ||
+           report_is_confirmed(report, row);
+}
+
+static conus_status append_rows(struct report_row **out, conus_report *report, size_t count)
+{
+    void *rows = report->rows;
+    bool fits = memory_reserve(&rows, &report->row_capacity, report->row_count + count, sizeof *report->rows);
+    report->rows = rows;
+    if (!fits) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *out = report->rows + report->row_count;
+    for (size_t i = 0; i < count; i++) {
+        (*out)[i] = (struct report_row){.query = report->query_count - 1};
+    }
+    report->row_count += count;
+    return CONUS_OK;
+}
+
+conus_status report_append(struct report_row **rows, conus_report *report, const char *id,
+                           const struct report_query *query, size_t count)
+{
+    struct report_query placed = *query;
+    placed.first_row = report->row_count;
+    conus_status status = append_query(report, id, &placed);
+    return status ? status : append_rows(rows, report, count);
+}
+
+/* Puts the results that are wanted into the last rows, and gives back those that are left. */
+static void fill_rows(conus_report *report, struct report_row *rows, const struct statistics *statistics)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < statistics->count; i++) {
+        rows[kept].result = statistics->results[i];
+        kept += is_wanted(report, &rows[kept]);
+    }
+    report->row_count -= statistics->count - kept;
+}
+
+conus_status conus_report_add(conus_report *report, const char *query_id, const conus_selection *selection)
+{
+    const struct statistics *statistics = &selection->statistics;
+    bool is_ball = selection->region.shape == REGION_BALL;
+    struct report_query query = {
+        .cone = selection->cone, .step = selection->step, .ball = is_ball ? selection->region.radius : 0};
+    if (report->options.rows == CONUS_ADMISSIONS || report->options.rows == CONUS_CHANCES) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: an answer, but its rows are of something else");
+    }
+    for (size_t i = 0; i < statistics->count; i++) {
+        query.cone_pixels += statistics->results[i].pixels;
+    }
+    struct report_row *rows;
+    conus_status status = report_append(&rows, report, query_id, &query, statistics->count);
+    if (!status) {
+        fill_rows(report, rows, statistics);
+    }
+    return status || report->options.no_voxels ? status : report_add_voxels(report, selection);
+}
+
+/* NULL without memory. */
+static char *error_text(size_t line, const char *reason)
+{
+    struct buffer text = {0};
+    if (line) {
+        buffer_format(&text, "line %zu: ", line);
+    }
+    buffer_text(&text, reason);
+    char *whole = buffer_status(&text) ? NULL : text_to_utf8(text_from(text.data ? text.data : ""));
+    buffer_finish(&text);
+    return whole;
+}
+
+conus_status conus_report_add_error(conus_report *report, const char *query_id, size_t line, const char *reason)
+{
+    struct report_query query = {.error = error_text(line, reason), .first_row = report->row_count};
+    struct report_row *row;
+    conus_status status = query.error ? append_query(report, query_id, &query) : CONUS_ERROR_MEMORY;
+    if (status) {
+        memory_free(query.error);
+        return status;
+    }
+    status = append_rows(&row, report, 1);
+    if (!status) {
+        row->result.kind = CONUS_UNASSIGNED;
+    }
+    return status;
+}
+
+/* Hands out report->text, which a writer has filled. */
+static conus_status hand_out(conus_report *report, conus_status status, const char **text, size_t *size)
+{
+    status = status ? status : buffer_status(&report->text);
+    if (!status) {
+        *text = report->text.data ? report->text.data : "";
+        *size = report->text.size;
+    }
+    return status;
+}
+
+conus_status report_write_part(struct buffer *out, const conus_report *report)
+{
+    switch (report->options.format) {
+    case CONUS_TABLE:
+        (report->options.tracker ? report_write_track : report_write_table)(out, report);
+        break;
+    case CONUS_TSV:
+    case CONUS_CSV:
+    case CONUS_NDJSON:
+        report_write_rows(out, report);
+        break;
+    case CONUS_AFNI:
+        report_write_afni(out, report);
+        break;
+    case CONUS_BIDS:
+        return report_write_electrodes(out, report);
+    case CONUS_SPIKEGLX:
+        return report_write_spikeglx(out, report);
+    case CONUS_OPEN_EPHYS:
+        return report_write_open_ephys(out, report);
+    case CONUS_JSON:
+        break;
+    }
+    return CONUS_OK;
+}
+
+static conus_status write_text(conus_report *report)
+{
+    buffer_finish(&report->text);
+    if (report->options.format == CONUS_JSON) {
+        return report_write_json(&report->text, report);
+    }
+    if (!report->is_begun) {
+        report_write_heading(&report->text, report);
+    }
+    return report_write_part(&report->text, report);
+}
+
+conus_status conus_report_text(conus_report *report, const char **text, size_t *size)
+{
+    conus_status status = write_text(report);
+    size_t rows = report->electrode_line_count ? report->electrode_line_count - 1 : 0;
+    if (!status && rows > report->taken + report->query_count) {
+        status = fail(CONUS_ERROR_DATA, "electrodes: %zu rows, more than answers", rows);
+    }
+    return hand_out(report, status, text, size);
+}
+
+conus_status conus_report_take(conus_report *report, const char **text, size_t *size)
+{
+    conus_format format = report->options.format;
+    if (format == CONUS_JSON || format == CONUS_SPIKEGLX || format == CONUS_OPEN_EPHYS) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: this one is one whole, NDJSON can be taken in parts");
+    }
+    conus_status status = hand_out(report, write_text(report), text, size);
+    if (!status) {
+        report->is_begun = true;
+        report->taken += report->query_count;
+        report_clear(report);
+    }
+    return status;
+}
+
+conus_status conus_report_voxels(conus_report *report, const char **text, size_t *size)
+{
+    buffer_finish(&report->text);
+    buffer_text(&report->text, "query\tpathway\ti\tj\tk\tx\ty\tz\tvalue\tdistance_mm\tkind\tindex\n");
+    buffer_append(&report->text, report->voxels.data, report->voxels.size);
+    return hand_out(report, buffer_status(&report->voxels), text, size);
+}
+
+conus_status conus_report_sidecar(conus_report *report, const char **text, size_t *size)
+{
+    buffer_finish(&report->text);
+    return hand_out(report, report_write_sidecar(&report->text, report), text, size);
+}
+
+conus_status conus_report_grid_sidecar(conus_report *report, const conus_grid *grid, const char **text, size_t *size)
+{
+    buffer_finish(&report->text);
+    return hand_out(report, report_write_grid_sidecar(&report->text, report, grid), text, size);
+}

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Answers in the two blocks of AFNI's whereami -tab. */
+#include "atlas/atlas.h"
+#include "selection/report/report.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { FOCUS_SIZE = 96 };
+
+/* NIfTI's codes of spaces by AFNI's names. */
+static const char *space_of(const conus_atlas *atlas)
+{
+    const conus_volume_info *info = conus_atlas_volume(atlas, 0);
+    int code = info ? info->space_code : 0;
+    return code == 4 ? "{MNI}" : code == 3 ? "{TLRC}" : "{Unknown}";
+}
+
+static void write_focus(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    const double *m = query->cone.pose.world_from_device;
+    char focus[FOCUS_SIZE];
+    snprintf(focus, sizeof focus, "%4.0f mm [%c],%4.0f mm [%c],%4.0f mm [%c]", m[12], m[12] >= 0 ? 'R' : 'L', m[13],
+             m[13] >= 0 ? 'A' : 'P', m[14], m[14] < 0 ? 'I' : 'S');
+    buffer_format(out, "%-36s\t%-12s\n%-36s\t%-12s\n", "Focus point (LPI)", "Coord.Space", focus,
+                  space_of(report->atlas));
+    buffer_format(out, "%-15s\t%-3s\t%-32s\t%-3s\t%-3s\n", "Atlas", "Within", "Label", "Prob.", "Code");
+}
+
+/* The file's name without its folder and endings, as AFNI calls an atlas. */
+static struct text atlas_name(const conus_report *report, const conus_object *object)
+{
+    const conus_volume_info *info = conus_atlas_volume(report->atlas, 0);
+    if (object->kind == CONUS_PATHWAY || !info) {
+        return text_from(object->kind == CONUS_PATHWAY ? "pathway" : "atlas");
+    }
+    const char *slash = strrchr(info->path, '/');
+    struct text name = text_from(slash ? slash + 1 : info->path);
+    const char *dot = memchr(name.data, '.', name.size);
+    name.size = dot && dot > name.data ? (size_t)(dot - name.data) : name.size;
+    return name;
+}
+
+static void write_row(struct buffer *out, const conus_report *report, const struct report_row *row)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, row->result.object);
+    const struct text name = atlas_name(report, object);
+    char within[32] = "---";
+    if (isfinite(row->result.distance)) {
+        snprintf(within, sizeof within, "%.1f", row->result.distance);
+    }
+    buffer_format(out, "%-15.*s\t%-3s\t%-32s\t%-3s\t%-3u\n", (int)name.size, name.data, within, object->name, "---",
+                  object->label);
+}
+
+/* Where a row belongs: nearest first, what has no distance last. */
+static double key_of(const struct report_row *row)
+{
+    return isfinite(row->result.distance) ? row->result.distance : HUGE_VAL;
+}
+
+/* The row behind @p last in that order, of equals the one with the better rank; NULL past the last. */
+static const struct report_row *next_row(const struct report_row *rows, size_t count, const struct report_row *last)
+{
+    const struct report_row *best = NULL;
+    for (const struct report_row *row = rows; row < rows + count; row++) {
+        bool behind = !last || key_of(row) > key_of(last) || (key_of(row) == key_of(last) && row > last);
+        if (row->result.object && behind && (!best || key_of(row) < key_of(best))) {
+            best = row;
+        }
+    }
+    return best;
+}
+
+static void write_query(struct buffer *out, const conus_report *report, size_t index)
+{
+    const struct report_query *query = &report->queries[index];
+    size_t end = index + 1 < report->query_count ? query[1].first_row : report->row_count;
+    const struct report_row *rows = report->rows + query->first_row;
+    const struct report_row *row = NULL;
+    buffer_text(out, "+++++++ nearby Atlas structures +++++++\n\n");
+    if (query->error) {
+        buffer_format(out, "***** %s: %s *****\n\n", query->id, query->error);
+        return;
+    }
+    write_focus(out, report, query);
+    size_t found = 0;
+    for (; (row = next_row(rows, end - query->first_row, row)); found++) {
+        write_row(out, report, row);
+    }
+    buffer_text(out, found ? "\n" : "***** Not near any region stored in databases *****\n\n");
+}
+
+void report_write_afni(struct buffer *out, const conus_report *report)
+{
+    for (size_t i = 0; i < report->query_count; i++) {
+        write_query(out, report, i);
+    }
+}

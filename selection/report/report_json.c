@@ -1,0 +1,317 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "atlas/grid.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "base/text.h"
+#include "selection/report/report.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Of numbers, by jansson's leave: a whole text has one. */
+static size_t digits(const conus_report *report)
+{
+    return report->options.tracker ? JSON_REAL_PRECISION(TEXT_TIME_DIGITS) : JSON_REAL_PRECISION(9);
+}
+
+/* Of any bytes: paths and command lines need not be UTF-8. */
+static json_t *json_from_text(const char *text)
+{
+    char *copy = text_to_utf8(text_from(text));
+    json_t *string = copy ? json_string(copy) : NULL;
+    memory_free(copy);
+    return string;
+}
+
+static bool put(json_t *object, const char *key, json_t *value)
+{
+    return json_object_set_new(object, key, value) == 0;
+}
+
+/* The value if it is whole, else NULL. */
+static json_t *whole_or_null(json_t *value, bool whole)
+{
+    if (!whole) {
+        json_decref(value);
+    }
+    return whole ? value : NULL;
+}
+
+static json_t *json_from_cell(struct cell cell)
+{
+    switch (cell.type) {
+    case CELL_TEXT:
+        return json_from_text(cell.text);
+    case CELL_INTEGER:
+        return json_integer((json_int_t)cell.integer);
+    case CELL_NUMBER:
+    case CELL_TIME:
+        return json_real(cell.number);
+    case CELL_NONE:
+        break;
+    }
+    return json_null();
+}
+
+static json_t *json_from_row(const conus_report *report, const struct report_row *row)
+{
+    json_t *object = json_object();
+    bool whole = true;
+    for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
+        whole = put(object, column->name, json_from_cell(report_cell(report, column, row))) && whole;
+    }
+    return whole_or_null(object, whole);
+}
+
+static int append(const char *text, size_t size, void *out)
+{
+    buffer_append(out, text, size);
+    return 0;
+}
+
+/* Appends the text of `root`, which is taken over. */
+static conus_status dump(struct buffer *out, json_t *root, size_t flags)
+{
+    int failed = root ? json_dump_callback(root, append, out, flags) : -1;
+    json_decref(root);
+    if (failed) {
+        return fail(CONUS_ERROR_MEMORY, "no memory for the JSON report");
+    }
+    buffer_text(out, "\n");
+    return CONUS_OK;
+}
+
+static json_t *json_from_matrix(const double m[16])
+{
+    json_t *rows = json_array();
+    bool whole = true;
+    for (int row = 0; row < 4; row++) {
+        json_t *numbers = json_pack("[f, f, f, f]", m[row], m[4 + row], m[8 + row], m[12 + row]);
+        whole = json_array_append_new(rows, numbers) == 0 && whole;
+    }
+    return whole_or_null(rows, whole);
+}
+
+static json_t *json_from_query(const struct report_query *query)
+{
+    if (query->error) {
+        return json_pack("{s: o, s: o}", "query", json_from_text(query->id), "error", json_from_text(query->error));
+    }
+    if (query->ball > 0) {
+        const double *m = query->cone.pose.world_from_device;
+        return json_pack("{s: o, s: [f, f, f], s: f}", "query", json_from_text(query->id), "point_ras", m[12], m[13],
+                         m[14], "radius_mm", query->ball);
+    }
+    json_t *cone = json_pack("{s: o, s: f, s: i, s: o}", "query", json_from_text(query->id), "angle_deg",
+                             degrees_from_radians(query->cone.angle), "cone_pixels", (int)query->cone_pixels,
+                             "world_from_device_ras", json_from_matrix(query->cone.pose.world_from_device));
+    return whole_or_null(cone, !cone_is_wide(&query->cone) || put(cone, "spread", json_string("even")));
+}
+
+static json_t *json_from_queries(const conus_report *report)
+{
+    json_t *queries = json_array();
+    bool whole = true;
+    for (size_t i = 0; i < report->query_count; i++) {
+        whole = json_array_append_new(queries, json_from_query(&report->queries[i])) == 0 && whole;
+    }
+    return whole_or_null(queries, whole);
+}
+
+static json_t *json_from_volume(const conus_volume_info *info)
+{
+    static const char *const roles[] = {"", "parcellation", "pathway", "context"};
+    json_t *volume = json_pack("{s: s, s: o, s: s, s: s, s: I, s: s, s: s, s: o}", "role", roles[info->role], "path",
+                               json_from_text(info->path), "sha256", info->sha256, "format", info->format, "volume",
+                               (json_int_t)info->volume, "orientation", info->orientation, "transform", info->transform,
+                               "world_from_voxel", json_from_matrix(info->world_from_voxel));
+    bool has_none = info->role != CONUS_SCALAR && info->threshold == 0;
+    bool whole = has_none || put(volume, "threshold", json_real(info->threshold));
+    return whole_or_null(volume, whole);
+}
+
+/* The manifest and the surfaces, if there are any. */
+static json_t *json_from_files(const conus_atlas *atlas)
+{
+    json_t *files = json_array();
+    bool whole = true;
+    for (size_t i = 0; i < atlas->files.count; i++) {
+        const struct file_sum *file = &atlas->files.items[i];
+        json_t *entry = json_pack("{s: o, s: s}", "path", json_from_text(file->path), "sha256", file->sha256);
+        whole = json_array_append_new(files, entry) == 0 && whole;
+    }
+    return whole_or_null(files, whole);
+}
+
+/* What is hidden, if anything is. */
+static bool add_hidden(json_t *root, const conus_atlas *atlas)
+{
+    struct buffer text = {0};
+    atlas_list_hidden(&text, atlas);
+    bool whole = !buffer_status(&text) && (!text.size || put(root, "hidden", json_string(text.data)));
+    buffer_finish(&text);
+    return whole;
+}
+
+static json_t *json_from_atlas(const conus_atlas *atlas)
+{
+    json_t *volumes = json_array();
+    json_t *notes = json_array();
+    bool whole = true;
+    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
+        whole = json_array_append_new(volumes, json_from_volume(conus_atlas_volume(atlas, i))) == 0 && whole;
+    }
+    for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
+        whole = json_array_append_new(notes, json_from_text(conus_atlas_note(atlas, i))) == 0 && whole;
+    }
+    static const char *const hemispheres[] = {"as-is", "split", "merged"};
+    json_t *labels = json_from_text(conus_atlas_label_source(atlas));
+    json_t *root = json_pack("{s: o, s: o, s: s, s: o, s: o, s: o}", "path", json_from_text(atlas_path(atlas)),
+                             "labels", labels, "hemispheres", hemispheres[atlas->hemispheres], "volumes", volumes,
+                             "files", json_from_files(atlas), "notes", notes);
+    return whole_or_null(root, add_hidden(root, atlas) && whole);
+}
+
+/* The constants of a track (Eq. 12), if it is one. */
+static bool add_track(json_t *settings, const conus_tracker *tracker)
+{
+    if (!tracker) {
+        return true;
+    }
+    const conus_tracker_options *options = tracker_options(tracker);
+    return put(settings, "track",
+               json_pack("{s: f, s: f, s: f, s: f, s: f, s: f, s: f, s: f}", "window_s", options->window, "stickiness",
+                         options->stickiness, "snappiness", options->snappiness, "rate_hz", options->rate,
+                         "growth_per_s", options->growth, "decay_per_s", options->decay, "exponent", options->exponent,
+                         "delay_s", options->delay));
+}
+
+/* Labels of a list: it may have come from a file that changes. */
+static json_t *json_from_level_areas(const conus_report *report)
+{
+    json_t *labels = json_array();
+    bool whole = true;
+    for (size_t i = 0; i < report->level_area_count; i++) {
+        json_t *label = json_integer(report->atlas->objects[report->level_areas[i] - 1].label);
+        whole = json_array_append_new(labels, label) == 0 && whole;
+    }
+    return whole_or_null(labels, whole);
+}
+
+static json_t *json_from_settings(const conus_report *report)
+{
+    const conus_selector_options *options = &report->selector;
+    json_t *settings =
+        json_pack("{s: s, s: s, s: i, s: s, s: s}", "engine", report->engine, "sampling",
+                  options->sampling == CONUS_SLICES ? "slices" : "exact", "resolution", (int)options->resolution,
+                  "aperture", options->aperture == CONUS_SQUARE ? "square" : "circle", "score", report->score);
+    bool whole = options->sampling != CONUS_SLICES ||
+                 put(settings, "slices", options->slices ? json_integer(options->slices) : json_string("auto"));
+    whole = whole && put(settings, "layers", json_string(options->layers ? "all" : "visible")) &&
+            (options->radius == 0 || put(settings, "radius_mm", json_real(options->radius))) &&
+            (options->range[1] == 0 ||
+             put(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1])));
+    bool tells = options->radius == 0 && (report->is_begun || !report->query_count); /* no query tells it (Eq. 15) */
+    whole = (!tells || put(settings, "spread", json_string("even beyond 120 degrees"))) && whole;
+    whole = (!report->level || put(settings, "level", json_from_text(report->level))) && whole;
+    whole = (!report->level_area_count || put(settings, "level_areas", json_from_level_areas(report))) && whole;
+    return whole_or_null(settings, whole && add_track(settings, report->options.tracker));
+}
+
+static json_t *json_from_program(const conus_report *report)
+{
+    json_t *program = json_pack("{s: s, s: s}", "Name", "conus", "Version", CONUS_VERSION);
+    const char *command = report->options.command;
+    return whole_or_null(program, !command || put(program, "CommandLine", json_from_text(command)));
+}
+
+/* What rests on what; queries are always in RAS. */
+static bool add_sources(json_t *root, const conus_report *report)
+{
+    return put(root, "GeneratedBy", json_pack("[o]", json_from_program(report))) &&
+           put(root, "Atlas", json_from_atlas(report->atlas)) && put(root, "Settings", json_from_settings(report)) &&
+           (report->is_begun || put(root, "Queries", json_from_queries(report))); /* else they are forgotten */
+}
+
+/* What both the report and the sidecar say about where the rows come from. */
+static bool add_provenance(json_t *root, const conus_report *report)
+{
+    bool lps = report->options.space == CONUS_LPS;
+    return put(root, "Space", json_pack("{s: s, s: s}", "orientation", lps ? "LPS" : "RAS", "units", "mm")) &&
+           add_sources(root, report);
+}
+
+conus_status report_write_json(struct buffer *out, const conus_report *report)
+{
+    json_t *root = json_object();
+    json_t *rows = json_array();
+    bool whole = true;
+    for (size_t i = 0; i < report->row_count; i++) {
+        whole = (!report_is_shown(report, i) ||
+                 json_array_append_new(rows, json_from_row(report, &report->rows[i])) == 0) &&
+                whole;
+    }
+    whole = add_provenance(root, report) && whole;
+    whole = put(root, "Rows", rows) && whole;
+    return dump(out, whole_or_null(root, whole), JSON_INDENT(1) | digits(report));
+}
+
+conus_status report_write_sidecar(struct buffer *out, const conus_report *report)
+{
+    json_t *root = json_object();
+    bool whole = true;
+    bool has_columns = report->options.format <= CONUS_NDJSON || report->options.format == CONUS_BIDS;
+    for (const struct report_column *column = NULL; has_columns && (column = report_next_column(report, column));) {
+        json_t *entry = json_pack("{s: s}", "Description", column->description);
+        whole = (!column->units || put(entry, "Units", json_string(column->units))) && whole;
+        whole = put(root, column->name, entry) && whole;
+    }
+    whole = add_provenance(root, report) && whole;
+    return dump(out, whole_or_null(root, whole), JSON_INDENT(1) | digits(report));
+}
+
+/* Names of the labels in a map of them. */
+static json_t *json_from_labels(const conus_atlas *atlas)
+{
+    json_t *labels = json_object();
+    bool whole = true;
+    for (size_t i = 0; i < atlas->area_count; i++) {
+        char label[16];
+        snprintf(label, sizeof label, "%u", atlas->objects[i].label);
+        whole = (atlas->places[i].is_mesh || put(labels, label, json_from_text(atlas->objects[i].name))) && whole;
+    }
+    return whole_or_null(labels, whole);
+}
+
+static json_t *json_from_paths(const conus_atlas *atlas)
+{
+    json_t *paths = json_array();
+    bool whole = true;
+    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
+        whole = json_array_append_new(paths, json_from_text(conus_atlas_volume(atlas, i)->path)) == 0 && whole;
+    }
+    return whole_or_null(paths, whole);
+}
+
+static json_int_t voxels_in(const conus_grid *grid)
+{
+    static const uint8_t zero[8] = {0};
+    json_int_t count = 0;
+    for (size_t i = 0; i < grid->view.count; i++) {
+        count += memcmp((const uint8_t *)grid->data + i * grid->size, zero, grid->size) != 0;
+    }
+    return count;
+}
+
+conus_status report_write_grid_sidecar(struct buffer *out, const conus_report *report, const conus_grid *grid)
+{
+    json_t *root = json_object();
+    bool mask = !grid->labels && grid->view.number != CONUS_FLOAT32;
+    bool whole = put(root, "Description", json_string(grid->view.description)) &&
+                 (!mask || put(root, "Type", json_string("ROI"))) && put(root, "Manual", json_false()) &&
+                 put(root, "Sources", json_from_paths(report->atlas)) &&
+                 put(root, "Voxels", json_integer(voxels_in(grid))) &&
+                 (!grid->labels || put(root, "Labels", json_from_labels(report->atlas))) && add_sources(root, report);
+    return dump(out, whole_or_null(root, whole), JSON_INDENT(1));
+}

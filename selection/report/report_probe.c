@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The areas along a probe, as SpikeGLX and Open Ephys take them (docs/formats.md). Each query is a contact, each row
+ * of contacts whose ids differ in the number at their end a shank. */
+#include "base/math3.h"
+#include "selection/report/report.h"
+
+#include <string.h>
+
+struct shank {
+    const conus_report *report;
+    size_t first, end;         /* of its queries */
+    double origin[3], axis[3]; /* the first contact, and from there to the last one; the axis is a unit vector or 0 */
+};
+
+static const double *position_of(const struct shank *shank, size_t query)
+{
+    return shank->report->queries[query].cone.pose.world_from_device + 12;
+}
+
+/* The first contact from @p query on that has an answer; shank->end if there is none. */
+static size_t next_contact(const struct shank *shank, size_t query)
+{
+    while (query < shank->end && shank->report->queries[query].error) {
+        query++;
+    }
+    return query;
+}
+
+/* What has the best score at a contact; NULL if nothing is there. */
+static const conus_object *best_of(const conus_report *report, size_t query)
+{
+    size_t row = report->queries[query].first_row;
+    bool is_answer = row < report->row_count && report->rows[row].query == query && !report->queries[query].error;
+    return is_answer ? conus_atlas_object(report->atlas, report->rows[row].result.object) : NULL;
+}
+
+/* Length of an id without the number at its end. */
+static size_t stem_of(const char *id)
+{
+    size_t size = strlen(id);
+    while (size && id[size - 1] >= '0' && id[size - 1] <= '9') {
+        size--;
+    }
+    return size;
+}
+
+static bool on_one_shank(const char *a, const char *b)
+{
+    size_t size = stem_of(a);
+    return size == stem_of(b) && memcmp(a, b, size) == 0;
+}
+
+static struct shank find_shank(const conus_report *report, size_t first)
+{
+    struct shank shank = {.report = report, .first = first, .end = first + 1};
+    while (shank.end < report->query_count && on_one_shank(report->queries[first].id, report->queries[shank.end].id)) {
+        shank.end++;
+    }
+    size_t low = next_contact(&shank, first);
+    size_t high = low;
+    for (size_t i = low; i < shank.end; i = next_contact(&shank, i + 1)) {
+        high = i;
+    }
+    if (low < shank.end) {
+        memcpy(shank.origin, position_of(&shank, low), sizeof shank.origin);
+        vec3_sub(shank.axis, position_of(&shank, high), shank.origin);
+        double length = vec3_length(shank.axis);
+        vec3_scale(shank.axis, shank.axis, length > 0 ? 1 / length : 0);
+    }
+    return shank;
+}
+
+/* Micrometres along the shank from its first contact. */
+static double height_of(const struct shank *shank, size_t query)
+{
+    double offset[3];
+    vec3_sub(offset, position_of(shank, query), shank->origin);
+    return 1000 * vec3_dot(offset, shank->axis);
+}
+
+/* The abbreviation, or else the name; what these formats separate by is written as a space. */
+static void write_name(struct buffer *out, const conus_object *object)
+{
+    const char *name = object->abbreviation[0] ? object->abbreviation : object->name;
+    for (; *name; name++) {
+        buffer_append(out, strchr("(),;[]", *name) ? " " : name, 1);
+    }
+}
+
+/* A row of contacts with the same answer; begins at the first contact from *next on, and sets *next behind it. */
+struct run {
+    size_t first, last;
+    const conus_object *object;
+};
+
+static struct run take_run(const struct shank *shank, size_t *next)
+{
+    struct run run = {.first = *next, .last = *next, .object = best_of(shank->report, *next)};
+    size_t i = next_contact(shank, *next + 1);
+    for (; i < shank->end && best_of(shank->report, i) == run.object; i = next_contact(shank, i + 1)) {
+        run.last = i;
+    }
+    *next = i;
+    return run;
+}
+
+/* Areas border halfway between contacts. */
+static void write_regions(struct buffer *out, const struct shank *shank)
+{
+    double bottom = 0;
+    for (size_t next = next_contact(shank, shank->first); next < shank->end;) {
+        const struct run run = take_run(shank, &next);
+        double top = height_of(shank, run.last);
+        top = next < shank->end ? (top + height_of(shank, next)) / 2 : top;
+        top = fmax(top, bottom);
+        if (run.object) {
+            const uint8_t *rgb = run.object->rgb;
+            buffer_format(out, "(%.0f,%.0f,%d,%d,%d,", bottom, top, rgb[0], rgb[1], rgb[2]);
+            write_name(out, run.object);
+            buffer_text(out, ")");
+        }
+        bottom = top;
+    }
+}
+
+/* Trajectories are no contacts: what looks along a direction is met before its end, and has no place on a probe. */
+static conus_status check_contacts(const conus_report *report)
+{
+    for (size_t i = 0; i < report->query_count; i++) {
+        if (!report->queries[i].error && !(report->queries[i].ball > 0)) {
+            return fail(CONUS_ERROR_ARGUMENT,
+                        "format: contacts of a probe are points with a radius, \"%s\" looks along a direction",
+                        report->queries[i].id);
+        }
+    }
+    return CONUS_OK;
+}
+
+/* A shank whose contacts all lie at one place has no length to put areas on. */
+static conus_status check_length(const struct shank *shank)
+{
+    bool has_contact = next_contact(shank, shank->first) < shank->end;
+    return !has_contact || vec3_length(shank->axis) > 0
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT,
+                      "format: the shank of contact \"%s\" has no length; its contacts have names that differ in the "
+                      "number at their end, and lie at different places",
+                      shank->report->queries[shank->first].id);
+}
+
+conus_status report_write_spikeglx(struct buffer *out, const conus_report *report)
+{
+    size_t first = 0;
+    conus_status status = check_contacts(report);
+    for (size_t number = 0; !status && first < report->query_count; number++) {
+        const struct shank shank = find_shank(report, first);
+        status = check_length(&shank);
+        buffer_format(out, "[0,%zu]", number);
+        write_regions(out, &shank);
+        buffer_text(out, "\n");
+        first = shank.end;
+    }
+    return status;
+}
+
+conus_status report_write_open_ephys(struct buffer *out, const conus_report *report)
+{
+    const char *separator = "";
+    conus_status status = check_contacts(report);
+    for (size_t i = 0; !status && i < report->query_count;) {
+        const conus_object *object = best_of(report, i);
+        size_t first = i;
+        while (i < report->query_count && best_of(report, i) == object) {
+            i++;
+        }
+        if (object) {
+            buffer_format(out, "%s%zu-%zu,", separator, first, i - 1);
+            write_name(out, object);
+            buffer_format(out, ",%02X%02X%02X", object->rgb[0], object->rgb[1], object->rgb[2]);
+            separator = ";";
+        }
+    }
+    buffer_text(out, report->query_count ? "\n" : "");
+    return status;
+}

@@ -1,0 +1,392 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The table for people: the columns that a reader at a desk wants, aligned, with units. */
+#include "atlas/atlas.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "selection/report/report.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { NAME_LIMIT = 48, NAMED_LIMIT = 3 };
+
+/* Columns on a terminal of a UTF-8 text, one per code point (good enough for area names). */
+static int width_of(const char *text)
+{
+    int width = 0;
+    for (; *text; text++) {
+        width += ((unsigned char)*text & 0xc0) != 0x80;
+    }
+    return width;
+}
+
+static const char *name_of(const conus_report *report, const conus_result *result)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, result->object);
+    return object ? object->name : "(nothing met)";
+}
+
+int report_name_width(const conus_report *report)
+{
+    int width = 12;
+    for (size_t i = 0; i < report->row_count; i++) {
+        int wanted = width_of(name_of(report, &report->rows[i].result));
+        width = wanted > width ? wanted : width;
+    }
+    return width < NAME_LIMIT ? width : NAME_LIMIT;
+}
+
+void report_write_name(struct buffer *out, const char *name, int width)
+{
+    int columns = width_of(name);
+    int keep = columns > width ? width - 3 : columns;
+    const char *end = name;
+    for (int kept = 0; *end; end++) {
+        if (((unsigned char)*end & 0xc0) != 0x80 && kept++ == keep) {
+            break;
+        }
+    }
+    buffer_append(out, name, (size_t)(end - name));
+    buffer_format(out, "%s%*s", columns > width ? "..." : "", columns > width ? 0 : width - columns, "");
+}
+
+static void write_shape(struct buffer *out, const struct cone *cone)
+{
+    bool square = cone->aperture == CONUS_SQUARE;
+    if (cone->radius > 0) {
+        buffer_format(out, "%s %.4g mm", square ? "square rod of half width" : "cylinder of radius", cone->radius);
+    } else {
+        buffer_format(out, "%s of %.4g degrees", square ? "square pyramid" : "cone", degrees_from_radians(cone->angle));
+        buffer_text(out, cone_is_wide(cone) ? ", rays spread evenly," : "");
+    }
+    if (cone_has_range(cone)) {
+        buffer_format(out, ", %.4g to %.4g mm deep,", cone->range[0], cone->range[1]);
+    }
+}
+
+/* Whether there is more than one pose. */
+static bool has_several(const conus_report *report)
+{
+    size_t count = report->query_count;
+    bool same =
+        report->options.rows == CONUS_SHARES && strcmp(report->queries[0].id, report->queries[count - 1].id) == 0;
+    return count > 1 && !same;
+}
+
+void report_write_query(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    const double *m = query->cone.pose.world_from_device;
+    double origin[3] = {m[12], m[13], m[14]};
+    double axis[3] = {-m[8], -m[9], -m[10]};
+    report_point(report, origin);
+    report_point(report, axis);
+    if (has_several(report)) {
+        buffer_format(out, "query %s: ", query->id);
+    }
+    if (query->ball > 0) {
+        buffer_format(out, "ball of radius %.4g mm around (%.2f, %.2f, %.2f), %s mm\n", query->ball, origin[0],
+                      origin[1], origin[2], report->options.space == CONUS_LPS ? "LPS" : "RAS");
+        return;
+    }
+    if (report->options.rows == CONUS_SHARES) {
+        buffer_text(out, query->cone.aperture == CONUS_SQUARE ? "square pyramids" : "cones");
+    } else {
+        write_shape(out, &query->cone);
+    }
+    buffer_format(out, " from (%.2f, %.2f, %.2f) along (%.4f, %.4f, %.4f), %s mm\n", origin[0], origin[1], origin[2],
+                  axis[0], axis[1], axis[2], report->options.space == CONUS_LPS ? "LPS" : "RAS");
+}
+
+static void write_rank(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, result->object);
+    char rank[16] = "";
+    char label[16] = "";
+    if (object) {
+        snprintf(rank, sizeof rank, "%u", result->rank);
+        snprintf(label, sizeof label, "%u", object->label);
+    }
+    buffer_format(out, "%4s  ", rank);
+    report_write_name(out, name_of(report, result), width);
+    buffer_format(out, "  %10s", label);
+}
+
+static void write_label(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+{
+    write_rank(out, report, result, width);
+    buffer_format(out, "  %6.2f %%  %6u", 100 * result->share, result->pixels);
+}
+
+/* A number in a column of this width behind two spaces, "-" if it is none; then the unit, or nothing. */
+static void write_number(struct buffer *out, int width, int digits, double value, const char *unit)
+{
+    if (isfinite(value)) {
+        buffer_format(out, "  %*.*f%s", width, digits, value, unit);
+    } else {
+        buffer_format(out, "  %*s%*s", width, "-", (int)strlen(unit), "");
+    }
+}
+
+static void write_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+{
+    write_label(out, report, result, width);
+    if (result->object) {
+        double contact[3];
+        memcpy(contact, result->contact, sizeof contact);
+        report_point(report, contact);
+        write_number(out, 9, 2, result->distance, "");
+        write_number(out, 8, 2, degrees_from_radians(result->offset), "");
+        write_number(out, 8, 2, contact[0], "");
+        write_number(out, 7, 2, contact[1], "");
+        write_number(out, 7, 2, contact[2], "");
+    }
+    buffer_text(out, "\n");
+}
+
+static void write_heading(struct buffer *out, int width)
+{
+    buffer_format(out, "%4s  %-*s  %10s  %8s  %6s  %9s  %8s  %26s\n", "rank", width, "name", "label", "share", "pixels",
+                  "nearest", "off axis", "contact x, y, z");
+    buffer_format(out, "%4s  %-*s  %10s  %8s  %6s  %9s  %8s  %26s\n", "", width, "", "", "of cone", "", "mm", "degrees",
+                  "mm");
+}
+
+static void write_layers_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, result->object);
+    write_label(out, report, result, width);
+    if (object) {
+        buffer_format(out, "  %7u", result->pierced);
+        write_number(out, 8, 2, result->entry, "");
+        write_number(out, 8, 2, result->exit, "");
+        write_number(out, 7, 2, result->path, "");
+        write_number(out, 9, 1, result->volume, "");
+        write_number(out, 6, 2, 100 * result->fraction, " %");
+        write_number(out, 9, 4, result->mean_value, "");
+    }
+    buffer_text(out, "\n");
+}
+
+static void write_layers_heading(struct buffer *out, int width)
+{
+    static const char form[] = "%4s  %-*s  %10s  %8s  %6s  %7s  %8s  %8s  %7s  %9s  %8s  %9s\n";
+    buffer_format(out, form, "rank", width, "name", "label", "share", "pixels", "pixels", "enters", "leaves", "inside",
+                  "volume", "of whole", "mean");
+    buffer_format(out, form, "", width, "", "", "of cone", "seen", "pierced", "mm", "mm", "mm", "mm^3", "area",
+                  "value");
+}
+
+void report_write_error(struct buffer *out, const struct report_query *query, bool more)
+{
+    buffer_format(out, "query %s: no answer: %s\n%s", query->id, query->error, more ? "\n" : "");
+}
+
+static void write_ball_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, result->object);
+    double contact[3];
+    memcpy(contact, result->contact, sizeof contact);
+    report_point(report, contact);
+    write_rank(out, report, result, width);
+    write_number(out, 6, 2, 100 * result->share, " %");
+    buffer_format(out, "  %8llu", (unsigned long long)result->voxels);
+    write_number(out, 9, 1, result->volume, "");
+    if (object) {
+        write_number(out, 6, 2, 100 * result->fraction, " %");
+        write_number(out, 9, 4, result->mean_value, "");
+        write_number(out, 8, 2, result->distance, "");
+        write_number(out, 8, 2, contact[0], "");
+        write_number(out, 7, 2, contact[1], "");
+        write_number(out, 7, 2, contact[2], "");
+    }
+    buffer_text(out, "\n");
+}
+
+static void write_ball_heading(struct buffer *out, int width)
+{
+    static const char form[] = "%4s  %-*s  %10s  %8s  %8s  %9s  %8s  %9s  %8s  %26s\n";
+    buffer_format(out, form, "rank", width, "name", "label", "share", "voxels", "volume", "of whole", "mean",
+                  "distance", "nearest point x, y, z");
+    buffer_format(out, form, "", width, "", "", "of ball", "", "mm^3", "area", "value", "mm", "mm");
+}
+
+/* The table of one kind of query. */
+struct look {
+    void (*heading)(struct buffer *out, int width);
+    void (*result)(struct buffer *out, const conus_report *report, const conus_result *result, int width);
+};
+
+static const struct look *look_of(const conus_report *report, const struct report_query *query)
+{
+    static const struct look visible = {write_heading, write_result};
+    static const struct look layers = {write_layers_heading, write_layers_result};
+    static const struct look ball = {write_ball_heading, write_ball_result};
+    return query->ball > 0 ? &ball : report->selector.layers ? &layers : &visible;
+}
+
+static void write_summary(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    if (query->ball > 0) {
+        buffer_text(out, "ranked by share, then distance\n");
+        return;
+    }
+    buffer_format(out, "%u pixels in the cone (%u x %u buffer); ranked by %s; engine %s, %s\n", query->cone_pixels,
+                  query->cone.resolution, query->cone.resolution, report->score, report->engine,
+                  report->selector.sampling == CONUS_SLICES ? "slices" : "exact");
+}
+
+/* The last part of a path; a folder's may end in '/'. A file's name may hold anything. */
+static void write_file_of(struct buffer *out, const char *path)
+{
+    size_t end = strlen(path);
+    while (end > 1 && path[end - 1] == '/') {
+        end--;
+    }
+    size_t start = end;
+    while (start > 0 && path[start - 1] != '/') {
+        start--;
+    }
+    char *name = text_to_utf8((struct text){path + start, end - start});
+    buffer_text(out, name ? name : "");
+    out->failed = out->failed || !name;
+    memory_free(name);
+}
+
+/* The first pathway from object `number` on that is not hidden; 0 = none. */
+static size_t next_pathway(const conus_atlas *atlas, size_t number)
+{
+    number = number > atlas->area_count ? number : atlas->area_count + 1;
+    while (number <= atlas->object_count && atlas->places[number - 1].is_hidden) {
+        number++;
+    }
+    return number <= atlas->object_count ? number : 0;
+}
+
+static const conus_volume_info *pathway_info(const conus_atlas *atlas, size_t number)
+{
+    return &atlas_object_volume(atlas, (uint32_t)number)->info;
+}
+
+static bool has_same_threshold(const conus_volume_info *a, const conus_volume_info *b)
+{
+    return a->threshold == b->threshold;
+}
+
+static bool has_same_file(const conus_volume_info *a, const conus_volume_info *b)
+{
+    return strcmp(a->path, b->path) == 0;
+}
+
+/* The first of the pathways that are like this one. */
+static size_t first_alike(const conus_atlas *atlas, size_t number,
+                          bool (*is_alike)(const conus_volume_info *a, const conus_volume_info *b))
+{
+    size_t first = next_pathway(atlas, 0);
+    while (first != number && !is_alike(pathway_info(atlas, first), pathway_info(atlas, number))) {
+        first = next_pathway(atlas, first + 1);
+    }
+    return first;
+}
+
+/* "from T on (A, B, C and 2 more)" of all pathways with the threshold of this one. */
+static void write_threshold(struct buffer *out, const conus_atlas *atlas, size_t first, bool with_names)
+{
+    size_t count = 0;
+    buffer_text(out, " from ");
+    buffer_number(out, pathway_info(atlas, first)->threshold);
+    buffer_text(out, with_names ? " on (" : " on");
+    for (size_t n = first; n && with_names; n = next_pathway(atlas, n + 1)) {
+        bool alike = has_same_threshold(pathway_info(atlas, n), pathway_info(atlas, first));
+        count += alike;
+        if (alike && count <= NAMED_LIMIT) {
+            buffer_format(out, "%s%s", count > 1 ? ", " : "", conus_atlas_object(atlas, n)->name);
+        }
+    }
+    if (count > NAMED_LIMIT) {
+        buffer_format(out, " and %zu more", count - NAMED_LIMIT);
+    }
+    buffer_text(out, with_names ? ")" : "");
+}
+
+/* One line for all of them, and names only where thresholds differ. */
+static void write_pathways(struct buffer *out, const conus_atlas *atlas)
+{
+    size_t first = next_pathway(atlas, 0);
+    size_t count = 0;
+    size_t files = 0;
+    size_t thresholds = 0;
+    for (size_t n = first; n; n = next_pathway(atlas, n + 1)) {
+        count++;
+        files += first_alike(atlas, n, has_same_file) == n;
+        thresholds += first_alike(atlas, n, has_same_threshold) == n;
+    }
+    if (!count) {
+        return;
+    }
+    if (count > 1) {
+        buffer_format(out, "%zu pathways: values", count);
+    } else {
+        buffer_format(out, "pathway %s: values", conus_atlas_object(atlas, first)->name);
+    }
+    for (size_t n = first, written = 0; n; n = next_pathway(atlas, n + 1)) {
+        if (first_alike(atlas, n, has_same_threshold) == n) {
+            buffer_text(out, written++ ? "," : "");
+            write_threshold(out, atlas, n, thresholds > 1);
+        }
+    }
+    buffer_text(out, " in ");
+    if (files > 1) {
+        buffer_format(out, "%zu files", files);
+    } else {
+        write_file_of(out, pathway_info(atlas, first)->path);
+    }
+    buffer_text(out, "\n");
+}
+
+/* What the answers rest on: which transform placed the atlas, and from which value on a pathway is one. */
+void report_write_sources(struct buffer *out, const conus_report *report)
+{
+    const conus_atlas *atlas = report->atlas;
+    const struct volume *parcellation = atlas_parcellation(atlas);
+    if (report->level) {
+        buffer_format(out, "areas at level %s\n", report->level);
+    }
+    if (parcellation || atlas->mesh_count) {
+        buffer_text(out, "atlas ");
+        write_file_of(out, atlas_path(atlas));
+        buffer_format(out, ", placed by %s\n",
+                      parcellation ? parcellation->info.transform : "the coordinates in its mesh files");
+    }
+    if (atlas_has_hidden(atlas)) {
+        buffer_text(out, "shown: ");
+        atlas_describe_shown(out, atlas);
+        buffer_text(out, "\n");
+    }
+    write_pathways(out, atlas);
+}
+
+void report_write_table(struct buffer *out, const conus_report *report)
+{
+    if (report->options.rows != CONUS_ANSWERS) {
+        report_write_sweep(out, report);
+        return;
+    }
+    int width = report_name_width(report);
+    size_t row = 0;
+    for (size_t i = 0; i < report->query_count; i++) {
+        if (report->queries[i].error) {
+            report_write_error(out, &report->queries[i], i + 1 < report->query_count);
+            row++;
+            continue;
+        }
+        const struct look *look = look_of(report, &report->queries[i]);
+        report_write_query(out, report, &report->queries[i]);
+        look->heading(out, width);
+        for (; row < report->row_count && report->rows[row].query == i; row++) {
+            look->result(out, report, &report->rows[row].result, width);
+        }
+        write_summary(out, report, &report->queries[i]);
+        buffer_text(out, i + 1 < report->query_count ? "\n" : "");
+    }
+    report_write_sources(out, report);
+}

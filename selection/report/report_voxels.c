@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/math3.h"
+#include "base/memory.h"
+#include "selection/report/report.h"
+
+#include <stdlib.h>
+
+/* A voxel that is listed. */
+struct met {
+    uint32_t object;
+    uint64_t voxel;
+    double distance;
+};
+
+static int by_voxel(const void *a, const void *b)
+{
+    const struct met *x = a;
+    const struct met *y = b;
+    if (x->object != y->object) {
+        return x->object > y->object ? 1 : -1;
+    }
+    if (x->voxel != y->voxel) {
+        return x->voxel > y->voxel ? 1 : -1;
+    }
+    return (x->distance > y->distance) - (x->distance < y->distance);
+}
+
+static int by_distance(const void *a, const void *b)
+{
+    const struct met *x = a;
+    const struct met *y = b;
+    return x->distance != y->distance ? (x->distance > y->distance ? 1 : -1) : by_voxel(a, b);
+}
+
+static bool is_listed(const conus_report *report, uint32_t number)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, number);
+    return object && (object->kind == CONUS_PATHWAY || report->options.all_voxels);
+}
+
+static size_t collect(struct met *met, const conus_report *report, const conus_selection *selection)
+{
+    const struct evidence *evidence = &selection->evidence;
+    size_t pixels = (size_t)evidence->resolution * evidence->resolution;
+    size_t count = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        uint32_t number = selection_own_object(selection, i);
+        if (selection->in_cone[i] && is_listed(report, number) && atlas_object_volume(report->atlas, number)) {
+            met[count++] = (struct met){number, evidence->voxel[i], evidence->distance[i]};
+        }
+    }
+    return count;
+}
+
+/* Keeps each voxel once, with its smallest distance, nearest voxel first. */
+static size_t unique(struct met *met, size_t count)
+{
+    size_t kept = 0;
+    qsort(met, count, sizeof *met, by_voxel);
+    for (size_t i = 0; i < count; i++) {
+        if (!kept || met[kept - 1].object != met[i].object || met[kept - 1].voxel != met[i].voxel) {
+            met[kept++] = met[i];
+        }
+    }
+    qsort(met, kept, sizeof *met, by_distance);
+    return kept;
+}
+
+static void write_voxel(conus_report *report, const struct met *met)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, met->object);
+    const struct volume *volume = atlas_object_volume(report->atlas, met->object);
+    const size_t *dim = volume->info.dim;
+    const size_t at[3] = {met->voxel % dim[0], met->voxel / dim[0] % dim[1], met->voxel / dim[0] / dim[1]};
+    double point[3] = {(double)at[0], (double)at[1], (double)at[2]};
+    mat4_point(point, volume->info.world_from_voxel, point);
+    report_point(report, point);
+    const char *query = report->queries[report->query_count - 1].id;
+    buffer_format(&report->voxels, "%s\t%s\t%zu\t%zu\t%zu", query, object->name, at[0], at[1], at[2]);
+    double value = volume->values ? (double)volume->values[met->voxel] : object->label;
+    const double numbers[] = {point[0], point[1], point[2], value, met->distance};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        buffer_text(&report->voxels, "\t");
+        buffer_number(&report->voxels, numbers[i]);
+    }
+    buffer_format(&report->voxels, "\t%s\t%u\n", report_kind(object->kind), object->label);
+}
+
+static conus_status add_first_met(conus_report *report, const conus_selection *selection)
+{
+    size_t pixels = (size_t)selection->evidence.resolution * selection->evidence.resolution;
+    struct met *met = memory_raw(pixels, sizeof *met);
+    if (!met) {
+        return CONUS_ERROR_MEMORY;
+    }
+    size_t count = unique(met, collect(met, report, selection));
+    for (size_t i = 0; i < count; i++) {
+        write_voxel(report, &met[i]);
+    }
+    memory_free(met);
+    return CONUS_OK;
+}
+
+/* ---- All in the cone or ball -------------------------------------------------------------------------------- */
+
+struct listing {
+    const conus_report *report;
+    const double *from; /* distances are from here */
+    struct met *met;    /* NULL: only count them   */
+    size_t count;
+};
+
+static void list_row(void *user, const struct volume *volume, const size_t at[3], size_t count)
+{
+    struct listing *listing = user;
+    size_t first = at[0] + volume->info.dim[0] * (at[1] + volume->info.dim[1] * at[2]);
+    for (size_t i = 0; i < count; i++) {
+        uint32_t object = volume_object(volume, first + i);
+        if (!is_listed(listing->report, object)) {
+            continue;
+        }
+        if (listing->met) {
+            double p[3] = {(double)(at[0] + i), (double)at[1], (double)at[2]};
+            mat4_point(p, volume->info.world_from_voxel, p);
+            vec3_sub(p, p, listing->from);
+            listing->met[listing->count] = (struct met){object, first + i, vec3_length(p)};
+        }
+        listing->count++;
+    }
+}
+
+static void list_voxels(struct listing *listing, const conus_selection *selection)
+{
+    const conus_atlas *atlas = selection->atlas;
+    listing->count = 0;
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        if (atlas->volumes[i].info.role != CONUS_CONTEXT && volume_is_met(&atlas->volumes[i])) {
+            census_walk(&selection->region, &atlas->volumes[i], list_row, listing);
+        }
+    }
+}
+
+static conus_status add_all(conus_report *report, const conus_selection *selection)
+{
+    struct listing listing = {.report = report, .from = selection->region.origin};
+    list_voxels(&listing, selection);
+    listing.met = memory_raw(listing.count, sizeof *listing.met);
+    if (!listing.met) {
+        return CONUS_ERROR_MEMORY;
+    }
+    list_voxels(&listing, selection);
+    qsort(listing.met, listing.count, sizeof *listing.met, by_distance);
+    for (size_t i = 0; i < listing.count; i++) {
+        write_voxel(report, &listing.met[i]);
+    }
+    memory_free(listing.met);
+    return CONUS_OK;
+}
+
+conus_status report_add_voxels(conus_report *report, const conus_selection *selection)
+{
+    bool all = selection->has_layers || selection->region.shape == REGION_BALL;
+    conus_status status = all ? add_all(report, selection) : add_first_met(report, selection);
+    return status ? status : buffer_status(&report->voxels);
+}

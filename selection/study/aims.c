@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/study/aims.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+#include "selection/selection.h"
+
+#include <string.h>
+
+/* How much farther a border is than it should be, so that rounding never says that a cone misses what it touches. */
+static const double margin = 1e-9;
+
+/* Poses whose coordinates are all within this of 0 may be in metres. */
+static const double tiny_mm = 1;
+
+/* Whether the ray along the device's axis meets the box, grown by `more`. */
+static bool axis_meets(const double m[16], const double low[3], const double high[3], double more)
+{
+    double from = 0;
+    double to = INFINITY;
+    for (int a = 0; a < 3; a++) {
+        double first = low[a] - more - m[12 + a];
+        double last = high[a] + more - m[12 + a];
+        double step = -m[8 + a];
+        if (step == 0 && (first > 0 || last < 0)) {
+            return false;
+        }
+        if (step != 0) {
+            from = fmax(from, fmin(first / step, last / step));
+            to = fmin(to, fmax(first / step, last / step));
+        }
+    }
+    return from <= to;
+}
+
+/* Tangent of the angle to the axis, squared, of a point in the device's frame (z forward). */
+static double square_slope(const double p[3])
+{
+    return p[2] > 0 ? (p[0] * p[0] + p[1] * p[1]) / (p[2] * p[2]) : INFINITY;
+}
+
+/* The least along an edge: at an end, or where it is stationary, which is at one place, as in Eq. 13. */
+static double edge_slope(const double a[3], const double b[3])
+{
+    const double e[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double square = a[0] * a[0] + a[1] * a[1];
+    double mixed = a[0] * e[0] + a[1] * e[1];
+    double t = (square * e[2] - mixed * a[2]) / ((e[0] * e[0] + e[1] * e[1]) * a[2] - mixed * e[2]);
+    double least = fmin(square_slope(a), square_slope(b));
+    if (t > 0 && t < 1) {
+        const double p[3] = {a[0] + t * e[0], a[1] + t * e[1], a[2] + t * e[2]};
+        least = fmin(least, square_slope(p));
+    }
+    return least;
+}
+
+static void place_corner(double out[3], const double m[16], const double low[3], const double high[3], unsigned corner)
+{
+    double v[3];
+    for (unsigned a = 0; a < 3; a++) {
+        v[a] = (corner >> a & 1 ? high[a] : low[a]) - m[12 + a];
+    }
+    out[0] = vec3_dot(m, v);
+    out[1] = vec3_dot(m + 4, v);
+    out[2] = -vec3_dot(m + 8, v);
+}
+
+/* Where the axis misses the box, what is nearest to it in angle is on an edge. */
+static double least_square_slope(const double m[16], const double low[3], const double high[3])
+{
+    double least = INFINITY;
+    for (unsigned corner = 0; corner < 8; corner++) {
+        for (unsigned a = 0; a < 3; a++) {
+            if (!(corner >> a & 1)) {
+                double from[3];
+                double to[3];
+                place_corner(from, m, low, high, corner);
+                place_corner(to, m, low, high, corner | 1U << a);
+                least = fmin(least, edge_slope(from, to));
+            }
+        }
+    }
+    return least;
+}
+
+bool aims_past(const struct cone *cone, const double low[3], const double high[3])
+{
+    const double *m = cone->pose.world_from_device;
+    double around = cone->aperture == CONUS_SQUARE ? sqrt(2) : 1;
+    if (axis_meets(m, low, high, cone->radius * around * (1 + margin))) {
+        return false;
+    }
+    double slope = cone_slope(cone) * around * (1 + margin);
+    return cone->radius > 0 || least_square_slope(m, low, high) > slope * slope;
+}
+
+static uint32_t object_at(const conus_atlas *atlas, const double point[3])
+{
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        const struct volume *volume = &atlas->volumes[i];
+        size_t voxel;
+        if (volume->info.role != CONUS_CONTEXT && volume_is_met(volume) && volume_find_voxel(&voxel, volume, point) &&
+            volume_object(volume, voxel)) {
+            return volume_object(volume, voxel);
+        }
+    }
+    return 0;
+}
+
+/* The closed surface in which something begins; NULL for an object of another kind. */
+static const struct mesh *closed_mesh(const conus_atlas *atlas, uint32_t object)
+{
+    const struct mesh *mesh = object == VOLUME_BLOCKER ? NULL : atlas_object_mesh(atlas, object);
+    return mesh && mesh->shape.closed ? mesh : NULL;
+}
+
+static bool is_in_bounds(const struct mesh_shape *shape, const double point[3])
+{
+    bool inside = true;
+    for (int a = 0; a < 3; a++) {
+        inside = inside && point[a] >= shape->low[a] && point[a] <= shape->high[a];
+    }
+    return inside;
+}
+
+/* Whether the point is in the box around a closed surface: in few it is, and only then a ray tells more. */
+static bool may_be_enclosed(const conus_atlas *atlas, const double point[3])
+{
+    bool found = false;
+    for (uint32_t object = 1; atlas->mesh_count && object <= atlas->object_count && !found; object++) {
+        const struct mesh *mesh = closed_mesh(atlas, object);
+        found = mesh && is_in_bounds(&mesh->shape, point);
+    }
+    return found;
+}
+
+/* Of the closed surfaces around the apex the smallest: those that the axis is inside of from 0 on (Eq. 10). */
+static uint32_t object_around(const conus_selector *selector, const struct cone *cone)
+{
+    const conus_atlas *atlas = selector->atlas;
+    struct engine *engine = selector->engine;
+    struct layers layers = {0};
+    uint32_t found = 0;
+    double least = INFINITY;
+    if (selector->options.sampling != CONUS_EXACT || !may_be_enclosed(atlas, cone->pose.world_from_device + 12) ||
+        engine->functions->pierce(engine, &layers, cone)) {
+        layers_finish(&layers);
+        return 0;
+    }
+    for (size_t i = 0; i < layers.count; i++) {
+        const conus_span *span = &layers.spans[i];
+        const struct mesh *mesh = span->entry == 0 && span->exit > 0 ? closed_mesh(atlas, span->object) : NULL;
+        if (mesh && fabs(mesh->shape.volume_mm3) < least) {
+            least = fabs(mesh->shape.volume_mm3);
+            found = span->object;
+        }
+    }
+    layers_finish(&layers);
+    return found;
+}
+
+/* Where the apex lies; a needle begins inside. */
+static uint32_t object_of_apex(const conus_selector *selector, const struct cone *cone)
+{
+    uint32_t object = cone->radius > 0 ? 0 : object_at(selector->atlas, cone->pose.world_from_device + 12);
+    return object || cone->radius > 0 ? object : object_around(selector, cone);
+}
+
+void aims_init(struct conus_aims *out, const conus_selector *selector)
+{
+    *out = (struct conus_aims){.selector = selector};
+    out->has_box = conus_atlas_bounds(selector->atlas, out->low, out->high) == CONUS_OK;
+}
+
+conus_status conus_aims_create(conus_aims **out, const conus_selector *selector)
+{
+    conus_aims *aims = memory_zeroed(1, sizeof *aims);
+    if (!aims) {
+        return CONUS_ERROR_MEMORY;
+    }
+    aims_init(aims, selector);
+    *out = aims;
+    return CONUS_OK;
+}
+
+void conus_aims_destroy(conus_aims *aims)
+{
+    memory_free(aims);
+}
+
+static void count(conus_oddity *oddity, uint64_t number, const struct cone *cone, uint32_t object)
+{
+    if (!oddity->count || number < oddity->first) {
+        *oddity = (conus_oddity){oddity->count, number, object, cone->pose, cone->angle};
+    }
+    oddity->count++;
+}
+
+void conus_aims_add(conus_aims *aims, uint64_t number, const conus_pose *pose, double angle)
+{
+    const conus_selector_options *options = &aims->selector->options;
+    struct cone cone = {.angle = angle, .resolution = 1, .aperture = options->aperture, .radius = options->radius};
+    const double *apex = cone.pose.world_from_device + 12;
+    if (!aims->has_box || conus_pose_from_matrix(&cone.pose, pose->world_from_device) || cone_check(&cone)) {
+        return;
+    }
+    aims->found.poses++;
+    uint32_t object = object_of_apex(aims->selector, &cone);
+    if (object) {
+        count(&aims->found.inside, number, &cone, object);
+    } else if (aims_past(&cone, aims->low, aims->high)) {
+        count(&aims->found.away, number, &cone, 0);
+    }
+    if (fabs(apex[0]) < tiny_mm && fabs(apex[1]) < tiny_mm && fabs(apex[2]) < tiny_mm && vec3_length(apex) > 0) {
+        count(&aims->found.tiny, number, &cone, 0);
+    }
+}
+
+const conus_astray *conus_aims_found(const conus_aims *aims)
+{
+    return &aims->found;
+}
+
+static void merge(conus_oddity *oddity, const conus_oddity *from)
+{
+    uint64_t sum = oddity->count + from->count;
+    if (from->count && (!oddity->count || from->first < oddity->first)) {
+        *oddity = *from;
+    }
+    oddity->count = sum;
+}
+
+void aims_merge(conus_astray *aims, const conus_astray *from)
+{
+    aims->poses += from->poses;
+    merge(&aims->inside, &from->inside);
+    merge(&aims->away, &from->away);
+    merge(&aims->tiny, &from->tiny);
+}

@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/study/jitter.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+
+enum { DEFAULT_SAMPLES = 1024, SAMPLE_LIMIT = 1 << 20 };
+
+/* ---- Samples ---- */
+
+/* Point `index` of the Sobol sequence along `dimension`, as a part of 2^32: primitive polynomials and initial numbers
+ * are those of S. Joe and F. Kuo (2008). Points 2^k n to 2^k (n + 1) - 1 are evenly spread, for any k and n. */
+static uint32_t sobol(uint32_t index, uint32_t dimension)
+{
+    static const struct {
+        uint32_t degree, coefficients, first[3];
+    } polynomials[JITTER_DIMENSIONS] = {{0, 0, {0}}, {1, 0, {1}}, {2, 1, {1, 3}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}};
+    uint32_t degree = polynomials[dimension].degree;
+    uint32_t v[32];
+    uint32_t bits = 0;
+    for (uint32_t k = 0; k < 32 && index >> k; k++) {
+        if (degree == 0) {
+            v[k] = 1U << (31 - k);
+        } else if (k < degree) {
+            v[k] = polynomials[dimension].first[k] << (31 - k);
+        } else {
+            v[k] = v[k - degree] ^ v[k - degree] >> degree;
+            for (uint32_t i = 1; i < degree; i++) {
+                v[k] ^= (polynomials[dimension].coefficients >> (degree - 1 - i) & 1) * v[k - i];
+            }
+        }
+        bits ^= (index >> k & 1) * v[k];
+    }
+    return bits;
+}
+
+/* What all points are shifted by along `dimension`, digit by digit, which keeps them even: SplitMix64. */
+static uint32_t shift_of(uint32_t dimension)
+{
+    uint64_t z = (dimension + 1) * UINT64_C(0x9e3779b97f4a7c15);
+    z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);
+    return (uint32_t)((z ^ z >> 31) >> 32);
+}
+
+/* Below which a standard normal variable is with probability p, 0 < p <= 1/2: P. Acklam's rational approximations, and
+ * one step of Halley's method, which leaves rounding. */
+static double quantile_of_half(double p)
+{
+    static const double a[] = {-39.69683028665376, 220.9460984245205,  -275.9285104469687,
+                               138.3577518672690,  -30.66479806614716, 2.506628277459239};
+    static const double b[] = {-54.47609879822406, 161.5858368580409, -155.6989798598866, 66.80131188771972,
+                               -13.28068155288572};
+    static const double c[] = {-0.007784894002430293, -0.3223964580411365, -2.400758277161838,
+                               -2.549732539343734,    4.374664141464968,   2.938163982698783};
+    static const double d[] = {0.007784695709041462, 0.3224671290700398, 2.445134137142996, 3.754408661907416};
+    double x;
+    if (p < 0.02425) {
+        double q = sqrt(-2 * log(p));
+        x = (((((c[0] * q + c[1]) * q + c[2]) * q + c[3]) * q + c[4]) * q + c[5]) /
+            ((((d[0] * q + d[1]) * q + d[2]) * q + d[3]) * q + 1);
+    } else {
+        double q = p - 0.5;
+        double r = q * q;
+        x = (((((a[0] * r + a[1]) * r + a[2]) * r + a[3]) * r + a[4]) * r + a[5]) * q /
+            (((((b[0] * r + b[1]) * r + b[2]) * r + b[3]) * r + b[4]) * r + 1);
+    }
+    double error = 0.5 * erfc(-x / sqrt(2)) - p;
+    double step = error * sqrt(2 * MATH3_PI) * exp(x * x / 2);
+    return x - step / (1 + x * step / 2);
+}
+
+static double quantile(double p)
+{
+    return p <= 0.5 ? quantile_of_half(p) : -quantile_of_half(1 - p);
+}
+
+void jitter_sample(double out[JITTER_DIMENSIONS], uint32_t index)
+{
+    for (uint32_t i = 0; i < JITTER_DIMENSIONS; i++) {
+        out[i] = quantile(((sobol(index, i) ^ shift_of(i)) + 0.5) * 0x1p-32);
+    }
+}
+
+void jitter_pose(conus_pose *out, const conus_pose *pose, const conus_jitter_options *options,
+                 const double errors[JITTER_DIMENSIONS])
+{
+    double m[16];
+    double turn[16];
+    double about[2] = {options->tilt * errors[0], options->tilt * errors[1]};
+    double angle = hypot(about[0], about[1]);
+    double cosine = cos(angle);
+    double sine = sin(angle);
+    memcpy(m, pose->world_from_device, sizeof m);
+    for (int a = 0; a < 3; a++) {
+        double along = options->shift * errors[2 + a];
+        vec3_add_scaled(m + 12, m + 12, along, pose->world_from_device + 4 * a);
+    }
+    mat4_identity(turn);
+    if (angle > 0) { /* Rodrigues, about (x, y, 0) */
+        double x = about[0] / angle;
+        double y = about[1] / angle;
+        const double rotation[16] = {cosine + x * x * (1 - cosine),
+                                     x * y * (1 - cosine),
+                                     -y * sine,
+                                     0,
+                                     x * y * (1 - cosine),
+                                     cosine + y * y * (1 - cosine),
+                                     x * sine,
+                                     0,
+                                     y * sine,
+                                     -x * sine,
+                                     cosine,
+                                     0,
+                                     0,
+                                     0,
+                                     0,
+                                     1};
+        memcpy(turn, rotation, sizeof turn);
+    }
+    mat4_multiply(out->world_from_device, m, turn);
+}
+
+/* ---- Counting ---- */
+
+/* What the samples say of one object; of number 0, of what met nothing. */
+struct count {
+    uint32_t hits[JITTER_SETS];
+    uint32_t seen, inside;
+    double share, square; /* sums */
+};
+
+static void add_result(struct count *counts, const conus_result *result)
+{
+    struct count *count = &counts[result->object];
+    count->seen += result->pixels > 0;
+    count->inside++;
+    count->share += result->share;
+    count->square += result->share * result->share;
+}
+
+/* The best-ranked object that any pixel meets, 0 if none. */
+static uint32_t best(const conus_selection *selection)
+{
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        if (result->object && result->pixels > 0) {
+            return result->object;
+        }
+    }
+    return 0;
+}
+
+static conus_status look(struct count *counts, conus_selector *selector, const conus_jitter *jitter, uint32_t index)
+{
+    conus_pose pose;
+    conus_selection *selection = NULL;
+    double errors[JITTER_DIMENSIONS];
+    jitter_sample(errors, index);
+    jitter_pose(&pose, &jitter->cone.pose, &jitter->options, errors);
+    conus_status status = conus_select(&selection, selector, &pose, jitter->cone.angle);
+    if (status) {
+        return status;
+    }
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        add_result(counts, conus_selection_result(selection, i));
+    }
+    counts[best(selection)].hits[index / (jitter->options.samples / JITTER_SETS)]++;
+    conus_selection_destroy(selection);
+    return CONUS_OK;
+}
+
+static conus_status look_around(struct count *counts, conus_selector *selector, const conus_jitter *jitter)
+{
+    conus_status status = CONUS_OK;
+    for (uint32_t i = 0; !status && i < jitter->options.samples; i++) {
+        status = look(counts, selector, jitter, i);
+    }
+    return status;
+}
+
+/* ---- Rows ---- */
+
+/* Mean over the sets, and its standard error were they independent; they complement each other, so it is less. */
+static void estimate(double out[2], const uint32_t hits[JITTER_SETS], double per_set)
+{
+    double sum = 0;
+    double square = 0;
+    for (int set = 0; set < JITTER_SETS; set++) {
+        sum += hits[set] / per_set;
+    }
+    out[0] = sum / JITTER_SETS;
+    for (int set = 0; set < JITTER_SETS; set++) {
+        double off = hits[set] / per_set - out[0];
+        square += off * off;
+    }
+    out[1] = sqrt(square / (JITTER_SETS * (JITTER_SETS - 1)));
+}
+
+static conus_chance describe(const struct count *count, const conus_selector *selector, uint32_t number,
+                             uint32_t samples)
+{
+    const conus_object *object = conus_atlas_object(selector->atlas, number);
+    conus_chance row = {.kind = object ? object->kind : CONUS_UNASSIGNED, .object = number};
+    double hit[2];
+    estimate(hit, count->hits, samples / (double)JITTER_SETS);
+    row.hit = hit[0];
+    row.hit_error = hit[1];
+    row.seen = count->seen / (double)samples;
+    row.in_cone = object && selector->options.layers ? count->inside / (double)samples : NAN;
+    row.share = count->share / samples;
+    double variance = (count->square - samples * row.share * row.share) / (samples - 1);
+    row.share_deviation = variance > 0 ? sqrt(variance) : 0;
+    return row;
+}
+
+/* By probability; what is unassigned comes last. */
+static int compare(const void *a, const void *b)
+{
+    const conus_chance *x = a;
+    const conus_chance *y = b;
+    if ((x->object == 0) != (y->object == 0)) {
+        return x->object == 0 ? 1 : -1;
+    }
+    if (x->hit != y->hit) {
+        return x->hit > y->hit ? -1 : 1;
+    }
+    if (x->share != y->share) {
+        return x->share > y->share ? -1 : 1;
+    }
+    return (x->object > y->object) - (x->object < y->object);
+}
+
+static conus_status fill_rows(conus_jitter *jitter, const struct count *counts, const conus_selector *selector)
+{
+    size_t objects = selector->atlas->object_count;
+    size_t count = 1;
+    for (size_t number = 1; number <= objects; number++) {
+        count += counts[number].inside > 0;
+    }
+    jitter->rows = memory_raw(count, sizeof *jitter->rows);
+    if (!jitter->rows) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (uint32_t number = 0; number <= objects; number++) {
+        if (number == 0 || counts[number].inside > 0) {
+            jitter->rows[jitter->count++] = describe(&counts[number], selector, number, jitter->options.samples);
+        }
+    }
+    qsort(jitter->rows, count, sizeof *jitter->rows, compare);
+    for (size_t i = 0; i + 1 < count; i++) {
+        jitter->rows[i].rank = (uint32_t)i + 1;
+    }
+    return CONUS_OK;
+}
+
+/* ---- */
+
+static conus_status check(const conus_jitter_options *options)
+{
+    if (!(options->tilt >= 0 && options->tilt <= MATH3_PI / 2)) {
+        return fail(CONUS_ERROR_ARGUMENT, "jitter: a tilt of %g degrees, allowed is 0 to 90",
+                    degrees_from_radians(options->tilt));
+    }
+    if (!(options->shift >= 0 && options->shift <= 1e6)) {
+        return fail(CONUS_ERROR_ARGUMENT, "jitter: a shift of %g mm, allowed is 0 to 1e6", options->shift);
+    }
+    uint32_t samples = options->samples;
+    if (samples < JITTER_SETS || samples > SAMPLE_LIMIT || (samples & (samples - 1))) {
+        return fail(CONUS_ERROR_ARGUMENT, "samples: %u, allowed are powers of two from %d to %d", samples, JITTER_SETS,
+                    SAMPLE_LIMIT);
+    }
+    return CONUS_OK;
+}
+
+static conus_status build(conus_jitter *jitter, conus_selector *selector)
+{
+    struct count *counts = memory_zeroed(selector->atlas->object_count + 1, sizeof *counts);
+    conus_status status = counts ? look_around(counts, selector, jitter) : CONUS_ERROR_MEMORY;
+    status = status ? status : fill_rows(jitter, counts, selector);
+    memory_free(counts);
+    return status;
+}
+
+conus_status conus_jitter_create(conus_jitter **out, conus_selector *selector, const conus_pose *pose, double angle,
+                                 const conus_jitter_options *options)
+{
+    conus_jitter_options filled = *options;
+    struct cone cone = {.angle = angle,
+                        .resolution = selector->options.resolution,
+                        .aperture = selector->options.aperture,
+                        .radius = selector->options.radius,
+                        .range = {selector->options.range[0], selector->options.range[1]}};
+    filled.samples = filled.samples ? filled.samples : DEFAULT_SAMPLES;
+    conus_status status = check(&filled);
+    status = status ? status : conus_pose_from_matrix(&cone.pose, pose->world_from_device);
+    status = status ? status : cone_check(&cone);
+    if (status) {
+        return status;
+    }
+    conus_jitter *jitter = memory_zeroed(1, sizeof *jitter);
+    if (!jitter) {
+        return CONUS_ERROR_MEMORY;
+    }
+    jitter->options = filled;
+    jitter->cone = cone;
+    status = build(jitter, selector);
+    if (status) {
+        conus_jitter_destroy(jitter);
+        return status;
+    }
+    *out = jitter;
+    return CONUS_OK;
+}
+
+void conus_jitter_destroy(conus_jitter *jitter)
+{
+    if (jitter) {
+        memory_free(jitter->rows);
+        memory_free(jitter);
+    }
+}
+
+size_t conus_jitter_count(const conus_jitter *jitter)
+{
+    return jitter ? jitter->count : 0;
+}
+
+const conus_chance *conus_jitter_chance(const conus_jitter *jitter, size_t index)
+{
+    return jitter && index < jitter->count ? &jitter->rows[index] : NULL;
+}

@@ -1,4 +1,0 @@
-/* SPDX-License-Identifier: BSD-3-Clause */
-#define LANES 4
-#define KERNEL traverse_walk_plain
-#include "selection/traverse_lanes.h"

@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The values of options, and names that were meant. */
+#include "common/messages.h"
+#include "common/options.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void only_decimal_numbers_are_numbers(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        double value;
+    } good[] = {{"0", 0},       {"-90", -90},      {"+1.5", 1.5}, {".5", 0.5},    {"5.", 5},    {"1e3", 1000},
+                {"1E-3", 1e-3}, {"-0.25e+2", -25}, {"0x10", NAN}, {"nan", NAN},   {"inf", NAN}, {"-Infinity", NAN},
+                {"1e999", NAN}, {" 1", NAN},       {"1 ", NAN},   {"1,5", NAN},   {"1e", NAN},  {"1e+", NAN},
+                {".", NAN},     {"", NAN},         {"-", NAN},    {"1.2.3", NAN}, {"--1", NAN}, {"1_000", NAN}};
+    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+        double number = 77;
+        assert_int_equal(number_parse(good[i].text, &number), !isnan(good[i].value));
+        assert_near(number, isnan(good[i].value) ? 77 : good[i].value, 0);
+    }
+}
+
+static void only_digits_are_counts(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {"", "-1", "+1", "1.0", "1e3", "0x1", " 1", "1 ", "18446744073709551616", "9x"};
+    uint64_t number = 77;
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_false(count_parse(bad[i], UINT64_MAX, &number));
+    }
+    assert_false(count_parse("11", 10, &number));
+    assert_int_equal(number, 77);
+    assert_true(count_parse("18446744073709551615", UINT64_MAX, &number));
+    assert_true(number == UINT64_MAX);
+}
+
+static bool reads(enum option_type type, void *field, const char *text)
+{
+    const struct option option = {.name = "test", .type = type, .value = "V"};
+    return option_read(&option, field, text);
+}
+
+static void vectors_are_three_numbers(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {"", "1", "1,2", "1,2,3,4", "1,2,", ",,", "1,2,nan", "1;2;3", "1, 2,3", "a,b,c"};
+    double v[3];
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_false(reads(OPTION_VECTOR, v, bad[i]));
+    }
+    assert_true(reads(OPTION_VECTOR, v, "-90,2e1,.5"));
+    assert_near(v[0], -90, 0);
+    assert_near(v[1], 20, 0);
+    assert_near(v[2], 0.5, 0);
+    char giant[1000];
+    memset(giant, '1', sizeof giant - 1);
+    giant[sizeof giant - 1] = '\0';
+    assert_false(reads(OPTION_VECTOR, v, giant));
+}
+
+static void sizes_are_two_counts(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {"", "1400", "1400x", "x1050", "1400X1050", "1400x1050x3", "-1x5", "4294967296x1"};
+    uint32_t size[2];
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_false(reads(OPTION_SIZE, size, bad[i]));
+    }
+    assert_true(reads(OPTION_SIZE, size, "1400x1050"));
+    assert_int_equal(size[0], 1400);
+    assert_int_equal(size[1], 1050);
+}
+
+static void bytes_have_binary_units(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {"", "0", "G", "1.5G", "2g", "2GB", "-2G", "17179869184G", "18446744073709551616"};
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_false(reads(OPTION_BYTES, &bytes, bad[i]));
+    }
+    assert_true(reads(OPTION_BYTES, &bytes, "2G"));
+    assert_true(bytes == UINT64_C(2) << 30);
+    assert_true(reads(OPTION_BYTES, &bytes, "512K"));
+    assert_true(bytes == 512 * 1024);
+    assert_true(reads(OPTION_BYTES, &bytes, "77"));
+    assert_true(bytes == 77);
+}
+
+static void ranges_may_be_open(void **state)
+{
+    (void)state;
+    const struct option angle = {.name = "angle", .type = OPTION_NUMBER, .value = "D", .high = 180, .open = true};
+    const struct option count = {.name = "count", .type = OPTION_COUNT, .value = "N", .low = 1, .high = 1024};
+    double degrees;
+    uint32_t number;
+    assert_false(option_read(&angle, &degrees, "0"));
+    assert_false(option_read(&angle, &degrees, "180"));
+    assert_true(option_read(&angle, &degrees, "179.9"));
+    assert_false(option_read(&count, &number, "0"));
+    assert_true(option_read(&count, &number, "1024"));
+    assert_false(option_read(&count, &number, "1025"));
+    assert_false(option_read(&count, &number, "4294967297"));
+}
+
+static const char *name_at(const void *list, size_t index)
+{
+    return ((const char *const *)list)[index];
+}
+
+static void the_closest_name_is_suggested(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"origin", "toward", "angle", "aperture", NULL};
+    assert_string_equal(closest_name("orign", name_at, names), "origin");
+    assert_string_equal(closest_name("angel", name_at, names), "angle");
+    assert_string_equal(closest_name("apert", name_at, names), "aperture");
+    assert_string_equal(closest_name("towards", name_at, names), "toward");
+    assert_null(closest_name("layers", name_at, names));
+    assert_null(closest_name("x", name_at, names));
+    assert_null(closest_name("", name_at, names));
+}
+
+/* Complaints are part of what is exercised, not of this program's output. */
+static int silence(void **state)
+{
+    (void)state;
+    return freopen("/dev/null", "w", stderr) ? 0 : -1;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(only_decimal_numbers_are_numbers), cmocka_unit_test(only_digits_are_counts),
+        cmocka_unit_test(vectors_are_three_numbers),        cmocka_unit_test(sizes_are_two_counts),
+        cmocka_unit_test(bytes_have_binary_units),          cmocka_unit_test(ranges_may_be_open),
+        cmocka_unit_test(the_closest_name_is_suggested),
+    };
+    return cmocka_run_group_tests(tests, silence, NULL);
+}

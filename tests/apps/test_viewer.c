@@ -1,0 +1,407 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the window does, without a window. */
+#include "viewer/model/viewer.h"
+#include "viewer/window/place.h"
+
+#include "test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static void load(struct viewer *out, const char *kind, const char *file)
+{
+    conus_atlas *atlas = NULL;
+    char path[600];
+    char folder[512];
+    snprintf(folder, sizeof folder, "%s", test_scratch("phantom"));
+    assert_ok(conus_phantom_write(kind, folder, NULL));
+    snprintf(path, sizeof path, "%s/%s", folder, file);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_ok(viewer_create(out, atlas, "phantom", NULL, NULL, NULL));
+}
+
+static const double eye[3] = {0, 90, 0};
+static const double back[3] = {0, -1, 0};
+
+/* Balls of 24, 16 and 8 mm: what is hidden is not under the mouse, what is behind it is. */
+static void the_mouse_meets_what_is_shown(void **state)
+{
+    struct viewer viewer;
+    double contact[3] = {0};
+    (void)state;
+    load(&viewer, "nested", "nested.nii.gz");
+    for (int ball = 0; ball < 3; ball++) {
+        uint32_t met = 0;
+        assert_true(viewer_pick(&met, contact, &viewer, eye, back));
+        assert_true(met > 0);
+        assert_near(contact[1], 24 - 8 * ball, 1);
+        assert_near(contact[0], 0, 1e-9);
+        assert_true(isnan(viewer_value(&viewer, met, contact)));
+        viewer_hide(&viewer, met, true);
+    }
+    uint32_t met;
+    assert_false(viewer_pick(&met, contact, &viewer, eye, back));
+    viewer_undo(&viewer);
+    assert_true(viewer_pick(&met, contact, &viewer, eye, back));
+    assert_false(viewer_pick(&met, contact, &viewer, eye, (double[]){0, 1, 0}));
+    assert_int_equal(met, 0);
+    viewer_finish(&viewer);
+}
+
+static uint32_t best_of(const struct viewer *viewer)
+{
+    return conus_selection_result(viewer_selection(viewer), 0)->object;
+}
+
+/* Balls one in the other, aimed at from outside: the cone hits the outermost that is shown, whatever is hidden when,
+ * without being aimed anew. */
+static void what_is_hidden_is_not_selected(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load(&viewer, "nested", "nested.nii.gz");
+    viewer.angle = 2;
+    viewer_aim_along(&viewer, eye, back);
+    assert_int_equal(best_of(&viewer), 1);
+    viewer_hide(&viewer, 1, true);
+    assert_int_equal(best_of(&viewer), 2);
+    assert_near(conus_selection_result(viewer_selection(&viewer), 0)->distance, 90 - 16, 1);
+    viewer_isolate(&viewer, 3);
+    assert_int_equal(best_of(&viewer), 3);
+    assert_int_equal(conus_selection_count(viewer_selection(&viewer)), 2); /* and what is unassigned */
+    viewer_hide(&viewer, 3, true);
+    assert_int_equal(best_of(&viewer), 0);
+    viewer_undo(&viewer);
+    viewer_undo(&viewer);
+    assert_int_equal(best_of(&viewer), 2);
+    viewer_show_all(&viewer);
+    assert_int_equal(best_of(&viewer), 1);
+    viewer_finish(&viewer);
+}
+
+/* What was hidden when the atlas came, by --hide, say, can be shown. */
+static void what_comes_hidden_can_be_shown(void **state)
+{
+    struct viewer viewer;
+    conus_atlas *atlas = NULL;
+    const char *folder = test_scratch("comes");
+    char path[4096];
+    (void)state;
+    assert_ok(conus_phantom_write("nested", folder, NULL));
+    snprintf(path, sizeof path, "%s/nested.nii.gz", folder);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_ok(conus_atlas_show(atlas, NULL, "1"));
+    assert_ok(viewer_create(&viewer, atlas, path, NULL, NULL, NULL));
+    assert_int_equal(viewer_shown(&viewer, 1), SHOWN_NOT);
+    viewer_aim_along(&viewer, eye, back);
+    assert_int_equal(best_of(&viewer), 2);
+    viewer_hide(&viewer, 1, false);
+    assert_int_equal(best_of(&viewer), 1);
+    viewer_finish(&viewer);
+}
+
+/* The brain's pathway is the last object; on its surface the value is about the threshold, within it more. */
+static void a_pathway_has_a_value(void **state)
+{
+    struct viewer viewer;
+    double middle[3];
+    (void)state;
+    load(&viewer, "brain", "brain.atlas.json");
+    uint32_t pathway = (uint32_t)viewer.object_count;
+    assert_int_equal(conus_atlas_object(viewer.atlas, pathway)->kind, CONUS_PATHWAY);
+    assert_ok(conus_atlas_centre(middle, viewer.atlas, pathway));
+    viewer_isolate(&viewer, pathway);
+    bool found = false;
+    for (int k = -20; k <= 20 && !found; k++) {
+        double contact[3];
+        double from[3] = {middle[0], 200, middle[2] + 2 * k};
+        uint32_t met;
+        viewer.fade = 1; /* no context */
+        if (viewer_pick(&met, contact, &viewer, from, back)) {
+            found = true;
+            assert_int_equal(met, pathway);
+            double threshold = 16383.75;
+            assert_true(viewer_value(&viewer, pathway, contact) >= threshold);
+            assert_true(isnan(viewer_value(&viewer, pathway, from)));
+        }
+    }
+    assert_true(found);
+    viewer_finish(&viewer);
+}
+
+static void a_node_is_shown_whole_in_part_or_not(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load(&viewer, "slabs", "slabs.nii.gz");
+    assert_int_equal(viewer_shown(&viewer, 1), SHOWN);
+    viewer_hide(&viewer, 1, true);
+    assert_int_equal(viewer_shown(&viewer, 1), SHOWN_NOT);
+    assert_int_equal(viewer_shown(&viewer, 2), SHOWN);
+    viewer_isolate(&viewer, 1);
+    assert_int_equal(viewer_shown(&viewer, 1), SHOWN);
+    assert_int_equal(viewer_shown(&viewer, 2), SHOWN_NOT);
+    viewer_finish(&viewer);
+}
+
+/* In front of the face, looking back through the middle; a pose that is there stays. */
+static void a_device_without_a_pose_is_put_in_front(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load(&viewer, "sphere", "sphere.nii.gz");
+    assert_false(viewer.has_pose);
+    viewer_place(&viewer);
+    assert_true(viewer.has_pose);
+    const double *m = viewer.pose.world_from_device;
+    assert_near(m[8], 0, 1e-12);
+    assert_near(m[9], 1, 1e-12);
+    assert_near(m[12], viewer.centre[0], 1e-12);
+    assert_true(m[13] > viewer.centre[1] + viewer.radius);
+    assert_int_equal(conus_selection_result(viewer_selection(&viewer), 0)->object, 1);
+    viewer_aim_along(&viewer, (double[]){1, 2, 80}, (double[]){0, 0, -1});
+    viewer_place(&viewer);
+    assert_near(m[14], 80, 1e-12);
+    viewer_finish(&viewer);
+}
+
+static void colours_go_and_come_back(void **state)
+{
+    struct viewer viewer;
+    uint8_t own[3], safe[3], again[3];
+    (void)state;
+    load(&viewer, "slabs", "slabs.nii.gz");
+    unsigned scene = viewer.scene_number;
+    viewer_aim_along(&viewer, eye, back);
+    viewer_colour(own, &viewer, 1);
+    viewer_use_safe_colours(&viewer, true);
+    viewer_use_safe_colours(&viewer, true);
+    viewer_colour(safe, &viewer, 1);
+    assert_memory_not_equal(own, safe, sizeof own);
+    assert_true(viewer.scene_number > scene);
+    assert_non_null(viewer_selection(&viewer));
+    viewer_use_safe_colours(&viewer, false);
+    viewer_colour(again, &viewer, 1);
+    assert_memory_equal(own, again, sizeof own);
+    viewer_finish(&viewer);
+}
+
+static void the_window_finds_its_place_again(void **state)
+{
+    const struct place left = {.width = 900, .height = 700, .known = true, .x = 11, .y = -22};
+    struct place found = {.width = 1, .height = 2};
+    char path[1200];
+    char here[512];
+    (void)state;
+    assert_non_null(getcwd(here, sizeof here)); /* relative ones do not count */
+    snprintf(path, sizeof path, "%s/%s", here, test_scratch("state"));
+    setenv("XDG_STATE_HOME", path, 1);
+    snprintf(path, sizeof path, "%.1000s/conus/window.json", getenv("XDG_STATE_HOME"));
+    remove(path); /* of an earlier run */
+    place_load(&found);
+    assert_int_equal(found.width, 1);
+    place_save(&left);
+    place_load(&found);
+    assert_memory_equal(&found, &left, sizeof found);
+    place_save(&(struct place){.width = 1, .height = 700}); /* one that nobody could use */
+    place_load(&found);
+    assert_int_equal(found.width, 900);
+    static const char *const bad[] = {"",
+                                      "{}",
+                                      "[1]",
+                                      "{\"width\": 900, \"height\": 1e9, \"x\": 0, \"y\": 0}",
+                                      "{\"width\": 99999, \"height\": 700, \"x\": 0, \"y\": 0}",
+                                      "{\"width\": \"900\", \"height\": 700, \"x\": 0, \"y\": 0}"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        found = (struct place){.width = 5};
+        assert_ok(conus_write_file(path, bad[i], strlen(bad[i])));
+        place_load(&found);
+        assert_int_equal(found.width, 5);
+        assert_false(found.known);
+    }
+}
+
+/* Opaque from 1 on, the brain phantom's context hides all in it; thinned, less and less. */
+static void an_opaque_context_is_met_before_what_it_hides(void **state)
+{
+    static const conus_transfer_point opaque[] = {
+        {0, {0, 0, 0, 0}}, {1, {0, 0, 0, 0}}, {1, {1, 1, 1, 0.9}}, {65535, {1, 1, 1, 0.9}}};
+    struct viewer viewer;
+    double bare[3];
+    double hidden[3];
+    uint32_t object;
+    (void)state;
+    load(&viewer, "brain", "brain.atlas.json");
+    const double from[3] = {viewer.centre[0] + 3, viewer.centre[1] + 200, viewer.centre[2] + 3};
+    viewer.fade = 1;
+    assert_true(viewer_pick(&object, bare, &viewer, from, back));
+    assert_true(object > 0);
+    viewer.fade = 0;
+    assert_true(painter_set_transfer(viewer.painter, opaque, 4));
+    assert_true(viewer_pick(&object, hidden, &viewer, from, back));
+    assert_int_equal(object, 0);
+    assert_true(hidden[1] > bare[1]);
+    viewer_finish(&viewer);
+}
+
+static void a_place_has_a_voxel_and_the_crosshair_stays_near(void **state)
+{
+    struct viewer viewer;
+    long voxel[3];
+    (void)state;
+    load(&viewer, "slabs", "slabs.nii.gz");
+    const conus_volume_info *info = conus_atlas_volume(viewer.atlas, 0);
+    for (long k = 0; k < (long)info->dim[2]; k += 7) {
+        double at[3];
+        const long wanted[3] = {3, 5 + k / 2, k};
+        for (int a = 0; a < 3; a++) {
+            const double *m = info->world_from_voxel + a;
+            at[a] = m[0] * 3.2 + m[4] * ((double)wanted[1] - 0.3) + m[8] * (double)k + m[12];
+        }
+        assert_true(viewer_voxel(voxel, &viewer, at));
+        assert_memory_equal(voxel, wanted, sizeof wanted);
+    }
+    assert_false(viewer_voxel(voxel, &viewer, (double[]){1e4, 0, 0}));
+    viewer_cross(&viewer, (double[]){1, 1e9, -2});
+    assert_near(viewer.crosshair[0], 1, 0);
+    assert_near(viewer.crosshair[1], viewer.centre[1] + 1.5 * viewer.radius, 1e-9);
+    assert_near(viewer.crosshair[2], -2, 0);
+    viewer_finish(&viewer);
+}
+
+static void what_was_selected_is_a_table(void **state)
+{
+    struct viewer viewer;
+    char path[600];
+    char text[4096] = "";
+    (void)state;
+    load(&viewer, "slabs", "slabs.nii.gz");
+    viewer_aim_along(&viewer, eye, back);
+    snprintf(path, sizeof path, "%s", test_scratch("results.tsv"));
+    assert_ok(viewer_write_results(&viewer, path));
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    size_t size = fread(text, 1, sizeof text - 1, file);
+    fclose(file);
+    char *table = viewer_results_text(&viewer);
+    assert_true(size > 0);
+    assert_string_equal(table, text);
+    free(table);
+    viewer_finish(&viewer);
+}
+
+/* Of a file that is gone, and of one that is another, it is said once. */
+static void files_are_watched(void **state)
+{
+    struct viewer viewer;
+    char path[600];
+    char news[WATCH_NEWS];
+    (void)state;
+    load(&viewer, "slabs", "slabs.nii.gz");
+    snprintf(path, sizeof path, "%s", conus_atlas_volume(viewer.atlas, 0)->path);
+    assert_false(watch_look(viewer.watch, news));
+    assert_int_equal(unlink(path), 0);
+    assert_true(watch_look(viewer.watch, news));
+    assert_non_null(strstr(news, "slabs.nii.gz is gone from disk"));
+    assert_false(watch_look(viewer.watch, news));
+    assert_ok(conus_write_file(path, "other", 5));
+    assert_true(watch_look(viewer.watch, news));
+    assert_non_null(strstr(news, "slabs.nii.gz changed on disk"));
+    assert_false(watch_look(viewer.watch, news));
+    viewer_finish(&viewer);
+}
+
+/* The phantom's pathway twice, with a context. */
+static void load_two_pathways(struct viewer *out)
+{
+    const conus_pathway_options second = {.name = "Second", .threshold = 100};
+    conus_atlas *atlas = NULL;
+    char folder[512];
+    char path[600];
+    snprintf(folder, sizeof folder, "%s", test_scratch("phantom"));
+    assert_ok(conus_phantom_write("brain", folder, NULL));
+    snprintf(path, sizeof path, "%s/brain.atlas.json", folder);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    snprintf(path, sizeof path, "%s/brain-pathway.nii.gz", folder);
+    assert_ok(conus_atlas_add_pathway(atlas, path, &second));
+    assert_ok(viewer_create(out, atlas, "phantom", NULL, NULL, NULL));
+}
+
+/* A threshold that is no number cannot be set: what was set before it goes back. */
+static void settings_of_the_atlas_are_all_set_or_none(void **state)
+{
+    struct viewer viewer;
+    double thresholds[16] = {0};
+    struct atlas_edits edits = {
+        .thresholds = thresholds, .safe_colours = true, .sets_transfer = true, .point_count = 1};
+    (void)state;
+    load_two_pathways(&viewer);
+    const uint32_t last = (uint32_t)viewer.object_count;
+    const double before = viewer_pathway(&viewer, last - 1)->threshold;
+    const uint64_t voxels = conus_atlas_object(viewer.atlas, last - 1)->voxels;
+    assert_null(viewer_pathway(&viewer, last - 2));
+    assert_null(viewer_pathway(&viewer, last + 1));
+    thresholds[last - 1] = 2 * before;
+    thresholds[last] = NAN;
+    assert_int_equal(viewer_set_up(&viewer, &edits), CONUS_ERROR_ARGUMENT);
+    assert_true(viewer_pathway(&viewer, last - 1)->threshold == before);
+    assert_int_equal(conus_atlas_object(viewer.atlas, last - 1)->voxels, voxels);
+    assert_true(viewer_pathway(&viewer, last)->threshold == 100);
+    assert_false(viewer.safe_colours);
+    assert_false(viewer.transfer_editor.edited);
+    thresholds[last] = 200;
+    assert_ok(viewer_set_up(&viewer, &edits));
+    assert_true(viewer_pathway(&viewer, last - 1)->threshold == 2 * before);
+    assert_true(conus_atlas_object(viewer.atlas, last - 1)->voxels < voxels);
+    assert_true(viewer_pathway(&viewer, last)->threshold == 200);
+    assert_true(viewer.safe_colours && viewer.transfer_editor.edited);
+    viewer_finish(&viewer);
+}
+
+/* Changes of the atlas start another painter, which draws with the same points. */
+static void edited_points_outlive_other_changes(void **state)
+{
+    struct viewer viewer;
+    conus_transfer_point used[EDITOR_POINTS];
+    struct atlas_edits edits = {
+        .sets_transfer = true, .point_count = 2, .points = {{10, {0.5, 0.25, 0, 0.01}}, {20, {1, 1, 1, 0.2}}}};
+    (void)state;
+    load_two_pathways(&viewer);
+    assert_ok(viewer_set_up(&viewer, &edits));
+    viewer_set_threshold(&viewer, (uint32_t)viewer.object_count, 300);
+    viewer_use_safe_colours(&viewer, true);
+    assert_int_equal(painter_transfer(viewer.painter, used, EDITOR_POINTS), 2);
+    for (size_t i = 0; i < 2; i++) {
+        assert_true(used[i].value == edits.points[i].value);
+        assert_true(used[i].rgba[3] == edits.points[i].rgba[3]);
+    }
+    edits.safe_colours = true;
+    edits.point_count = 0;
+    assert_ok(viewer_set_up(&viewer, &edits));
+    assert_false(viewer.transfer_editor.edited);
+    viewer_finish(&viewer);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_mouse_meets_what_is_shown),
+        cmocka_unit_test(what_is_hidden_is_not_selected),
+        cmocka_unit_test(what_comes_hidden_can_be_shown),
+        cmocka_unit_test(a_pathway_has_a_value),
+        cmocka_unit_test(an_opaque_context_is_met_before_what_it_hides),
+        cmocka_unit_test(a_place_has_a_voxel_and_the_crosshair_stays_near),
+        cmocka_unit_test(what_was_selected_is_a_table),
+        cmocka_unit_test(files_are_watched),
+        cmocka_unit_test(a_node_is_shown_whole_in_part_or_not),
+        cmocka_unit_test(colours_go_and_come_back),
+        cmocka_unit_test(settings_of_the_atlas_are_all_set_or_none),
+        cmocka_unit_test(edited_points_outlive_other_changes),
+        cmocka_unit_test(the_window_finds_its_place_again),
+        cmocka_unit_test(a_device_without_a_pose_is_put_in_front),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""tests/architecture/check_layers.py [ROOT]: every #include goes along the arrows of docs/architecture.md.
+
+The table below names, for each folder, the folders whose headers it may include. Each file may include the headers of
+its own folder. A folder with sources that the table lacks is an error, and so are an arrow that no include uses, an
+include that names no file of the project, and two arrows that make a circle.
+"""
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else __file__).resolve()
+ROOT = ROOT if ROOT.is_dir() else ROOT.parents[2]
+
+PUBLIC = "include/conus"
+APPS = {
+    "apps/link": "",
+    "apps/common": "apps/link",
+    "apps/batch": "apps/common",
+    "apps/cli": "apps/common apps/batch apps/link",
+    "apps/mpi": "apps/common apps/batch",
+    "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
+    "apps/viewer/model": "apps/link",
+    "apps/viewer/window": "apps/common apps/viewer/model",
+    "apps/viewer/panes": "apps/viewer/window apps/viewer/model",
+    "apps/viewer/panels": "apps/common apps/viewer/window",
+    "apps/viewer/session": "apps/common apps/viewer/window",
+    "apps/viewer": "apps/common apps/link apps/viewer/session apps/viewer/window",
+}
+LIBRARY = {
+    "base": "",
+    "atlas/surface": "base",
+    "atlas": "base atlas/surface",
+    "atlas/areas": "base atlas",
+    "atlas/phantom": "base atlas atlas/surface",
+    "poses": "base",
+    # file_kind.c asks the readers what a file is; they ask it for the words of their errors.
+    "loaders": "base loaders/volumes loaders/labels loaders/surfaces",
+    "loaders/volumes": "base atlas loaders",
+    "loaders/labels": "base atlas loaders loaders/volumes",
+    "loaders/child": "base atlas atlas/surface loaders",
+    "loaders/surfaces": "base atlas atlas/surface loaders loaders/labels loaders/child",
+    "loaders/phantom": "base atlas atlas/phantom loaders/volumes loaders/surfaces",
+    "loaders/scene": "base atlas atlas/surface loaders loaders/volumes loaders/labels loaders/surfaces loaders/child",
+    "render/gl": "base",
+    "render/id": "base atlas atlas/surface render/gl",
+    "render/image": "base",
+    "render/colour": "base atlas render/gl render/id render/image",
+    "render/flat": "base atlas render/colour render/image",
+    "selection/cone": "base poses",
+    "selection/engine": "base atlas atlas/surface render/gl render/id selection/cone",
+    "selection/measure": "base atlas atlas/surface selection/cone selection/engine",
+    "selection": "base atlas atlas/areas selection/engine selection/measure",
+    "selection/study": "base atlas selection selection/cone selection/measure",
+    "selection/picture": "base render/colour render/flat render/image selection",
+    "selection/report": "base atlas poses selection/study",
+    "selection/batch": "base atlas poses selection selection/engine selection/report selection/study",
+}
+RULES = {**LIBRARY, **APPS}
+CIRCLES = {frozenset(("loaders", wing)) for wing in ("loaders/volumes", "loaders/labels", "loaders/surfaces")}
+INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
+
+
+def find_header(source, name):
+    """The header that the compiler finds, relative to ROOT; None if the project has none."""
+    for folder in (source.parent, ROOT, ROOT / "apps", ROOT / "include"):
+        if (folder / name).is_file():
+            return (folder / name).resolve().relative_to(ROOT)
+    return None
+
+
+def find_sources():
+    for top in sorted({room.split("/")[0] for room in RULES}):
+        for path in sorted((ROOT / top).rglob("*")):
+            if path.suffix in (".c", ".h", ".cpp", ".hpp"):
+                yield path
+
+
+def check():
+    used, faults = set(), []
+    for path in find_sources():
+        room = path.parent.relative_to(ROOT).as_posix()
+        if room not in RULES:
+            faults.append(f"{path.relative_to(ROOT)}: no rule for the folder {room}")
+            continue
+        for name in INCLUDE.findall(path.read_text()):
+            header = find_header(path, name)
+            target = header.parent.as_posix() if header else None
+            if target in (room, PUBLIC):
+                continue
+            if target is None:
+                faults.append(f'{path.relative_to(ROOT)}: "{name}" is no header of this project')
+            elif target not in RULES[room].split():
+                faults.append(f"{path.relative_to(ROOT)}: {header} is against the arrows: {room} may include"
+                              f" {RULES[room] or 'nothing'}")
+            used.add((room, target))
+    for room, targets in RULES.items():
+        for target in targets.split():
+            if (room, target) not in used:
+                faults.append(f"the arrow from {room} to {target} is not used: delete it")
+            if room in RULES.get(target, "").split() and frozenset((room, target)) not in CIRCLES:
+                faults.append(f"a circle: {room} and {target}")
+    return faults
+
+
+FAULTS = check()
+for fault in FAULTS:
+    print(fault)
+sys.exit(1 if FAULTS else 0)

@@ -1,0 +1,567 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/buffer.h"
+#include "base/clock.h"
+#include "base/file.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "base/text.h"
+#include "test.h"
+
+#include <fcntl.h>
+#include <locale.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static void lines_end_in_any_way(void **state)
+{
+    (void)state;
+    struct text rest = text_from("a\nb\rc\r\n\nd");
+    const char *const wanted[] = {"a", "b", "c", "", "d"};
+    struct text line;
+    for (size_t i = 0; i < 5; i++) {
+        assert_true(text_line(&rest, &line));
+        assert_true(text_equal(line, wanted[i]));
+    }
+    assert_false(text_line(&rest, &line));
+}
+
+static void empty_fields_are_fields(void **state)
+{
+    (void)state;
+    struct text rest = text_from("a\t\tb\t");
+    const char *const wanted[] = {"a", "", "b", ""};
+    struct text field;
+    bool more = true;
+    for (size_t i = 0; i < 4; i++) {
+        assert_true(text_field(&rest, '\t', &more, &field));
+        assert_true(text_equal(field, wanted[i]));
+    }
+    assert_false(text_field(&rest, '\t', &more, &field));
+}
+
+/* Fields between marks may hold separators and doubled marks; what is wrong with the marks is told, and no byte lost.
+ */
+static void quoted_fields_are_fields(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *field;
+        enum text_quotes quotes;
+    } wanted[] = {{"a", TEXT_PLAIN},    {"b,c", TEXT_QUOTED}, {"", TEXT_QUOTED}, {"d \"\"e\"\"", TEXT_QUOTED},
+                  {"f", TEXT_FOLLOWED}, {"5\"", TEXT_PLAIN},  {"", TEXT_PLAIN},  {"open, to the end", TEXT_UNCLOSED}};
+    struct text rest = text_from(" a ,\"b,c\",  \"\"  ,\"d \"\"e\"\"\",\"f\"g,5\",,\"open, to the end");
+    struct text field;
+    enum text_quotes quotes;
+    bool more = true;
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
+        assert_true(text_quoted_field(&rest, ',', &more, &field, &quotes));
+        assert_true(text_equal(field, wanted[i].field));
+        assert_int_equal(quotes, wanted[i].quotes);
+    }
+    assert_false(text_quoted_field(&rest, ',', &more, &field, &quotes));
+    rest = text_from("\"\"\""); /* a doubled mark, and none that closes */
+    more = true;
+    assert_true(text_quoted_field(&rest, ',', &more, &field, &quotes));
+    assert_int_equal(quotes, TEXT_UNCLOSED);
+}
+
+static void distances_ignore_case(void **state)
+{
+    (void)state;
+    assert_int_equal(text_distance(text_from("thalmus"), text_from("Thalamus")), 1);
+    assert_int_equal(text_distance(text_from("kitten"), text_from("SITTING")), 3);
+    assert_int_equal(text_distance(text_from(""), text_from("abc")), 3);
+    assert_int_equal(text_distance(text_from("abc"), text_from("")), 3);
+    static const char many[300];
+    assert_int_equal(text_distance((struct text){many, 255}, (struct text){many, 250}), 5);
+    assert_int_equal(text_distance((struct text){many, 256}, (struct text){many, 1}), SIZE_MAX);
+    assert_int_equal(text_distance((struct text){many, 1}, (struct text){many, 256}), SIZE_MAX);
+    assert_true(text_contains(text_from("Frontal_Inf"), text_from("inf")));
+    assert_true(text_contains(text_from("inf"), text_from("")));
+    assert_false(text_contains(text_from("in"), text_from("inf")));
+}
+
+/* Whatever digits a number has, it is the double that the C library reads. */
+static void numbers_are_read_to_the_bit(void **state)
+{
+    (void)state;
+    uint64_t seed = 11;
+    for (int k = 0; k < 200000; k++) {
+        char text[64];
+        double number;
+        double value = test_random(&seed, -1, 1) * pow(10, floor(test_random(&seed, -3, 13)));
+        snprintf(text, sizeof text, k % 3 ? "%.*f" : "%.*g", (int)test_random(&seed, 0, 18), value);
+        assert_true(text_to_double(text_from(text), &number));
+        double wanted = strtod(text, NULL);
+        assert_memory_equal(&number, &wanted, sizeof number);
+    }
+    static const char *const forms[] = {
+        "-0", "+5", ".5", "5.", "-.25", "007", "000000000000000000001", "0.1", "123456789012345"};
+    for (size_t i = 0; i < sizeof forms / sizeof forms[0]; i++) {
+        double number;
+        double wanted = strtod(forms[i], NULL);
+        assert_true(text_to_double(text_from(forms[i]), &number));
+        assert_memory_equal(&number, &wanted, sizeof number);
+    }
+}
+
+static void numbers_are_read_whole_or_not(void **state)
+{
+    (void)state;
+    double number;
+    uint64_t natural;
+    int64_t integer;
+    assert_true(text_to_double(text_from("-2.5e3"), &number));
+    assert_near(number, -2500, 0);
+    const char *const none[] = {"", ".", "-", "-.", " 1", "1 ", "1,5", "x", "1.5mm", "--1", "0x10", "0X1p3"};
+    for (size_t i = 0; i < sizeof none / sizeof none[0]; i++) {
+        assert_false(text_to_double(text_from(none[i]), &number));
+    }
+    assert_true(text_to_uint(text_from("4294967295"), UINT32_MAX, &natural));
+    assert_false(text_to_uint(text_from("4294967296"), UINT32_MAX, &natural));
+    assert_false(text_to_uint(text_from("18446744073709551616"), UINT64_MAX, &natural));
+    assert_false(text_to_uint(text_from("-1"), 10, &natural));
+    assert_true(text_to_int(text_from("-17"), &integer));
+    assert_int_equal(integer, -17);
+}
+
+static void numbers_are_written_short_and_without_locale(void **state)
+{
+    (void)state;
+    char out[TEXT_NUMBER_SIZE];
+    setlocale(LC_ALL, "de_DE.UTF-8"); /* where installed, printf would write a comma */
+    assert_string_equal(text_number(out, 0.1), "0.1");
+    assert_string_equal(text_number(out, -0.0), "0");
+    assert_string_equal(text_number(out, 25.5314207153), "25.5314207");
+    assert_string_equal(text_number(out, 3e-20), "3e-20");
+    assert_string_equal(text_number(out, 4294967295.0), "4294967295"); /* a label */
+    assert_string_equal(text_number(out, 4294967295.5), "4.2949673e+09");
+    assert_string_equal(text_number(out, 1e20), "1e+20");
+    assert_string_equal(text_number(out, INFINITY), "inf");
+    setlocale(LC_ALL, "C");
+    uint64_t seed = 1;
+    for (int i = 0; i < 1000; i++) {
+        double value = exp(test_random(&seed, -40, 40));
+        assert_near(strtod(text_number(out, value), NULL), value, 5e-9 * value);
+    }
+}
+
+static void check_as_printf(double value)
+{
+    char wanted[TEXT_NUMBER_SIZE];
+    char out[TEXT_NUMBER_SIZE];
+    bool whole = fabs(value) < 0x1p53 && value == floor(value);
+    int length = snprintf(wanted, sizeof wanted, "%.*g", whole ? 17 : 9, value == 0 ? 0.0 : value);
+    assert_int_equal(text_number_length(out, value), length);
+    assert_string_equal(out, wanted);
+}
+
+static void times_keep_15_digits(void **state)
+{
+    (void)state;
+    char out[TEXT_NUMBER_SIZE];
+    assert_string_equal(text_time(out, 1763619041.000125), "1763619041.00012"); /* the nearest double is below it */
+    assert_string_equal(text_time(out, 0.1), "0.1");
+    assert_string_equal(text_time(out, -0.0), "0");
+    assert_string_equal(text_time(out, 1763619041), "1763619041");
+    assert_string_equal(text_time(out, -2.5e-7), "-2.5e-07");
+}
+
+static void arrays_double(void **state)
+{
+    (void)state;
+    void *array = NULL;
+    size_t capacity = 0;
+    size_t moves = 0;
+    for (size_t count = 1; count <= 1000; count++) {
+        size_t before = capacity;
+        assert_true(memory_reserve(&array, &capacity, count, sizeof(int)));
+        assert_true(capacity >= count);
+        moves += capacity != before;
+    }
+    assert_true(moves <= 11);
+    assert_false(memory_reserve(&array, &capacity, SIZE_MAX / 2, sizeof(int)));
+    assert_true(array && capacity < 2000);
+    memory_free(array);
+}
+
+static void numbers_are_written_as_printf_does(void **state)
+{
+    (void)state;
+    uint64_t seed = 2;
+    for (int i = 0; i < 200000; i++) {
+        double value = exp(test_random(&seed, -12, 24));
+        check_as_printf(value);
+        check_as_printf(-value);
+        check_as_printf(floor(value) / 1024); /* many are ties */
+        check_as_printf(floor(value * 1e4) / 1e4);
+    }
+    for (int exponent = -6; exponent < 18; exponent++) {
+        double power = pow(10, exponent);
+        for (int i = -40; i <= 40; i++) {
+            check_as_printf(power * (1 + i * 0x1p-52));
+            check_as_printf(power * (1 + i * 1.25e-10)); /* 9 digits are rounded up to the next power */
+        }
+    }
+    for (uint64_t n = 1; n < UINT64_MAX / 10; n *= 7) {
+        struct buffer buffer = {0};
+        char wanted[TEXT_NUMBER_SIZE];
+        snprintf(wanted, sizeof wanted, "%llu", (unsigned long long)n);
+        buffer_whole(&buffer, n);
+        assert_string_equal(buffer.data, wanted);
+        buffer_finish(&buffer);
+    }
+}
+
+static void utf8_is_told_from_latin1(void **state)
+{
+    (void)state;
+    assert_true(text_is_utf8(text_from("Gyrus \xc3\xa9 \xe2\x82\xac \xf0\x9f\xa7\xa0")));
+    const char *const not [] = {"\xe9", "\xc3", "\xc0\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xe0\x80\x80"};
+    for (size_t i = 0; i < sizeof not / sizeof not [0]; i++) {
+        assert_false(text_is_utf8(text_from(not [i])));
+    }
+}
+
+static void any_bytes_become_clean_utf8(void **state)
+{
+    (void)state;
+    static const char *const pairs[][2] = {
+        {"Br\xfc"
+         "cke\t1\n",
+         "Br\xc3\xbc"
+         "cke 1 "},
+        {"\xc3\xa9\x1b[31m", "\xc3\xa9 [31m"},
+        /* U+009B, CSI of 8 bits; U+202E, U+2066, U+2028: each turns or ends the
+           line. Their neighbours U+00A0, U+2027, U+202F, U+2065 and U+206A do not. */
+        {"a\xc2\x9b"
+         "31m",
+         "a 31m"},
+        {"\xe2\x80\xae\xe2\x81\xa6\xe2\x80\xa8\xe2\x81\xa9\xe2\x80\xac", "     "},
+        {"\xc2\xa0\xe2\x80\xa7\xe2\x80\xaf\xe2\x81\xa5\xe2\x81\xaa",
+         "\xc2\xa0\xe2\x80\xa7\xe2\x80\xaf\xe2\x81\xa5\xe2\x81\xaa"},
+        {"", ""}};
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
+        char *clean = text_to_utf8(text_from(pairs[i][0]));
+        assert_string_equal(clean, pairs[i][1]);
+        memory_free(clean);
+    }
+}
+
+static void plain_text_steers_no_terminal(void **state)
+{
+    (void)state;
+    char text[] = "one\ttwo\x1b]0;x\x07\n\xc2\x85three\xff\x80 \xe2\x80";
+    conus_plain_text(text);
+    assert_string_equal(text, "one\ttwo ]0;x \n three?? ??");
+    char name[] = "a\tb\nc";
+    text_make_plain(name, "");
+    assert_string_equal(name, "a b c");
+}
+
+static void inverse_undoes_an_affine(void **state)
+{
+    (void)state;
+    uint64_t seed = 2;
+    for (int k = 0; k < 100; k++) {
+        double m[16] = {0};
+        double inverse[16] = {0};
+        double product[16];
+        for (int i = 0; i < 12; i++) {
+            m[i / 3 * 4 + i % 3] = test_random(&seed, -3, 3);
+        }
+        m[15] = 1;
+        if (fabs(mat4_determinant3(m)) < 0.1) {
+            continue;
+        }
+        assert_true(mat4_invert_affine(inverse, m));
+        mat4_multiply(product, inverse, m);
+        for (int i = 0; i < 16; i++) {
+            assert_near(product[i], i % 5 == 0, 1e-10);
+        }
+    }
+    double flat[16] = {1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1};
+    assert_false(mat4_invert_affine(flat, flat));
+    flat[0] = NAN;
+    assert_false(mat4_invert_affine(flat, flat));
+}
+
+static void files_appear_whole(void **state)
+{
+    (void)state;
+    const char *path = test_scratch("whole.txt");
+    struct bytes bytes = {0};
+    assert_ok(file_write(path, "one", 3));
+    assert_ok(file_write(path, "three", 5));
+    assert_ok(file_read(&bytes, path, 100));
+    assert_int_equal(bytes.size, 5);
+    assert_memory_equal(bytes.data, "three", 5);
+    bytes_finish(&bytes);
+    assert_fails(file_read(&bytes, path, 4), CONUS_ERROR_MEMORY);
+    assert_fails(file_read(&bytes, "/nowhere/at all", 4), CONUS_ERROR_IO);
+    assert_fails(file_read(&bytes, "/", 4), CONUS_ERROR_IO);
+    assert_fails(file_write("/nowhere/at all", "x", 1), CONUS_ERROR_IO);
+}
+
+/* What happens behind the reader's back, once, after its next read(). */
+static void (*behind)(void);
+
+ssize_t __real_read(int descriptor, void *data, size_t size);
+ssize_t __wrap_read(int descriptor, void *data, size_t size);
+
+ssize_t __wrap_read(int descriptor, void *data, size_t size)
+{
+    ssize_t got = __real_read(descriptor, data, size);
+    if (behind) {
+        void (*now)(void) = behind;
+        behind = NULL;
+        now();
+    }
+    return got;
+}
+
+static char changed[256];
+
+static void append_a_byte(void)
+{
+    FILE *file = fopen(changed, "a");
+    assert_non_null(file);
+    fputc('!', file);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void put_another_in_its_place(void)
+{
+    assert_ok(file_write(changed, "four!", 5));
+}
+
+static void changes_are_noticed(void **state)
+{
+    (void)state;
+    struct bytes bytes = {0};
+    struct file_state before;
+    snprintf(changed, sizeof changed, "%s", test_scratch("changed.txt"));
+    assert_ok(file_write(changed, "three", 5));
+    assert_ok(file_state_find(&before, changed));
+    assert_ok(file_state_check(&before, changed));
+    behind = append_a_byte;
+    assert_fails(file_read(&bytes, changed, 100), CONUS_ERROR_IO);
+    assert_null(bytes.data);
+    assert_non_null(strstr(conus_message(), "changed while it was read"));
+    assert_fails(file_state_check(&before, changed), CONUS_ERROR_IO);
+    assert_ok(file_state_find(&before, changed));
+    behind = put_another_in_its_place; /* what was opened is read whole, or it is an error */
+    if (!file_read(&bytes, changed, 100)) {
+        assert_memory_equal(bytes.data, "three!", 6);
+        bytes_finish(&bytes);
+    }
+    assert_fails(file_state_check(&before, changed), CONUS_ERROR_IO);
+    assert_fails(file_state_find(&(struct file_state){0}, "/nowhere/at all"), CONUS_ERROR_IO);
+}
+
+/* How often the next random numbers are 7. */
+static size_t sevens;
+
+ssize_t __real_getrandom(void *out, size_t size, unsigned flags);
+ssize_t __wrap_getrandom(void *out, size_t size, unsigned flags);
+
+ssize_t __wrap_getrandom(void *out, size_t size, unsigned flags)
+{
+    ssize_t got = __real_getrandom(out, size, flags);
+    if (sevens) {
+        sevens--;
+        memcpy(out, &(uint32_t){7}, sizeof(uint32_t));
+    }
+    return got;
+}
+
+/* A name that is taken is passed over, and what has it stays. */
+static void a_taken_name_is_passed_over(void **state)
+{
+    (void)state;
+    char left[300];
+    char path[256];
+    struct bytes bytes = {0};
+    snprintf(path, sizeof path, "%s", test_scratch("taken.txt"));
+    snprintf(left, sizeof left, "%s.00000007.part", path);
+    assert_ok(file_write(left, "left", 4));
+    sevens = 3;
+    assert_ok(file_write(path, "one", 3));
+    assert_int_equal(sevens, 0);
+    assert_ok(file_read(&bytes, left, 100));
+    assert_memory_equal(bytes.data, "left", 4);
+    bytes_finish(&bytes);
+    assert_int_equal(unlink(left), 0);
+}
+
+enum { WRITERS = 8, WRITES = 50 };
+
+static void *write_again_and_again(void *path)
+{
+    for (size_t i = 0; i < WRITES; i++) {
+        if (file_write_soon(path, "whole", 5)) {
+            return path;
+        }
+    }
+    return NULL;
+}
+
+/* What others left behind under names made of this process's number, as those of older versions, and what other threads
+ * write at the same time. */
+static void writers_do_not_collide(void **state)
+{
+    (void)state;
+    static char path[256];
+    char left[300];
+    pthread_t threads[WRITERS];
+    snprintf(path, sizeof path, "%s", test_scratch("wanted.txt"));
+    snprintf(left, sizeof left, "%s.%ld.part", path, (long)getpid());
+    assert_ok(file_write(left, "left", 4));
+    assert_ok(file_write(path, "one", 3));
+    assert_int_equal(unlink(left), 0);
+    for (size_t i = 0; i < WRITERS; i++) {
+        assert_int_equal(pthread_create(&threads[i], NULL, write_again_and_again, path), 0);
+    }
+    for (size_t i = 0; i < WRITERS; i++) {
+        void *failed = NULL;
+        assert_int_equal(pthread_join(threads[i], &failed), 0);
+        assert_null(failed);
+    }
+    struct bytes bytes = {0};
+    assert_ok(file_read(&bytes, path, 100));
+    assert_memory_equal(bytes.data, "whole", 5);
+    bytes_finish(&bytes);
+}
+
+static void check_file(const char *path, const char *text)
+{
+    struct bytes bytes = {0};
+    assert_ok(file_read(&bytes, path, 100));
+    assert_int_equal(bytes.size, strlen(text));
+    assert_memory_equal(bytes.data, text, bytes.size);
+    bytes_finish(&bytes);
+}
+
+static void links_are_written_through(void **state)
+{
+    (void)state;
+    const char *path = test_scratch("led-to.txt");
+    const char *link = test_scratch("link.txt");
+    struct stat info;
+    assert_ok(file_write(path, "one", 3));
+    assert_int_equal(symlink("led-to.txt", link), 0);
+    assert_ok(file_write(link, "three", 5));
+    check_file(path, "three");
+    assert_fails(file_write_new(link, "four", 4), CONUS_ERROR_IO);
+    assert_int_equal(unlink(path), 0);
+    assert_fails(file_write(link, "two", 3), CONUS_ERROR_IO);
+    assert_int_equal(lstat(link, &info), 0);
+    assert_true(S_ISLNK(info.st_mode));
+    assert_int_equal(unlink(link), 0);
+}
+
+static void open_files_are_written_to(void **state)
+{
+    (void)state;
+    const char *path = test_scratch("open.txt");
+    char open_file[64];
+    assert_ok(file_write(path, "one, ", 5));
+    int descriptor = open(path, O_WRONLY | O_CLOEXEC);
+    assert_true(descriptor >= 0);
+    snprintf(open_file, sizeof open_file, "/dev/fd/%d", descriptor);
+    assert_ok(file_write(open_file, "two", 3));
+    snprintf(open_file, sizeof open_file, "/proc/self/fd/%d", descriptor);
+    assert_ok(file_write(open_file, ", three", 7)); /* behind what is there, not in its place */
+    close(descriptor);
+    check_file(path, "one, two, three");
+}
+
+static void sha256_of_abc(void **state)
+{
+    (void)state;
+    char hex[65];
+    struct bytes abc = {(uint8_t *)"abc", 3}; /* FIPS 180-4 example */
+    file_sha256(hex, &abc);
+    assert_string_equal(hex, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+static conus_status build_text(void *data)
+{
+    (void)data;
+    struct buffer buffer = {0};
+    for (int i = 0; i < 100; i++) {
+        buffer_format(&buffer, "%d,", i);
+        buffer_number(&buffer, i / 7.0);
+    }
+    conus_status status = buffer_status(&buffer);
+    if (!status) {
+        assert_int_equal(strlen(buffer.data), buffer.size);
+    }
+    buffer_finish(&buffer);
+    return status;
+}
+
+static void buffers_remember_failure(void **state)
+{
+    (void)state;
+    test_every_allocation(build_text, NULL);
+}
+
+static void messages_are_one_line(void **state)
+{
+    (void)state;
+    fail(CONUS_ERROR_DATA, "name \"%s\"", "a\nb\x1b[31m");
+    fail_in(CONUS_ERROR_DATA, "file.nii");
+    assert_string_equal(conus_message(), "file.nii: name \"a b [31m\"");
+    fail(CONUS_ERROR_DATA, "%s",
+         "\xc2\x9b"
+         "2J\xe2\x80\xae"
+         "fin.\xe2\x80\xac\xff");
+    assert_string_equal(conus_message(), " 2J fin. ?");
+    assert_null(memory_raw(SIZE_MAX, 2));
+}
+
+static void the_clock_never_goes_back(void **state)
+{
+    (void)state;
+    double before = clock_seconds();
+    const struct timespec pause = {.tv_nsec = 2000000};
+    nanosleep(&pause, NULL);
+    double passed = clock_seconds() - before;
+    assert_true(passed >= 0.002 && passed < 600);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lines_end_in_any_way),
+        cmocka_unit_test(empty_fields_are_fields),
+        cmocka_unit_test(quoted_fields_are_fields),
+        cmocka_unit_test(distances_ignore_case),
+        cmocka_unit_test(numbers_are_read_to_the_bit),
+        cmocka_unit_test(numbers_are_read_whole_or_not),
+        cmocka_unit_test(numbers_are_written_short_and_without_locale),
+        cmocka_unit_test(numbers_are_written_as_printf_does),
+        cmocka_unit_test(times_keep_15_digits),
+        cmocka_unit_test(arrays_double),
+        cmocka_unit_test(utf8_is_told_from_latin1),
+        cmocka_unit_test(any_bytes_become_clean_utf8),
+        cmocka_unit_test(plain_text_steers_no_terminal),
+        cmocka_unit_test(inverse_undoes_an_affine),
+        cmocka_unit_test(files_appear_whole),
+        cmocka_unit_test(changes_are_noticed),
+        cmocka_unit_test(a_taken_name_is_passed_over),
+        cmocka_unit_test(writers_do_not_collide),
+        cmocka_unit_test(links_are_written_through),
+        cmocka_unit_test(open_files_are_written_to),
+        cmocka_unit_test(sha256_of_abc),
+        cmocka_unit_test(buffers_remember_failure),
+        cmocka_unit_test(messages_are_one_line),
+        cmocka_unit_test(the_clock_never_goes_back),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

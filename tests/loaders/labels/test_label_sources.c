@@ -1,0 +1,450 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Which number a name belongs to: the points of FSL atlas XMLs, and tables that contradict each other. */
+#include "base/buffer.h"
+#include "base/file.h"
+#include "loaders/labels/label_parse.h"
+#include "nifti_builder.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { AREAS = 6 };
+
+static void write_text(const char *path, const char *text)
+{
+    assert_ok(conus_write_file(path, text, strlen(text)));
+}
+
+/* A row of `count` voxels of `edge` mm, that of world x mm holding label x; the world of i = 0 is x = 0. */
+static void write_row(const char *name, size_t count, int edge, const char *embedded)
+{
+    struct nifti_builder file;
+    const int64_t dim[3] = {(int64_t)count, 1, 1};
+    nifti_begin(&file, 1, false, 2, dim);
+    for (size_t i = 0; i < 12; i++) {
+        nifti_set(&file, "srow", i, i == 0 ? edge : i % 5 == 0 ? 1 : 0);
+    }
+    for (size_t i = 1; i < 4; i++) {
+        nifti_set(&file, "pixdim", i, i == 1 ? edge : 1);
+    }
+    if (embedded) {
+        char extension[1024] = "";
+        size_t size = (strlen(embedded) + 8 + 15) / 16 * 16;
+        snprintf(extension, sizeof extension, "%s", embedded);
+        nifti_extend(&file, (int)size, 30, extension, size - 8);
+    }
+    for (size_t i = 0; i < count; i++) {
+        nifti_voxel(&file, (double)i * edge);
+    }
+    assert_ok(conus_write_file(test_in(name), file.bytes.data, file.bytes.size));
+    buffer_finish(&file.bytes);
+}
+
+/* An atlas whose label of index k, "area k", is at voxel k + shift[k] of the row `image` (no point where that is out
+ * of the row). */
+static void write_xml(const char *name, const char *type, const char *image, const int shift[AREAS + 1])
+{
+    struct buffer xml = {0};
+    buffer_format(&xml, "<atlas><header><type>%s</type><images><imagefile>/prob</imagefile>", type);
+    buffer_format(&xml, "<summaryimagefile>/%s</summaryimagefile></images></header><data>", image);
+    for (int k = 0; k <= AREAS; k++) {
+        buffer_format(&xml, "<label index=\"%d\" x=\"%d\" y=\"0\" z=\"0\">area %d</label>", k, k + shift[k], k);
+    }
+    buffer_text(&xml, "</data></atlas>");
+    assert_ok(buffer_status(&xml));
+    write_text(test_in(name), xml.data);
+    buffer_finish(&xml);
+}
+
+/* The notes with a '\n' behind each, until the next call. */
+static const char *notes_of(const conus_atlas *atlas)
+{
+    static struct buffer text;
+    buffer_clear(&text);
+    buffer_text(&text, "");
+    for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
+        buffer_format(&text, "%s\n", conus_atlas_note(atlas, i));
+    }
+    return text.data ? text.data : "";
+}
+
+/* Loads v.nii; area `label` must have that name, the names must come from `source`, and a note have `note` (NULL: no
+ * note speaks of names). */
+static void assert_named(const char *name, uint32_t label, const char *source, const char *note)
+{
+    conus_atlas *atlas = NULL;
+    const conus_object *found = NULL;
+    assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
+    assert_string_equal(conus_atlas_label_source(atlas), source);
+    for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
+        const conus_object *object = conus_atlas_object(atlas, i);
+        found = object->label == label ? object : found;
+    }
+    assert_non_null(found);
+    assert_string_equal(found->name, name);
+    if (note && !strstr(notes_of(atlas), note)) {
+        fail_msg("\"%s\" is not in\n%s", note, notes_of(atlas));
+    }
+    static const char *const words[] = {"contradict", "which is used", "although", "off by one", "passed over"};
+    for (size_t i = 0; !note && i < sizeof words / sizeof words[0]; i++) {
+        if (strstr(notes_of(atlas), words[i])) {
+            fail_msg("unwanted: %s", notes_of(atlas));
+        }
+    }
+    conus_atlas_destroy(atlas);
+}
+
+static void assert_contradiction(const char *message)
+{
+    conus_atlas *atlas = NULL;
+    assert_fails(conus_atlas_load(&atlas, test_in("v.nii"), NULL), CONUS_ERROR_DATA);
+    if (!strstr(conus_message(), message)) {
+        fail_msg("\"%s\" is not in \"%s\"", message, conus_message());
+    }
+    assert_null(atlas);
+}
+
+enum { AWAY = 99 };
+#define BY_INDEX                                                                                                       \
+    {                                                                                                                  \
+        0, 0, 0, 0, 0, 0, 0                                                                                            \
+    }
+#define BY_NEXT                                                                                                        \
+    {                                                                                                                  \
+        1, 1, 1, 1, 1, 1, 1                                                                                            \
+    }
+#define NOWHERE                                                                                                        \
+    {                                                                                                                  \
+        AWAY, AWAY, AWAY, AWAY, AWAY, AWAY, AWAY                                                                       \
+    }
+static const int by_index[] = BY_INDEX;
+static const int nowhere[] = NOWHERE;
+
+/* The row holds label x at voxel x: a point at voxel k says that index k is the number, one at k + 1 that k + 1 is. */
+static void points_decide_between_index_and_the_next(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *type;
+        int shift[AREAS + 1];
+        uint32_t area_2; /* number of the label with index 2 */
+        const char *note;
+    } cases[] = {
+        {"Probabilistic", BY_NEXT, 3, NULL},
+        {"Label", BY_INDEX, 2, NULL},
+        {"Probabilistic", BY_INDEX, 2, "index of a label is its number in the volume: so say x y z of 6 of 7 labels"},
+        {"Label", BY_NEXT, 3, "index + 1 of a label is its number in the volume: so say x y z of 7 of 7 labels"},
+        {"Probabilistic", NOWHERE, 3, NULL},
+        {"Label", NOWHERE, 2, "the label table calls label 0 \"area 0\", but 0 is background"},
+        /* one point may be an accident, and so may less than half of them */
+        {"Probabilistic", {AWAY, 0, AWAY, AWAY, AWAY, AWAY, AWAY}, 3, NULL},
+        {"Probabilistic", {AWAY, 0, 0, AWAY, AWAY, AWAY, AWAY}, 2, "so say x y z of 2 of 2"},
+        {"Probabilistic", {3, 0, 0, 3, 3, -2, -3}, 3, NULL},
+        {"Probabilistic", {3, 0, 0, 0, 3, -2, AWAY}, 2, "so say x y z of 3 of 6"},
+        /* four to one is too little, five to one enough */
+        {"Probabilistic", {AWAY, 0, 0, 0, 0, 1, AWAY}, 3, NULL},
+        {"Probabilistic", {1, 0, 0, 0, 0, 0, AWAY}, 2, "so say x y z of 5 of 6"},
+    };
+    test_folder("points");
+    write_row("v.nii", 8, 1, NULL);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        write_xml("a.xml", cases[i].type, "v", cases[i].shift);
+        assert_named("area 2", cases[i].area_2, "FSL atlas XML in a.xml", cases[i].note);
+    }
+}
+
+/* Voxel k of the first image, of 2 mm, is at 2k mm: where the row of 1 mm holds label 2k. Written as its own voxels the
+ * points of index k would be label k. */
+static void points_are_voxels_of_the_first_image(void **state)
+{
+    (void)state;
+    struct buffer xml = {0};
+    test_folder("first");
+    write_row("v.nii", 16, 1, NULL);
+    write_row("coarse.nii", 8, 2, NULL);
+    for (int k = 0; k < 2; k++) {
+        buffer_clear(&xml);
+        buffer_format(&xml, "<atlas><type>Probabilistic</type><images><summaryimagefile>/coarse</summaryimagefile>"
+                            "</images><images><summaryimagefile>/v</summaryimagefile></images>");
+        for (int voxel = 1; voxel < 7; voxel++) {
+            buffer_format(&xml, "<label index=\"%d\" x=\"%d\" y=\"0\" z=\"0\">at %d mm</label>", 2 * voxel - k, voxel,
+                          2 * voxel);
+        }
+        buffer_text(&xml, "</atlas>");
+        write_text(test_in("a.xml"), xml.data);
+        assert_named("at 6 mm", 6, "FSL atlas XML in a.xml", k ? NULL : "so say x y z of 6 of 6 labels");
+    }
+    buffer_finish(&xml);
+}
+
+static void an_index_0_that_is_background_counts_by_value(void **state)
+{
+    (void)state;
+    test_folder("zero");
+    write_row("v.nii", 4, 1, NULL);
+    write_text(test_in("a.xml"),
+               "<atlas><type>Probabilistic</type><images><summaryimagefile>/v</summaryimagefile></images>"
+               "<label index=\"0\">*.*.*.*.*</label><label index=\"1\">one</label></atlas>");
+    assert_named("one", 1, "FSL atlas XML in a.xml", "since index 0 is background");
+}
+
+static void a_given_atlas_is_checked_likewise(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    char xml[512];
+    test_folder("given");
+    write_row("v.nii", 8, 1, NULL);
+    write_text(test_in("b.xml"),
+               "<atlas><type>Label</type><images><imagefile>/v</imagefile></images>"
+               "<label index=\"0\" x=\"1\" y=\"0\" z=\"0\">A</label><label index=\"1\" x=\"2\" y=\"0\" z=\"0\">B"
+               "</label></atlas>");
+    assert_ok(conus_atlas_load(&atlas, test_in("b.xml"), NULL));
+    assert_string_equal(conus_atlas_object(atlas, 1)->name, "A");
+    conus_atlas_destroy(atlas);
+    atlas = NULL;
+    snprintf(xml, sizeof xml, "%s", test_in("b.xml"));
+    const conus_load_options options = {.labels = xml};
+    assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), &options));
+    assert_string_equal(conus_atlas_object(atlas, 2)->name, "B");
+    conus_atlas_destroy(atlas);
+}
+
+static void contradictions_are_never_silent(void **state)
+{
+    (void)state;
+    test_folder("two");
+    write_row("v.nii", 8, 1, NULL);
+    write_xml("a.xml", "Probabilistic", "v", nowhere);
+    write_xml("b.xml", "Label", "v", nowhere);
+    assert_contradiction("v.nii: two label tables contradict each other: \"area 1\" is label 2 in FSL atlas XML in "
+                         "a.xml, 1 in FSL atlas XML in b.xml; choose one with --labels");
+    write_xml("b.xml", "Label", "v", by_index); /* proved: it wins, wherever it stands */
+    assert_named("area 1", 1, "FSL atlas XML in b.xml", "\"area 1\" is label 2 in FSL atlas XML in a.xml, 1 in FSL");
+    write_xml("a.xml", "Label", "v", by_index);
+    write_xml("b.xml", "Probabilistic", "v", nowhere);
+    assert_named("area 1", 1, "FSL atlas XML in a.xml", "used is the XML, whose x y z agree with the volume");
+    write_xml("b.xml", "Probabilistic", "v", by_index); /* as the labels say, both agree */
+    assert_named("area 1", 1, "FSL atlas XML in a.xml", NULL);
+    unlink(test_in("b.xml"));
+    write_text(test_in("v.txt"), "1 area_1\n2 Area 2\n3 AREA-3\n");
+    assert_named("area_1", 1, "MRIcron text in v.txt", NULL);
+    write_text(test_in("v.txt"), "2 area_1\n3 Area 2\n4 AREA-3\n"); /* the points prove it wrong */
+    assert_named("area 1", 1, "FSL atlas XML in a.xml", "\"area_1\" is label 2 in MRIcron text in v.txt, 1 in FSL");
+    write_xml("a.xml", "Label", "v", nowhere);
+    assert_contradiction("\"area_1\" is label 2 in MRIcron text in v.txt, 1 in FSL atlas XML in a.xml");
+    unlink(test_in("a.xml"));
+    write_text(test_in("v.csv"), "id,name\n1,area_1\n3,Area 2\n4,AREA-3\n"); /* one of three */
+    assert_named("area_1", 2, "MRIcron text in v.txt",
+                 "\"area_1\" is label 2 in MRIcron text in v.txt, which is used, but 1 in CSV label table in v.csv");
+    write_text(test_in("v.csv"), "id,name\n2,Motor\n3,Visual\n4,area 3\n");
+    assert_named("area_1", 2, "MRIcron text in v.txt",
+                 "label 2 is \"area_1\" in MRIcron text in v.txt, which is used, but \"Motor\" in CSV label table");
+    write_text(test_in("v.csv"), "id,name\n2,Motor\n3,area 2\n4,area 3\n"); /* a spelling */
+    assert_named("area_1", 2, "MRIcron text in v.txt", NULL);
+    write_text(test_in("v.csv"), "id,name,abbreviation\n2,Motor,area 1\n3,Visual,AREA_2\n"); /* long and short names */
+    assert_named("area_1", 2, "MRIcron text in v.txt", NULL);
+    write_text(test_in("v.csv"), "id,name\n1,damaged\n2.5,x\n");
+    assert_named("area_1", 2, "MRIcron text in v.txt", "v.csv: CSV label table: line 3");
+}
+
+static void an_embedded_table_counts_as_one(void **state)
+{
+    (void)state;
+    test_folder("embedded");
+    write_row("v.nii", 4, 1,
+              "<CaretExtension><VolumeInformation Index=\"0\"><LabelTable><Label Key=\"1\">A</Label>"
+              "<Label Key=\"2\">B</Label></LabelTable></VolumeInformation></CaretExtension>");
+    assert_named("A", 1, "Workbench label table inside v.nii", NULL);
+    write_text(test_in("v.txt"), "1 A\n2 B\n3 C\n");
+    assert_named("A", 1, "Workbench label table inside v.nii", NULL);
+    write_text(test_in("v.txt"), "2 A\n3 B\n");
+    assert_contradiction("\"A\" is label 1 in Workbench label table inside v.nii, 2 in MRIcron text in v.txt");
+    write_text(test_in("FreeSurferColorLUT.txt"), "2 A 0 0 0 0\n3 B 0 0 0 0\n"); /* of all volumes */
+    unlink(test_in("v.txt"));
+    assert_named("A", 1, "Workbench label table inside v.nii", NULL);
+}
+
+static void pathways_have_one_name(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    const conus_pathway_options unnamed = {.threshold = 2};
+    const conus_pathway_options named = {.threshold = 2, .name = "mine"};
+    static const char format[] = "<atlas><type>Probabilistic</type><images><imagefile>/v</imagefile></images>"
+                                 "<label index=\"0\">%s</label></atlas>";
+    char text[512];
+    test_folder("pathway");
+    write_row("v.nii", 4, 1, NULL);
+    assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
+    snprintf(text, sizeof text, format, "Fornix");
+    write_text(test_in("a.xml"), text);
+    write_text(test_in("b.xml"), text);
+    assert_ok(conus_atlas_add_pathway(atlas, test_in("v.nii"), &unnamed));
+    assert_string_equal(conus_atlas_object(atlas, 4)->name, "Fornix");
+    snprintf(text, sizeof text, format, "Cingulum");
+    write_text(test_in("b.xml"), text);
+    assert_fails(conus_atlas_add_pathway(atlas, test_in("v.nii"), &unnamed), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "volume 0 is \"Fornix\" in a.xml, \"Cingulum\" in b.xml; name it"));
+    assert_ok(conus_atlas_add_pathway(atlas, test_in("v.nii"), &named));
+    conus_atlas_destroy(atlas);
+}
+
+static void background_says_that_nothing_is_there(void **state)
+{
+    (void)state;
+    static const char *const background[] = {
+        "Air",         "air",
+        "na",          "N/A",
+        "*.*.*.*.*",   "*.*.*",
+        "???",         "-",
+        "0",           "Unknown",
+        "no label",    "Outside brain",
+        "Clear Label", "Background+FreeSurfer_Defined_Medial_Wall",
+        "non-brain",   "unclassified",
+        "_void_",      "",
+    };
+    static const char *const areas[] = {
+        "Frontal Pole", "1", "V1", "airway", "Nucleus basalis", "Left I-IV", "\xc3\xa9tage", "Noradrenergic", "A 0",
+    };
+    for (size_t i = 0; i < sizeof background / sizeof background[0]; i++) {
+        assert_true(label_is_background(text_from(background[i])));
+    }
+    for (size_t i = 0; i < sizeof areas / sizeof areas[0]; i++) {
+        assert_false(label_is_background(text_from(areas[i])));
+    }
+}
+
+static void real_atlases_have_no_contradictions(void **state)
+{
+    (void)state;
+    static const char *const files[] = {
+        "labelvol/bigbrain-subcort/bigbrain.nii.gz",
+        "labelvol/julich31/JulichBrainAtlas31_LH.nii.gz",
+        "labelvol/julich31/JulichBrainAtlas31_RH.nii.gz",
+    };
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        conus_atlas *atlas = NULL;
+        assert_ok(conus_atlas_load(&atlas, test_shared(files[i]), NULL));
+        assert_true(conus_atlas_object(atlas, 1)->named);
+        assert_null(strstr(notes_of(atlas), "which is used"));
+        assert_null(strstr(notes_of(atlas), "off by one"));
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* FSL's own: every image of labels agrees with its XML, on either grid. */
+static void real_fsl_atlases_are_proved(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *image, *first;
+    } images[] = {
+        {"JHU/JHU-ICBM-labels-1mm", "Middle cerebellar peduncle"},
+        {"JHU/JHU-ICBM-labels-2mm", "Middle cerebellar peduncle"},
+        {"JHU/JHU-ICBM-tracts-maxprob-thr25-1mm", "Anterior thalamic radiation L"},
+        {"JHU/JHU-ICBM-tracts-maxprob-thr25-2mm", "Anterior thalamic radiation L"},
+        {"Thalamus/Thalamus-maxprob-thr25-2mm", "Primary motor"},
+    };
+    for (size_t i = 0; i < sizeof images / sizeof images[0]; i++) {
+        conus_atlas *atlas = NULL;
+        char path[256];
+        snprintf(path, sizeof path, "prob/fsl/atlases/%s.nii.gz", images[i].image);
+        assert_ok(conus_atlas_load(&atlas, test_shared(path), NULL));
+        assert_string_equal(conus_atlas_object(atlas, 1)->name, images[i].first);
+        assert_null(strstr(notes_of(atlas), "although"));
+        assert_null(strstr(notes_of(atlas), "contradict"));
+        assert_null(strstr(notes_of(atlas), "off by one"));
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* Fails to load v.nii with the labels `name` for lack of allowed memory. */
+static void assert_too_large(const char *name, uint64_t max_memory, const char *message)
+{
+    conus_atlas *atlas = NULL;
+    char labels[512];
+    snprintf(labels, sizeof labels, "%s", test_in(name));
+    const conus_load_options options = {.labels = labels, .max_memory = max_memory};
+    assert_fails(conus_atlas_load(&atlas, test_in("v.nii"), &options), CONUS_ERROR_MEMORY);
+    if (!strstr(conus_message(), message)) {
+        fail_msg("\"%s\" is not in \"%s\"", message, conus_message());
+    }
+}
+
+static void write_repeated(const char *name, const char *start, const char *piece, size_t count, const char *end)
+{
+    struct buffer text = {0};
+    buffer_text(&text, start);
+    for (size_t i = 0; i < count; i++) {
+        buffer_text(&text, piece);
+    }
+    buffer_text(&text, end);
+    assert_ok(buffer_status(&text));
+    assert_ok(conus_write_file(test_in(name), text.data, text.size));
+    buffer_finish(&text);
+}
+
+/* A row of 4 bytes becomes an entry of 56 and a name; an object of 3 bytes of JSON some 200. */
+static void tables_take_no_more_memory_than_is_allowed(void **state)
+{
+    (void)state;
+    enum { MILLION = 1 << 20, MIB = 1 << 20 };
+    test_folder("large");
+    write_row("v.nii", 4, 1, NULL);
+    write_repeated("rows.txt", "2 b\n3 c\n", "1 a\n", MILLION - 1, "");
+    assert_too_large("rows.txt", 0, "more than 1048576 labels");
+    assert_too_large("rows.txt", 64 * MIB, "file of 4194308 bytes, allowed are 1048576 (--max-memory)");
+    write_repeated("list.json", "[{\"id\":1,\"acronym\":\"A\"}", ",{}", MILLION, "]");
+    assert_too_large("list.json", 0, "that would take");
+    write_repeated("sparse.txt", "1 a\n", "2 b\n", 10, "");
+    assert_int_equal(truncate(test_in("sparse.txt"), 1LL << 32), 0);
+    assert_too_large("sparse.txt", 0, "file of 4294967296 bytes, allowed are 16777216");
+    assert_null(strstr(conus_message(), "--max-memory")); /* it would not help */
+    assert_int_equal(rename(test_in("sparse.txt"), test_in("v.txt")), 0);
+    write_text(test_in("v.csv"), "id,name\n1,A\n");
+    assert_named("A", 1, "CSV label table in v.csv",
+                 "v.txt: 4294967296 bytes, a label table may have 16777216: passed");
+}
+
+static conus_status load(void *data)
+{
+    (void)data;
+    conus_atlas *atlas = NULL;
+    conus_status status = conus_atlas_load(&atlas, test_in("v.nii"), NULL);
+    conus_atlas_destroy(atlas);
+    return status;
+}
+
+static void every_failing_allocation_is_clean(void **state)
+{
+    (void)state;
+    test_folder("allocation");
+    write_row("v.nii", 8, 1, NULL);
+    write_xml("a.xml", "Label", "v", by_index);
+    write_xml("b.xml", "Probabilistic", "v", nowhere);
+    write_text(test_in("v.txt"), "1 area 1\n3 area 2\n7 area 6\n");
+    test_every_allocation(load, NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(points_decide_between_index_and_the_next),
+        cmocka_unit_test(points_are_voxels_of_the_first_image),
+        cmocka_unit_test(an_index_0_that_is_background_counts_by_value),
+        cmocka_unit_test(a_given_atlas_is_checked_likewise),
+        cmocka_unit_test(contradictions_are_never_silent),
+        cmocka_unit_test(an_embedded_table_counts_as_one),
+        cmocka_unit_test(pathways_have_one_name),
+        cmocka_unit_test(background_says_that_nothing_is_there),
+        cmocka_unit_test(real_fsl_atlases_are_proved),
+        cmocka_unit_test(real_atlases_have_no_contradictions),
+        cmocka_unit_test(tables_take_no_more_memory_than_is_allowed),
+        cmocka_unit_test(every_failing_allocation_is_clean),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

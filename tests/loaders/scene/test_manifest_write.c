@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus_manifest_write(): what it takes files for, and that what it writes loads. */
+#include "base/buffer.h"
+#include "base/file.h"
+#include "loaders/scene/manifest_scan.h"
+#include "loaders/volumes/nifti_write.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* A volume of 8 x 8 x 8 voxels with these values. */
+static conus_status write_volume(const char *name, uint32_t (*value)(size_t i))
+{
+    conus_volume_info info = {.dim = {8, 8, 8}};
+    uint32_t values[512];
+    struct bytes file = {0};
+    for (size_t i = 0; i < 16; i++) {
+        info.world_from_voxel[i] = i % 5 == 0;
+    }
+    for (size_t i = 0; i < 512; i++) {
+        values[i] = value(i);
+    }
+    conus_status status = nifti_format_values(&file, &info, values, 1);
+    status = status ? status : conus_write_file(test_in(name), file.data, file.size);
+    bytes_finish(&file);
+    return status;
+}
+
+static uint32_t in_blocks(size_t i)
+{
+    return (uint32_t)(i / 128 * 7); /* 0, 7, 14, 21 */
+}
+
+static uint32_t in_a_spot(size_t i)
+{
+    return i > 200 && i < 260 ? (uint32_t)i : 0;
+}
+
+/* An image: most neighbours differ, by little. (Numbers without order would be labels.) */
+static uint32_t everywhere(size_t i)
+{
+    return (uint32_t)(1 + 11 * (i % 8 + i / 8 % 8 + i / 64));
+}
+
+static int write_files(void **state)
+{
+    (void)state;
+    test_folder("folder");
+    conus_status status = write_volume("blocks.nii", in_blocks);
+    status = status ? status : write_volume("spot.nii", in_a_spot);
+    return status || write_volume("t1.nii", everywhere);
+}
+
+static void volumes_are_told_by_their_values(void **state)
+{
+    (void)state;
+    struct volume_guess guess;
+    assert_ok(volume_guess_make(&guess, test_in("blocks.nii"), 0));
+    assert_int_equal(guess.use, VOLUME_LABELS);
+    assert_ok(volume_guess_make(&guess, test_in("spot.nii"), 0));
+    assert_int_equal(guess.use, VOLUME_PATHWAY);
+    assert_ok(volume_guess_make(&guess, test_in("t1.nii"), 0));
+    assert_int_equal(guess.use, VOLUME_CONTEXT);
+    assert_fails(volume_guess_make(&guess, test_in("none.nii"), 0), CONUS_ERROR_IO);
+}
+
+static uint32_t nothing(size_t i)
+{
+    (void)i;
+    return 0;
+}
+
+static uint32_t mask(size_t i)
+{
+    return i < 40 ? 7 : 0; /* one value: a mask, however compact */
+}
+
+/* Thin areas, in slices of one voxel: half of the neighbours along i and j are 0, and two in three are equal. */
+static uint32_t in_slices(size_t i)
+{
+    return (uint32_t)(i / 64 % 2 * (1 + i / 64));
+}
+
+static void masks_and_nothing_are_no_parcellation(void **state)
+{
+    (void)state;
+    struct volume_guess guess;
+    assert_ok(write_volume("mask.nii", mask));
+    assert_ok(write_volume("slices.nii", in_slices));
+    assert_ok(write_volume("nothing.nii", nothing));
+    assert_ok(volume_guess_make(&guess, test_in("mask.nii"), 0));
+    assert_int_equal(guess.use, VOLUME_PATHWAY);
+    assert_ok(volume_guess_make(&guess, test_in("slices.nii"), 0));
+    assert_int_equal(guess.use, VOLUME_LABELS);
+    assert_fails(volume_guess_make(&guess, test_in("nothing.nii"), 0), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "all of its values are 0"));
+    remove(test_in("mask.nii"));
+    remove(test_in("slices.nii"));
+    remove(test_in("nothing.nii"));
+}
+
+static void names_give_labels_or_do_not(void **state)
+{
+    (void)state;
+    static char *const numbers[] = {"01_a.gii", "2_b.gii", "x10.gii"};
+    static char *const twice[] = {"01_a.gii", "1_b.gii"};
+    static char *const some[] = {"01_a.gii", "b.gii"};
+    static char *const none[] = {"a.gii", "b.gii"};
+    static char *const zero[] = {"0.gii", "1.gii"};
+    assert_true(surface_names_give_labels(&(struct names){(char **)numbers, 3}));
+    assert_false(surface_names_give_labels(&(struct names){(char **)twice, 2}));
+    assert_false(surface_names_give_labels(&(struct names){(char **)some, 2}));
+    assert_true(surface_names_give_labels(&(struct names){(char **)none, 2}));
+    assert_false(surface_names_give_labels(&(struct names){(char **)zero, 2}));
+}
+
+static void what_is_written_loads(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    remove(test_in("scene.atlas.json"));
+    assert_ok(conus_manifest_write(test_in("scene.atlas.json"), NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("scene.atlas.json"), NULL));
+    assert_int_equal(conus_atlas_object_count(atlas), 4);
+    assert_string_equal(conus_atlas_object(atlas, 4)->name, "spot");
+    assert_int_equal(conus_atlas_volume(atlas, 2)->role, CONUS_CONTEXT);
+    conus_atlas_destroy(atlas);
+    assert_fails(conus_manifest_write(test_in("scene.atlas.json"), NULL), CONUS_ERROR_IO);
+    assert_non_null(strstr(conus_message(), "there is a file already, which is not replaced"));
+    assert_fails(conus_manifest_write(test_in("none/scene.atlas.json"), NULL), CONUS_ERROR_IO);
+    assert_fails(conus_manifest_write("", NULL), CONUS_ERROR_ARGUMENT);
+}
+
+static conus_status write_again(void *data)
+{
+    remove(data);
+    return conus_manifest_write(data, NULL);
+}
+
+static void every_failing_allocation_is_reported(void **state)
+{
+    (void)state;
+    char path[512];
+    snprintf(path, sizeof path, "%s", test_in("again.atlas.json"));
+    test_every_allocation(write_again, path);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(volumes_are_told_by_their_values),     cmocka_unit_test(masks_and_nothing_are_no_parcellation),
+        cmocka_unit_test(names_give_labels_or_do_not),          cmocka_unit_test(what_is_written_loads),
+        cmocka_unit_test(every_failing_allocation_is_reported),
+    };
+    return cmocka_run_group_tests(tests, write_files, NULL);
+}

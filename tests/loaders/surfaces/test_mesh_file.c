@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/surfaces/mesh_file.h"
+
+#include "base/memory.h"
+#include "gifti_builder.h"
+#include "loaders/child/mesh_child.h"
+#include "nifti_builder.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define NAMED                                                                                                          \
+    "<MetaData><MD><Name>Name</Name><Value>V1</Value></MD>"                                                            \
+    "<MD><Name>AnatomicalStructurePrimary</Name><Value>CortexLeft</Value></MD></MetaData>"
+
+static void make_gifti(struct buffer *out)
+{
+    gifti_begin(out, "", 2);
+    buffer_text(out, NAMED);
+    gifti_append_tetrahedron(out, "GZipBase64Binary", false, false);
+    gifti_end(out);
+}
+
+static void make_freesurfer(struct buffer *out)
+{
+    buffer_append(out, "\xff\xff\xfe\n\n", 5);
+    append_ordered(out, 4, 4, true);
+    append_ordered(out, 4, 4, true);
+    for (size_t i = 0; i < 12; i++) {
+        append_float(out, tetrahedron_vertices[i], true);
+    }
+    for (size_t i = 0; i < 12; i++) {
+        append_ordered(out, (uint64_t)tetrahedron_triangles[i], 4, true);
+    }
+}
+
+/* The name tells nothing: surfaces packed and plain under names of other formats. */
+static void content_decides(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        struct buffer bytes = {0};
+        struct mesh mesh = {0};
+        struct label about = {0};
+        struct notes notes = {0};
+        (i & 1 ? make_gifti : make_freesurfer)(&bytes);
+        const char *path = (i & 2 ? write_packed : write_bytes)("surface.obj", &bytes);
+        assert_ok(mesh_file_read(&mesh, &about, path, NULL, &notes));
+        assert_int_equal(mesh.triangle_count, 4);
+        assert_string_equal(mesh.path, path);
+        assert_near(mesh.positions[3], 10, 0);
+        if (i & 1) {
+            assert_string_equal(about.name, "V1");
+        } else {
+            assert_null(about.name);
+        }
+        assert_int_equal(about.hemisphere, i & 1 ? 'L' : 0);
+        assert_int_equal(notes.count, 1); /* neither says in which space it is */
+        assert_non_null(strstr(notes.lines[0], path));
+        notes_finish(&notes);
+        memory_free(about.name);
+        mesh_finish(&mesh);
+        buffer_finish(&bytes);
+    }
+}
+
+/* What conus-mesh reads. */
+static void other_formats_by_name(void **state)
+{
+    (void)state;
+    static const char text[] = "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 4\n";
+    const struct buffer bytes = {.data = (char *)text, .size = sizeof text - 1};
+    const char *path = write_bytes("tetrahedron.obj", &bytes);
+    const struct mesh_file_options options = {.space = MESH_SPACE_LPS};
+    struct mesh mesh = {0};
+    struct label about = {0};
+    struct notes notes = {0};
+    char *program = NULL;
+    if (mesh_child_find(&program)) {
+        print_message("skipped: %s\n", conus_message());
+        skip();
+    }
+    memory_free(program);
+    assert_true(mesh_file_is(path));
+    assert_ok(mesh_file_read(&mesh, &about, path, &options, &notes));
+    assert_int_equal(mesh.vertex_count, 4);
+    assert_int_equal(mesh.triangle_count, 4);
+    double low = 0;
+    for (size_t i = 0; i < 12; i++) { /* VTK's order of vertices, of which labels know nothing */
+        low = mesh.positions[i] < (float)low ? (double)mesh.positions[i] : low;
+    }
+    assert_near(low, -10, 0);
+    assert_false(mesh_file_keeps_vertices(path));
+    assert_null(about.name);
+    assert_string_equal(mesh.path, path);
+    assert_int_equal(notes.count, 0);
+    mesh_finish(&mesh);
+}
+
+static void what_is_a_surface(void **state)
+{
+    (void)state;
+    struct buffer bytes = {0};
+    const struct buffer text = {.data = (char *)"hello", .size = 5};
+    make_gifti(&bytes);
+    assert_true(mesh_file_is(write_bytes("any", &bytes)));
+    assert_true(mesh_file_is(write_packed("any", &bytes)));
+    assert_true(mesh_file_keeps_vertices(write_packed("any.obj", &bytes)));
+    assert_false(mesh_file_is(write_bytes("any", &text)));
+    assert_false(mesh_file_is("absent.obj"));
+    assert_false(mesh_file_is("."));
+    buffer_finish(&bytes);
+}
+
+static void a_given_space_is_not_asked_of_the_file(void **state)
+{
+    (void)state;
+    struct buffer bytes = {0};
+    make_gifti(&bytes);
+    const char *path = write_bytes("space.gii", &bytes);
+    for (int lps = 0; lps < 2; lps++) {
+        const struct mesh_file_options options = {.space = lps ? MESH_SPACE_LPS : MESH_SPACE_RAS};
+        struct mesh mesh = {0};
+        struct mesh_shape shape;
+        struct notes notes = {0};
+        assert_ok(mesh_file_read(&mesh, NULL, path, &options, &notes));
+        assert_int_equal(notes.count, 0);
+        assert_near(mesh.positions[3], lps ? -10 : 10, 0);
+        assert_near(mesh.positions[7], lps ? -10 : 10, 0);
+        assert_near(mesh.positions[11], 10, 0);
+        assert_ok(mesh_measure(&shape, &mesh));
+        assert_near(shape.volume_mm3, 1000. / 6, 1e-3);
+        mesh_finish(&mesh);
+    }
+    buffer_finish(&bytes);
+}
+
+static void errors_carry_the_path(void **state)
+{
+    (void)state;
+    struct mesh mesh = {0};
+    struct notes notes = {0};
+    const struct buffer text = {.data = (char *)"hello", .size = 5};
+    const struct mesh_file_options small = {.max_memory = 4};
+    const char *path = write_bytes("text.gii", &text);
+    assert_fails(mesh_file_read(&mesh, NULL, path, NULL, &notes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), path));
+    assert_non_null(strstr(conus_message(), "found plain text, \"hello\"; needed is a surface (GIFTI, FreeSurfer"));
+    assert_fails(mesh_file_read(&mesh, NULL, path, &small, &notes), CONUS_ERROR_MEMORY);
+    assert_fails(mesh_file_read(&mesh, NULL, "absent.gii", NULL, &notes), CONUS_ERROR_IO);
+}
+
+static conus_status attempt(void *data)
+{
+    struct mesh mesh = {0};
+    struct label about = {0};
+    struct notes notes = {0};
+    conus_status status = mesh_file_read(&mesh, &about, data, NULL, &notes);
+    memory_free(status ? NULL : about.name);
+    mesh_finish(&mesh);
+    notes_finish(&notes);
+    return status;
+}
+
+static void every_failing_allocation(void **state)
+{
+    (void)state;
+    struct buffer bytes = {0};
+    char path[256];
+    make_gifti(&bytes);
+    snprintf(path, sizeof path, "%s", write_packed("failing.gii.gz", &bytes));
+    test_every_allocation(attempt, path);
+    buffer_finish(&bytes);
+}
+
+static void make_labels(struct buffer *out, int maps)
+{
+    static const double labels[4] = {1, 2, 0, 1};
+    gifti_begin(out, "", maps);
+    buffer_text(out, NAMED "<LabelTable><Label Key=\"1\">a</Label><Label Key=\"2\">b</Label></LabelTable>");
+    for (int i = 0; i < maps; i++) {
+        gifti_append(out, &(struct array_spec){.intent = "LABEL", .type = "INT32", .rows = 4, .values = labels});
+    }
+    gifti_end(out);
+}
+
+/* One vertex of label 5, "area". */
+static void make_annot(struct buffer *out)
+{
+    static const uint32_t words[] = {1, 0, 9, 1, (uint32_t)-2, 6, 0, 1, 5, 5};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        append_ordered(out, words[i], 4, true);
+    }
+    buffer_append(out, "area", 5);
+    for (uint64_t i = 0; i < 4; i++) {
+        append_ordered(out, i ? 0 : 9, 4, true);
+    }
+}
+
+static void labels_of_vertices(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        struct buffer bytes = {0};
+        struct vertex_labels labels = {0};
+        struct notes notes = {0};
+        if (i & 1) {
+            make_labels(&bytes, 2);
+        } else {
+            make_annot(&bytes);
+        }
+        const char *path = (i & 2 ? write_packed : write_bytes)("labels", &bytes);
+        assert_ok(vertex_labels_read(&labels, path, NULL, &notes));
+        assert_int_equal(labels.count, i & 1 ? 4 : 1);
+        assert_int_equal(labels.labels[0], i & 1 ? 1 : 5);
+        assert_string_equal(label_table_find(&labels.table, labels.labels[0])->name, i & 1 ? "a" : "area");
+        assert_int_equal(labels.hemisphere, i & 1 ? 'L' : 0);
+        assert_int_equal(notes.count, i & 1);
+        if (i & 1) {
+            assert_non_null(strstr(notes.lines[0], "2 LABEL arrays: number 0 (from 0) was used"));
+        }
+        notes_finish(&notes);
+        vertex_labels_finish(&labels);
+        buffer_finish(&bytes);
+    }
+}
+
+static conus_status attempt_labels(void *data)
+{
+    struct vertex_labels labels = {0};
+    struct notes notes = {0};
+    conus_status status = vertex_labels_read(&labels, data, NULL, &notes);
+    vertex_labels_finish(&labels);
+    notes_finish(&notes);
+    return status;
+}
+
+static void labels_without_memory_or_sense(void **state)
+{
+    (void)state;
+    struct buffer bytes = {0};
+    struct vertex_labels labels = {0};
+    struct notes notes = {0};
+    char path[256];
+    make_labels(&bytes, 2);
+    snprintf(path, sizeof path, "%s", write_packed("labels.gii", &bytes));
+    test_every_allocation(attempt_labels, path);
+    const struct buffer text = {.data = (char *)"hello", .size = 5};
+    assert_fails(vertex_labels_read(&labels, write_bytes("text.annot", &text), NULL, &notes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "found plain text, \"hello\"; needed is labels of vertices (GIFTI labels"));
+    const struct buffer binary = {.data = (char *)"\0\0\1\2\3", .size = 5};
+    assert_fails(vertex_labels_read(&labels, write_bytes("short.annot", &binary), NULL, &notes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "not GIFTI, and as a FreeSurfer annotation: "));
+    buffer_finish(&bytes);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(labels_of_vertices),    cmocka_unit_test(labels_without_memory_or_sense),
+        cmocka_unit_test(content_decides),       cmocka_unit_test(other_formats_by_name),
+        cmocka_unit_test(what_is_a_surface),     cmocka_unit_test(a_given_space_is_not_asked_of_the_file),
+        cmocka_unit_test(errors_carry_the_path), cmocka_unit_test(every_failing_allocation),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

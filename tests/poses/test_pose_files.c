@@ -1,0 +1,526 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Poses as other programs write them. The devices of the samples (tests/fuzz/corpus/poses) are 80 mm from (0, -20, 10)
+ * and look at it. */
+#include "base/file.h"
+#include "base/math3.h"
+#include "poses/pose_file.h"
+#include "poses/pose_stream.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double target[3] = {0, -20, 10};
+
+static const char *sample(const char *name)
+{
+    static char path[4096];
+    snprintf(path, sizeof path, "%s/tests/fuzz/corpus/poses/%s", CONUS_SOURCE_DIR, name);
+    return path;
+}
+
+static conus_pose_list *load(const char *name, const conus_pose_options *options)
+{
+    conus_pose_list *list = NULL;
+    assert_ok(conus_pose_list_load(&list, sample(name), options));
+    return list;
+}
+
+static conus_pose_list *parse(const char *text, const conus_pose_options *options)
+{
+    conus_pose_list *list = NULL;
+    assert_ok(pose_list_parse(&list, text_from(text), options));
+    return list;
+}
+
+static void refuse(const char *text, const conus_pose_options *options, const char *part)
+{
+    conus_pose_list *list = NULL;
+    assert_fails(pose_list_parse(&list, text_from(text), options), CONUS_ERROR_DATA);
+    if (!strstr(conus_message(), part)) {
+        fail_msg("\"%s\" is not in \"%s\"", part, conus_message());
+    }
+}
+
+/* A file that says what it is, and has no pose in it. */
+static void parse_none(const char *text)
+{
+    conus_pose_list *list = parse(text, NULL);
+    assert_int_equal(conus_pose_list_count(list), 0);
+    assert_null(conus_pose_list_row(list, 0));
+    conus_pose_list_destroy(list);
+}
+
+static const conus_pose_row *row_of(const conus_pose_list *list, size_t index, const char *id)
+{
+    const conus_pose_row *row = conus_pose_list_row(list, index);
+    assert_non_null(row);
+    assert_string_equal(row->id, id);
+    return row;
+}
+
+static void assert_row_fails(const conus_pose_list *list, size_t index, const char *id, const char *part)
+{
+    const conus_pose_row *row = row_of(list, index, id);
+    if (!row->error || !strstr(row->error, part)) {
+        fail_msg("\"%s\" is not in \"%s\"", part, row->error ? row->error : "");
+    }
+}
+
+/* The beam passes the target within `tolerance` mm, 80 mm ahead. */
+static void assert_looks_at_target(const conus_pose_row *row, double tolerance)
+{
+    const double *m = row->pose.world_from_device;
+    double there[3];
+    assert_null(row->error);
+    assert_false(row->is_point);
+    vec3_add_scaled(there, m + 12, -80, m + 8);
+    vec3_sub(there, there, target);
+    assert_near(vec3_length(there), 0, tolerance);
+    assert_near(mat4_determinant3(m), 1, 1e-9);
+}
+
+static bool has_note(const conus_pose_list *list, const char *part)
+{
+    const char *note;
+    bool found = false;
+    for (size_t i = 0; (note = conus_pose_list_note(list, i)); i++) {
+        found = found || strstr(note, part);
+    }
+    return found;
+}
+
+static void brainsight_targets_samples_electrodes(void **state)
+{
+    (void)state;
+    conus_pose_list *list = load("brainsight.txt", NULL);
+    assert_int_equal(conus_pose_list_count(list), 7);
+    assert_looks_at_target(row_of(list, 0, "target/M1 left"), 0.1);
+    assert_looks_at_target(row_of(list, 1, "target/vertex"), 0.1);
+    const conus_pose_row *row = row_of(list, 2, "sample/Sample 1");
+    assert_looks_at_target(row, 0.01);
+    assert_int_equal(row->line, 11);
+    /* Target Error 1.348 mm and Angular Error 4.702 degrees are how far the coil was from the target that was planned:
+       where it was is known no worse for that. */
+    assert_true(isnan(row->error_mm) && isnan(row->error_deg));
+    double first = row->time_s;
+    assert_near(first, 1553263720.658, 1e-6); /* 2019-03-22 14:08:40.658 */
+    assert_row_fails(list, 3, "sample/Sample 2", "Loc. X: \"(null)\"");
+    row = row_of(list, 4, "sample/Sample 3");
+    assert_looks_at_target(row, 0.01);
+    assert_true(isnan(row->error_mm) && isnan(row->error_deg));
+    assert_near(row->time_s - first, 9 * 3600 + 51 * 60 + 19.842, 1e-6); /* over midnight */
+    assert_looks_at_target(row_of(list, 5, "electrode/C4"), 0.01);
+    row = row_of(list, 6, "electrode/Left Ear");
+    assert_true(row->is_point);
+    assert_near(row->pose.world_from_device[12], 75.4765, 1e-9);
+    assert_true(has_note(list, "2 rows of landmarks"));
+    conus_pose_list_destroy(list);
+}
+
+/* World is DICOM's: x and y grow to the left and to the back. A file of one kind has plain names. */
+static void brainsight_world_is_lps(void **state)
+{
+    (void)state;
+    conus_pose_list *nifti = load("brainsight.txt", NULL);
+    conus_pose_list *world = load("brainsight-world.txt", NULL);
+    const conus_pose_row *row = row_of(world, 0, "M1 left");
+    assert_looks_at_target(row, 0.1);
+    for (int i = 0; i < 16; i++) {
+        assert_near(row->pose.world_from_device[i], row_of(nifti, 0, "target/M1 left")->pose.world_from_device[i],
+                    1e-9);
+    }
+    conus_pose_list_destroy(nifti);
+    conus_pose_list_destroy(world);
+}
+
+#define SPACE "# Coordinate system: NIfTI:Scanner\n"
+#define COLUMNS "# Target Name\tLoc. X\tLoc. Y\tLoc. Z\tm0n0\tm0n1\tm0n2\tm1n0\tm1n1\tm1n2\tm2n0\tm2n1\tm2n2\n"
+
+static void brainsight_is_read_strictly(void **state)
+{
+    (void)state;
+    refuse("# Coordinate system: Brainsight\n" COLUMNS, NULL, "\"Brainsight\" is not the world of an image");
+    refuse(COLUMNS "a\t0\t0\t0\t1\t0\t0\t0\t1\t0\t0\t0\t1\n", NULL, "no coordinate system was named");
+    refuse(SPACE "# Units: inches\n" COLUMNS, NULL, "units \"inches\"");
+    refuse(SPACE "# Target Name\tLoc. X\tLoc. Y\n", NULL, "no columns Loc. X, Loc. Y, Loc. Z");
+    refuse(SPACE "# Target Name\tLoc. X\tLoc. Y\tLoc. Z\tm0n0\n", NULL, "only some of the columns");
+    parse_none(SPACE COLUMNS);
+    conus_pose_list *list =
+        parse("# Coordinate system: NIfTI:S:MNI-152\n" COLUMNS "left\t0\t0\t0\t-1\t0\t0\t0\t1\t0\t0\t0\t1\n"
+              "skewed\t0\t0\t0\t1\t0.1\t0\t0\t1\t0\t0\t0\t1\n"
+              "rounded\t0\t0\t0\t1.0007\t0\t0\t0\t1\t0\t0\t0\t1\n"
+              "short\t0\t0\t0\t1\t0\n"
+              "holes\t0\t0\t0\t1\t(null)\t0\t0\t1\t0\t0\t0\t1\n"
+              "nan\tnan\t0\t0\t1\t0\t0\t0\t1\t0\t0\t0\t1\n",
+              NULL);
+    assert_row_fails(list, 0, "left", "left-handed");
+    assert_row_fails(list, 1, "skewed", "not orthonormal within 0.002");
+    assert_null(row_of(list, 2, "rounded")->error);
+    assert_row_fails(list, 3, "short", "6 fields, m0n2 is number 7");
+    assert_row_fails(list, 4, "holes", "m0n1: \"(null)\"");
+    assert_row_fails(list, 5, "nan", "Loc. X: \"nan\"");
+    conus_pose_list_destroy(list);
+}
+
+static void names_are_whole_or_refused(void **state)
+{
+    (void)state;
+    static const char text[] = SPACE COLUMNS "a\0b\t0\t0\t0\t1\t0\t0\t0\t1\t0\t0\t0\t1\n"
+                                             "\xff\t0\t0\t0\t1\t0\t0\t0\t1\t0\t0\t0\t1\n";
+    conus_pose_list *list = NULL;
+    assert_ok(pose_list_parse(&list, (struct text){text, sizeof text - 1}, NULL));
+    assert_row_fails(list, 0, "1", "the name has a zero byte");
+    assert_row_fails(list, 1, "2", "the name is not UTF-8 text");
+    conus_pose_list_destroy(list);
+    char line[1024];
+    char name[300];
+    memset(name, 'n', sizeof name);
+    for (int size = 255; size <= 256; size++) {
+        snprintf(line, sizeof line, "1 2 3 %.*s\n", size, name);
+        list = parse(line, NULL);
+        const conus_pose_row *row = conus_pose_list_row(list, 0);
+        assert_int_equal(strlen(row->id), size == 255 ? 255 : 1);
+        assert_true((row->error != NULL) == (size == 256));
+        conus_pose_list_destroy(list);
+    }
+}
+
+static void localite_markers_look_along_x(void **state)
+{
+    (void)state;
+    conus_pose_list *list = load("localite-instrument.xml", NULL);
+    assert_int_equal(conus_pose_list_count(list), 4);
+    assert_looks_at_target(row_of(list, 0, "hot spot"), 1e-9);
+    assert_looks_at_target(row_of(list, 1, "ÜBER"), 1e-9);
+    assert_looks_at_target(row_of(list, 2, "3"), 1e-9);
+    assert_row_fails(list, 3, "spare", "not set");
+    conus_pose_list_destroy(list);
+    list = load("localite-instrument.xml", &(conus_pose_options){.axis = CONUS_AXIS_MINUS_X});
+    double beam[3];
+    const double *m = row_of(list, 0, "hot spot")->pose.world_from_device;
+    vec3_sub(beam, m + 12, target);
+    assert_near(vec3_dot(beam, m + 8), -80, 1e-9); /* it looks away */
+    conus_pose_list_destroy(list);
+}
+
+static void localite_triggers_have_times(void **state)
+{
+    (void)state;
+    conus_pose_list *list = load("localite-trigger.xml", NULL);
+    const conus_pose_row *row = row_of(list, 0, "TMS trigger 0");
+    assert_looks_at_target(row, 1e-9);
+    assert_true(row->trigger);
+    assert_near(row->time_s, 1.5, 1e-12);
+    assert_row_fails(list, 1, "TMS trigger 1", "not tracked");
+    row = row_of(list, 2, "TMS trigger 2");
+    assert_looks_at_target(row, 1e-9);
+    assert_near(row->time_s, 1.9, 1e-12);
+    conus_pose_list_destroy(list);
+}
+
+static void localite_is_read_strictly(void **state)
+{
+    (void)state;
+    refuse("<Session/>", NULL, "<Session>, allowed are");
+    refuse("<InstrumentMarkerList coordinateSpace=\"ASL\"/>", NULL, "coordinateSpace \"ASL\"");
+    refuse("<InstrumentMarkerList coordinateSpace=\"RAS\">", NULL, "not well-formed");
+    parse_none("<InstrumentMarkerList coordinateSpace=\"RAS\"/>");
+    conus_pose_list *list = parse("<InstrumentMarkerList><InstrumentMarker><Marker description=\"a\"><Matrix4D "
+                                  "data00=\"x\"/></Marker></InstrumentMarker>"
+                                  "<InstrumentMarker description=\"b\"/></InstrumentMarkerList>",
+                                  NULL);
+    assert_row_fails(list, 0, "a", "data00: \"x\"");
+    assert_row_fails(list, 1, "b", "no Matrix4D");
+    assert_true(has_note(list, "names no coordinateSpace; taken as RAS"));
+    conus_pose_list_destroy(list);
+}
+
+static void electrodes_are_points(void **state)
+{
+    (void)state;
+    conus_pose_list *list = load("electrodes.tsv", NULL);
+    assert_int_equal(conus_pose_list_count(list), 7);
+    const conus_pose_row *row = row_of(list, 0, "LA2");
+    assert_true(row->is_point);
+    assert_near(row->pose.world_from_device[12], -26, 0);
+    assert_row_fails(list, 3, "RH1", "x: not known");
+    assert_true(has_note(list, "no *_coordsystem.json"));
+    conus_pose_list_destroy(list);
+}
+
+static void contacts_look_along_their_shafts(void **state)
+{
+    (void)state;
+    conus_pose_list *list = load("electrodes.tsv", &(conus_pose_options){.along_shafts = true});
+    static const char *const ids[] = {"LA2", "LA1", "LA10", "", "", "G1", "G2"};
+    for (size_t i = 0; i < 7; i++) {
+        const double beam[3] = {i < 3 ? -1 : 0, i < 3 ? 0 : 1, 0}; /* LA goes to the left, G forward */
+        if (ids[i][0]) {
+            const conus_pose_row *row = row_of(list, i, ids[i]);
+            assert_null(row->error);
+            for (int k = 0; k < 3; k++) {
+                assert_near(-row->pose.world_from_device[8 + k], beam[k], 1e-12);
+            }
+        }
+    }
+    assert_row_fails(list, 3, "RH1", "x: not known");
+    assert_row_fails(list, 4, "RH2", "the only contact of its shaft \"RH\"");
+    conus_pose_list_destroy(list);
+    refuse("name\tx\ty\tz\tdx\tdy\nA\t0\t0\t0\t0\t0\n", NULL, "only some of the columns dx dy dz"); /* a table */
+    refuse("1 2 3\n", &(conus_pose_options){.along_shafts = true}, "shafts are of electrodes (BIDS), not of points");
+    refuse("name\tx\ty\tz\n", &(conus_pose_options){.axis = CONUS_AXIS_PLUS_Z}, "no axis (+z)");
+}
+
+static void write_text(const char *path, const char *text)
+{
+    assert_ok(file_write(path, text, strlen(text)));
+}
+
+/* Units and space stand beside the table, in a file that may hold for several of them. */
+static void coordinate_systems_are_found(void **state)
+{
+    (void)state;
+    static const char *const systems[] = {"sub-01_acq-a_space-MNI152Lin_coordsystem.json",
+                                          "sub-01_space-MNI152Lin_coordsystem.json", "sub-01_coordsystem.json"};
+    static const char json[] = "{\"iEEGCoordinateSystem\":\"MNI152Lin\",\"iEEGCoordinateUnits\":\"cm\"}";
+    char table[4096];
+    snprintf(table, sizeof table, "%s", test_scratch("sub-01_acq-a_space-MNI152Lin_electrodes.tsv"));
+    write_text(table, "name\tx\ty\tz\tsize\nA1\t-2\t3\t4\t5\n");
+    for (size_t i = 0; i <= 3; i++) {
+        conus_pose_stream *stream = NULL;
+        conus_pose_row row;
+        size_t count = 0;
+        if (i < 3) {
+            write_text(test_scratch(systems[i]), json);
+        }
+        assert_ok(conus_pose_stream_open(&stream, table, &(conus_pose_options){.space = CONUS_LPS}));
+        assert_string_equal(conus_pose_stream_space(stream), "MNI152Lin");
+        assert_string_equal(conus_pose_stream_coordsystem(stream), i < 3 ? test_scratch(systems[i]) : "");
+        assert_ok(conus_pose_stream_read(stream, &row, 1, &count));
+        assert_near(row.pose.world_from_device[12], i < 3 ? -20 : -2, 1e-12); /* a named space is RAS */
+        assert_non_null(strstr(conus_pose_stream_note(stream, i == 3), "positions are RAS"));
+        conus_pose_stream_destroy(stream);
+        if (i < 3) {
+            remove(test_scratch(systems[i]));
+        }
+    }
+}
+
+static void coordinate_systems_are_read_strictly(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *json, *part;
+    } cases[] = {{"{}", "no iEEGCoordinateSystem"},
+                 {"[1", "line 1"},
+                 {"{\"iEEGCoordinateSystem\":\"Pixels\",\"iEEGCoordinateUnits\":\"pixels\"}", "\"Pixels\" is not"},
+                 {"{\"EEGCoordinateSystem\":\"CapTrak\",\"EEGCoordinateUnits\":\"mm\"}", "\"CapTrak\" is not"},
+                 {"{\"iEEGCoordinateSystem\":\"ACPC\"}", "CoordinateUnits \"\""},
+                 {"{\"iEEGCoordinateSystem\":\"ACPC\",\"iEEGCoordinateUnits\":\"inch\"}", "\"inch\", allowed are mm"}};
+    struct pose_space space;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        assert_fails(pose_coordsystem_parse(&space, text_from(cases[i].json)), CONUS_ERROR_DATA);
+        assert_non_null(strstr(conus_message(), cases[i].part));
+    }
+    assert_ok(pose_coordsystem_parse(
+        &space, text_from("{\"iEEGCoordinateSystem\":\"ScanRAS\",\"iEEGCoordinateUnits\":\"m\"}")));
+    assert_near(space.scale, 1000, 0);
+    assert_int_equal(space.brain, POSE_BRAIN_SUBJECT);
+}
+
+#define RAS_LINE                                                                                                       \
+    "{\"type\":\"Line\",\"coordinateSystem\":\"RAS\",\"controlPoints\":[{\"position\":[0,0,1]},{\"position\":[0,0,5]}" \
+    "]}"
+
+/* What the file says of its space holds; that the caller said otherwise is noted once. */
+static void a_named_space_wins(void **state)
+{
+    (void)state;
+    conus_pose_list *list =
+        parse("{\"markups\":[" RAS_LINE "," RAS_LINE "]}", &(conus_pose_options){.space = CONUS_LPS});
+    assert_true(has_note(list, "positions are RAS"));
+    assert_null(conus_pose_list_note(list, 1));
+    conus_pose_list_destroy(list);
+}
+
+static void markups_are_lines_and_points(void **state)
+{
+    (void)state;
+    conus_pose_list *list = load("lines.mrk.json", NULL);
+    assert_int_equal(conus_pose_list_count(list), 6);
+    const conus_pose_row *row = row_of(list, 0, "trajectory left");
+    const double entry[3] = {-48, -58.4, 10};
+    double way[3];
+    vec3_sub(way, target, entry);
+    vec3_normalise(way, way);
+    for (int i = 0; i < 3; i++) {
+        assert_near(row->pose.world_from_device[12 + i], entry[i], 1e-12);
+        assert_near(-row->pose.world_from_device[8 + i], way[i], 1e-12);
+    }
+    assert_looks_at_target(row_of(list, 1, "entry"), 1e-12);
+    assert_row_fails(list, 2, "half", "a line of 1 points");
+    assert_row_fails(list, 3, "cut", "type \"Plane\"");
+    row = row_of(list, 4, "F-1");
+    assert_true(row->is_point);
+    assert_near(row->pose.world_from_device[12], -53.5, 0);
+    assert_near(row->pose.world_from_device[13], 73.25, 0);
+    assert_row_fails(list, 5, "F-2", "was not placed");
+    conus_pose_list_destroy(list);
+}
+
+#define LINE                                                                                                           \
+    "{\"markups\":[{\"type\":\"Line\",\"coordinateUnits\":\"um\",\"controlPoints\":[{\"position\":[0,0,1000]},"        \
+    "{\"position\":[0,0,5000]}]}]}"
+
+static void lines_may_be_looked_along_either_way(void **state)
+{
+    (void)state;
+    conus_pose_list *list = parse(LINE, &(conus_pose_options){.axis = CONUS_AXIS_MINUS_Z});
+    const double *m = row_of(list, 0, "1")->pose.world_from_device;
+    assert_near(m[14], 5, 1e-12);
+    assert_near(-m[10], -1, 1e-12);
+    conus_pose_list_destroy(list);
+    refuse(LINE, &(conus_pose_options){.axis = CONUS_AXIS_PLUS_X}, "axis +z or -z, not +x");
+    refuse("{\"markups\":[{\"type\":\"Fiducial\"}]}", &(conus_pose_options){.axis = CONUS_AXIS_MINUS_Z},
+           "no axis (-z)");
+    refuse("{\"markups\":7}", NULL, "no list \"markups\"");
+    refuse("{\"markups\":[{\"type\":\"Line\",\"coordinateSystem\":\"IJK\"}]}", NULL, "coordinateSystem \"IJK\"");
+    refuse("{\"markups\":[{\"type\":\"Line\",\"coordinateUnits\":\"m\"}]}", NULL, "coordinateUnits \"m\"");
+    parse_none("{\"markups\":[]}");
+    list = parse("{\"markups\":[7,{\"type\":\"Fiducial\",\"controlPoints\":[{\"position\":[1,2]},{\"position\":"
+                 "[1,2,\"3\"]},4]}]}",
+                 NULL);
+    assert_row_fails(list, 0, "1", "type \"\"");
+    assert_row_fails(list, 1, "2", "three numbers");
+    assert_row_fails(list, 2, "3", "entry 2 is not a number");
+    assert_row_fails(list, 3, "4", "three numbers");
+    conus_pose_list_destroy(list);
+}
+
+/* A scan and a template are different brains; where one of them does not say, a note does. */
+static void spaces_must_fit(void **state)
+{
+    (void)state;
+    conus_atlas *template = NULL;
+    conus_atlas *plain = NULL;
+    assert_ok(conus_phantom_write("sphere", test_scratch("atlas"), &(conus_phantom_options){.size = 16}));
+    char path[4096];
+    snprintf(path, sizeof path, "%s/sphere.nii.gz", test_scratch("atlas"));
+    assert_ok(conus_atlas_load(&plain, path, NULL));
+    struct notes notes = {0};
+    const struct pose_space scan = pose_space_named(text_from("NIfTI:Scanner"), POSE_BRAIN_SUBJECT);
+    assert_ok(pose_space_match(&notes, &scan, plain));
+    assert_int_equal(notes.count, 1);
+    assert_non_null(strstr(notes.lines[0], "nothing tells"));
+    notes_finish(&notes);
+    const struct pose_space none = {0};
+    assert_ok(pose_space_match(&notes, &none, plain));
+    assert_int_equal(notes.count, 0);
+    conus_atlas_destroy(plain);
+    assert_ok(conus_atlas_load(&template, test_mricron("aal.nii.gz"), NULL));
+    const char *transform = conus_atlas_volume(template, 0)->transform;
+    print_message("[   NOTE   ] aal: %s\n", transform);
+    const struct pose_space mni = pose_space_named(text_from("MNI152Lin"), POSE_BRAIN_MNI152);
+    const struct pose_space other = pose_space_named(text_from("fsaverage"), POSE_BRAIN_TEMPLATE);
+    if (strstr(transform, "MNI 152")) {
+        assert_fails(pose_space_match(&notes, &scan, template), CONUS_ERROR_DATA);
+        assert_ok(pose_space_match(&notes, &mni, template));
+        assert_int_equal(notes.count, 0);
+        assert_ok(pose_space_match(&notes, &other, template));
+        assert_int_equal(notes.count, 1);
+    }
+    notes_finish(&notes);
+    conus_atlas_destroy(template);
+}
+
+static const char *const samples[] = {"brainsight.txt",
+                                      "brainsight-world.txt",
+                                      "localite-instrument.xml",
+                                      "localite-trigger.xml",
+                                      "electrodes.tsv",
+                                      "lines.mrk.json",
+                                      "points.txt"};
+
+static void check_prefix(const conus_pose_list *whole, struct text prefix)
+{
+    conus_pose_list *list = NULL;
+    if (pose_list_parse(&list, prefix, NULL) == CONUS_OK) {
+        size_t count = conus_pose_list_count(list);
+        assert_true(count <= conus_pose_list_count(whole));
+        for (size_t i = 0; i + 1 < count; i++) {
+            bool same = !conus_pose_list_row(list, i)->error == !conus_pose_list_row(whole, i)->error;
+            assert_true(same);
+        }
+    }
+    conus_pose_list_destroy(list);
+}
+
+/* Cut anywhere, a file is refused or gives the first of its rows, the last of them perhaps with an error. */
+static void every_prefix_is_refused_or_shorter(void **state)
+{
+    (void)state;
+    for (size_t k = 0; k < sizeof samples / sizeof samples[0]; k++) {
+        struct bytes bytes = {0};
+        conus_pose_list *whole = load(samples[k], NULL);
+        assert_ok(file_read(&bytes, sample(samples[k]), 1 << 20));
+        for (size_t size = 0; size < bytes.size; size++) {
+            char *exact = malloc(size + !size); /* so that a sanitizer sees one byte too many */
+            memcpy(exact, bytes.data, size);
+            check_prefix(whole, (struct text){exact, size});
+            free(exact);
+        }
+        conus_pose_list_destroy(whole);
+        bytes_finish(&bytes);
+    }
+}
+
+static conus_status load_sample(void *path)
+{
+    conus_pose_list *list = NULL;
+    const conus_pose_options shafts = {.along_shafts = true};
+    conus_status status = conus_pose_list_load(&list, path, strstr(path, "electrodes") ? &shafts : NULL);
+    conus_pose_list_destroy(list);
+    return status;
+}
+
+static void every_failing_allocation_is_clean(void **state)
+{
+    (void)state;
+    for (size_t k = 0; k < sizeof samples / sizeof samples[0]; k++) {
+        char path[4096];
+        snprintf(path, sizeof path, "%s", sample(samples[k]));
+        test_every_allocation(load_sample, path);
+    }
+    char table[4096];
+    snprintf(table, sizeof table, "%s", test_scratch("sub-02_electrodes.tsv"));
+    write_text(table, "name\tx\ty\tz\tsize\nA1\t-2\t3\t4\t5\nA2\t-2\t3\t5\t5\n");
+    write_text(test_scratch("sub-02_coordsystem.json"),
+               "{\"iEEGCoordinateSystem\":\"Other\",\"iEEGCoordinateUnits\":\"mm\"}");
+    test_every_allocation(load_sample, table);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(brainsight_targets_samples_electrodes),
+        cmocka_unit_test(brainsight_world_is_lps),
+        cmocka_unit_test(brainsight_is_read_strictly),
+        cmocka_unit_test(names_are_whole_or_refused),
+        cmocka_unit_test(localite_markers_look_along_x),
+        cmocka_unit_test(localite_triggers_have_times),
+        cmocka_unit_test(localite_is_read_strictly),
+        cmocka_unit_test(electrodes_are_points),
+        cmocka_unit_test(contacts_look_along_their_shafts),
+        cmocka_unit_test(coordinate_systems_are_found),
+        cmocka_unit_test(coordinate_systems_are_read_strictly),
+        cmocka_unit_test(a_named_space_wins),
+        cmocka_unit_test(markups_are_lines_and_points),
+        cmocka_unit_test(lines_may_be_looked_along_either_way),
+        cmocka_unit_test(spaces_must_fit),
+        cmocka_unit_test(every_prefix_is_refused_or_shorter),
+        cmocka_unit_test(every_failing_allocation_is_clean),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

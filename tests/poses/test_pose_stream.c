@@ -1,0 +1,478 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/buffer.h"
+#include "base/file.h"
+#include "base/math3.h"
+#include "poses/pose_lines.h"
+#include "poses/pose_stream.h"
+#include "test.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static const char header[] = "query_id\tx\ty\tz\tdx\tdy\tdz\n";
+
+static conus_pose_stream *parse(const char *text, const conus_pose_options *options)
+{
+    conus_pose_stream *stream = NULL;
+    assert_ok(pose_stream_parse(&stream, text_from(text), options));
+    return stream;
+}
+
+static conus_pose_row read_one(conus_pose_stream *stream)
+{
+    conus_pose_row row = {0};
+    size_t count = 9;
+    assert_ok(conus_pose_stream_read(stream, &row, 1, &count));
+    assert_int_equal(count, 1);
+    return row;
+}
+
+static void assert_ended(conus_pose_stream *stream)
+{
+    conus_pose_row row;
+    size_t count = 9;
+    assert_ok(conus_pose_stream_read(stream, &row, 1, &count));
+    assert_int_equal(count, 0);
+}
+
+/* `rows` poses whose x is their number from 1, with comments and empty lines between. */
+static const char *write_table(size_t rows, const char *ending)
+{
+    const char *path = test_scratch("poses.tsv");
+    struct buffer text = {0};
+    buffer_format(&text, "# a comment%s%.*s%s", ending, (int)(sizeof header - 2), header, ending);
+    for (size_t i = 1; i <= rows; i++) {
+        if (i % 10 == 0) {
+            buffer_format(&text, "# %zu%s%s", i, ending, ending);
+        }
+        buffer_format(&text, "row %zu\t%zu\t0\t0\t0\t1\t0%s", i, i, ending);
+    }
+    assert_ok(buffer_status(&text));
+    assert_ok(file_write(path, text.data, text.size));
+    buffer_finish(&text);
+    return path;
+}
+
+enum { ROWS = 30000 }; /* more than the reader's buffer holds */
+
+/* Every row once, in order, in blocks of any size. */
+static void blocks_join_without_a_seam(void **state)
+{
+    (void)state;
+    static const char *const endings[] = {"\n", "\r\n", "\r"};
+    static const size_t capacities[] = {1, 7, 1000, 2 * ROWS};
+    conus_pose_row *rows = calloc(2 * (size_t)ROWS, sizeof *rows);
+    for (size_t k = 0; k < 12; k++) {
+        conus_pose_stream *stream = NULL;
+        const char *path = write_table(ROWS, endings[k % 3]);
+        assert_ok(conus_pose_stream_open(&stream, path, NULL));
+        size_t seen = 0;
+        size_t count = 0;
+        do {
+            assert_ok(conus_pose_stream_read(stream, rows, capacities[k / 3], &count));
+            assert_true(count == capacities[k / 3] || seen + count == ROWS || count == 0);
+            for (size_t i = 0; i < count; i++) {
+                char id[32];
+                snprintf(id, sizeof id, "row %zu", ++seen);
+                assert_string_equal(rows[i].id, id);
+                assert_null(rows[i].error);
+                assert_int_equal(rows[i].pose.world_from_device[12], seen);
+                assert_int_equal(rows[i].line, 2 + seen + seen / 10 * 2);
+            }
+        } while (count);
+        assert_int_equal(seen, ROWS);
+        conus_pose_stream_destroy(stream);
+    }
+    free(rows);
+}
+
+/* A shard: count, pass over, read a few; the rest is as if all had been read. */
+static void rows_can_be_passed_over(void **state)
+{
+    (void)state;
+    uint64_t count = 0;
+    conus_pose_stream *stream = NULL;
+    assert_ok(conus_pose_stream_open(&stream, write_table(ROWS, "\r\n"), NULL));
+    assert_ok(conus_pose_stream_count(stream, &count));
+    assert_int_equal(count, ROWS);
+    assert_ok(conus_pose_stream_skip(stream, 20000));
+    conus_pose_row row = read_one(stream);
+    assert_string_equal(row.id, "row 20001");
+    assert_int_equal(row.line, 2 + 20001 + 4000);
+    assert_ok(conus_pose_stream_count(stream, &count)); /* wherever it stands */
+    assert_int_equal(count, ROWS);
+    assert_string_equal(read_one(stream).id, "row 20002");
+    assert_ok(conus_pose_stream_skip(stream, UINT64_MAX));
+    assert_ended(stream);
+    conus_pose_stream_destroy(stream);
+}
+
+/* A row without a name is called by its number, passed over or not. */
+static void numbers_count_all_rows(void **state)
+{
+    (void)state;
+    conus_pose_stream *stream = parse("x,y,z,dx,dy,dz\n0,0,0,0,1,0\nbad\n\n1,0,0,0,1,0\n2,0,0,0,1,0\n", NULL);
+    uint64_t count = 0;
+    assert_ok(conus_pose_stream_skip(stream, 1));
+    assert_string_equal(read_one(stream).id, "2");
+    assert_ok(conus_pose_stream_skip(stream, 1));
+    assert_string_equal(read_one(stream).id, "4");
+    assert_ok(conus_pose_stream_count(stream, &count));
+    assert_int_equal(count, 4);
+    conus_pose_stream_destroy(stream);
+}
+
+/* What a pipe gives is answered as it comes: no line is waited for that is not asked for. */
+static void pipes_are_read_as_they_fill(void **state)
+{
+    (void)state;
+    int ends[2];
+    char path[64];
+    uint64_t count = 0;
+    conus_pose_stream *stream = NULL;
+    assert_int_equal(pipe(ends), 0);
+    snprintf(path, sizeof path, "/dev/fd/%d", ends[0]);
+    const char first[] = "query_id\tx\ty\tz\tdx\tdy\tdz\nfirst\t1\t2\t3\t0\t1\t0\nsec";
+    assert_true(file_write_fully(ends[1], first, sizeof first - 1));
+    assert_ok(conus_pose_stream_open(&stream, path, NULL));
+    assert_string_equal(read_one(stream).id, "first");
+    assert_fails(conus_pose_stream_count(stream, &count), CONUS_ERROR_UNSUPPORTED);
+    const char second[] = "ond\t1\t2\t3\t0\t1\t0"; /* no line feed at the end */
+    assert_true(file_write_fully(ends[1], second, sizeof second - 1));
+    close(ends[1]);
+    assert_string_equal(read_one(stream).id, "second");
+    assert_ended(stream);
+    conus_pose_stream_destroy(stream);
+    close(ends[0]);
+}
+
+static void *stop_soon(void *stream)
+{
+    nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
+    conus_pose_stream_stop(stream);
+    return NULL;
+}
+
+/* Whoever waits for a silent pipe goes on; half a line is no row. Files have nothing to wait for. */
+static void pipes_can_be_stopped(void **state)
+{
+    (void)state;
+    for (int early = 0; early < 2; early++) {
+        int ends[2];
+        char path[64];
+        pthread_t thread;
+        conus_pose_stream *stream = NULL;
+        const char text[] = "query_id\tx\ty\tz\tdx\tdy\tdz\nfirst\t1\t2\t3\t0\t1\t0\nsecond\t1\t2\t3\t0\t1\t0";
+        assert_int_equal(pipe(ends), 0);
+        snprintf(path, sizeof path, "/dev/fd/%d", ends[0]);
+        assert_true(file_write_fully(ends[1], text, sizeof text - 1));
+        assert_ok(conus_pose_stream_open(&stream, path, NULL));
+        assert_true(conus_pose_stream_is_live(stream));
+        if (early) {
+            conus_pose_stream_stop(stream);
+        } else {
+            assert_int_equal(pthread_create(&thread, NULL, stop_soon, stream), 0);
+        }
+        assert_string_equal(read_one(stream).id, "first");
+        assert_ended(stream);
+        assert_int_equal(early ? 0 : pthread_join(thread, NULL), 0);
+        conus_pose_stream_destroy(stream);
+        close(ends[0]);
+        close(ends[1]);
+    }
+    conus_pose_stream *stream = parse("x,y,z,dx,dy,dz\n0,0,0,0,1,0\n", NULL);
+    assert_false(conus_pose_stream_is_live(stream));
+    conus_pose_stream_stop(stream);
+    assert_string_equal(read_one(stream).id, "1");
+    conus_pose_stream_destroy(stream);
+}
+
+/* However the text is cut into pieces, the lines are the same. */
+static void cuts_do_not_matter(void **state)
+{
+    (void)state;
+    static const char text[] = "a\r\n\r\nb\rc\n\nd\r";
+    static const char *const wanted[] = {"a", "", "b", "c", "", "d"};
+    for (size_t cut = 0; cut < sizeof text; cut++) {
+        int ends[2];
+        assert_int_equal(pipe(ends), 0);
+        struct pose_lines lines;
+        assert_ok(pose_lines_init(&lines, ends[0], false, 0));
+        assert_true(file_write_fully(ends[1], text, cut));
+        assert_ok(cut ? pose_lines_fill(&lines, cut) : CONUS_OK);
+        assert_true(file_write_fully(ends[1], text + cut, sizeof text - 1 - cut));
+        close(ends[1]);
+        struct pose_line line;
+        bool found = true;
+        for (size_t i = 0; i < 6; i++) {
+            assert_ok(pose_lines_next(&lines, &line, &found));
+            assert_true(found);
+            assert_true(text_equal(line.text, wanted[i]));
+            assert_int_equal(line.number, i + 1);
+        }
+        assert_ok(pose_lines_next(&lines, &line, &found));
+        assert_false(found);
+        pose_lines_finish(&lines);
+        close(ends[0]);
+    }
+}
+
+static void optional_columns_are_read(void **state)
+{
+    (void)state;
+    conus_pose_stream *stream = parse("x,y,z,dx,dy,dz,angle,time_s,trigger,error_deg,error_mm\n"
+                                      "0,0,0,0,1,0,20,1.5,1,2.5,0\n"
+                                      "0,0,0,0,1,0,n/a,n/a,n/a,n/a,\n"
+                                      "0,0,0,0,1,0,20,1,true,-1,1\n"
+                                      "0,0,0,0,1,0,20,1,perhaps,1,1\n"
+                                      "0,0,0,0,1,0,0,1,False,1,1\n",
+                                      NULL);
+    conus_pose_row row = read_one(stream);
+    assert_near(row.angle, radians_from_degrees(20), 1e-15);
+    assert_near(row.time_s, 1.5, 0);
+    assert_true(row.trigger);
+    assert_near(row.error_deg, 2.5, 0);
+    assert_near(row.error_mm, 0, 0);
+    row = read_one(stream);
+    assert_null(row.error);
+    assert_true(row.angle == 0 && isnan(row.time_s) && !row.trigger && isnan(row.error_deg) && isnan(row.error_mm));
+    assert_non_null(strstr(read_one(stream).error, "column error_deg: -1"));
+    assert_non_null(strstr(read_one(stream).error, "column trigger: \"perhaps\""));
+    assert_non_null(strstr(read_one(stream).error, "angle"));
+    conus_pose_stream_destroy(stream);
+    stream = parse("x,y,z,dx,dy,dz\n0,0,0,0,1,0\n", NULL);
+    row = read_one(stream);
+    assert_true(row.angle == 0 && isnan(row.time_s) && !row.trigger && isnan(row.error_deg) && isnan(row.error_mm));
+    conus_pose_stream_destroy(stream);
+}
+
+/* The device looks along the axis that was asked for, and stays a rotation. */
+static void every_axis_looks_its_way(void **state)
+{
+    (void)state;
+    const double quaternion[4] = {0.4, -0.3, 0.5, 0.7};
+    conus_pose device;
+    assert_ok(conus_pose_from_quaternion(&device, (double[]){1, 2, 3}, quaternion));
+    for (conus_axis axis = CONUS_AXIS_OF_FORMAT; axis <= CONUS_AXIS_MINUS_Z; axis++) {
+        const conus_pose_options options = {.axis = axis};
+        conus_pose_stream *stream = parse("x,y,z,qw,qx,qy,qz\n1,2,3,0.4,-0.3,0.5,0.7\n", &options);
+        const conus_pose_row row = read_one(stream);
+        conus_axis looks = axis ? axis : CONUS_AXIS_MINUS_Z;
+        const double *m = row.pose.world_from_device;
+        const double *beam = device.world_from_device + 4 * ((looks - 1) / 2);
+        double sign = looks % 2 ? 1 : -1;
+        for (int i = 0; i < 3; i++) {
+            assert_near(-m[8 + i], sign * beam[i], 1e-15);
+            assert_near(m[12 + i], i + 1, 0);
+        }
+        assert_near(mat4_determinant3(m), 1, 1e-12);
+        conus_pose again;
+        assert_ok(conus_pose_from_matrix(&again, m));
+        conus_pose_stream_destroy(stream);
+    }
+}
+
+static void points_are_points(void **state)
+{
+    (void)state;
+    conus_pose_stream *stream =
+        parse("# MNI\n-40.5 -20 55 hand knob\n1,2,3\n\n 4\t5\t6\tSTN, left\n1 2\n1 2 3 4\n", NULL);
+    static const double wanted[3][3] = {{-40.5, -20, 55}, {1, 2, 3}, {4, 5, 6}};
+    static const char *const ids[] = {"hand knob", "2", "STN, left"};
+    assert_int_equal(conus_pose_stream_format(stream), CONUS_POSES_POINTS);
+    for (size_t k = 0; k < 3; k++) {
+        conus_pose_row row = read_one(stream);
+        assert_null(row.error);
+        assert_true(row.is_point);
+        assert_string_equal(row.id, ids[k]);
+        for (int i = 0; i < 3; i++) {
+            assert_near(row.pose.world_from_device[12 + i], wanted[k][i], 0);
+        }
+    }
+    assert_non_null(strstr(read_one(stream).error, "z: \"\" is not a finite number"));
+    assert_non_null(strstr(read_one(stream).error, "a number after x y z"));
+    assert_ended(stream);
+    conus_pose_stream_destroy(stream);
+    stream = parse("1 2 3\n", &(conus_pose_options){.space = CONUS_LPS});
+    assert_near(read_one(stream).pose.world_from_device[12], -1, 0);
+    conus_pose_stream_destroy(stream);
+}
+
+static void what_does_not_fit_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        conus_pose_options options;
+        const char *part;
+    } cases[] = {
+        {"x,y,z,dx,dy,dz\n0,0,0,0,1,0\n", {.axis = CONUS_AXIS_PLUS_X}, "no axis (+x)"},
+        {"1 2 3\n", {.axis = CONUS_AXIS_MINUS_Y}, "no axis (-y)"},
+        {"1 2 3 4\n5 6 7 8\n", {0}, "neither the 16"},
+        {"1 2 3\n", {.format = CONUS_POSES_MATRIX}, "neither the 16"},
+        {"1 2 3\n", {.format = CONUS_POSES_TABLE}, "header"},
+        {"1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", {.max_memory = 20}, "more than 20 bytes"},
+        {"\xff\xfe"
+         "1\t2\t3\n",
+         {0},
+         "UTF-8"},
+        {"", {0}, "no poses"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_pose_stream *stream = NULL;
+        assert_true(pose_stream_parse(&stream, text_from(cases[i].text), &cases[i].options) != CONUS_OK);
+        assert_null(stream);
+        assert_non_null(strstr(conus_message(), cases[i].part));
+    }
+    conus_pose_stream *stream = NULL;
+    const conus_pose_options wrong = {.axis = (conus_axis)7};
+    assert_fails(pose_stream_parse(&stream, text_from("1 2 3"), &wrong), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_pose_stream_open(&stream, "/", NULL), CONUS_ERROR_IO);
+    assert_fails(conus_pose_stream_open(&stream, "/none/such", NULL), CONUS_ERROR_IO);
+    stream = parse("1 2 3", NULL);
+    conus_pose_row row;
+    size_t count;
+    assert_fails(conus_pose_stream_read(stream, &row, 0, &count), CONUS_ERROR_ARGUMENT);
+    conus_pose_stream_destroy(stream);
+}
+
+static void long_lines_are_one_bad_row(void **state)
+{
+    (void)state;
+    struct buffer text = {0};
+    char *filler = malloc(1000000);
+    memset(filler, '7', 1000000);
+    buffer_text(&text, header);
+    buffer_text(&text, "a\t0\t0\t0\t0\t1\t0\n");
+    buffer_append(&text, filler, 1000000);
+    buffer_text(&text, "\r\nb\t0\t0\t0\t0\t1\t0\n# ");
+    buffer_append(&text, filler, 1000000);
+    buffer_text(&text, "\nc\t0\t0\t0\t0\t1\t0\n");
+    buffer_append(&text, filler, 1000000);
+    assert_ok(buffer_status(&text));
+    const char *path = test_scratch("long.tsv");
+    assert_ok(file_write(path, text.data, text.size));
+    conus_pose_stream *stream = NULL;
+    uint64_t count = 0;
+    assert_ok(conus_pose_stream_open(&stream, path, NULL));
+    assert_string_equal(read_one(stream).id, "a");
+    conus_pose_row row = read_one(stream);
+    assert_string_equal(row.error, "a line of more than 65535 bytes");
+    assert_string_equal(row.id, "2");
+    assert_int_equal(row.line, 3);
+    row = read_one(stream);
+    assert_string_equal(row.id, "b");
+    assert_int_equal(row.line, 4);
+    row = read_one(stream);
+    assert_string_equal(row.id, "c");
+    assert_int_equal(row.line, 6);
+    assert_string_equal(read_one(stream).error, "a line of more than 65535 bytes");
+    assert_ended(stream);
+    assert_ok(conus_pose_stream_count(stream, &count));
+    assert_int_equal(count, 5);
+    conus_pose_stream_destroy(stream);
+    buffer_finish(&text);
+    free(filler);
+}
+
+static conus_status read_through(void *data)
+{
+    conus_pose_stream *stream = NULL;
+    conus_pose_row row;
+    size_t count = 0;
+    uint64_t all = 0;
+    conus_status status = conus_pose_stream_open(&stream, data, NULL);
+    do {
+        status = status ? status : conus_pose_stream_read(stream, &row, 1, &count);
+    } while (!status && count);
+    status = status ? status : conus_pose_stream_count(stream, &all);
+    conus_pose_stream_destroy(stream);
+    return status;
+}
+
+/* Wherever reading stands: of the file that file_sha256() sees whole. */
+static void what_is_read_has_its_sha256(void **state)
+{
+    (void)state;
+    char wanted[65];
+    char got[65];
+    struct bytes bytes = {0};
+    conus_pose_stream *stream = NULL;
+    const char *path = write_table(ROWS, "\n");
+    assert_ok(file_read(&bytes, path, UINT64_MAX));
+    file_sha256(wanted, &bytes);
+    bytes_finish(&bytes);
+    static const uint64_t skipped[] = {0, 20000, UINT64_MAX};
+    for (size_t i = 0; i < 3; i++) {
+        uint64_t count = 0;
+        assert_ok(conus_pose_stream_open(&stream, path, NULL));
+        (void)read_one(stream);
+        assert_ok(conus_pose_stream_count(stream, &count)); /* reads all of it, and is not in the sum */
+        assert_ok(conus_pose_stream_skip(stream, skipped[i]));
+        assert_ok(conus_pose_stream_sha256(got, stream));
+        assert_string_equal(got, wanted);
+        assert_ended(stream);
+        assert_ok(conus_pose_stream_sha256(got, stream));
+        assert_string_equal(got, wanted);
+        conus_pose_stream_destroy(stream);
+    }
+    path = test_scratch("matrix.txt"); /* read whole; the sum is sha256sum's */
+    assert_ok(file_write(path, "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n", 32));
+    assert_ok(conus_pose_stream_open(&stream, path, NULL));
+    assert_ok(conus_pose_stream_sha256(got, stream));
+    assert_string_equal(got, "15f3b7bc6f6d08b8a543e64d0b93e33c3e5b07a7b62424991251a66343b8c4bd");
+    assert_string_equal(conus_pose_stream_coordsystem_sha256(stream), "");
+    conus_pose_stream_destroy(stream);
+    stream = parse("1 2 3", NULL);
+    assert_fails(conus_pose_stream_sha256(got, stream), CONUS_ERROR_UNSUPPORTED);
+    conus_pose_stream_destroy(stream);
+}
+
+static void a_file_that_changes_is_an_error(void **state)
+{
+    (void)state;
+    uint64_t count = 0;
+    char hash[65];
+    conus_pose_stream *stream = NULL;
+    const char *path = write_table(ROWS, "\n");
+    assert_ok(conus_pose_stream_open(&stream, path, NULL));
+    assert_string_equal(read_one(stream).id, "row 1");
+    FILE *file = fopen(path, "a");
+    assert_non_null(file);
+    fputs("row more\t1\t0\t0\t0\t1\t0\n", file);
+    assert_int_equal(fclose(file), 0);
+    assert_fails(conus_pose_stream_count(stream, &count), CONUS_ERROR_IO);
+    assert_fails(conus_pose_stream_skip(stream, UINT64_MAX), CONUS_ERROR_IO);
+    assert_non_null(strstr(conus_message(), "poses.tsv: changed while it was read"));
+    assert_fails(conus_pose_stream_sha256(hash, stream), CONUS_ERROR_IO);
+    conus_pose_stream_destroy(stream);
+}
+
+static void every_failing_allocation_is_clean(void **state)
+{
+    (void)state;
+    const char *path = test_scratch("small.tsv");
+    const char text[] = "x,y,z,dx,dy,dz\n0,0,0,0,1,0\nbad\n";
+    assert_ok(file_write(path, text, sizeof text - 1));
+    char copy[4096];
+    snprintf(copy, sizeof copy, "%s", path);
+    test_every_allocation(read_through, copy);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(blocks_join_without_a_seam),  cmocka_unit_test(rows_can_be_passed_over),
+        cmocka_unit_test(numbers_count_all_rows),      cmocka_unit_test(pipes_are_read_as_they_fill),
+        cmocka_unit_test(pipes_can_be_stopped),        cmocka_unit_test(cuts_do_not_matter),
+        cmocka_unit_test(optional_columns_are_read),   cmocka_unit_test(every_axis_looks_its_way),
+        cmocka_unit_test(points_are_points),           cmocka_unit_test(what_does_not_fit_is_refused),
+        cmocka_unit_test(what_is_read_has_its_sha256), cmocka_unit_test(a_file_that_changes_is_an_error),
+        cmocka_unit_test(long_lines_are_one_bad_row),  cmocka_unit_test(every_failing_allocation_is_clean),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,467 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Flat cuts: which object each pixel's centre is in, on which side is what, and how things are laid over each other. */
+#include "atlas/phantom/phantom.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "mesh_scene.h"
+#include "picture_scene.h"
+#include "scene.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { SIDE = 61 };
+
+struct picture {
+    uint8_t rgba[SIDE * SIDE * 4];
+    uint32_t objects[SIDE * SIDE];
+};
+
+static conus_atlas *open_phantom(const char *kind)
+{
+    struct phantom_drawing drawing;
+    conus_atlas *atlas = NULL;
+    assert_ok(phantom_draw(&drawing, kind, NULL));
+    assert_ok(phantom_drawing_atlas(&atlas, &drawing));
+    phantom_drawing_finish(&drawing);
+    return atlas;
+}
+
+static const conus_cut_view whole = {.width = SIDE, .height = SIDE};
+
+/* 1 mm per pixel, the middle pixel's centre at the origin: pixel (x, y) is at (x - 30, 30 - y). */
+static void pixels_are_where_their_centres_are(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = open_phantom("u-shape");
+    const conus_cut_view view = {.width = SIDE, .height = SIDE, .right = {1, 0, 0}, .up = {0, 0, 1}, .fill = 1};
+    const struct volume *volume = atlas_parcellation(atlas);
+    unsigned met = 0;
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+    for (int y = 0; y < SIDE; y++) {
+        for (int x = 0; x < SIDE; x++) {
+            size_t voxel;
+            bool inside = volume_find_voxel(&voxel, volume, (double[]){x - 30, 0, 30 - y});
+            uint32_t wanted = inside ? volume_object(volume, voxel) : 0;
+            assert_int_equal(picture.objects[y * SIDE + x], wanted);
+            met += wanted > 0;
+        }
+    }
+    assert_true(met > 500);
+    conus_atlas_destroy(atlas);
+}
+
+/* Neurological: the world's +x is right in the default, axial, cut; +y is up. */
+static void the_default_is_axial_and_neurological(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = open_phantom("slabs"); /* across y: 1 at y > 0, 300 at y < 0 */
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &whole));
+    const conus_object *above = conus_atlas_object(atlas, picture.objects[(30 - 9) * SIDE + 30]);
+    const conus_object *below = conus_atlas_object(atlas, picture.objects[(30 + 9) * SIDE + 30]);
+    assert_int_equal(above->label, 1);
+    assert_int_equal(below->label, 300);
+    conus_atlas_destroy(atlas);
+}
+
+static void hidden_objects_are_left_out(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = open_phantom("slabs");
+    const bool hidden[3] = {false, true, false};
+    conus_cut_view view = whole;
+    assert_ok(conus_atlas_set_hidden(atlas, hidden));
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+    assert_int_equal(picture.objects[(30 - 9) * SIDE + 30], 0);
+    assert_int_equal(picture.objects[(30 + 9) * SIDE + 30], 2);
+    conus_atlas_destroy(atlas);
+}
+
+static const uint8_t *pixel_at(const struct picture *picture, int x, int y)
+{
+    return picture->rgba + 4 * (y * SIDE + x);
+}
+
+/* Fill 1 is the area's colour; fill 0 leaves what is below it inside, and its colour at its outline. */
+static void fill_and_outline(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    static const uint8_t black[3] = {0, 0, 0};
+    conus_atlas *atlas = open_phantom("sphere");
+    const uint8_t *rgb = conus_atlas_object(atlas, 1)->rgb;
+    conus_cut_view view = whole;
+    view.fill = 1;
+    assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
+    assert_memory_equal(pixel_at(&picture, 30, 30), rgb, 3);
+    assert_int_equal(pixel_at(&picture, 30, 30)[3], 255);
+    assert_memory_equal(pixel_at(&picture, 2, 2), black, 3);
+    view.fill = 0;
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+    assert_memory_equal(pixel_at(&picture, 30, 30), black, 3);
+    int edge = 30;
+    while (picture.objects[30 * SIDE + edge + 1]) {
+        edge++;
+    }
+    assert_memory_equal(pixel_at(&picture, edge, 30), rgb, 3);
+    view.no_outlines = true;
+    assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
+    assert_memory_equal(pixel_at(&picture, edge, 30), black, 3);
+    conus_atlas_destroy(atlas);
+}
+
+static double grey_of(const double world[3])
+{
+    return 10 * world[0]; /* trilinear interpolation keeps what is linear */
+}
+
+static void the_context_is_linear_between_black_and_white(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    const conus_volume_info grid = picture_grid((size_t[]){40, 40, 40}, (double[]){2, 2, 2}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_nothing, NULL, grey_of);
+    conus_cut_view view = whole;
+    view.window[0] = -200;
+    view.window[1] = 200;
+    assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
+    for (int x = 0; x < SIDE; x++) {
+        double wanted = fmin(fmax((10.0 * (x - 30) + 200) / 400 * 255, 0), 255);
+        assert_near(pixel_at(&picture, x, 17)[0], wanted, 1);
+        assert_int_equal(pixel_at(&picture, x, 17)[0], pixel_at(&picture, x, 17)[2]);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+static void values_are_linear_between_voxels(void **state)
+{
+    (void)state;
+    const conus_volume_info grid = picture_grid((size_t[]){20, 20, 20}, (double[]){2, 2, 2}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_nothing, NULL, grey_of);
+    size_t context = 0;
+    while (conus_atlas_volume(atlas, context)->role != CONUS_CONTEXT) {
+        assert_true(isnan(conus_atlas_value(atlas, context++, (double[]){0, 0, 0})));
+    }
+    for (int step = 0; step < 52; step++) {
+        double x = -18 + 0.7 * step;
+        assert_near(conus_atlas_value(atlas, context, (double[]){x, 0.3 * x, 1}), 10 * x, 1e-3);
+    }
+    assert_near(conus_atlas_value(atlas, context, (double[]){19.9, 0, 0}), 190, 1e-3); /* beside the last centre */
+    assert_true(isnan(conus_atlas_value(atlas, context, (double[]){20.1, 0, 0})));
+    assert_true(isnan(conus_atlas_value(atlas, context + 1, (double[]){0, 0, 0})));
+    conus_atlas_destroy(atlas);
+}
+
+static conus_selection *select_in(conus_atlas *atlas, const conus_selector_options *options, double degrees)
+{
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    assert_ok(conus_pose_along(&pose, (double[]){0, 60, 0}, (double[]){0, -1, 0}, NULL));
+    assert_ok(conus_selector_create(&selector, atlas, options));
+    assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(degrees)));
+    conus_selector_destroy(selector);
+    return selection;
+}
+
+/* The wall is drawn where the cone's radius is: 60 tan(15 deg) = 16.08 mm beside the axis at the origin's depth. */
+static void a_cone_is_drawn_to_scale(void **state)
+{
+    (void)state;
+    static struct picture with, without;
+    conus_atlas *atlas = open_phantom("torus");
+    conus_selection *selection = select_in(atlas, NULL, 30);
+    conus_cut_view view = whole;
+    assert_ok(conus_cut(without.rgba, NULL, atlas, &view));
+    view.selection = selection;
+    assert_ok(conus_cut(with.rgba, NULL, atlas, &view));
+    assert_true(pixel_at(&with, 30 + 16, 30)[0] > 200);
+    assert_true(pixel_at(&with, 30 - 16, 30)[0] > 200);
+    assert_memory_equal(pixel_at(&with, 30 + 20, 2), pixel_at(&without, 30 + 20, 2), 4); /* beside it nothing */
+    conus_selection_destroy(selection);
+    conus_atlas_destroy(atlas);
+}
+
+/* What is met first is full, what is only pierced striped, what is not in the cone pale. */
+static void hidden_areas_in_the_cone_are_hatched(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = open_phantom("slabs");
+    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .radius = 3};
+    conus_selection *selection = select_in(atlas, &options, 0);
+    conus_cut_view view = whole;
+    view.fill = 0.5;
+    view.no_outlines = true;
+    view.selection = selection;
+    assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
+    bool front_varies = false;
+    bool back_varies = false;
+    for (int x = 40; x < 50; x++) { /* beside the cylinder */
+        front_varies = front_varies || memcmp(pixel_at(&picture, x, 30 - 9), pixel_at(&picture, 40, 30 - 9), 3) != 0;
+        back_varies = back_varies || memcmp(pixel_at(&picture, x, 30 + 9), pixel_at(&picture, 40, 30 + 9), 3) != 0;
+    }
+    assert_false(front_varies);
+    assert_true(back_varies);
+    conus_selection_destroy(selection);
+    conus_atlas_destroy(atlas);
+}
+
+/* In the cone, not in it, and chosen: only what is neither is pale. */
+static void the_chosen_area_is_never_pale(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = open_phantom("slabs");
+    const conus_selector_options options = {.radius = 3};
+    conus_selection *selection = select_in(atlas, &options, 0);
+    const uint32_t hit = conus_selection_result(selection, 0)->object;
+    const int other_y = hit == 1 ? 30 + 9 : 30 - 9;
+    uint8_t plain[3];
+    conus_cut_view view = whole;
+    view.fill = 1;
+    view.no_outlines = true;
+    assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
+    memcpy(plain, pixel_at(&picture, 45, other_y), 3);
+    view.selection = selection;
+    assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
+    assert_memory_not_equal(pixel_at(&picture, 45, other_y), plain, 3);
+    view.chosen = 3 - hit;
+    assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
+    assert_memory_equal(pixel_at(&picture, 45, other_y), plain, 3);
+    conus_selection_destroy(selection);
+    conus_atlas_destroy(atlas);
+}
+
+static void what_cannot_be_drawn_is_refused(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = open_phantom("slabs");
+    const conus_cut_view bad[] = {
+        {.width = 0, .height = 1},
+        {.width = 20000, .height = 1},
+        {.width = 1, .height = 1, .right = {1, 0, 0}},
+        {.width = 1, .height = 1, .right = {1, 0, 0}, .up = {1, 0, 0}},
+        {.width = 1, .height = 1, .centre = {NAN, 0, 0}},
+        {.width = 1, .height = 1, .mm_per_pixel = -1},
+        {.width = 1, .height = 1, .fill = 2},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_fails(conus_cut(picture.rgba, NULL, atlas, &bad[i]), CONUS_ERROR_ARGUMENT);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* What a cutter keeps never shows: whatever changes from one picture to the next, it is that of conus_cut(). */
+static void draw_as_alone(conus_cutter *cutter, const conus_atlas *atlas, const conus_cut_view *view)
+{
+    static struct picture alone;
+    size_t pixels = (size_t)view->width * view->height;
+    assert_ok(conus_cut(alone.rgba, alone.objects, atlas, view));
+    assert_ok(conus_cutter_draw(cutter, view));
+    assert_memory_equal(conus_cutter_rgba(cutter), alone.rgba, 4 * pixels);
+    assert_memory_equal(conus_cutter_objects(cutter), alone.objects, 4 * pixels);
+}
+
+static unsigned pick(uint64_t *state, size_t count)
+{
+    return (unsigned)test_random(state, 0, (double)count);
+}
+
+/* Turns, moves, points elsewhere: each now and then, so that the others stay as they were. */
+static void change(conus_cut_view *view, conus_selection *const selections[2], uint64_t *state)
+{
+    static const double axes[][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    unsigned turn = pick(state, 3);
+    switch (pick(state, 7)) {
+    case 0:
+        view->centre[pick(state, 3)] = test_random(state, -8, 8);
+        break;
+    case 1:
+        memcpy(view->right, axes[turn], sizeof view->right);
+        memcpy(view->up, axes[(turn + 1) % 3], sizeof view->up);
+        break;
+    case 2:
+        view->width = 1 + pick(state, SIDE);
+        break;
+    case 3:
+        view->window[1] = test_random(state, 1, 200);
+        break;
+    case 4:
+        view->no_outlines = !view->no_outlines;
+        break;
+    case 5:
+        view->mm_per_pixel = test_random(state, 0.2, 3);
+        break;
+    default:
+        view->selection = selections[pick(state, 2)];
+    }
+}
+
+static void check_cutter(conus_atlas *atlas, uint64_t *state)
+{
+    enum { CHANGES = 60 };
+    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS};
+    conus_selection *selections[] = {select_in(atlas, &options, 20), select_in(atlas, NULL, 60)};
+    conus_cut_view view = {.width = SIDE, .height = SIDE, .fill = 0.4, .window = {-5, 90}};
+    conus_cutter *cutter = NULL;
+    assert_ok(conus_cutter_create(&cutter, atlas));
+    assert_null(conus_cutter_rgba(cutter));
+    for (int i = 0; i < CHANGES; i++) {
+        draw_as_alone(cutter, atlas, &view);
+        change(&view, selections, state);
+    }
+    conus_cutter_destroy(cutter);
+    conus_selection_destroy(selections[0]);
+    conus_selection_destroy(selections[1]);
+    conus_atlas_destroy(atlas);
+}
+
+/* Surfaces, a context and a pathway. */
+static conus_atlas *load_brain(void)
+{
+    conus_atlas *atlas = NULL;
+    char path[600];
+    char folder[512];
+    snprintf(folder, sizeof folder, "%s", test_scratch("brain"));
+    assert_ok(conus_phantom_write("brain", folder, NULL));
+    snprintf(path, sizeof path, "%s/brain.atlas.json", folder);
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    return atlas;
+}
+
+/* How often the ray along +x from `at` passes the mesh, odd: inside (Moeller and Trumbore). */
+static bool is_inside(const struct mesh *mesh, const double at[3])
+{
+    bool inside = false;
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        double p[3][2];
+        double x[3];
+        for (int k = 0; k < 3; k++) {
+            const float *corner = mesh->positions + 3 * (size_t)mesh->triangles[3 * t + (size_t)k];
+            x[k] = (double)corner[0] - at[0];
+            p[k][0] = (double)corner[1] - at[1];
+            p[k][1] = (double)corner[2] - at[2];
+        }
+        double a = p[1][0] * p[2][1] - p[1][1] * p[2][0];
+        double b = p[2][0] * p[0][1] - p[2][1] * p[0][0];
+        double c = p[0][0] * p[1][1] - p[0][1] * p[1][0];
+        bool passes = (a > 0) == (b > 0) && (b > 0) == (c > 0);
+        inside = inside != (passes && (a * x[0] + b * x[1] + c * x[2]) / (a + b + c) > 0);
+    }
+    return inside;
+}
+
+static void closed_surfaces_are_filled(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = load_brain();
+    const conus_cut_view view = {.width = SIDE,
+                                 .height = SIDE,
+                                 .centre = {0.31, -7.13, 11.7},
+                                 .right = {0, 1, 0},
+                                 .up = {0, 0, 1},
+                                 .mm_per_pixel = 2.9};
+    unsigned met = 0;
+    uint64_t random = 5;
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+    for (int i = 0; i < 60; i++) {
+        unsigned x = pick(&random, SIDE);
+        unsigned y = pick(&random, SIDE);
+        const double at[3] = {0.31, -7.13 + 2.9 * (x - 30.0), 11.7 + 2.9 * (30.0 - y)};
+        uint32_t found = picture.objects[y * SIDE + x];
+        for (uint32_t number = 1; number <= atlas->object_count; number++) {
+            const struct mesh *mesh = atlas_object_mesh(atlas, number);
+            bool above = found && !atlas_object_mesh(atlas, found); /* the pathway */
+            if (mesh && mesh->shape.closed && !above) {
+                assert_int_equal(found == number, is_inside(mesh, at)); /* no two of them overlap */
+            }
+        }
+        met += found > 0;
+    }
+    assert_in_range(met, 10, 55);
+    conus_atlas_destroy(atlas);
+}
+
+/* One surface of two boxes that overlap from x = -2 to 2, with vertices of their own: inside, where one of them is,
+ * too. A third one, turned around, is a hole in the first. */
+static void what_overlaps_is_filled_once(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh a = mesh_scene_box((double[]){-10, -5, -5}, (double[]){2, 5, 5});
+    struct mesh b = mesh_scene_box((double[]){-2, -5, -5}, (double[]){10, 5, 5});
+    struct mesh hole = mesh_scene_box((double[]){-8, -2, -2}, (double[]){-5, 2, 2});
+    struct mesh both = mesh_scene_join(&a, &b);
+    mesh_scene_turn(&hole);
+    struct mesh all = mesh_scene_join(&both, &hole);
+    mesh_scene_add(atlas, &all);
+    const conus_cut_view view = {
+        .width = SIDE, .height = SIDE, .right = {1, 0, 0}, .up = {0, 1, 0}, .mm_per_pixel = 0.49};
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+    for (unsigned pixel = 0; pixel < SIDE * SIDE; pixel++) {
+        unsigned row = pixel / SIDE;
+        double x = 0.49 * (pixel % SIDE + 0.5 - SIDE / 2.0);
+        double y = 0.49 * (SIDE / 2.0 - 0.5 - row);
+        bool in_hole = x > -8 && x < -5 && fabs(y) < 2;
+        assert_int_equal(picture.objects[pixel], fabs(x) < 10 && fabs(y) < 5 && !in_hole);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+static void a_cutter_draws_the_same_pictures(void **state)
+{
+    (void)state;
+    uint64_t random = 11;
+    const conus_volume_info grid = picture_grid((size_t[]){20, 20, 20}, (double[]){2, 2, 2}, picture_identity);
+    check_cutter(scene_atlas(&random, 24, 2), &random);
+    check_cutter(load_brain(), &random);
+    check_cutter(picture_atlas(&grid, picture_ball_of_20, NULL, grey_of), &random);
+}
+
+static conus_status cut_once(void *data)
+{
+    static struct picture picture;
+    conus_cut_view view = whole;
+    view.selection = ((void **)data)[1];
+    return conus_cut(picture.rgba, NULL, ((void **)data)[0], &view);
+}
+
+static void every_failing_allocation_is_survived(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = open_phantom("slabs");
+    conus_selection *selection = select_in(atlas, NULL, 10);
+    void *data[] = {atlas, selection};
+    test_every_allocation(cut_once, data);
+    conus_selection_destroy(selection);
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pixels_are_where_their_centres_are),
+        cmocka_unit_test(the_default_is_axial_and_neurological),
+        cmocka_unit_test(hidden_objects_are_left_out),
+        cmocka_unit_test(fill_and_outline),
+        cmocka_unit_test(the_context_is_linear_between_black_and_white),
+        cmocka_unit_test(values_are_linear_between_voxels),
+        cmocka_unit_test(a_cone_is_drawn_to_scale),
+        cmocka_unit_test(hidden_areas_in_the_cone_are_hatched),
+        cmocka_unit_test(closed_surfaces_are_filled),
+        cmocka_unit_test(what_overlaps_is_filled_once),
+        cmocka_unit_test(a_cutter_draws_the_same_pictures),
+        cmocka_unit_test(the_chosen_area_is_never_pale),
+        cmocka_unit_test(what_cannot_be_drawn_is_refused),
+        cmocka_unit_test(every_failing_allocation_is_survived),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "render/flat/draw.h"
+#include "render/flat/legend.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const float WHITE[4] = {1, 1, 1, 1};
+
+static struct font *need_font(void)
+{
+    struct font *font = NULL;
+    conus_status status = font_create(&font);
+    if (status == CONUS_ERROR_UNSUPPORTED) {
+        print_message("skipped: %s\n", conus_message());
+        skip();
+    }
+    assert_ok(status);
+    return font;
+}
+
+static conus_image *make_image(uint32_t width, uint32_t height)
+{
+    conus_image *image = NULL;
+    assert_ok(image_create_rgba(&image, width, height));
+    return image;
+}
+
+/* Sum of the opacities: a shape's area in pixels. */
+static double inked(const conus_image *image)
+{
+    const float *opacity = conus_image_floats(image, "A");
+    double sum = 0;
+    for (size_t i = 0; i < (size_t)image->width * image->height; i++) {
+        sum += (double)opacity[i];
+    }
+    return sum;
+}
+
+static void shapes_cover_their_area(void **state)
+{
+    (void)state;
+    conus_image *image = make_image(64, 48);
+    draw_disc(image, (double[]){30.3, 20.7}, 15, WHITE);
+    assert_near(inked(image), acos(-1) * 225, 1);
+    conus_image_destroy(image);
+    image = make_image(64, 48);
+    draw_line(image, (double[]){10, 10.5}, (double[]){50, 40.5}, 3, WHITE);
+    assert_near(inked(image), 150 + acos(-1) * 2.25, 1.5);
+    conus_image_destroy(image);
+    image = make_image(64, 48);
+    draw_box(image, &(struct draw_box){10, 10, 30, 20}, 0, WHITE);
+    assert_near(inked(image), 200, 1e-4);
+    draw_frame(image, &(struct draw_box){40, 10, 60, 30}, 0, 2, WHITE);
+    assert_near(inked(image), 200 + 400 - 256, 1e-4);
+    conus_image_destroy(image);
+}
+
+static void shapes_are_cut_off_at_the_border(void **state)
+{
+    (void)state;
+    conus_image *image = make_image(16, 16);
+    draw_disc(image, (double[]){0, 0}, 8, WHITE);
+    draw_line(image, (double[]){-1e9, 12}, (double[]){1e9, 12}, 2, WHITE);
+    draw_box(image, &(struct draw_box){20, -40, 30, -20}, 3, WHITE);
+    draw_disc(image, (double[]){NAN, 0}, 8, WHITE);
+    assert_near(inked(image), acos(-1) * 16 + 32, 1);
+    conus_image_destroy(image);
+}
+
+/* Premultiplied over: half-transparent red over opaque linear grey. */
+static void colours_are_laid_over(void **state)
+{
+    (void)state;
+    conus_image *image = make_image(2, 1);
+    struct image_rgba planes = image_rgba(image);
+    float colour[4];
+    draw_over(&planes, 0, (const float[]){0.2F, 0.2F, 0.2F, 1}, 1);
+    draw_colour(colour, (const uint8_t[]){255, 0, 0}, 0.5F);
+    draw_over(&planes, 0, colour, 1);
+    draw_over(&planes, 1, colour, 0.5F);
+    assert_near(planes.plane[0][0], 0.6, 1e-6);
+    assert_near(planes.plane[1][0], 0.1, 1e-6);
+    assert_near(planes.plane[3][0], 1, 1e-6);
+    assert_near(planes.plane[0][1], 0.25, 1e-6);
+    assert_near(planes.plane[3][1], 0.25, 1e-6);
+    conus_image_destroy(image);
+}
+
+static void text_has_a_width_that_adds_up(void **state)
+{
+    (void)state;
+    struct font *font = need_font();
+    double width = font_width(font, 20, "Hippocampus");
+    assert_true(width > 60 && width < 200);
+    assert_near(font_width(font, 40, "Hippocampus"), 2 * width, 1e-2);
+    assert_near(font_width(font, 20, "HippocampusHippocampus"), 2 * width, 1e-6);
+    assert_near(font_width(font, 20, ""), 0, 0);
+    assert_near(font_width(font, 20, "\xff\xc3"), 2 * font_width(font, 20, "\xef\xbf\xbd"), 1e-6);
+    assert_true(font_width(font, 20, "\xc2\xb5") > 0);
+    font_destroy(font);
+    font_destroy(NULL);
+}
+
+/* The ink lies where it was asked for: above the baseline for letters without descender, within the text's width. */
+static void text_is_drawn_in_its_place(void **state)
+{
+    (void)state;
+    struct font *font = need_font();
+    conus_image *image = make_image(200, 60);
+    assert_ok(font_draw(font, image, (double[]){20.25, 40}, 24, WHITE, "HEx"));
+    const float *opacity = conus_image_floats(image, "A");
+    double right = 20.25 + font_width(font, 24, "HEx");
+    assert_true(inked(image) > 100);
+    for (int y = 0; y < 60; y++) {
+        for (int x = 0; x < 200; x++) {
+            bool allowed = y >= 40 - 24 && y < 40 && x >= 19 && x <= right + 1;
+            assert_true(allowed || opacity[y * 200 + x] == 0);
+        }
+    }
+    assert_ok(font_draw(font, image, (double[]){-30, 5}, 24, WHITE, "cut off at the border on every side, gjpq"));
+    conus_image_destroy(image);
+    font_destroy(font);
+}
+
+static void long_text_ends_in_an_ellipsis(void **state)
+{
+    (void)state;
+    struct font *font = need_font();
+    char out[64];
+    const char *name = "Gyrus fron\xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9 inferior, pars opercularis";
+    font_shorten(out, sizeof out, font, 20, name, 1000);
+    assert_string_equal(out, name);
+    for (int limit = 0; limit < 400; limit += 7) {
+        font_shorten(out, sizeof out, font, 20, name, limit);
+        size_t length = strlen(out);
+        assert_true(font_width(font, 20, out) <= limit);
+        assert_true(length == 0 || strcmp(out, name) == 0 || strcmp(out + length - 3, "\xe2\x80\xa6") == 0);
+        assert_null(strstr(out, "\xc3\xe2")); /* no half character */
+    }
+    char little[16];
+    font_shorten(little, sizeof little, font, 20, name, 1000);
+    assert_string_equal(little, "Gyrus fron\xc3\xa9\xe2\x80\xa6");
+    font_destroy(font);
+}
+
+static const struct legend_row ROWS[] = {
+    {{220, 90, 60}, false, "Frontal_Inf_Oper_L", {"188 px", "90.4 %", "25.5 mm"}},
+    {{80, 170, 220}, false, "Precentral_L", {"16 px", "7.7 %", "31.0 mm"}},
+    {{120, 200, 90}, false, "Postcentral_L", {"4 px", "1.9 %", "35.8 mm"}},
+    {{150, 150, 150}, true, "unassigned", {"0 px", "0.0 %", NULL}},
+};
+
+static const struct legend LEGEND = {.title = "Areas in the cone",
+                                     .subtitle = "20\xc2\xb0 from (\xe2\x88\x92"
+                                                 "90, 20, 20) mm",
+                                     .heading = {"pixels", "share", "distance"},
+                                     .rows = ROWS,
+                                     .count = 4};
+
+static bool has_colour(const conus_image *image, const uint8_t rgb[3])
+{
+    float wanted[4];
+    draw_colour(wanted, rgb, 1);
+    for (size_t i = 0; i < (size_t)image->width * image->height; i++) {
+        struct image_rgba planes = image_rgba(image);
+        if (fabsf(planes.plane[0][i] - wanted[0]) + fabsf(planes.plane[1][i] - wanted[1]) +
+                fabsf(planes.plane[2][i] - wanted[2]) <
+            1e-6F) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void legend_shows_every_colour_in_its_corner(void **state)
+{
+    (void)state;
+    struct font *font = need_font();
+    for (int corner = LEGEND_TOP_LEFT; corner <= LEGEND_BOTTOM_RIGHT; corner++) {
+        conus_image *image = make_image(1000, 750);
+        struct legend legend = LEGEND;
+        legend.corner = (enum legend_corner)corner;
+        assert_ok(legend_draw(image, font, &legend));
+        for (size_t i = 0; i < 3; i++) {
+            assert_true(has_colour(image, ROWS[i].rgb));
+        }
+        const float *opacity = conus_image_floats(image, "A");
+        size_t x = corner % 2 ? 1000 - 40 : 40;
+        size_t y = corner / 2 ? 750 - 40 : 40;
+        for (int other = LEGEND_TOP_LEFT; other <= LEGEND_BOTTOM_RIGHT; other++) {
+            bool there = opacity[(other / 2 ? 749 - y : y) * 1000 + (other % 2 ? 999 - x : x)] > 0;
+            assert_int_equal(there, other == 0);
+        }
+        conus_image_destroy(image);
+    }
+    font_destroy(font);
+}
+
+static void legend_fits_into_any_image(void **state)
+{
+    (void)state;
+    struct font *font = need_font();
+    struct legend_row rows[200];
+    for (size_t i = 0; i < 200; i++) {
+        rows[i] = ROWS[i % 4];
+        rows[i].name = i % 5 ? "Anterior part of the superior longitudinal fasciculus, with a very long name" : "x";
+    }
+    struct legend legend = LEGEND;
+    legend.rows = rows;
+    for (size_t count = 0; count <= 200; count += 40) {
+        for (uint32_t side = 1; side < 700; side = side * 3 / 2 + 1) {
+            conus_image *image = make_image(side, 1 + 700 / side);
+            legend.count = count;
+            assert_ok(legend_draw(image, font, &legend));
+            conus_image_destroy(image);
+            image = make_image(1 + 700 / side, side);
+            assert_ok(legend_draw(image, font, &legend));
+            conus_image_destroy(image);
+        }
+        conus_image *image = make_image(800, 600);
+        assert_ok(legend_draw(image, font, &legend));
+        const float *opacity = conus_image_floats(image, "A");
+        for (size_t y = 0; y < 600; y++) {
+            for (size_t x = 0; x < 800; x++) {
+                bool inside = x >= 10 && x <= 336 && y >= 10 && y < 590;
+                assert_true(inside || opacity[y * 800 + x] == 0);
+            }
+        }
+        conus_image_destroy(image);
+    }
+    font_destroy(font);
+}
+
+static void legend_needs_colours(void **state)
+{
+    (void)state;
+    struct font *font = need_font();
+    conus_image *image = NULL;
+    assert_ok(image_create(&image, 100, 100));
+    assert_fails(legend_draw(image, font, &LEGEND), CONUS_ERROR_ARGUMENT);
+    conus_image_destroy(image);
+    font_destroy(font);
+}
+
+static void missing_fonts_are_told_apart(void **state)
+{
+    (void)state;
+    const char *path = test_scratch("fonts.conf");
+    const char *old = getenv("FONTCONFIG_FILE");
+    static const char empty[] = "<?xml version=\"1.0\"?><fontconfig></fontconfig>";
+    assert_ok(conus_write_file(path, empty, sizeof empty - 1));
+    char *absolute = realpath(path, NULL);
+    setenv("FONTCONFIG_FILE", absolute, 1);
+    struct font *font = NULL;
+    assert_fails(font_create(&font), CONUS_ERROR_UNSUPPORTED);
+    assert_null(font);
+    assert_non_null(strstr(conus_message(), "no text in pictures"));
+    old ? setenv("FONTCONFIG_FILE", old, 1) : unsetenv("FONTCONFIG_FILE");
+    free(absolute);
+}
+
+static conus_status draw_once(void *data)
+{
+    struct font *font = NULL;
+    conus_status status = font_create(&font);
+    status = status ? status : legend_draw(data, font, &LEGEND);
+    font_destroy(font);
+    return status;
+}
+
+static void every_failing_allocation_is_survived(void **state)
+{
+    (void)state;
+    font_destroy(need_font());
+    conus_image *image = make_image(400, 300);
+    test_every_allocation(draw_once, image);
+    conus_image_destroy(image);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(shapes_cover_their_area),
+        cmocka_unit_test(shapes_are_cut_off_at_the_border),
+        cmocka_unit_test(colours_are_laid_over),
+        cmocka_unit_test(text_has_a_width_that_adds_up),
+        cmocka_unit_test(text_is_drawn_in_its_place),
+        cmocka_unit_test(long_text_ends_in_an_ellipsis),
+        cmocka_unit_test(legend_shows_every_colour_in_its_corner),
+        cmocka_unit_test(legend_fits_into_any_image),
+        cmocka_unit_test(legend_needs_colours),
+        cmocka_unit_test(missing_fonts_are_told_apart),
+        cmocka_unit_test(every_failing_allocation_is_survived),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

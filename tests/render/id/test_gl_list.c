@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/memory.h"
+#include "render/gl/program.h"
+#include "render/gl/shader_list.h"
+#include "render/gl/shaders.h"
+#include "render/gl/target.h"
+#include "test.h"
+#include "test_gl.h"
+
+enum { EDGE = 40, PIXELS = EDGE * EDGE, BINDING = 3 };
+
+/* Pixel p appends (p, 0), (p, 1), ... : as many as `length(p)` says. */
+static const char fragment[] = "layout(std430, binding = BINDING) restrict buffer List"
+                               "{ uint count; uint unused; uvec2 records[]; };\n"
+                               "uniform ivec2 pixels;\n"
+                               "void main() {\n"
+                               "int p = int(gl_FragCoord.y) * EDGE + int(gl_FragCoord.x);\n"
+                               "for (int k = 0; p >= pixels.x && p < pixels.y && k < (p == 7 ? MANY : p % 5); k++) {\n"
+                               "uint place = atomicAdd(count, 1u);\n"
+                               "if (place < uint(records.length())) { records[place] = uvec2(p, k); }\n"
+                               "} }\n";
+
+struct drawing {
+    GLuint program, vertices;
+    GLint pixels;
+    struct target target;
+    uint32_t many;
+    uint32_t next[PIXELS]; /* what each pixel has to say next */
+    size_t draws, portions;
+};
+
+static uint32_t length(const struct drawing *drawing, uint32_t pixel)
+{
+    return pixel == 7 ? drawing->many : pixel % 5;
+}
+
+static struct drawing *drawing_create(uint32_t many)
+{
+    struct drawing *drawing = memory_zeroed(1, sizeof *drawing);
+    assert_non_null(drawing);
+    const struct program_define defines[] = {{"BINDING", BINDING}, {"EDGE", EDGE}, {"MANY", many}};
+    const struct program_source source = {.vertex = {"screen.vert.glsl", shader_screen_vert},
+                                          .fragment = {"list.frag.glsl", fragment},
+                                          .defines = defines,
+                                          .define_count = 3};
+    assert_ok(program_create(&drawing->program, &source));
+    assert_ok(target_init(&drawing->target, EDGE, EDGE, NULL, 0));
+    drawing->pixels = program_uniform(drawing->program, "pixels");
+    drawing->many = many;
+    glCreateVertexArrays(1, &drawing->vertices);
+    return drawing;
+}
+
+static void drawing_destroy(struct drawing *drawing)
+{
+    glDeleteProgram(drawing->program);
+    glDeleteVertexArrays(1, &drawing->vertices);
+    target_finish(&drawing->target);
+    memory_free(drawing);
+}
+
+static conus_status draw(void *user, uint32_t first, uint32_t end)
+{
+    struct drawing *drawing = user;
+    target_bind(&drawing->target);
+    glBindVertexArray(drawing->vertices);
+    glUseProgram(drawing->program);
+    glUniform2i(drawing->pixels, (GLint)first, (GLint)end);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    drawing->draws++;
+    return gl_check("test");
+}
+
+/* Everything comes once, and what one pixel says in its order. */
+static conus_status take(void *user, const void *records, uint32_t count)
+{
+    struct drawing *drawing = user;
+    const uint32_t(*record)[2] = (const uint32_t(*)[2])records;
+    for (uint32_t i = 0; i < count; i++) {
+        assert_in_range(record[i][0], 0, PIXELS - 1);
+        assert_int_equal(record[i][1], drawing->next[record[i][0]]++);
+    }
+    drawing->portions++;
+    return CONUS_OK;
+}
+
+static struct shader_list_job job_of(struct drawing *drawing)
+{
+    return (struct shader_list_job){.binding = BINDING,
+                                    .draw = draw,
+                                    .take = take,
+                                    .user = drawing,
+                                    .pixels = PIXELS,
+                                    .per_pixel = drawing->many > 4 ? drawing->many : 4};
+}
+
+static void assert_complete(struct drawing *drawing)
+{
+    for (uint32_t p = 0; p < PIXELS; p++) {
+        assert_int_equal(drawing->next[p], length(drawing, p));
+        drawing->next[p] = 0;
+    }
+}
+
+static void a_list_grows_until_all_fits(void **state)
+{
+    (void)state;
+    struct test_gl gl;
+    struct shader_list list;
+    test_gl_enter(&gl);
+    struct drawing *drawing = drawing_create(100);
+    const struct shader_list_job job = job_of(drawing);
+    assert_ok(shader_list_init(&list, 8, 1));
+    assert_ok(shader_list_collect(&list, &job));
+    assert_complete(drawing);
+    assert_int_equal(drawing->draws, 2);
+    assert_int_equal(drawing->portions, 1);
+    assert_ok(shader_list_collect(&list, &job)); /* once it has grown, it fits */
+    assert_complete(drawing);
+    assert_int_equal(drawing->draws, 3);
+    shader_list_finish(&list);
+    drawing_destroy(drawing);
+    test_gl_leave(&gl);
+}
+
+/* No record is lost however little the device can hold. */
+static void a_list_at_its_limit_takes_turns(void **state)
+{
+    (void)state;
+    struct test_gl gl;
+    test_gl_enter(&gl);
+    struct drawing *drawing = drawing_create(100);
+    const struct shader_list_job job = job_of(drawing);
+    for (uint32_t limit = 100; limit < 5000; limit *= 2) {
+        struct shader_list list;
+        assert_ok(shader_list_init(&list, 8, 50));
+        list.limit = limit;
+        drawing->portions = 0;
+        assert_ok(shader_list_collect(&list, &job));
+        assert_complete(drawing);
+        assert_in_range(drawing->portions, PIXELS * 2 / limit, PIXELS);
+        assert_int_equal(list.room, limit < 3100 ? limit : list.room);
+        shader_list_finish(&list);
+    }
+    drawing_destroy(drawing);
+    test_gl_leave(&gl);
+}
+
+static void one_pixel_too_many_is_refused(void **state)
+{
+    (void)state;
+    struct test_gl gl;
+    struct shader_list list;
+    test_gl_enter(&gl);
+    struct drawing *drawing = drawing_create(100);
+    const struct shader_list_job job = job_of(drawing);
+    assert_ok(shader_list_init(&list, 8, 50));
+    list.limit = 99;
+    assert_fails(shader_list_collect(&list, &job), CONUS_ERROR_UNSUPPORTED);
+    shader_list_finish(&list);
+    drawing_destroy(drawing);
+    test_gl_leave(&gl);
+}
+
+/* The counter has 32 bits: what it could count is never more. */
+static void the_counter_cannot_run_over(void **state)
+{
+    (void)state;
+    struct test_gl gl;
+    struct shader_list list;
+    test_gl_enter(&gl);
+    struct drawing *drawing = drawing_create(100);
+    struct shader_list_job job = job_of(drawing);
+    job.per_pixel = UINT32_MAX / 100;
+    assert_ok(shader_list_init(&list, 8, 500));
+    assert_ok(shader_list_collect(&list, &job));
+    assert_complete(drawing);
+    assert_int_equal(drawing->portions, PIXELS / 100);
+    job.per_pixel = 0;
+    assert_ok(shader_list_collect(&list, &job));
+    assert_int_equal(drawing->portions, PIXELS / 100);
+    shader_list_finish(&list);
+    drawing_destroy(drawing);
+    test_gl_leave(&gl);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_list_grows_until_all_fits),
+        cmocka_unit_test(a_list_at_its_limit_takes_turns),
+        cmocka_unit_test(one_pixel_too_many_is_refused),
+        cmocka_unit_test(the_counter_cannot_run_over),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

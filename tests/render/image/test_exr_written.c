@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Every picture that is written reads back bit by bit, here and by OpenEXR's C++ library, whatever its content. A chunk
+ * that deflates to just its own size must be stored as it is, since readers take it for that. How much of a chunk is
+ * noise, the rest zero, goes byte by byte from nothing to all, and so passes through that size: 13 of the 2,425
+ * flat pictures here have such a chunk. */
+#include "base/memory.h"
+#include "exr_oracle.h"
+#include "render/image/deep_image.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LINES_OF_CHUNK = 16 }; /* of ZIP */
+
+static uint32_t noise(uint64_t *seed)
+{
+    return (uint32_t)test_random(seed, 0, 4294967296.0);
+}
+
+/* `count` values whose first `noisy` bytes are noise. */
+static void fill(uint32_t *values, size_t count, size_t noisy, uint64_t *seed)
+{
+    memset(values, 0, count * sizeof *values);
+    for (size_t i = 0; i < noisy; i++) {
+        ((uint8_t *)values)[i] = (uint8_t)noise(seed);
+    }
+}
+
+static void check_channel(const conus_image *image, const conus_image *back, const char *path, const char *name)
+{
+    size_t count = (size_t)image->width * image->height;
+    const uint32_t *wanted = image_find(image, name)->uints;
+    uint32_t *read = exr_flat_read(path, name, image->width, image->height);
+    assert_non_null(read);
+    if (memcmp(image_find(back, name)->uints, wanted, count * sizeof *wanted) != 0 ||
+        memcmp(read, wanted, count * sizeof *wanted) != 0) {
+        fail_msg("%u x %u pixels: channel %s is not what was written", image->width, image->height, name);
+    }
+    free(read);
+}
+
+static void write_scratch(const char *path, const struct bytes *bytes)
+{
+    remove(path); /* a new file needs no wait for the disk */
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes->data, 1, bytes->size, file), bytes->size);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* A picture of two channels, whose last chunk begins with `noisy` bytes of noise in each. */
+static void check_flat(uint32_t width, uint32_t height, size_t noisy, uint64_t *seed)
+{
+    static const char *const names[] = {"id", "Z"};
+    size_t before = (size_t)(height - 1) / LINES_OF_CHUNK * LINES_OF_CHUNK * width;
+    conus_image *image = NULL;
+    conus_image *back = NULL;
+    struct bytes bytes;
+    assert_ok(image_create(&image, width, height));
+    for (int i = 0; i < 2; i++) {
+        struct image_channel *channel = NULL;
+        assert_ok(image_add_channel(image, names[i], i ? IMAGE_FLOAT : IMAGE_UINT, &channel));
+        fill(channel->uints + before, (size_t)width * height - before, noisy, seed);
+    }
+    const char *path = test_scratch("flat.exr");
+    assert_ok(image_format_exr(&bytes, image));
+    assert_ok(image_parse_exr(&back, bytes.data, bytes.size));
+    write_scratch(path, &bytes);
+    for (int i = 0; i < 2; i++) {
+        check_channel(image, back, path, names[i]);
+    }
+    bytes_finish(&bytes);
+    conus_image_destroy(back);
+    conus_image_destroy(image);
+}
+
+/* Heights of one chunk, of whole ones, and with a short last one. */
+static void flat_pictures_read_back(void **state)
+{
+    (void)state;
+    static const uint32_t heights[] = {1, 3, 16, 17, 35};
+    static const uint32_t widths[] = {1, 2, 3, 7, 12};
+    uint64_t seed = 12;
+    for (int h = 0; h < 5; h++) {
+        for (int w = 0; w < 5; w++) {
+            size_t all = sizeof(uint32_t) * widths[w] * ((heights[h] - 1) % LINES_OF_CHUNK + 1);
+            for (size_t noisy = 0; noisy <= all; noisy++) {
+                check_flat(widths[w], heights[h], noisy, &seed);
+            }
+        }
+    }
+}
+
+/* One row of a deep picture whose pixels have these numbers of samples; `noisy` bytes of the samples are noise. */
+static void check_deep(const uint32_t *counts, uint32_t width, size_t noisy, uint64_t *seed)
+{
+    struct deep_image *image = NULL;
+    struct image_channel *channel = NULL;
+    struct bytes bytes;
+    assert_ok(deep_image_create(&image, width, 1, counts));
+    assert_ok(deep_image_add_channel(image, "id", IMAGE_UINT, &channel));
+    fill(channel->uints, image->sample_count, noisy, seed);
+    assert_ok(deep_image_format(&bytes, image));
+    write_scratch(test_scratch("row.exr"), &bytes);
+    struct exr_deep *deep = exr_deep_read(test_scratch("row.exr"));
+    assert_non_null(deep);
+    size_t sample = 0;
+    for (uint32_t x = 0; x < width; x++) {
+        assert_int_equal(exr_deep_count(deep, x, 0), counts[x]);
+        for (uint32_t s = 0; s < counts[x]; s++) {
+            assert_int_equal(exr_deep_uint(deep, "id", x, 0, s), channel->uints[sample++]);
+        }
+    }
+    exr_deep_close(deep);
+    bytes_finish(&bytes);
+    deep_image_destroy(image);
+}
+
+static void deep_samples_read_back(void **state)
+{
+    (void)state;
+    uint64_t seed = 13;
+    for (uint32_t count = 1; count <= 64; count += 7) {
+        for (size_t noisy = 0; noisy <= sizeof(uint32_t) * count; noisy++) {
+            check_deep(&count, 1, noisy, &seed);
+        }
+    }
+}
+
+/* The tables of counts: some pixels with a random number of samples, the rest with none. */
+static void deep_counts_read_back(void **state)
+{
+    (void)state;
+    uint64_t seed = 14;
+    for (uint32_t width = 1; width <= 40; width++) {
+        for (uint32_t filled = 0; filled <= width; filled++) {
+            uint32_t counts[40] = {0};
+            for (uint32_t x = 0; x < filled; x++) {
+                counts[x] = noise(&seed) >> 24;
+            }
+            check_deep(counts, width, 0, &seed);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(flat_pictures_read_back),
+        cmocka_unit_test(deep_samples_read_back),
+        cmocka_unit_test(deep_counts_read_back),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

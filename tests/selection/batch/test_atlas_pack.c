@@ -1,0 +1,377 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "atlas/atlas.h"
+#include "base/memory.h"
+#include "mesh_scene.h"
+#include "scene.h"
+#include "selection/engine/engine_rays.h"
+#include "selection/engine/leap_map.h"
+#include "test.h"
+
+#include <string.h>
+#include <sys/mman.h>
+
+/* A packed atlas in pages that cannot be written to. */
+struct block {
+    uint8_t *memory;
+    size_t size;
+};
+
+static struct block pack(const conus_atlas *atlas)
+{
+    struct block block = {.size = conus_atlas_packed_size(atlas)};
+    block.memory = mmap(NULL, block.size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    assert_ptr_not_equal(block.memory, MAP_FAILED);
+    assert_ok(conus_atlas_pack(block.memory, block.size, atlas));
+    mprotect(block.memory, block.size, PROT_READ);
+    return block;
+}
+
+static void drop(struct block block)
+{
+    munmap(block.memory, block.size);
+}
+
+static bool lies_in(const void *array, const struct block *block)
+{
+    const uint8_t *p = array;
+    return p >= block->memory && p < block->memory + block->size;
+}
+
+/* A parcellation, pathways and surfaces, notes and files. */
+static conus_atlas *mixed_atlas(uint64_t *random, int pathways)
+{
+    conus_atlas *atlas = scene_atlas(random, 24, 0);
+    mesh_scene_add_soups(atlas, random);
+    conus_atlas *others = scene_atlas(random, 20, pathways);
+    for (size_t i = 0; i < others->volume_count; i++) {
+        const struct volume *volume = &others->volumes[i];
+        if (volume->values) {
+            float *values = memory_copy(volume->values, volume->voxel_count, sizeof *values);
+            assert_ok(atlas_add_pathway(atlas, &volume->info, values, "tract \xc3\xa9"));
+        }
+    }
+    conus_atlas_destroy(others);
+    assert_ok(notes_add(&atlas->notes, "a note"));
+    assert_ok(atlas_add_file(atlas, "mesh.gii", &(const struct bytes){(uint8_t *)"abc", 3}));
+    return atlas;
+}
+
+static void assert_same_volume(const struct volume *a, const struct volume *b)
+{
+    assert_int_equal(a->voxel_count, b->voxel_count);
+    assert_string_equal(a->path, b->path);
+    assert_ptr_equal(b->info.path, b->path);
+    conus_volume_info info = a->info;
+    info.path = b->info.path;
+    assert_memory_equal(&info, &b->info, sizeof info);
+    assert_memory_equal(a->voxel_from_world, b->voxel_from_world, sizeof a->voxel_from_world);
+    for (size_t v = 0; v < a->voxel_count && volume_is_met(a); v++) {
+        assert_int_equal(volume_object(a, v), volume_object(b, v));
+    }
+    assert_int_equal(!a->values, !b->values);
+    for (size_t v = 0; v < a->voxel_count && a->values; v++) {
+        assert_true(a->values[v] == b->values[v]);
+    }
+}
+
+static void assert_same_objects(const conus_atlas *a, const conus_atlas *b)
+{
+    assert_int_equal(a->object_count, b->object_count);
+    assert_int_equal(a->area_count, b->area_count);
+    for (size_t i = 0; i < a->object_count; i++) {
+        const conus_object *x = &a->objects[i];
+        const conus_object *y = &b->objects[i];
+        assert_string_equal(x->name, y->name);
+        assert_string_equal(x->abbreviation, y->abbreviation);
+        assert_int_equal(x->kind, y->kind);
+        assert_int_equal(x->label, y->label);
+        assert_int_equal(x->parent, y->parent);
+        assert_int_equal(x->voxels, y->voxels);
+        assert_int_equal(x->triangles, y->triangles);
+        assert_memory_equal(x->rgb, y->rgb, sizeof x->rgb);
+        assert_true(x->volume_mm3 == y->volume_mm3 && x->named == y->named && x->hemisphere == y->hemisphere);
+        assert_int_equal(a->places[i].is_mesh, b->places[i].is_mesh);
+        assert_int_equal(a->places[i].index, b->places[i].index);
+    }
+}
+
+static void assert_same(const conus_atlas *a, const conus_atlas *b)
+{
+    assert_same_objects(a, b);
+    assert_int_equal(a->volume_count, b->volume_count);
+    for (size_t i = 0; i < a->volume_count; i++) {
+        assert_same_volume(&a->volumes[i], &b->volumes[i]);
+    }
+    assert_int_equal(a->mesh_count, b->mesh_count);
+    for (size_t i = 0; i < a->mesh_count; i++) {
+        const struct mesh *x = &a->meshes[i];
+        const struct mesh *y = &b->meshes[i];
+        assert_int_equal(x->vertex_count, y->vertex_count);
+        assert_int_equal(x->triangle_count, y->triangle_count);
+        assert_memory_equal(x->positions, y->positions, 3 * x->vertex_count * sizeof *x->positions);
+        assert_memory_equal(x->triangles, y->triangles, 3 * x->triangle_count * sizeof *x->triangles);
+        assert_memory_equal(&x->shape, &y->shape, sizeof x->shape);
+    }
+    assert_string_equal(a->label_source, b->label_source);
+    assert_int_equal(a->files.count, b->files.count);
+    for (size_t i = 0; i < a->files.count; i++) {
+        assert_string_equal(a->files.items[i].path, b->files.items[i].path);
+        assert_string_equal(a->files.items[i].sha256, b->files.items[i].sha256);
+    }
+    assert_int_equal(a->notes.count, b->notes.count);
+    for (size_t i = 0; i < a->notes.count; i++) {
+        assert_string_equal(a->notes.lines[i], b->notes.lines[i]);
+    }
+}
+
+static void what_is_attached_is_what_was_packed(void **state)
+{
+    (void)state;
+    uint64_t random = 1;
+    for (int round = 0; round < 20; round++) {
+        conus_atlas *attached = NULL;
+        conus_atlas *atlas = mixed_atlas(&random, round % 4);
+        struct block block = pack(atlas);
+        assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
+        assert_same(atlas, attached);
+        for (size_t i = 0; i < attached->volume_count; i++) {
+            const struct volume *volume = &attached->volumes[i];
+            assert_true(lies_in(volume->objects16, &block) && lies_in(volume->leaps, &block));
+            assert_true(!volume->values || lies_in(volume->values, &block));
+        }
+        for (size_t i = 0; i < attached->mesh_count; i++) {
+            assert_true(lies_in(attached->meshes[i].positions, &block));
+            assert_true(lies_in(attached->meshes[i].triangles, &block));
+        }
+        conus_atlas_destroy(atlas);
+        conus_atlas_destroy(attached);
+        drop(block);
+    }
+}
+
+/* What both engines' scenes show, to the bit. */
+static void assert_same_answers(const conus_atlas *a, const conus_atlas *b, uint64_t *random)
+{
+    struct engine *engines[2];
+    const struct engine_options options = {0};
+    assert_ok(engine_rays_create(&engines[0], a, &options));
+    assert_ok(engine_rays_create(&engines[1], b, &options));
+    for (int query = 0; query < 20; query++) {
+        struct cone cone = scene_cone(random, a);
+        size_t pixels = (size_t)cone.resolution * cone.resolution;
+        struct evidence seen[2];
+        for (int i = 0; i < 2; i++) {
+            assert_ok(evidence_init(&seen[i], cone.resolution));
+            assert_ok(engines[i]->functions->look(engines[i], &seen[i], &cone));
+        }
+        assert_memory_equal(seen[0].object, seen[1].object, pixels * sizeof *seen[0].object);
+        assert_memory_equal(seen[0].distance, seen[1].distance, pixels * sizeof *seen[0].distance);
+        assert_memory_equal(seen[0].voxel, seen[1].voxel, pixels * sizeof *seen[0].voxel);
+        evidence_finish(&seen[0]);
+        evidence_finish(&seen[1]);
+    }
+    engines[0]->functions->destroy(engines[0]);
+    engines[1]->functions->destroy(engines[1]);
+}
+
+static void an_attached_atlas_answers_as_the_packed_one(void **state)
+{
+    (void)state;
+    uint64_t random = 2;
+    for (int round = 0; round < 20; round++) {
+        conus_atlas *attached = NULL;
+        conus_atlas *atlas = mixed_atlas(&random, round % 3);
+        struct block block = pack(atlas);
+        assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
+        assert_same_answers(atlas, attached, &random);
+        conus_atlas_destroy(atlas);
+        conus_atlas_destroy(attached);
+        drop(block);
+    }
+}
+
+static void packing_it_again_gives_the_same(void **state)
+{
+    (void)state;
+    uint64_t random = 3;
+    conus_atlas *attached = NULL;
+    conus_atlas *atlas = mixed_atlas(&random, 2);
+    struct block block = pack(atlas);
+    assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
+    conus_atlas_destroy(atlas);
+    struct block again = pack(attached);
+    conus_atlas_destroy(attached);
+    assert_int_equal(again.size, block.size);
+    attached = NULL;
+    assert_ok(conus_atlas_attach(&attached, again.memory, again.size));
+    conus_atlas *first = NULL;
+    assert_ok(conus_atlas_attach(&first, block.memory, block.size));
+    assert_same(first, attached);
+    assert_same_answers(first, attached, &random);
+    conus_atlas_destroy(first);
+    conus_atlas_destroy(attached);
+    drop(block);
+    drop(again);
+}
+
+/* Packed before the change or after it: the block stays as it is (writing to it would be a segmentation fault). */
+static void changes_are_made_to_copies(void **state)
+{
+    (void)state;
+    uint64_t random = 4;
+    for (int round = 0; round < 20; round++) {
+        conus_atlas *attached = NULL;
+        conus_atlas *atlas = scene_atlas(&random, 24, 2);
+        struct block block = pack(atlas);
+        assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
+        size_t pathway = atlas->object_count;
+        assert_ok(conus_atlas_set_threshold(atlas, pathway, 0.25));
+        assert_ok(conus_atlas_set_threshold(attached, pathway, 0.25));
+        assert_null(attached->volumes[attached->places[pathway - 1].index].leaps);
+        conus_status status = conus_atlas_set_hemispheres(atlas, CONUS_HEMISPHERES_SPLIT);
+        assert_fails(conus_atlas_set_hemispheres(attached, CONUS_HEMISPHERES_SPLIT), status);
+        assert_same(atlas, attached);
+        assert_same_answers(atlas, attached, &random);
+        conus_atlas_destroy(atlas);
+        conus_atlas_destroy(attached);
+        drop(block);
+    }
+}
+
+static void an_attached_atlas_can_grow(void **state)
+{
+    (void)state;
+    uint64_t random = 5;
+    conus_atlas *attached = NULL;
+    conus_atlas *atlas = scene_atlas(&random, 12, 3);
+    struct block block = pack(atlas);
+    assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
+    for (int i = 0; i < 20; i++) {
+        float *values[2] = {memory_zeroed(8, sizeof(float)), memory_zeroed(8, sizeof(float))};
+        conus_volume_info info = scene_grid(&random, (const size_t[]){2, 2, 2});
+        info.role = CONUS_SCALAR;
+        info.threshold = 0.5;
+        values[0][i % 8] = values[1][i % 8] = 1;
+        assert_ok(atlas_add_pathway(atlas, &info, values[0], "more"));
+        assert_ok(atlas_add_pathway(attached, &info, values[1], "more"));
+    }
+    assert_ok(notes_add(&atlas->notes, "more"));
+    assert_ok(notes_add(&attached->notes, "more"));
+    assert_same(atlas, attached);
+    conus_atlas_destroy(atlas);
+    conus_atlas_destroy(attached);
+    drop(block);
+}
+
+static void what_is_no_packed_atlas_is_refused(void **state)
+{
+    (void)state;
+    uint64_t random = 6;
+    conus_atlas *attached = NULL;
+    conus_atlas *atlas = mixed_atlas(&random, 1);
+    struct block block = pack(atlas);
+    mprotect(block.memory, block.size, PROT_READ | PROT_WRITE);
+    for (size_t size = 0; size < block.size; size += size < 8192 ? 1 : 997) {
+        assert_fails(conus_atlas_attach(&attached, block.memory, size), CONUS_ERROR_DATA);
+    }
+    size_t small = 0; /* the small parts end where a change is no longer seen */
+    for (conus_status status = CONUS_ERROR_DATA; status && small < block.size; small++) {
+        block.memory[small] ^= 0x40;
+        status = conus_atlas_attach(&attached, block.memory, block.size);
+        block.memory[small] ^= 0x40;
+    }
+    assert_in_range(small, 1000, block.size);
+    conus_atlas_destroy(attached);
+    attached = NULL;
+    assert_fails(conus_atlas_attach(&attached, block.memory + 8, block.size - 8), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_atlas_attach(&attached, NULL, 0), CONUS_ERROR_ARGUMENT);
+    assert_null(attached);
+    assert_fails(conus_atlas_pack(block.memory, block.size - 1, atlas), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_atlas_pack(block.memory + 8, block.size + 64, atlas), CONUS_ERROR_ARGUMENT);
+    conus_atlas_destroy(atlas);
+    drop(block);
+}
+
+/* Every byte of the head with every other value; and numbers near the largest there is in each eight bytes, which wrap
+ * around where they are rounded up. */
+static void a_damaged_head_is_refused(void **state)
+{
+    (void)state;
+    enum { HEAD = 56 };
+    uint64_t random = 8;
+    conus_atlas *attached = NULL;
+    conus_atlas *atlas = mixed_atlas(&random, 1);
+    struct block block = pack(atlas);
+    mprotect(block.memory, block.size, PROT_READ | PROT_WRITE);
+    for (size_t i = 0; i < HEAD; i++) {
+        uint8_t right = block.memory[i];
+        for (int wrong = 1; wrong < 256; wrong++) {
+            block.memory[i] = (uint8_t)(right ^ wrong);
+            assert_fails(conus_atlas_attach(&attached, block.memory, block.size), CONUS_ERROR_DATA);
+        }
+        block.memory[i] = right;
+    }
+    for (size_t i = 0; i < HEAD; i += sizeof(uint64_t)) {
+        uint64_t right;
+        memcpy(&right, block.memory + i, sizeof right);
+        for (uint64_t less = 0; less <= 128; less++) {
+            memcpy(block.memory + i, &(uint64_t){UINT64_MAX - less}, sizeof right);
+            assert_fails(conus_atlas_attach(&attached, block.memory, block.size), CONUS_ERROR_DATA);
+        }
+        memcpy(block.memory + i, &right, sizeof right);
+    }
+    assert_null(attached);
+    assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
+    conus_atlas_destroy(attached);
+    conus_atlas_destroy(atlas);
+    drop(block);
+}
+
+struct attempt {
+    conus_atlas *atlas;
+    struct block block;
+};
+
+static conus_status try_packing(void *data)
+{
+    struct attempt *attempt = data;
+    return conus_atlas_pack(attempt->block.memory, attempt->block.size, attempt->atlas);
+}
+
+static conus_status try_attaching(void *data)
+{
+    struct attempt *attempt = data;
+    conus_atlas *attached = NULL;
+    conus_status status = conus_atlas_attach(&attached, attempt->block.memory, attempt->block.size);
+    status = status ? status : conus_atlas_set_threshold(attached, attached->object_count, 0.5);
+    conus_atlas_destroy(attached);
+    return status;
+}
+
+static void both_survive_every_failing_allocation(void **state)
+{
+    (void)state;
+    uint64_t random = 7;
+    struct attempt attempt = {.atlas = mixed_atlas(&random, 2)};
+    attempt.block = pack(attempt.atlas);
+    test_every_allocation(try_attaching, &attempt);
+    mprotect(attempt.block.memory, attempt.block.size, PROT_READ | PROT_WRITE);
+    test_every_allocation(try_packing, &attempt);
+    conus_atlas_destroy(attempt.atlas);
+    drop(attempt.block);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_attached_is_what_was_packed),
+        cmocka_unit_test(an_attached_atlas_answers_as_the_packed_one),
+        cmocka_unit_test(packing_it_again_gives_the_same),
+        cmocka_unit_test(changes_are_made_to_copies),
+        cmocka_unit_test(an_attached_atlas_can_grow),
+        cmocka_unit_test(what_is_no_packed_atlas_is_refused),
+        cmocka_unit_test(a_damaged_head_is_refused),
+        cmocka_unit_test(both_survive_every_failing_allocation),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

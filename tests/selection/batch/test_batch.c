@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Batches through the library: order, bytes that depend on nothing but the poses, errors, ends. */
+#include "base/buffer.h"
+#include "base/file.h"
+#include "base/math3.h"
+#include "scene.h"
+#include "selection/report/report.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { POSES = 400, BAD = 7 }; /* every BAD-th row is no pose */
+
+struct fixture {
+    conus_atlas *atlas;
+    conus_selector *selector;
+    const char *path;        /* of the poses */
+    struct buffer reference; /* the rows, by conus_select() and a report */
+};
+
+/* What a sink is given, and how it behaves. */
+struct received {
+    struct buffer text;
+    uint64_t poses, errors, blocks;
+    uint64_t stop_after; /* blocks; 0 = never */
+};
+
+static bool receive(void *user, const conus_batch_block *block)
+{
+    struct received *received = user;
+    buffer_append(&received->text, block->text, block->size);
+    received->poses += block->poses;
+    received->errors += block->errors;
+    received->blocks++;
+    return received->blocks != received->stop_after;
+}
+
+static void write_poses(const char *path, const conus_atlas *atlas)
+{
+    struct buffer text = {0};
+    uint64_t seed = 7;
+    buffer_text(&text,
+                "query_id\tm00\tm01\tm02\tm03\tm10\tm11\tm12\tm13\tm20\tm21\tm22\tm23\tm30\tm31\tm32\tm33\tangle\n");
+    for (int i = 0; i < POSES; i++) {
+        conus_pose pose = scene_generic_pose(&seed, atlas);
+        buffer_format(&text, "pose %d", i);
+        for (int k = 0; k < 16; k++) {
+            buffer_format(&text, "\t%.17g", pose.world_from_device[4 * (k % 4) + k / 4]);
+        }
+        buffer_text(&text, i % BAD == 0 ? "\tten\n" : i % 2 ? "\t20\n" : "\t35\n");
+    }
+    assert_ok(buffer_status(&text));
+    assert_ok(file_write(path, text.data, text.size));
+    buffer_finish(&text);
+}
+
+/* The rows by the way that conus query takes. */
+static void make_reference(struct fixture *fixture)
+{
+    conus_pose_list *list = NULL;
+    conus_report *report = NULL;
+    const char *text = NULL;
+    size_t size = 0;
+    assert_ok(conus_pose_list_load(&list, fixture->path, NULL));
+    assert_ok(conus_report_create(&report, fixture->selector, &(conus_report_options){.format = CONUS_NDJSON}));
+    for (size_t i = 0; i < conus_pose_list_count(list); i++) {
+        const conus_pose_row *row = conus_pose_list_row(list, i);
+        conus_selection *selection = NULL;
+        if (row->error) {
+            assert_ok(conus_report_add_error(report, row->id, row->line, row->error));
+        } else {
+            assert_ok(conus_select(&selection, fixture->selector, &row->pose, row->angle));
+            assert_ok(conus_report_add(report, row->id, selection));
+        }
+        conus_selection_destroy(selection);
+    }
+    assert_ok(conus_report_text(report, &text, &size));
+    buffer_append(&fixture->reference, text, size);
+    conus_report_destroy(report);
+    conus_pose_list_destroy(list);
+}
+
+static int set_up(void **state)
+{
+    static struct fixture fixture;
+    uint64_t seed = 3;
+    fixture.atlas = scene_atlas(&seed, 24, 2);
+    fixture.path = test_scratch("poses.tsv");
+    write_poses(fixture.path, fixture.atlas);
+    assert_ok(conus_selector_create(&fixture.selector, fixture.atlas, NULL));
+    make_reference(&fixture);
+    *state = &fixture;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *fixture = *state;
+    buffer_finish(&fixture->reference);
+    conus_selector_destroy(fixture->selector);
+    conus_atlas_destroy(fixture->atlas);
+    return 0;
+}
+
+static conus_batch *batch_of(struct fixture *fixture, uint32_t threads, uint32_t block)
+{
+    conus_batch *batch = NULL;
+    const conus_batch_options options = {.threads = threads, .block = block, .report = {.format = CONUS_NDJSON}};
+    assert_ok(conus_batch_create(&batch, fixture->selector, &options));
+    assert_int_equal(conus_batch_threads(batch), threads);
+    return batch;
+}
+
+static conus_pose_stream *poses_of(const struct fixture *fixture)
+{
+    conus_pose_stream *poses = NULL;
+    assert_ok(conus_pose_stream_open(&poses, fixture->path, NULL));
+    return poses;
+}
+
+static void check_text(const struct received *received, const char *wanted, size_t size)
+{
+    assert_int_equal(received->text.size, size);
+    assert_memory_equal(received->text.data, wanted, size);
+}
+
+static void rows_do_not_depend_on_threads_or_blocks(void **state)
+{
+    struct fixture *fixture = *state;
+    static const uint32_t settings[][2] = {{1, 1}, {1, 256}, {2, 1}, {2, 16}, {3, 100}, {8, 1}, {8, 50}, {5, 65536}};
+    for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
+        struct received received = {0};
+        conus_batch *batch = batch_of(fixture, settings[i][0], settings[i][1]);
+        conus_pose_stream *poses = poses_of(fixture);
+        assert_ok(conus_batch_run(batch, poses, UINT64_MAX, receive, &received));
+        assert_int_equal(received.poses, POSES);
+        assert_int_equal(received.errors, (POSES + BAD - 1) / BAD);
+        assert_int_equal(received.blocks, (POSES + settings[i][1] - 1) / settings[i][1]);
+        check_text(&received, fixture->reference.data, fixture->reference.size);
+        assert_ok(conus_batch_run(batch, poses, UINT64_MAX, receive, &received)); /* nothing is left */
+        assert_int_equal(received.poses, POSES);
+        buffer_finish(&received.text);
+        conus_pose_stream_destroy(poses);
+        conus_batch_destroy(batch);
+    }
+}
+
+static void limits_take_the_poses_piece_by_piece(void **state)
+{
+    struct fixture *fixture = *state;
+    for (uint32_t threads = 1; threads <= 4; threads++) {
+        struct received received = {0};
+        conus_batch *batch = batch_of(fixture, threads, 8);
+        conus_pose_stream *poses = poses_of(fixture);
+        for (uint64_t limit = 0; received.poses < POSES; limit += 8) {
+            uint64_t before = received.poses;
+            assert_ok(conus_batch_run(batch, poses, limit, receive, &received));
+            assert_int_equal(received.poses - before, limit < POSES - before ? limit : POSES - before);
+        }
+        check_text(&received, fixture->reference.data, fixture->reference.size);
+        buffer_finish(&received.text);
+        conus_pose_stream_destroy(poses);
+        conus_batch_destroy(batch);
+    }
+}
+
+static void a_sink_ends_the_run_behind_a_whole_block(void **state)
+{
+    struct fixture *fixture = *state;
+    for (uint32_t threads = 1; threads <= 4; threads++) {
+        for (uint64_t stop_after = 1; stop_after < 20; stop_after += 6) {
+            struct received received = {.stop_after = stop_after};
+            conus_batch *batch = batch_of(fixture, threads, 10);
+            conus_pose_stream *poses = poses_of(fixture);
+            assert_ok(conus_batch_run(batch, poses, UINT64_MAX, receive, &received));
+            assert_int_equal(received.poses, 10 * stop_after);
+            check_text(&received, fixture->reference.data, received.text.size);
+            buffer_finish(&received.text);
+            conus_pose_stream_destroy(poses);
+            conus_batch_destroy(batch);
+        }
+    }
+}
+
+static void what_is_no_batch_is_refused(void **state)
+{
+    struct fixture *fixture = *state;
+    conus_batch *batch = NULL;
+    static const conus_batch_options wrong[] = {
+        {.report = {.format = CONUS_TABLE}},
+        {.report = {.format = CONUS_JSON}},
+        {.report = {.rows = CONUS_SUMMARIES}},
+        {.threads = 1025, .report = {.format = CONUS_TSV}},
+        {.block = 65537, .report = {.format = CONUS_TSV}},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        assert_fails(conus_batch_create(&batch, fixture->selector, &wrong[i]), CONUS_ERROR_ARGUMENT);
+    }
+    assert_null(batch);
+    assert_int_equal(conus_batch_threads(NULL), 0);
+    assert_string_equal(conus_batch_heading(NULL), "");
+    conus_batch_destroy(NULL);
+}
+
+static void the_heading_is_the_report_s(void **state)
+{
+    struct fixture *fixture = *state;
+    conus_batch *batch = batch_of(fixture, 1, 0);
+    const char *text = NULL;
+    size_t size = 0;
+    assert_string_equal(conus_batch_heading(batch), "");
+    assert_ok(conus_batch_sidecar(batch, &text, &size));
+    assert_non_null(strstr(text, "\"offset_deg\""));
+    conus_batch_destroy(batch);
+    const conus_batch_options options = {.report = {.format = CONUS_TSV}};
+    assert_ok(conus_batch_create(&batch, fixture->selector, &options));
+    assert_true(conus_batch_threads(batch) >= 1);
+    assert_memory_equal(conus_batch_heading(batch), "query\tkind\tindex\t", 17);
+    conus_batch_destroy(batch);
+}
+
+/* One row per pose, whatever the threads; of the full rows the first. */
+static void summaries_are_the_best_of_each(void **state)
+{
+    struct fixture *fixture = *state;
+    struct buffer first = {0};
+    for (uint32_t threads = 1; threads <= 3; threads++) {
+        const conus_batch_options options = {
+            .threads = threads, .block = 9, .report = {.rows = CONUS_SUMMARIES, .format = CONUS_TSV}};
+        struct received received = {0};
+        conus_batch *batch = NULL;
+        conus_pose_stream *poses = poses_of(fixture);
+        size_t lines = 0;
+        assert_ok(conus_batch_create(&batch, fixture->selector, &options));
+        assert_non_null(strstr(conus_batch_heading(batch), "\trunner_up\trunner_up_index\trunner_up_share\tmargin\t"));
+        assert_ok(conus_batch_run(batch, poses, UINT64_MAX, receive, &received));
+        for (const char *at = received.text.data; (at = strchr(at, '\n')); at++) {
+            lines++;
+        }
+        assert_int_equal(lines, POSES);
+        if (!first.size) {
+            buffer_append(&first, received.text.data, received.text.size);
+        }
+        check_text(&received, first.data, first.size);
+        buffer_finish(&received.text);
+        conus_pose_stream_destroy(poses);
+        conus_batch_destroy(batch);
+    }
+    buffer_finish(&first);
+}
+
+static conus_status run_once(void *data)
+{
+    struct fixture *fixture = data;
+    struct received received = {0};
+    conus_batch *batch = NULL;
+    conus_pose_stream *poses = NULL;
+    const char *text = NULL;
+    size_t size = 0;
+    const conus_batch_options options = {.threads = 1, .block = 16, .report = {.format = CONUS_TSV}};
+    conus_status status = conus_batch_create(&batch, fixture->selector, &options);
+    status = status ? status : conus_pose_stream_open(&poses, fixture->path, NULL);
+    status = status ? status : conus_batch_run(batch, poses, 20, receive, &received);
+    status = status ? status : conus_batch_sidecar(batch, &text, &size);
+    buffer_finish(&received.text);
+    conus_pose_stream_destroy(poses);
+    conus_batch_destroy(batch);
+    return status;
+}
+
+static void every_failing_allocation_is_clean(void **state)
+{
+    test_every_allocation(run_once, *state);
+}
+
+/* What fails in the middle comes after all blocks before it, with its message, whichever thread it was. */
+static void a_failure_ends_the_run(void **state)
+{
+    struct fixture *fixture = *state;
+    for (long n = 5; n < 400; n += 13) {
+        struct received received = {0};
+        conus_batch *batch = batch_of(fixture, 3, 10);
+        conus_pose_stream *poses = poses_of(fixture);
+        buffer_append(&received.text, fixture->reference.data, fixture->reference.size); /* room enough */
+        buffer_clear(&received.text);
+        test_fail_allocation(n);
+        conus_status status = conus_batch_run(batch, poses, UINT64_MAX, receive, &received);
+        bool failed = test_allocation_failed();
+        test_fail_allocation(-1);
+        assert_true(failed);
+        assert_fails(status, CONUS_ERROR_MEMORY);
+        assert_true(received.poses < POSES && received.poses % 10 == 0);
+        check_text(&received, fixture->reference.data, received.text.size);
+        buffer_finish(&received.text);
+        conus_pose_stream_destroy(poses);
+        conus_batch_destroy(batch);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rows_do_not_depend_on_threads_or_blocks),
+        cmocka_unit_test(limits_take_the_poses_piece_by_piece),
+        cmocka_unit_test(a_sink_ends_the_run_behind_a_whole_block),
+        cmocka_unit_test(what_is_no_batch_is_refused),
+        cmocka_unit_test(the_heading_is_the_report_s),
+        cmocka_unit_test(summaries_are_the_best_of_each),
+        cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(a_failure_ends_the_run),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

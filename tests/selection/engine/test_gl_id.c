@@ -1,0 +1,438 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "atlas/space.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "render/gl/context.h"
+#include "scene.h"
+#include "selection/engine/evidence.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void print_line(void *user, const char *line)
+{
+    *(int *)user += 1;
+    print_message("%s\n", line);
+}
+
+static int driver_messages;
+
+/* The gl engine for `atlas`, or the running test is skipped, saying why. */
+static struct engine *gl_engine(const conus_atlas *atlas, conus_sampling sampling, uint32_t slices)
+{
+    const struct engine_options options = {sampling, slices, print_line, &driver_messages};
+    struct engine *engine = NULL;
+    conus_status status = engine_gl_create(&engine, atlas, &options);
+    if (status == CONUS_ERROR_GL) {
+        print_message("skipped: %s\n", conus_message());
+        skip();
+    }
+    assert_ok(status);
+    assert_memory_equal(engine->name, "gl, ", 4);
+    return engine;
+}
+
+static struct engine *rays_engine(const conus_atlas *atlas, conus_sampling sampling, uint32_t slices)
+{
+    const struct engine_options options = {.sampling = sampling, .slices = slices};
+    struct engine *engine = NULL;
+    assert_ok(engine_rays_create(&engine, atlas, &options));
+    return engine;
+}
+
+/* ---- The engines against each other ------------------------------------------------------------------------- */
+
+static size_t count_different(const struct evidence *got, const struct evidence *wanted)
+{
+    size_t different = 0;
+    for (size_t i = 0; i < (size_t)got->resolution * got->resolution; i++) {
+        bool same = got->object[i] == wanted->object[i] && got->voxel[i] == wanted->voxel[i] &&
+                    got->distance[i] == wanted->distance[i];
+        if (!same && ++different <= 3) {
+            print_message("pixel %zu of %u x %u: object %u, voxel %llu, %.17g mm; wanted %u, %llu, %.17g\n", i,
+                          got->resolution, got->resolution, got->object[i], (unsigned long long)got->voxel[i],
+                          got->distance[i], wanted->object[i], (unsigned long long)wanted->voxel[i],
+                          wanted->distance[i]);
+        }
+    }
+    return different;
+}
+
+/* Fails where the engines differ in object, voxel or, by a single bit, in distance. Returns how many pixels hit. */
+static size_t assert_same_look(struct engine *gl, struct engine *rays, const struct cone *cone)
+{
+    struct evidence got, wanted;
+    size_t pixels = (size_t)cone->resolution * cone->resolution;
+    size_t hits = 0;
+    assert_ok(evidence_init(&got, cone->resolution));
+    assert_ok(evidence_init(&wanted, cone->resolution));
+    memset(got.object, 0xff, pixels * sizeof *got.object);
+    assert_ok(gl->functions->look(gl, &got, cone));
+    assert_ok(rays->functions->look(rays, &wanted, cone));
+    assert_int_equal(count_different(&got, &wanted), 0);
+    for (size_t i = 0; i < pixels; i++) {
+        hits += wanted.object[i] != 0;
+    }
+    evidence_finish(&got);
+    evidence_finish(&wanted);
+    return hits;
+}
+
+static size_t compare_scenes(uint64_t random, int scenes, conus_sampling sampling)
+{
+    size_t hits = 0;
+    for (int scene = 0; scene < scenes; scene++) {
+        conus_atlas *atlas = scene_atlas(&random, scene % 10 ? 24 : 70, scene % 4);
+        uint32_t slices = sampling == CONUS_SLICES ? (uint32_t)test_random(&random, 0, 200) : 0;
+        struct engine *gl = gl_engine(atlas, sampling, slices);
+        struct engine *rays = rays_engine(atlas, sampling, slices);
+        for (int pose = 0; pose < 12; pose++) {
+            struct cone cone = scene_cone(&random, atlas);
+            hits += assert_same_look(gl, rays, &cone);
+        }
+        engine_destroy(rays);
+        engine_destroy(gl);
+        conus_atlas_destroy(atlas);
+    }
+    return hits;
+}
+
+/* Eq. 5, Eq. 6: identical in every pixel, no cell edge excepted: oblique, flipped, anisotropic and sheared grids,
+ * several volumes with contacts at equal distances, apices inside, on cell faces and 1e5 mm away. */
+static void exact_equals_rays(void **state)
+{
+    (void)state;
+    assert_true(compare_scenes(11, 150, CONUS_EXACT) > 25000);
+}
+
+/* Eq. 7: on the same planes, the same voxels. */
+static void slices_equal_the_cpus_slices(void **state)
+{
+    (void)state;
+    assert_true(compare_scenes(12, 100, CONUS_SLICES) > 5000);
+}
+
+/* Rays of many pixels and volumes do not fit the ray buffer at once. */
+static void big_buffers_take_turns(void **state)
+{
+    (void)state;
+    uint64_t random = 13;
+    conus_atlas *atlas = scene_atlas(&random, 30, 3);
+    struct engine *gl = gl_engine(atlas, CONUS_EXACT, 0);
+    struct engine *rays = rays_engine(atlas, CONUS_EXACT, 0);
+    for (int pose = 0; pose < 3; pose++) {
+        struct cone cone = {.pose = scene_pose(&random, atlas), .angle = 0.5, .resolution = pose ? 500 : 300};
+        assert_same_look(gl, rays, &cone);
+    }
+    engine_destroy(rays);
+    engine_destroy(gl);
+    conus_atlas_destroy(atlas);
+}
+
+/* ---- Made by hand ------------------------------------------------------------------------------------------- */
+
+static conus_volume_info plain_grid(size_t ni, size_t nj, size_t nk)
+{
+    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "grid", .dim = {ni, nj, nk}, .slope = 1};
+    double world_from_voxel[16];
+    mat4_identity(world_from_voxel);
+    assert_ok(space_describe(&info, world_from_voxel, "a test"));
+    return info;
+}
+
+static conus_atlas *atlas_of(const conus_volume_info *info, const uint32_t *labels)
+{
+    struct label_table table = {0};
+    struct notes notes = {0};
+    conus_atlas *atlas = NULL;
+    assert_ok(atlas_create(&atlas, info, labels, &table, "a test", &notes));
+    notes_finish(&notes);
+    return atlas;
+}
+
+static struct cone cone_from(double x, double y, double z, double degrees, uint32_t resolution)
+{
+    struct cone cone = {.angle = radians_from_degrees(degrees), .resolution = resolution};
+    assert_ok(conus_pose_along(&cone.pose, (double[]){x, y, z}, (double[]){1, 0, 0}, NULL));
+    return cone;
+}
+
+/* Every voxel is an area of its own, labels up to 4294967295: objects that fit neither 16 bits nor a float's place. */
+static void more_objects_than_16_bits_hold(void **state)
+{
+    (void)state;
+    enum { EDGE = 42, COUNT = EDGE * EDGE * EDGE };
+    static uint32_t labels[COUNT];
+    for (uint32_t i = 0; i < COUNT; i++) {
+        labels[i] = UINT32_MAX - 50000 * i % 1000003 - i;
+    }
+    conus_volume_info info = plain_grid(EDGE, EDGE, EDGE);
+    conus_atlas *atlas = atlas_of(&info, labels);
+    assert_non_null(atlas->volumes[0].objects32);
+    struct engine *gl = gl_engine(atlas, CONUS_EXACT, 0);
+    struct engine *rays = rays_engine(atlas, CONUS_EXACT, 0);
+    struct cone cone = cone_from(-60, 20.3, 21.1, 40, 64);
+    assert_true(assert_same_look(gl, rays, &cone) > 64 * 64 / 2);
+    engine_destroy(rays);
+    engine_destroy(gl);
+    conus_atlas_destroy(atlas);
+}
+
+/* Eq. 5, Eq. 11: a wall seen from 1e5 mm away and through its inside, against the closed form. */
+static void distances_are_those_of_the_closed_form(void **state)
+{
+    (void)state;
+    static uint32_t labels[8 * 64 * 64];
+    for (size_t i = 0; i < sizeof labels / sizeof labels[0]; i++) {
+        labels[i] = i % 8 >= 3 ? 9 : 0; /* from x = 2.5 on */
+    }
+    conus_volume_info info = plain_grid(8, 64, 64);
+    conus_atlas *atlas = atlas_of(&info, labels);
+    struct engine *gl = gl_engine(atlas, CONUS_EXACT, 0);
+    const struct cone cones[] = {cone_from(-1e5, 31.25, 32.125, 0.03, 16), cone_from(0, 31.25, 32.125, 120, 15),
+                                 cone_from(5, 31.25, 32.125, 60, 16)};
+    for (int c = 0; c < 3; c++) {
+        struct evidence evidence;
+        assert_ok(evidence_init(&evidence, cones[c].resolution));
+        assert_ok(gl->functions->look(gl, &evidence, &cones[c]));
+        for (uint32_t p = 0; p < cones[c].resolution * cones[c].resolution; p++) {
+            double ray[3];
+            cone_ray(ray, &cones[c], p % cones[c].resolution, p / cones[c].resolution);
+            double wall = fmax(0, 2.5 - cones[c].pose.world_from_device[12]);
+            assert_int_equal(evidence.object[p], 1);
+            assert_near(evidence.distance[p], wall / ray[0], 1e-9);
+        }
+        evidence_finish(&evidence);
+    }
+    engine_destroy(gl);
+    conus_atlas_destroy(atlas);
+}
+
+/* A context volume is scenery. */
+static void the_context_is_never_met(void **state)
+{
+    (void)state;
+    uint32_t labels[27] = {0};
+    labels[26] = 1;
+    conus_volume_info info = plain_grid(3, 3, 3);
+    conus_atlas *atlas = atlas_of(&info, labels);
+    float *values = memory_zeroed(27, sizeof *values);
+    assert_non_null(values);
+    values[13] = 1000;
+    info.role = CONUS_CONTEXT;
+    assert_ok(atlas_set_context(atlas, &info, values));
+    struct engine *gl = gl_engine(atlas, CONUS_EXACT, 0);
+    struct engine *rays = rays_engine(atlas, CONUS_EXACT, 0);
+    struct cone cone = cone_from(-10, 1, 1, 40, 16);
+    assert_true(assert_same_look(gl, rays, &cone) > 0);
+    engine_destroy(rays);
+    engine_destroy(gl);
+    conus_atlas_destroy(atlas);
+}
+
+/* Grids of their own, voxels that block strewn over them. */
+static void add_blocking_context(conus_atlas *atlas, uint64_t *random)
+{
+    const size_t dim[3] = {9, 7, 8};
+    conus_volume_info info = scene_grid(random, dim);
+    float *values = memory_zeroed(9 * 7 * 8, sizeof *values);
+    assert_non_null(values);
+    for (size_t v = 0; v < 9 * 7 * 8; v++) {
+        values[v] = (float)test_random(random, 0, 1);
+    }
+    info.role = CONUS_CONTEXT;
+    info.threshold = 0.9;
+    assert_ok(atlas_set_context(atlas, &info, values));
+}
+
+static size_t count_blocked(struct engine *engine, const struct cone *cone)
+{
+    struct evidence evidence;
+    size_t blocked = 0;
+    assert_ok(evidence_init(&evidence, cone->resolution));
+    assert_ok(engine->functions->look(engine, &evidence, cone));
+    for (size_t i = 0; i < (size_t)cone->resolution * cone->resolution; i++) {
+        blocked += evidence.object[i] == VOLUME_BLOCKER;
+    }
+    evidence_finish(&evidence);
+    return blocked;
+}
+
+static void what_blocks_is_seen_alike(void **state)
+{
+    (void)state;
+    uint64_t random = 15;
+    size_t blocked = 0;
+    size_t hits = 0;
+    for (int scene = 0; scene < 20; scene++) {
+        conus_sampling sampling = scene % 2 ? CONUS_SLICES : CONUS_EXACT;
+        conus_atlas *atlas = scene_atlas(&random, 24, scene % 3);
+        add_blocking_context(atlas, &random);
+        struct engine *gl = gl_engine(atlas, sampling, 0);
+        struct engine *rays = rays_engine(atlas, sampling, 0);
+        for (int pose = 0; pose < 6; pose++) {
+            struct cone cone = scene_cone(&random, atlas);
+            hits += assert_same_look(gl, rays, &cone);
+            blocked += count_blocked(rays, &cone);
+        }
+        engine_destroy(rays);
+        engine_destroy(gl);
+        conus_atlas_destroy(atlas);
+    }
+    assert_true(blocked > 500 && hits - blocked > 500);
+}
+
+/* ---- The world around --------------------------------------------------------------------------------------- */
+
+static GLint longest_texture(void)
+{
+    struct gl_context *context = NULL;
+    struct gl_current previous;
+    GLint limit = 0;
+    assert_ok(gl_context_create(&context, NULL, NULL));
+    assert_ok(gl_context_use(context, &previous));
+    glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &limit);
+    gl_current_restore(&previous);
+    gl_context_destroy(context);
+    return limit;
+}
+
+static void a_volume_too_long_for_the_driver_is_refused(void **state)
+{
+    (void)state;
+    conus_volume_info small = plain_grid(1, 1, 1);
+    conus_atlas *atlas = atlas_of(&small, (uint32_t[]){1});
+    engine_destroy(gl_engine(atlas, CONUS_EXACT, 0));
+    conus_atlas_destroy(atlas);
+    size_t length = (size_t)longest_texture() + 1;
+    conus_volume_info info = plain_grid(1, length, 1);
+    uint32_t *labels = memory_zeroed(length, sizeof *labels);
+    assert_non_null(labels);
+    labels[0] = 1;
+    atlas = atlas_of(&info, labels);
+    const struct engine_options options = {0};
+    struct engine *engine = NULL;
+    assert_fails(engine_gl_create(&engine, atlas, &options), CONUS_ERROR_GL);
+    assert_null(engine);
+    assert_non_null(strstr(conus_message(), "along an edge"));
+    memory_free(labels);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status create_look_destroy(void *atlas)
+{
+    const struct engine_options options = {0};
+    struct engine *engine = NULL;
+    struct evidence evidence;
+    struct cone cone = cone_from(-10, 0, 0, 20, 4);
+    conus_status status = evidence_init(&evidence, cone.resolution);
+    if (!status) {
+        status = engine_gl_create(&engine, atlas, &options);
+        status = status ? status : engine->functions->look(engine, &evidence, &cone);
+        engine_destroy(engine);
+        evidence_finish(&evidence);
+    }
+    return status;
+}
+
+static void every_failing_allocation_is_reported(void **state)
+{
+    (void)state;
+    uint64_t random = 14;
+    conus_atlas *atlas = scene_atlas(&random, 20, 2);
+    engine_destroy(gl_engine(atlas, CONUS_EXACT, 0));
+    test_every_allocation(create_look_destroy, atlas);
+    conus_atlas_destroy(atlas);
+}
+
+/* An application's own context is current again after each call. */
+static void the_callers_context_stays_current(void **state)
+{
+    (void)state;
+    uint64_t random = 15;
+    conus_atlas *atlas = scene_atlas(&random, 20, 1);
+    struct engine *gl = gl_engine(atlas, CONUS_EXACT, 0);
+    struct gl_context *own = NULL;
+    struct gl_current previous;
+    assert_ok(gl_context_create(&own, NULL, NULL));
+    assert_ok(gl_context_use(own, &previous));
+    EGLContext is = eglGetCurrentContext();
+    struct engine *rays = rays_engine(atlas, CONUS_EXACT, 0);
+    struct cone cone = scene_cone(&random, atlas);
+    assert_same_look(gl, rays, &cone);
+    assert_ptr_equal(eglGetCurrentContext(), is);
+    engine_destroy(gl_engine(atlas, CONUS_EXACT, 0));
+    assert_ptr_equal(eglGetCurrentContext(), is);
+    engine_destroy(gl);
+    assert_ptr_equal(eglGetCurrentContext(), is);
+    gl_current_restore(&previous);
+    gl_context_destroy(own);
+    engine_destroy(rays);
+    conus_atlas_destroy(atlas);
+}
+
+/* ---- Real atlases ------------------------------------------------------------------------------------------- */
+
+static void compare_on(const char *name, uint64_t random, int poses)
+{
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, test_mricron(name), NULL));
+    struct engine *exact[2] = {gl_engine(atlas, CONUS_EXACT, 0), rays_engine(atlas, CONUS_EXACT, 0)};
+    struct engine *slices[2] = {gl_engine(atlas, CONUS_SLICES, 0), rays_engine(atlas, CONUS_SLICES, 0)};
+    size_t hits = 0;
+    for (int pose = 0; pose < poses; pose++) {
+        struct cone cone = scene_cone(&random, atlas);
+        hits += assert_same_look(exact[0], exact[1], &cone);
+        assert_same_look(slices[0], slices[1], &cone);
+    }
+    assert_true(hits > 1000);
+    for (int i = 0; i < 2; i++) {
+        engine_destroy(exact[i]);
+        engine_destroy(slices[i]);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+static void real_atlases_are_seen_alike(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"aal.nii.gz",
+                                        "brodmann.nii.gz",
+                                        "AICHAmc.nii.gz",
+                                        "HarvardOxford-cort-maxprob-thr0-1mm.nii.gz",
+                                        "JHU-WhiteMatter-labels-1mm.nii.gz",
+                                        "JHU-WhiteMatter-labels-2mm.nii.gz",
+                                        "jhu189.nii.gz",
+                                        "natbrainlab.nii.gz",
+                                        "inia19-NeuroMaps.nii.gz"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        compare_on(names[i], 20 + i, 50);
+    }
+}
+
+/* Runs last: through all of it the driver had nothing to say. */
+static void the_driver_was_silent(void **state)
+{
+    (void)state;
+    assert_int_equal(driver_messages, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(exact_equals_rays),
+        cmocka_unit_test(slices_equal_the_cpus_slices),
+        cmocka_unit_test(big_buffers_take_turns),
+        cmocka_unit_test(more_objects_than_16_bits_hold),
+        cmocka_unit_test(distances_are_those_of_the_closed_form),
+        cmocka_unit_test(the_context_is_never_met),
+        cmocka_unit_test(what_blocks_is_seen_alike),
+        cmocka_unit_test(a_volume_too_long_for_the_driver_is_refused),
+        cmocka_unit_test(every_failing_allocation_is_reported),
+        cmocka_unit_test(the_callers_context_stays_current),
+        cmocka_unit_test(real_atlases_are_seen_alike),
+        cmocka_unit_test(the_driver_was_silent),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,420 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/math3.h"
+#include "base/memory.h"
+#include "gl_edge.h"
+#include "gl_pair.h"
+#include "loaders/child/mesh_child.h"
+#include "mesh_scene.h"
+#include "scene.h"
+#include "selection/engine/evidence.h"
+#include "test.h"
+
+#include <glob.h>
+#include <stdio.h>
+#include <string.h>
+
+struct pair {
+    struct gl_pair engines;
+    size_t pixels, hits;
+    size_t at_edges, other_object; /* apart: in triangle or object; in object */
+};
+
+static struct pair pair_of(const conus_atlas *atlas)
+{
+    return (struct pair){.engines = gl_pair_create(atlas, CONUS_EXACT)};
+}
+
+static void pair_finish(struct pair *pair)
+{
+    gl_pair_destroy(&pair->engines);
+}
+
+/* ---- Which differences a driver is allowed ------------------------------------------------------------------ */
+
+static bool is_mesh(const conus_atlas *atlas, uint32_t object)
+{
+    return object && atlas_object_mesh(atlas, object);
+}
+
+static bool may_differ(const struct pair *pair, const struct cone *cone, const struct evidence *evidence, size_t pixel)
+{
+    uint32_t object = evidence->object[pixel];
+    return is_mesh(pair->engines.atlas, object) &&
+           gl_edge_is_near(cone, atlas_object_mesh(pair->engines.atlas, object), evidence->voxel[pixel], pixel);
+}
+
+/* ---- Comparison --------------------------------------------------------------------------------------------- */
+
+static void compare_pixel(struct pair *pair, const struct cone *cone, const struct evidence *got,
+                          const struct evidence *wanted, size_t pixel)
+{
+    pair->pixels++;
+    pair->hits += wanted->object[pixel] != 0;
+    if (got->object[pixel] == wanted->object[pixel] && got->voxel[pixel] == wanted->voxel[pixel]) {
+        /* the same triangle, or voxel: the same distance, to the last bit */
+        assert_true(got->distance[pixel] == wanted->distance[pixel]);
+    } else if (may_differ(pair, cone, got, pixel) || may_differ(pair, cone, wanted, pixel)) {
+        pair->at_edges++;
+        pair->other_object += got->object[pixel] != wanted->object[pixel];
+    } else {
+        fail_msg("pixel %zu of %u x %u, %g degrees: object %u, triangle %llu, %.17g mm; wanted %u, %llu, %.17g", pixel,
+                 cone->resolution, cone->resolution, degrees_from_radians(cone->angle), got->object[pixel],
+                 (unsigned long long)got->voxel[pixel], got->distance[pixel], wanted->object[pixel],
+                 (unsigned long long)wanted->voxel[pixel], wanted->distance[pixel]);
+    }
+}
+
+static void compare(struct pair *pair, const struct cone *cone)
+{
+    struct evidence got, wanted;
+    assert_ok(evidence_init(&got, cone->resolution));
+    assert_ok(evidence_init(&wanted, cone->resolution));
+    assert_ok(pair->engines.gl->functions->look(pair->engines.gl, &got, cone));
+    assert_ok(pair->engines.rays->functions->look(pair->engines.rays, &wanted, cone));
+    for (size_t pixel = 0; pixel < (size_t)cone->resolution * cone->resolution; pixel++) {
+        compare_pixel(pair, cone, &got, &wanted, pixel);
+    }
+    evidence_finish(&got);
+    evidence_finish(&wanted);
+}
+
+static void assert_agreement(const struct pair *pair, double hit_part)
+{
+    print_message("%zu pixels, %zu hits, at edges %zu apart, %zu of them in the object\n", pair->pixels, pair->hits,
+                  pair->at_edges, pair->other_object);
+    assert_true((double)pair->hits > hit_part * (double)pair->pixels);
+    assert_true(pair->other_object <= 1 + pair->pixels / 1000);
+    assert_true(pair->at_edges <= 1 + pair->pixels / 200); /* triangles may be as small as pixels */
+}
+
+static void compare_100_poses(uint64_t *random, const conus_atlas *atlas, double size)
+{
+    struct pair pair = pair_of(atlas);
+    for (int pose = 0; pose < 100; pose++) {
+        struct cone cone = mesh_scene_random_cone(random, size);
+        if (pose % 5 == 4) { /* Eq. 3: parallel rays */
+            cone.angle = 0;
+            cone.radius = size * test_random(random, 0.02, 0.4);
+        }
+        compare(&pair, &cone);
+    }
+    assert_agreement(&pair, 0.3);
+    pair_finish(&pair);
+}
+
+/* ---- Scenes ------------------------------------------------------------------------------------------------- */
+
+static void one_sphere(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh sphere = mesh_scene_sphere((double[]){1, 2, 3}, 20, 24, 48);
+    mesh_scene_add(atlas, &sphere);
+    struct pair pair = pair_of(atlas);
+    struct cone cone = mesh_scene_cone((double[]){-80, 10, 5}, (double[]){1, 2, 3}, 40, 64);
+    compare(&pair, &cone);
+    assert_agreement(&pair, 0.3);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* Eq. 9 in general position. */
+static void random_triangles(void **state)
+{
+    (void)state;
+    uint64_t random = 31;
+    struct pair sum = {0};
+    for (int scene = 0; scene < 40; scene++) {
+        conus_atlas *atlas = mesh_scene_atlas();
+        double size = pow(10, test_random(&random, 0, 3));
+        for (int k = 0; k < 1 + scene % 6; k++) {
+            struct mesh soup = mesh_scene_soup(&random, 1 + (size_t)test_random(&random, 0, scene % 5 ? 60 : 2000),
+                                               size, size * test_random(&random, 0.05, 0.6));
+            mesh_scene_add(atlas, &soup);
+        }
+        struct pair pair = pair_of(atlas);
+        for (int pose = 0; pose < 10; pose++) {
+            struct cone cone = mesh_scene_random_cone(&random, size);
+            compare(&pair, &cone);
+        }
+        pair_finish(&pair);
+        conus_atlas_destroy(atlas);
+        sum.pixels += pair.pixels, sum.hits += pair.hits, sum.at_edges += pair.at_edges;
+        sum.other_object += pair.other_object;
+    }
+    assert_agreement(&sum, 0.3);
+}
+
+static void one_hundred_poses_of_nested_spheres(void **state)
+{
+    (void)state;
+    uint64_t random = 32;
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = 0; i < 5; i++) {
+        struct mesh sphere = mesh_scene_sphere((double[]){3, -2, 1}, 50 - i * pow(10, -i), 30, 60);
+        mesh_scene_add(atlas, &sphere);
+    }
+    compare_100_poses(&random, atlas, 50);
+    conus_atlas_destroy(atlas);
+}
+
+static void one_hundred_poses_of_the_brain(void **state)
+{
+    (void)state;
+    uint64_t random = 35;
+    conus_atlas *atlas = mesh_scene_brain();
+    compare_100_poses(&random, atlas, 60);
+    conus_atlas_destroy(atlas);
+}
+
+/* A manifest of Julich-Brain's areas, many of which share borders (the right side's are OBJ, which conus-mesh reads),
+ * and the Juelich atlas's 18 pathways. */
+static const char *julich_manifest(void)
+{
+    const char *path = test_scratch("julich.atlas.json");
+    const char *shared = test_shared("");
+    char *program = NULL;
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fprintf(file, "{\"conus_atlas\": 1, \"allow_outside\": true, \"space\": \"ras\", \"areas\": [");
+    fprintf(file, "{\"files\": \"%smeshes/julich31-areas/lh/*.gii\"}", shared);
+    if (mesh_child_find(&program)) {
+        print_message("left side only: %s\n", conus_message());
+    } else {
+        fprintf(file, ", {\"files\": \"%smeshes/julich31-areas/rh/*.obj\", \"label_offset\": 1000}", shared);
+    }
+    memory_free(program);
+    glob_t pathways;
+    char pattern[1024];
+    snprintf(pattern, sizeof pattern, "%sprob/juelich-fibre-pathways-u16/*.nii.gz", shared);
+    assert_int_equal(glob(pattern, 0, NULL, &pathways), 0);
+    assert_int_equal(pathways.gl_pathc, 18);
+    for (size_t i = 0; i < pathways.gl_pathc; i++) {
+        fprintf(file, "%s\"%s\"", i ? ", " : "], \"pathways\": [", pathways.gl_pathv[i]);
+    }
+    globfree(&pathways);
+    fprintf(file, "]}\n");
+    assert_int_equal(fclose(file), 0);
+    return path;
+}
+
+static void one_hundred_poses_of_julich_brain(void **state)
+{
+    (void)state;
+    uint64_t random = 36;
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, julich_manifest(), NULL));
+    assert_true(conus_atlas_object_count(atlas) >= 207 + 18);
+    compare_100_poses(&random, atlas, 60);
+    conus_atlas_destroy(atlas);
+}
+
+/* The scene itself far from the world's origin. */
+static void far_from_the_origin(void **state)
+{
+    (void)state;
+    uint64_t random = 33;
+    const double far[3] = {-8e4, 6e4, 3e4};
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = 0; i < 3; i++) {
+        double centre[3];
+        for (int a = 0; a < 3; a++) {
+            centre[a] = test_random(&random, -30, 30);
+        }
+        vec3_add_scaled(centre, centre, 1, far);
+        struct mesh sphere = mesh_scene_sphere(centre, 20, 12, 20);
+        mesh_scene_add(atlas, &sphere);
+    }
+    struct pair pair = pair_of(atlas);
+    for (int pose = 0; pose < 40; pose++) {
+        struct cone cone = mesh_scene_random_cone(&random, 40);
+        for (int a = 0; a < 3; a++) {
+            cone.pose.world_from_device[12 + a] += far[a];
+        }
+        compare(&pair, &cone);
+    }
+    assert_agreement(&pair, 0.3);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* Voxels and triangles hide each other. */
+static void meshes_among_voxels(void **state)
+{
+    (void)state;
+    uint64_t random = 34;
+    struct pair sum = {0};
+    for (int scene = 0; scene < 20; scene++) {
+        conus_atlas *atlas = scene_atlas(&random, 20, 0);
+        mesh_scene_add_soups(atlas, &random);
+        struct pair pair = pair_of(atlas);
+        for (int pose = 0; pose < 10; pose++) {
+            struct cone cone = {.pose = scene_pose(&random, atlas), .resolution = 16};
+            cone.angle = radians_from_degrees(test_random(&random, 1, 90));
+            compare(&pair, &cone);
+        }
+        pair_finish(&pair);
+        conus_atlas_destroy(atlas);
+        sum.pixels += pair.pixels, sum.hits += pair.hits, sum.at_edges += pair.at_edges;
+        sum.other_object += pair.other_object;
+    }
+    assert_agreement(&sum, 0.2);
+}
+
+/* ---- Traps -------------------------------------------------------------------------------------------------- */
+
+static struct mesh one_triangle(double x, double y, double z, double edge)
+{
+    struct mesh mesh;
+    const double corners[3][2] = {{0, -edge}, {edge, edge}, {-edge, edge}};
+    assert_ok(mesh_init(&mesh, 3, 1));
+    for (uint32_t k = 0; k < 3; k++) {
+        mesh.positions[3 * k] = (float)x;
+        mesh.positions[3 * k + 1] = (float)(y + corners[k][0]);
+        mesh.positions[3 * k + 2] = (float)(z + corners[k][1]);
+        mesh.triangles[k] = k;
+    }
+    return mesh;
+}
+
+/* Identifiers that fit neither 16 bits nor a float that was blended. */
+static void more_meshes_than_16_bits_hold(void **state)
+{
+    (void)state;
+    enum { SIDE = 265 };
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        int column = i % SIDE;
+        int row = i / SIDE;
+        struct mesh mesh = one_triangle(0, column, row, 0.45);
+        mesh_scene_add(atlas, &mesh);
+    }
+    struct pair pair = pair_of(atlas);
+    struct cone cone = mesh_scene_cone((double[]){-300, 240, 255}, (double[]){0, 240, 255}, 4, 128);
+    compare(&pair, &cone);
+    assert_agreement(&pair, 0.2);
+    struct evidence evidence;
+    assert_ok(evidence_init(&evidence, 128));
+    assert_ok(pair.engines.gl->functions->look(pair.engines.gl, &evidence, &cone));
+    size_t large = 0;
+    for (size_t i = 0; i < (size_t)128 * 128; i++) {
+        large += evidence.object[i] > UINT16_MAX;
+    }
+    assert_true(large > 1000);
+    evidence_finish(&evidence);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* Eq. 9: of equally near ones the lower number, however many there are. */
+static void the_lower_of_equals_wins(void **state)
+{
+    (void)state;
+    enum { PLATES = 40 };
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = 0; i < PLATES; i++) {
+        struct mesh plate = one_triangle(i < 5 ? 1 : 0, 0, 0, 50); /* the first five behind the others */
+        mesh_scene_add(atlas, &plate);
+    }
+    struct pair pair = pair_of(atlas);
+    struct cone cone = mesh_scene_cone((double[]){-20, 0, 1}, (double[]){0, 1, 0}, 30, 16);
+    compare(&pair, &cone);
+    struct evidence evidence;
+    assert_ok(evidence_init(&evidence, 16));
+    assert_ok(pair.engines.gl->functions->look(pair.engines.gl, &evidence, &cone));
+    for (int i = 0; i < 16 * 16; i++) {
+        assert_int_equal(evidence.object[i], 6);
+        assert_int_equal(evidence.voxel[i], 0);
+    }
+    evidence_finish(&evidence);
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* The device among triangles a hundredth of a millimetre before and behind it and as large as a street. */
+static void nothing_before_the_apex_is_clipped(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh plates[] = {one_triangle(-0.01, 0, 0, 5), one_triangle(0.01, 0, 0, 5), one_triangle(1e4, 0, 0, 1e6)};
+    for (int i = 0; i < 3; i++) {
+        mesh_scene_add(atlas, &plates[i]);
+    }
+    struct mesh around = mesh_scene_sphere((double[]){0, 0, 0}, 3, 6, 8);
+    mesh_scene_add(atlas, &around);
+    struct pair pair = pair_of(atlas);
+    const struct {
+        double from[3], to[3];
+        uint32_t met;
+    } looks[] = {{{0, 0, 0}, {1, 0, 0}, 2},     {{0, 0, 0}, {-1, 0, 0}, 1},  {{0.02, 0, 0}, {1, 0, 0}, 4},
+                 {{-0.02, 0, 0}, {1, 0, 0}, 1}, {{10, 0, 0}, {11, 0, 0}, 3}, {{0, 60, 0}, {0, 61, 0}, 0}};
+    for (size_t i = 0; i < sizeof looks / sizeof looks[0]; i++) {
+        struct cone cone = mesh_scene_cone(looks[i].from, looks[i].to, i % 2 ? 20 : 120, 15);
+        struct evidence evidence;
+        compare(&pair, &cone);
+        assert_ok(evidence_init(&evidence, 15));
+        assert_ok(pair.engines.gl->functions->look(pair.engines.gl, &evidence, &cone));
+        assert_int_equal(evidence.object[7 * 15 + 7], looks[i].met);
+        evidence_finish(&evidence);
+    }
+    pair_finish(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+/* ---- The world around --------------------------------------------------------------------------------------- */
+
+static conus_status create_look_destroy(void *atlas)
+{
+    const struct engine_options options = {0};
+    struct engine *engine = NULL;
+    struct evidence evidence;
+    struct cone cone = mesh_scene_cone((double[]){-50, 0, 0}, (double[]){0, 0, 0}, 40, 4);
+    conus_status status = evidence_init(&evidence, cone.resolution);
+    if (!status) {
+        status = engine_gl_create(&engine, atlas, &options);
+        status = status ? status : engine->functions->look(engine, &evidence, &cone);
+        engine_destroy(engine);
+        evidence_finish(&evidence);
+    }
+    return status;
+}
+
+static void every_failing_allocation_is_reported(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = 0; i < 12; i++) { /* equals, so that pixels need more room */
+        struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 10, 8, 16);
+        mesh_scene_add(atlas, &sphere);
+    }
+    struct pair pair = pair_of(atlas);
+    pair_finish(&pair);
+    test_every_allocation(create_look_destroy, atlas);
+    conus_atlas_destroy(atlas);
+}
+
+/* Runs last: through all of it the driver had nothing to say. */
+static void the_driver_was_silent(void **state)
+{
+    (void)state;
+    assert_int_equal(gl_pair_messages(), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_sphere),
+        cmocka_unit_test(random_triangles),
+        cmocka_unit_test(one_hundred_poses_of_nested_spheres),
+        cmocka_unit_test(one_hundred_poses_of_the_brain),
+        cmocka_unit_test(one_hundred_poses_of_julich_brain),
+        cmocka_unit_test(far_from_the_origin),
+        cmocka_unit_test(meshes_among_voxels),
+        cmocka_unit_test(more_meshes_than_16_bits_hold),
+        cmocka_unit_test(the_lower_of_equals_wins),
+        cmocka_unit_test(nothing_before_the_apex_is_clipped),
+        cmocka_unit_test(every_failing_allocation_is_reported),
+        cmocka_unit_test(the_driver_was_silent),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/memory.h"
+#include "selection/engine/leap_map.h"
+#include "test.h"
+
+#include <stdlib.h>
+
+static size_t random_size(uint64_t *random, size_t limit)
+{
+    return 1 + (size_t)test_random(random, 0, (double)limit);
+}
+
+/* A grid of up to 40 voxels along each edge with a random few of them occupied, as 16-bit or 32-bit objects. */
+static void make_volume(struct volume *out, uint64_t *random)
+{
+    *out = (struct volume){0};
+    for (int a = 0; a < 3; a++) {
+        out->info.dim[a] = random_size(random, 40);
+    }
+    out->voxel_count = out->info.dim[0] * out->info.dim[1] * out->info.dim[2];
+    if (test_random(random, 0, 1) < 0.5) {
+        out->objects16 = memory_zeroed(out->voxel_count, sizeof *out->objects16);
+    } else {
+        out->objects32 = memory_zeroed(out->voxel_count, sizeof *out->objects32);
+    }
+    size_t specks = test_random(random, 0, 1) < 0.1 ? 0 : random_size(random, 30);
+    for (size_t i = 0; i < specks; i++) {
+        size_t voxel = random_size(random, out->voxel_count) - 1;
+        if (out->objects16) {
+            out->objects16[voxel] = 0x100; /* the low byte is 0 */
+        } else {
+            out->objects32[voxel] = 0x10000;
+        }
+    }
+}
+
+/* Largest r with nothing in the cube of half-edge r around the voxel; 1000 if the volume is empty. */
+static long empty_radius(const struct volume *volume, const long at[3])
+{
+    const long row = (long)volume->info.dim[0];
+    const long layer = row * (long)volume->info.dim[1];
+    long nearest = 1001;
+    for (long v = 0; v < (long)volume->voxel_count; v++) {
+        if (volume_object(volume, (size_t)v)) {
+            long x = labs(v % row - at[0]);
+            long y = labs(v % layer / row - at[1]);
+            long z = labs(v / layer - at[2]);
+            long far = x > y ? x : y;
+            far = z > far ? z : far;
+            nearest = far < nearest ? far : nearest;
+        }
+    }
+    return nearest - 1;
+}
+
+/* Codes never promise more than there is, are 0 on objects only, and near objects are exact. */
+static void codes_tell_how_far_it_is_empty(void **state)
+{
+    (void)state;
+    uint64_t random = 5;
+    for (int round = 0; round < 60; round++) {
+        struct volume volume;
+        struct leap_map map;
+        make_volume(&volume, &random);
+        assert_ok(leap_map_init(&map, &volume));
+        for (int probe = 0; probe < 200; probe++) {
+            long at[3];
+            for (int a = 0; a < 3; a++) {
+                at[a] = (long)random_size(&random, volume.info.dim[a]) - 1;
+            }
+            long radius = empty_radius(&volume, at);
+            long code = map.codes[leap_map_at(&map, (size_t)at[0], (size_t)at[1], (size_t)at[2])];
+            assert_true(code <= radius + 1);
+            assert_int_equal(code == 0, radius < 0);
+            assert_true(radius + 1 >= 8 || code == radius + 1);
+            assert_true(radius < 16 || code >= 9); /* two bricks away at least */
+        }
+        leap_map_finish(&map);
+        volume_finish(&volume);
+    }
+}
+
+static void the_box_just_holds_the_objects(void **state)
+{
+    (void)state;
+    uint64_t random = 6;
+    for (int round = 0; round < 100; round++) {
+        struct volume volume;
+        struct leap_map map;
+        make_volume(&volume, &random);
+        assert_ok(leap_map_init(&map, &volume));
+        double low[3] = {1e9, 1e9, 1e9};
+        double high[3] = {-1, -1, -1};
+        for (size_t v = 0; v < volume.voxel_count; v++) {
+            const size_t *dim = volume.info.dim;
+            const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
+            for (int a = 0; a < 3 && volume_object(&volume, v); a++) {
+                low[a] = (double)at[a] < low[a] ? (double)at[a] : low[a];
+                high[a] = (double)at[a] > high[a] ? (double)at[a] : high[a];
+            }
+        }
+        for (int a = 0; a < 3; a++) {
+            assert_near(map.last[a], high[a], 0);
+            assert_true(high[a] < 0 ? map.first[a] > map.last[a] : map.first[a] == low[a]);
+        }
+        leap_map_finish(&map);
+        volume_finish(&volume);
+    }
+}
+
+static conus_status make_and_finish(void *data)
+{
+    struct leap_map map = {0};
+    conus_status status = leap_map_init(&map, data);
+    leap_map_finish(&map);
+    return status;
+}
+
+static void making_one_survives_every_failing_allocation(void **state)
+{
+    (void)state;
+    uint64_t random = 7;
+    struct volume volume;
+    make_volume(&volume, &random);
+    test_every_allocation(make_and_finish, &volume);
+    volume_finish(&volume);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(codes_tell_how_far_it_is_empty),
+        cmocka_unit_test(the_box_just_holds_the_objects),
+        cmocka_unit_test(making_one_survives_every_failing_allocation),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,277 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Every kernel against the plain traversal, ray by ray, where rounding decides: rays along faces, edges and diagonals,
+ * from faces and corners and from next to them, up to limits that are the contact itself. */
+#include "base/math3.h"
+#include "base/memory.h"
+#include "oracle_traversal.h"
+#include "selection/engine/traverse.h"
+#include "test.h"
+
+#include <string.h>
+
+static size_t any_of(uint64_t *random, size_t count)
+{
+    return (size_t)test_random(random, 0, (double)count);
+}
+
+static double sign_of(uint64_t *random)
+{
+    return any_of(random, 2) ? 1 : -1;
+}
+
+/* A number of that many powers of ten, with a random sign. */
+static double tiny(uint64_t *random, double low, double high)
+{
+    return sign_of(random) * pow(10, test_random(random, low, high));
+}
+
+/* ---- Volumes ------------------------------------------------------------------------------------------------ */
+
+enum pattern { CHECKERBOARD, WALLS, SPECKS, SINGLE, EMPTY, PATTERN_COUNT };
+
+static bool is_occupied(enum pattern pattern, uint64_t *random, const size_t at[3])
+{
+    switch (pattern) {
+    case CHECKERBOARD:
+        return (at[0] + at[1] + at[2]) % 2;
+    case WALLS: /* diagonal, one cell thick */
+        return (at[0] + at[1] + at[2]) % 17 == 5;
+    case SPECKS:
+        return test_random(random, 0, 1) < 0.02;
+    default:
+        return false;
+    }
+}
+
+/* Edges around what the codes are made of, or a long box. */
+static void pick_dim(uint64_t *random, size_t dim[3])
+{
+    static const size_t edges[] = {1, 2, 3, 4, 5, 7, 8, 9, 31, 63, 64, 65};
+    for (int a = 0; a < 3; a++) {
+        dim[a] = edges[any_of(random, sizeof edges / sizeof edges[0])];
+    }
+    if (any_of(random, 3) == 0) {
+        dim[0] = dim[1] = dim[2] = 1 + any_of(random, 4);
+        dim[any_of(random, 3)] = any_of(random, 2) ? 32767 : 129 + any_of(random, 2000);
+    }
+}
+
+/* With the index space for world, or one sheared and scaled. */
+static void place_volume(struct volume *volume, uint64_t *random, double scale)
+{
+    double *m = volume->info.world_from_voxel;
+    mat4_identity(m);
+    bool plain = any_of(random, 2);
+    for (size_t i = 0; i < 9; i++) {
+        double *entry = &m[i / 3 * 4 + i % 3];
+        *entry = plain ? *entry : *entry * test_random(random, 0.3, 3) + test_random(random, -0.2, 0.2);
+        *entry *= scale;
+    }
+    assert_true(mat4_invert_affine(volume->voxel_from_world, m));
+}
+
+static void make_volume(struct volume *volume, struct leap_map *map, uint64_t *random, double scale)
+{
+    *volume = (struct volume){0};
+    size_t *dim = volume->info.dim;
+    pick_dim(random, dim);
+    volume->voxel_count = dim[0] * dim[1] * dim[2];
+    volume->objects16 = memory_zeroed(volume->voxel_count, sizeof *volume->objects16);
+    assert_non_null(volume->objects16);
+    enum pattern pattern = (enum pattern)any_of(random, PATTERN_COUNT);
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
+        volume->objects16[v] = is_occupied(pattern, random, at);
+    }
+    if (pattern == SINGLE) {
+        volume->objects16[any_of(random, volume->voxel_count)] = 1;
+    }
+    place_volume(volume, random, scale);
+    assert_ok(leap_map_init(map, volume));
+}
+
+static void end_volume(struct volume *volume, struct leap_map *map)
+{
+    leap_map_finish(map);
+    volume_finish(volume);
+}
+
+/* ---- Rays --------------------------------------------------------------------------------------------------- */
+
+/* In index space: anywhere, on faces, edges and corners, at centres, or next to those by 1e-13 to 1e-3. */
+static void pick_point(uint64_t *random, const struct volume *volume, double out[3])
+{
+    size_t kind = any_of(random, 5);
+    for (int a = 0; a < 3; a++) {
+        double x = test_random(random, -2, (double)volume->info.dim[a] + 1);
+        const double choices[] = {x, floor(x) + 0.5, floor(2 * x) / 2, floor(x) + 0.5 + tiny(random, -13, -3),
+                                  any_of(random, 3) ? x : floor(x) + 0.5 + tiny(random, -6.5, -5)};
+        out[a] = choices[kind];
+    }
+}
+
+static void pick_origin(uint64_t *random, const struct volume *volume, double out[3])
+{
+    pick_point(random, volume, out);
+    size_t kind = any_of(random, 3);
+    for (int a = 0; a < 3 && kind; a++) {
+        out[a] += kind == 1 ? floor(test_random(random, -50, 50)) : test_random(random, -300, 300);
+    }
+}
+
+/* In index space: along axes, diagonals of faces and of cells, almost along them, towards points like the above. */
+static void pick_direction(uint64_t *random, const struct volume *volume, const double origin[3], double out[3])
+{
+    double to[3];
+    pick_point(random, volume, to);
+    size_t kind = any_of(random, 5);
+    for (int a = 0; a < 3; a++) {
+        const double choices[] = {to[a] - origin[a], to[a] - origin[a], sign_of(random) * (double)any_of(random, 3),
+                                  tiny(random, -14, 0), tiny(random, -320, -1)};
+        out[a] = choices[kind];
+    }
+    size_t along = any_of(random, 3);
+    if (kind >= 2 || !(vec3_length(out) > 0)) {
+        out[along] = sign_of(random);
+    }
+}
+
+static void aim(struct traverse_bundle *bundle, uint64_t *random, const struct volume *volume)
+{
+    double origin[3];
+    pick_origin(random, volume, origin);
+    mat4_point(bundle->origin, volume->info.world_from_voxel, origin);
+    bundle->count = 1 + any_of(random, TRAVERSE_BUNDLE);
+    for (size_t i = 0; i < bundle->count; i++) {
+        double direction[3];
+        pick_direction(random, volume, origin, direction);
+        mat4_direction(direction, volume->info.world_from_voxel, direction);
+        assert_true(vec3_normalise(direction, direction));
+        for (int a = 0; a < 3; a++) {
+            bundle->direction[a][i] = direction[a];
+        }
+    }
+}
+
+static void ask_oracle(struct oracle_hit *wanted, const struct traverse_bundle *bundle, const struct volume *volume)
+{
+    double origin[3];
+    mat4_point(origin, volume->voxel_from_world, bundle->origin);
+    for (size_t i = 0; i < bundle->count; i++) {
+        double direction[3] = {bundle->direction[0][i], bundle->direction[1][i], bundle->direction[2][i]};
+        mat4_direction(direction, volume->voxel_from_world, direction);
+        wanted[i] = oracle_ray(volume, origin, direction);
+    }
+}
+
+/* None, or the contact, or next to it. */
+static double pick_limit(uint64_t *random, double contact)
+{
+    const double choices[] = {contact, nextafter(contact, -1), nextafter(contact, INFINITY), contact * (1 + 1e-9),
+                              contact * (1 - 1e-9)};
+    return contact < INFINITY ? fmax(0, choices[any_of(random, 5)]) : test_random(random, 0, 300);
+}
+
+/* Returns how many rays hit. */
+static size_t walk_and_compare(struct traverse_bundle *bundle, const struct leap_map *map, const struct volume *volume,
+                               const struct oracle_hit *wanted)
+{
+    size_t hits = 0;
+    for (size_t k = 0; traverse_kernel(k); k++) {
+        if (!traverse_kernel(k)->is_supported()) {
+            continue;
+        }
+        traverse_bundle_walk(traverse_kernel(k), map, volume, bundle);
+        for (size_t i = 0; i < bundle->count; i++) {
+            bool hit = wanted[i].object && wanted[i].distance <= bundle->limit[i];
+            double t = hit ? wanted[i].distance : INFINITY;
+            uint64_t voxel = hit ? wanted[i].voxel : UINT64_MAX;
+            if (bundle->t[i] != t || bundle->voxel[i] != voxel || signbit(bundle->t[i])) {
+                fail_msg("%s, ray %zu to %.17g mm: voxel %lld at %.17g mm; wanted %lld at %.17g",
+                         traverse_kernel(k)->name, i, bundle->limit[i], (long long)bundle->voxel[i], bundle->t[i],
+                         (long long)voxel, t);
+            }
+            hits += hit;
+        }
+    }
+    return hits;
+}
+
+/* Returns how many rays hit, with and without a limit. */
+static size_t compare_bundle(uint64_t *random, const struct leap_map *map, const struct volume *volume)
+{
+    struct traverse_bundle bundle = {0};
+    struct oracle_hit wanted[TRAVERSE_BUNDLE];
+    aim(&bundle, random, volume);
+    ask_oracle(wanted, &bundle, volume);
+    for (size_t i = 0; i < bundle.count; i++) {
+        bundle.limit[i] = INFINITY;
+    }
+    size_t hits = walk_and_compare(&bundle, map, volume, wanted);
+    for (size_t i = 0; i < bundle.count; i++) {
+        bundle.limit[i] = pick_limit(random, wanted[i].distance);
+    }
+    return hits + walk_and_compare(&bundle, map, volume, wanted);
+}
+
+/* ---- Tests -------------------------------------------------------------------------------------------------- */
+
+static size_t compare_scenes(uint64_t random, int scenes, double scale)
+{
+    size_t hits = 0;
+    for (int scene = 0; scene < scenes; scene++) {
+        struct volume volume;
+        struct leap_map map;
+        make_volume(&volume, &map, &random, scale);
+        for (int bundle = 0; bundle < 5; bundle++) {
+            hits += compare_bundle(&random, &map, &volume);
+        }
+        end_volume(&volume, &map);
+    }
+    return hits;
+}
+
+/* Eq. 5, with limits as of a volume that was looked through before: what is exactly there counts. */
+static void kernels_equal_the_plain_traversal(void **state)
+{
+    (void)state;
+    assert_true(compare_scenes(11, 150, 1) > 60000);
+}
+
+/* Voxels whose size, or one by whose size, is no single. */
+static void voxels_of_any_size_do(void **state)
+{
+    (void)state;
+    assert_true(compare_scenes(12, 20, 1e-42) > 3000);
+    assert_true(compare_scenes(13, 20, 1e42) > 3000);
+}
+
+/* From the face between cells 1 and 2, which belongs to cell 2, down: cell 1 is met at once. */
+static void what_is_met_at_once_is_at_zero(void **state)
+{
+    (void)state;
+    uint16_t objects[] = {0, 1, 0};
+    struct volume volume = {.info = {.dim = {3, 1, 1}}, .voxel_count = 3, .objects16 = objects};
+    struct leap_map map;
+    mat4_identity(volume.voxel_from_world);
+    assert_ok(leap_map_init(&map, &volume));
+    for (size_t k = 0; traverse_kernel(k); k++) {
+        struct traverse_bundle bundle = {.count = 1, .direction = {{-1}}, .limit = {INFINITY}, .origin = {1.5}};
+        if (traverse_kernel(k)->is_supported()) {
+            traverse_bundle_walk(traverse_kernel(k), &map, &volume, &bundle);
+            assert_true(bundle.t[0] == 0 && !signbit(bundle.t[0]));
+            assert_int_equal(bundle.voxel[0], 1);
+        }
+    }
+    leap_map_finish(&map);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(kernels_equal_the_plain_traversal),
+        cmocka_unit_test(voxels_of_any_size_do),
+        cmocka_unit_test(what_is_met_at_once_is_at_zero),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,278 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "atlas/phantom/phantom.h"
+#include "base/math3.h"
+#include "golden_picture.h"
+#include "picture_scene.h"
+#include "render/colour/renderer.h"
+#include "render/flat/font.h"
+#include "render/image/image.h"
+#include "test.h"
+#include "test_gl.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+struct fixture {
+    conus_atlas *atlas;
+    conus_selector *selector;
+    conus_selection *selection;
+    conus_renderer *renderer;
+};
+
+static double nothing(const double p[3])
+{
+    (void)p;
+    return 0;
+}
+
+static double ball(const double p[3])
+{
+    return vec3_length(p) < 20;
+}
+
+/* Looks at `atlas` from the left with a cone of 20 degrees; skips the test where there is no GL. */
+static struct fixture make_fixture(conus_atlas *atlas, const double origin[3])
+{
+    gl_context_destroy(test_gl_context(NULL, NULL));
+    struct fixture fixture = {.atlas = atlas};
+    conus_pose pose;
+    assert_ok(conus_selector_create(&fixture.selector, atlas, NULL));
+    assert_ok(conus_pose_toward(&pose, origin, (double[]){0, 0, 0}, NULL));
+    assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, radians_from_degrees(20)));
+    assert_ok(conus_renderer_create(&fixture.renderer, atlas, NULL));
+    return fixture;
+}
+
+static struct fixture ball_fixture(void)
+{
+    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
+    return make_fixture(picture_atlas(&grid, ball, NULL, NULL), (double[]){-60, 0, 0});
+}
+
+static void finish(struct fixture *fixture)
+{
+    conus_renderer_destroy(fixture->renderer);
+    conus_selection_destroy(fixture->selection);
+    conus_selector_destroy(fixture->selector);
+    conus_atlas_destroy(fixture->atlas);
+}
+
+static double difference(const conus_image *a, const conus_image *b)
+{
+    conus_image_difference result;
+    assert_ok(conus_image_compare(&result, a, b, 0));
+    return result.rms;
+}
+
+static conus_image *render(struct fixture *fixture, conus_view view)
+{
+    view.width = view.width ? view.width : 160;
+    view.height = view.height ? view.height : 120;
+    conus_image *image = NULL;
+    assert_ok(conus_render(&image, fixture->renderer, &view));
+    return image;
+}
+
+static void pictures_have_their_size_and_are_opaque(void **state)
+{
+    (void)state;
+    struct fixture fixture = ball_fixture();
+    conus_image *image = NULL;
+    assert_ok(conus_render(&image, fixture.renderer, NULL));
+    assert_int_equal(conus_image_width(image), 1400);
+    assert_int_equal(conus_image_height(image), 1050);
+    const float *alpha = conus_image_floats(image, "A");
+    const float *red = conus_image_floats(image, "R");
+    for (size_t i = 0; i < (size_t)1400 * 1050; i++) {
+        assert_true(alpha[i] == 1 && red[i] >= 0 && red[i] < 2);
+    }
+    assert_non_null(image_find_attribute(image, "conus:worldFromCamera"));
+    assert_string_equal(image_find_attribute(image, "conus:atlas")->text, "scene.nii");
+    conus_image_destroy(image);
+    assert_non_null(strstr(conus_renderer_device(fixture.renderer), " "));
+    finish(&fixture);
+}
+
+static bool has_font(void)
+{
+    struct font *font = NULL;
+    conus_status status = font_create(&font);
+    font_destroy(font);
+    return !status;
+}
+
+static void options_show_in_the_picture(void **state)
+{
+    (void)state;
+    struct fixture fixture = ball_fixture();
+    conus_pose camera;
+    assert_ok(conus_pose_toward(&camera, (double[]){-150, 0, 0}, (double[]){0, 0, 0}, NULL));
+    conus_image *plain = render(&fixture, (conus_view){.no_legend = true, .camera = &camera});
+    conus_image *cone =
+        render(&fixture, (conus_view){.no_legend = true, .camera = &camera, .selection = fixture.selection});
+    conus_image *unskipped =
+        render(&fixture,
+               (conus_view){.no_legend = true, .camera = &camera, .no_skipping = true, .selection = fixture.selection});
+    conus_image *legend = render(&fixture, (conus_view){.camera = &camera, .selection = fixture.selection});
+    conus_image *close = render(&fixture, (conus_view){.no_legend = true, .camera = &camera, .field_of_view = 0.3});
+    assert_true(difference(plain, cone) > 0);
+    assert_true(difference(cone, unskipped) == 0);
+    assert_true(!has_font() || difference(cone, legend) > 0);
+    assert_true(difference(plain, close) > 0);
+    conus_image_destroy(plain);
+    conus_image_destroy(cone);
+    conus_image_destroy(unskipped);
+    conus_image_destroy(legend);
+    conus_image_destroy(close);
+    finish(&fixture);
+}
+
+/* A far device, one inside an area, one that misses everything, an atlas without areas. */
+static void odd_scenes_are_pictures(void **state)
+{
+    (void)state;
+    static const double origins[][3] = {{-5000, 10, 3}, {1, 2, 3}, {-60, 0, 0}};
+    for (size_t i = 0; i < 3; i++) {
+        conus_volume_info grid = picture_grid((size_t[]){40, 41, 42}, (double[]){1, 1, 1}, identity);
+        struct fixture fixture = make_fixture(picture_atlas(&grid, i == 2 ? nothing : ball, NULL, NULL), origins[i]);
+        conus_image *image = render(&fixture, (conus_view){.selection = fixture.selection});
+        const float *green = conus_image_floats(image, "G");
+        for (size_t p = 0; p < (size_t)160 * 120; p++) {
+            assert_true(isfinite(green[p]));
+        }
+        conus_image_destroy(image);
+        finish(&fixture);
+    }
+}
+
+static void options_out_of_range_are_refused(void **state)
+{
+    (void)state;
+    struct fixture fixture = ball_fixture();
+    const conus_pose bad = {{1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    const conus_view views[] = {{.width = 16385},       {.height = 20000},      {.field_of_view = -1},
+                                {.field_of_view = NAN}, {.field_of_view = 3.2}, {.slices = 65537},
+                                {.camera = &bad}};
+    for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
+        conus_image *image = NULL;
+        assert_fails(conus_render(&image, fixture.renderer, &views[i]), CONUS_ERROR_ARGUMENT);
+        assert_null(image);
+    }
+    finish(&fixture);
+}
+
+static conus_status attempt(void *data)
+{
+    struct fixture *fixture = data;
+    conus_image *image = NULL;
+    const conus_view view = {.width = 64, .height = 48, .selection = fixture->selection};
+    conus_status status = conus_render(&image, fixture->renderer, &view);
+    assert_true((status == CONUS_OK) == (image != NULL));
+    conus_image_destroy(image);
+    return status;
+}
+
+static void allocations_may_fail(void **state)
+{
+    (void)state;
+    struct fixture fixture = ball_fixture();
+    test_every_allocation(attempt, &fixture);
+    finish(&fixture);
+}
+
+static void a_phantom_looks_as_it_did(void **state)
+{
+    (void)state;
+    const conus_phantom_options options = {.size = 48, .oblique = 0.3};
+    struct phantom_drawing drawing = {0};
+    conus_atlas *atlas = NULL;
+    assert_ok(phantom_draw(&drawing, "u-shape", &options));
+    assert_ok(phantom_drawing_atlas(&atlas, &drawing));
+    phantom_drawing_finish(&drawing);
+    struct fixture fixture = make_fixture(atlas, (double[]){-50, 20, 30});
+    conus_image *got = render(&fixture, (conus_view){.selection = fixture.selection, .no_legend = true});
+    golden_check(got, "u-shape.png");
+    conus_image_destroy(got);
+    finish(&fixture);
+}
+
+/* Two hundredths of light more, or less, are seen, wherever they are. */
+static void a_change_of_brightness_is_seen(void **state)
+{
+    (void)state;
+    conus_image *wanted = NULL;
+    assert_ok(conus_image_load(&wanted, CONUS_SOURCE_DIR "/tests/golden/u-shape.png"));
+    assert_near(golden_brightness(wanted, wanted), 0, 0);
+    for (int part = 0; part < 4; part++) { /* all of it, the left half, the upper half, all but for red */
+        conus_image *changed = NULL;
+        assert_ok(conus_image_load(&changed, CONUS_SOURCE_DIR "/tests/golden/u-shape.png"));
+        for (size_t i = 0; i < (size_t)changed->width * changed->height; i++) {
+            bool here = part == 1   ? i % changed->width < changed->width / 2
+                        : part == 2 ? i / changed->width < changed->height / 2
+                                    : true;
+            for (int c = part == 3; here && c < 3; c++) {
+                image_rgba(changed).plane[c][i] *= part % 2 ? 0.98F : 1.02F;
+            }
+        }
+        assert_near(golden_brightness(changed, wanted), 0.02, 1e-6);
+        conus_image_destroy(changed);
+    }
+    conus_image_destroy(wanted);
+}
+
+static double two_halves(const double p[3])
+{
+    return vec3_length(p) < 20 ? (p[1] < 0 ? 1 : 2) : 0;
+}
+
+/* A picture of the atlas and what a cone from the left meets in it. */
+static conus_image *draw_level(conus_atlas *atlas, const char *level)
+{
+    const conus_selector_options options = {.level = level};
+    struct fixture fixture = {.atlas = atlas};
+    conus_image *image = NULL;
+    conus_pose pose;
+    assert_ok(conus_selector_create(&fixture.selector, atlas, &options));
+    assert_ok(conus_pose_toward(&pose, (double[]){-60, 0, 0}, (double[]){0, 0, 0}, NULL));
+    assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, radians_from_degrees(20)));
+    assert_ok(conus_renderer_create(&fixture.renderer, atlas, NULL));
+    const conus_view view = {.width = 200, .height = 150, .selection = fixture.selection};
+    assert_ok(conus_render(&image, fixture.renderer, &view));
+    finish(&fixture);
+    return image;
+}
+
+/* Areas that are reported as one have its colour and stand out together, as if their voxels had its label (Eq. 10). */
+static void rolled_up_areas_look_like_one(void **state)
+{
+    (void)state;
+    gl_context_destroy(test_gl_context(NULL, NULL));
+    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
+    conus_atlas *halves = picture_atlas(&grid, two_halves, NULL, NULL);
+    halves->objects[1].parent = 1;
+    conus_image *rolled = draw_level(halves, "1");
+    conus_image *one = draw_level(picture_atlas(&grid, ball, NULL, NULL), NULL);
+    conus_image *two = draw_level(picture_atlas(&grid, two_halves, NULL, NULL), NULL);
+    conus_image_difference difference;
+    assert_ok(conus_image_compare(&difference, rolled, one, 0));
+    assert_int_equal(difference.differing, 0);
+    assert_ok(conus_image_compare(&difference, rolled, two, 0));
+    assert_true(difference.differing > 1000);
+    conus_image_destroy(rolled);
+    conus_image_destroy(one);
+    conus_image_destroy(two);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rolled_up_areas_look_like_one),    cmocka_unit_test(pictures_have_their_size_and_are_opaque),
+        cmocka_unit_test(options_show_in_the_picture),      cmocka_unit_test(odd_scenes_are_pictures),
+        cmocka_unit_test(options_out_of_range_are_refused), cmocka_unit_test(allocations_may_fail),
+        cmocka_unit_test(a_phantom_looks_as_it_did),        cmocka_unit_test(a_change_of_brightness_is_seen),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,306 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Poses that lie or look where they hardly should (conus_aims): cones and boxes against many rays, counts by hand. */
+#include "atlas/space.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "mesh_scene.h"
+#include "scene.h"
+#include "selection/study/aims.h"
+#include "test.h"
+
+#include <string.h>
+
+/* ---- A cone and a box ----------------------------------------------------------------------------------------- */
+
+static double random_part(uint64_t *state)
+{
+    return test_random(state, 0, 1);
+}
+
+/* The smallest angle to the axis, as a tangent, of points of the box: those of a fine grid on its faces and inside. */
+static double least_slope(const conus_pose *pose, const double low[3], const double high[3])
+{
+    enum { STEPS = 40 };
+    double least = INFINITY;
+    for (int n = 0; n < (STEPS + 1) * (STEPS + 1) * (STEPS + 1); n++) {
+        const int at[3] = {n % (STEPS + 1), n / (STEPS + 1) % (STEPS + 1), n / (STEPS + 1) / (STEPS + 1)};
+        double v[3];
+        const double *m = pose->world_from_device;
+        for (int a = 0; a < 3; a++) {
+            v[a] = low[a] + (high[a] - low[a]) * at[a] / STEPS - m[12 + a];
+        }
+        double depth = -vec3_dot(m + 8, v);
+        if (depth > 0) {
+            least = fmin(least, hypot(vec3_dot(m, v), vec3_dot(m + 4, v)) / depth);
+        }
+    }
+    return least;
+}
+
+/* A point of the grid is never farther than the box, and the box is never much nearer than the grid: a cone that holds
+ * a point never misses, and one that is narrower by the grid's coarseness does. */
+static void a_cone_misses_a_box_that_it_holds_no_point_of(void **state)
+{
+    (void)state;
+    uint64_t random = 3;
+    int missed = 0;
+    for (int i = 0; i < 300; i++) {
+        double low[3];
+        double high[3];
+        double origin[3];
+        double direction[3];
+        for (int a = 0; a < 3; a++) {
+            low[a] = test_random(&random, -20, 0);
+            high[a] = low[a] + test_random(&random, 1, 20);
+            origin[a] = test_random(&random, -60, 60);
+            direction[a] = test_random(&random, -1, 1);
+        }
+        struct cone cone = {.resolution = 1};
+        assert_ok(conus_pose_along(&cone.pose, origin, direction, NULL));
+        double least = least_slope(&cone.pose, low, high);
+        bool before = least < INFINITY;
+        if (before && least > 0.02) {
+            cone.angle = 2 * atan(least * 1.001);
+            assert_false(aims_past(&cone, low, high));
+            cone.angle = 2 * atan(least * 0.9 - 0.02);
+            missed += cone.angle > 0 && aims_past(&cone, low, high);
+        }
+        if (!before) {
+            cone.angle = radians_from_degrees(170 * random_part(&random) + 1);
+            assert_true(aims_past(&cone, low, high));
+        }
+    }
+    assert_true(missed > 100);
+}
+
+/* By hand: the box [-1, 1]^3, seen from (0, 0, 10) past its edge at x = 1, z = 1: atan(1/9) off straight down. */
+static void the_border_is_sharp(void **state)
+{
+    (void)state;
+    const double low[3] = {-1, -1, -1};
+    const double high[3] = {1, 1, 1};
+    struct cone cone = {.resolution = 1};
+    double edge = atan(1.0 / 9);
+    double off = edge + radians_from_degrees(20);
+    assert_ok(conus_pose_along(&cone.pose, (double[]){0, 0, 10}, (double[]){sin(off), 0, -cos(off)}, NULL));
+    cone.angle = 2 * radians_from_degrees(20.0001);
+    assert_false(aims_past(&cone, low, high));
+    cone.angle = 2 * radians_from_degrees(19.9999);
+    assert_true(aims_past(&cone, low, high));
+    cone.aperture = CONUS_SQUARE; /* the cone around the pyramid reaches sqrt(2) tan 20 degrees */
+    assert_false(aims_past(&cone, low, high));
+    assert_ok(conus_pose_along(&cone.pose, (double[]){3, 0, 10}, (double[]){0, 0, -1}, NULL));
+    cone.aperture = CONUS_CIRCLE;
+    cone.angle = 0;
+    cone.radius = 2.001;
+    assert_false(aims_past(&cone, low, high));
+    cone.radius = 1.999;
+    assert_true(aims_past(&cone, low, high));
+    assert_ok(conus_pose_along(&cone.pose, (double[]){0, 0, 0}, (double[]){0, 0, -1}, NULL)); /* inside, looking out */
+    assert_false(aims_past(&cone, low, high));
+}
+
+/* Nothing that conus_select() meets is missed. */
+static void what_is_met_is_not_missed(void **state)
+{
+    (void)state;
+    uint64_t random = 21;
+    int away = 0;
+    for (int i = 0; i < 200; i++) {
+        conus_atlas *atlas = scene_atlas(&random, 12, 1);
+        const struct cone cone = scene_cone(&random, atlas);
+        conus_selector *selector = NULL;
+        conus_selection *selection = NULL;
+        conus_aims *aims = NULL;
+        double low[3];
+        double high[3];
+        const conus_selector_options options = {.aperture = i % 2 ? CONUS_SQUARE : CONUS_CIRCLE};
+        assert_ok(conus_selector_create(&selector, atlas, &options));
+        assert_ok(conus_select(&selection, selector, &cone.pose, cone.angle));
+        assert_ok(conus_aims_create(&aims, selector));
+        conus_aims_add(aims, 1, &cone.pose, cone.angle);
+        const conus_astray *found = conus_aims_found(aims);
+        const conus_result *first = conus_selection_result(selection, 0);
+        assert_int_equal(found->poses, conus_atlas_bounds(atlas, low, high) == CONUS_OK);
+        assert_true(!first->object || found->away.count == 0);
+        away += (int)found->away.count;
+        if (found->inside.count) {
+            assert_near(first->distance, 0, 0);
+        }
+        conus_aims_destroy(aims);
+        conus_selection_destroy(selection);
+        conus_selector_destroy(selector);
+        conus_atlas_destroy(atlas);
+    }
+    assert_true(away > 20);
+}
+
+/* ---- Counts --------------------------------------------------------------------------------------------------- */
+
+static conus_atlas *block(void)
+{
+    uint32_t labels[8] = {1, 1, 1, 1, 2, 2, 2, 2}; /* 1 below, 2 above z = 0; each voxel 10 mm */
+    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "block", .dim = {2, 2, 2}, .slope = 1};
+    const double m[16] = {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -5, -5, -5, 1};
+    struct label_table table = {0};
+    struct notes notes = {0};
+    conus_atlas *atlas = NULL;
+    assert_ok(space_describe(&info, m, "here"));
+    assert_ok(atlas_create(&atlas, &info, labels, &table, "here", &notes));
+    notes_finish(&notes);
+    return atlas;
+}
+
+static conus_pose looking_up_from(double x, double y, double z)
+{
+    conus_pose pose;
+    assert_ok(conus_pose_along(&pose, (double[]){x, y, z}, (double[]){0, 0, 1}, NULL));
+    return pose;
+}
+
+static void poses_are_counted_by_kind(void **state)
+{
+    (void)state;
+    static const double places[][3] = {{1, 1, -50}, {0.5, 0.5, 50}, {3, 3, 5}, {3, 3, -5}, {0.5, 0, -0.5}, {40, 0, 0}};
+    conus_atlas *atlas = block();
+    conus_selector *selector = NULL;
+    conus_aims *aims = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    assert_ok(conus_aims_create(&aims, selector));
+    for (size_t i = 6; i > 0; i--) { /* the lowest number counts, not the first call */
+        const conus_pose pose = looking_up_from(places[i - 1][0], places[i - 1][1], places[i - 1][2]);
+        conus_aims_add(aims, i + 1, &pose, 0.2);
+    }
+    const conus_pose pose = looking_up_from(0, 0, 0);
+    conus_aims_add(aims, 20, &pose, 4); /* not an angle */
+    const conus_astray *found = conus_aims_found(aims);
+    assert_int_equal(found->poses, 6);
+    assert_int_equal(found->inside.count, 3);
+    assert_int_equal(found->inside.first, 4);
+    assert_int_equal(found->inside.object, 2);
+    assert_int_equal(found->away.count, 2);
+    assert_int_equal(found->away.first, 3);
+    assert_near(found->away.angle, 0.2, 0);
+    assert_near(found->away.pose.world_from_device[14], 50, 0);
+    assert_int_equal(found->tiny.count, 1);
+    assert_int_equal(found->tiny.first, 6);
+    conus_astray sum = *found;
+    conus_astray more = *found;
+    more.inside.first = 2;
+    more.inside.object = 1;
+    aims_merge(&sum, &more);
+    aims_merge(&sum, &(conus_astray){.poses = 1});
+    assert_int_equal(sum.poses, 13);
+    assert_int_equal(sum.inside.count, 6);
+    assert_int_equal(sum.inside.first, 2);
+    assert_int_equal(sum.inside.object, 1);
+    assert_int_equal(sum.away.count, 4);
+    assert_int_equal(sum.away.first, 3);
+    conus_aims_destroy(aims);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
+/* A needle begins inside. */
+static void a_cylinder_may_begin_inside(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = block();
+    conus_selector *selector = NULL;
+    conus_aims *aims = NULL;
+    const conus_pose inside = looking_up_from(3, 3, 5);
+    const conus_pose beyond = looking_up_from(3, 3, 50);
+    assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.radius = 1}));
+    assert_ok(conus_aims_create(&aims, selector));
+    conus_aims_add(aims, 1, &inside, 0);
+    conus_aims_add(aims, 2, &beyond, 0);
+    assert_int_equal(conus_aims_found(aims)->poses, 2);
+    assert_int_equal(conus_aims_found(aims)->inside.count, 0);
+    assert_int_equal(conus_aims_found(aims)->away.count, 1);
+    conus_aims_destroy(aims);
+    conus_aims_destroy(NULL);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
+/* ---- Closed surfaces ------------------------------------------------------------------------------------------- */
+
+static uint64_t inside_first(const conus_atlas *atlas, const conus_selector_options *options, const double (*places)[3],
+                             size_t count, uint32_t *object)
+{
+    conus_selector *selector = NULL;
+    conus_aims *aims = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, options));
+    assert_ok(conus_aims_create(&aims, selector));
+    for (size_t i = 0; i < count; i++) {
+        const conus_pose pose = looking_up_from(places[i][0], places[i][1], places[i][2]);
+        conus_aims_add(aims, i + 1, &pose, options->radius > 0 ? 0 : 0.2);
+    }
+    const conus_oddity inside = conus_aims_found(aims)->inside;
+    assert_true(inside.count <= 1);
+    *object = inside.object;
+    conus_aims_destroy(aims);
+    conus_selector_destroy(selector);
+    return inside.count ? inside.first : 0;
+}
+
+/* A box of 20 mm that faces inwards, number 2 a box in it of 4 mm, number 3 an open box elsewhere. Where points lie is
+ * plain from their coordinates. */
+static void a_device_may_lie_inside_a_closed_surface(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh outer = mesh_scene_box((double[]){-10, -10, -10}, (double[]){10, 10, 10});
+    struct mesh inner = mesh_scene_box((double[]){1, 1, 1}, (double[]){5, 5, 5});
+    struct mesh open = mesh_scene_box((double[]){30, -10, -10}, (double[]){50, 10, 10});
+    const conus_selector_options plain = {0};
+    uint32_t object;
+    mesh_scene_turn(&outer); /* whose volume is below 0 */
+    open.triangle_count--;   /* the rest is not closed */
+    mesh_scene_add(atlas, &outer);
+    mesh_scene_add(atlas, &inner);
+    mesh_scene_add(atlas, &open);
+    assert_false(atlas_object_mesh(atlas, 3)->shape.closed);
+    assert_int_equal(inside_first(atlas, &plain, (const double[][3]){{-2, 0.3, 0.1}}, 1, &object), 1);
+    assert_int_equal(object, 1);
+    assert_int_equal(inside_first(atlas, &plain, (const double[][3]){{2, 2.3, 2.1}}, 1, &object), 1);
+    assert_int_equal(object, 2); /* in both, and that is the smaller */
+    const double none[][3] = {{40, 0.3, 0.1}, {0.1, 0.3, -11}, {0.1, 0.3, 11}, {-11, 0.3, 0.1}, {0.2, 10.5, 0.1}};
+    assert_int_equal(inside_first(atlas, &plain, none, 5, &object), 0);
+    const conus_selector_options needle = {.radius = 1};
+    assert_int_equal(inside_first(atlas, &needle, (const double[][3]){{-2, 0.3, 0.1}}, 1, &object), 0);
+    conus_atlas_destroy(atlas);
+}
+
+/* In the box around a torus of radii 10 and 3 mm, but only in places in its tube. */
+static void the_box_of_a_surface_is_not_its_inside(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh torus = mesh_scene_torus(10, 3, 64, 32);
+    const conus_selector_options plain = {0};
+    uint32_t object;
+    mesh_scene_add(atlas, &torus);
+    const double none[][3] = {{0.1, 0.2, 0}, {10.5, 10.5, 0.2}, {9, 0.3, -2.95}};
+    const double last[][3] = {{0.1, 0.2, 0}, {10.5, 10.5, 0.2}, {9, 0.3, -1}};
+    assert_int_equal(inside_first(atlas, &plain, none, 3, &object), 0);
+    assert_int_equal(inside_first(atlas, &plain, last, 3, &object), 3);
+    assert_int_equal(object, 1);
+    const conus_selector_options sliced = {.sampling = CONUS_SLICES};
+    assert_int_equal(inside_first(atlas, &sliced, last, 3, &object), 0); /* which have no inside */
+    conus_atlas_destroy(atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_cone_misses_a_box_that_it_holds_no_point_of),
+        cmocka_unit_test(the_border_is_sharp),
+        cmocka_unit_test(what_is_met_is_not_missed),
+        cmocka_unit_test(poses_are_counted_by_kind),
+        cmocka_unit_test(a_cylinder_may_begin_inside),
+        cmocka_unit_test(a_device_may_lie_inside_a_closed_surface),
+        cmocka_unit_test(the_box_of_a_surface_is_not_its_inside),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Streams as conus-mesh writes them, made by hand. */
+#ifndef CONUS_TESTS_SUPPORT_MESH_BUILDER_H
+#define CONUS_TESTS_SUPPORT_MESH_BUILDER_H
+
+#include "base/buffer.h"
+#include "loaders/child/mesh_protocol.h"
+
+#include <stdint.h>
+
+struct built_frame {
+    uint32_t kind, id, space;
+    const char *text; /**< NULL = none. */
+    uint64_t vertices, triangles;
+};
+
+/** Appends a frame's header and text; text bytes count as they are. */
+void build_header(struct buffer *out, struct built_frame frame);
+
+/** Appends the frame of a tetrahedron with the corners (0, 0, 0), (size, 0, 0), (0, size, 0), (0, 0, size). */
+void build_tetrahedron(struct buffer *out, uint32_t id, uint32_t space, float size);
+
+#endif

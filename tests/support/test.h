@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What every test includes: cmocka, comparison with a tolerance, the n-th failing allocation, real data. */
+#ifndef CONUS_TESTS_SUPPORT_TEST_H
+#define CONUS_TESTS_SUPPORT_TEST_H
+
+#ifdef NDEBUG
+#error "tests are built without NDEBUG: they exercise the library's asserts"
+#endif
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "conus/conus.h"
+
+#undef fail /* cmocka's; ours sets a message. Use fail_msg() to fail a test. */
+#undef fail_msg
+#define fail_msg(...) (print_error(__VA_ARGS__), print_error("\n"), _fail(__FILE__, __LINE__))
+
+/** Fails unless |got - wanted| <= tolerance (NaN never passes). */
+#define assert_near(got, wanted, tolerance)                                                                            \
+    test_near((double)(got), (double)(wanted), (double)(tolerance), #got, __FILE__, __LINE__)
+void test_near(double got, double wanted, double tolerance, const char *what, const char *file, int line);
+
+/** Fails unless the status is CONUS_OK, showing the message. */
+#define assert_ok(status) test_status((status), CONUS_OK, #status, __FILE__, __LINE__)
+/** Fails unless the status is @p wanted. */
+#define assert_fails(status, wanted) test_status((status), (wanted), #status, __FILE__, __LINE__)
+void test_status(conus_status got, conus_status wanted, const char *what, const char *file, int line);
+
+/** Makes the @p n-th allocation from now on (0 = the next) and all later ones fail; a negative n ends it. */
+void test_fail_allocation(long n);
+/** True when an allocation was made to fail since the last test_fail_allocation(). */
+bool test_allocation_failed(void);
+
+/** Makes every allocation of more than @p size bytes fail from now on; 0 ends it. */
+void test_limit_allocations(size_t size);
+
+/** Runs @p attempt with the n-th allocation failing for n = 0, 1, 2, ... until it succeeds without a failure: each
+ * time it must return CONUS_ERROR_MEMORY, or CONUS_OK if it can do without. @p attempt cleans up after itself. */
+void test_every_allocation(conus_status (*attempt)(void *data), void *data);
+
+/** Path of @p name under Debian's mricron templates; skips the test, saying why, where it is absent. Static buffer. */
+const char *test_mricron(const char *name);
+/** Path of @p name in the shared data (CONUS_SHARED_DATA, else ../shared/data beside the source); skips likewise. */
+const char *test_shared(const char *name);
+/** Path for a file @p name in a fresh folder of this run of the test program, which goes at its end. Static buffers,
+ * four in turn. */
+const char *test_scratch(const char *name);
+/** Lets that folder stay, for somebody to look at what was wrong. */
+void test_keep_scratch(void);
+
+/** Makes the folder test_scratch(@p name), unless it is there; test_in() is about it from now on. */
+void test_folder(const char *name);
+/** Path of @p name in that folder, "" for the folder itself. Static buffers, four in turn. */
+const char *test_in(const char *name);
+
+/** Lets the cache of meshes be a fresh folder of this test program. */
+void test_own_cache(void);
+
+/** A deterministic generator (SplitMix64), so that random tests repeat. Uniform in [low, high). */
+double test_random(uint64_t *state, double low, double high);
+
+#endif

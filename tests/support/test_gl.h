@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What tests of the GL part share. */
+#ifndef CONUS_TESTS_SUPPORT_TEST_GL_H
+#define CONUS_TESTS_SUPPORT_TEST_GL_H
+
+#include "render/gl/context.h"
+#include "test.h"
+
+/** A context, or the running test is skipped, saying why. Not for a set-up: cmocka takes a skip there for a failure. */
+static inline struct gl_context *test_gl_context(conus_log log, void *log_user)
+{
+    struct gl_context *context = NULL;
+    if (gl_context_create(&context, log, log_user)) {
+        print_message("skipped: %s\n", conus_message());
+        skip();
+    }
+    return context;
+}
+
+/** A current context and what its driver said. */
+struct test_gl {
+    struct gl_context *context;
+    struct gl_current previous;
+    int messages;
+};
+
+static inline void test_gl_count(void *user, const char *line)
+{
+    struct test_gl *gl = user;
+    gl->messages++;
+    print_message("%s\n", line);
+}
+
+/** Makes a context current, or skips the running test. Pair with test_gl_leave(). */
+static inline void test_gl_enter(struct test_gl *gl)
+{
+    *gl = (struct test_gl){0};
+    gl->context = test_gl_context(test_gl_count, gl);
+    assert_ok(gl_context_use(gl->context, &gl->previous));
+}
+
+/** Ends it; fails when the driver had something to say. */
+static inline void test_gl_leave(struct test_gl *gl)
+{
+    gl_current_restore(&gl->previous);
+    gl_context_destroy(gl->context);
+    assert_int_equal(gl->messages, 0);
+}
+
+#endif
