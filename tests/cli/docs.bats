@@ -20,7 +20,7 @@ examples() {
     for file in "$TEMPLATES"/{aal,ch2,ch2bet}.*; do
         [ ! -e "$file" ] || ln -s "$file" "$folder/"
     done
-    (cd "$folder" && PATH=${CONUS%/*}:$PATH bash "../$folder.sh" 3>"../$folder.said") >"$folder.got" || true
+    (cd "$folder" && PATH=${CONUS%/*}:$PATH XDG_CACHE_HOME=$PWD bash "../$folder.sh" 3>"../$folder.said") >"$folder.got" || true
     diff <(same_engine <"$folder.said") <(same_engine <"$folder.got")
 }
 
