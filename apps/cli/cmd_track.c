@@ -7,13 +7,13 @@
 #include "common/output.h"
 #include "common/pose_settings.h"
 #include "common/station_settings.h"
+#include "link/clock.h"
 #include "link/tell.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 struct track_settings {
     struct atlas_settings atlas;
@@ -256,13 +256,6 @@ static int answer_row(struct track *track, const conus_pose_row *row)
     return status ? complain_status(status) : write_steps(track);
 }
 
-static double clock_s(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static int answer_news(struct track *track, const struct station_news *news, double time_s)
 {
     char id[24];
@@ -288,17 +281,17 @@ static int answer_station(struct track *track)
     struct station_news news = {0};
     double first = NAN;
     int code = EXIT_DONE;
-    double begun = clock_s();
+    double begun = clock_ms();
     interrupt_catch(NULL);
     if (!track->settings->common.quiet) {
         char text[160];
         settings_station_text(text, sizeof text, track->station, &news);
         complain("%s", text);
     }
-    while (!code && !interrupt_signal() && !(seconds > 0 && clock_s() - begun >= seconds)) {
+    while (!code && !interrupt_signal() && !(seconds > 0 && clock_ms() - begun >= 1e3 * seconds)) {
         if (station_wait(track->station, news.number, 0.05, &news) && news.state == STATION_SEEN) {
-            first = isnan(first) ? clock_s() : first;
-            code = answer_news(track, &news, clock_s() - first);
+            first = isnan(first) ? clock_ms() : first;
+            code = answer_news(track, &news, 1e-3 * (clock_ms() - first));
         }
     }
     return code ? code : write_steps(track);

@@ -1,27 +1,21 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "common/progress.h"
 
+#include "link/clock.h"
+
 #include <stdio.h>
-#include <time.h>
 #include <unistd.h>
 
 const char *const progress_kinds[] = {"auto", "json", "none", NULL};
 
-static const double interval = 0.1;
-
-static double now(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
+static const double interval_ms = 100;
 
 void progress_start(struct progress *out, enum progress_kind kind, bool quiet)
 {
-    double start = now();
+    double start = clock_ms();
     *out = (struct progress){.kind = kind, .started = start, .shown = start};
     if (kind == PROGRESS_JSON) {
-        out->shown -= 2 * interval; /* a program hears of the first block at once */
+        out->shown -= 2 * interval_ms; /* a program hears of the first block at once */
     }
     out->on_terminal = kind == PROGRESS_AUTO && !quiet && isatty(STDERR_FILENO);
 }
@@ -33,7 +27,7 @@ bool progress_is_shown(const struct progress *progress)
 
 static double rate_of(const struct progress *progress, uint64_t done)
 {
-    double seconds = now() - progress->started;
+    double seconds = 1e-3 * (clock_ms() - progress->started);
     return seconds > 0 ? (double)(done - progress->before) / seconds : 0;
 }
 
@@ -70,8 +64,8 @@ static void show_json(const struct progress *progress, uint64_t done, uint64_t e
 
 void progress_update(struct progress *progress, uint64_t done, uint64_t errors)
 {
-    double time = now();
-    if (!progress_is_shown(progress) || time - progress->shown < interval) {
+    double time = clock_ms();
+    if (!progress_is_shown(progress) || time - progress->shown < interval_ms) {
         return;
     }
     progress->shown = time;

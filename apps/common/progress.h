@@ -13,9 +13,9 @@ extern const char *const progress_kinds[]; /**< Their names; ends with NULL. */
 struct progress {
     enum progress_kind kind;
     bool on_terminal;
-    uint64_t total;  /**< 0 = not known. */
-    uint64_t before; /**< Done when it began. */
-    double started, shown;
+    uint64_t total;        /**< 0 = not known. */
+    uint64_t before;       /**< Done when it began. */
+    double started, shown; /**< By clock_ms(). */
 };
 
 /** @p quiet: no line on a terminal. */

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "link/station.h"
 
+#include "link/clock.h"
+
 #include <arpa/inet.h>
 #include <errno.h>
 #include <math.h>
@@ -53,13 +55,6 @@ struct station {
     size_t telling_size;
     unsigned telling_number;
 };
-
-static double now_ms(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
-}
 
 /* ---- Poses --------------------------------------------------------------------------------------------------------
  */
@@ -170,12 +165,12 @@ static void hear(void *user, const struct igtl_poses *poses)
         } else if (options->head && is_named(pose, options->head)) {
             station->head = *pose;
             heard = true;
-            station->head_arrived_ms = now_ms();
+            station->head_arrived_ms = clock_ms();
         } else if (options->tool ? is_named(pose, options->tool)
                                  : !station->tool.name[0] || strcmp(pose->name, station->tool.name) == 0) {
             station->tool = *pose;
             heard = true;
-            station->arrived_ms = now_ms();
+            station->arrived_ms = clock_ms();
             station->time_s = poses->time_s;
             station->number++;
             pthread_cond_broadcast(&station->arrived);
@@ -222,7 +217,7 @@ static void part(struct station *station, struct peer *peer, bool was_nonsense)
     pthread_mutex_unlock(&station->lock);
     memset(peer, 0, sizeof *peer);
     peer->socket = -1;
-    station->next_try_ms = now_ms() + RETRY_MS;
+    station->next_try_ms = clock_ms() + RETRY_MS;
 }
 
 static void receive(struct station *station, struct peer *peer)
@@ -230,7 +225,7 @@ static void receive(struct station *station, struct peer *peer)
     uint8_t bytes[CHUNK];
     ssize_t size = recv(peer->socket, bytes, sizeof bytes, MSG_DONTWAIT);
     if (size > 0) {
-        peer->heard_ms = now_ms();
+        peer->heard_ms = clock_ms();
         if (!igtl_read(&peer->reader, bytes, (size_t)size, hear, station)) {
             part(station, peer, true);
         }
@@ -280,7 +275,7 @@ static struct peer *make_room(struct station *station)
     for (int p = 1; p < PEERS; p++) {
         silent = station->peers[p].heard_ms < silent->heard_ms ? &station->peers[p] : silent;
     }
-    if (now_ms() - silent->heard_ms <= 1e3 * stale_after_s) {
+    if (clock_ms() - silent->heard_ms <= 1e3 * stale_after_s) {
         return NULL;
     }
     part(station, silent, false);
@@ -298,7 +293,7 @@ static void welcome(struct station *station, int socket)
     }
     setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     peer->socket = socket;
-    peer->heard_ms = now_ms();
+    peer->heard_ms = clock_ms();
     if (station->options.host) { /* servers of tracking data want to be asked */
         size_t size = igtl_write_start(peer->out, sizeof peer->out, "STT_TDATA", REQUEST_MS);
         size += igtl_write_start(peer->out + size, sizeof peer->out - size, "STT_QTDATA", REQUEST_MS);
@@ -313,7 +308,7 @@ static void try_connection(struct station *station)
     struct addrinfo *found = NULL;
     char port[8];
     snprintf(port, sizeof port, "%u", station->port);
-    station->next_try_ms = now_ms() + RETRY_MS;
+    station->next_try_ms = clock_ms() + RETRY_MS;
     if (getaddrinfo(station->options.host, port, &hints, &found)) {
         return;
     }
@@ -379,7 +374,7 @@ static void *run(void *user)
 {
     struct station *station = user;
     while (!is_stopped(station)) {
-        if (station->options.host && station->peers[0].socket < 0 && now_ms() >= station->next_try_ms) {
+        if (station->options.host && station->peers[0].socket < 0 && clock_ms() >= station->next_try_ms) {
             try_connection(station);
         }
         serve(station);
@@ -530,12 +525,12 @@ static void fill_news(struct station *station, struct station_news *out)
                                  .counts = station->counts,
                                  .dropped = station->dropped,
                                  .clients = station->clients};
-    out->age_s = station->number ? (now_ms() - station->arrived_ms) / 1e3 : INFINITY;
+    out->age_s = station->number ? (clock_ms() - station->arrived_ms) / 1e3 : INFINITY;
     out->state = state_of(station, &station->tool, out->age_s);
     if (out->state == STATION_SEEN) {
         device_pose(&out->pose, station);
     }
-    double head_age_s = station->head.name[0] ? (now_ms() - station->head_arrived_ms) / 1e3 : INFINITY;
+    double head_age_s = station->head.name[0] ? (clock_ms() - station->head_arrived_ms) / 1e3 : INFINITY;
     out->head.state = state_of(station, &station->head, head_age_s);
     if (out->head.state == STATION_SEEN) {
         head_pose(&out->head, station);

@@ -46,7 +46,7 @@ static void tell_others(struct window *window)
 static void watch_files(struct window *window)
 {
     char news[WATCH_NEWS];
-    double now = times_now();
+    double now = clock_ms();
     if (now - window->watched >= 1e3 * longest_s && window->viewer->watch) {
         window->watched = now;
         if (watch_look(window->viewer->watch, news)) {
@@ -59,7 +59,7 @@ static void watch_files(struct window *window)
 static void note_times(struct window *window, unsigned answer)
 {
     struct times *times = &window->times;
-    times->first_frame = times->first_frame > 0 ? times->first_frame : times_now() - times->started;
+    times->first_frame = times->first_frame > 0 ? times->first_frame : clock_ms() - times->started;
     if (window->viewer->answer_number != answer) {
         times_add(times, TIMED_SELECTION, window->viewer->select_ms);
     }

@@ -229,7 +229,7 @@ static void find_place(struct place *out, const struct view_settings *settings)
 static int run(const void *given, const struct arguments *arguments)
 {
     const struct view_settings *settings = given;
-    double started = times_now();
+    double started = clock_ms();
     struct script *script = NULL;
     struct window window;
     struct place place;

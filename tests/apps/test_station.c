@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The connection to a station, over real sockets of this machine. */
+#include "link/clock.h"
 #include "link/station.h"
 #include "test.h"
 
@@ -9,7 +10,6 @@
 #include <poll.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { ROOM = 4096, PLACES = 4 /* for peers */ };
@@ -322,27 +322,20 @@ static void idle_peers_give_way(void **state)
     station_stop(station);
 }
 
-static double clock_s(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* Sends from all until one is shown out; whether that was the newcomer. @p pause becomes the longest time, s, in which
  * nothing was sent. */
 static bool newcomer_is_shown_out(const int peers[PLACES], int newcomer, double *pause)
 {
     bool is_out = false;
-    double sent = clock_s();
+    double sent = clock_ms();
     *pause = 0;
     for (;;) {
         for (int p = 0; p < PLACES; p++) {
             is_out = is_out || is_closed(peers[p]);
             try_pose(peers[p], "Pointer");
         }
-        *pause = fmax(*pause, clock_s() - sent);
-        sent = clock_s();
+        *pause = fmax(*pause, 1e-3 * (clock_ms() - sent));
+        sent = clock_ms();
         if (is_out || is_closed(newcomer)) {
             return !is_out;
         }

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "viewer/model/painter.h"
 
+#include "link/clock.h"
+
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <time.h>
 
 /* While the view moves a picture shall take no longer; and no coarser than that many pixels of the pane per pixel. */
 static const double quick_ms = 60;
@@ -46,13 +47,6 @@ struct painter {
     double ms_per_pixel;
     uint8_t bytes[LEVELS]; /* sRGB of linear light */
 };
-
-static double now_ms(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
-}
 
 bool painting_shows_same(const struct painting *a, const struct painting *b)
 {
@@ -141,7 +135,7 @@ static bool paint(struct painter *painter, conus_renderer *renderer, const struc
                              .no_legend = true,
                              .draft = stage != STAGE_SMOOTH,
                              .fade = what->fade};
-    double begun = now_ms();
+    double begun = clock_ms();
     if (conus_render(&image, renderer, &view)) {
         note_error(painter);
         return false;
@@ -149,7 +143,7 @@ static bool paint(struct painter *painter, conus_renderer *renderer, const struc
     struct painted picture = {.width = view.width, .height = view.height, .what = *what, .fine = stage == STAGE_SMOOTH};
     picture.rgba = bytes_of(painter, image);
     picture.what.answer = NULL;
-    picture.milliseconds = now_ms() - begun;
+    picture.milliseconds = clock_ms() - begun;
     conus_image_destroy(image);
     if (stage != STAGE_SMOOTH) {
         painter->ms_per_pixel = picture.milliseconds / ((double)view.width * view.height);

@@ -8,16 +8,11 @@
 
 static const char *const names[TIMED_KINDS] = {"frame_ms", "period_ms", "selection_ms", "latency_ms", "picture_ms"};
 
-static double ms_of(clockid_t clock)
+static double processor_ms(void)
 {
-    struct timespec now;
-    clock_gettime(clock, &now);
-    return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
-}
-
-double times_now(void)
-{
-    return ms_of(CLOCK_MONOTONIC);
+    struct timespec used;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    return 1e3 * (double)used.tv_sec + 1e-6 * (double)used.tv_nsec;
 }
 
 void times_start(struct times *times, double started)
@@ -33,7 +28,7 @@ void times_add(struct times *times, enum timed kind, double milliseconds)
 
 void times_begin_frame(struct times *times)
 {
-    double now = times_now();
+    double now = clock_ms();
     if (times->frame_started > 0) {
         times_add(times, TIMED_PERIOD, now - times->frame_started);
     }
@@ -72,8 +67,8 @@ conus_status times_write(struct times *times, const char *path)
     if (!out) {
         return CONUS_ERROR_MEMORY;
     }
-    double now = times_now();
-    double used = ms_of(CLOCK_PROCESS_CPUTIME_ID);
+    double now = clock_ms();
+    double used = processor_ms();
     fprintf(out, "{\"first_frame_ms\": %.1f, \"first_picture_ms\": %.1f,\n \"wall_ms\": %.1f, \"cpu_ms\": %.1f",
             times->first_frame, times->first_picture, now - times->written, used - times->used);
     times->written = now;

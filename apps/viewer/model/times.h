@@ -3,6 +3,8 @@
 #ifndef CONUS_VIEWER_MODEL_TIMES_H
 #define CONUS_VIEWER_MODEL_TIMES_H
 
+#include "link/clock.h"
+
 #include <conus/conus.h>
 
 enum timed {
@@ -23,9 +25,6 @@ struct times {
     double first_frame, first_picture;       /**< ms from the start; 0 = not yet.    */
     double written, used;                    /**< Clock and processor time, ms, when they were written last. */
 };
-
-/** ms of a clock that never goes back. */
-double times_now(void);
 
 /** Starts, at the clock @p started. */
 void times_start(struct times *times, double started);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "viewer/model/viewer.h"
 
+#include "link/clock.h"
+
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
@@ -8,7 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <time.h>
 
 static const double default_angle = 10;
 
@@ -107,13 +108,6 @@ const conus_selection *viewer_selection(const struct viewer *viewer)
     return answer_selection(viewer->answer);
 }
 
-static double now_ms(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
-}
-
 static conus_status make_selector(struct viewer *viewer)
 {
     return viewer->selector ? CONUS_OK : conus_selector_create(&viewer->selector, viewer->atlas, &viewer->options);
@@ -124,9 +118,9 @@ static void select_now(struct viewer *viewer)
     conus_selection *selection = NULL;
     double angle = viewer->options.radius > 0 ? 0 : viewer->angle * M_PI / 180;
     conus_status status = make_selector(viewer);
-    double begun = now_ms();
+    double begun = clock_ms();
     status = status ? status : conus_select(&selection, viewer->selector, &viewer->pose, angle);
-    viewer->select_ms = now_ms() - begun;
+    viewer->select_ms = clock_ms() - begun;
     struct answer *answer = status ? NULL : answer_create(selection);
     if (!answer) {
         conus_selection_destroy(selection);

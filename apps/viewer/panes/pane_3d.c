@@ -47,7 +47,7 @@ static void note_picture(struct window *window, double milliseconds)
 {
     struct times *times = &window->times;
     times_add(times, TIMED_PICTURE, milliseconds);
-    times->first_picture = times->first_picture > 0 ? times->first_picture : times_now() - times->started;
+    times->first_picture = times->first_picture > 0 ? times->first_picture : clock_ms() - times->started;
 }
 
 static void take_picture(struct window *window)
@@ -275,7 +275,7 @@ static bool use_mouse(struct window *window)
 static void note_moves(struct window *window, bool by_mouse)
 {
     const struct viewer *viewer = window->viewer;
-    double now = times_now();
+    double now = clock_ms();
     bool carried = viewer->pointer == POINT_BY_TRACKER || viewer->pointer == POINT_BY_REPLAY;
     if (by_mouse) {
         window->moving_until = now + view_rest_ms;

@@ -22,7 +22,7 @@ struct script {
     unsigned number;
     unsigned waiting; /* frames to let pass before the next command */
     unsigned settled; /* frames that the pictures shall still be fine for */
-    double until;     /* by times_now(): settled, or it fails; or the end of a pause */
+    double until;     /* by clock_ms(): settled, or it fails; or the end of a pause */
     bool settling, pausing;
     char *awaited; /* a file that must be there before the next command; NULL = none */
 };
@@ -242,7 +242,7 @@ static bool do_settle(struct call *call)
 {
     call->script->settling = true;
     call->script->settled = SETTLE_FRAMES;
-    call->script->until = times_now() + settle_limit_ms;
+    call->script->until = clock_ms() + settle_limit_ms;
     return true;
 }
 
@@ -252,7 +252,7 @@ static bool do_pause(struct call *call)
     double seconds = 0;
     bool fine = numbers(&seconds, call, 0, 1) && seconds >= 0 && seconds <= 3600;
     call->script->pausing = fine;
-    call->script->until = times_now() + 1e3 * seconds;
+    call->script->until = clock_ms() + 1e3 * seconds;
     return fine;
 }
 
@@ -399,7 +399,7 @@ static bool act(struct call *call)
 
 bool script_waits(struct script *script, const struct window *window)
 {
-    double now = times_now();
+    double now = clock_ms();
     script->pausing = script->pausing && now < script->until;
     if (script->awaited && !access(script->awaited, F_OK)) {
         free(script->awaited);
@@ -420,7 +420,7 @@ static bool let_pass(struct script *script, const struct window *window)
         script->settling = --script->settled > 0;
         return script->settling;
     }
-    return script->settling && times_now() < script->until;
+    return script->settling && clock_ms() < script->until;
 }
 
 static bool fail_line(struct script *script, int *code, const char *what)

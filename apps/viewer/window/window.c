@@ -299,7 +299,7 @@ bool window_wants_frame(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     bool news = viewer->painter && painter_has_news(viewer->painter);
-    bool rests = window->moving && times_now() >= window->moving_until;
+    bool rests = window->moving && clock_ms() >= window->moving_until;
     return news || rests || is_behind(window);
 }
 
@@ -308,7 +308,7 @@ double window_rest(const struct window *window)
     if (is_behind(window)) {
         return 0;
     }
-    return window->moving ? fmax(window->moving_until - times_now(), 1) / 1e3 : INFINITY;
+    return window->moving ? fmax(window->moving_until - clock_ms(), 1) / 1e3 : INFINITY;
 }
 
 void window_clear(const struct window *window)
@@ -325,7 +325,7 @@ void window_draw(struct window *window)
     window->shown_version = window->viewer->version;
     window->shown_said = window->viewer->said;
     window->shown_head = window->viewer->head.number;
-    window->moving = window->moving && times_now() < window->moving_until;
+    window->moving = window->moving && clock_ms() < window->moving_until;
     window_lay_out(window);
     if (window->width < 1 || window->height < 1) { /* minimised */
         return;

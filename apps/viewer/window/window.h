@@ -49,7 +49,7 @@ struct window {
     bool painted_fine;                  /**< The picture is what was asked last, as fine as it gets. */
     unsigned carried_answer;            /**< The newest answer that was looked at for moves of the cone. */
     unsigned carried_head;              /**< Likewise of the head's changes. */
-    double moving_until;                /**< By times_now(): until then pictures shall be quick. */
+    double moving_until;                /**< By clock_ms(): until then pictures shall be quick. */
     bool moving;                        /**< The newest was asked for as one of these. */
     unsigned frames_wanted;             /**< To be drawn still, whatever changes. */
     unsigned shown_version, shown_said; /**< Of the viewer, in the newest frame. */
@@ -64,7 +64,7 @@ struct window {
     bool hovers;          /**< hovered_at holds. */
     float dragged;        /**< Pixels that the mouse moved since it was pressed on the 3-D pane. */
     unsigned told;        /**< The answer that whoever is connected was told last. */
-    double watched;       /**< When the atlas's files were looked at last, by times_now(). */
+    double watched;       /**< When the atlas's files were looked at last, by clock_ms(). */
     float next_scale;     /**< That the screen asks for; 0 = no other than before. */
     bool scale_given;     /**< By the user: the screen is not asked. */
 };
