@@ -79,7 +79,7 @@ bool batch_errors_count(uint64_t *errors, const char *path)
     }
     bool whole = feof(file) && !ferror(file);
     if (!whole) {
-        complain("%s: cannot read: %s", path, strerror(errno));
+        print_error_line("%s: cannot read: %s", path, strerror(errno));
     }
     free(line);
     fclose(file);

@@ -23,9 +23,9 @@ static uint32_t crc_of(const void *data, size_t size)
     return (uint32_t)crc32_z(0, data, size);
 }
 
-static int complain_errno(const char *path, const char *action)
+static int print_system_error(const char *path, const char *action)
 {
-    complain("%s: cannot %s: %s", path, action, strerror(errno));
+    print_error_line("%s: cannot %s: %s", path, action, strerror(errno));
     return EXIT_DATA;
 }
 
@@ -55,7 +55,7 @@ bool batch_file_checksum(const char *path, uint32_t *crc, uint64_t *size)
         *crc = (uint32_t)crc32_z(*crc, (const unsigned char *)chunk, n);
         *size += n;
     }
-    bool whole = !ferror(file) || !complain_errno(path, "read");
+    bool whole = !ferror(file) || !print_system_error(path, "read");
     fclose(file);
     return whole;
 }
@@ -178,12 +178,12 @@ static int open_own(int *out, const char *path, int flags)
     struct stat info;
     *out = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | flags, 0666);
     if (*out < 0 || fstat(*out, &info)) {
-        return complain_errno(path, "write");
+        return print_system_error(path, "write");
     }
     if (!S_ISREG(info.st_mode)) {
         close(*out);
         *out = -1;
-        complain("%s: cannot write: is a device or pipe, which is no file of a batch", path);
+        print_error_line("%s: cannot write: is a device or pipe, which is no file of a batch", path);
         return EXIT_DATA;
     }
     return EXIT_DONE;
@@ -196,7 +196,7 @@ static int open_files(struct batch_file *file, int flags)
         return code;
     }
     if (flock(file->log, LOCK_EX | LOCK_NB) || !has_name(file->log)) {
-        complain("%s: another conus is writing this file", file->path);
+        print_error_line("%s: another conus is writing this file", file->path);
         return EXIT_DATA;
     }
     return open_own(&file->rows, file->part, flags);
@@ -213,7 +213,7 @@ static int begin(struct batch_file *file, const char *fingerprint, const char *h
     write_first_line(line, fingerprint);
     if (ftruncate(file->log, 0) || !write_line(file, line) || !write_fully(file->rows, heading, strlen(heading)) ||
         !append_entry(file, &entry)) {
-        return complain_errno(file->path, "write");
+        return print_system_error(file->path, "write");
     }
     count_entry(file, &entry);
     return EXIT_DONE;
@@ -224,7 +224,7 @@ static int cut_back(struct batch_file *file, long journal_length)
 {
     if (ftruncate(file->log, journal_length) || ftruncate(file->rows, (off_t)file->size) ||
         lseek(file->log, 0, SEEK_END) < 0 || lseek(file->rows, 0, SEEK_END) < 0) {
-        return complain_errno(file->path, "go on writing");
+        return print_system_error(file->path, "go on writing");
     }
     return EXIT_DONE;
 }
@@ -249,8 +249,9 @@ static int go_on(struct batch_file *file, const char *fingerprint, const char *h
     }
     write_first_line(wanted, fingerprint);
     if (whole && strcmp(line, wanted) != 0) {
-        complain("%s: what is there was written with other settings, poses, atlas or version; --force begins anew",
-                 file->path);
+        print_error_line(
+            "%s: what is there was written with other settings, poses, atlas or version; --force begins anew",
+            file->path);
         return EXIT_USAGE;
     }
     if (file->size < strlen(heading) || length == 0) { /* it was killed before its first block */
@@ -289,7 +290,7 @@ int batch_file_open(struct batch_file *out, const char *path, const char *finger
 {
     *out = (struct batch_file){.path = path, .rows = -1, .log = -1};
     if (!name_files(out)) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         return EXIT_DATA;
     }
     bool begun = is_begun(out);
@@ -297,10 +298,10 @@ int batch_file_open(struct batch_file *out, const char *path, const char *finger
         return go_on(out, fingerprint, heading);
     }
     if (how != BATCH_FORCE && exists(path)) {
-        return complain_usage("%s: there is a file already; --force replaces it", path);
+        return print_usage_error("%s: there is a file already; --force replaces it", path);
     }
     if (how == BATCH_ANEW && begun) {
-        return complain_usage("%s: an unfinished batch is there; --resume goes on, --force begins anew", path);
+        return print_usage_error("%s: an unfinished batch is there; --resume goes on, --force begins anew", path);
     }
     return begin(out, fingerprint, heading);
 }
@@ -323,7 +324,7 @@ int batch_file_append(struct batch_file *file, const conus_batch_block *block)
 {
     const struct batch_entry entry = batch_entry_of(block);
     if (!write_fully(file->rows, block->text, block->size)) {
-        return complain_errno(file->path, "write");
+        return print_system_error(file->path, "write");
     }
     return batch_file_note(file, &entry);
 }
@@ -331,7 +332,7 @@ int batch_file_append(struct batch_file *file, const conus_batch_block *block)
 int batch_file_note(struct batch_file *file, const struct batch_entry *entry)
 {
     if (!append_entry(file, entry)) {
-        return complain_errno(file->path, "write");
+        return print_system_error(file->path, "write");
     }
     count_entry(file, entry);
     return EXIT_DONE;
@@ -340,14 +341,14 @@ int batch_file_note(struct batch_file *file, const struct batch_entry *entry)
 void batch_file_disown(struct batch_file *file)
 {
     if (file->log >= 0 && ftruncate(file->log, 0)) {
-        complain_errno(file->journal, "write");
+        print_system_error(file->journal, "write");
     }
 }
 
 int batch_file_finish(struct batch_file *file)
 {
     if (fsync(file->rows) || rename(file->part, file->path)) {
-        return complain_errno(file->path, "write");
+        return print_system_error(file->path, "write");
     }
     unlink(file->journal);
     file->is_finished = true;

@@ -22,7 +22,7 @@ enum batch_start { BATCH_ANEW, BATCH_FORCE, BATCH_RESUME };
 
 /** Opens or reopens it. @p fingerprint, a line, names everything that the rows depend on; @p heading stands above them.
  * What is there is only replaced with BATCH_FORCE, and only continued with BATCH_RESUME if it has this fingerprint;
- * file->poses then says how many are answered. Gives the exit code, having complained unless it is 0; @p out is the
+ * file->poses then says how many are answered. Returns the exit code and prints an error unless it is 0; @p out is the
  * caller's to batch_file_close() in any case. */
 int batch_file_open(struct batch_file *out, const char *path, const char *fingerprint, const char *heading,
                     enum batch_start how);
@@ -53,8 +53,8 @@ int batch_file_finish(struct batch_file *file);
 /** Unfinished, it stays to be continued, unless there is nothing in it. */
 void batch_file_close(struct batch_file *file);
 
-/** CRC-32 (as in zlib, PNG and zip) of all bytes of the file at @p path, and their number; false, having complained,
- * when it cannot be read. */
+/** CRC-32 (as in zlib, PNG and zip) of all bytes of the file at @p path, and their number; false, after an error
+ * message, when it cannot be read. */
 bool batch_file_checksum(const char *path, uint32_t *crc, uint64_t *size);
 
 #endif

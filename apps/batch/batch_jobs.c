@@ -46,15 +46,15 @@ static int answer_all(const struct batch_settings *settings, const struct argume
 static bool check_operands(const struct batch_settings *settings, const struct arguments *arguments)
 {
     if (settings->jobs) {
-        return (!arguments->operand_count || (complain("ATLAS and --jobs exclude each other"), false)) &&
+        return (!arguments->operand_count || (print_error_line("ATLAS and --jobs exclude each other"), false)) &&
                options_exclude(arguments, "jobs", "poses") && options_exclude(arguments, "jobs", "output");
     }
     if (!arguments->operand_count) {
         const char *program = arguments->command->program;
-        complain("ATLAS is missing; %s batch --help shows how", program ? program : "conus");
+        print_error_line("ATLAS is missing; %s batch --help shows how", program ? program : "conus");
         return false;
     }
-    return settings->poses || (complain("--poses FILE is missing"), false);
+    return settings->poses || (print_error_line("--poses FILE is missing"), false);
 }
 
 int batch_jobs_answer(const struct batch_settings *settings, const struct arguments *arguments, batch_answer *answer,

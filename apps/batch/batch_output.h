@@ -7,8 +7,8 @@
 #include "batch/batch_work.h"
 
 /** Opens the prepared work's file as --force and --resume say; @p out then knows how many poses are answered. Where an
- * earlier run has written all of it, which only --resume takes for an answer, out->is_finished. Gives the exit code,
- * having complained unless it is 0; @p out is the caller's to batch_file_close() in any case. */
+ * earlier run has written all of it, which only --resume takes for an answer, out->is_finished. Returns the exit code
+ * and prints an error unless it is 0; @p out is the caller's to batch_file_close() in any case. */
 int batch_output_open(struct batch_file *out, struct work *work);
 
 /** Writes the sidecar and gives the file its name. Gives the exit code likewise. */

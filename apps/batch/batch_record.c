@@ -38,7 +38,7 @@ int batch_hash_file(char out[65], const char *path)
     bool failed = ferror(file);
     fclose(file);
     if (failed) {
-        complain("%s: cannot read: %s", path, strerror(errno));
+        print_error_line("%s: cannot read: %s", path, strerror(errno));
         return EXIT_DATA;
     }
     finish_hash(out, &context);
@@ -108,11 +108,11 @@ int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas
     char line[64];
     conus_status status = conus_batch_sidecar(batch, &text, &size);
     if (status) {
-        return complain_status(status);
+        return print_status(status);
     }
     sha256_init(&context);
     if (!hash_settings(&context, text)) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         return EXIT_DATA;
     }
     snprintf(line, sizeof line, "%.17g", settings->aim.angle);
@@ -194,7 +194,7 @@ int batch_record_write(const char *path, const char *text, const struct batch_re
     }
     json_decref(root);
     if (!whole) {
-        complain("%s: not enough memory", path);
+        print_error_line("%s: not enough memory", path);
         return EXIT_DATA;
     }
     int code = output_write(path, whole, strlen(whole));

@@ -21,7 +21,7 @@ struct batch_record {
     double angle;                  /**< and the angle of poses without one, degrees. */
 };
 
-/** SHA-256 of the file at @p path, in hexadecimal. Gives the exit code, having complained unless it is 0. */
+/** SHA-256 of the file at @p path, in hexadecimal. Returns the exit code and prints an error unless it is 0. */
 int batch_hash_file(char out[65], const char *path);
 
 /** Fingerprint of a batch: of its sidecar, heading, the atlas's objects, how poses are read, and what they are read

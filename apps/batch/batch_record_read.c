@@ -47,16 +47,17 @@ int batch_record_parse(struct batch_record *out, const char *path, const char *t
     json_error_t error;
     json_t *root = json_loadb(text, size, 0, &error);
     if (!root) {
-        complain("%s: %s", path, error.text);
+        print_error_line("%s: %s", path, error.text);
         return EXIT_DATA;
     }
     bool read = read_record(out, root);
     json_decref(root);
     if (!read) {
-        complain("%s: has no \"Batch\" with fingerprint, shard, first, poses, errors, bytes, heading and crc32, as "
-                 "conus batch "
-                 "writes it",
-                 path);
+        print_error_line(
+            "%s: has no \"Batch\" with fingerprint, shard, first, poses, errors, bytes, heading and crc32, as "
+            "conus batch "
+            "writes it",
+            path);
     }
     return read ? EXIT_DONE : EXIT_DATA;
 }

@@ -121,10 +121,11 @@ bool batch_format(conus_format *out, const struct batch_settings *settings, cons
         return true;
     }
     bool known = output_format(out, settings->output) && *out != CONUS_TABLE && *out != CONUS_JSON;
-    return known || (complain("%s: --output ends in none of .tsv, .csv, .ndjson and .jsonl; --format says what else is "
-                              "written",
-                              settings->output),
-                     false);
+    return known ||
+           (print_error_line("%s: --output ends in none of .tsv, .csv, .ndjson and .jsonl; --format says what else is "
+                             "written",
+                             settings->output),
+            false);
 }
 
 static int parse_shard(struct shard *out, const char *text)
@@ -135,7 +136,7 @@ static int parse_shard(struct shard *out, const char *text)
     snprintf(index, sizeof index, "%.*s", (int)(length < sizeof index ? length : 0), text);
     if (!slash || !count_parse(index, UINT32_MAX, &out->index) || !count_parse(slash + 1, UINT32_MAX, &out->count) ||
         out->index >= out->count) {
-        return complain_usage("--shard: \"%s\" is not I/N with whole numbers, I from 0 to N - 1", text);
+        return print_usage_error("--shard: \"%s\" is not I/N with whole numbers, I from 0 to N - 1", text);
     }
     return EXIT_DONE;
 }
@@ -160,13 +161,14 @@ static int shard_of_slurm(struct shard *out)
                    read_variable(&highest, "SLURM_ARRAY_TASK_MAX", lowest + (count - 1) * step);
     if (!numbers || step == 0 || id < lowest || (id - lowest) % step != 0 || (id - lowest) / step >= count ||
         highest != lowest + (count - 1) * step) {
-        return complain_usage("SLURM_ARRAY_TASK_ID=%s does not say which part of the poses to answer; --shard I/N does "
-                              "(0/1 is all of them)",
-                              getenv("SLURM_ARRAY_TASK_ID"));
+        return print_usage_error(
+            "SLURM_ARRAY_TASK_ID=%s does not say which part of the poses to answer; --shard I/N does "
+            "(0/1 is all of them)",
+            getenv("SLURM_ARRAY_TASK_ID"));
     }
     *out = (struct shard){(id - lowest) / step, count};
-    complain("note: shard %llu/%llu, from SLURM_ARRAY_TASK_ID=%llu", (unsigned long long)out->index,
-             (unsigned long long)out->count, (unsigned long long)id);
+    print_error_line("note: shard %llu/%llu, from SLURM_ARRAY_TASK_ID=%llu", (unsigned long long)out->index,
+                     (unsigned long long)out->count, (unsigned long long)id);
     return EXIT_DONE;
 }
 

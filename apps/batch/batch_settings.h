@@ -31,10 +31,10 @@ struct shard {
 extern const struct option_group batch_groups[]; /**< Of struct batch_settings. */
 
 /** What the rows are written in: --format, else what the ending of --output says, TSV where that is no file. False,
- * having complained, for a file whose ending says nothing. */
+ * after an error message, for a file whose ending says nothing. */
 bool batch_format(conus_format *out, const struct batch_settings *settings, const struct arguments *arguments);
 
-/** Reads --shard, or takes it from Slurm's job array, saying so. Gives the exit code, having complained unless it is
+/** Reads --shard, or takes it from Slurm's job array, saying so. Returns the exit code and prints an error unless it is
  * 0. */
 int batch_shard(struct shard *out, const struct batch_settings *settings);
 

@@ -60,21 +60,21 @@ static bool add_job(struct batch_jobs *jobs, const size_t place[COLUMNS], char *
 {
     char *fields[COLUMNS] = {NULL};
     if (!split(fields, line)) {
-        complain("%s:%zu: not three fields with tabs between them", path, number);
+        print_error_line("%s:%zu: not three fields with tabs between them", path, number);
         return false;
     }
     struct batch_job job = {fields[place[0]], fields[place[1]], fields[place[2]]};
     if (!*job.atlas || output_is_stdout(job.poses) || !*job.poses || output_is_stdout(job.output) || !*job.output) {
-        complain("%s:%zu: atlas, poses and output must be files", path, number);
+        print_error_line("%s:%zu: atlas, poses and output must be files", path, number);
         return false;
     }
     if (same_output(jobs, job.output)) {
-        complain("%s:%zu: output %s is another row's, too", path, number, job.output);
+        print_error_line("%s:%zu: output %s is another row's, too", path, number, job.output);
         return false;
     }
     struct batch_job *more = realloc(jobs->jobs, (jobs->count + 1) * sizeof *more);
     if (!more) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         return false;
     }
     jobs->jobs = more;
@@ -85,7 +85,7 @@ static bool add_job(struct batch_jobs *jobs, const size_t place[COLUMNS], char *
 static bool check_text(const char *text, size_t size, const char *path)
 {
     if (!size || memchr(text, '\0', size)) {
-        complain("%s: %s", path, size ? "a zero byte: not a table of batches" : "cannot read: it is empty");
+        print_error_line("%s: %s", path, size ? "a zero byte: not a table of batches" : "cannot read: it is empty");
         return false;
     }
     return true;
@@ -103,7 +103,7 @@ int batch_jobs_parse(struct batch_jobs *out, const char *path, char *text, size_
         if (number == 1) {
             whole = read_header(place, line);
             if (!whole) {
-                complain("%s:1: the header is not atlas, poses and output, with tabs between them", path);
+                print_error_line("%s:1: the header is not atlas, poses and output, with tabs between them", path);
             }
         } else if (*line && *line != '#') {
             whole = add_job(&jobs, place, line, path, number);

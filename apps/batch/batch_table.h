@@ -15,7 +15,7 @@ struct batch_jobs {
     size_t count;
 };
 
-/** Reads it. Gives the exit code, having complained unless it is 0; then there is nothing to finish. */
+/** Reads it. Returns the exit code and prints an error unless it is 0; then there is nothing to finish. */
 int batch_jobs_read(struct batch_jobs *out, const char *path);
 /** The same from @p size bytes at @p text and a NUL behind them, which are taken over in any case; @p path is for
  * messages. */

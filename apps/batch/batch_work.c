@@ -27,15 +27,15 @@ static bool check(conus_format *format, const struct batch_settings *settings, c
         return false;
     }
     if (settings->summary && *format > CONUS_NDJSON) {
-        complain("--summary: other programs' formats have none, tsv, csv and ndjson do");
+        print_error_line("--summary: other programs' formats have none, tsv, csv and ndjson do");
         return false;
     }
     if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
-        complain("--slices has no effect without --sampling slices");
+        print_error_line("--slices has no effect without --sampling slices");
         return false;
     }
     if ((settings->force || settings->resume) && output_is_stdout(settings->output)) {
-        complain("--%s has no effect without a file for --output", settings->force ? "force" : "resume");
+        print_error_line("--%s has no effect without a file for --output", settings->force ? "force" : "resume");
         return false;
     }
     return settings_check_score(&settings->engine, false) &&
@@ -55,7 +55,7 @@ static int choose_poses(struct work *work)
     }
     conus_status status = conus_pose_stream_count(work->poses, &total);
     if (status) {
-        return complain_status(status);
+        return print_status(status);
     }
     shard_range(&work->first, &work->count, work->shard, total);
     return EXIT_DONE;
@@ -77,16 +77,16 @@ static int open_poses(struct work *work)
         return code;
     }
     if (work->shard.count > 1 && (work->format == CONUS_SPIKEGLX || work->format == CONUS_OPEN_EPHYS)) {
-        return complain_usage("--shard: a probe's string is one whole; --jobs answers many probes");
+        return print_usage_error("--shard: a probe's string is one whole; --jobs answers many probes");
     }
     work->piped = work_is_pipe(settings->poses);
     if (work->piped && (work->shard.count > 1 || settings->resume)) {
-        return complain_usage("%s needs a file of poses, not %s", settings->resume ? "--resume" : "--shard",
-                              output_is_stdout(settings->poses) ? "standard input" : "a pipe");
+        return print_usage_error("%s needs a file of poses, not %s", settings->resume ? "--resume" : "--shard",
+                                 output_is_stdout(settings->poses) ? "standard input" : "a pipe");
     }
     conus_status status = conus_pose_stream_open(&work->poses, settings->poses, &options);
     if (status) {
-        return complain_status(status);
+        return print_status(status);
     }
     code = settings_check_electrodes(work->format, conus_pose_stream_electrodes(work->poses), settings->poses);
     return code ? code : choose_poses(work);
@@ -95,7 +95,7 @@ static int open_poses(struct work *work)
 int work_pass_over(struct work *work, uint64_t poses)
 {
     conus_status status = poses ? conus_pose_stream_skip(work->poses, poses) : CONUS_OK;
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 /* No file that is written, of those on the way neither, may be one that is read. */
@@ -111,15 +111,15 @@ static int check_files(const struct work *work)
                                    {"the table of batches", settings->jobs},
                                    {0}};
     const char *input = work->output ? settings_input(work->atlas, inputs, work->sidecar) : NULL;
-    int code = input ? complain_usage("--output would overwrite %s %s", input, work->sidecar) : EXIT_DONE;
+    int code = input ? print_usage_error("--output would overwrite %s %s", input, work->sidecar) : EXIT_DONE;
     for (size_t i = 0; work->output && !code && i < sizeof endings / sizeof endings[0]; i++) {
         char *path = NULL;
         if (asprintf(&path, "%s%s", work->output, endings[i]) < 0) {
-            complain("not enough memory");
+            print_error_line("not enough memory");
             return EXIT_DATA;
         }
         input = settings_input(work->atlas, inputs, path);
-        code = input ? complain_usage("--output would overwrite %s %s", input, path) : EXIT_DONE;
+        code = input ? print_usage_error("--output would overwrite %s %s", input, path) : EXIT_DONE;
         free(path);
     }
     return code;
@@ -152,11 +152,11 @@ int work_build(struct work *work)
     conus_status status = conus_selector_create(&work->selector, work->atlas, &engine);
     status = status ? status : conus_batch_create(&work->batch, work->selector, &options);
     if (!status && settings->common.verbose) {
-        complain("engine: %s; %" PRIu32 " threads", conus_selector_engine(work->selector),
-                 conus_batch_threads(work->batch));
+        print_error_line("engine: %s; %" PRIu32 " threads", conus_selector_engine(work->selector),
+                         conus_batch_threads(work->batch));
     }
     if (status) {
-        return complain_status(status);
+        return print_status(status);
     }
     settings_say_notes(work->atlas, &settings->common);
     settings_say_open(work->atlas, &settings->engine, &settings->common);
@@ -173,7 +173,7 @@ int work_init(struct work *out, const struct batch_settings *settings, const str
     out->command_line = arguments_text(arguments);
     out->sidecar = out->output ? batch_sidecar_path(out->output) : NULL;
     if (!out->command_line || (out->output && !out->sidecar)) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         return EXIT_DATA;
     }
     int code = out->output ? output_check_file(out->output) : EXIT_DONE;
@@ -220,17 +220,17 @@ int work_check_poses(struct work *work)
     char hash[65] = "";
     conus_status status = work->piped ? CONUS_OK : conus_pose_stream_sha256(hash, work->poses);
     if (!status && strcmp(hash, work->pose_hash) != 0) {
-        complain("%s: changed while it was read", work->settings->poses);
+        print_error_line("%s: changed while it was read", work->settings->poses);
         return EXIT_DATA;
     }
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 int work_check_output(const struct work *work)
 {
     const char *there = access(work->output, F_OK) == 0 ? work->output : work->sidecar;
     if (!work->settings->force && access(there, F_OK) == 0) {
-        return complain_usage("%s: there is a file already; --force replaces it", there);
+        return print_usage_error("%s: there is a file already; --force replaces it", there);
     }
     return EXIT_DONE;
 }
@@ -250,5 +250,5 @@ int work_write_sidecar(struct work *work, struct batch_record *record)
     record->angle = angle * (180 / M_PI);
     memcpy(record->fingerprint, work->fingerprint, sizeof record->fingerprint);
     conus_status status = conus_batch_sidecar(work->batch, &text, &size);
-    return status ? complain_status(status) : batch_record_write(work->sidecar, text, record, work->command_line);
+    return status ? print_status(status) : batch_record_write(work->sidecar, text, record, work->command_line);
 }

@@ -25,7 +25,7 @@ struct work {
 /** Whether poses at @p path can be read only once: "-", a pipe or a device. */
 bool work_is_pipe(const char *path);
 
-/* All others give the exit code, having complained unless it is 0. */
+/* All others return the exit code and print an error unless it is 0. */
 
 /** Checks the options and names the files. @p out is the caller's to work_finish() in any case. */
 int work_init(struct work *out, const struct batch_settings *settings, const struct arguments *arguments);

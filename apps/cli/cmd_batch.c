@@ -93,7 +93,7 @@ static int answer_all(struct run *run)
     }
     progress_finish(&run->progress, run->done, run->errors);
     if (status) {
-        return complain_status(status);
+        return print_status(status);
     }
     if (run->progress.on_terminal) {
         say_aims(run);

@@ -139,7 +139,7 @@ static int write_tables(struct comparison *diff)
     }
     int code = EXIT_DATA;
     if (!diff->out || fclose(diff->out)) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
     } else {
         conus_plain_text(text);
         code = output_write(NULL, text, strlen(text));
@@ -214,7 +214,7 @@ static int put_pictures(FILE *out, const conus_image *a, const conus_image *b, d
     }
     conus_status status = conus_image_compare(&found, a, b, tolerance);
     if (status) {
-        return complain_status(status);
+        return print_status(status);
     }
     fprintf(out, "%llu of %llu pixels differ", (unsigned long long)found.differing, (unsigned long long)found.pixels);
     if (*found.channel) {
@@ -232,7 +232,7 @@ static int write_pictures(const conus_image *a, const conus_image *b, double tol
     FILE *out = open_memstream(&text, &size);
     int code = out ? put_pictures(out, a, b, tolerance) : EXIT_DATA;
     if (!out || fclose(out)) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         code = EXIT_DATA;
     }
     if (code == EXIT_DONE || code == EXIT_DIFFERENT) {
@@ -250,7 +250,7 @@ static int diff_pictures(const char *a, const char *b, double tolerance)
     conus_image *second = NULL;
     conus_status status = conus_image_load(&first, a);
     status = status ? status : conus_image_load(&second, b);
-    int code = status ? complain_status(status) : write_pictures(first, second, tolerance);
+    int code = status ? print_status(status) : write_pictures(first, second, tolerance);
     conus_image_destroy(first);
     conus_image_destroy(second);
     return code;
@@ -262,8 +262,8 @@ static int run(const void *given, const struct arguments *arguments)
     const char *a = arguments->operands[0];
     const char *b = arguments->operands[1];
     if (is_picture(a) != is_picture(b)) {
-        return complain_usage("%s is a picture and %s is not: two of a kind are needed", is_picture(a) ? a : b,
-                              is_picture(a) ? b : a);
+        return print_usage_error("%s is a picture and %s is not: two of a kind are needed", is_picture(a) ? a : b,
+                                 is_picture(a) ? b : a);
     }
     return is_picture(a) ? diff_pictures(a, b, settings->tolerance) : diff_tables(a, b, settings);
 }

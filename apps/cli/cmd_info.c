@@ -429,7 +429,7 @@ static int write_atlas(const conus_atlas *atlas, enum info_format format)
         code = EXIT_DATA;
     }
     if (code) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
     } else {
         conus_plain_text(text);
         code = output_write(NULL, text, strlen(text));

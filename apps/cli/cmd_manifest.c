@@ -41,7 +41,7 @@ static const struct option_group groups[] = {
 static void say_note(void *user, const char *line)
 {
     (void)user;
-    complain("note: %s", line);
+    print_error_line("note: %s", line);
 }
 
 /* The last part of the folder's full path; NULL without memory or such a folder. The caller frees it. */
@@ -73,11 +73,11 @@ static int write_manifest(const char *folder, const char *name, const struct man
                                             .log = settings->common.quiet ? NULL : say_note};
     char *path = manifest_path(folder, name);
     if (!path) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         return EXIT_DATA;
     }
     conus_status status = conus_manifest_write(path, &options);
-    int code = status ? complain_status(status) : EXIT_DONE;
+    int code = status ? print_status(status) : EXIT_DONE;
     if (!status) {
         if (isatty(STDOUT_FILENO)) { /* a script wants the name as it is */
             conus_plain_text(path);
@@ -93,11 +93,11 @@ static int run(const void *given, const struct arguments *arguments)
     const struct manifest_settings *settings = given;
     const char *folder = arguments->operands[0];
     if (settings->name && (strchr(settings->name, '/') || !settings->name[0])) {
-        return complain_usage("--name: \"%s\", a name without / is needed", settings->name);
+        return print_usage_error("--name: \"%s\", a name without / is needed", settings->name);
     }
     char *own = settings->name ? NULL : folder_name(folder);
     if (!settings->name && !own) {
-        complain("%s: there is no such folder", folder);
+        print_error_line("%s: there is no such folder", folder);
         return EXIT_DATA;
     }
     int code = write_manifest(folder, settings->name ? settings->name : own, settings);

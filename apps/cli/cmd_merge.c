@@ -71,9 +71,9 @@ static int read_part(struct part *part)
         return EXIT_DATA;
     }
     if (crc != part->record.crc || size != part->record.bytes) {
-        complain("%s: is not the file that %s describes: %" PRIu64 " bytes with CRC-32 %08" PRIx32 ", not %" PRIu64
-                 " with %08" PRIx32,
-                 part->path, part->sidecar, size, crc, part->record.bytes, part->record.crc);
+        print_error_line("%s: is not the file that %s describes: %" PRIu64 " bytes with CRC-32 %08" PRIx32
+                         ", not %" PRIu64 " with %08" PRIx32,
+                         part->path, part->sidecar, size, crc, part->record.bytes, part->record.crc);
         return EXIT_DATA;
     }
     return EXIT_DONE;
@@ -86,8 +86,8 @@ static int check_errors(const struct part *part)
         return EXIT_DATA;
     }
     if (errors != part->record.errors) {
-        complain("%s: %" PRIu64 " poses without an answer, %s says %" PRIu64, part->path, errors, part->sidecar,
-                 part->record.errors);
+        print_error_line("%s: %" PRIu64 " poses without an answer, %s says %" PRIu64, part->path, errors, part->sidecar,
+                         part->record.errors);
         return EXIT_DATA;
     }
     return EXIT_DONE;
@@ -100,10 +100,10 @@ static int by_index(const void *a, const void *b)
     return (x->record.shard.index > y->record.shard.index) - (x->record.shard.index < y->record.shard.index);
 }
 
-static int complain_missing(uint64_t index, const struct part *first)
+static int print_missing_shard(uint64_t index, const struct part *first)
 {
-    complain("shard %" PRIu64 " of %" PRIu64 " is missing (%s is one of them)", index, first->record.shard.count,
-             first->path);
+    print_error_line("shard %" PRIu64 " of %" PRIu64 " is missing (%s is one of them)", index,
+                     first->record.shard.count, first->path);
     return EXIT_DATA;
 }
 
@@ -115,21 +115,22 @@ static int check_set(const struct merge *merge)
         const struct part *part = &merge->parts[i];
         if (strcmp(part->record.fingerprint, first->record.fingerprint) != 0 ||
             part->record.shard.count != first->record.shard.count || part->record.heading != first->record.heading) {
-            complain("%s and %s are not shards of one batch: settings, poses, atlas, version or the number of shards "
-                     "differ",
-                     first->path, part->path);
+            print_error_line(
+                "%s and %s are not shards of one batch: settings, poses, atlas, version or the number of shards "
+                "differ",
+                first->path, part->path);
             return EXIT_DATA;
         }
         if (i > 0 && part->record.shard.index == part[-1].record.shard.index) {
-            complain("%s and %s are both shard %" PRIu64 " of %" PRIu64, part[-1].path, part->path,
-                     part->record.shard.index, part->record.shard.count);
+            print_error_line("%s and %s are both shard %" PRIu64 " of %" PRIu64, part[-1].path, part->path,
+                             part->record.shard.index, part->record.shard.count);
             return EXIT_DATA;
         }
         if (part->record.shard.index != i) {
-            return complain_missing(i, first);
+            return print_missing_shard(i, first);
         }
     }
-    return merge->count == first->record.shard.count ? EXIT_DONE : complain_missing(merge->count, first);
+    return merge->count == first->record.shard.count ? EXIT_DONE : print_missing_shard(merge->count, first);
 }
 
 /* Whether each has the poses that are its own. */
@@ -144,8 +145,8 @@ static int check_poses(struct merge *merge)
         uint64_t first, count;
         shard_range(&first, &count, record->shard, merge->record.poses);
         if (record->first != first || record->poses != count) {
-            complain("%s: has poses %" PRIu64 " to %" PRIu64 " of %" PRIu64 ", not its own", merge->parts[i].path,
-                     record->first, record->first + record->poses, merge->record.poses);
+            print_error_line("%s: has poses %" PRIu64 " to %" PRIu64 " of %" PRIu64 ", not its own",
+                             merge->parts[i].path, record->first, record->first + record->poses, merge->record.poses);
             return EXIT_DATA;
         }
     }
@@ -155,9 +156,9 @@ static int check_poses(struct merge *merge)
 /* ---- Writing ------------------------------------------------------------------------------------------------------
  */
 
-static int complain_errno(const char *path, const char *action)
+static int print_system_error(const char *path, const char *action)
 {
-    complain("%s: cannot %s: %s", path, action, strerror(errno));
+    print_error_line("%s: cannot %s: %s", path, action, strerror(errno));
     return EXIT_DATA;
 }
 
@@ -191,7 +192,7 @@ static int copy_all(struct merge *merge)
 {
     FILE *out = open_temporary(merge->temporary);
     if (!out) {
-        return complain_errno(merge->settings->output, "write");
+        return print_system_error(merge->settings->output, "write");
     }
     bool copied = true;
     for (size_t i = 0; i < merge->count && copied; i++) {
@@ -205,7 +206,7 @@ static int copy_all(struct merge *merge)
     copied = copied && !fflush(out) && !fsync(fileno(out));
     copied = !fclose(out) && copied;
     if (!copied) {
-        return complain_errno(merge->settings->output, "write");
+        return print_system_error(merge->settings->output, "write");
     }
     return batch_file_checksum(merge->temporary, &merge->record.crc, &merge->record.bytes) ? EXIT_DONE : EXIT_DATA;
 }
@@ -219,7 +220,7 @@ static int write_whole(struct merge *merge)
     code = code ? code : batch_record_write(merge->sidecar, text, &merge->record, merge->command_line);
     free(text);
     if (!code && rename(merge->temporary, merge->settings->output)) {
-        code = complain_errno(merge->settings->output, "write");
+        code = print_system_error(merge->settings->output, "write");
     }
     if (code) {
         unlink(merge->temporary);
@@ -248,24 +249,25 @@ static int check_paths(const struct merge *merge)
 {
     const char *output = merge->settings->output;
     if (output_is_stdout(output)) {
-        return complain_usage("--output: a file is needed, \"-\" is none");
+        return print_usage_error("--output: a file is needed, \"-\" is none");
     }
     int code = output_check_file(output);
     code = code ? code : output_check_file(merge->sidecar);
     for (size_t i = 0; i < merge->count && !code; i++) {
         const struct part *part = &merge->parts[i];
         if (is_of(part, output) || is_of(part, merge->sidecar)) {
-            return complain_usage("--output would overwrite the shard %s", part->path);
+            return print_usage_error("--output would overwrite the shard %s", part->path);
         }
     }
     for (size_t i = 0; i < merge->count && !code; i++) {
         if (!endings_agree(output, merge->parts[i].path)) {
-            return complain_usage("--output: %s is of another format than the shard %s", output, merge->parts[i].path);
+            return print_usage_error("--output: %s is of another format than the shard %s", output,
+                                     merge->parts[i].path);
         }
     }
     if (!code && !merge->settings->force && (access(output, F_OK) == 0 || access(merge->sidecar, F_OK) == 0)) {
-        return complain_usage("%s: there is a file already; --force replaces it",
-                              access(output, F_OK) == 0 ? output : merge->sidecar);
+        return print_usage_error("%s: there is a file already; --force replaces it",
+                                 access(output, F_OK) == 0 ? output : merge->sidecar);
     }
     return code;
 }
@@ -304,7 +306,7 @@ static bool init(struct merge *merge, const struct arguments *arguments)
         merge->parts[i].sidecar = batch_sidecar_path(merge->parts[i].path);
         whole = merge->parts[i].sidecar;
     }
-    return whole || (complain("not enough memory"), false);
+    return whole || (print_error_line("not enough memory"), false);
 }
 
 static int run(const void *given, const struct arguments *arguments)

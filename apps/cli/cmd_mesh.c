@@ -92,7 +92,7 @@ static void show_progress(void *user, size_t done, size_t total)
 static void say_note(void *user, const char *line)
 {
     (void)user;
-    complain("note: %s", line);
+    print_error_line("note: %s", line);
 }
 
 static int run(const void *given, const struct arguments *arguments)
@@ -111,14 +111,14 @@ static int run(const void *given, const struct arguments *arguments)
         .log = settings->common.quiet ? NULL : say_note,
     };
     if (options.no_smoothing && option_given(arguments, "pass-band")) {
-        return complain_usage("--pass-band has no effect with --smooth 0");
+        return print_usage_error("--pass-band has no effect with --smooth 0");
     }
     conus_atlas *atlas = NULL;
     int code = settings_load_atlas(&atlas, arguments->operands[0], &atlas_settings);
     if (!code) {
         settings_say_notes(atlas, &settings->common);
         conus_status status = conus_atlas_write_meshes(atlas, settings->output, &options);
-        code = status ? complain_status(status) : EXIT_DONE;
+        code = status ? print_status(status) : EXIT_DONE;
     }
     conus_atlas_destroy(atlas);
     return code;

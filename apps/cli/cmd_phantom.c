@@ -74,9 +74,9 @@ static bool check_kind(const char *kind)
     }
     const char *near = closest_name(kind, phantom_name, NULL);
     if (near) {
-        complain("unknown phantom \"%s\"; did you mean %s?", kind, near);
+        print_error_line("unknown phantom \"%s\"; did you mean %s?", kind, near);
     } else {
-        complain("unknown phantom \"%s\"; conus phantom --help lists them", kind);
+        print_error_line("unknown phantom \"%s\"; conus phantom --help lists them", kind);
     }
     return false;
 }
@@ -87,7 +87,7 @@ static bool read_flip(bool flip[3], const char *axes)
     for (const char *c = axes; *c; c++) {
         const char *axis = strchr(known, *c);
         if (!axis || flip[axis - known]) {
-            complain("--flip: \"%s\" is not letters of x, y, z, each at most once", axes);
+            print_error_line("--flip: \"%s\" is not letters of x, y, z, each at most once", axes);
             return false;
         }
         flip[axis - known] = true;
@@ -104,7 +104,7 @@ static int run(const void *given, const struct arguments *arguments)
         return EXIT_USAGE;
     }
     conus_status status = conus_phantom_write(arguments->operands[0], settings->output, &phantom);
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 static void list_kinds(FILE *out)

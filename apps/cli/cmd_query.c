@@ -124,22 +124,22 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
 {
     conus_format format;
     if (settings->voxels && output_format(&format, settings->voxels) && format != CONUS_TSV && format != CONUS_TABLE) {
-        complain("--voxels: %s ends as what it will not be: TSV is written", settings->voxels);
+        print_error_line("--voxels: %s ends as what it will not be: TSV is written", settings->voxels);
         return false;
     }
     if (!option_needs(arguments, "voxels-of", "voxels")) {
         return false;
     }
     if (settings->image && !path_ends(settings->image, ".exr") && !path_ends(settings->image, ".png")) {
-        complain("--image: \"%s\" ends neither in .exr nor in .png", settings->image);
+        print_error_line("--image: \"%s\" ends neither in .exr nor in .png", settings->image);
         return false;
     }
     if (settings->deep && !path_ends(settings->deep, ".exr")) {
-        complain("--deep: \"%s\" does not end in .exr", settings->deep);
+        print_error_line("--deep: \"%s\" does not end in .exr", settings->deep);
         return false;
     }
     if (settings->deep && settings->engine.layers != CONUS_ALL_LAYERS) {
-        complain("--deep needs --layers all");
+        print_error_line("--deep needs --layers all");
         return false;
     }
     return mask_check(&settings->mask, arguments);
@@ -150,7 +150,7 @@ static bool check_format(conus_format format, const struct query_settings *setti
 {
     bool of_contacts = format == CONUS_BIDS || format == CONUS_SPIKEGLX || format == CONUS_OPEN_EPHYS;
     if (of_contacts && !settings->aim.pose) {
-        complain("--format: this one is of contacts, --pose FILE names them");
+        print_error_line("--format: this one is of contacts, --pose FILE names them");
         return false;
     }
     return true;
@@ -176,7 +176,7 @@ static bool check(const struct query_settings *settings, const struct arguments 
         return check_point(arguments) && check_outputs(settings, arguments);
     }
     if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
-        complain("--slices has no effect without --sampling slices");
+        print_error_line("--slices has no effect without --sampling slices");
         return false;
     }
     return settings_check_score(&settings->engine, false) && settings_check_context(arguments) &&
@@ -191,7 +191,7 @@ static int load_poses(struct query *query)
         settings_pose_options(&query->settings->file, aim->space, query->settings->atlas.max_memory);
     conus_status status = conus_pose_list_load(&query->poses, aim->pose, &options);
     if (status) {
-        return complain_status(status);
+        return print_status(status);
     }
     size_t count = conus_pose_list_count(query->poses);
     const char *of_one = query->settings->image       ? "image"
@@ -199,25 +199,25 @@ static int load_poses(struct query *query)
                          : query->settings->mask.path ? "mask"
                                                       : NULL;
     if (of_one && count != 1) {
-        return complain_usage("--%s shows one pose, %s has %zu", of_one, settings_poses_name(aim->pose), count);
+        return print_usage_error("--%s shows one pose, %s has %zu", of_one, settings_poses_name(aim->pose), count);
     }
     for (size_t i = 0; i < count && aim->angle != 0; i++) {
         if (conus_pose_list_row(query->poses, i)->angle == 0) {
             return EXIT_DONE;
         }
     }
-    return count && aim->angle != 0
-               ? complain_usage("--angle has no effect: every pose in %s has its own", settings_poses_name(aim->pose))
-               : EXIT_DONE;
+    return count && aim->angle != 0 ? print_usage_error("--angle has no effect: every pose in %s has its own",
+                                                        settings_poses_name(aim->pose))
+                                    : EXIT_DONE;
 }
 
 /* A pose without an answer has a row that says why. */
 static int refuse(struct query *query, const conus_pose_row *row, const char *reason)
 {
-    complain("%s:%zu: %s", settings_poses_name(query->settings->aim.pose), row->line, reason);
+    print_error_line("%s:%zu: %s", settings_poses_name(query->settings->aim.pose), row->line, reason);
     query->failed = true;
     conus_status status = conus_report_add_error(query->report, row->id, row->line, reason);
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 /* Adds the answer to the report and to what else is written. The image is of the last one. */
@@ -227,7 +227,7 @@ static int take(struct query *query, const char *id, conus_selection *selection)
     if (!status && query->settings->image) {
         status = conus_image_of_selection(&query->image, selection);
     }
-    int code = status ? complain_status(status) : mask_take(&query->mask, query->atlas, selection);
+    int code = status ? print_status(status) : mask_take(&query->mask, query->atlas, selection);
     if (!code && query->settings->deep) {
         query->selection = selection;
     } else {
@@ -256,7 +256,7 @@ static int answer_row(struct query *query, const conus_pose_row *row)
     if (status == CONUS_ERROR_ARGUMENT) {
         return refuse(query, row, conus_message());
     }
-    return status ? complain_status(status) : take(query, row->id, selection);
+    return status ? print_status(status) : take(query, row->id, selection);
 }
 
 static int answer_one(struct query *query)
@@ -269,7 +269,7 @@ static int answer_one(struct query *query)
         double point[3];
         settings_point(point, settings->point, settings->aim.space);
         status = conus_select_ball(&selection, query->selector, point, settings->engine.radius);
-        return status ? complain_status(status) : take(query, "1", selection);
+        return status ? print_status(status) : take(query, "1", selection);
     }
     int code = settings_pose(&pose, &settings->aim, query->arguments);
     if (code) {
@@ -278,7 +278,7 @@ static int answer_one(struct query *query)
     double angle = settings_angle(&settings->aim, &settings->engine);
     status = conus_select(&selection, query->selector, &pose, angle);
     conus_aims_add(query->aims, 1, &pose, angle);
-    return status ? complain_status(status) : take(query, "1", selection);
+    return status ? print_status(status) : take(query, "1", selection);
 }
 
 static int answer_all(struct query *query)
@@ -310,7 +310,7 @@ static conus_status start(struct query *query)
         return status;
     }
     if (settings->common.verbose) {
-        complain("engine: %s", conus_selector_engine(query->selector));
+        print_error_line("engine: %s", conus_selector_engine(query->selector));
     }
     const char *electrodes = query->format == CONUS_BIDS ? conus_pose_list_electrodes(query->poses) : NULL;
     const conus_report_options report = {.format = query->format,
@@ -335,7 +335,7 @@ static int write_voxels(struct query *query)
         return EXIT_DONE;
     }
     conus_status status = conus_report_voxels(query->report, &text, &size);
-    return status ? complain_status(status) : output_write(query->settings->voxels, text, size);
+    return status ? print_status(status) : output_write(query->settings->voxels, text, size);
 }
 
 static int write_image(struct query *query)
@@ -344,7 +344,7 @@ static int write_image(struct query *query)
         return EXIT_DONE;
     }
     conus_status status = conus_image_write(query->image, query->settings->image);
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 static int write_answer(struct query *query)
@@ -358,7 +358,7 @@ static int write_deep(struct query *query)
         return EXIT_DONE;
     }
     conus_status status = conus_selection_write_deep(query->selection, query->settings->deep);
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 static int write_mask(struct query *query)
@@ -388,7 +388,7 @@ static bool check_paths(const struct query *query)
         for (size_t j = 0; one->path && j < i; j++) {
             const struct output *other = &query->outputs[j];
             if (other->path && paths_equal(one->path, other->path)) {
-                complain("%s and %s are the same file %s", other->what, one->what, one->path);
+                print_error_line("%s and %s are the same file %s", other->what, one->what, one->path);
                 return false;
             }
         }
@@ -409,7 +409,7 @@ static bool check_inputs(const struct query *query)
         const struct output *output = &query->outputs[i];
         const char *input = output->path ? settings_input(query->atlas, inputs, output->path) : NULL;
         if (input) {
-            complain("%s would overwrite %s %s", output->what, input, output->path);
+            print_error_line("%s would overwrite %s %s", output->what, input, output->path);
             return false;
         }
     }
@@ -422,7 +422,7 @@ static bool check_voxels(const struct query *query)
     size_t count = conus_atlas_object_count(query->atlas);
     const conus_object *last = conus_atlas_object(query->atlas, count); /* pathways come last */
     if (query->settings->voxels && !query->settings->voxels_of && !(last && last->kind == CONUS_PATHWAY)) {
-        complain(
+        print_error_line(
             "--voxels lists the voxels of pathways, and there is none; --pathway adds one, --voxels-of all the areas'");
         return false;
     }
@@ -455,7 +455,7 @@ static int work(struct query *query)
         return code;
     }
     conus_status status = start(query);
-    code = status ? complain_status(status) : answer_all(query);
+    code = status ? print_status(status) : answer_all(query);
     if (code) {
         return code;
     }
@@ -472,7 +472,7 @@ static int run_named(struct query *query)
     const char *answer = output_is_stdout(settings->answer.output) ? NULL : settings->answer.output;
     query->command_line = arguments_text(query->arguments);
     if (!query->command_line || !answer_sidecar(&query->sidecar, query->format, settings->answer.output)) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         return EXIT_DATA;
     }
     if (!mask_init(&query->mask, &settings->mask, query->arguments)) {

@@ -155,13 +155,13 @@ static bool check_cone(const struct render_settings *settings, const struct argu
     }
     bool cone = option_given(arguments, "origin") || option_given(arguments, "pose");
     if (!cone && settings->atlas.hemispheres == CONUS_HEMISPHERES_MERGED) {
-        complain("--hemispheres merged has no effect without a cone: --origin or --pose");
+        print_error_line("--hemispheres merged has no effect without a cone: --origin or --pose");
         return false;
     }
     for (size_t i = 0; !cone && of_cone[i]; i++) {
         bool used = has_camera(arguments) && strcmp(of_cone[i], "space") == 0;
         if (option_given(arguments, of_cone[i]) && !used) {
-            complain("--%s has no effect without a cone: --origin or --pose", of_cone[i]);
+            print_error_line("--%s has no effect without a cone: --origin or --pose", of_cone[i]);
             return false;
         }
     }
@@ -171,7 +171,7 @@ static bool check_cone(const struct render_settings *settings, const struct argu
 static bool check_frustum(const struct arguments *arguments)
 {
     if (option_given(arguments, "frustum") && !has_camera(arguments)) {
-        complain("--frustum has no effect without a camera: --camera-origin or --camera");
+        print_error_line("--frustum has no effect without a camera: --camera-origin or --camera");
         return false;
     }
     return true;
@@ -189,7 +189,7 @@ static bool check_camera(const struct arguments *arguments)
 static bool check_output(const struct render_settings *settings)
 {
     if (!path_ends(settings->output, ".png") && !path_ends(settings->output, ".exr")) {
-        complain("--output: \"%s\" ends neither in .png nor in .exr", settings->output);
+        print_error_line("--output: \"%s\" ends neither in .png nor in .exr", settings->output);
         return false;
     }
     return true;
@@ -210,7 +210,7 @@ static int load_pose(conus_pose_row *out, const struct picture *picture, const c
         settings_pose_options(&settings->file, settings->aim.space, settings->atlas.max_memory);
     conus_status status = conus_pose_list_load(&list, path, &options);
     if (status) {
-        return complain_status(status);
+        return print_status(status);
     }
     size_t count = conus_pose_list_count(list);
     const conus_pose_row *row = conus_pose_list_row(list, 0);
@@ -220,9 +220,9 @@ static int load_pose(conus_pose_row *out, const struct picture *picture, const c
         return code;
     }
     if (count != 1) {
-        code = complain_usage("%s has %zu poses, a picture takes one", path, count);
+        code = print_usage_error("%s has %zu poses, a picture takes one", path, count);
     } else if (row->error || row->is_point) {
-        complain("%s:%zu: %s", path, row->line, row->error ? row->error : POINT_LOOKS_NOWHERE);
+        print_error_line("%s:%zu: %s", path, row->line, row->error ? row->error : POINT_LOOKS_NOWHERE);
         code = EXIT_DATA;
     } else {
         *out = *row;
@@ -263,7 +263,7 @@ static int find_cone(struct picture *picture, conus_pose *pose, double *angle)
         return code;
     }
     if (row.angle != 0 && aim->angle != 0) {
-        return complain_usage("--angle has no effect: the pose in %s has its own", aim->pose);
+        return print_usage_error("--angle has no effect: the pose in %s has its own", aim->pose);
     }
     *pose = row.pose;
     *angle = row.angle != 0 ? row.angle : *angle;
@@ -286,7 +286,7 @@ static int load(struct picture *picture)
                                    {"the list of areas", settings_level_file(&settings->engine)},
                                    {0}};
     const char *input = settings_input(picture->atlas, inputs, settings->output);
-    return input ? complain_usage("--output would overwrite %s %s", input, settings->output) : EXIT_DONE;
+    return input ? print_usage_error("--output would overwrite %s %s", input, settings->output) : EXIT_DONE;
 }
 
 static int aim(struct picture *picture)
@@ -306,7 +306,7 @@ static int aim(struct picture *picture)
         status = conus_select(&picture->selection, picture->selector, &pose, angle);
     }
     if (status) {
-        return complain_status(status);
+        return print_status(status);
     }
     aim_notes_of(&pose, angle, picture->selector, picture->atlas, &settings->common);
     return EXIT_DONE;
@@ -320,10 +320,10 @@ static int draw(struct picture *picture)
                                             .log = settings->common.verbose ? log_line : NULL};
     conus_status status = conus_renderer_create(&picture->renderer, picture->atlas, &options);
     if (status) {
-        return complain_status(status);
+        return print_status(status);
     }
     if (settings->common.verbose) {
-        complain("OpenGL: %s", conus_renderer_device(picture->renderer));
+        print_error_line("OpenGL: %s", conus_renderer_device(picture->renderer));
     }
     const double *f = settings->frustum;
     const conus_view view = {.width = settings->size[0],
@@ -339,7 +339,7 @@ static int draw(struct picture *picture)
     if (!status) {
         status = conus_image_write(picture->image, settings->output);
     }
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 static int run(const void *given, const struct arguments *arguments)

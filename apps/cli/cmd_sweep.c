@@ -124,7 +124,7 @@ static int read_numbers(double *out, int limit, const char *text, char separator
 
 static bool refuse_angles(const struct sweep *sweep, const char *why)
 {
-    complain("--angles: \"%s\" %s", sweep->settings->angles, why);
+    print_error_line("--angles: \"%s\" %s", sweep->settings->angles, why);
     return false;
 }
 
@@ -150,7 +150,7 @@ static bool read_angles(struct sweep *sweep)
     const char *text = sweep->settings->angles;
     sweep->angles = malloc(ANGLE_LIMIT * sizeof *sweep->angles);
     if (!sweep->angles) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         return false;
     }
     if (strchr(text, ':')) {
@@ -169,7 +169,8 @@ static bool read_angles(struct sweep *sweep)
     }
     for (size_t i = 0; i < sweep->angle_count; i++) {
         if (!(sweep->angles[i] > 0 && sweep->angles[i] < 180)) {
-            complain("--angles: %.10g is out of range, allowed is more than 0 and less than 180", sweep->angles[i]);
+            print_error_line("--angles: %.10g is out of range, allowed is more than 0 and less than 180",
+                             sweep->angles[i]);
             return false;
         }
         sweep->angles[i] = radians(sweep->angles[i]);
@@ -183,18 +184,19 @@ static bool read_jitter(struct sweep *sweep)
     sweep->jitter_of_rows = strcmp(sweep->settings->jitter, "columns") == 0;
     sweep->jitter = (conus_jitter_options){.samples = sweep->settings->samples};
     if (sweep->jitter_of_rows) {
-        return sweep->settings->aim.pose || (complain("--jitter columns: without --pose FILE there are none"), false);
+        return sweep->settings->aim.pose ||
+               (print_error_line("--jitter columns: without --pose FILE there are none"), false);
     }
     if (read_numbers(errors, 2, sweep->settings->jitter, ',') != 2) {
-        complain("--jitter: \"%s\" is not two numbers DEGREES,MM without spaces", sweep->settings->jitter);
+        print_error_line("--jitter: \"%s\" is not two numbers DEGREES,MM without spaces", sweep->settings->jitter);
         return false;
     }
     if (!(errors[0] >= 0 && errors[0] <= 90)) {
-        complain("--jitter: a tilt of %.10g degrees is out of range, allowed is 0 to 90", errors[0]);
+        print_error_line("--jitter: a tilt of %.10g degrees is out of range, allowed is 0 to 90", errors[0]);
         return false;
     }
     if (!(errors[1] >= 0 && errors[1] <= 1e6)) {
-        complain("--jitter: a shift of %.10g mm is out of range, allowed is 0 to 1000000", errors[1]);
+        print_error_line("--jitter: a shift of %.10g mm is out of range, allowed is 0 to 1000000", errors[1]);
         return false;
     }
     sweep->jitter.tilt = radians(errors[0]);
@@ -211,7 +213,7 @@ static bool check_admission(const struct arguments *arguments)
                                           "sampling", "slices",     "score",    "context"};
     for (size_t i = 0; i < sizeof of_rays / sizeof of_rays[0]; i++) {
         if (option_given(arguments, of_rays[i])) {
-            complain("--%s has no effect without --angles or --jitter", of_rays[i]);
+            print_error_line("--%s has no effect without --angles or --jitter", of_rays[i]);
             return false;
         }
     }
@@ -224,11 +226,11 @@ static bool check_kind(const struct sweep *sweep)
     const struct sweep_settings *settings = sweep->settings;
     uint32_t samples = settings->samples;
     if (samples & (samples - 1)) {
-        complain("--samples: %u is no power of two", samples);
+        print_error_line("--samples: %u is no power of two", samples);
         return false;
     }
     if (sweep->rows != CONUS_CHANCES && settings->engine.radius > 0) {
-        complain("--radius makes a cylinder, which has no angle to sweep; it goes with --jitter");
+        print_error_line("--radius makes a cylinder, which has no angle to sweep; it goes with --jitter");
         return false;
     }
     return sweep->rows != CONUS_ADMISSIONS || check_admission(sweep->arguments);
@@ -239,7 +241,7 @@ static bool check(struct sweep *sweep)
     const struct sweep_settings *settings = sweep->settings;
     const struct arguments *arguments = sweep->arguments;
     if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
-        complain("--slices has no effect without --sampling slices");
+        print_error_line("--slices has no effect without --sampling slices");
         return false;
     }
     return settings_check_score(&settings->engine, false) && options_exclude(arguments, "angles", "jitter") &&
@@ -329,11 +331,11 @@ static int answer_row(struct sweep *sweep, const conus_pose_row *row)
     conus_status status = why ? CONUS_ERROR_ARGUMENT : answer(sweep, row);
     if (status == CONUS_ERROR_ARGUMENT) {
         why = why ? why : conus_message();
-        complain("%s:%zu: %s", path, row->line, why);
+        print_error_line("%s:%zu: %s", path, row->line, why);
         sweep->failed = true;
         status = conus_report_add_error(sweep->report, row->id, row->line, why);
     }
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 /* Errors in the file that --jitter on the command line overrides. */
@@ -343,8 +345,9 @@ static void say_unused_errors(const struct sweep *sweep)
     for (size_t i = 0; !said && i < conus_pose_list_count(sweep->poses); i++) {
         said = has_errors(conus_pose_list_row(sweep->poses, i));
         if (said) {
-            complain("note: %s: error_deg and error_mm are not used, --jitter %s is; --jitter columns takes them",
-                     settings_poses_name(sweep->settings->aim.pose), sweep->settings->jitter);
+            print_error_line(
+                "note: %s: error_deg and error_mm are not used, --jitter %s is; --jitter columns takes them",
+                settings_poses_name(sweep->settings->aim.pose), sweep->settings->jitter);
         }
     }
 }
@@ -356,7 +359,7 @@ static int answer_all(struct sweep *sweep)
         conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN};
         code = settings_pose(&row.pose, &sweep->settings->aim, sweep->arguments);
         conus_status status = code ? CONUS_OK : answer(sweep, &row);
-        return status ? complain_status(status) : code;
+        return status ? print_status(status) : code;
     }
     if (!conus_pose_list_count(sweep->poses)) {
         settings_say_no_poses(sweep->settings->aim.pose, &sweep->settings->common);
@@ -378,7 +381,7 @@ static conus_status start(struct sweep *sweep)
         return status;
     }
     if (settings->common.verbose) {
-        complain("engine: %s", conus_selector_engine(sweep->selector));
+        print_error_line("engine: %s", conus_selector_engine(sweep->selector));
     }
     const conus_report_options report = {.rows = sweep->rows,
                                          .format = sweep->format,
@@ -395,7 +398,7 @@ static int load(struct sweep *sweep)
             settings_pose_options(&settings->file, settings->aim.space, settings->atlas.max_memory);
         conus_status status = conus_pose_list_load(&sweep->poses, settings->aim.pose, &options);
         if (status) {
-            return complain_status(status);
+            return print_status(status);
         }
     }
     int code = settings_load_atlas(&sweep->atlas, sweep->arguments->operands[0], &settings->atlas);
@@ -428,7 +431,7 @@ static int work(struct sweep *sweep)
         return code ? code : EXIT_USAGE;
     }
     conus_status status = start(sweep);
-    code = status ? complain_status(status) : answer_all(sweep);
+    code = status ? print_status(status) : answer_all(sweep);
     if (code) {
         return code;
     }
@@ -453,7 +456,7 @@ static int run(const void *given, const struct arguments *arguments)
         sweep.command_line = arguments_text(arguments);
         bool ready = sweep.command_line && answer_sidecar(&sweep.sidecar, sweep.format, settings->answer.output);
         if (!ready) {
-            complain("not enough memory");
+            print_error_line("not enough memory");
         }
         code = ready ? work(&sweep) : EXIT_DATA;
     }

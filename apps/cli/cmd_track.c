@@ -185,8 +185,8 @@ static bool check_source(const struct arguments *arguments)
 {
     bool live = option_given(arguments, "listen") || option_given(arguments, "connect");
     if (live == option_given(arguments, "poses")) {
-        complain(live ? "poses come from a file or from a tracker, not from both"
-                      : "no poses: --poses FILE, or a tracker by --listen or --connect");
+        print_error_line(live ? "poses come from a file or from a tracker, not from both"
+                              : "no poses: --poses FILE, or a tracker by --listen or --connect");
         return false;
     }
     return settings_check_station(arguments) && settings_check_pose_file(arguments, "poses", NULL) &&
@@ -199,7 +199,7 @@ static bool check(const struct track_settings *settings, const struct arguments 
         return false;
     }
     if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
-        complain("--slices has no effect without --sampling slices");
+        print_error_line("--slices has no effect without --sampling slices");
         return false;
     }
     return settings_check_score(&settings->engine, true) && settings_check_context(arguments) &&
@@ -216,13 +216,13 @@ static int write_steps(struct track *track)
     }
     conus_status status = conus_report_take(track->report, &text, &size);
     if (status) {
-        return complain_status(status);
+        return print_status(status);
     }
     if (!track->held) {
         return output_write(NULL, text, size);
     }
     if (fwrite(text, 1, size, track->held) != size) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         return EXIT_DATA;
     }
     return EXIT_DONE;
@@ -230,7 +230,7 @@ static int write_steps(struct track *track)
 
 static int skip_row(struct track *track, const conus_pose_row *row, const char *why)
 {
-    complain("%s:%zu: %s", settings_poses_name(track->settings->aim.pose), row->line, why);
+    print_error_line("%s:%zu: %s", settings_poses_name(track->settings->aim.pose), row->line, why);
     track->failed = true;
     return EXIT_DONE;
 }
@@ -253,7 +253,7 @@ static int answer_row(struct track *track, const conus_pose_row *row)
     }
     status = status ? status : conus_report_add(track->report, row->id, selection);
     conus_selection_destroy(selection);
-    return status ? complain_status(status) : write_steps(track);
+    return status ? print_status(status) : write_steps(track);
 }
 
 static int answer_news(struct track *track, const struct station_news *news, double time_s)
@@ -269,7 +269,7 @@ static int answer_news(struct track *track, const struct station_news *news, dou
         station_tell_selection(track->station, track->selector, track->atlas, selection);
     }
     conus_selection_destroy(selection);
-    int code = status ? complain_status(status) : write_steps(track);
+    int code = status ? print_status(status) : write_steps(track);
     return code || track->held || !fflush(stdout) ? code : EXIT_DATA;
 }
 
@@ -286,7 +286,7 @@ static int answer_station(struct track *track)
     if (!track->settings->common.quiet) {
         char text[160];
         settings_station_text(text, sizeof text, track->station, &news);
-        complain("%s", text);
+        print_error_line("%s", text);
     }
     while (!code && !interrupt_signal() && !(seconds > 0 && clock_ms() - begun >= 1e3 * seconds)) {
         if (station_wait(track->station, news.number, 0.05, &news) && news.state == STATION_SEEN) {
@@ -310,7 +310,7 @@ static int answer_all(struct track *track)
     do {
         conus_pose_row row;
         conus_status status = conus_pose_stream_read(track->poses, &row, 1, &count);
-        code = status ? complain_status(status) : count ? answer_row(track, &row) : EXIT_DONE;
+        code = status ? print_status(status) : count ? answer_row(track, &row) : EXIT_DONE;
         rows += count;
     } while (!code && count);
     interrupt_release();
@@ -335,7 +335,7 @@ static conus_status start(struct track *track)
         return status;
     }
     if (settings->common.verbose) {
-        complain("engine: %s", conus_selector_engine(track->selector));
+        print_error_line("engine: %s", conus_selector_engine(track->selector));
     }
     const conus_report_options report = {.format = track->format,
                                          .space = (conus_space)settings->aim.space,
@@ -356,7 +356,7 @@ static int write_rest(struct track *track)
         return code;
     }
     if (fflush(track->held)) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         return EXIT_DATA;
     }
     return output_write(track->settings->answer.output, track->held_text, track->held_size);
@@ -371,10 +371,10 @@ static int open_poses(struct track *track)
         settings_pose_options(&track->settings->file, track->settings->aim.space, track->settings->atlas.max_memory);
     conus_status status = conus_pose_stream_open(&track->poses, track->settings->aim.pose, &options);
     if (!status && !conus_pose_stream_has_times(track->poses)) {
-        complain("%s: no time_s in it, which every step needs", settings_poses_name(track->settings->aim.pose));
+        print_error_line("%s: no time_s in it, which every step needs", settings_poses_name(track->settings->aim.pose));
         return EXIT_DATA;
     }
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 static bool check_files(const struct track *track)
@@ -418,7 +418,7 @@ static int work(struct track *track)
     }
     settings_say_notes(track->atlas, &settings->common);
     conus_status status = start(track);
-    code = status ? complain_status(status) : track->station ? answer_station(track) : answer_all(track);
+    code = status ? print_status(status) : track->station ? answer_station(track) : answer_all(track);
     if (!code && is_astray(conus_aims_found(track->aims))) {
         aim_notes_say(conus_aims_found(track->aims), track->selector, track->atlas,
                       settings_poses_name(settings->aim.pose), &settings->common);
@@ -455,7 +455,7 @@ static int run(const void *given, const struct arguments *arguments)
     if (prepare(&track)) {
         code = work(&track);
     } else {
-        complain("not enough memory");
+        print_error_line("not enough memory");
     }
     track_finish(&track);
     return code;

@@ -30,8 +30,9 @@ int view_run(char **words)
         execv(path, words);
     }
     execvp(program, words);
-    complain("conus view: the program conus-view cannot be started: %s; it is built where GLFW 3.3 and Dear ImGui are",
-             strerror(errno));
+    print_error_line(
+        "conus view: the program conus-view cannot be started: %s; it is built where GLFW 3.3 and Dear ImGui are",
+        strerror(errno));
     return EXIT_DATA;
 }
 

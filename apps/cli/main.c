@@ -31,8 +31,8 @@ static const struct command *find_command(const char *name)
 static int unknown_command(const char *name)
 {
     const char *near = closest_name(name, command_name, NULL);
-    return near ? complain_usage("unknown command \"%s\"; did you mean %s?", name, near)
-                : complain_usage("unknown command \"%s\"; conus help lists them", name);
+    return near ? print_usage_error("unknown command \"%s\"; did you mean %s?", name, near)
+                : print_usage_error("unknown command \"%s\"; conus help lists them", name);
 }
 
 static int list_commands(FILE *out)
@@ -61,7 +61,7 @@ static int help(int count, char **words)
         return unknown_command(words[0]);
     }
     if (count > 1) {
-        return complain_usage("unexpected argument \"%s\"", words[1]);
+        return print_usage_error("unexpected argument \"%s\"", words[1]);
     }
     if (command->hand_over) {
         char *ask[] = {words[0], (char[]){"--help"}, NULL};
@@ -79,7 +79,7 @@ static int run(const struct command *command, int count, char **words)
     struct arguments arguments;
     void *settings = calloc(1, command->settings_size);
     if (!settings) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         return EXIT_DATA;
     }
     int code = options_parse(&arguments, settings, command, count, words, 2);

@@ -49,7 +49,7 @@ bool mask_check(const struct mask_settings *settings, const struct arguments *ar
         return false;
     }
     if (settings->path && stem(settings->path) == 0) {
-        complain("--mask: \"%s\" ends neither in .nii.gz nor in .nii", settings->path);
+        print_error_line("--mask: \"%s\" ends neither in .nii.gz nor in .nii", settings->path);
         return false;
     }
     return true;
@@ -79,7 +79,7 @@ bool mask_init(struct mask *out, const struct mask_settings *settings, const str
     out->content = content_of(settings, arguments);
     if (asprintf(&out->sidecar, "%.*s.json", (int)stem(settings->path), settings->path) < 0) {
         out->sidecar = NULL;
-        complain("not enough memory");
+        print_error_line("not enough memory");
     }
     return out->sidecar;
 }
@@ -102,9 +102,9 @@ int mask_take(struct mask *mask, const conus_atlas *atlas, const conus_selection
     }
     status = status ? status : conus_selection_grid(&mask->grid, selection, &options);
     if (status == CONUS_ERROR_ARGUMENT) {
-        return complain_usage("--mask: %s", conus_message());
+        return print_usage_error("--mask: %s", conus_message());
     }
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 int mask_write(const struct mask *mask, conus_report *report)
@@ -115,10 +115,10 @@ int mask_write(const struct mask *mask, conus_report *report)
         return EXIT_DONE;
     }
     conus_status status = conus_report_grid_sidecar(report, mask->grid, &text, &size);
-    int code = status ? complain_status(status) : output_write(mask->sidecar, text, size);
+    int code = status ? print_status(status) : output_write(mask->sidecar, text, size);
     if (code) {
         return code;
     }
     status = conus_grid_write(mask->grid, mask->settings->path);
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? print_status(status) : EXIT_DONE;
 }

@@ -23,14 +23,14 @@ struct mask {
     conus_grid *grid;
 };
 
-/** Whether the options go together; complains if not. */
+/** Whether the options go together; prints an error if not. */
 bool mask_check(const struct mask_settings *settings, const struct arguments *arguments);
 
-/** Names the sidecar. False (complained) without memory. */
+/** Names the sidecar. False (error printed) without memory. */
 bool mask_init(struct mask *out, const struct mask_settings *settings, const struct arguments *arguments);
 void mask_finish(struct mask *mask);
 
-/** Makes the mask of @p selection, if one is wanted. Gives the exit code, having complained unless it is 0. */
+/** Makes the mask of @p selection, if one is wanted. Returns the exit code and prints an error unless it is 0. */
 int mask_take(struct mask *mask, const conus_atlas *atlas, const conus_selection *selection);
 
 /** Writes it and its sidecar, likewise. */

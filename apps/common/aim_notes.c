@@ -91,11 +91,11 @@ static void say_inside(const conus_astray *found, const conus_atlas *atlas, cons
     const conus_oddity *inside = &found->inside;
     const char *name = conus_atlas_object(atlas, inside->object)->name;
     if (file) {
-        complain("note: %s: %" PRIu64 " of %" PRIu64 " devices lie inside an area, the first in line %" PRIu64
-                 ", inside %s",
-                 file, inside->count, found->poses, inside->first, name);
+        print_error_line("note: %s: %" PRIu64 " of %" PRIu64 " devices lie inside an area, the first in line %" PRIu64
+                         ", inside %s",
+                         file, inside->count, found->poses, inside->first, name);
     } else {
-        complain("note: the device lies inside %s", name);
+        print_error_line("note: the device lies inside %s", name);
     }
 }
 
@@ -104,21 +104,22 @@ static void say_away(const conus_astray *found, const char *file, const char *re
     const conus_oddity *away = &found->away;
     const char *what = away->angle > 0 ? "cone" : "cylinder";
     if (file) {
-        complain("note: %s: %" PRIu64 " of %" PRIu64 " %ss point away from the atlas, the first in line %" PRIu64 "%s",
-                 file, away->count, found->poses, what, away->first, remedy);
+        print_error_line("note: %s: %" PRIu64 " of %" PRIu64
+                         " %ss point away from the atlas, the first in line %" PRIu64 "%s",
+                         file, away->count, found->poses, what, away->first, remedy);
     } else {
-        complain("note: the %s points away from the atlas%s", what, remedy);
+        print_error_line("note: the %s points away from the atlas%s", what, remedy);
     }
 }
 
 static void say_tiny(const conus_astray *found, const char *file, const char *remedy)
 {
     if (file) {
-        complain("note: %s: %" PRIu64 " of %" PRIu64
-                 " devices lie within 1 mm of the world's origin, the first in line %" PRIu64 "%s",
-                 file, found->tiny.count, found->poses, found->tiny.first, remedy);
+        print_error_line("note: %s: %" PRIu64 " of %" PRIu64
+                         " devices lie within 1 mm of the world's origin, the first in line %" PRIu64 "%s",
+                         file, found->tiny.count, found->poses, found->tiny.first, remedy);
     } else {
-        complain("note: the device lies within 1 mm of the world's origin%s", remedy);
+        print_error_line("note: the device lies within 1 mm of the world's origin%s", remedy);
     }
 }
 

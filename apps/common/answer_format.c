@@ -52,7 +52,7 @@ bool answer_format(conus_format *out, const struct arguments *arguments, const s
         return true;
     }
     return output_format(out, settings->output) ||
-           (complain(
+           (print_error_line(
                 "%s: --output ends in none of .tsv, .csv, .json, .ndjson, .jsonl and, for a table for people, .txt; "
                 "--format says what else is written",
                 settings->output),
@@ -79,7 +79,8 @@ bool answer_check_files(const conus_atlas *atlas, const struct input *inputs, co
     for (size_t i = 0; i < 2; i++) {
         const char *input = output_is_stdout(outputs[i]) ? NULL : settings_input(atlas, inputs, outputs[i]);
         if (input) {
-            complain("%s would overwrite %s %s", i ? "the .json beside --output" : "--output", input, outputs[i]);
+            print_error_line("%s would overwrite %s %s", i ? "the .json beside --output" : "--output", input,
+                             outputs[i]);
             return false;
         }
     }
@@ -94,7 +95,7 @@ int answer_write_sidecar(conus_report *report, const char *path)
         return EXIT_DONE;
     }
     conus_status status = conus_report_sidecar(report, &text, &size);
-    return status ? complain_status(status) : output_write(path, text, size);
+    return status ? print_status(status) : output_write(path, text, size);
 }
 
 int answer_write(conus_report *report, const char *path)
@@ -102,5 +103,5 @@ int answer_write(conus_report *report, const char *path)
     const char *text = NULL;
     size_t size = 0;
     conus_status status = conus_report_text(report, &text, &size);
-    return status ? complain_status(status) : output_write(path, text, size);
+    return status ? print_status(status) : output_write(path, text, size);
 }

@@ -20,7 +20,7 @@ struct pathway {
 static bool read_threshold(struct pathway *pathway, const char *value)
 {
     if (!number_parse(value, &pathway->threshold) || pathway->threshold <= 0) {
-        complain("--pathway: threshold=%s is not a number above 0", value);
+        print_error_line("--pathway: threshold=%s is not a number above 0", value);
         return false;
     }
     return true;
@@ -30,7 +30,7 @@ static bool read_volume(struct pathway *pathway, char *key, const char *value)
 {
     uint64_t index;
     if (!count_parse(value, UINT32_MAX, &index)) {
-        complain("--pathway: volume=%s is not a whole number from 0", value);
+        print_error_line("--pathway: volume=%s is not a whole number from 0", value);
         return false;
     }
     pathway->volume = key;
@@ -46,12 +46,12 @@ static bool read_key(struct pathway *pathway, char *key)
     }
     if (strncmp(key, "name=", 5) == 0 && !pathway->name) {
         pathway->name = value;
-        return *value || (complain("--pathway: name= is empty"), false);
+        return *value || (print_error_line("--pathway: name= is empty"), false);
     }
     if (strncmp(key, "volume=", 7) == 0 && !pathway->volume) {
         return read_volume(pathway, key, value);
     }
-    complain("--pathway: \"%s\" is none of threshold=T, name=S and volume=K, each at most once", key);
+    print_error_line("--pathway: \"%s\" is none of threshold=T, name=S and volume=K, each at most once", key);
     return false;
 }
 
@@ -61,7 +61,7 @@ static bool parse_pathway(struct pathway *pathway, const char *text)
     size_t size = strlen(text) + 1;
     pathway->text = calloc(2, size);
     if (!pathway->text) {
-        complain("--pathway: not enough memory");
+        print_error_line("--pathway: not enough memory");
         return false;
     }
     char *keys = memcpy(pathway->text, text, size);
@@ -72,7 +72,7 @@ static bool parse_pathway(struct pathway *pathway, const char *text)
         }
     }
     if (!*keys) {
-        complain("--pathway: \"%s\" names no file", text);
+        print_error_line("--pathway: \"%s\" names no file", text);
         return false;
     }
     pathway->path = pathway->text + size;
@@ -87,7 +87,7 @@ static int add_pathway(conus_atlas *atlas, const char *text, uint64_t max_memory
     if (parse_pathway(&pathway, text)) {
         const conus_pathway_options options = {pathway.threshold, pathway.name, max_memory};
         conus_status status = conus_atlas_add_pathway(atlas, pathway.path, &options);
-        code = status ? complain_status(status) : EXIT_DONE;
+        code = status ? print_status(status) : EXIT_DONE;
     }
     free(pathway.text);
     return code;
@@ -147,9 +147,9 @@ static int show(conus_atlas *atlas, const struct atlas_settings *settings)
     free(only);
     free(hide);
     if (failed) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
     }
-    return failed ? EXIT_DATA : status ? complain_status(status) : EXIT_DONE;
+    return failed ? EXIT_DATA : status ? print_status(status) : EXIT_DONE;
 }
 
 int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings)
@@ -165,7 +165,7 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
     status = status ? status : conus_atlas_set_hemispheres(atlas, (conus_hemispheres)settings->hemispheres);
     if (status) {
         conus_atlas_destroy(atlas);
-        return complain_status(status);
+        return print_status(status);
     }
     int code = add_pathways(atlas, settings, &progress);
     code = code || !(settings->only.count + settings->hide.count) ? code : show(atlas, settings);
@@ -181,7 +181,7 @@ int settings_load_context(conus_atlas *atlas, const char *path, double blocks, c
 {
     const conus_context_options options = {blocks, settings->max_memory};
     conus_status status = path ? conus_atlas_set_context(atlas, path, &options) : CONUS_OK;
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 /* Whether `path` is the file that the atlas's label source names ("BIDS label table in aal.tsv, colours in aal.lut"),
@@ -240,14 +240,15 @@ void settings_say_open(const conus_atlas *atlas, const struct engine_settings *e
         odd += object->closed && object->volume_mm3 == 0;
     }
     if (odd && engine->layers == CONUS_ALL_LAYERS && !settings->quiet) {
-        complain(
+        print_error_line(
             "note: %zu of %zu surfaces overlap themselves, or have parts that face inwards and are no cavities: there "
             "is no fraction",
             odd, surfaces);
     }
     if (open && engine->layers == CONUS_ALL_LAYERS && !settings->quiet) {
-        complain("note: %zu of %zu surfaces are not closed: paths count only where a ray goes in and comes out, and "
-                 "there is no fraction",
-                 open, surfaces);
+        print_error_line(
+            "note: %zu of %zu surfaces are not closed: paths count only where a ray goes in and comes out, and "
+            "there is no fraction",
+            open, surfaces);
     }
 }

@@ -67,12 +67,12 @@ static void say_shared(const char *const *words, size_t count, size_t i)
     int common = (int)(threshold_in(words[i]) - words[i]);
     size_t pathways = count_same(words, count, i, false);
     if (values == 1) {
-        complain("note: %zu pathways: %s", pathways, words[i]);
+        print_error_line("note: %zu pathways: %s", pathways, words[i]);
     } else if (values <= LISTED) {
-        complain("note: %zu pathways: %.*ss %s", pathways, common - 1, words[i], list);
+        print_error_line("note: %zu pathways: %.*ss %s", pathways, common - 1, words[i], list);
     } else {
-        complain("note: %zu pathways: %.*ss %s and %zu more (conus info says which)", pathways, common - 1, words[i],
-                 list, values - LISTED);
+        print_error_line("note: %zu pathways: %.*ss %s and %zu more (conus info says which)", pathways, common - 1,
+                         words[i], list, values - LISTED);
     }
 }
 
@@ -85,7 +85,7 @@ void settings_say_notes(const conus_atlas *atlas, const struct common_settings *
     }
     for (size_t i = 0; i < count; i++) {
         if (!words || !words[i] || count_same(words, count, i, false) == 1) {
-            complain("note: %s", conus_atlas_note(atlas, i));
+            print_error_line("note: %s", conus_atlas_note(atlas, i));
         } else if (!count_same(words, i, i, false)) {
             say_shared(words, count, i);
         }

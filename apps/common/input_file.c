@@ -14,17 +14,17 @@
 
 static FILE *refuse(const char *path, mode_t mode, const char *needed)
 {
-    complain("%s: cannot read: is a %s, a %s is needed", path,
-             S_ISDIR(mode)    ? "folder"
-             : S_ISFIFO(mode) ? "pipe"
-                              : "device",
-             needed);
+    print_error_line("%s: cannot read: is a %s, a %s is needed", path,
+                     S_ISDIR(mode)    ? "folder"
+                     : S_ISFIFO(mode) ? "pipe"
+                                      : "device",
+                     needed);
     return NULL;
 }
 
 static FILE *fail_to(const char *action, const char *path)
 {
-    complain("%s: cannot %s: %s", path, action, strerror(errno));
+    print_error_line("%s: cannot %s: %s", path, action, strerror(errno));
     return NULL;
 }
 
@@ -66,7 +66,7 @@ static bool grow(char **text, size_t *capacity)
     size_t more = *capacity ? 2 * *capacity : 1 << 16;
     char *grown = more > *capacity ? realloc(*text, more) : NULL;
     if (!grown) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         return false;
     }
     *text = grown;
@@ -101,7 +101,7 @@ int input_file_read(char **text, size_t *size, const char *path, enum input_kind
         fclose(file);
     }
     if (whole && count > limit) {
-        complain("%s: more than the %" PRIu64 " bytes that are read", path, limit);
+        print_error_line("%s: more than the %" PRIu64 " bytes that are read", path, limit);
         whole = false;
     }
     if (!whole) {

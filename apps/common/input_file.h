@@ -7,13 +7,13 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/** Opens a regular file; NULL, having complained, for all else. */
+/** Opens a regular file; NULL, after an error message, for all else. */
 FILE *input_file_open(const char *path);
 
 enum input_kind { INPUT_FILE, INPUT_FILE_OR_PIPE };
 
-/** Reads @p path, at most @p limit bytes; a NUL stands behind them. @p text is the caller's to free(). Gives the exit
- * code, having complained unless it is 0. */
+/** Reads @p path, at most @p limit bytes; a NUL stands behind them. @p text is the caller's to free(). Returns the exit
+ * code and prints an error unless it is 0. */
 int input_file_read(char **text, size_t *size, const char *path, enum input_kind kind, uint64_t limit);
 
 #endif

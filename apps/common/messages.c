@@ -7,7 +7,7 @@
 
 enum { LINE_SIZE = 2048, WORD_SIZE = 64 };
 
-static void complain_list(const char *format, va_list args)
+static void print_error_list(const char *format, va_list args)
 {
     char line[LINE_SIZE];
     vsnprintf(line, sizeof line, format, args);
@@ -18,19 +18,19 @@ static void complain_list(const char *format, va_list args)
     fprintf(stderr, "conus: %s\n", line);
 }
 
-void complain(const char *format, ...)
+void print_error_line(const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    complain_list(format, args);
+    print_error_list(format, args);
     va_end(args);
 }
 
-int complain_usage(const char *format, ...)
+int print_usage_error(const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    complain_list(format, args);
+    print_error_list(format, args);
     va_end(args);
     return EXIT_USAGE;
 }
@@ -49,16 +49,16 @@ int exit_code_of(conus_status status)
     }
 }
 
-int complain_status(conus_status status)
+int print_status(conus_status status)
 {
-    complain("%s", conus_message());
+    print_error_line("%s", conus_message());
     return exit_code_of(status);
 }
 
 void log_line(void *user, const char *line)
 {
     (void)user;
-    complain("log: %s", line);
+    print_error_line("log: %s", line);
 }
 
 static size_t smallest(size_t a, size_t b, size_t c)

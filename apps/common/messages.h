@@ -14,13 +14,13 @@ enum exit_code {
 };
 
 /** Writes "conus: " and the line to stderr; control characters become spaces. */
-void complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void print_error_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/** complain(), and EXIT_USAGE. */
-int complain_usage(const char *format, ...) __attribute__((format(printf, 1, 2)));
+/** print_error_line(), and EXIT_USAGE. */
+int print_usage_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/** complain() with the library's message about @p status, and the exit code that goes with it. */
-int complain_status(conus_status status);
+/** print_error_line() with the library's message about @p status, and the exit code that goes with it. */
+int print_status(conus_status status);
 
 /** The exit code that goes with @p status. */
 int exit_code_of(conus_status status);

@@ -72,7 +72,7 @@ static bool outside(const struct option *option, double number)
 
 static bool refuse(const struct option *option, const char *text, const char *wanted)
 {
-    complain("--%s: \"%s\" is not %s", option->name, text, wanted);
+    print_error_line("--%s: \"%s\" is not %s", option->name, text, wanted);
     return false;
 }
 
@@ -80,7 +80,7 @@ static bool refuse_range(const struct option *option, const char *text)
 {
     const char *form = option->open ? "--%s: %s is out of range, allowed is more than %.10g and less than %.10g"
                                     : "--%s: %s is out of range, allowed is %.10g to %.10g";
-    complain(form, option->name, text, option->low, option->high);
+    print_error_line(form, option->name, text, option->low, option->high);
     return false;
 }
 
@@ -216,7 +216,7 @@ static bool refuse_choice(const struct option *option, const char *text)
 {
     const char *near = closest_name(text, choice_of, option);
     if (near) {
-        complain("--%s: \"%s\" is none of its choices; did you mean %s?", option->name, text, near);
+        print_error_line("--%s: \"%s\" is none of its choices; did you mean %s?", option->name, text, near);
         return false;
     }
     char list[NUMBERS_SIZE] = "";
@@ -225,7 +225,7 @@ static bool refuse_choice(const struct option *option, const char *text)
         size_t used = strlen(list);
         snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", choice);
     }
-    complain("--%s: \"%s\" is none of its choices: %s", option->name, text, list);
+    print_error_line("--%s: \"%s\" is none of its choices: %s", option->name, text, list);
     return false;
 }
 
@@ -251,7 +251,7 @@ static bool read_item(const struct option *option, struct option_list *field, co
 {
     const char **items = realloc(field->items, (field->count + 1) * sizeof *items);
     if (!items) {
-        complain("--%s: not enough memory", option->name);
+        print_error_line("--%s: not enough memory", option->name);
         return false;
     }
     field->items = items;

@@ -77,7 +77,7 @@ bool option_given(const struct arguments *arguments, const char *name)
 bool option_needs(const struct arguments *arguments, const char *name, const char *needed)
 {
     if (option_given(arguments, name) && !option_given(arguments, needed)) {
-        complain("--%s has no effect without --%s", name, needed);
+        print_error_line("--%s has no effect without --%s", name, needed);
         return false;
     }
     return true;
@@ -86,7 +86,7 @@ bool option_needs(const struct arguments *arguments, const char *name, const cha
 bool options_exclude(const struct arguments *arguments, const char *a, const char *b)
 {
     if (option_given(arguments, a) && option_given(arguments, b)) {
-        complain("--%s and --%s exclude each other", a, b);
+        print_error_line("--%s and --%s exclude each other", a, b);
         return false;
     }
     return true;
@@ -101,11 +101,11 @@ static const char *take_value(struct cursor *cursor, const struct option *option
     }
     const char *word = cursor->next < arguments->count ? arguments->words[cursor->next] : NULL;
     if (!word) {
-        complain("--%s needs a value: --%s %s", option->name, option->name, option->value);
+        print_error_line("--%s needs a value: --%s %s", option->name, option->name, option->value);
         return NULL;
     }
     if (strncmp(word, "--", 2) == 0) {
-        complain("--%s needs a value before %s: --%s %s", option->name, word, option->name, option->value);
+        print_error_line("--%s needs a value before %s: --%s %s", option->name, word, option->name, option->value);
         return NULL;
     }
     cursor->next++;
@@ -118,10 +118,10 @@ static int take_option(struct cursor *cursor, struct found found, const char *at
     const struct option *option = found.option;
     const char *value = NULL;
     if (option->type == OPTION_FLAG && attached) {
-        return complain_usage("--%s takes no value, found \"%s\"", option->name, attached);
+        return print_usage_error("--%s takes no value, found \"%s\"", option->name, attached);
     }
     if (arguments->given >> found.ordinal & 1 && option->type != OPTION_LIST) {
-        return complain_usage("--%s is given twice", option->name);
+        return print_usage_error("--%s is given twice", option->name);
     }
     if (option->type != OPTION_FLAG && !(value = take_value(cursor, option, attached))) {
         return EXIT_USAGE;
@@ -130,11 +130,11 @@ static int take_option(struct cursor *cursor, struct found found, const char *at
     return option_read(option, found.field, value) ? GO_ON : EXIT_USAGE;
 }
 
-static int complain_unknown(const struct command *command, const char *word, const char *name)
+static int print_unknown_option(const struct command *command, const char *word, const char *name)
 {
     const char *near = closest_name(name, name_at, command);
-    return near ? complain_usage("unknown option %s; did you mean --%s?", word, near)
-                : complain_usage("unknown option %s; conus %s --help lists them", word, command->name);
+    return near ? print_usage_error("unknown option %s; did you mean --%s?", word, near)
+                : print_usage_error("unknown option %s; conus %s --help lists them", word, command->name);
 }
 
 static int take_long(struct cursor *cursor, const char *word)
@@ -146,7 +146,7 @@ static int take_long(struct cursor *cursor, const char *word)
     if (!found.option) {
         char bare[OPTION_LIMIT];
         snprintf(bare, sizeof bare, "%.*s", (int)(length < sizeof bare ? length : 0), name);
-        return complain_unknown(command, word, bare);
+        return print_unknown_option(command, word, bare);
     }
     return take_option(cursor, found, name[length] ? name + length + 1 : NULL);
 }
@@ -155,7 +155,7 @@ static int take_short(struct cursor *cursor, const char *word)
 {
     struct found found = find_letter(cursor->arguments->command, cursor->settings, word[1]);
     if (!found.option) {
-        return complain_unknown(cursor->arguments->command, word, word + 1);
+        return print_unknown_option(cursor->arguments->command, word, word + 1);
     }
     return take_option(cursor, found, word[2] ? word + 2 : NULL);
 }
@@ -164,7 +164,7 @@ static int take_another(struct option_list *list, const char *word)
 {
     const char **items = realloc(list->items, (list->count + 1) * sizeof *items);
     if (!items) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         return EXIT_DATA;
     }
     list->items = items;
@@ -178,16 +178,16 @@ static int take_operand(struct cursor *cursor, const char *word)
     const struct command *command = arguments->command;
     if (command->repeats && arguments->operand_count && !command->operands[arguments->operand_count]) {
         return *word ? take_another(&arguments->more, word)
-                     : complain_usage("%s is empty", command->operands[arguments->operand_count - 1]);
+                     : print_usage_error("%s is empty", command->operands[arguments->operand_count - 1]);
     }
     if (arguments->operand_count == OPERAND_LIMIT || !arguments->command->operands[arguments->operand_count]) {
-        return complain_usage("unexpected argument \"%s\"%s", word,
-                              strchr(word, ',') || strspn(word, "+-.0123456789") == strlen(word)
-                                  ? "; a vector is one word: X,Y,Z without spaces"
-                                  : "");
+        return print_usage_error("unexpected argument \"%s\"%s", word,
+                                 strchr(word, ',') || strspn(word, "+-.0123456789") == strlen(word)
+                                     ? "; a vector is one word: X,Y,Z without spaces"
+                                     : "");
     }
     arguments->operands[arguments->operand_count++] = word;
-    return *word ? GO_ON : complain_usage("%s is empty", arguments->command->operands[arguments->operand_count - 1]);
+    return *word ? GO_ON : print_usage_error("%s is empty", arguments->command->operands[arguments->operand_count - 1]);
 }
 
 static int take_word(struct cursor *cursor, const char *word)
@@ -221,12 +221,12 @@ static int check_complete(const struct arguments *arguments)
     const struct command *command = arguments->command;
     struct found found;
     if (arguments->operand_count < OPERAND_LIMIT && command->operands[arguments->operand_count] && !command->optional) {
-        return complain_usage("%s is missing; conus %s --help shows how", command->operands[arguments->operand_count],
-                              command->name);
+        return print_usage_error("%s is missing; conus %s --help shows how",
+                                 command->operands[arguments->operand_count], command->name);
     }
     for (size_t i = 0; (found = option_at(command, NULL, i)).option; i++) {
         if (found.option->required && !(arguments->given >> i & 1)) {
-            return complain_usage("--%s %s is missing", found.option->name, found.option->value);
+            return print_usage_error("--%s %s is missing", found.option->name, found.option->value);
         }
     }
     return GO_ON;

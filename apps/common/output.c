@@ -15,9 +15,9 @@ bool output_is_stdout(const char *path)
     return !path || strcmp(path, "-") == 0;
 }
 
-static int complain_stdout(int error)
+static int print_stdout_error(int error)
 {
-    complain("standard output: cannot write: %s", strerror(error));
+    print_error_line("standard output: cannot write: %s", strerror(error));
     return EXIT_DATA;
 }
 
@@ -25,12 +25,12 @@ int output_write(const char *path, const char *text, size_t size)
 {
     if (!output_is_stdout(path)) {
         conus_status status = conus_write_file(path, text, size);
-        return status ? complain_status(status) : EXIT_DONE;
+        return status ? print_status(status) : EXIT_DONE;
     }
     if (fwrite(text, 1, size, stdout) != size || fflush(stdout)) {
         int error = errno;
         clearerr(stdout);
-        return complain_stdout(error);
+        return print_stdout_error(error);
     }
     return EXIT_DONE;
 }
@@ -42,7 +42,7 @@ int output_finish(int code)
     }
     bool failed = ferror(stdout);
     if (fflush(stdout) || failed) {
-        return complain_stdout(failed ? EIO : errno);
+        return print_stdout_error(failed ? EIO : errno);
     }
     return code;
 }
@@ -53,10 +53,10 @@ int output_check_file(const char *path)
     if (lstat(path, &info) || S_ISREG(info.st_mode)) {
         return EXIT_DONE;
     }
-    complain("%s: cannot write: is a %s, which a file would replace", path,
-             S_ISDIR(info.st_mode)   ? "folder"
-             : S_ISLNK(info.st_mode) ? "link"
-                                     : "device or pipe");
+    print_error_line("%s: cannot write: is a %s, which a file would replace", path,
+                     S_ISDIR(info.st_mode)   ? "folder"
+                     : S_ISLNK(info.st_mode) ? "link"
+                                             : "device or pipe");
     return EXIT_DATA;
 }
 

@@ -11,15 +11,15 @@
 /** Whether @p path means stdout: NULL or "-". */
 bool output_is_stdout(const char *path);
 
-/** Writes to the file @p path, or to stdout. Gives the exit code, having complained unless it is 0. */
+/** Writes to the file @p path, or to stdout. Returns the exit code and prints an error unless it is 0. */
 int output_write(const char *path, const char *text, size_t size);
 
 /** Flushes stdout: a full disk or a closed pipe is an error, not silence. Gives @p code if all is well
  * or something was wrong before. */
 int output_finish(int code);
 
-/** Whether a file that is renamed to @p path replaces nothing but a file, no device, pipe, folder or link. Gives the
- * exit code, having complained unless it is 0. */
+/** Whether a file that is renamed to @p path replaces nothing but a file, no device, pipe, folder or link. Returns the
+ * exit code and prints an error unless it is 0. */
 int output_check_file(const char *path);
 
 /** Whether @p path is stdout or there already and no file: a device, a pipe. */

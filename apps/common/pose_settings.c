@@ -67,27 +67,27 @@ int settings_check_electrodes(conus_format format, const char *electrodes, const
     if (format != CONUS_BIDS || electrodes) {
         return EXIT_DONE;
     }
-    complain("%s: --format bids adds to a table of electrodes, with the columns name, x, y and z",
-             settings_poses_name(path));
+    print_error_line("%s: --format bids adds to a table of electrodes, with the columns name, x, y and z",
+                     settings_poses_name(path));
     return EXIT_DATA;
 }
 
 void settings_say_no_poses(const char *path, const struct common_settings *common)
 {
     if (!common->quiet) {
-        complain("note: %s: no poses in it", settings_poses_name(path));
+        print_error_line("note: %s: no poses in it", settings_poses_name(path));
     }
 }
 
-static int complain_match(const char *path)
+static int print_match_error(const char *path)
 {
-    complain("%s: %s; --any-space takes them nevertheless", settings_poses_name(path), conus_message());
+    print_error_line("%s: %s; --any-space takes them nevertheless", settings_poses_name(path), conus_message());
     return EXIT_DATA;
 }
 
 static void say_note(const char *path, const char *note)
 {
-    complain("note: %s: %s", settings_poses_name(path), note);
+    print_error_line("note: %s: %s", settings_poses_name(path), note);
 }
 
 int settings_match_poses(conus_pose_list *poses, const char *path, const conus_atlas *atlas,
@@ -95,7 +95,7 @@ int settings_match_poses(conus_pose_list *poses, const char *path, const conus_a
 {
     const char *note;
     if (!settings->any_space && conus_pose_list_match(poses, atlas)) {
-        return complain_match(path);
+        return print_match_error(path);
     }
     for (size_t i = 0; !common->quiet && (note = conus_pose_list_note(poses, i)); i++) {
         say_note(path, note);
@@ -108,7 +108,7 @@ int settings_match_stream(conus_pose_stream *poses, const char *path, const conu
 {
     const char *note;
     if (!settings->any_space && conus_pose_stream_match(poses, atlas)) {
-        return complain_match(path);
+        return print_match_error(path);
     }
     for (size_t i = 0; !common->quiet && (note = conus_pose_stream_note(poses, i)); i++) {
         say_note(path, note);

@@ -15,7 +15,7 @@ struct pose_file_settings {
 extern const struct option pose_file_options[]; /**< pose_file_settings */
 
 /** Whether none of these options stands without one of the two options (@p other may be NULL) that name a file of
- * poses; complains if not. */
+ * poses; prints an error if not. */
 bool settings_check_pose_file(const struct arguments *arguments, const char *file, const char *other);
 
 /** What the library is told about the file; @p space is a conus_space, @p max_memory 0 the default. */
@@ -28,14 +28,14 @@ void settings_pose_text(char out[64], const struct pose_file_settings *settings)
 const char *settings_poses_name(const char *path);
 
 /** Whether @p electrodes, the table that the poses came from (NULL = another format), is there for a @p format that
- * adds columns to it. Gives the exit code, having complained unless it is 0. */
+ * adds columns to it. Returns the exit code and prints an error unless it is 0. */
 int settings_check_electrodes(conus_format format, const char *electrodes, const char *path);
 
 /** Says, unless --quiet, that there is no pose in the file. */
 void settings_say_no_poses(const char *path, const struct common_settings *common);
 
-/** Whether the poses' space can be the atlas's, and says the notes about them. Gives the exit code, having complained
- * unless it is 0. */
+/** Whether the poses' space can be the atlas's, and says the notes about them. Returns the exit code and prints an
+ * error unless it is 0. */
 int settings_match_stream(conus_pose_stream *poses, const char *path, const conus_atlas *atlas,
                           const struct pose_file_settings *settings, const struct common_settings *common);
 /** The same for a list. */

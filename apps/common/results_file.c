@@ -71,13 +71,13 @@ bool results_find(const struct results *results, const struct results *other, si
 
 static int no_memory(const char *path)
 {
-    complain("%s: not enough memory", path);
+    print_error_line("%s: not enough memory", path);
     return EXIT_DATA;
 }
 
 static int refuse(const char *path, const char *why)
 {
-    complain("%s: %s", path, why);
+    print_error_line("%s: %s", path, why);
     return EXIT_DATA;
 }
 
@@ -160,7 +160,7 @@ static int cut_line(struct results *results, const char *path, char *line, size_
     line[length - 1] = '\0';
     for (char *next; line; line = next) {
         if (!end_cell(&next, line, results->separator)) {
-            complain("%s:%zu: a quotation mark inside a field, or one that is not closed", path, number);
+            print_error_line("%s:%zu: a quotation mark inside a field, or one that is not closed", path, number);
             return EXIT_DATA;
         }
         if (fields < results->columns) {
@@ -169,7 +169,7 @@ static int cut_line(struct results *results, const char *path, char *line, size_
         fields++;
     }
     if (fields != results->columns) {
-        complain("%s:%zu: %zu fields, the header has %zu", path, number, fields, results->columns);
+        print_error_line("%s:%zu: %zu fields, the header has %zu", path, number, fields, results->columns);
         return EXIT_DATA;
     }
     return EXIT_DONE;
@@ -183,7 +183,7 @@ static int cut_lines(struct results *results, const char *path, size_t size)
     results->columns = count_of(results->bytes, header, results->separator) + 1;
     results->rows = lines - 1;
     if (results->columns > COLUMN_LIMIT) {
-        complain("%s: %zu columns, allowed are %d", path, results->columns, COLUMN_LIMIT);
+        print_error_line("%s: %zu columns, allowed are %d", path, results->columns, COLUMN_LIMIT);
         return EXIT_DATA;
     }
     if (results->columns > SIZE_MAX / sizeof *results->cells / lines) {
@@ -208,7 +208,7 @@ static int check_columns(struct results *results, const char *path)
     for (size_t c = 0; c < results->columns; c++) {
         size_t first = 0;
         if (results_column(results, results->cells[c], &first) && first != c) {
-            complain("%s: column \"%s\" is there twice", path, results->cells[c]);
+            print_error_line("%s: column \"%s\" is there twice", path, results->cells[c]);
             return EXIT_DATA;
         }
     }
@@ -217,7 +217,7 @@ static int check_columns(struct results *results, const char *path)
         if (results_column(results, key_names[i], &column)) {
             results->keys[i] = &results->cells[column];
         } else if (i < NEEDED_KEYS) {
-            complain("%s: no column \"%s\": not a TSV or CSV result of conus", path, key_names[i]);
+            print_error_line("%s: no column \"%s\": not a TSV or CSV result of conus", path, key_names[i]);
             return EXIT_DATA;
         }
     }
@@ -237,7 +237,7 @@ static int sort_rows(struct results *results, const char *path)
     for (size_t i = 1; i < results->rows; i++) {
         size_t row = results->order[i];
         if (compare_rows(results, row, results, results->order[i - 1]) == 0) {
-            complain("%s:%zu: the same query, kind and index as another line", path, row + 2);
+            print_error_line("%s:%zu: the same query, kind and index as another line", path, row + 2);
             return EXIT_DATA;
         }
     }

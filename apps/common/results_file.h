@@ -18,8 +18,8 @@ struct results {
     size_t *order;                   /**< Rows, sorted by their keys. */
 };
 
-/** Reads @p path, of at most @p limit bytes. Gives the exit code, having complained unless it is 0; @p out is then the
- * caller's to results_finish(). Two rows with one key are an error. */
+/** Reads @p path, of at most @p limit bytes. Returns the exit code and prints an error unless it is 0; @p out is then
+ * the caller's to results_finish(). Two rows with one key are an error. */
 int results_load(struct results *out, const char *path, uint64_t limit);
 /** The same from @p size bytes at @p bytes, which are copied; @p path is for messages. */
 int results_parse(struct results *out, const char *path, const char *bytes, size_t size);

@@ -236,7 +236,7 @@ static bool check_source(const struct arguments *arguments)
     if (option_given(arguments, "toward") || option_given(arguments, "direction")) {
         return true;
     }
-    complain("--origin needs --toward X,Y,Z or --direction X,Y,Z with it");
+    print_error_line("--origin needs --toward X,Y,Z or --direction X,Y,Z with it");
     return false;
 }
 
@@ -255,7 +255,7 @@ bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
         return check_source(arguments);
     }
     if (aim_needed && !option_given(arguments, "pose")) {
-        complain("no cone given: --origin X,Y,Z with --toward X,Y,Z or --direction X,Y,Z, or --pose FILE");
+        print_error_line("no cone given: --origin X,Y,Z with --toward X,Y,Z or --direction X,Y,Z, or --pose FILE");
         return false;
     }
     return true;
@@ -285,7 +285,7 @@ int settings_look(conus_pose *out, const double origin[3], const double toward[3
         settings_point(above, up, space);
     }
     conus_status status = conus_pose_toward(out, from, to, up ? above : NULL);
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 int settings_pose(conus_pose *out, const struct aim_settings *settings, const struct arguments *arguments)
@@ -301,7 +301,7 @@ int settings_pose(conus_pose *out, const struct aim_settings *settings, const st
     settings_point(along, settings->direction, settings->space);
     settings_point(above, settings->up, settings->space);
     conus_status status = conus_pose_along(out, from, along, given_up ? above : NULL);
-    return status ? complain_status(status) : EXIT_DONE;
+    return status ? print_status(status) : EXIT_DONE;
 }
 
 const char *settings_level_file(const struct engine_settings *settings)
@@ -327,12 +327,12 @@ bool settings_check_shape(const struct aim_settings *settings, const struct engi
         return true;
     }
     if (engine->radius > 0 && settings->angle != 0) {
-        complain("--radius makes a cylinder, whose --angle is 0");
+        print_error_line("--radius makes a cylinder, whose --angle is 0");
         return false;
     }
     if (engine->radius == 0 && !(settings->angle > 0 && settings->angle < 180)) {
-        complain("--angle: %.10g is out of range, allowed is more than 0 and less than 180%s", settings->angle,
-                 settings->angle == 0 ? "; 0 goes with --radius" : "");
+        print_error_line("--angle: %.10g is out of range, allowed is more than 0 and less than 180%s", settings->angle,
+                         settings->angle == 0 ? "; 0 goes with --radius" : "");
         return false;
     }
     return true;
@@ -342,15 +342,15 @@ bool settings_check_score(const struct engine_settings *settings, bool has_histo
 {
     conus_score_info score;
     if (conus_score_parse(&score, settings->score)) {
-        complain("--%s", conus_message());
+        print_error_line("--%s", conus_message());
         return false;
     }
     if (score.needs_history && !has_history) {
-        complain("--score: %s needs a history, which single poses have not; conus track has one", score.name);
+        print_error_line("--score: %s needs a history, which single poses have not; conus track has one", score.name);
         return false;
     }
     if (score.needs_layers && settings->layers != CONUS_ALL_LAYERS) {
-        complain("--score: %s needs --layers all", score.name);
+        print_error_line("--score: %s needs --layers all", score.name);
         return false;
     }
     return true;

@@ -60,13 +60,13 @@ enum { DEFAULT_ANGLE = 10 };
 /** What is wrong with a pose that is only a point, where a cone is wanted. */
 #define POINT_LOOKS_NOWHERE "a point, without the direction that a cone needs"
 
-/** Loads the atlas and adds its pathways. Gives the exit code, having complained unless it is 0. */
+/** Loads the atlas and adds its pathways. Returns the exit code and prints an error unless it is 0. */
 int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings);
 
 /** Sets the context, unless @p path is NULL; @p blocks 0 = it does not block. Gives the exit code likewise. */
 int settings_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings);
 
-/** Whether neither of the context's options stands without the other; complains if not. */
+/** Whether neither of the context's options stands without the other; prints an error if not. */
 bool settings_check_context(const struct arguments *arguments);
 
 /** A file that the command line names. */
@@ -86,7 +86,7 @@ void settings_say_notes(const conus_atlas *atlas, const struct common_settings *
 void settings_say_open(const conus_atlas *atlas, const struct engine_settings *engine,
                        const struct common_settings *settings);
 
-/** Whether the options that aim a cone go together; complains if not. @p aim_needed: there must be a cone. */
+/** Whether the options that aim a cone go together; prints an error if not. @p aim_needed: there must be a cone. */
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
 
 /** A point or direction given in @p space, in the library's. */
@@ -95,7 +95,7 @@ void settings_point(double out[3], const double in[3], size_t space);
 /** The pose at @p origin looking toward a point, all in @p space; @p up may be NULL. Gives the exit code likewise. */
 int settings_look(conus_pose *out, const double origin[3], const double toward[3], const double up[3], size_t space);
 
-/** The pose of --origin with --toward or --direction. Gives the exit code, having complained unless it is 0. */
+/** The pose of --origin with --toward or --direction. Returns the exit code and prints an error unless it is 0. */
 int settings_pose(conus_pose *out, const struct aim_settings *settings, const struct arguments *arguments);
 
 /** The file of areas that --level consists of; NULL if it is none. */
@@ -107,11 +107,11 @@ double radians(double degrees);
 /** --angle in radians, or its default; of a cylinder 0. */
 double settings_angle(const struct aim_settings *settings, const struct engine_settings *engine);
 
-/** Whether angle and radius go together; complains if not. */
+/** Whether angle and radius go together; prints an error if not. */
 bool settings_check_shape(const struct aim_settings *settings, const struct engine_settings *engine,
                           const struct arguments *arguments);
 
-/** Whether there is such a score, and what it needs; complains if not. */
+/** Whether there is such a score, and what it needs; prints an error if not. */
 bool settings_check_score(const struct engine_settings *settings, bool has_history);
 
 /** What the library is told about the engine; @p common chooses whether it logs. */

@@ -100,7 +100,7 @@ bool settings_check_station(const struct arguments *arguments)
     }
     for (const struct option *option = station_options_table; !given && option->name; option++) {
         if (option_given(arguments, option->name)) {
-            complain("--%s needs --listen or --connect with it", option->name);
+            print_error_line("--%s needs --listen or --connect with it", option->name);
             return false;
         }
     }
@@ -112,12 +112,12 @@ bool settings_check_screen(const struct station_settings *settings, const struct
     const char *others[] = {settings->tool, settings->reference};
     for (size_t i = 0; settings->head && i < 2; i++) {
         if (others[i] && strcmp(settings->head, others[i]) == 0) {
-            complain("--head: %s is the --%s", settings->head, i ? "reference" : "tool");
+            print_error_line("--head: %s is the --%s", settings->head, i ? "reference" : "tool");
             return false;
         }
     }
     if (settings->head && !option_given(arguments, "listen") && !option_given(arguments, "connect")) {
-        complain("--head needs --listen or --connect with it");
+        print_error_line("--head needs --listen or --connect with it");
         return false;
     }
     return option_needs(arguments, "head", "screen-mm") && option_needs(arguments, "screen-mm", "head") &&
@@ -146,12 +146,12 @@ static int read_matrix(double out[16], const char *path)
     const conus_pose_options options = {.format = CONUS_POSES_MATRIX};
     conus_status status = conus_pose_list_load(&list, path, &options);
     if (status) {
-        return complain_status(status);
+        return print_status(status);
     }
     const conus_pose_row *row = conus_pose_list_row(list, 0);
     int code = EXIT_DONE;
     if (row->error) {
-        complain("%s: %s", path, row->error);
+        print_error_line("%s: %s", path, row->error);
         code = EXIT_DATA;
     }
     memcpy(out, row->pose.world_from_device, sizeof row->pose.world_from_device);
@@ -175,7 +175,7 @@ int settings_start_station(struct station **out, const struct station_settings *
         return EXIT_DONE;
     }
     if (!split_address(address, &options.port, given, settings->listen)) {
-        return complain_usage("--%s: \"%s\" is no address and port", settings->listen ? "listen" : "connect", given);
+        return print_usage_error("--%s: \"%s\" is no address and port", settings->listen ? "listen" : "connect", given);
     }
     options.listen = settings->listen && address[0] ? address : NULL;
     options.host = settings->connect ? address : NULL;
@@ -185,7 +185,7 @@ int settings_start_station(struct station **out, const struct station_settings *
         code = read_matrix(options.tracker_from_screen, settings->screen_pose);
     }
     if (!code && !station_start(out, &options, why, sizeof why)) {
-        complain("%s", why);
+        print_error_line("%s", why);
         code = EXIT_DATA;
     }
     return code;

@@ -19,14 +19,14 @@ struct station_settings {
 extern const struct option station_options_table[]; /**< station_settings */
 extern const struct option screen_options_table[];  /**< station_settings, too: who looks at which screen */
 
-/** Whether the options go together; complains if not. */
+/** Whether the options go together; prints an error if not. */
 bool settings_check_station(const struct arguments *arguments);
 
 /** The same for those of the screen, of a command that has them. */
 bool settings_check_screen(const struct station_settings *settings, const struct arguments *arguments);
 
-/** Starts a station where --listen or --connect was given, else leaves *out NULL. Gives the exit code, having
- * complained unless it is 0. */
+/** Starts a station where --listen or --connect was given, else leaves *out NULL. Returns the exit code and prints an
+ * error unless it is 0. */
 int settings_start_station(struct station **out, const struct station_settings *settings);
 
 /** "waiting for a connection on port 18944", "Pointer is lost", ... */

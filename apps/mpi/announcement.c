@@ -23,7 +23,7 @@ static char *hear(void)
     MPI_Bcast(&size, 1, MPI_INT, 0, MPI_COMM_WORLD);
     char *string = size ? malloc((size_t)size) : NULL;
     if (size && !string) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         MPI_Abort(MPI_COMM_WORLD, EXIT_DATA);
     }
     MPI_Bcast(string, size, MPI_CHAR, 0, MPI_COMM_WORLD);

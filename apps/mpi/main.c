@@ -68,7 +68,7 @@ static bool collect(void *user, const conus_batch_block *block)
         size_t capacity = needed > 2 * run->capacity ? needed : 2 * run->capacity;
         char *text = realloc(run->text, capacity);
         if (!text) {
-            complain("not enough memory");
+            print_error_line("not enough memory");
             ordered_file_stop(&run->file, EXIT_DATA);
             return false;
         }
@@ -90,7 +90,7 @@ static int answer_piece(struct run *run, uint64_t pass, uint64_t poses)
     run->piece = (conus_batch_block){.text = ""};
     if (!code && poses) {
         conus_status status = conus_batch_run(run->work.batch, run->work.poses, poses, collect, run);
-        code = status ? complain_status(status) : EXIT_DONE;
+        code = status ? print_status(status) : EXIT_DONE;
     }
     return code;
 }
@@ -258,7 +258,7 @@ static int answer(const struct cluster *cluster, const struct batch_settings *se
     own.common.verbose = settings->common.verbose && cluster->rank == 0;
     int code = open_work(&run, &own, arguments);
     if (!code && own.common.verbose && run.shared.memory) {
-        complain("atlas: %zu bytes, in memory once for all processes of a node", run.shared.size);
+        print_error_line("atlas: %zu bytes, in memory once for all processes of a node", run.shared.size);
     }
     code = code ? code : open_output(&run);
     if (!code && !run.kept.is_finished) {
@@ -282,7 +282,7 @@ static int lead(void *user, const struct batch_settings *settings, const struct 
     char text[64];
     struct shard shard;
     if (!settings->output || output_is_stdout(settings->output) || work_is_pipe(settings->poses)) {
-        return complain_usage("conus-mpi batch needs files for --poses and --output");
+        return print_usage_error("conus-mpi batch needs files for --poses and --output");
     }
     int code = batch_shard(&shard, settings);
     if (code) {
@@ -335,7 +335,7 @@ static int read_command(struct arguments *arguments, struct batch_settings *sett
 {
     if (count < 2 || strcmp(words[1], batch.name) != 0) {
         *arguments = (struct arguments){.command = &batch};
-        return complain_usage("the one command is conus-mpi batch; conus-mpi batch --help explains it");
+        return print_usage_error("the one command is conus-mpi batch; conus-mpi batch --help explains it");
     }
     return options_parse(arguments, settings, &batch, count, words, 2);
 }

@@ -51,7 +51,7 @@ static bool check(const struct ordered_file *file, int error)
     int length;
     if (error) {
         MPI_Error_string(error, text, &length);
-        complain("%s: cannot write: %s", file->path, text);
+        print_error_line("%s: cannot write: %s", file->path, text);
     }
     return !error;
 }

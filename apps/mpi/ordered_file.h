@@ -23,7 +23,7 @@ struct ordered_file {
 };
 
 /** Goes on behind the @p size bytes that are in the part of the file @p path; all ranks at once. @p kept is rank 0's,
- * opened; NULL on others. Gives the exit code, having complained unless it is 0; then there is nothing to close. */
+ * opened; NULL on others. Returns the exit code and prints an error unless it is 0; then there is nothing to close. */
 int ordered_file_open(struct ordered_file *out, const char *path, uint64_t size, struct batch_file *kept);
 
 /** The number of a piece that nobody has had, from 0; false when all are to stop. */

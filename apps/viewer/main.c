@@ -134,7 +134,7 @@ static conus_atlas *wait_for_atlas(struct window *window, const struct loading *
     struct loader *loader = NULL;
     double begun = glfwGetTime();
     if (!loader_start(&loader, what)) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         return NULL;
     }
     while (!loader_done(loader) && !glfwWindowShouldClose(window->handle)) {
@@ -170,7 +170,7 @@ static int run_window(struct window *window, const struct view_settings *setting
     }
     if (viewer_create(&viewer, atlas, path, settings->transfer, settings->common.verbose ? log_line : NULL,
                       loop_wake)) {
-        complain("not enough memory");
+        print_error_line("not enough memory");
         conus_atlas_destroy(atlas);
         return EXIT_DATA;
     }
@@ -185,7 +185,7 @@ static int run_window(struct window *window, const struct view_settings *setting
     char why[SESSION_REASON];
     int code = EXIT_DATA;
     if (settings->session && !session_load(window, settings->session, why)) {
-        complain("%s", why);
+        print_error_line("%s", why);
     } else {
         code = loop_run(window, script);
     }
@@ -204,9 +204,9 @@ static int start_sources(struct window *window, const struct view_settings *sett
     if (!code && settings->poses) {
         const conus_pose_options options = {.max_memory = settings->atlas.max_memory};
         conus_status status = conus_pose_list_load(&window->replay.poses, settings->poses, &options);
-        code = status ? complain_status(status) : EXIT_DONE;
+        code = status ? print_status(status) : EXIT_DONE;
         if (!code && !conus_pose_list_count(window->replay.poses)) {
-            complain("%s: no poses in it to replay", settings->poses);
+            print_error_line("%s: no poses in it to replay", settings->poses);
             code = EXIT_DATA;
         }
     }
@@ -243,7 +243,7 @@ static int run(const void *given, const struct arguments *arguments)
     }
     find_place(&place, settings);
     if (!window_open(&window, &place, settings->scale, settings->hidden)) {
-        complain("conus view needs a display and OpenGL 4.5; conus render draws pictures without a window");
+        print_error_line("conus view needs a display and OpenGL 4.5; conus render draws pictures without a window");
         script_destroy(script);
         return EXIT_NO_GL;
     }

@@ -48,7 +48,7 @@ static bool numbers(double *out, const struct call *call, size_t first, size_t c
 static bool is_done(conus_status status)
 {
     if (status) {
-        complain_status(status);
+        print_status(status);
     }
     return !status;
 }
@@ -277,7 +277,7 @@ static bool do_save(struct call *call)
     char why[SESSION_REASON];
     bool fine = session_save(call->window, call->words[1], why);
     if (!fine) {
-        complain("%s", why);
+        print_error_line("%s", why);
     }
     return fine;
 }
@@ -287,7 +287,7 @@ static bool do_open(struct call *call)
     char why[SESSION_REASON];
     bool fine = session_load(call->window, call->words[1], why);
     if (!fine) {
-        complain("%s", why);
+        print_error_line("%s", why);
     }
     return fine;
 }
@@ -360,7 +360,7 @@ int script_load(struct script **out, const char *path)
         script->file = fopen(path, "r");
     }
     if (!script || !script->path || !script->file) {
-        complain("%s: cannot be opened", path);
+        print_error_line("%s: cannot be opened", path);
         script_destroy(script);
         return EXIT_DATA;
     }
@@ -388,12 +388,12 @@ static bool act(struct call *call)
             if (fits && commands[i].act(call)) {
                 return true;
             }
-            complain("%s:%u: %s %s is needed, or it could not be done", call->script->path, call->script->number,
-                     commands[i].name, commands[i].arguments);
+            print_error_line("%s:%u: %s %s is needed, or it could not be done", call->script->path,
+                             call->script->number, commands[i].name, commands[i].arguments);
             return false;
         }
     }
-    complain("%s:%u: unknown command \"%s\"", call->script->path, call->script->number, call->words[0]);
+    print_error_line("%s:%u: unknown command \"%s\"", call->script->path, call->script->number, call->words[0]);
     return false;
 }
 
@@ -425,7 +425,7 @@ static bool let_pass(struct script *script, const struct window *window)
 
 static bool fail_line(struct script *script, int *code, const char *what)
 {
-    complain("%s:%u: %s", script->path, script->number, what);
+    print_error_line("%s:%u: %s", script->path, script->number, what);
     *code = EXIT_DATA;
     return true;
 }

@@ -8,7 +8,7 @@
 
 struct script;
 
-/** Reads a script; gives the exit code, having complained unless it is 0. */
+/** Reads a script; returns the exit code and prints an error unless it is 0. */
 int script_load(struct script **out, const char *path);
 void script_destroy(struct script *script); /**< NULL is fine. */
 

@@ -133,10 +133,10 @@ static void hear_events(GLFWwindow *handle)
 
 /* ---- The window -------------------------------------------------------------------------------------------------- */
 
-static void complain_glfw(int code, const char *text)
+static void print_glfw_error(int code, const char *text)
 {
     (void)code;
-    complain("window: %s", text);
+    print_error_line("window: %s", text);
 }
 
 /* The library's contexts are EGL's, and put back what was current on a thread: they cannot where that is one of GLX. */
@@ -180,7 +180,7 @@ bool window_open(struct window *out, const struct place *place, double scale, bo
 {
     struct window window = {.enlarged = -1, .scale = 1};
     float across;
-    glfwSetErrorCallback(complain_glfw);
+    glfwSetErrorCallback(print_glfw_error);
     if (!glfwInit()) {
         return false;
     }
@@ -200,7 +200,7 @@ bool window_open(struct window *out, const struct place *place, double scale, bo
     put(&window, place);
     hear_events(window.handle);
     if (!ui_create(window.handle, window.scale)) {
-        complain("window: no font for its texts");
+        print_error_line("window: no font for its texts");
         window_close(&window);
         return false;
     }
