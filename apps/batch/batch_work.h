@@ -43,10 +43,10 @@ int work_pass_over(struct work *work, uint64_t poses);
 /** Finds the fingerprint. */
 int work_identify(struct work *work);
 
-/** Complains unless the poses that were read are those that the fingerprint is of. The rest is read, too. */
+/** Prints an error unless the poses that were read are those that the fingerprint is of. The rest is read, too. */
 int work_check_poses(struct work *work);
 
-/** Complains where something stands in the way of a new output. */
+/** Prints an error where something stands in the way of a new output. */
 int work_check_output(const struct work *work);
 
 /** Writes the sidecar; of @p record, what the work knows itself is filled in. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "cli/commands.h"
+#include "cli/results_file.h"
 #include "common/messages.h"
 #include "common/output.h"
-#include "common/results_file.h"
 #include "common/settings.h"
 
 #include <math.h>

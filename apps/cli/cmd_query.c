@@ -1,25 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus query: the areas and pathways in a cone or ball, with the tables, pictures and masks that belong to them. */
 #include "cli/commands.h"
+#include "cli/inquiry.h"
 #include "cli/mask.h"
-#include "common/aim_notes.h"
-#include "common/answer_format.h"
 #include "common/messages.h"
 #include "common/output.h"
-#include "common/pose_settings.h"
 
-#include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 struct query_settings {
-    struct atlas_settings atlas;
-    struct aim_settings aim;
-    struct pose_file_settings file;
-    struct engine_settings engine;
-    struct common_settings common;
-    struct context_settings context;
-    struct answer_settings answer;
+    struct inquiry_settings inquiry; /* first */
     const char *voxels;
     size_t voxels_of;
     const char *image;
@@ -66,44 +56,25 @@ static const struct option output_options[] = {
 };
 
 static const struct option_group groups[] = {
-    {"Where the cone is", aim_options, offsetof(struct query_settings, aim)},
-    {"", pose_file_options, offsetof(struct query_settings, file)},
-    {"", angle_options, offsetof(struct query_settings, aim)},
-    {"", shape_options, offsetof(struct query_settings, engine)},
+    INQUIRY_AIM_GROUPS,
     {"", point_options, 0},
-    {"How it looks", engine_options, offsetof(struct query_settings, engine)},
-    {"", slices_options, offsetof(struct query_settings, engine)},
-    {"What it may find", atlas_options, offsetof(struct query_settings, atlas)},
-    {"", shown_options, offsetof(struct query_settings, atlas)},
-    {"", context_options, offsetof(struct query_settings, context)},
-    {"What is written", query_answer_options, offsetof(struct query_settings, answer)},
+    INQUIRY_ENGINE_GROUPS,
+    INQUIRY_ATLAS_GROUPS,
+    {"What is written", query_format_options, INQUIRY_FIELD(answer)},
+    {"", answer_output_options, INQUIRY_FIELD(answer)},
     {"", output_options, 0},
     {"", mask_options, offsetof(struct query_settings, mask)},
-    {"", quiet_options, offsetof(struct query_settings, common)},
+    {"", quiet_options, INQUIRY_FIELD(common)},
     {0},
 };
-
-enum { OUTPUT_COUNT = 7 };
 
 /** A query under way. */
 struct query {
     const struct query_settings *settings;
-    const struct arguments *arguments;
-    conus_format format;
-    char *command_line;
-    char *sidecar; /* path, NULL if there is none to write */
-    struct output {
-        const char *what, *path;
-    } outputs[OUTPUT_COUNT];
-    conus_atlas *atlas;
-    conus_pose_list *poses;
-    conus_selector *selector;
-    conus_aims *aims;
-    conus_report *report;
+    struct inquiry inquiry;
     conus_image *image;
     struct mask mask;
     conus_selection *selection; /* kept for --deep */
-    bool failed;                /* some poses had no answer */
 };
 
 static void query_finish(struct query *query)
@@ -111,13 +82,7 @@ static void query_finish(struct query *query)
     conus_image_destroy(query->image);
     mask_finish(&query->mask);
     conus_selection_destroy(query->selection);
-    conus_report_destroy(query->report);
-    conus_aims_destroy(query->aims);
-    conus_selector_destroy(query->selector);
-    conus_pose_list_destroy(query->poses);
-    conus_atlas_destroy(query->atlas);
-    free(query->command_line);
-    free(query->sidecar);
+    inquiry_finish(&query->inquiry);
 }
 
 static bool check_outputs(const struct query_settings *settings, const struct arguments *arguments)
@@ -130,15 +95,11 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
     if (!option_needs(arguments, "voxels-of", "voxels")) {
         return false;
     }
-    if (settings->image && !path_ends(settings->image, ".exr") && !path_ends(settings->image, ".png")) {
-        print_error_line("--image: \"%s\" ends neither in .exr nor in .png", settings->image);
+    if (!path_check_ending("image", settings->image, ".exr", ".png") ||
+        !path_check_ending("deep", settings->deep, ".exr", NULL)) {
         return false;
     }
-    if (settings->deep && !path_ends(settings->deep, ".exr")) {
-        print_error_line("--deep: \"%s\" does not end in .exr", settings->deep);
-        return false;
-    }
-    if (settings->deep && settings->engine.layers != CONUS_ALL_LAYERS) {
+    if (settings->deep && settings->inquiry.engine.layers != CONUS_ALL_LAYERS) {
         print_error_line("--deep needs --layers all");
         return false;
     }
@@ -146,10 +107,11 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
 }
 
 /* What each format of another program is made of. */
-static bool check_format(conus_format format, const struct query_settings *settings)
+static bool check_format(const struct inquiry *inquiry)
 {
+    conus_format format = inquiry->format;
     bool of_contacts = format == CONUS_BIDS || format == CONUS_SPIKEGLX || format == CONUS_OPEN_EPHYS;
-    if (of_contacts && !settings->aim.pose) {
+    if (of_contacts && !inquiry->settings->aim.pose) {
         print_error_line("--format: this one is of contacts, --pose FILE names them");
         return false;
     }
@@ -170,30 +132,21 @@ static bool check_point(const struct arguments *arguments)
     return option_needs(arguments, "point", "radius");
 }
 
-static bool check(const struct query_settings *settings, const struct arguments *arguments)
+static bool check_query(const struct query_settings *settings, const struct arguments *arguments)
 {
     if (option_given(arguments, "point")) {
         return check_point(arguments) && check_outputs(settings, arguments);
     }
-    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
-        print_error_line("--slices has no effect without --sampling slices");
-        return false;
-    }
-    return settings_check_score(&settings->engine, false) && settings_check_context(arguments) &&
-           settings_check_aim(arguments, true) && settings_check_pose_file(arguments, "pose", NULL) &&
-           settings_check_shape(&settings->aim, &settings->engine, arguments) && check_outputs(settings, arguments);
+    return inquiry_check(&settings->inquiry, arguments, false) && settings_check_aim(arguments, true) &&
+           settings_check_pose_file(arguments, "pose", NULL) && check_outputs(settings, arguments);
 }
 
-static int load_poses(struct query *query)
+/* Some outputs are of one pose, and --angle is of poses without their own. */
+static int check_poses(const struct query *query)
 {
-    const struct aim_settings *aim = &query->settings->aim;
-    const conus_pose_options options =
-        settings_pose_options(&query->settings->file, aim->space, query->settings->atlas.max_memory);
-    conus_status status = conus_pose_list_load(&query->poses, aim->pose, &options);
-    if (status) {
-        return print_status(status);
-    }
-    size_t count = conus_pose_list_count(query->poses);
+    const struct aim_settings *aim = &query->inquiry.settings->aim;
+    const conus_pose_list *poses = query->inquiry.poses;
+    size_t count = conus_pose_list_count(poses);
     const char *of_one = query->settings->image       ? "image"
                          : query->settings->deep      ? "deep"
                          : query->settings->mask.path ? "mask"
@@ -202,7 +155,7 @@ static int load_poses(struct query *query)
         return print_usage_error("--%s shows one pose, %s has %zu", of_one, settings_poses_name(aim->pose), count);
     }
     for (size_t i = 0; i < count && aim->angle != 0; i++) {
-        if (conus_pose_list_row(query->poses, i)->angle == 0) {
+        if (conus_pose_list_row(poses, i)->angle == 0) {
             return EXIT_DONE;
         }
     }
@@ -211,23 +164,14 @@ static int load_poses(struct query *query)
                                     : EXIT_DONE;
 }
 
-/* A pose without an answer has a row that says why. */
-static int refuse(struct query *query, const conus_pose_row *row, const char *reason)
-{
-    print_error_line("%s:%zu: %s", settings_poses_name(query->settings->aim.pose), row->line, reason);
-    query->failed = true;
-    conus_status status = conus_report_add_error(query->report, row->id, row->line, reason);
-    return status ? print_status(status) : EXIT_DONE;
-}
-
 /* Adds the answer to the report and to what else is written. The image is of the last one. */
-static int take(struct query *query, const char *id, conus_selection *selection)
+static int add_answer(struct query *query, const char *id, conus_selection *selection)
 {
-    conus_status status = conus_report_add(query->report, id, selection);
+    conus_status status = conus_report_add(query->inquiry.report, id, selection);
     if (!status && query->settings->image) {
         status = conus_image_of_selection(&query->image, selection);
     }
-    int code = status ? print_status(status) : mask_take(&query->mask, query->atlas, selection);
+    int code = status ? print_status(status) : mask_take(&query->mask, query->inquiry.atlas, selection);
     if (!code && query->settings->deep) {
         query->selection = selection;
     } else {
@@ -236,95 +180,76 @@ static int take(struct query *query, const char *id, conus_selection *selection)
     return code;
 }
 
-static int answer_row(struct query *query, const conus_pose_row *row)
+static int answer_row(void *user, const conus_pose_row *row)
 {
-    const struct aim_settings *aim = &query->settings->aim;
-    const struct engine_settings *engine = &query->settings->engine;
+    struct query *query = user;
+    struct inquiry *inquiry = &query->inquiry;
+    double radius = inquiry->settings->engine.radius;
     conus_selection *selection = NULL;
     conus_status status = CONUS_OK;
-    bool ball = row->is_point && engine->radius > 0;
+    bool ball = row->is_point && radius > 0;
     if (row->error || (row->is_point && !ball)) {
-        return refuse(query, row, row->error ? row->error : POINT_LOOKS_NOWHERE);
+        return inquiry_refuse_row(inquiry, row, row->error ? row->error : POINT_LOOKS_NOWHERE);
     }
     if (ball) {
-        status = conus_select_ball(&selection, query->selector, row->pose.world_from_device + 12, engine->radius);
+        status = conus_select_ball(&selection, inquiry->selector, row->pose.world_from_device + 12, radius);
     } else {
-        double angle = row->angle != 0 ? row->angle : settings_angle(aim, engine);
-        status = conus_select(&selection, query->selector, &row->pose, angle);
-        conus_aims_add(query->aims, row->line, &row->pose, angle);
+        double angle = inquiry_angle(inquiry, row);
+        status = conus_select(&selection, inquiry->selector, &row->pose, angle);
+        conus_aims_add(inquiry->aims, row->line, &row->pose, angle);
     }
     if (status == CONUS_ERROR_ARGUMENT) {
-        return refuse(query, row, conus_message());
+        return inquiry_refuse_row(inquiry, row, conus_message());
     }
-    return status ? print_status(status) : take(query, row->id, selection);
+    return status ? print_status(status) : add_answer(query, row->id, selection);
 }
 
 static int answer_one(struct query *query)
 {
-    const struct query_settings *settings = query->settings;
+    const struct inquiry_settings *settings = query->inquiry.settings;
+    conus_selector *selector = query->inquiry.selector;
     conus_selection *selection = NULL;
     conus_pose pose;
     conus_status status;
-    if (option_given(query->arguments, "point")) {
+    if (option_given(query->inquiry.arguments, "point")) {
         double point[3];
-        settings_point(point, settings->point, settings->aim.space);
-        status = conus_select_ball(&selection, query->selector, point, settings->engine.radius);
-        return status ? print_status(status) : take(query, "1", selection);
+        settings_point(point, query->settings->point, settings->aim.space);
+        status = conus_select_ball(&selection, selector, point, settings->engine.radius);
+        return status ? print_status(status) : add_answer(query, "1", selection);
     }
-    int code = settings_pose(&pose, &settings->aim, query->arguments);
+    int code = settings_pose(&pose, &settings->aim, query->inquiry.arguments);
     if (code) {
         return code;
     }
     double angle = settings_angle(&settings->aim, &settings->engine);
-    status = conus_select(&selection, query->selector, &pose, angle);
-    conus_aims_add(query->aims, 1, &pose, angle);
-    return status ? print_status(status) : take(query, "1", selection);
+    status = conus_select(&selection, selector, &pose, angle);
+    conus_aims_add(query->inquiry.aims, 1, &pose, angle);
+    return status ? print_status(status) : add_answer(query, "1", selection);
 }
 
-static int answer_all(struct query *query)
-{
-    if (!query->poses) {
-        return answer_one(query);
-    }
-    int code = EXIT_DONE;
-    if (!conus_pose_list_count(query->poses)) {
-        settings_say_no_poses(query->settings->aim.pose, &query->settings->common);
-    }
-    for (size_t i = 0; !code && i < conus_pose_list_count(query->poses); i++) {
-        code = answer_row(query, conus_pose_list_row(query->poses, i));
-    }
-    return code;
-}
-
-static conus_status start(struct query *query)
+static conus_status start_query(struct query *query)
 {
     const struct query_settings *settings = query->settings;
-    conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
-    if (option_given(query->arguments, "point")) {
+    struct inquiry *inquiry = &query->inquiry;
+    conus_selector_options engine = settings_engine(&settings->inquiry.engine, &settings->inquiry.common);
+    if (option_given(inquiry->arguments, "point")) {
         engine.radius = 0; /* of the ball */
         engine.layers = CONUS_ALL_LAYERS;
     }
-    conus_status status = conus_selector_create(&query->selector, query->atlas, &engine);
-    status = status ? status : conus_aims_create(&query->aims, query->selector);
+    conus_status status = inquiry_start(inquiry, &engine);
     if (status) {
         return status;
     }
-    if (settings->common.verbose) {
-        print_error_line("engine: %s", conus_selector_engine(query->selector));
-    }
-    const char *electrodes = query->format == CONUS_BIDS ? conus_pose_list_electrodes(query->poses) : NULL;
-    const conus_report_options report = {.format = query->format,
-                                         .space = (conus_space)settings->aim.space,
-                                         .all_voxels = settings->voxels_of == 1,
-                                         .no_voxels = !settings->voxels,
-                                         .command = query->command_line,
-                                         .electrodes = electrodes};
-    return conus_report_create(&query->report, query->selector, &report);
+    conus_report_options report = inquiry_report_options(inquiry);
+    report.all_voxels = settings->voxels_of == 1;
+    report.no_voxels = !settings->voxels;
+    report.electrodes = inquiry->format == CONUS_BIDS ? conus_pose_list_electrodes(inquiry->poses) : NULL;
+    return conus_report_create(&inquiry->report, inquiry->selector, &report);
 }
 
 static int write_sidecar(struct query *query)
 {
-    return answer_write_sidecar(query->report, query->sidecar);
+    return answer_write_sidecar(query->inquiry.report, query->inquiry.sidecar);
 }
 
 static int write_voxels(struct query *query)
@@ -334,7 +259,7 @@ static int write_voxels(struct query *query)
     if (!query->settings->voxels) {
         return EXIT_DONE;
     }
-    conus_status status = conus_report_voxels(query->report, &text, &size);
+    conus_status status = conus_report_voxels(query->inquiry.report, &text, &size);
     return status ? print_status(status) : output_write(query->settings->voxels, text, size);
 }
 
@@ -349,7 +274,7 @@ static int write_image(struct query *query)
 
 static int write_answer(struct query *query)
 {
-    return answer_write(query->report, query->settings->answer.output);
+    return answer_write(query->inquiry.report, query->inquiry.settings->answer.output);
 }
 
 static int write_deep(struct query *query)
@@ -363,7 +288,7 @@ static int write_deep(struct query *query)
 
 static int write_mask(struct query *query)
 {
-    return mask_write(&query->mask, query->report);
+    return mask_write(&query->mask, query->inquiry.report);
 }
 
 /* The answer comes last: where it is, all that belongs to it is there, too. */
@@ -377,50 +302,14 @@ static int write_all(struct query *query)
             return code;
         }
     }
-    return query->failed ? EXIT_DIFFERENT : EXIT_DONE;
-}
-
-/* No two outputs may be one file. */
-static bool check_paths(const struct query *query)
-{
-    for (size_t i = 0; i < OUTPUT_COUNT; i++) {
-        const struct output *one = &query->outputs[i];
-        for (size_t j = 0; one->path && j < i; j++) {
-            const struct output *other = &query->outputs[j];
-            if (other->path && paths_equal(one->path, other->path)) {
-                print_error_line("%s and %s are the same file %s", other->what, one->what, one->path);
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
-static bool check_inputs(const struct query *query)
-{
-    const struct query_settings *settings = query->settings;
-    const struct input inputs[] = {{"the atlas", query->arguments->operands[0]},
-                                   {"the label table", settings->atlas.labels},
-                                   {"the list of areas", settings_level_file(&settings->engine)},
-                                   {"the file of poses", settings->aim.pose},
-                                   {"the coordinate system", conus_pose_list_coordsystem(query->poses)},
-                                   {0}};
-    for (size_t i = 0; i < OUTPUT_COUNT; i++) {
-        const struct output *output = &query->outputs[i];
-        const char *input = output->path ? settings_input(query->atlas, inputs, output->path) : NULL;
-        if (input) {
-            print_error_line("%s would overwrite %s %s", output->what, input, output->path);
-            return false;
-        }
-    }
-    return true;
+    return EXIT_DONE;
 }
 
 /* Whether --voxels has something to list. */
 static bool check_voxels(const struct query *query)
 {
-    size_t count = conus_atlas_object_count(query->atlas);
-    const conus_object *last = conus_atlas_object(query->atlas, count); /* pathways come last */
+    size_t count = conus_atlas_object_count(query->inquiry.atlas);
+    const conus_object *last = conus_atlas_object(query->inquiry.atlas, count); /* pathways come last */
     if (query->settings->voxels && !query->settings->voxels_of && !(last && last->kind == CONUS_PATHWAY)) {
         print_error_line(
             "--voxels lists the voxels of pathways, and there is none; --pathway adds one, --voxels-of all the areas'");
@@ -429,77 +318,76 @@ static bool check_voxels(const struct query *query)
     return true;
 }
 
-static int work(struct query *query)
+static int load_all(struct query *query)
 {
-    const struct query_settings *settings = query->settings;
-    int code = settings->aim.pose ? load_poses(query) : EXIT_DONE;
-    code = code
-               ? code
-               : settings_check_electrodes(query->format, conus_pose_list_electrodes(query->poses), settings->aim.pose);
-    if (!code) {
-        code = settings_load_atlas(&query->atlas, query->arguments->operands[0], &settings->atlas);
+    struct inquiry *inquiry = &query->inquiry;
+    const char *poses = inquiry->settings->aim.pose;
+    int code = inquiry_load_poses(inquiry);
+    if (!code && poses) {
+        code = check_poses(query);
     }
     if (!code) {
-        code = settings_load_context(query->atlas, settings->context.path, settings->context.blocks, &settings->atlas);
+        code = settings_check_electrodes(inquiry->format, conus_pose_list_electrodes(inquiry->poses), poses);
     }
+    return code ? code : inquiry_load_atlas(inquiry);
+}
+
+static int answer_query(struct query *query)
+{
+    struct inquiry *inquiry = &query->inquiry;
+    int code = load_all(query);
     if (code) {
         return code;
     }
-    if (!check_inputs(query) || !check_voxels(query)) {
+    if (!inquiry_check_inputs(inquiry, NULL) || !check_voxels(query)) {
         return EXIT_USAGE;
     }
-    code = query->poses ? settings_match_poses(query->poses, settings->aim.pose, query->atlas, &settings->file,
-                                               &settings->common)
-                        : EXIT_DONE;
+    code = inquiry_match(inquiry);
     if (code) {
         return code;
     }
-    conus_status status = start(query);
-    code = status ? print_status(status) : answer_all(query);
+    conus_status status = start_query(query);
+    code = status           ? print_status(status)
+           : inquiry->poses ? inquiry_each_row(inquiry, answer_row, query)
+                            : answer_one(query);
     if (code) {
         return code;
     }
-    settings_say_notes(query->atlas, &settings->common);
-    settings_say_open(query->atlas, &settings->engine, &settings->common);
-    aim_notes_say(conus_aims_found(query->aims), query->selector, query->atlas,
-                  query->poses ? settings_poses_name(settings->aim.pose) : NULL, &settings->common);
-    return write_all(query);
+    inquiry_say_notes(inquiry);
+    settings_say_open(inquiry->atlas, &inquiry->settings->engine, &inquiry->settings->common);
+    inquiry_say_aims(inquiry);
+    return inquiry_code(inquiry, write_all(query));
 }
 
-static int run_named(struct query *query)
+static int start_outputs(struct query *query)
 {
     const struct query_settings *settings = query->settings;
-    const char *answer = output_is_stdout(settings->answer.output) ? NULL : settings->answer.output;
-    query->command_line = arguments_text(query->arguments);
-    if (!query->command_line || !answer_sidecar(&query->sidecar, query->format, settings->answer.output)) {
-        print_error_line("not enough memory");
+    struct inquiry *inquiry = &query->inquiry;
+    if (!mask_init(&query->mask, &settings->mask, inquiry->arguments)) {
         return EXIT_DATA;
     }
-    if (!mask_init(&query->mask, &settings->mask, query->arguments)) {
-        return EXIT_DATA;
-    }
-    const struct output outputs[OUTPUT_COUNT] = {{"--output", answer},
-                                                 {"the .json beside --output", query->sidecar},
-                                                 {"--voxels", settings->voxels},
-                                                 {"--image", settings->image},
-                                                 {"--deep", settings->deep},
-                                                 {"--mask", settings->mask.path},
-                                                 {"the .json beside --mask", query->mask.sidecar}};
-    memcpy(query->outputs, outputs, sizeof outputs);
-    return check_format(query->format, settings) && check_paths(query) ? work(query) : EXIT_USAGE;
+    inquiry_add_output(inquiry, "--voxels", settings->voxels);
+    inquiry_add_output(inquiry, "--image", settings->image);
+    inquiry_add_output(inquiry, "--deep", settings->deep);
+    inquiry_add_output(inquiry, "--mask", settings->mask.path);
+    inquiry_add_output(inquiry, "the .json beside --mask", query->mask.sidecar);
+    return check_format(inquiry) && inquiry_check_outputs(inquiry) ? EXIT_DONE : EXIT_USAGE;
 }
 
-static int run(const void *given, const struct arguments *arguments)
+static int run_query(const void *given, const struct arguments *arguments)
 {
     const struct query_settings *settings = given;
-    if (!check(settings, arguments)) {
+    if (!check_query(settings, arguments)) {
         return EXIT_USAGE;
     }
-    struct query query = {.settings = settings, .arguments = arguments};
-    if (!answer_format(&query.format, arguments, &settings->answer)) {
-        return EXIT_USAGE;
+    struct query query = {.settings = settings};
+    int code = inquiry_init(&query.inquiry, &settings->inquiry, arguments);
+    if (!code) {
+        code = start_outputs(&query);
     }
-    int code = run_named(&query);
+    if (!code) {
+        code = answer_query(&query);
+    }
     query_finish(&query);
     return code;
 }
@@ -519,5 +407,5 @@ const struct command cmd_query = {
     .groups = groups,
     .settings_size = sizeof(struct query_settings),
     .more_help = help_scores,
-    .run = run,
+    .run = run_query,
 };

@@ -186,19 +186,11 @@ static bool check_camera(const struct arguments *arguments)
            options_exclude(arguments, "frustum", "field-of-view") && check_frustum(arguments);
 }
 
-static bool check_output(const struct render_settings *settings)
-{
-    if (!path_ends(settings->output, ".png") && !path_ends(settings->output, ".exr")) {
-        print_error_line("--output: \"%s\" ends neither in .png nor in .exr", settings->output);
-        return false;
-    }
-    return true;
-}
-
 static bool check(const struct render_settings *settings, const struct arguments *arguments)
 {
-    return check_output(settings) && check_cone(settings, arguments) && check_camera(arguments) &&
-           settings_check_pose_file(arguments, "pose", "camera") && option_needs(arguments, "transfer", "context");
+    return path_check_ending("output", settings->output, ".png", ".exr") && check_cone(settings, arguments) &&
+           check_camera(arguments) && settings_check_pose_file(arguments, "pose", "camera") &&
+           option_needs(arguments, "transfer", "context");
 }
 
 /* Reads the file's one pose. */

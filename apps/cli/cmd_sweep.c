@@ -1,26 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus sweep: the angles that admit areas, shares at several angles, probabilities under errors of the pose. */
 #include "cli/commands.h"
-#include "common/aim_notes.h"
-#include "common/answer_format.h"
+#include "cli/inquiry.h"
 #include "common/messages.h"
-#include "common/output.h"
-#include "common/pose_settings.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 struct sweep_settings {
-    struct atlas_settings atlas;
-    struct aim_settings aim;
-    struct pose_file_settings file;
-    struct engine_settings engine;
-    struct common_settings common;
-    struct context_settings context;
+    struct inquiry_settings inquiry; /* first */
     const char *angles;
     const char *jitter;
     uint32_t samples;
-    struct answer_settings answer;
 };
 
 #define FIELD(member) offsetof(struct sweep_settings, member)
@@ -51,17 +43,12 @@ static const struct option sweep_options[] = {
 
 static const struct option_group groups[] = {
     {"What is asked, if not which angle admits what", sweep_options, 0},
-    {"Where the cone is", aim_options, FIELD(aim)},
-    {"", pose_file_options, FIELD(file)},
-    {"", angle_options, FIELD(aim)},
-    {"", shape_options, FIELD(engine)},
-    {"How it looks", engine_options, FIELD(engine)},
-    {"", slices_options, FIELD(engine)},
-    {"What it may find", atlas_options, FIELD(atlas)},
-    {"", shown_options, FIELD(atlas)},
-    {"", context_options, FIELD(context)},
-    {"What is written", answer_options, FIELD(answer)},
-    {"", quiet_options, FIELD(common)},
+    INQUIRY_AIM_GROUPS,
+    INQUIRY_ENGINE_GROUPS,
+    INQUIRY_ATLAS_GROUPS,
+    {"What is written", format_options, INQUIRY_FIELD(answer)},
+    {"", answer_output_options, INQUIRY_FIELD(answer)},
+    {"", quiet_options, INQUIRY_FIELD(common)},
     {0},
 };
 
@@ -70,32 +57,18 @@ enum { ANGLE_LIMIT = 1000 };
 /** A sweep under way. */
 struct sweep {
     const struct sweep_settings *settings;
-    const struct arguments *arguments;
-    conus_format format;
+    struct inquiry inquiry;
     conus_rows rows;
     double *angles; /* of --angles, radians */
     size_t angle_count;
     conus_jitter_options jitter;
     bool jitter_of_rows; /* the errors are those of the file's columns */
-    char *command_line, *sidecar;
-    conus_atlas *atlas;
-    conus_pose_list *poses;
-    conus_selector *selector;
-    conus_aims *aims;
-    conus_report *report;
-    bool failed; /* some poses had no answer */
 };
 
 static void sweep_finish(struct sweep *sweep)
 {
-    conus_report_destroy(sweep->report);
-    conus_aims_destroy(sweep->aims);
-    conus_selector_destroy(sweep->selector);
-    conus_pose_list_destroy(sweep->poses);
-    conus_atlas_destroy(sweep->atlas);
+    inquiry_finish(&sweep->inquiry);
     free(sweep->angles);
-    free(sweep->command_line);
-    free(sweep->sidecar);
 }
 
 /* ---- Numbers in words ---- */
@@ -184,7 +157,7 @@ static bool read_jitter(struct sweep *sweep)
     sweep->jitter_of_rows = strcmp(sweep->settings->jitter, "columns") == 0;
     sweep->jitter = (conus_jitter_options){.samples = sweep->settings->samples};
     if (sweep->jitter_of_rows) {
-        return sweep->settings->aim.pose ||
+        return sweep->settings->inquiry.aim.pose ||
                (print_error_line("--jitter columns: without --pose FILE there are none"), false);
     }
     if (read_numbers(errors, 2, sweep->settings->jitter, ',') != 2) {
@@ -221,7 +194,7 @@ static bool check_admission(const struct arguments *arguments)
 }
 
 /* Options that would have no effect, or no meaning. */
-static bool check_kind(const struct sweep *sweep)
+static bool check_kind(const struct sweep *sweep, const struct arguments *arguments)
 {
     const struct sweep_settings *settings = sweep->settings;
     uint32_t samples = settings->samples;
@@ -229,26 +202,21 @@ static bool check_kind(const struct sweep *sweep)
         print_error_line("--samples: %u is no power of two", samples);
         return false;
     }
-    if (sweep->rows != CONUS_CHANCES && settings->engine.radius > 0) {
+    if (sweep->rows != CONUS_CHANCES && settings->inquiry.engine.radius > 0) {
         print_error_line("--radius makes a cylinder, which has no angle to sweep; it goes with --jitter");
         return false;
     }
-    return sweep->rows != CONUS_ADMISSIONS || check_admission(sweep->arguments);
+    return sweep->rows != CONUS_ADMISSIONS || check_admission(arguments);
 }
 
-static bool check(struct sweep *sweep)
+static bool check_sweep(struct sweep *sweep, const struct arguments *arguments)
 {
     const struct sweep_settings *settings = sweep->settings;
-    const struct arguments *arguments = sweep->arguments;
-    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
-        print_error_line("--slices has no effect without --sampling slices");
-        return false;
-    }
-    return settings_check_score(&settings->engine, false) && options_exclude(arguments, "angles", "jitter") &&
+    return inquiry_check(&settings->inquiry, arguments, false) && options_exclude(arguments, "angles", "jitter") &&
            options_exclude(arguments, "angles", "angle") && option_needs(arguments, "samples", "jitter") &&
-           settings_check_context(arguments) && settings_check_pose_file(arguments, "pose", NULL) &&
-           settings_check_aim(arguments, true) && settings_check_shape(&settings->aim, &settings->engine, arguments) &&
-           check_kind(sweep) && (!settings->angles || read_angles(sweep)) && (!settings->jitter || read_jitter(sweep));
+           settings_check_pose_file(arguments, "pose", NULL) && settings_check_aim(arguments, true) &&
+           check_kind(sweep, arguments) && (!settings->angles || read_angles(sweep)) &&
+           (!settings->jitter || read_jitter(sweep));
 }
 
 /* ---- Answers ---- */
@@ -258,8 +226,8 @@ static conus_status add_shares(struct sweep *sweep, const char *id, const conus_
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < sweep->angle_count; i++) {
         conus_selection *selection = NULL;
-        status = conus_select(&selection, sweep->selector, pose, sweep->angles[i]);
-        status = status ? status : conus_report_add(sweep->report, id, selection);
+        status = conus_select(&selection, sweep->inquiry.selector, pose, sweep->angles[i]);
+        status = status ? status : conus_report_add(sweep->inquiry.report, id, selection);
         conus_selection_destroy(selection);
     }
     return status;
@@ -268,8 +236,8 @@ static conus_status add_shares(struct sweep *sweep, const char *id, const conus_
 static conus_status add_admissions(struct sweep *sweep, const char *id, const conus_pose *pose, double angle)
 {
     conus_sweep *admissions = NULL;
-    conus_status status = conus_sweep_create(&admissions, sweep->selector, pose, angle);
-    status = status ? status : conus_report_add_sweep(sweep->report, id, admissions);
+    conus_status status = conus_sweep_create(&admissions, sweep->inquiry.selector, pose, angle);
+    status = status ? status : conus_report_add_sweep(sweep->inquiry.report, id, admissions);
     conus_sweep_destroy(admissions);
     return status;
 }
@@ -288,8 +256,8 @@ static conus_status add_chances(struct sweep *sweep, const conus_pose_row *row, 
         options.tilt = isfinite(row->error_deg) ? radians(row->error_deg) : 0;
         options.shift = isfinite(row->error_mm) ? row->error_mm : 0;
     }
-    conus_status status = conus_jitter_create(&jitter, sweep->selector, &row->pose, angle, &options);
-    status = status ? status : conus_report_add_jitter(sweep->report, row->id, jitter);
+    conus_status status = conus_jitter_create(&jitter, sweep->inquiry.selector, &row->pose, angle, &options);
+    status = status ? status : conus_report_add_jitter(sweep->inquiry.report, row->id, jitter);
     conus_jitter_destroy(jitter);
     return status;
 }
@@ -304,10 +272,10 @@ static double widest_angle(const struct sweep *sweep, double angle)
     return widest;
 }
 
-static conus_status answer(struct sweep *sweep, const conus_pose_row *row)
+static conus_status add_answer(struct sweep *sweep, const conus_pose_row *row)
 {
-    double angle = row->angle != 0 ? row->angle : settings_angle(&sweep->settings->aim, &sweep->settings->engine);
-    conus_aims_add(sweep->aims, row->line, &row->pose, widest_angle(sweep, angle));
+    double angle = inquiry_angle(&sweep->inquiry, row);
+    conus_aims_add(sweep->inquiry.aims, row->line, &row->pose, widest_angle(sweep, angle));
     switch (sweep->rows) {
     case CONUS_SHARES:
         return add_shares(sweep, row->id, &row->pose);
@@ -321,144 +289,88 @@ static conus_status answer(struct sweep *sweep, const conus_pose_row *row)
     return add_admissions(sweep, row->id, &row->pose, angle);
 }
 
-static int answer_row(struct sweep *sweep, const conus_pose_row *row)
+static int answer_row(void *user, const conus_pose_row *row)
 {
-    const char *path = settings_poses_name(sweep->settings->aim.pose);
+    struct sweep *sweep = user;
     const char *why = row->error                                  ? row->error
                       : row->is_point                             ? POINT_LOOKS_NOWHERE
                       : sweep->jitter_of_rows && !has_errors(row) ? "no error_deg or error_mm for --jitter columns"
                                                                   : NULL;
-    conus_status status = why ? CONUS_ERROR_ARGUMENT : answer(sweep, row);
+    conus_status status = why ? CONUS_OK : add_answer(sweep, row);
     if (status == CONUS_ERROR_ARGUMENT) {
-        why = why ? why : conus_message();
-        print_error_line("%s:%zu: %s", path, row->line, why);
-        sweep->failed = true;
-        status = conus_report_add_error(sweep->report, row->id, row->line, why);
+        why = conus_message();
     }
-    return status ? print_status(status) : EXIT_DONE;
+    return why ? inquiry_refuse_row(&sweep->inquiry, row, why) : status ? print_status(status) : EXIT_DONE;
 }
 
 /* Errors in the file that --jitter on the command line overrides. */
 static void say_unused_errors(const struct sweep *sweep)
 {
-    bool said = sweep->settings->common.quiet || sweep->rows != CONUS_CHANCES || sweep->jitter_of_rows;
-    for (size_t i = 0; !said && i < conus_pose_list_count(sweep->poses); i++) {
-        said = has_errors(conus_pose_list_row(sweep->poses, i));
+    bool said = sweep->settings->inquiry.common.quiet || sweep->rows != CONUS_CHANCES || sweep->jitter_of_rows;
+    for (size_t i = 0; !said && i < conus_pose_list_count(sweep->inquiry.poses); i++) {
+        said = has_errors(conus_pose_list_row(sweep->inquiry.poses, i));
         if (said) {
             print_error_line(
                 "note: %s: error_deg and error_mm are not used, --jitter %s is; --jitter columns takes them",
-                settings_poses_name(sweep->settings->aim.pose), sweep->settings->jitter);
+                settings_poses_name(sweep->settings->inquiry.aim.pose), sweep->settings->jitter);
         }
     }
 }
 
 static int answer_all(struct sweep *sweep)
 {
-    int code = EXIT_DONE;
-    if (!sweep->poses) {
-        conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN};
-        code = settings_pose(&row.pose, &sweep->settings->aim, sweep->arguments);
-        conus_status status = code ? CONUS_OK : answer(sweep, &row);
-        return status ? print_status(status) : code;
+    struct inquiry *inquiry = &sweep->inquiry;
+    if (inquiry->poses) {
+        say_unused_errors(sweep);
+        return inquiry_each_row(inquiry, answer_row, sweep);
     }
-    if (!conus_pose_list_count(sweep->poses)) {
-        settings_say_no_poses(sweep->settings->aim.pose, &sweep->settings->common);
-    }
-    say_unused_errors(sweep);
-    for (size_t i = 0; !code && i < conus_pose_list_count(sweep->poses); i++) {
-        code = answer_row(sweep, conus_pose_list_row(sweep->poses, i));
-    }
-    return code;
+    conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN};
+    int code = settings_pose(&row.pose, &inquiry->settings->aim, inquiry->arguments);
+    conus_status status = code ? CONUS_OK : add_answer(sweep, &row);
+    return status ? print_status(status) : code;
 }
 
-static conus_status start(struct sweep *sweep)
+static conus_status start_sweep(struct sweep *sweep)
 {
-    const struct sweep_settings *settings = sweep->settings;
-    const conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
-    conus_status status = conus_selector_create(&sweep->selector, sweep->atlas, &engine);
-    status = status ? status : conus_aims_create(&sweep->aims, sweep->selector);
-    if (status) {
-        return status;
-    }
-    if (settings->common.verbose) {
-        print_error_line("engine: %s", conus_selector_engine(sweep->selector));
-    }
-    const conus_report_options report = {.rows = sweep->rows,
-                                         .format = sweep->format,
-                                         .space = (conus_space)settings->aim.space,
-                                         .command = sweep->command_line};
-    return conus_report_create(&sweep->report, sweep->selector, &report);
+    struct inquiry *inquiry = &sweep->inquiry;
+    const conus_selector_options engine = settings_engine(&inquiry->settings->engine, &inquiry->settings->common);
+    conus_report_options report = inquiry_report_options(inquiry);
+    report.rows = sweep->rows;
+    conus_status status = inquiry_start(inquiry, &engine);
+    return status ? status : conus_report_create(&inquiry->report, inquiry->selector, &report);
 }
 
-static int load(struct sweep *sweep)
+static int answer_sweep(struct sweep *sweep)
 {
-    const struct sweep_settings *settings = sweep->settings;
-    if (settings->aim.pose) {
-        const conus_pose_options options =
-            settings_pose_options(&settings->file, settings->aim.space, settings->atlas.max_memory);
-        conus_status status = conus_pose_list_load(&sweep->poses, settings->aim.pose, &options);
-        if (status) {
-            return print_status(status);
-        }
-    }
-    int code = settings_load_atlas(&sweep->atlas, sweep->arguments->operands[0], &settings->atlas);
-    code =
-        code ? code
-             : settings_load_context(sweep->atlas, settings->context.path, settings->context.blocks, &settings->atlas);
-    if (code || !sweep->poses) {
-        return code;
-    }
-    return settings_match_poses(sweep->poses, settings->aim.pose, sweep->atlas, &settings->file, &settings->common);
-}
-
-static bool check_files(const struct sweep *sweep)
-{
-    const struct sweep_settings *settings = sweep->settings;
-    const struct input inputs[] = {{"the atlas", sweep->arguments->operands[0]},
-                                   {"the label table", settings->atlas.labels},
-                                   {"the list of areas", settings_level_file(&settings->engine)},
-                                   {"the file of poses", settings->aim.pose},
-                                   {"the coordinate system", conus_pose_list_coordsystem(sweep->poses)},
-                                   {0}};
-    return answer_check_files(sweep->atlas, inputs, settings->answer.output, sweep->sidecar);
-}
-
-static int work(struct sweep *sweep)
-{
-    const struct sweep_settings *settings = sweep->settings;
-    int code = load(sweep);
-    if (code || !check_files(sweep)) {
+    struct inquiry *inquiry = &sweep->inquiry;
+    int code = inquiry_load_poses(inquiry);
+    code = code ? code : inquiry_load_atlas(inquiry);
+    code = code ? code : inquiry_match(inquiry);
+    if (code || !inquiry_check_inputs(inquiry, NULL)) {
         return code ? code : EXIT_USAGE;
     }
-    conus_status status = start(sweep);
+    conus_status status = start_sweep(sweep);
     code = status ? print_status(status) : answer_all(sweep);
     if (code) {
         return code;
     }
-    settings_say_notes(sweep->atlas, &settings->common);
-    aim_notes_say(conus_aims_found(sweep->aims), sweep->selector, sweep->atlas,
-                  sweep->poses ? settings_poses_name(settings->aim.pose) : NULL, &settings->common);
-    code = answer_write_sidecar(sweep->report, sweep->sidecar);
-    code = code ? code : answer_write(sweep->report, settings->answer.output);
-    return code ? code : sweep->failed ? EXIT_DIFFERENT : EXIT_DONE;
+    inquiry_say_notes(inquiry);
+    inquiry_say_aims(inquiry);
+    code = answer_write_sidecar(inquiry->report, inquiry->sidecar);
+    return inquiry_code(inquiry, code ? code : answer_write(inquiry->report, inquiry->settings->answer.output));
 }
 
-static int run(const void *given, const struct arguments *arguments)
+static int run_sweep(const void *given, const struct arguments *arguments)
 {
     const struct sweep_settings *settings = given;
     struct sweep sweep = {.settings = settings,
-                          .arguments = arguments,
                           .rows = settings->angles   ? CONUS_SHARES
                                   : settings->jitter ? CONUS_CHANCES
                                                      : CONUS_ADMISSIONS};
     int code = EXIT_USAGE;
-    if (check(&sweep) && answer_format(&sweep.format, arguments, &settings->answer)) {
-        sweep.command_line = arguments_text(arguments);
-        bool ready = sweep.command_line && answer_sidecar(&sweep.sidecar, sweep.format, settings->answer.output);
-        if (!ready) {
-            print_error_line("not enough memory");
-        }
-        code = ready ? work(&sweep) : EXIT_DATA;
+    if (check_sweep(&sweep, arguments)) {
+        code = inquiry_init(&sweep.inquiry, &settings->inquiry, arguments);
+        code = code ? code : answer_sweep(&sweep);
     }
     sweep_finish(&sweep);
     return code;
@@ -479,5 +391,5 @@ const struct command cmd_sweep = {
     .groups = groups,
     .settings_size = sizeof(struct sweep_settings),
     .more_help = help_scores,
-    .run = run,
+    .run = run_sweep,
 };

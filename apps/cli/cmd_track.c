@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus track: the poses of a moving device, from a file, a pipe or a tracker, each ranked with those before it. */
 #include "cli/commands.h"
-#include "common/aim_notes.h"
-#include "common/answer_format.h"
+#include "cli/inquiry.h"
 #include "common/interrupt.h"
 #include "common/messages.h"
 #include "common/output.h"
-#include "common/pose_settings.h"
 #include "common/station_settings.h"
 #include "link/clock.h"
 #include "link/tell.h"
@@ -16,16 +15,10 @@
 #include <string.h>
 
 struct track_settings {
-    struct atlas_settings atlas;
-    struct aim_settings aim; /* pose, angle and space of it */
-    struct pose_file_settings file;
-    struct engine_settings engine;
-    struct context_settings context;
-    struct common_settings common;
+    struct inquiry_settings inquiry; /* first */
     struct station_settings station;
     double seconds;
     conus_tracker_options constants;
-    struct answer_settings answer;
     bool selected;
 };
 
@@ -34,7 +27,7 @@ struct track_settings {
 static const struct option pose_options[] = {
     {.name = "poses",
      .type = OPTION_TEXT,
-     .offset = FIELD(aim.pose),
+     .offset = INQUIRY_FIELD(aim.pose),
      .value = "FILE",
      .help = "the device's poses with their times, a table with a column time_s and perhaps trigger, say "
              "(docs/formats.md); - is standard input"},
@@ -128,40 +121,30 @@ static const struct option output_options[] = {
 
 static const struct option_group groups[] = {
     {"Where the device is", pose_options, 0},
-    {"", pose_file_options, FIELD(file)},
+    {"", pose_file_options, INQUIRY_FIELD(file)},
     {"or a tracker that tells", station_options_table, FIELD(station)},
     {"", live_options, 0},
-    {"", angle_options, FIELD(aim)},
-    {"", shape_options, FIELD(engine)},
-    {"How it looks", engine_options, FIELD(engine)},
-    {"", slices_options, FIELD(engine)},
+    {"", angle_options, INQUIRY_FIELD(aim)},
+    {"", shape_options, INQUIRY_FIELD(engine)},
+    INQUIRY_ENGINE_GROUPS,
     {"What it remembers", history_options, 0},
-    {"What it may find", atlas_options, FIELD(atlas)},
-    {"", shown_options, FIELD(atlas)},
-    {"", context_options, FIELD(context)},
-    {"What is written", answer_options, FIELD(answer)},
+    INQUIRY_ATLAS_GROUPS,
+    {"What is written", format_options, INQUIRY_FIELD(answer)},
+    {"", answer_output_options, INQUIRY_FIELD(answer)},
     {"", output_options, 0},
-    {"", quiet_options, FIELD(common)},
+    {"", quiet_options, INQUIRY_FIELD(common)},
     {0},
 };
 
 /** A track under way. */
 struct track {
     const struct track_settings *settings;
-    const struct arguments *arguments;
-    conus_format format;
-    char *command_line, *sidecar;
-    conus_atlas *atlas;
-    conus_pose_stream *poses; /* or */
-    struct station *station;
-    conus_selector *selector;
-    conus_aims *aims;
+    struct inquiry inquiry;
+    struct station *station; /* NULL where the poses come from a file */
     conus_tracker *tracker;
-    conus_report *report;
     FILE *held; /* what goes to a file, which appears whole or not at all; NULL for stdout */
     char *held_text;
     size_t held_size;
-    bool failed; /* some rows had no answer */
 };
 
 static void track_finish(struct track *track)
@@ -170,15 +153,9 @@ static void track_finish(struct track *track)
         fclose(track->held);
     }
     free(track->held_text);
-    conus_report_destroy(track->report);
     conus_tracker_destroy(track->tracker);
-    conus_aims_destroy(track->aims);
-    conus_selector_destroy(track->selector);
-    conus_pose_stream_destroy(track->poses);
     station_stop(track->station);
-    conus_atlas_destroy(track->atlas);
-    free(track->command_line);
-    free(track->sidecar);
+    inquiry_finish(&track->inquiry);
 }
 
 static bool check_source(const struct arguments *arguments)
@@ -193,17 +170,9 @@ static bool check_source(const struct arguments *arguments)
            (live || !option_given(arguments, "seconds") || option_needs(arguments, "seconds", "listen"));
 }
 
-static bool check(const struct track_settings *settings, const struct arguments *arguments)
+static bool check_track(const struct track_settings *settings, const struct arguments *arguments)
 {
-    if (!check_source(arguments)) {
-        return false;
-    }
-    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
-        print_error_line("--slices has no effect without --sampling slices");
-        return false;
-    }
-    return settings_check_score(&settings->engine, true) && settings_check_context(arguments) &&
-           settings_check_shape(&settings->aim, &settings->engine, arguments);
+    return check_source(arguments) && inquiry_check(&settings->inquiry, arguments, true);
 }
 
 /* Writes what was answered since the last time. A whole JSON text waits for the end. */
@@ -211,10 +180,10 @@ static int write_steps(struct track *track)
 {
     const char *text = NULL;
     size_t size = 0;
-    if (track->format == CONUS_JSON) {
+    if (track->inquiry.format == CONUS_JSON) {
         return EXIT_DONE;
     }
-    conus_status status = conus_report_take(track->report, &text, &size);
+    conus_status status = conus_report_take(track->inquiry.report, &text, &size);
     if (status) {
         return print_status(status);
     }
@@ -228,30 +197,23 @@ static int write_steps(struct track *track)
     return EXIT_DONE;
 }
 
-static int skip_row(struct track *track, const conus_pose_row *row, const char *why)
-{
-    print_error_line("%s:%zu: %s", settings_poses_name(track->settings->aim.pose), row->line, why);
-    track->failed = true;
-    return EXIT_DONE;
-}
-
 static int answer_row(struct track *track, const conus_pose_row *row)
 {
-    const struct track_settings *settings = track->settings;
-    double angle = row->angle != 0 ? row->angle : settings_angle(&settings->aim, &settings->engine);
+    struct inquiry *inquiry = &track->inquiry;
+    double angle = inquiry_angle(inquiry, row);
     conus_selection *selection = NULL;
     if (row->error || row->is_point) {
-        return skip_row(track, row, row->error ? row->error : POINT_LOOKS_NOWHERE);
+        return inquiry_skip_row(inquiry, row, row->error ? row->error : POINT_LOOKS_NOWHERE);
     }
     if (isnan(row->time_s)) {
-        return skip_row(track, row, "no time_s, which a step needs");
+        return inquiry_skip_row(inquiry, row, "no time_s, which a step needs");
     }
-    conus_aims_add(track->aims, row->line, &row->pose, angle);
+    conus_aims_add(inquiry->aims, row->line, &row->pose, angle);
     conus_status status = conus_tracker_step(&selection, track->tracker, row->time_s, &row->pose, angle, row->trigger);
     if (status == CONUS_ERROR_ARGUMENT) {
-        return skip_row(track, row, conus_message());
+        return inquiry_skip_row(inquiry, row, conus_message());
     }
-    status = status ? status : conus_report_add(track->report, row->id, selection);
+    status = status ? status : conus_report_add(inquiry->report, row->id, selection);
     conus_selection_destroy(selection);
     return status ? print_status(status) : write_steps(track);
 }
@@ -260,13 +222,13 @@ static int answer_news(struct track *track, const struct station_news *news, dou
 {
     char id[24];
     conus_selection *selection = NULL;
-    const struct track_settings *settings = track->settings;
+    const struct inquiry_settings *settings = track->inquiry.settings;
     double angle = settings_angle(&settings->aim, &settings->engine);
     snprintf(id, sizeof id, "%llu", (unsigned long long)news->number);
     conus_status status = conus_tracker_step(&selection, track->tracker, time_s, &news->pose, angle, false);
-    status = status ? status : conus_report_add(track->report, id, selection);
+    status = status ? status : conus_report_add(track->inquiry.report, id, selection);
     if (!status) {
-        station_tell_selection(track->station, track->selector, track->atlas, selection);
+        station_tell_selection(track->station, track->inquiry.selector, track->inquiry.atlas, selection);
     }
     conus_selection_destroy(selection);
     int code = status ? print_status(status) : write_steps(track);
@@ -283,7 +245,7 @@ static int answer_station(struct track *track)
     int code = EXIT_DONE;
     double begun = clock_ms();
     interrupt_catch(NULL);
-    if (!track->settings->common.quiet) {
+    if (!track->inquiry.settings->common.quiet) {
         char text[160];
         settings_station_text(text, sizeof text, track->station, &news);
         print_error_line("%s", text);
@@ -301,56 +263,52 @@ static int answer_station(struct track *track)
  * brought is kept; a file is another matter: half of its steps are no answer. */
 static int answer_all(struct track *track)
 {
-    if (conus_pose_stream_is_live(track->poses)) {
-        interrupt_catch(track->poses);
+    if (conus_pose_stream_is_live(track->inquiry.stream)) {
+        interrupt_catch(track->inquiry.stream);
     }
     size_t count = 0;
     uint64_t rows = 0;
     int code = EXIT_DONE;
     do {
         conus_pose_row row;
-        conus_status status = conus_pose_stream_read(track->poses, &row, 1, &count);
+        conus_status status = conus_pose_stream_read(track->inquiry.stream, &row, 1, &count);
         code = status ? print_status(status) : count ? answer_row(track, &row) : EXIT_DONE;
         rows += count;
     } while (!code && count);
     interrupt_release();
     if (!code && !rows) {
-        settings_say_no_poses(track->settings->aim.pose, &track->settings->common);
+        settings_say_no_poses(track->inquiry.settings->aim.pose, &track->inquiry.settings->common);
     }
     return code ? code : write_steps(track); /* without a step there is still a heading */
 }
 
-static conus_status start(struct track *track)
+static conus_status start_track(struct track *track)
 {
-    const struct track_settings *settings = track->settings;
-    const conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
-    conus_tracker_options constants = settings->constants;
-    if (option_given(track->arguments, "delay") && constants.delay == 0) {
+    struct inquiry *inquiry = &track->inquiry;
+    const conus_selector_options engine = settings_engine(&inquiry->settings->engine, &inquiry->settings->common);
+    conus_tracker_options constants = track->settings->constants;
+    if (option_given(inquiry->arguments, "delay") && constants.delay == 0) {
         constants.delay = -1; /* none; 0 is the default */
     }
-    conus_status status = conus_selector_create(&track->selector, track->atlas, &engine);
-    status = status ? status : conus_aims_create(&track->aims, track->selector);
-    status = status ? status : conus_tracker_create(&track->tracker, track->selector, &constants);
+    conus_status status = inquiry_start(inquiry, &engine);
+    status = status ? status : conus_tracker_create(&track->tracker, inquiry->selector, &constants);
     if (status) {
         return status;
     }
-    if (settings->common.verbose) {
-        print_error_line("engine: %s", conus_selector_engine(track->selector));
-    }
-    const conus_report_options report = {.format = track->format,
-                                         .space = (conus_space)settings->aim.space,
-                                         .command = track->command_line,
-                                         .tracker = track->tracker,
-                                         .selected_only = settings->selected};
-    return conus_report_create(&track->report, track->selector, &report);
+    conus_report_options report = inquiry_report_options(inquiry);
+    report.tracker = track->tracker;
+    report.selected_only = track->settings->selected;
+    return conus_report_create(&inquiry->report, inquiry->selector, &report);
 }
 
 /* What is left to write when the last row is answered; the answer's own file last. */
 static int write_rest(struct track *track)
 {
-    int code = answer_write_sidecar(track->report, track->sidecar);
-    if (!code && track->format == CONUS_JSON) {
-        return answer_write(track->report, track->settings->answer.output);
+    const struct inquiry *inquiry = &track->inquiry;
+    const char *output = inquiry->settings->answer.output;
+    int code = answer_write_sidecar(inquiry->report, inquiry->sidecar);
+    if (!code && inquiry->format == CONUS_JSON) {
+        return answer_write(inquiry->report, output);
     }
     if (code || !track->held) {
         return code;
@@ -359,35 +317,23 @@ static int write_rest(struct track *track)
         print_error_line("not enough memory");
         return EXIT_DATA;
     }
-    return output_write(track->settings->answer.output, track->held_text, track->held_size);
+    return output_write(output, track->held_text, track->held_size);
 }
 
 static int open_poses(struct track *track)
 {
-    if (!track->settings->aim.pose) {
+    struct inquiry *inquiry = &track->inquiry;
+    const char *path = inquiry->settings->aim.pose;
+    if (!path) {
         return settings_start_station(&track->station, &track->settings->station);
     }
-    const conus_pose_options options =
-        settings_pose_options(&track->settings->file, track->settings->aim.space, track->settings->atlas.max_memory);
-    conus_status status = conus_pose_stream_open(&track->poses, track->settings->aim.pose, &options);
-    if (!status && !conus_pose_stream_has_times(track->poses)) {
-        print_error_line("%s: no time_s in it, which every step needs", settings_poses_name(track->settings->aim.pose));
+    const conus_pose_options options = inquiry_pose_options(inquiry);
+    conus_status status = conus_pose_stream_open(&inquiry->stream, path, &options);
+    if (!status && !conus_pose_stream_has_times(inquiry->stream)) {
+        print_error_line("%s: no time_s in it, which every step needs", settings_poses_name(path));
         return EXIT_DATA;
     }
     return status ? print_status(status) : EXIT_DONE;
-}
-
-static bool check_files(const struct track *track)
-{
-    const struct track_settings *settings = track->settings;
-    const struct input inputs[] = {{"the atlas", track->arguments->operands[0]},
-                                   {"the label table", settings->atlas.labels},
-                                   {"the list of areas", settings_level_file(&settings->engine)},
-                                   {"the file of poses", settings->aim.pose},
-                                   {"the coordinate system", conus_pose_stream_coordsystem(track->poses)},
-                                   {"the tracker's matrix", settings->station.world_from_tracker},
-                                   {0}};
-    return answer_check_files(track->atlas, inputs, settings->answer.output, track->sidecar);
 }
 
 /* A hand looks here and there: only where all of the track does it may be in another space or unit. */
@@ -397,65 +343,47 @@ static bool is_astray(const conus_astray *found)
     return poses && (found->away.count == poses || found->inside.count == poses || found->tiny.count == poses);
 }
 
-static int work(struct track *track)
+static int answer_track(struct track *track)
 {
-    const struct track_settings *settings = track->settings;
+    struct inquiry *inquiry = &track->inquiry;
     int code = open_poses(track);
-    if (!code) {
-        code = settings_load_atlas(&track->atlas, track->arguments->operands[0], &settings->atlas);
-    }
-    if (!code) {
-        code = settings_load_context(track->atlas, settings->context.path, settings->context.blocks, &settings->atlas);
-    }
-    if (code || !check_files(track)) {
+    code = code ? code : inquiry_load_atlas(inquiry);
+    if (code || !inquiry_check_inputs(inquiry, track->settings->station.world_from_tracker)) {
         return code ? code : EXIT_USAGE;
     }
-    code = track->station ? EXIT_DONE
-                          : settings_match_stream(track->poses, settings->aim.pose, track->atlas, &settings->file,
-                                                  &settings->common);
+    code = inquiry_match(inquiry);
     if (code) {
         return code;
     }
-    settings_say_notes(track->atlas, &settings->common);
-    conus_status status = start(track);
+    inquiry_say_notes(inquiry);
+    conus_status status = start_track(track);
     code = status ? print_status(status) : track->station ? answer_station(track) : answer_all(track);
-    if (!code && is_astray(conus_aims_found(track->aims))) {
-        aim_notes_say(conus_aims_found(track->aims), track->selector, track->atlas,
-                      settings_poses_name(settings->aim.pose), &settings->common);
+    if (!code && is_astray(conus_aims_found(inquiry->aims))) {
+        inquiry_say_aims(inquiry);
     }
-    code = code ? code : write_rest(track);
-    return code ? code : track->failed ? EXIT_DIFFERENT : EXIT_DONE;
+    return inquiry_code(inquiry, code ? code : write_rest(track));
 }
 
-static bool prepare(struct track *track)
+/* A file appears whole or not at all: what goes to one is held. */
+static bool hold_steps(struct track *track)
 {
-    const char *output = track->settings->answer.output;
-    track->command_line = arguments_text(track->arguments);
-    if (!track->command_line || !answer_sidecar(&track->sidecar, track->format, output)) {
-        return false;
-    }
-    if (!output_is_stdout(output) && track->format != CONUS_JSON) {
+    if (!output_is_stdout(track->inquiry.settings->answer.output) && track->inquiry.format != CONUS_JSON) {
         track->held = open_memstream(&track->held_text, &track->held_size);
-        return track->held;
+        return track->held || (print_error_line("not enough memory"), false);
     }
     return true;
 }
 
-static int run(const void *given, const struct arguments *arguments)
+static int run_track(const void *given, const struct arguments *arguments)
 {
     const struct track_settings *settings = given;
-    if (!check(settings, arguments)) {
+    if (!check_track(settings, arguments)) {
         return EXIT_USAGE;
     }
-    struct track track = {.settings = settings, .arguments = arguments};
-    int code = EXIT_DATA;
-    if (!answer_format(&track.format, arguments, &settings->answer)) {
-        return EXIT_USAGE;
-    }
-    if (prepare(&track)) {
-        code = work(&track);
-    } else {
-        print_error_line("not enough memory");
+    struct track track = {.settings = settings};
+    int code = inquiry_init(&track.inquiry, &settings->inquiry, arguments);
+    if (!code) {
+        code = hold_steps(&track) ? answer_track(&track) : EXIT_DATA;
     }
     track_finish(&track);
     return code;
@@ -479,5 +407,5 @@ const struct command cmd_track = {
     .groups = groups,
     .settings_size = sizeof(struct track_settings),
     .more_help = help_scores,
-    .run = run,
+    .run = run_track,
 };

@@ -48,11 +48,7 @@ bool mask_check(const struct mask_settings *settings, const struct arguments *ar
     if (!option_needs(arguments, "mask-of", "mask") || !option_needs(arguments, "mask-object", "mask")) {
         return false;
     }
-    if (settings->path && stem(settings->path) == 0) {
-        print_error_line("--mask: \"%s\" ends neither in .nii.gz nor in .nii", settings->path);
-        return false;
-    }
-    return true;
+    return path_check_ending("mask", settings->path, ".nii.gz", ".nii");
 }
 
 static bool stem_ends(const char *path, const char *ending)

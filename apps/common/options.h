@@ -90,9 +90,9 @@ void options_finish(void *settings, struct arguments *arguments);
 /** Whether the option @p name of the command was on the command line. */
 bool option_given(const struct arguments *arguments, const char *name);
 
-/** Complains and returns false when option @p name was given without option @p needed. */
+/** Prints an error and returns false when option @p name was given without option @p needed. */
 bool option_needs(const struct arguments *arguments, const char *name, const char *needed);
-/** Complains and returns false when both were given. */
+/** Prints an error and returns false when both were given. */
 bool options_exclude(const struct arguments *arguments, const char *a, const char *b);
 
 /** The command line as a shell would take it, "conus" in front. NULL without memory; the caller frees it. */
@@ -101,7 +101,8 @@ char *arguments_text(const struct arguments *arguments);
 /** Choice @p index of an option, NULL past the last. */
 const char *option_choice(const struct option *option, size_t index);
 
-/** Reads @p text into the option's field at @p field. Complains and returns false when it is not what is allowed. */
+/** Reads @p text into the option's field at @p field. Prints an error and returns false when it is not what is allowed.
+ */
 bool option_read(const struct option *option, void *field, const char *text);
 
 /** The whole of @p text as a finite decimal number, whatever the locale; no hexadecimal, no spaces. */

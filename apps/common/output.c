@@ -67,6 +67,19 @@ bool path_ends(const char *path, const char *ending)
     return length > tail && strcasecmp(path + length - tail, ending) == 0;
 }
 
+bool path_check_ending(const char *option, const char *path, const char *ending, const char *other)
+{
+    if (!path || path_ends(path, ending) || (other && path_ends(path, other))) {
+        return true;
+    }
+    if (other) {
+        print_error_line("--%s: \"%s\" ends neither in %s nor in %s", option, path, ending, other);
+    } else {
+        print_error_line("--%s: \"%s\" does not end in %s", option, path, ending);
+    }
+    return false;
+}
+
 bool output_is_no_file(const char *path)
 {
     struct stat info;

@@ -31,6 +31,10 @@ bool output_format(conus_format *out, const char *path);
 /** Whether @p path ends in @p ending (".png"), in any case. */
 bool path_ends(const char *path, const char *ending);
 
+/** Whether @p path, of option @p option, ends in @p ending or @p other (NULL = none); prints an error if not. No path
+ * (NULL) is fine. */
+bool path_check_ending(const char *option, const char *path, const char *ending, const char *other);
+
 /** Whether both paths lead to one regular file, be it there already or not yet. */
 bool paths_equal(const char *a, const char *b);
 

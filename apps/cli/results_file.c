@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "common/results_file.h"
+#include "cli/results_file.h"
 
 #include "common/input_file.h"
 #include "common/messages.h"

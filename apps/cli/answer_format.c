@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "common/answer_format.h"
+/* The options --format and --output, and the writing of a report and its sidecar. */
+#include "cli/answer_format.h"
 
 #include "common/messages.h"
 #include "common/output.h"
@@ -9,26 +10,20 @@
 
 static const char *const formats[] = {"table", "tsv", "csv", "json", "ndjson", NULL};
 
-const struct option answer_options[] = {
+const struct option format_options[] = {
     {.name = "format",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct answer_settings, format),
      .value = "FORMAT",
      .help = "of the answer; without it the ending of -o decides, else it is a table:",
      .choices = formats},
-    {.name = "output",
-     .letter = 'o',
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct answer_settings, output),
-     .value = "FILE",
-     .help = "write the answer to FILE; a .json beside a .tsv or .csv describes its columns, settings and sources"},
     {0},
 };
 
 static const char *const query_formats[] = {"table", "tsv",  "csv",      "json",       "ndjson",
                                             "afni",  "bids", "spikeglx", "open-ephys", NULL};
 
-const struct option query_answer_options[] = {
+const struct option query_format_options[] = {
     {.name = "format",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct answer_settings, format),
@@ -36,6 +31,10 @@ const struct option query_answer_options[] = {
      .help = "of the answer; without it the ending of -o decides, else it is a table; the last four are for other "
              "programs (docs/formats.md):",
      .choices = query_formats},
+    {0},
+};
+
+const struct option answer_output_options[] = {
     {.name = "output",
      .letter = 'o',
      .type = OPTION_TEXT,
@@ -70,20 +69,6 @@ bool answer_sidecar(char **out, conus_format format, const char *output)
         }
     }
     *out = path;
-    return true;
-}
-
-bool answer_check_files(const conus_atlas *atlas, const struct input *inputs, const char *output, const char *sidecar)
-{
-    const char *const outputs[] = {output, sidecar};
-    for (size_t i = 0; i < 2; i++) {
-        const char *input = output_is_stdout(outputs[i]) ? NULL : settings_input(atlas, inputs, outputs[i]);
-        if (input) {
-            print_error_line("%s would overwrite %s %s", i ? "the .json beside --output" : "--output", input,
-                             outputs[i]);
-            return false;
-        }
-    }
     return true;
 }
 

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The scaffold of query, sweep and track: the settings that the three share, and the steps from the command line to a
+ * report and its files. What a command asks of each pose, and its own options, are in its cmd_*.c. */
+#ifndef CONUS_CLI_INQUIRY_H
+#define CONUS_CLI_INQUIRY_H
+
+#include "cli/answer_format.h"
+#include "common/pose_settings.h"
+
+struct inquiry_settings {
+    struct atlas_settings atlas;
+    struct aim_settings aim; /* of track: only pose, angle and space */
+    struct pose_file_settings file;
+    struct engine_settings engine;
+    struct context_settings context;
+    struct common_settings common;
+    struct answer_settings answer;
+};
+
+/* Groups of options, for commands whose settings begin with those of the inquiry. */
+#define INQUIRY_FIELD(member) offsetof(struct inquiry_settings, member)
+#define INQUIRY_AIM_GROUPS                                                                                             \
+    {"Where the cone is", aim_options, INQUIRY_FIELD(aim)}, {"", pose_file_options, INQUIRY_FIELD(file)},              \
+        {"", angle_options, INQUIRY_FIELD(aim)},                                                                       \
+    {                                                                                                                  \
+        "", shape_options, INQUIRY_FIELD(engine)                                                                       \
+    }
+#define INQUIRY_ENGINE_GROUPS                                                                                          \
+    {"How it looks", engine_options, INQUIRY_FIELD(engine)},                                                           \
+    {                                                                                                                  \
+        "", slices_options, INQUIRY_FIELD(engine)                                                                      \
+    }
+#define INQUIRY_ATLAS_GROUPS                                                                                           \
+    {"What it may find", atlas_options, INQUIRY_FIELD(atlas)}, {"", shown_options, INQUIRY_FIELD(atlas)},              \
+    {                                                                                                                  \
+        "", context_options, INQUIRY_FIELD(context)                                                                    \
+    }
+
+enum { INQUIRY_OUTPUTS = 7 };
+
+/** A file that is written. */
+struct output {
+    const char *what; /**< "--output", for messages. */
+    const char *path; /**< NULL = none. */
+};
+
+/** A query, sweep or track under way. */
+struct inquiry {
+    const struct inquiry_settings *settings;
+    const struct arguments *arguments;
+    conus_format format;
+    char *command_line;
+    char *sidecar;                          /**< Path; NULL if there is none to write. */
+    struct output outputs[INQUIRY_OUTPUTS]; /**< First --output and its sidecar. */
+    size_t output_count;
+    conus_atlas *atlas;
+    conus_pose_list *poses;    /**< All of a file; or */
+    conus_pose_stream *stream; /**< one after the other; or both NULL. */
+    conus_selector *selector;
+    conus_aims *aims;
+    conus_report *report;
+    bool failed; /**< Some poses had no answer. */
+};
+
+/** Whether --slices, --score, --context, --angle and --radius fit together; prints an error if not. */
+bool inquiry_check(const struct inquiry_settings *settings, const struct arguments *arguments, bool has_history);
+
+/** Finds format and sidecar. Returns the exit code and prints an error unless it is 0; @p out is the caller's to
+ * inquiry_finish() in any case. So do all functions below that return an int. */
+int inquiry_init(struct inquiry *out, const struct inquiry_settings *settings, const struct arguments *arguments);
+void inquiry_finish(struct inquiry *inquiry);
+
+/** Adds an output to those that are checked. */
+void inquiry_add_output(struct inquiry *inquiry, const char *what, const char *path);
+/** Whether all outputs are different files; prints an error if not. */
+bool inquiry_check_outputs(const struct inquiry *inquiry);
+/** Whether no output is a file that is read, @p matrix (NULL = none) or the atlas's among them; likewise. */
+bool inquiry_check_inputs(const struct inquiry *inquiry, const char *matrix);
+
+/** What the library is told about the file of poses. */
+conus_pose_options inquiry_pose_options(const struct inquiry *inquiry);
+/** Loads --pose, where it was given. */
+int inquiry_load_poses(struct inquiry *inquiry);
+/** Loads the atlas with its pathways and the context. */
+int inquiry_load_atlas(struct inquiry *inquiry);
+/** Whether the poses' space can be the atlas's. */
+int inquiry_match(struct inquiry *inquiry);
+
+/** Makes the selector; the device has @p options. */
+conus_status inquiry_start(struct inquiry *inquiry, const conus_selector_options *options);
+/** The options of the report that every command sets alike. */
+conus_report_options inquiry_report_options(const struct inquiry *inquiry);
+
+/** The row's angle, radians; without one that of --angle. */
+double inquiry_angle(const struct inquiry *inquiry, const conus_pose_row *row);
+/** Answers each row of the list by @p answer. */
+int inquiry_each_row(struct inquiry *inquiry, int (*answer)(void *user, const conus_pose_row *row), void *user);
+/** Prints why a row has no answer. */
+int inquiry_skip_row(struct inquiry *inquiry, const conus_pose_row *row, const char *why);
+/** The same, and the report has a row that says it. */
+int inquiry_refuse_row(struct inquiry *inquiry, const conus_pose_row *row, const char *why);
+
+/** Prints the notes about the atlas, unless --quiet. */
+void inquiry_say_notes(const struct inquiry *inquiry);
+/** Prints, likewise, that cones lie or point where they hardly should. */
+void inquiry_say_aims(const struct inquiry *inquiry);
+
+/** The exit code after @p code: EXIT_DIFFERENT where all went well but for some poses. */
+int inquiry_code(const struct inquiry *inquiry, int code);
+
+#endif
