@@ -79,7 +79,7 @@ bool batch_errors_count(uint64_t *errors, const char *path)
     }
     bool whole = feof(file) && !ferror(file);
     if (!whole) {
-        print_error_line("%s: cannot read: %s", path, strerror(errno));
+        print_system_error(path, "read");
     }
     free(line);
     fclose(file);

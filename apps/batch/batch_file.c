@@ -23,12 +23,6 @@ static uint32_t crc_of(const void *data, size_t size)
     return (uint32_t)crc32_z(0, data, size);
 }
 
-static int print_system_error(const char *path, const char *action)
-{
-    print_error_line("%s: cannot %s: %s", path, action, strerror(errno));
-    return EXIT_DATA;
-}
-
 static bool write_fully(int descriptor, const char *data, size_t size)
 {
     while (size) {
@@ -202,7 +196,7 @@ static int open_files(struct batch_file *file, int flags)
     return open_own(&file->rows, file->part, flags);
 }
 
-static int begin(struct batch_file *file, const char *fingerprint, const char *heading)
+static int begin_file(struct batch_file *file, const char *fingerprint, const char *heading)
 {
     char line[LINE_SIZE];
     const struct batch_entry entry = {0, 0, strlen(heading), crc_of(heading, strlen(heading))};
@@ -258,7 +252,7 @@ static int go_on(struct batch_file *file, const char *fingerprint, const char *h
         close_files(file);
         file->size = 0;
         file->crc = 0;
-        return begin(file, fingerprint, heading);
+        return begin_file(file, fingerprint, heading);
     }
     return cut_back(file, length);
 }
@@ -303,7 +297,7 @@ int batch_file_open(struct batch_file *out, const char *path, const char *finger
     if (how == BATCH_ANEW && begun) {
         return print_usage_error("%s: an unfinished batch is there; --resume goes on, --force begins anew", path);
     }
-    return begin(out, fingerprint, heading);
+    return begin_file(out, fingerprint, heading);
 }
 
 bool batch_file_is_begun(const char *path)

@@ -38,8 +38,7 @@ int batch_hash_file(char out[65], const char *path)
     bool failed = ferror(file);
     fclose(file);
     if (failed) {
-        print_error_line("%s: cannot read: %s", path, strerror(errno));
-        return EXIT_DATA;
+        return print_system_error(path, "read");
     }
     finish_hash(out, &context);
     return EXIT_DONE;

@@ -21,7 +21,8 @@ void work_finish(struct work *work)
     free(work->command_line);
 }
 
-static bool check(conus_format *format, const struct batch_settings *settings, const struct arguments *arguments)
+static bool check_settings(conus_format *format, const struct batch_settings *settings,
+                           const struct arguments *arguments)
 {
     if (!batch_format(format, settings, arguments)) {
         return false;
@@ -127,7 +128,7 @@ static int check_files(const struct work *work)
 
 /* ---- The atlas and the engine ----------------------------------------------------------------------------------- */
 
-static int load(struct work *work)
+static int load_atlas(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
     int code = settings_load_atlas(&work->atlas, work->arguments->operands[0], &settings->atlas);
@@ -166,7 +167,7 @@ int work_build(struct work *work)
 int work_init(struct work *out, const struct batch_settings *settings, const struct arguments *arguments)
 {
     *out = (struct work){.settings = settings, .arguments = arguments};
-    if (!check(&out->format, settings, arguments)) {
+    if (!check_settings(&out->format, settings, arguments)) {
         return EXIT_USAGE;
     }
     out->output = output_is_stdout(settings->output) ? NULL : settings->output;
@@ -184,7 +185,7 @@ int work_open(struct work *work)
 {
     const struct batch_settings *settings = work->settings;
     int code = open_poses(work);
-    code = code || work->atlas ? code : load(work);
+    code = code || work->atlas ? code : load_atlas(work);
     code = code ? code : check_files(work);
     return code ? code
                 : settings_match_stream(work->poses, settings->poses, work->atlas, &settings->file, &settings->common);

@@ -115,7 +115,7 @@ static int finish(struct run *run)
     return batch_output_finish(&run->file, &run->work);
 }
 
-static int answer(void *user, const struct batch_settings *settings, const struct arguments *arguments)
+static int answer_batch(void *user, const struct batch_settings *settings, const struct arguments *arguments)
 {
     (void)user;
     struct run run = {.file = {.rows = -1, .log = -1}};
@@ -132,10 +132,10 @@ static int answer(void *user, const struct batch_settings *settings, const struc
     return code ? code : run.errors ? EXIT_DIFFERENT : EXIT_DONE;
 }
 
-static int run(const void *given, const struct arguments *arguments)
+static int run_batch(const void *given, const struct arguments *arguments)
 {
     const struct batch_settings *settings = given;
-    return batch_jobs_answer(settings, arguments, answer, NULL);
+    return batch_jobs_answer(settings, arguments, answer_batch, NULL);
 }
 
 const struct command cmd_batch = {
@@ -156,5 +156,5 @@ const struct command cmd_batch = {
     .groups = batch_groups,
     .settings_size = sizeof(struct batch_settings),
     .more_help = help_scores,
-    .run = run,
+    .run = run_batch,
 };

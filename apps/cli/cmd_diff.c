@@ -256,7 +256,7 @@ static int diff_pictures(const char *a, const char *b, double tolerance)
     return code;
 }
 
-static int run(const void *given, const struct arguments *arguments)
+static int run_diff(const void *given, const struct arguments *arguments)
 {
     const struct diff_settings *settings = given;
     const char *a = arguments->operands[0];
@@ -279,5 +279,5 @@ const struct command cmd_diff = {
                 "  conus diff today.exr yesterday.exr\n",
     .groups = groups,
     .settings_size = sizeof(struct diff_settings),
-    .run = run,
+    .run = run_diff,
 };

@@ -297,7 +297,7 @@ struct layout {
     bool shown[COLUMN_COUNT]; /* some row has a value */
 };
 
-static struct layout measure(const char *tsv)
+static struct layout measure_columns(const char *tsv)
 {
     struct layout layout = {0};
     size_t cells = 0;
@@ -321,7 +321,7 @@ static void put_cell(FILE *out, const char *cell, int width, bool right)
 /* Sets out the tab-separated lines in columns; those without any value are left out. */
 static void put_aligned(FILE *out, const char *tsv)
 {
-    struct layout layout = measure(tsv);
+    struct layout layout = measure_columns(tsv);
     size_t cells = 0;
     for (const char *cell = tsv; *cell; cell = next_cell(cell)) {
         size_t c = cells++ % COLUMN_COUNT;
@@ -438,7 +438,7 @@ static int write_atlas(const conus_atlas *atlas, enum info_format format)
     return code;
 }
 
-static int run(const void *given, const struct arguments *arguments)
+static int run_info(const void *given, const struct arguments *arguments)
 {
     const struct info_settings *settings = given;
     conus_atlas *atlas = NULL;
@@ -467,5 +467,5 @@ const struct command cmd_info = {
                 "  conus info aal.nii.gz --labels my_names.txt --format tsv\n",
     .groups = groups,
     .settings_size = sizeof(struct info_settings),
-    .run = run,
+    .run = run_info,
 };

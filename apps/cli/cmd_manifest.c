@@ -88,7 +88,7 @@ static int write_manifest(const char *folder, const char *name, const struct man
     return code;
 }
 
-static int run(const void *given, const struct arguments *arguments)
+static int run_manifest(const void *given, const struct arguments *arguments)
 {
     const struct manifest_settings *settings = given;
     const char *folder = arguments->operands[0];
@@ -118,5 +118,5 @@ const struct command cmd_manifest = {
                 "  conus info my-atlas/my-atlas.atlas.json\n",
     .groups = groups,
     .settings_size = sizeof(struct manifest_settings),
-    .run = run,
+    .run = run_manifest,
 };

@@ -156,14 +156,8 @@ static int check_poses(struct merge *merge)
 /* ---- Writing ------------------------------------------------------------------------------------------------------
  */
 
-static int print_system_error(const char *path, const char *action)
-{
-    print_error_line("%s: cannot %s: %s", path, action, strerror(errno));
-    return EXIT_DATA;
-}
-
 /* The rest of `in`. */
-static bool copy(FILE *out, FILE *in)
+static bool copy_rest(FILE *out, FILE *in)
 {
     char chunk[1 << 16];
     for (size_t n; (n = fread(chunk, 1, sizeof chunk, in)) > 0;) {
@@ -198,7 +192,7 @@ static int copy_all(struct merge *merge)
     for (size_t i = 0; i < merge->count && copied; i++) {
         const char *path = merge->parts[i].path;
         FILE *in = fopen(path, "re");
-        copied = in && !fseeko(in, i > 0 ? (off_t)merge->parts[i].record.heading : 0, SEEK_SET) && copy(out, in);
+        copied = in && !fseeko(in, i > 0 ? (off_t)merge->parts[i].record.heading : 0, SEEK_SET) && copy_rest(out, in);
         if (in) {
             fclose(in);
         }
@@ -272,7 +266,7 @@ static int check_paths(const struct merge *merge)
     return code;
 }
 
-static int work(struct merge *merge)
+static int merge_shards(struct merge *merge)
 {
     int code = check_paths(merge);
     for (size_t i = 0; i < merge->count && !code; i++) {
@@ -309,10 +303,10 @@ static bool init(struct merge *merge, const struct arguments *arguments)
     return whole || (print_error_line("not enough memory"), false);
 }
 
-static int run(const void *given, const struct arguments *arguments)
+static int run_merge(const void *given, const struct arguments *arguments)
 {
     struct merge merge = {.settings = given};
-    int code = init(&merge, arguments) ? work(&merge) : EXIT_DATA;
+    int code = init(&merge, arguments) ? merge_shards(&merge) : EXIT_DATA;
     for (size_t i = 0; merge.parts && i < merge.count; i++) {
         free(merge.parts[i].sidecar);
     }
@@ -336,5 +330,5 @@ const struct command cmd_merge = {
     .examples = "  conus merge rows.0.tsv rows.1.tsv rows.2.tsv rows.3.tsv -o rows.tsv\n",
     .groups = groups,
     .settings_size = sizeof(struct merge_settings),
-    .run = run,
+    .run = run_merge,
 };

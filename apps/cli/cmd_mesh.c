@@ -95,7 +95,7 @@ static void say_note(void *user, const char *line)
     print_error_line("note: %s", line);
 }
 
-static int run(const void *given, const struct arguments *arguments)
+static int run_mesh(const void *given, const struct arguments *arguments)
 {
     const struct mesh_settings *settings = given;
     const struct atlas_settings atlas_settings = {
@@ -136,5 +136,5 @@ const struct command cmd_mesh = {
                 "  conus mesh aal.nii.gz -o print --format stl --smooth 20 --pass-band 0.1 --decimate 0.8\n",
     .groups = groups,
     .settings_size = sizeof(struct mesh_settings),
-    .run = run,
+    .run = run_mesh,
 };

@@ -95,7 +95,7 @@ static bool read_flip(bool flip[3], const char *axes)
     return true;
 }
 
-static int run(const void *given, const struct arguments *arguments)
+static int run_phantom(const void *given, const struct arguments *arguments)
 {
     const struct phantom_settings *settings = given;
     conus_phantom_options phantom = {.size = settings->size, .oblique = radians(settings->oblique)};
@@ -130,5 +130,5 @@ const struct command cmd_phantom = {
     .groups = groups,
     .settings_size = sizeof(struct phantom_settings),
     .more_help = list_kinds,
-    .run = run,
+    .run = run_phantom,
 };

@@ -186,7 +186,7 @@ static bool check_camera(const struct arguments *arguments)
            options_exclude(arguments, "frustum", "field-of-view") && check_frustum(arguments);
 }
 
-static bool check(const struct render_settings *settings, const struct arguments *arguments)
+static bool check_picture(const struct render_settings *settings, const struct arguments *arguments)
 {
     return path_check_ending("output", settings->output, ".png", ".exr") && check_cone(settings, arguments) &&
            check_camera(arguments) && settings_check_pose_file(arguments, "pose", "camera") &&
@@ -262,7 +262,7 @@ static int find_cone(struct picture *picture, conus_pose *pose, double *angle)
     return EXIT_DONE;
 }
 
-static int load(struct picture *picture)
+static int load_atlas(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     int code = settings_load_atlas(&picture->atlas, picture->arguments->operands[0], &settings->atlas);
@@ -281,7 +281,7 @@ static int load(struct picture *picture)
     return input ? print_usage_error("--output would overwrite %s %s", input, settings->output) : EXIT_DONE;
 }
 
-static int aim(struct picture *picture)
+static int aim_cone(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     conus_pose pose;
@@ -304,7 +304,7 @@ static int aim(struct picture *picture)
     return EXIT_DONE;
 }
 
-static int draw(struct picture *picture)
+static int draw_picture(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     const conus_renderer_options options = {.transfer = settings->transfer,
@@ -334,23 +334,23 @@ static int draw(struct picture *picture)
     return status ? print_status(status) : EXIT_DONE;
 }
 
-static int run(const void *given, const struct arguments *arguments)
+static int run_render(const void *given, const struct arguments *arguments)
 {
     const struct render_settings *settings = given;
-    if (!check(settings, arguments)) {
+    if (!check_picture(settings, arguments)) {
         return EXIT_USAGE;
     }
     struct picture picture = {.settings = settings, .arguments = arguments};
     picture.has_cone = settings->aim.pose || option_given(arguments, "origin");
     int code = find_camera(&picture);
     if (!code) {
-        code = load(&picture);
+        code = load_atlas(&picture);
     }
     if (!code && picture.has_cone) {
-        code = aim(&picture);
+        code = aim_cone(&picture);
     }
     if (!code) {
-        code = draw(&picture);
+        code = draw_picture(&picture);
     }
     if (!code) {
         settings_say_notes(picture.atlas, &settings->common);
@@ -383,5 +383,5 @@ const struct command cmd_render = {
     .groups = groups,
     .settings_size = sizeof(struct render_settings),
     .more_help = list_transfers,
-    .run = run,
+    .run = run_render,
 };

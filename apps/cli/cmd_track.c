@@ -7,7 +7,7 @@
 #include "common/output.h"
 #include "common/station_settings.h"
 #include "link/clock.h"
-#include "link/tell.h"
+#include "link/send_selection.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -228,7 +228,7 @@ static int answer_news(struct track *track, const struct station_news *news, dou
     conus_status status = conus_tracker_step(&selection, track->tracker, time_s, &news->pose, angle, false);
     status = status ? status : conus_report_add(track->inquiry.report, id, selection);
     if (!status) {
-        station_tell_selection(track->station, track->inquiry.selector, track->inquiry.atlas, selection);
+        station_send_selection(track->station, track->inquiry.selector, track->inquiry.atlas, selection);
     }
     conus_selection_destroy(selection);
     int code = status ? print_status(status) : write_steps(track);

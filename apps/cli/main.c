@@ -71,7 +71,7 @@ static int help(int count, char **words)
     return EXIT_DONE;
 }
 
-static int run(const struct command *command, int count, char **words)
+static int run_command(const struct command *command, int count, char **words)
 {
     if (command->hand_over) {
         return command->hand_over(words + 1);
@@ -108,7 +108,7 @@ static int dispatch(int count, char **words)
         return EXIT_DONE;
     }
     const struct command *command = find_command(name);
-    return command ? run(command, count, words) : unknown_command(name);
+    return command ? run_command(command, count, words) : unknown_command(name);
 }
 
 int main(int argc, char **argv)

@@ -35,7 +35,7 @@ const struct option mask_options[] = {
 };
 
 /* Length of the path without .nii or .nii.gz; 0 if it has neither. */
-static size_t stem(const char *path)
+static size_t stem_length(const char *path)
 {
     size_t length = strlen(path);
     return path_ends(path, ".nii.gz") ? length - strlen(".nii.gz")
@@ -53,7 +53,7 @@ bool mask_check(const struct mask_settings *settings, const struct arguments *ar
 
 static bool stem_ends(const char *path, const char *ending)
 {
-    size_t length = stem(path);
+    size_t length = stem_length(path);
     size_t wanted = strlen(ending);
     return length >= wanted && memcmp(path + length - wanted, ending, wanted) == 0;
 }
@@ -73,7 +73,7 @@ bool mask_init(struct mask *out, const struct mask_settings *settings, const str
         return true;
     }
     out->content = content_of(settings, arguments);
-    if (asprintf(&out->sidecar, "%.*s.json", (int)stem(settings->path), settings->path) < 0) {
+    if (asprintf(&out->sidecar, "%.*s.json", (int)stem_length(settings->path), settings->path) < 0) {
         out->sidecar = NULL;
         print_error_line("not enough memory");
     }

@@ -75,7 +75,7 @@ static int no_memory(const char *path)
     return EXIT_DATA;
 }
 
-static int refuse(const char *path, const char *why)
+static int refuse_file(const char *path, const char *why)
 {
     print_error_line("%s: %s", path, why);
     return EXIT_DATA;
@@ -110,13 +110,13 @@ static int check_bytes(const struct results *results, const char *path, size_t s
 {
     const char *text = results->bytes;
     if (size == 0) {
-        return refuse(path, "is empty, a TSV or CSV result of conus is needed");
+        return refuse_file(path, "is empty, a TSV or CSV result of conus is needed");
     }
     if (memchr(text, '\0', size)) {
-        return refuse(path, "a zero byte: not a TSV or CSV result of conus");
+        return refuse_file(path, "a zero byte: not a TSV or CSV result of conus");
     }
     if (text[0] == '{' || text[0] == '[') {
-        return refuse(path, "looks like JSON; diff compares TSV and CSV results and pictures");
+        return refuse_file(path, "looks like JSON; diff compares TSV and CSV results and pictures");
     }
     return EXIT_DONE;
 }

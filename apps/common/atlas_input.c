@@ -138,7 +138,7 @@ static char *join_lists(const struct option_list *lists)
     return joined;
 }
 
-static int show(conus_atlas *atlas, const struct atlas_settings *settings)
+static int show_objects(conus_atlas *atlas, const struct atlas_settings *settings)
 {
     char *only = join_lists(&settings->only);
     char *hide = join_lists(&settings->hide);
@@ -168,7 +168,7 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
         return print_status(status);
     }
     int code = add_pathways(atlas, settings, &progress);
-    code = code || !(settings->only.count + settings->hide.count) ? code : show(atlas, settings);
+    code = code || !(settings->only.count + settings->hide.count) ? code : show_objects(atlas, settings);
     if (code) {
         conus_atlas_destroy(atlas);
         return code;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "common/messages.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -33,6 +34,12 @@ int print_usage_error(const char *format, ...)
     print_error_list(format, args);
     va_end(args);
     return EXIT_USAGE;
+}
+
+int print_system_error(const char *path, const char *action)
+{
+    print_error_line("%s: cannot %s: %s", path, action, strerror(errno));
+    return EXIT_DATA;
 }
 
 int exit_code_of(conus_status status)

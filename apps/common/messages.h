@@ -22,6 +22,9 @@ int print_usage_error(const char *format, ...) __attribute__((format(printf, 1, 
 /** print_error_line() with the library's message about @p status, and the exit code that goes with it. */
 int print_status(conus_status status);
 
+/** Prints that @p action ("read") failed on the file @p path, with the reason in errno. Gives EXIT_DATA. */
+int print_system_error(const char *path, const char *action);
+
 /** The exit code that goes with @p status. */
 int exit_code_of(conus_status status);
 

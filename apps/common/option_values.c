@@ -70,7 +70,7 @@ static bool outside(const struct option *option, double number)
                         : number < option->low || number > option->high;
 }
 
-static bool refuse(const struct option *option, const char *text, const char *wanted)
+static bool refuse_value(const struct option *option, const char *text, const char *wanted)
 {
     print_error_line("--%s: \"%s\" is not %s", option->name, text, wanted);
     return false;
@@ -87,7 +87,7 @@ static bool refuse_range(const struct option *option, const char *text)
 static bool read_number(const struct option *option, double *field, const char *text)
 {
     if (!number_parse(text, field)) {
-        return refuse(option, text, "a number");
+        return refuse_value(option, text, "a number");
     }
     return !outside(option, *field) || refuse_range(option, text);
 }
@@ -96,7 +96,7 @@ static bool read_count(const struct option *option, uint32_t *field, const char 
 {
     uint64_t number;
     if (!count_parse(text, UINT64_MAX, &number)) {
-        return refuse(option, text, "a whole number");
+        return refuse_value(option, text, "a whole number");
     }
     if (number > UINT32_MAX || outside(option, (double)number)) {
         return refuse_range(option, text);
@@ -129,11 +129,11 @@ static bool read_numbers(const struct option *option, double *field, size_t coun
     char copy[NUMBERS_SIZE];
     const char *parts[4];
     if (!split(copy, text, ',', parts, count)) {
-        return refuse(option, text, wanted);
+        return refuse_value(option, text, wanted);
     }
     for (size_t i = 0; i < count; i++) {
         if (!number_parse(parts[i], &field[i])) {
-            return refuse(option, text, wanted);
+            return refuse_value(option, text, wanted);
         }
         if (outside(option, field[i])) {
             return refuse_range(option, text);
@@ -147,7 +147,7 @@ static bool read_range(const struct option *option, double field[2], const char 
     if (!read_numbers(option, field, 2, text, "two numbers LOW,HIGH without spaces")) {
         return false;
     }
-    return field[0] < field[1] || refuse(option, text, "two numbers, the lower one first");
+    return field[0] < field[1] || refuse_value(option, text, "two numbers, the lower one first");
 }
 
 static bool read_edges(const struct option *option, double field[4], const char *text)
@@ -156,7 +156,7 @@ static bool read_edges(const struct option *option, double field[4], const char 
         return false;
     }
     return (field[0] < field[1] && field[2] < field[3]) ||
-           refuse(option, text, "left before right and lower before upper");
+           refuse_value(option, text, "left before right and lower before upper");
 }
 
 static bool read_size(const struct option *option, uint32_t field[2], const char *text)
@@ -164,12 +164,12 @@ static bool read_size(const struct option *option, uint32_t field[2], const char
     char copy[NUMBERS_SIZE];
     const char *parts[2];
     if (!split(copy, text, 'x', parts, 2)) {
-        return refuse(option, text, "a size WxH");
+        return refuse_value(option, text, "a size WxH");
     }
     for (size_t i = 0; i < 2; i++) {
         uint64_t number;
         if (!count_parse(parts[i], UINT32_MAX, &number)) {
-            return refuse(option, text, "a size WxH");
+            return refuse_value(option, text, "a size WxH");
         }
         if (outside(option, (double)number)) {
             return refuse_range(option, text);
@@ -186,7 +186,7 @@ static bool read_bytes(const struct option *option, uint64_t *field, const char 
     char copy[NUMBERS_SIZE];
     size_t length = strlen(text);
     if (length == 0 || length >= sizeof copy) {
-        return refuse(option, text, wanted);
+        return refuse_value(option, text, wanted);
     }
     memcpy(copy, text, length + 1);
     const char *unit = strchr(units, copy[length - 1]);
@@ -196,7 +196,7 @@ static bool read_bytes(const struct option *option, uint64_t *field, const char 
     }
     uint64_t number;
     if (!count_parse(copy, UINT64_MAX >> shift, &number) || number == 0) {
-        return refuse(option, text, wanted);
+        return refuse_value(option, text, wanted);
     }
     *field = number << shift;
     return true;
@@ -244,7 +244,7 @@ static bool read_choice(const struct option *option, size_t *field, const char *
 static bool read_text(const struct option *option, const char **field, const char *text)
 {
     *field = text;
-    return *text || refuse(option, text, option->value);
+    return *text || refuse_value(option, text, option->value);
 }
 
 static bool read_item(const struct option *option, struct option_list *field, const char *text)

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GO_ON = -1 };
+enum { CONTINUE = -1 };
 
 /** An option of a command, with its place in the command's settings. */
 struct found {
@@ -127,7 +127,7 @@ static int take_option(struct cursor *cursor, struct found found, const char *at
         return EXIT_USAGE;
     }
     arguments->given |= UINT64_C(1) << found.ordinal;
-    return option_read(option, found.field, value) ? GO_ON : EXIT_USAGE;
+    return option_read(option, found.field, value) ? CONTINUE : EXIT_USAGE;
 }
 
 static int print_unknown_option(const struct command *command, const char *word, const char *name)
@@ -169,7 +169,7 @@ static int take_another(struct option_list *list, const char *word)
     }
     list->items = items;
     list->items[list->count++] = word;
-    return GO_ON;
+    return CONTINUE;
 }
 
 static int take_operand(struct cursor *cursor, const char *word)
@@ -187,7 +187,8 @@ static int take_operand(struct cursor *cursor, const char *word)
                                      : "");
     }
     arguments->operands[arguments->operand_count++] = word;
-    return *word ? GO_ON : print_usage_error("%s is empty", arguments->command->operands[arguments->operand_count - 1]);
+    return *word ? CONTINUE
+                 : print_usage_error("%s is empty", arguments->command->operands[arguments->operand_count - 1]);
 }
 
 static int take_word(struct cursor *cursor, const char *word)
@@ -199,7 +200,7 @@ static int take_word(struct cursor *cursor, const char *word)
         return take_short(cursor, word);
     }
     cursor->operands_only = word[2] == '\0';
-    return cursor->operands_only ? GO_ON : take_long(cursor, word);
+    return cursor->operands_only ? CONTINUE : take_long(cursor, word);
 }
 
 static int answer_help(const struct arguments *arguments)
@@ -212,7 +213,7 @@ static int answer_help(const struct arguments *arguments)
         printf("conus %s\n", conus_version());
         return EXIT_DONE;
     }
-    return GO_ON;
+    return CONTINUE;
 }
 
 /* All operands and all options that must be given. */
@@ -229,7 +230,7 @@ static int check_complete(const struct arguments *arguments)
             return print_usage_error("--%s %s is missing", found.option->name, found.option->value);
         }
     }
-    return GO_ON;
+    return CONTINUE;
 }
 
 int options_parse(struct arguments *out, void *settings, const struct command *command, int count, char **words,
@@ -239,7 +240,7 @@ int options_parse(struct arguments *out, void *settings, const struct command *c
     struct cursor cursor = {.arguments = out, .settings = settings, .next = first};
     while (cursor.next < count) {
         int code = take_word(&cursor, words[cursor.next++]);
-        if (code != GO_ON || (code = answer_help(out)) != GO_ON) {
+        if (code != CONTINUE || (code = answer_help(out)) != CONTINUE) {
             return code;
         }
     }

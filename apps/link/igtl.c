@@ -271,7 +271,7 @@ struct input {
 };
 
 /* Moves bytes to the reader until it has `wanted`; false: there are not enough. */
-static bool take(struct igtl_reader *reader, struct input *input, size_t wanted)
+static bool take_bytes(struct igtl_reader *reader, struct input *input, size_t wanted)
 {
     size_t taken = least(wanted - reader->size, input->size);
     memcpy(reader->bytes + reader->size, input->bytes, taken);
@@ -295,7 +295,7 @@ bool igtl_read(struct igtl_reader *reader, const uint8_t *bytes, size_t size, ig
     struct input input = {bytes, size};
     while (pass_over(reader, &input)) {
         if (reader->size < IGTL_HEADER) {
-            if (!take(reader, &input, IGTL_HEADER)) {
+            if (!take_bytes(reader, &input, IGTL_HEADER)) {
                 return true;
             }
             if (!check_header(reader)) {
@@ -303,7 +303,7 @@ bool igtl_read(struct igtl_reader *reader, const uint8_t *bytes, size_t size, ig
             }
         }
         if (reader->size >= IGTL_HEADER) {
-            if (!take(reader, &input, IGTL_HEADER + (size_t)get(reader->bytes + SIZE_AT, 8))) {
+            if (!take_bytes(reader, &input, IGTL_HEADER + (size_t)get(reader->bytes + SIZE_AT, 8))) {
                 return true;
             }
             read_message(reader, listener, user);

@@ -29,7 +29,7 @@ struct peer {
     struct igtl_reader reader;
     uint8_t out[OUTGOING]; /* what is being sent, */
     size_t out_size, sent;
-    unsigned told; /* of what was to be told, the newest that was begun */
+    unsigned sent_number; /* of the newest outgoing message that was begun */
 };
 
 struct station {
@@ -51,9 +51,9 @@ struct station {
     struct igtl_counts counts;
     uint64_t dropped;
     unsigned clients;
-    uint8_t telling[OUTGOING];
-    size_t telling_size;
-    unsigned telling_number;
+    uint8_t outgoing[OUTGOING];
+    size_t outgoing_size;
+    unsigned outgoing_number;
 };
 
 /* ---- Poses --------------------------------------------------------------------------------------------------------
@@ -244,15 +244,15 @@ static void transmit(struct station *station, struct peer *peer)
     }
 }
 
-/* Takes the newest of what is to be told, unless something is still being sent. */
+/* Takes the newest of what is to be sent, unless something is still being sent. */
 static void prepare(struct station *station, struct peer *peer)
 {
     pthread_mutex_lock(&station->lock);
-    if (peer->sent == peer->out_size && peer->told != station->telling_number) {
-        memcpy(peer->out, station->telling, station->telling_size);
-        peer->out_size = station->telling_size;
+    if (peer->sent == peer->out_size && peer->sent_number != station->outgoing_number) {
+        memcpy(peer->out, station->outgoing, station->outgoing_size);
+        peer->out_size = station->outgoing_size;
         peer->sent = 0;
-        peer->told = station->telling_number;
+        peer->sent_number = station->outgoing_number;
     }
     pthread_mutex_unlock(&station->lock);
 }
@@ -569,16 +569,16 @@ bool station_wait(struct station *station, uint64_t after, double seconds, struc
     return newer;
 }
 
-void station_tell(struct station *station, const char *json, const struct igtl_point *points, size_t count)
+void station_send(struct station *station, const char *json, const struct igtl_point *points, size_t count)
 {
     struct timespec now;
     clock_gettime(CLOCK_REALTIME, &now);
     double time_s = (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
     pthread_mutex_lock(&station->lock);
-    size_t size = igtl_write_string(station->telling, OUTGOING, "conus", time_s, json);
-    size += igtl_write_points(station->telling + size, OUTGOING - size, "conus", time_s, points, count);
-    station->telling_size = size;
-    station->telling_number++;
+    size_t size = igtl_write_string(station->outgoing, OUTGOING, "conus", time_s, json);
+    size += igtl_write_points(station->outgoing + size, OUTGOING - size, "conus", time_s, points, count);
+    station->outgoing_size = size;
+    station->outgoing_number++;
     pthread_mutex_unlock(&station->lock);
     wake(station);
 }

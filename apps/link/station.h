@@ -70,7 +70,7 @@ void station_ask(struct station *station, struct station_news *out);
 bool station_wait(struct station *station, uint64_t after, double seconds, struct station_news *out);
 /** Sends what was selected to all that are connected: a STRING of JSON and a POINT per contact. A later one replaces
  * one that could not be sent yet. */
-void station_tell(struct station *station, const char *json, const struct igtl_point *points, size_t count);
+void station_send(struct station *station, const char *json, const struct igtl_point *points, size_t count);
 /** The port that is waited on, once there is one. */
 uint16_t station_port(struct station *station);
 

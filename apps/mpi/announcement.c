@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Announcements of rank 0: four strings, by MPI_Bcast. */
 #include "mpi/announcement.h"
 
 #include "common/messages.h"
@@ -10,14 +11,14 @@
 enum { STRINGS = 4 };
 
 /* Its size with the final NUL, then the string; size 0 = none. */
-static void tell(const char *string)
+static void send_string(const char *string)
 {
     int size = string ? (int)strlen(string) + 1 : 0;
     MPI_Bcast(&size, 1, MPI_INT, 0, MPI_COMM_WORLD);
     MPI_Bcast((void *)string, size, MPI_CHAR, 0, MPI_COMM_WORLD);
 }
 
-static char *hear(void)
+static char *receive_string(void)
 {
     int size;
     MPI_Bcast(&size, 1, MPI_INT, 0, MPI_COMM_WORLD);
@@ -30,22 +31,22 @@ static char *hear(void)
     return string;
 }
 
-void announcement_make(const struct announcement *announcement)
+void announcement_send(const struct announcement *announcement)
 {
     static const struct announcement none;
     const struct announcement *a = announcement ? announcement : &none;
     const char *const strings[STRINGS] = {a->atlas, a->poses, a->output, a->shard};
     for (int i = 0; i < STRINGS; i++) {
-        tell(strings[i]);
+        send_string(strings[i]);
     }
 }
 
-bool announcement_hear(struct announcement *out)
+bool announcement_receive(struct announcement *out)
 {
-    out->atlas = hear();
-    out->poses = hear();
-    out->output = hear();
-    out->shard = hear();
+    out->atlas = receive_string();
+    out->poses = receive_string();
+    out->output = receive_string();
+    out->shard = receive_string();
     return out->atlas;
 }
 

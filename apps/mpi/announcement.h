@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What rank 0 tells the others to answer. */
+/** @file The batch that rank 0 announces to the other ranks. */
 #ifndef CONUS_MPI_ANNOUNCEMENT_H
 #define CONUS_MPI_ANNOUNCEMENT_H
 
@@ -10,11 +10,11 @@ struct announcement {
 };
 
 /** On rank 0; NULL = there is nothing more to answer. */
-void announcement_make(const struct announcement *announcement);
+void announcement_send(const struct announcement *announcement);
 
 /** On the others, which wait for it: false when there is nothing more to answer. The strings are the caller's to
  * announcement_finish(). */
-bool announcement_hear(struct announcement *out);
+bool announcement_receive(struct announcement *out);
 void announcement_finish(struct announcement *announcement);
 
 #endif

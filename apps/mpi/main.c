@@ -50,14 +50,14 @@ static int agree(int code)
 
 /* ---- Pieces ------------------------------------------------------------------------------------------------------ */
 
-/* Sees to what must be seen to every now and then; whether to go on. */
+/* Sees to what must be seen to every now and then; whether to continue. */
 static bool tend(struct run *run)
 {
-    bool go_on = ordered_file_tend(&run->file);
+    bool continues = ordered_file_tend(&run->file);
     if (run->cluster->rank == 0) {
         progress_update(&run->progress, run->kept.poses, run->kept.errors);
     }
-    return go_on;
+    return continues;
 }
 
 static bool collect(void *user, const conus_batch_block *block)
@@ -248,8 +248,8 @@ static int answer_all(struct run *run)
 }
 
 /* On all ranks; the exit code is rank 0's, but for what goes wrong elsewhere. */
-static int answer(const struct cluster *cluster, const struct batch_settings *settings,
-                  const struct arguments *arguments)
+static int answer_batch(const struct cluster *cluster, const struct batch_settings *settings,
+                        const struct arguments *arguments)
 {
     struct run run = {.cluster = cluster, .kept = {.rows = -1, .log = -1}};
     struct batch_settings own = *settings;
@@ -290,8 +290,8 @@ static int lead(void *user, const struct batch_settings *settings, const struct 
     }
     snprintf(text, sizeof text, "%" PRIu64 "/%" PRIu64, shard.index, shard.count);
     own.shard = text;
-    announcement_make(&(const struct announcement){arguments->operands[0], own.poses, own.output, own.shard});
-    return answer(cluster, &own, arguments);
+    announcement_send(&(const struct announcement){arguments->operands[0], own.poses, own.output, own.shard});
+    return answer_batch(cluster, &own, arguments);
 }
 
 /* On the others: answers what is announced. */
@@ -299,14 +299,14 @@ static void follow(const struct cluster *cluster, const struct batch_settings *s
                    const struct arguments *arguments)
 {
     struct announcement announced;
-    while (announcement_hear(&announced)) {
+    while (announcement_receive(&announced)) {
         struct batch_settings own = *settings;
         struct arguments aimed = *arguments;
         aimed.operands[0] = announced.atlas;
         own.poses = announced.poses;
         own.output = announced.output;
         own.shard = announced.shard;
-        answer(cluster, &own, &aimed);
+        answer_batch(cluster, &own, &aimed);
         announcement_finish(&announced);
     }
 }
@@ -329,7 +329,7 @@ static const struct command batch = {
     .more_help = help_scores,
 };
 
-enum { GO_ON = -1 };
+enum { CONTINUE = -1 };
 
 static int read_command(struct arguments *arguments, struct batch_settings *settings, int count, char **words)
 {
@@ -341,16 +341,16 @@ static int read_command(struct arguments *arguments, struct batch_settings *sett
 }
 
 /* What is wrong with the command line is said by rank 0, which the others wait for. */
-static int start(const struct cluster *cluster, int count, char **words)
+static int answer_command(const struct cluster *cluster, int count, char **words)
 {
     struct arguments arguments = {.command = &batch};
     struct batch_settings settings = {0};
-    int code = cluster->rank == 0 ? read_command(&arguments, &settings, count, words) : GO_ON;
+    int code = cluster->rank == 0 ? read_command(&arguments, &settings, count, words) : CONTINUE;
     MPI_Bcast(&code, 1, MPI_INT, 0, MPI_COMM_WORLD);
-    if (code == GO_ON && cluster->rank == 0) {
+    if (code == CONTINUE && cluster->rank == 0) {
         code = batch_jobs_answer(&settings, &arguments, lead, (void *)cluster);
-        announcement_make(NULL);
-    } else if (code == GO_ON) {
+        announcement_send(NULL);
+    } else if (code == CONTINUE) {
         code = read_command(&arguments, &settings, count, words);
         follow(cluster, &settings, &arguments);
     }
@@ -367,7 +367,7 @@ int main(int argc, char **argv)
     MPI_Comm_rank(MPI_COMM_WORLD, &cluster.rank);
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, cluster.rank, MPI_INFO_NULL, &cluster.node);
     MPI_Comm_rank(cluster.node, &cluster.node_rank);
-    int code = start(&cluster, argc, argv);
+    int code = answer_command(&cluster, argc, argv);
     MPI_Comm_free(&cluster.node);
     MPI_Finalize();
     return output_finish(code);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Shares one atlas among the ranks of a node, through a sealed file in memory. */
 #include "mpi/node_atlas.h"
 
 #include <fcntl.h>
@@ -15,16 +16,16 @@ struct address {
     size_t size;
 };
 
-static void *map(int descriptor, size_t size, int protection)
+static void *map_file(int descriptor, size_t size, int protection)
 {
     void *memory = mmap(NULL, size, protection, MAP_SHARED, descriptor, 0);
     return memory == MAP_FAILED ? NULL : memory;
 }
 
 /* Packs the atlas into the file, which then nobody can change. */
-static bool fill(int descriptor, size_t size, const conus_atlas *atlas)
+static bool pack_atlas(int descriptor, size_t size, const conus_atlas *atlas)
 {
-    void *memory = ftruncate(descriptor, (off_t)size) ? NULL : map(descriptor, size, PROT_READ | PROT_WRITE);
+    void *memory = ftruncate(descriptor, (off_t)size) ? NULL : map_file(descriptor, size, PROT_READ | PROT_WRITE);
     bool packed = memory && conus_atlas_pack(memory, size, atlas) == CONUS_OK;
     if (memory) {
         munmap(memory, size);
@@ -39,11 +40,11 @@ static bool is_allowed(size_t size)
     return getrlimit(RLIMIT_FSIZE, &limit) == 0 && (limit.rlim_cur == RLIM_INFINITY || size <= limit.rlim_cur);
 }
 
-static struct address offer(const conus_atlas *atlas)
+static struct address offer_atlas(const conus_atlas *atlas)
 {
     struct address address = {.process = getpid(), .size = conus_atlas_packed_size(atlas)};
     address.descriptor = is_allowed(address.size) ? memfd_create("conus-atlas", MFD_CLOEXEC | MFD_ALLOW_SEALING) : -1;
-    if (address.descriptor >= 0 && !fill(address.descriptor, address.size, atlas)) {
+    if (address.descriptor >= 0 && !pack_atlas(address.descriptor, address.size, atlas)) {
         close(address.descriptor);
         address.descriptor = -1;
     }
@@ -65,11 +66,11 @@ static int open_address(const struct address *address)
     return descriptor;
 }
 
-static void attach(struct node_atlas *out, conus_atlas **atlas, const struct address *address)
+static void attach_atlas(struct node_atlas *out, conus_atlas **atlas, const struct address *address)
 {
     int descriptor = open_address(address);
     conus_atlas *attached = NULL;
-    void *memory = descriptor < 0 ? NULL : map(descriptor, address->size, PROT_READ);
+    void *memory = descriptor < 0 ? NULL : map_file(descriptor, address->size, PROT_READ);
     if (descriptor >= 0) {
         close(descriptor);
     }
@@ -96,10 +97,10 @@ void node_atlas_share(struct node_atlas *out, conus_atlas **atlas, MPI_Comm node
         return;
     }
     if (rank == 0) {
-        address = offer(*atlas);
+        address = offer_atlas(*atlas);
     }
     MPI_Bcast(&address, sizeof address, MPI_BYTE, 0, node);
-    attach(out, atlas, &address);
+    attach_atlas(out, atlas, &address);
     MPI_Barrier(node); /* all have it open */
     if (address.descriptor >= 0 && rank == 0) {
         close(address.descriptor);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The file of all ranks: the coordinator on rank 0, and the messages between it and the other ranks. */
 #include "mpi/ordered_file.h"
 
 #include "common/interrupt.h"
@@ -10,9 +11,9 @@
 #include <time.h>
 
 enum { CHUNK = 1 << 30, LEAST_SLOTS = 1024 };
-enum tag { TO_OFFICE = 1, FROM_OFFICE };
+enum tag { TO_COORDINATOR = 1, FROM_COORDINATOR };
 
-/* What is said to rank 0, and the numbers that come with it; what it says. */
+/* Requests to rank 0 with their numbers; its replies. */
 enum request { TAKE, ANSWERED, ANSWERED_LAST, WRITTEN, STOP, END };
 enum { KIND, NUMBER, POSES, ERRORS, SIZE, CRC, REQUEST_SIZE };
 enum reply { GRANTED, PLACED, STOPPED, FAREWELL };
@@ -29,7 +30,7 @@ struct slot {
 
 /* Pieces below `noted` are in the journal, those below `placed` have their place, those below `taken` a rank. Piece n
  * has slot n % slots. */
-struct ordered_office {
+struct coordinator {
     struct batch_file *kept; /* NULL once its journal could not be written */
     uint64_t noted, placed, taken;
     uint64_t size; /* of the file, with all that have a place */
@@ -39,13 +40,13 @@ struct ordered_office {
     struct slot *slots;
 };
 
-static void rest(void)
+static void sleep_briefly(void)
 {
     static const struct timespec moment = {.tv_nsec = 100000};
     nanosleep(&moment, NULL);
 }
 
-static bool check(const struct ordered_file *file, int error)
+static bool check_mpi(const struct ordered_file *file, int error)
 {
     char text[MPI_MAX_ERROR_STRING];
     int length;
@@ -78,39 +79,39 @@ static int write_at(MPI_File file, uint64_t at, const char *text, size_t size)
     return error;
 }
 
-static void office_destroy(struct ordered_office *office)
+static void coordinator_destroy(struct coordinator *coordinator)
 {
-    if (office) {
-        free(office->has_ended);
-        free(office->slots);
-        free(office);
+    if (coordinator) {
+        free(coordinator->has_ended);
+        free(coordinator->slots);
+        free(coordinator);
     }
 }
 
-static struct ordered_office *office_create(struct batch_file *kept, uint64_t size)
+static struct coordinator *coordinator_create(struct batch_file *kept, uint64_t size)
 {
-    struct ordered_office *office = calloc(1, sizeof *office);
-    if (!office) {
+    struct coordinator *coordinator = calloc(1, sizeof *coordinator);
+    if (!coordinator) {
         return NULL;
     }
-    office->kept = kept;
-    office->size = size;
-    MPI_Comm_size(MPI_COMM_WORLD, &office->ranks);
-    office->slot_count = LEAST_SLOTS + 2 * (size_t)office->ranks;
-    office->slots = calloc(office->slot_count, sizeof *office->slots);
-    office->has_ended = calloc((size_t)office->ranks, sizeof *office->has_ended);
-    if (!office->slots || !office->has_ended) {
-        office_destroy(office);
+    coordinator->kept = kept;
+    coordinator->size = size;
+    MPI_Comm_size(MPI_COMM_WORLD, &coordinator->ranks);
+    coordinator->slot_count = LEAST_SLOTS + 2 * (size_t)coordinator->ranks;
+    coordinator->slots = calloc(coordinator->slot_count, sizeof *coordinator->slots);
+    coordinator->has_ended = calloc((size_t)coordinator->ranks, sizeof *coordinator->has_ended);
+    if (!coordinator->slots || !coordinator->has_ended) {
+        coordinator_destroy(coordinator);
         return NULL;
     }
-    return office;
+    return coordinator;
 }
 
 int ordered_file_open(struct ordered_file *out, const char *path, uint64_t size, struct batch_file *kept)
 {
-    struct ordered_file file = {.path = path, .office = kept ? office_create(kept, size) : NULL};
+    struct ordered_file file = {.path = path, .coordinator = kept ? coordinator_create(kept, size) : NULL};
     char *part = NULL;
-    int error = asprintf(&part, "%s.part", path) < 0 || (kept && !file.office) ? MPI_ERR_NO_MEM : MPI_SUCCESS;
+    int error = asprintf(&part, "%s.part", path) < 0 || (kept && !file.coordinator) ? MPI_ERR_NO_MEM : MPI_SUCCESS;
     int code = error;
     MPI_Allreduce(&error, &code, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
     if (!code) {
@@ -119,8 +120,8 @@ int ordered_file_open(struct ordered_file *out, const char *path, uint64_t size,
     }
     free(part);
     if (code) {
-        check(&file, error);
-        office_destroy(file.office);
+        check_mpi(&file, error);
+        coordinator_destroy(file.coordinator);
         return EXIT_DATA;
     }
     *out = file;
@@ -129,24 +130,24 @@ int ordered_file_open(struct ordered_file *out, const char *path, uint64_t size,
 
 /* ---- Rank 0 ------------------------------------------------------------------------------------------------------ */
 
-static struct slot *slot_of(struct ordered_office *office, uint64_t number)
+static struct slot *slot_of(struct coordinator *coordinator, uint64_t number)
 {
-    return &office->slots[number % office->slot_count];
+    return &coordinator->slots[number % coordinator->slot_count];
 }
 
-static void reply(int rank, enum reply kind, uint64_t place, const uint64_t *next)
+static void send_reply(int rank, enum reply kind, uint64_t place, const uint64_t *next)
 {
     const uint64_t message[REPLY_SIZE] = {kind, place, next ? *next : 0, next != NULL};
-    MPI_Send(message, REPLY_SIZE, MPI_UINT64_T, rank, FROM_OFFICE, MPI_COMM_WORLD);
+    MPI_Send(message, REPLY_SIZE, MPI_UINT64_T, rank, FROM_COORDINATOR, MPI_COMM_WORLD);
 }
 
-/* The first reason is told, a higher one replaces it here. */
+/* Sends the first reason to all; here a higher one replaces it. */
 static void stop_all(struct ordered_file *file, int code)
 {
-    struct ordered_office *office = file->office;
-    for (int rank = 1; rank < office->ranks && !file->stop; rank++) {
-        if (!office->has_ended[rank]) {
-            reply(rank, STOPPED, (uint64_t)code, NULL);
+    struct coordinator *coordinator = file->coordinator;
+    for (int rank = 1; rank < coordinator->ranks && !file->stop; rank++) {
+        if (!coordinator->has_ended[rank]) {
+            send_reply(rank, STOPPED, (uint64_t)code, NULL);
         }
     }
     file->stop = code > file->stop ? code : file->stop;
@@ -154,14 +155,14 @@ static void stop_all(struct ordered_file *file, int code)
 
 static void note_end(struct ordered_file *file, int rank)
 {
-    file->office->has_ended[rank] = true;
-    file->office->ended++;
-    reply(rank, FAREWELL, 0, NULL);
+    file->coordinator->has_ended[rank] = true;
+    file->coordinator->ended++;
+    send_reply(rank, FAREWELL, 0, NULL);
 }
 
 static void note_answer(struct ordered_file *file, int rank, const uint64_t request[REQUEST_SIZE])
 {
-    *slot_of(file->office, request[NUMBER]) = (struct slot){
+    *slot_of(file->coordinator, request[NUMBER]) = (struct slot){
         .state = SLOT_ANSWERED,
         .rank = rank,
         .is_last = request[KIND] == ANSWERED_LAST,
@@ -169,15 +170,15 @@ static void note_answer(struct ordered_file *file, int rank, const uint64_t requ
     };
 }
 
-static void handle(struct ordered_file *file, int rank, const uint64_t request[REQUEST_SIZE])
+static void handle_request(struct ordered_file *file, int rank, const uint64_t request[REQUEST_SIZE])
 {
-    struct ordered_office *office = file->office;
-    uint64_t next = office->taken;
+    struct coordinator *coordinator = file->coordinator;
+    uint64_t next = coordinator->taken;
     switch ((enum request)request[KIND]) {
     case TAKE:
         if (!file->stop) {
-            office->taken++;
-            reply(rank, GRANTED, 0, &next);
+            coordinator->taken++;
+            send_reply(rank, GRANTED, 0, &next);
         }
         break;
     case ANSWERED:
@@ -185,7 +186,7 @@ static void handle(struct ordered_file *file, int rank, const uint64_t request[R
         note_answer(file, rank, request);
         break;
     case WRITTEN:
-        slot_of(office, request[NUMBER])->state = SLOT_WRITTEN;
+        slot_of(coordinator, request[NUMBER])->state = SLOT_WRITTEN;
         break;
     case STOP:
         stop_all(file, (int)request[NUMBER]);
@@ -200,52 +201,52 @@ static void handle(struct ordered_file *file, int rank, const uint64_t request[R
  * most one per rank, so that all have slots. */
 static void place_pieces(struct ordered_file *file)
 {
-    struct ordered_office *office = file->office;
-    struct slot *slot = slot_of(office, office->placed);
+    struct coordinator *coordinator = file->coordinator;
+    struct slot *slot = slot_of(coordinator, coordinator->placed);
     while (!file->stop && slot->state == SLOT_ANSWERED &&
-           office->placed - office->noted < office->slot_count - (size_t)office->ranks) {
-        uint64_t next = office->taken;
+           coordinator->placed - coordinator->noted < coordinator->slot_count - (size_t)coordinator->ranks) {
+        uint64_t next = coordinator->taken;
         slot->state = SLOT_PLACED;
-        slot->place = office->size;
-        office->size += slot->entry.size;
-        office->placed++;
+        slot->place = coordinator->size;
+        coordinator->size += slot->entry.size;
+        coordinator->placed++;
         if (slot->rank) {
-            office->taken += !slot->is_last;
-            reply(slot->rank, PLACED, slot->place, slot->is_last ? NULL : &next);
+            coordinator->taken += !slot->is_last;
+            send_reply(slot->rank, PLACED, slot->place, slot->is_last ? NULL : &next);
         }
-        slot = slot_of(office, office->placed);
+        slot = slot_of(coordinator, coordinator->placed);
     }
 }
 
 static void fill_journal(struct ordered_file *file)
 {
-    struct ordered_office *office = file->office;
-    struct slot *slot = slot_of(office, office->noted);
-    while (office->kept && slot->state == SLOT_WRITTEN) {
-        int code = slot->entry.poses ? batch_file_note(office->kept, &slot->entry) : EXIT_DONE;
+    struct coordinator *coordinator = file->coordinator;
+    struct slot *slot = slot_of(coordinator, coordinator->noted);
+    while (coordinator->kept && slot->state == SLOT_WRITTEN) {
+        int code = slot->entry.poses ? batch_file_note(coordinator->kept, &slot->entry) : EXIT_DONE;
         if (code) {
-            office->kept = NULL;
+            coordinator->kept = NULL;
             stop_all(file, code);
             return;
         }
         slot->state = SLOT_FREE;
-        office->noted++;
-        slot = slot_of(office, office->noted);
+        coordinator->noted++;
+        slot = slot_of(coordinator, coordinator->noted);
     }
 }
 
-static void serve(struct ordered_file *file)
+static void serve_requests(struct ordered_file *file)
 {
     MPI_Status status;
     int is_there;
     for (;;) {
         uint64_t request[REQUEST_SIZE];
-        MPI_Iprobe(MPI_ANY_SOURCE, TO_OFFICE, MPI_COMM_WORLD, &is_there, &status);
+        MPI_Iprobe(MPI_ANY_SOURCE, TO_COORDINATOR, MPI_COMM_WORLD, &is_there, &status);
         if (!is_there) {
             break;
         }
-        MPI_Recv(request, REQUEST_SIZE, MPI_UINT64_T, status.MPI_SOURCE, TO_OFFICE, MPI_COMM_WORLD, &status);
-        handle(file, status.MPI_SOURCE, request);
+        MPI_Recv(request, REQUEST_SIZE, MPI_UINT64_T, status.MPI_SOURCE, TO_COORDINATOR, MPI_COMM_WORLD, &status);
+        handle_request(file, status.MPI_SOURCE, request);
     }
     fill_journal(file);
     place_pieces(file);
@@ -253,23 +254,23 @@ static void serve(struct ordered_file *file)
 
 /* ---- The other ranks --------------------------------------------------------------------------------------------- */
 
-static void say(enum request kind, uint64_t number, const struct batch_entry *entry)
+static void send_request(enum request kind, uint64_t number, const struct batch_entry *entry)
 {
     static const struct batch_entry none;
     const struct batch_entry *e = entry ? entry : &none;
     const uint64_t request[REQUEST_SIZE] = {kind, number, e->poses, e->errors, e->size, e->crc};
-    MPI_Send(request, REQUEST_SIZE, MPI_UINT64_T, 0, TO_OFFICE, MPI_COMM_WORLD);
+    MPI_Send(request, REQUEST_SIZE, MPI_UINT64_T, 0, TO_COORDINATOR, MPI_COMM_WORLD);
 }
 
-/* Hears what rank 0 has said, if it has; that all are to stop is noted. */
-static bool hear(struct ordered_file *file, uint64_t message[REPLY_SIZE])
+/* Receives a reply of rank 0, if there is one; notes that all are to stop. */
+static bool receive_reply(struct ordered_file *file, uint64_t message[REPLY_SIZE])
 {
     int is_there;
-    MPI_Iprobe(0, FROM_OFFICE, MPI_COMM_WORLD, &is_there, MPI_STATUS_IGNORE);
+    MPI_Iprobe(0, FROM_COORDINATOR, MPI_COMM_WORLD, &is_there, MPI_STATUS_IGNORE);
     if (!is_there) {
         return false;
     }
-    MPI_Recv(message, REPLY_SIZE, MPI_UINT64_T, 0, FROM_OFFICE, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    MPI_Recv(message, REPLY_SIZE, MPI_UINT64_T, 0, FROM_COORDINATOR, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
     if (message[KIND] == STOPPED) {
         file->stop = (int)message[PLACE];
     }
@@ -280,15 +281,15 @@ static bool hear(struct ordered_file *file, uint64_t message[REPLY_SIZE])
 
 void ordered_file_stop(struct ordered_file *file, int code)
 {
-    if (file->office) {
+    if (file->coordinator) {
         stop_all(file, code);
     } else if (!file->stop) {
-        say(STOP, (uint64_t)code, NULL);
+        send_request(STOP, (uint64_t)code, NULL);
         file->stop = code;
     }
 }
 
-static void see_to_signals(struct ordered_file *file)
+static void check_signals(struct ordered_file *file)
 {
     if (interrupt_signal() && !file->stop) {
         ordered_file_stop(file, 128 + interrupt_signal());
@@ -298,11 +299,11 @@ static void see_to_signals(struct ordered_file *file)
 bool ordered_file_tend(struct ordered_file *file)
 {
     uint64_t message[REPLY_SIZE];
-    see_to_signals(file);
-    if (file->office) {
-        serve(file);
+    check_signals(file);
+    if (file->coordinator) {
+        serve_requests(file);
     } else {
-        hear(file, message); /* nothing has been asked: it can only be STOPPED */
+        receive_reply(file, message); /* nothing has been asked: it can only be STOPPED */
     }
     return !file->stop;
 }
@@ -311,11 +312,11 @@ bool ordered_file_tend(struct ordered_file *file)
 static bool wait_for_reply(struct ordered_file *file, uint64_t message[REPLY_SIZE])
 {
     while (!file->stop) {
-        if (hear(file, message)) {
+        if (receive_reply(file, message)) {
             return !file->stop;
         }
-        rest();
-        see_to_signals(file);
+        sleep_briefly();
+        check_signals(file);
     }
     return false;
 }
@@ -326,12 +327,12 @@ bool ordered_file_take(struct ordered_file *file, uint64_t *number)
     if (file->stop) {
         return false;
     }
-    if (file->office) {
-        *number = file->office->taken++;
+    if (file->coordinator) {
+        *number = file->coordinator->taken++;
         return true;
     }
     if (!file->has_next) {
-        say(TAKE, 0, NULL);
+        send_request(TAKE, 0, NULL);
         if (!wait_for_reply(file, message)) {
             return false;
         }
@@ -345,10 +346,10 @@ bool ordered_file_take(struct ordered_file *file, uint64_t *number)
 /* Rank 0 asks itself. */
 static bool find_own_place(struct ordered_file *file, uint64_t number, const struct batch_entry *entry, uint64_t *place)
 {
-    struct slot *slot = slot_of(file->office, number);
+    struct slot *slot = slot_of(file->coordinator, number);
     *slot = (struct slot){.state = SLOT_ANSWERED, .entry = *entry};
     while (ordered_file_tend(file) && slot->state == SLOT_ANSWERED) {
-        rest();
+        sleep_briefly();
     }
     *place = slot->place;
     return !file->stop;
@@ -358,10 +359,10 @@ static bool find_place(struct ordered_file *file, uint64_t number, const struct 
                        uint64_t *place)
 {
     uint64_t message[REPLY_SIZE];
-    if (file->office) {
+    if (file->coordinator) {
         return find_own_place(file, number, entry, place);
     }
-    say(is_last ? ANSWERED_LAST : ANSWERED, number, entry);
+    send_request(is_last ? ANSWERED_LAST : ANSWERED, number, entry);
     if (!wait_for_reply(file, message)) {
         return false;
     }
@@ -378,48 +379,49 @@ void ordered_file_write(struct ordered_file *file, uint64_t number, const conus_
     if (file->stop || !find_place(file, number, &entry, is_last, &place)) {
         return;
     }
-    if (!check(file, write_at(file->file, place, piece->text, piece->size))) {
+    if (!check_mpi(file, write_at(file->file, place, piece->text, piece->size))) {
         ordered_file_stop(file, EXIT_DATA);
-    } else if (file->office) {
-        slot_of(file->office, number)->state = SLOT_WRITTEN;
+    } else if (file->coordinator) {
+        slot_of(file->coordinator, number)->state = SLOT_WRITTEN;
     } else {
-        say(WRITTEN, number, NULL);
+        send_request(WRITTEN, number, NULL);
     }
 }
 
 void ordered_file_wait(struct ordered_file *file)
 {
-    const struct ordered_office *office = file->office;
-    while (ordered_file_tend(file) && (office->ended < office->ranks - 1 || office->noted < office->placed)) {
-        rest();
+    const struct coordinator *coordinator = file->coordinator;
+    while (ordered_file_tend(file) &&
+           (coordinator->ended < coordinator->ranks - 1 || coordinator->noted < coordinator->placed)) {
+        sleep_briefly();
     }
 }
 
-/* After which nobody says anything more. */
-static void take_leave(struct ordered_file *file)
+/* After this there are no more messages. */
+static void end_messages(struct ordered_file *file)
 {
     uint64_t message[REPLY_SIZE] = {STOPPED};
-    if (file->office) {
-        while (file->office->ended < file->office->ranks - 1) {
-            serve(file);
-            rest();
+    if (file->coordinator) {
+        while (file->coordinator->ended < file->coordinator->ranks - 1) {
+            serve_requests(file);
+            sleep_briefly();
         }
         return;
     }
-    say(END, 0, NULL);
+    send_request(END, 0, NULL);
     while (message[KIND] != FAREWELL) {
-        if (!hear(file, message)) {
-            rest();
+        if (!receive_reply(file, message)) {
+            sleep_briefly();
         }
     }
 }
 
 int ordered_file_close(struct ordered_file *file)
 {
-    take_leave(file);
+    end_messages(file);
     int error = MPI_File_sync(file->file);
     int closed = MPI_File_close(&file->file);
-    bool whole = check(file, error ? error : closed);
-    office_destroy(file->office);
+    bool whole = check_mpi(file, error ? error : closed);
+    coordinator_destroy(file->coordinator);
     return whole || file->stop ? file->stop : EXIT_DATA;
 }

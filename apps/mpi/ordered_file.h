@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Pieces of work for all ranks, and one file to which their results go in the pieces' order. Rank 0 hands out the
- * pieces' numbers and the places of their rows in the file, and keeps the journal. The others ask it by messages, which
- * it answers between its own blocks: that needs nothing of MPI but messages, and no rank that dies holds a lock. No
- * rank holds more than one finished piece. */
+ * Pieces of work for all ranks, and one file to which their results go in the pieces' order. The coordinator on rank 0
+ * hands out the pieces' numbers and the places of their rows in the file, and keeps the journal. The others ask it by
+ * messages, which it answers between its own blocks: that needs nothing of MPI but messages, and no rank that dies
+ * holds a lock. No rank holds more than one finished piece. */
 #ifndef CONUS_MPI_ORDERED_FILE_H
 #define CONUS_MPI_ORDERED_FILE_H
 
@@ -11,18 +11,18 @@
 
 #include <mpi.h>
 
-struct ordered_office; /* what rank 0 has */
+struct coordinator; /* of rank 0 */
 
 struct ordered_file {
     MPI_File file;
-    const char *path;              /**< What the file becomes, for messages. */
-    struct ordered_office *office; /**< NULL on other ranks than 0. */
-    int stop;                      /**< Why all are to stop, 0 to go on: an exit code, 128 and more of a signal. */
-    bool has_next;                 /**< `next` is the number of a piece that is this rank's to answer. */
+    const char *path;                /**< What the file becomes, for messages. */
+    struct coordinator *coordinator; /**< NULL on other ranks than 0. */
+    int stop;                        /**< Why all are to stop, 0 to continue: an exit code, 128 and more of a signal. */
+    bool has_next;                   /**< `next` is the number of a piece that is this rank's to answer. */
     uint64_t next;
 };
 
-/** Goes on behind the @p size bytes that are in the part of the file @p path; all ranks at once. @p kept is rank 0's,
+/** Resumes behind the @p size bytes that are in the part of the file @p path; all ranks at once. @p kept is rank 0's,
  * opened; NULL on others. Returns the exit code and prints an error unless it is 0; then there is nothing to close. */
 int ordered_file_open(struct ordered_file *out, const char *path, uint64_t size, struct batch_file *kept);
 

@@ -2,7 +2,7 @@
 #include "viewer/loop.h"
 
 #include "common/messages.h"
-#include "link/tell.h"
+#include "link/send_selection.h"
 #include "viewer/session/keep.h"
 
 #include <GLFW/glfw3.h>
@@ -34,12 +34,12 @@ static void hear_tracker(struct window *window)
 }
 
 /* Whoever is connected hears what is selected, by whatever moves the cone. */
-static void tell_others(struct window *window)
+static void send_answer(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    if (window->news.clients && viewer->answer && viewer->selector && window->told != viewer->answer_number) {
-        station_tell_selection(window->station, viewer->selector, viewer->atlas, viewer_selection(viewer));
-        window->told = viewer->answer_number;
+    if (window->news.clients && viewer->answer && viewer->selector && window->sent_answer != viewer->answer_number) {
+        station_send_selection(window->station, viewer->selector, viewer->atlas, viewer_selection(viewer));
+        window->sent_answer = viewer->answer_number;
     }
 }
 
@@ -115,7 +115,7 @@ static bool go_round(struct window *window, struct script *script, int *code)
     wait_for_events(window, acts ? 0 : rest(window, script));
     if (window->station) {
         hear_tracker(window);
-        tell_others(window);
+        send_answer(window);
     }
     watch_files(window);
     replay_step(&window->replay, window->viewer, glfwGetTime());

@@ -226,7 +226,7 @@ static void find_place(struct place *out, const struct view_settings *settings)
     }
 }
 
-static int run(const void *given, const struct arguments *arguments)
+static int run_view(const void *given, const struct arguments *arguments)
 {
     const struct view_settings *settings = given;
     double started = clock_ms();
@@ -272,7 +272,7 @@ static const struct command cmd_view = {
         "  conus view /usr/share/mricron/templates/aal.nii.gz --context /usr/share/mricron/templates/ch2bet.nii.gz\n",
     .groups = groups,
     .settings_size = sizeof(struct view_settings),
-    .run = run,
+    .run = run_view,
 };
 
 int main(int count, char **words)
@@ -281,7 +281,7 @@ int main(int count, char **words)
     struct view_settings settings = {0};
     int code = options_parse(&arguments, &settings, &cmd_view, count, words, 1);
     if (code < 0) {
-        code = run(&settings, &arguments);
+        code = run_view(&settings, &arguments);
     }
     options_finish(&settings, &arguments);
     return code;

@@ -400,7 +400,7 @@ static void read_exactly(int peer, uint8_t *out, size_t size)
     }
 }
 
-static void what_is_told_arrives(void **state)
+static void sent_selection_arrives(void **state)
 {
     (void)state;
     static const char json[] = "{\"best\": \"Insula_L\"}";
@@ -410,7 +410,7 @@ static void what_is_told_arrives(void **state)
     int peer = connect_to(station);
     send_pose(peer, "Pointer", turned);
     wait_for(station, 0);
-    station_tell(station, json, &point, 1);
+    station_send(station, json, &point, 1);
     size_t text = IGTL_HEADER + 4 + sizeof json - 1;
     read_exactly(peer, bytes, text + IGTL_HEADER + 136);
     assert_memory_equal(bytes + 2, "STRING", 7);
@@ -474,7 +474,7 @@ int main(void)
         cmocka_unit_test(idle_peers_give_way),
         cmocka_unit_test(peers_that_send_keep_their_places),
         cmocka_unit_test(a_flood_leaves_the_newest_pose),
-        cmocka_unit_test(what_is_told_arrives),
+        cmocka_unit_test(sent_selection_arrives),
         cmocka_unit_test(as_a_client_it_comes_again),
         cmocka_unit_test(a_bad_address_is_said),
     };

@@ -40,7 +40,7 @@ void painter_hold(struct painter *painter)
     (void)painter;
 }
 
-void painter_go_on(struct painter *painter)
+void painter_resume(struct painter *painter)
 {
     (void)painter;
 }

@@ -24,7 +24,7 @@ static bool pass_transfer(const struct viewer *viewer)
     return viewer->painter && (!editor->edited || painter_set_transfer(viewer->painter, editor->points, editor->count));
 }
 
-static void go_on(struct viewer *viewer)
+static void resume_painter(struct viewer *viewer)
 {
     struct painter *painter = NULL;
     if (painter_create(&painter, viewer->atlas, viewer->transfer, viewer->options.log, viewer->wake)) {
@@ -70,7 +70,7 @@ void viewer_set_threshold(struct viewer *viewer, uint32_t object, double thresho
     if (conus_atlas_set_threshold(viewer->atlas, object, threshold)) {
         viewer_say(viewer, "%s", conus_message());
     }
-    go_on(viewer);
+    resume_painter(viewer);
 }
 
 static void set_colours(struct viewer *viewer, bool safe)
@@ -87,7 +87,7 @@ void viewer_use_safe_colours(struct viewer *viewer, bool safe)
 {
     rest(viewer);
     set_colours(viewer, safe);
-    go_on(viewer);
+    resume_painter(viewer);
 }
 
 /* ---- All at once ---------------------------------------------------------------------------------------------------
@@ -160,7 +160,7 @@ conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *sett
         set_points(editor, settings);
     }
     if (rests) {
-        go_on(viewer);
+        resume_painter(viewer);
     } else if (settings->sets_transfer && editor->edited) {
         viewer_use_transfer(viewer);
     }

@@ -15,7 +15,7 @@ struct head {
     enum station_state state; /**< Of the tool.                                                   */
     double eye[3];
     conus_pose screen; /**< Its middle, +x to its right, +y up, +z to the viewer.          */
-    double size[2];    /**< Of the screen, width and height; 0, 0 = none was told of.      */
+    double size[2];    /**< Of the screen, width and height; 0, 0 = not known.           */
     unsigned number;   /**< Grows with every change that shows.                            */
 };
 

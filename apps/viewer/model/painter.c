@@ -62,7 +62,7 @@ bool painting_shows_same(const struct painting *a, const struct painting *b)
 }
 
 /* With the lock held; ends it. */
-static void tell_window(struct painter *painter)
+static void wake_window(struct painter *painter)
 {
     painter->has_news = true;
     pthread_mutex_unlock(&painter->lock);
@@ -75,7 +75,7 @@ static void note_error(struct painter *painter)
 {
     pthread_mutex_lock(&painter->lock);
     snprintf(painter->error, sizeof painter->error, "%s", conus_message());
-    tell_window(painter);
+    wake_window(painter);
 }
 
 /* ---- The thread ------------------------------------------------------------------------------------------------ */
@@ -110,7 +110,7 @@ static void hand_over(struct painter *painter, struct painted *picture)
     pthread_mutex_lock(&painter->lock);
     free(painter->done.rgba);
     painter->done = *picture;
-    tell_window(painter);
+    wake_window(painter);
 }
 
 /* Pixels of the pane per pixel of the picture. */
@@ -164,7 +164,7 @@ static void note_transfer(struct painter *painter, const conus_renderer *rendere
         memcpy(painter->used, points ? points : painter->used, count * sizeof *points);
         painter->used_count = count;
     }
-    tell_window(painter);
+    wake_window(painter);
 }
 
 static void apply_changes(struct painter *painter, conus_renderer *renderer, bool hidden, conus_transfer_point *points,
@@ -197,7 +197,7 @@ static bool wait_for_work(struct painter *painter, struct painting *what, enum s
         pthread_cond_wait(&painter->wake, &painter->lock);
     }
     bool rests = painter->is_new && !painter->hidden_is_new && !painter->point_count &&
-                 painting_shows_same(&painter->asked, what); /* what was drawn so far holds: go on, finer */
+                 painting_shows_same(&painter->asked, what); /* what was drawn so far holds: continue, finer */
     bool changed = (painter->is_new || painter->hidden_is_new || painter->point_count) && !rests;
     if (painter->is_new) {
         answer_drop(what->answer);
@@ -214,13 +214,13 @@ static bool wait_for_work(struct painter *painter, struct painting *what, enum s
     painter->points = *points ? NULL : painter->points;
     painter->hidden_is_new = false;
     painter->point_count = 0;
-    bool go_on = !painter->stop;
-    painter->is_busy = go_on;
+    bool continues = !painter->stop;
+    painter->is_busy = continues;
     pthread_mutex_unlock(&painter->lock);
-    return go_on;
+    return continues;
 }
 
-static void work(struct painter *painter, conus_renderer *renderer)
+static void paint_all(struct painter *painter, conus_renderer *renderer)
 {
     struct painting what = {0};
     enum stage stage = STAGE_NONE;
@@ -256,7 +256,7 @@ static void *run(void *user)
     snprintf(painter->device, sizeof painter->device, "%s", conus_renderer_device(renderer));
     pthread_mutex_unlock(&painter->lock);
     note_transfer(painter, renderer);
-    work(painter, renderer);
+    paint_all(painter, renderer);
     conus_renderer_destroy(renderer);
     return NULL;
 }
@@ -346,7 +346,7 @@ void painter_hold(struct painter *painter)
     pthread_mutex_unlock(&painter->lock);
 }
 
-void painter_go_on(struct painter *painter)
+void painter_resume(struct painter *painter)
 {
     pthread_mutex_lock(&painter->lock);
     painter->holds--;

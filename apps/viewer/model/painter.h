@@ -48,10 +48,10 @@ void painter_ask(struct painter *painter, const struct painting *what);
 bool painter_has_news(struct painter *painter);
 /** The newest picture, once: false if there is none since the last one. */
 bool painter_take(struct painter *painter, struct painted *out);
-/** Waits until the thread does not read the atlas, which it does not do again before painter_go_on(). */
+/** Waits until the thread does not read the atlas, which it does not do again before painter_resume(). */
 void painter_hold(struct painter *painter);
 /** The atlas may hide other objects now. */
-void painter_go_on(struct painter *painter);
+void painter_resume(struct painter *painter);
 bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count);
 
 /** The transfer function that is used, up to @p room points; 0 before it is known, or where there is no context. */

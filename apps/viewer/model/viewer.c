@@ -304,7 +304,7 @@ static void hide_in_atlas(struct viewer *viewer)
         }
     }
     if (viewer->painter) {
-        painter_go_on(viewer->painter);
+        painter_resume(viewer->painter);
     }
     viewer->scene_number++;
     viewer_reselect(viewer);

@@ -63,7 +63,7 @@ static size_t list_fields(struct field fields[FIELD_LIMIT], struct state *state)
     return sizeof all / sizeof all[0];
 }
 
-static bool refuse(char why[SESSION_REASON], const char *format, ...)
+static bool refuse_session(char why[SESSION_REASON], const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -251,7 +251,8 @@ bool session_save(const struct window *window, const char *path, char why[SESSIO
     conus_status status = text ? conus_write_file(path, text, strlen(text)) : CONUS_ERROR_MEMORY;
     free(text);
     return !status ||
-           refuse(why, "%s", text ? conus_message() : "session: not enough memory, or a name that is not UTF-8");
+           refuse_session(why, "%s",
+                          text ? conus_message() : "session: not enough memory, or a name that is not UTF-8");
 }
 
 /* ---- Reading
@@ -270,8 +271,8 @@ static bool read_field(const json_t *root, const struct field *field, char why[S
     for (size_t i = 0; fine && i < field->count; i++) {
         fine = read_number(&field->value[i], field->count == 1 ? value : json_array_get(value, i), field);
     }
-    return fine || refuse(why, "session: %s: %zu numbers from %g to %g are needed", field->key, field->count,
-                          field->low, field->high);
+    return fine || refuse_session(why, "session: %s: %zu numbers from %g to %g are needed", field->key, field->count,
+                                  field->low, field->high);
 }
 
 static const char *known_score(const char *name)
@@ -292,7 +293,7 @@ static bool read_hidden(bool *hidden, const json_t *root, size_t object_count, c
     for (size_t i = 0; i < json_array_size(list); i++) {
         json_int_t number = json_integer_value(json_array_get(list, i));
         if (number < 1 || (uint64_t)number > object_count) {
-            return refuse(why, "session: hidden: %lld, allowed is 1 to %zu", (long long)number, object_count);
+            return refuse_session(why, "session: hidden: %lld, allowed is 1 to %zu", (long long)number, object_count);
         }
         hidden[number] = true;
     }
@@ -329,10 +330,12 @@ static bool read_threshold(double *out, const json_t *entry, const char *wanted,
     const struct field field = {.low = fmin(info->minimum, info->threshold),
                                 .high = fmax(info->maximum, info->threshold)};
     if (!name || strcmp(name, wanted) != 0) {
-        return refuse(why, "session: thresholds: that of \"%s\" is needed, not of \"%s\"", wanted, name ? name : "");
+        return refuse_session(why, "session: thresholds: that of \"%s\" is needed, not of \"%s\"", wanted,
+                              name ? name : "");
     }
     return read_number(out, json_object_get(entry, "threshold"), &field) ||
-           refuse(why, "session: thresholds: %s: a number from %g to %g is needed", name, field.low, field.high);
+           refuse_session(why, "session: thresholds: %s: a number from %g to %g is needed", name, field.low,
+                          field.high);
 }
 
 /* One for each pathway, in the atlas's order. Fills [object_count + 1]. */
@@ -347,7 +350,7 @@ static bool read_thresholds(double *out, const struct viewer *viewer, const json
         }
     }
     return (json_is_array(list) && json_array_size(list) == count) ||
-           refuse(why, "session: thresholds: a list of %zu, one for each pathway, is needed", count);
+           refuse_session(why, "session: thresholds: a list of %zu, one for each pathway, is needed", count);
 }
 
 static bool read_point(conus_transfer_point *out, const json_t *entry, double least)
@@ -371,14 +374,15 @@ static bool read_transfer(struct atlas_edits *out, const struct viewer *viewer, 
         return true;
     }
     if (viewer_context(viewer) == conus_atlas_volume_count(viewer->atlas)) {
-        return refuse(why, "session: transfer: there is no context here, open it with --context");
+        return refuse_session(why, "session: transfer: there is no context here, open it with --context");
     }
     bool fine = json_is_array(list) && count >= 1 && count <= EDITOR_POINTS;
     for (size_t i = 0; fine && i < count; i++) {
         fine = read_point(&out->points[i], json_array_get(list, i), i ? out->points[i - 1].value : -FLT_MAX);
     }
     out->point_count = count;
-    return fine || refuse(why,
+    return fine ||
+           refuse_session(why,
                           "session: transfer: 1 to %d points are needed, each a grey value not less than the one "
                           "before, red, green, blue and opacity from 0 to 1",
                           EDITOR_POINTS);
@@ -394,7 +398,7 @@ static bool read_atlas_edits(struct atlas_edits *out, double *thresholds, const 
     *out = (struct atlas_edits){.thresholds = list ? thresholds : NULL,
                                 .safe_colours = safe ? json_is_true(safe) : viewer->safe_colours};
     if (safe && !json_is_boolean(safe)) {
-        return refuse(why, "session: safe_colours: true or false is needed");
+        return refuse_session(why, "session: safe_colours: true or false is needed");
     }
     return (!list || read_thresholds(thresholds, viewer, list, why)) &&
            (!transfer || read_transfer(out, viewer, transfer, why));
@@ -405,11 +409,11 @@ static bool read_state(struct state *out, const json_t *root, size_t object_coun
     struct field fields[FIELD_LIMIT];
     size_t count = list_fields(fields, out) - (json_object_get(root, "by_head") ? 0 : HEAD_FIELDS);
     if (json_integer_value(json_object_get(root, "conus_session")) != SESSION_VERSION) {
-        return refuse(why, "no session of this version of conus view");
+        return refuse_session(why, "no session of this version of conus view");
     }
     if ((size_t)json_integer_value(json_object_get(root, "objects")) != object_count) {
-        return refuse(why, "session: of an atlas with %lld areas and pathways, this one has %zu",
-                      (long long)json_integer_value(json_object_get(root, "objects")), object_count);
+        return refuse_session(why, "session: of an atlas with %lld areas and pathways, this one has %zu",
+                              (long long)json_integer_value(json_object_get(root, "objects")), object_count);
     }
     for (size_t i = 0; i < count; i++) {
         if (!read_field(root, &fields[i], why)) {
@@ -422,7 +426,7 @@ static bool read_state(struct state *out, const json_t *root, size_t object_coun
 /* The atlas first, since that may fail. */
 static bool set_up(struct viewer *viewer, const struct atlas_edits *settings, char why[SESSION_REASON])
 {
-    return !viewer_set_up(viewer, settings) || refuse(why, "session: not enough memory");
+    return !viewer_set_up(viewer, settings) || refuse_session(why, "session: not enough memory");
 }
 
 static bool read_session(struct window *window, const json_t *root, char why[SESSION_REASON])
@@ -435,14 +439,14 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
         return false;
     }
     if (!score) {
-        return refuse(why, "session: score: unknown");
+        return refuse_session(why, "session: score: unknown");
     }
     bool *hidden = calloc(viewer->object_count + 1, sizeof *hidden);
     double *thresholds = calloc(viewer->object_count + 1, sizeof *thresholds);
     bool fine = hidden && thresholds
                     ? read_hidden(hidden, root, viewer->object_count, why) &&
                           read_atlas_edits(&settings, thresholds, viewer, root, why) && set_up(viewer, &settings, why)
-                    : refuse(why, "session: not enough memory");
+                    : refuse_session(why, "session: not enough memory");
     free(thresholds);
     if (!fine) {
         free(hidden);
@@ -459,7 +463,8 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
 static bool use_session(struct window *window, json_t *root, const char *path, const json_error_t *error,
                         char why[SESSION_REASON])
 {
-    bool fine = root ? read_session(window, root, why) : refuse(why, "%s: line %d: %s", path, error->line, error->text);
+    bool fine =
+        root ? read_session(window, root, why) : refuse_session(why, "%s: line %d: %s", path, error->line, error->text);
     json_decref(root);
     return fine;
 }
@@ -493,13 +498,13 @@ bool session_load(struct window *window, const char *path, char why[SESSION_REAS
     struct capped from = {.file = fopen(path, "re"), .left = SESSION_LIMIT};
     json_error_t error;
     if (!from.file) {
-        return refuse(why, "%s: cannot open: %s", path, strerror(errno));
+        return refuse_session(why, "%s: cannot open: %s", path, strerror(errno));
     }
     json_t *root = json_load_callback(read_capped, &from, JSON_REJECT_DUPLICATES, &error);
     fclose(from.file);
     if (from.is_larger) {
         json_decref(root);
-        return refuse(why, "%s: more than the %d bytes that are read", path, SESSION_LIMIT);
+        return refuse_session(why, "%s: more than the %d bytes that are read", path, SESSION_LIMIT);
     }
     return use_session(window, root, path, &error, why);
 }

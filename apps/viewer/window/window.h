@@ -63,7 +63,7 @@ struct window {
     uint32_t listed;      /**< What the list of areas was scrolled to last. */
     bool hovers;          /**< hovered_at holds. */
     float dragged;        /**< Pixels that the mouse moved since it was pressed on the 3-D pane. */
-    unsigned told;        /**< The answer that whoever is connected was told last. */
+    unsigned sent_answer; /**< The answer that was sent to the station last. */
     double watched;       /**< When the atlas's files were looked at last, by clock_ms(). */
     float next_scale;     /**< That the screen asks for; 0 = no other than before. */
     bool scale_given;     /**< By the user: the screen is not asked. */

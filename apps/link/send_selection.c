@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "link/tell.h"
+#include "link/send_selection.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { POINTS_TOLD = 16 };
+enum { POINTS_SENT = 16 };
 
-static size_t list_points(struct igtl_point points[POINTS_TOLD], const conus_atlas *atlas,
+static size_t list_points(struct igtl_point points[POINTS_SENT], const conus_atlas *atlas,
                           const conus_selection *selection)
 {
     size_t count = 0;
-    for (size_t i = 0; i < conus_selection_count(selection) && count < POINTS_TOLD; i++) {
+    for (size_t i = 0; i < conus_selection_count(selection) && count < POINTS_SENT; i++) {
         const conus_result *result = conus_selection_result(selection, i);
         const conus_object *object = conus_atlas_object(atlas, result->object);
         if (object && result->pixels) {
@@ -23,10 +23,10 @@ static size_t list_points(struct igtl_point points[POINTS_TOLD], const conus_atl
     return count;
 }
 
-void station_tell_selection(struct station *station, const conus_selector *selector, const conus_atlas *atlas,
+void station_send_selection(struct station *station, const conus_selector *selector, const conus_atlas *atlas,
                             const conus_selection *selection)
 {
-    struct igtl_point points[POINTS_TOLD];
+    struct igtl_point points[POINTS_SENT];
     conus_report *report = NULL;
     const conus_report_options options = {.format = CONUS_NDJSON};
     const char *text;
@@ -35,7 +35,7 @@ void station_tell_selection(struct station *station, const conus_selector *selec
     status = status ? status : conus_report_add(report, "tracker", selection);
     status = status ? status : conus_report_text(report, &text, &size);
     if (!status) {
-        station_tell(station, text, points, list_points(points, atlas, selection));
+        station_send(station, text, points, list_points(points, atlas, selection));
     }
     conus_report_destroy(report);
 }
