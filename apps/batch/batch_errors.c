@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Counts the poses without an answer in a file of rows of any format. */
 #include "batch/batch_errors.h"
 
 #include "common/input_file.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The rows' file and its journal: beginning, appending whole blocks, resuming, finishing. */
 #include "batch/batch_file.h"
 
 #include "common/input_file.h"

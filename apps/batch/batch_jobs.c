@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Answers one batch, or each row of a table of batches. */
 #include "batch/batch_jobs.h"
 
 #include "batch/batch_table.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Opens, resumes and finishes the output of a batch, and says how a broken one can be resumed. */
 #include "batch/batch_output.h"
 
 #include "common/messages.h"

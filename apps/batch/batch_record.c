@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Writes the record of a batch into its sidecar, with the hashes that identify its inputs. */
 #include "batch/batch_record.h"
 
 #include "common/input_file.h"

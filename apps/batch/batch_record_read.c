@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads the record of a batch back from its sidecar. */
 #include "batch/batch_record.h"
 #include "common/input_file.h"
 #include "common/messages.h"

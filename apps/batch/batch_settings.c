@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of options of conus batch and conus-mpi, and what --format and --shard mean. */
 #include "batch/batch_settings.h"
 
 #include "common/messages.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses a table of batches. */
 #include "batch/batch_table.h"
 
 #include "common/input_file.h"

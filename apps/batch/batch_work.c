@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The steps of a batch that conus batch and conus-mpi share: checks, loading, fingerprint, selector. */
 #include "batch/batch_work.h"
 
 #include "common/messages.h"

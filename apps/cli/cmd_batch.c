@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus batch: answers many poses with several threads. */
 #include "batch/batch_jobs.h"
 #include "batch/batch_output.h"
 #include "cli/commands.h"

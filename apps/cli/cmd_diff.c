@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus diff: compares two results row by row, or two pictures. */
 #include "cli/commands.h"
 #include "cli/results_file.h"
 #include "common/messages.h"

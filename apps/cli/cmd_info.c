@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus info: lists the contents of an atlas as a table, a tree or JSON. */
 #include "cli/commands.h"
 #include "cli/info_json.h"
 #include "cli/info_tree.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus merge: checks the shards of a batch and joins them into one file. */
 #include "batch/batch_errors.h"
 #include "batch/batch_file.h"
 #include "batch/batch_record.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus mesh: writes a surface mesh of each area. */
 #include "cli/commands.h"
 #include "common/messages.h"
 #include "common/settings.h"

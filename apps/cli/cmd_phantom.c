@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus phantom: writes synthetic atlases. */
 #include "cli/commands.h"
 #include "common/messages.h"
 #include "common/settings.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus render: draws an atlas, with or without a cone, into a picture file. */
 #include "cli/commands.h"
 #include "common/aim_notes.h"
 #include "common/messages.h"

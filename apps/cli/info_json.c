@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The JSON of conus info. */
 #include "cli/info_json.h"
 
 #include <jansson.h>

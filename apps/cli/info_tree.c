@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The tree of areas of conus info. */
 #include "cli/info_tree.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The program conus: finds the command and runs it. */
 #include "cli/commands.h"
 #include "common/messages.h"
 #include "common/output.h"

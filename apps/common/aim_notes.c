@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Notes about devices inside areas and cones that miss the atlas, with the likely mistake. */
 #include "common/aim_notes.h"
 
 #include "common/messages.h"

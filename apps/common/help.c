@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The text of --help, from a command's table of options. */
 #include "common/options.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads whole files or pipes, up to a limit of bytes. */
 #include "common/input_file.h"
 
 #include "common/messages.h"

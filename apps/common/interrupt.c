@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The handlers of SIGINT and SIGTERM. */
 #include "common/interrupt.h"
 
 #include <signal.h>

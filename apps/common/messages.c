@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Prints error lines, maps statuses to exit codes, and suggests names for misspelt words. */
 #include "common/messages.h"
 
 #include <errno.h>

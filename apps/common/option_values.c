@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses the values of options by their types. */
 #include "common/messages.h"
 #include "common/options.h"
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses a command line by a command's table of options. */
 #include "common/options.h"
 
 #include "common/messages.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Writes to stdout or files, and compares paths. */
 #include "common/output.h"
 
 #include "common/messages.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The options of files of poses, and the check that poses and atlas share a space. */
 #include "common/pose_settings.h"
 
 #include "common/messages.h"

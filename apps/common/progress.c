@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The progress line on a terminal, or as JSON. */
 #include "common/progress.h"
 
 #include "link/clock.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The tables of options that several commands share, and what they mean for the library. */
 #include "common/settings.h"
 
 #include "common/messages.h"

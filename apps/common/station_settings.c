@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The options of trackers and of a tracked screen, and the start of a station. */
 #include "common/station_settings.h"
 
 #include "common/messages.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses and writes OpenIGTLink messages; no sockets here. */
 #include "link/igtl.h"
 
 #include <conus/conus.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes JSON and points of a selection, and hands them to the station. */
 #include "link/send_selection.h"
 
 #include <stdio.h>

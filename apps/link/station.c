@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The station's thread: its sockets, its peers, the newest poses. */
 #include "link/station.h"
 
 #include "link/clock.h"

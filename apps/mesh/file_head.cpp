@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Finds out a mesh file's format and what its header promises, before a reader allocates.
 #include "file_head.hpp"
 
 #include "failure.hpp"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The program conus-mesh: answers the request in a file by a stream of meshes on stdout.
 #include "conus_mesh.hpp"
 #include "failure.hpp"
 #include "mapped_file.hpp"

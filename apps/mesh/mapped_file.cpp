@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A file in memory, by mmap().
 #include "mapped_file.hpp"
 
 #include "failure.hpp"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Checks an OBJ file's statements before VTK reads them.
 #include "obj_file.hpp"
 
 #include "failure.hpp"

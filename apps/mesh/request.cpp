@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Parses a request and checks its numbers.
 #include "request.hpp"
 
 #include "failure.hpp"

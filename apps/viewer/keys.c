@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of keys, and what each does. */
 #include "viewer/session/keep.h"
 
 #include <math.h>

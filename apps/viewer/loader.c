@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The thread that loads the atlas, and its progress. */
 #include "viewer/loader.h"
 
 #include <pthread.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The loop of the window: waits, handles news, draws frames. */
 #include "viewer/loop.h"
 
 #include "common/messages.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* A selection with a count of its holders. */
 #include "viewer/model/answer.h"
 
 #include <stdatomic.h>

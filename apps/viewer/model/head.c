@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Keeps the newest eye and screen of a tracked head. */
 #include "viewer/model/head.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Turns, moves and zooms the eye of the 3-D pane. */
 #include "viewer/model/orbit.h"
 
 #include <math.h>

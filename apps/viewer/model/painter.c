@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The thread that draws 3-D pictures: coarse, full, smooth. */
 #include "viewer/model/painter.h"
 
 #include "link/clock.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Projections between a picture and the world. */
 #include "viewer/model/sight.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Replays a file of poses, and aims by a tracker's. */
 #include "viewer/model/source.h"
 
 #include <math.h>

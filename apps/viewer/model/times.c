@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Collects times and writes their medians. */
 #include "viewer/model/times.h"
 
 #include <stdio.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The viewer: creation, the cone, what is hidden, search, crosshair. */
 #include "viewer/model/viewer.h"
 
 #include "link/clock.h"

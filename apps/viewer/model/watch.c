@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Looks whether the atlas's files have changed on disk. */
 #include "viewer/model/watch.h"
 
 #include <stdio.h>

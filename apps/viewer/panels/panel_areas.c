@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The list of areas and pathways, with search and check boxes. */
 #include "viewer/window/window.h"
 
 #include <stdio.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The panel of the cone: score, angle, shape, engine. */
 #include "viewer/window/window.h"
 
 #include <math.h>

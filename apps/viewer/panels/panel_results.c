@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of results and the one of confirmed results. */
 #include "viewer/window/window.h"
 
 #include <math.h>

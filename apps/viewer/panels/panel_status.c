@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The status line, and the help over the window. */
 #include "viewer/window/window.h"
 
 #include <ctype.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The 3-D pane: shows the painter's picture, and lets the mouse turn it or aim. */
 #include "viewer/window/window.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* A flat pane: the cut, the crosshair, the cone in it, and the mouse on it. */
 #include "viewer/window/window.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds a free name by the time, and writes a session or picture there. */
 #include "viewer/session/keep.h"
 
 #include "viewer/session/session.h"

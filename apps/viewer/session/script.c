@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The commands of scripts, and their run over frames. */
 #include "viewer/session/script.h"
 
 #include "common/messages.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Writes the state of the window as JSON, and reads and checks it. */
 #include "viewer/session/session.h"
 
 #include <errno.h>

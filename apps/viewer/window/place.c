@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads and writes the file with the window's place. */
 #include "viewer/window/place.h"
 
 #include <conus/conus.h>

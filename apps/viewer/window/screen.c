@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The screen that the window is on, and full screen. */
 #include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The widgets of ui.h, by Dear ImGui.
 #include "viewer/window/ui.h"
 
 #include <GLFW/glfw3.h>

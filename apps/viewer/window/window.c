@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Opens and closes the window, lays it out, draws frames, decides when the next is due. */
 #include "viewer/window/window.h"
 
 #include "common/messages.h"
