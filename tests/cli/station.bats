@@ -75,38 +75,29 @@ followed() {
     sphere
     port=$(free_port)
     cat >send.py <<'END'
-# A tracker that looks at the sphere, and passes on what it is told to the protocol's own receiver.
+# A tracker that looks at the sphere, and passes on what it receives to the protocol's own receiver.
 import select, socket, struct, sys
-def crc(data):
-    value = 0
-    for byte in data:
-        value ^= byte << 56
-        for _ in range(8):
-            value = (value << 1 ^ 0x42F0E1EBA9EA3693 if value >> 63 else value << 1) & 0xffffffffffffffff
-    return value
-def message(kind, body):
-    return struct.pack(">H12s20sIIQQ", 1, kind, b"Pointer", 0, 0, len(body), crc(body)) + body
-pose = struct.pack(">12f", 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 90)
+from openigtlink import transform
 conus = socket.create_connection(("127.0.0.1", int(sys.argv[1])))
 receiver = socket.create_connection(("127.0.0.1", int(sys.argv[2])))
-told = b""
+received = b""
 passed_on = set()
 while not passed_on >= {b"STRING", b"POINT"}:
-    conus.sendall(message(b"TRANSFORM", pose))
+    conus.sendall(transform(b"Pointer", 0, 0, 90))
     while select.select([conus], [], [], 0.02)[0]:
-        told += conus.recv(65536)
-    while len(told) >= 58 and len(told) >= 58 + struct.unpack(">Q", told[42:50])[0]: # the receiver wants whole ones
-        size = 58 + struct.unpack(">Q", told[42:50])[0]
-        receiver.sendall(told[:size])
-        passed_on.add(told[2:14].rstrip(b"\0"))
-        told = told[size:]
+        received += conus.recv(65536)
+    while len(received) >= 58 and len(received) >= 58 + struct.unpack(">Q", received[42:50])[0]: # whole messages
+        size = 58 + struct.unpack(">Q", received[42:50])[0]
+        receiver.sendall(received[:size])
+        passed_on.add(received[2:14].rstrip(b"\0"))
+        received = received[size:]
 receiver.close()
 END
     other=$(free_port)
     example ReceiveServer "$other"
     wait_until "$peer" listens "$other"
     start_track --listen "$port" --quiet --format tsv
-    timeout $HANG /usr/bin/python3 send.py "$port" "$other"
+    timeout $HANG env PYTHONPATH="$BATS_TEST_DIRNAME" /usr/bin/python3 -B send.py "$port" "$other"
     for word in STRING Sphere POINT; do
         wait_until "$peer" grep -aq "$word" ReceiveServer.out
     done

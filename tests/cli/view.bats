@@ -313,18 +313,9 @@ END
     printf '%s\n' '1 0 0 0' '0 1 0 0' '0 0 1 10' '0 0 0 1' >world.txt
     cat >send.py <<'END'
 # A tracker that sees the glasses, and no more once left.json is there.
-import os, socket, struct, sys, time
-def crc(data):
-    value = 0
-    for byte in data:
-        value ^= byte << 56
-        for _ in range(8):
-            value = (value << 1 ^ 0x42F0E1EBA9EA3693 if value >> 63 else value << 1) & 0xffffffffffffffff
-    return value
-def message(*place):
-    body = struct.pack(">12f", 1, 0, 0, 0, 1, 0, 0, 0, 1, *place)
-    return struct.pack(">H12s20sIIQQ", 1, b"TRANSFORM", b"GlassesToTracker", 0, 0, len(body), crc(body)) + body
-seen, lost = message(53, 1800, 110), message(0, 0, 0)
+import os, socket, sys, time
+from openigtlink import transform
+seen, lost = (transform(b"GlassesToTracker", *place) for place in ((53, 1800, 110), (0, 0, 0)))
 conus = socket.create_connection(("127.0.0.1", int(sys.argv[1])))
 while not os.path.exists("left.json"):
     conus.sendall(seen)
@@ -339,7 +330,7 @@ END
     live nested.nii.gz --listen "$port" --head Glasses --eye 7,0,0 --screen-mm 2560x1600 --screen-pose screen.txt \
         --enlarge 2 --world-from-tracker world.txt
     local view=$child
-    background /usr/bin/python3 send.py "$port" 4>&-
+    background env PYTHONPATH="$BATS_TEST_DIRNAME" /usr/bin/python3 -B send.py "$port" 4>&-
     local sender=$child
     child=$view
     until look '.eye == [30, 900, 60]'; do
