@@ -229,6 +229,18 @@ END
     [ "$(jq -c '.confirmed[0].contact' two.json)" = '[null,null,null]' ]
 }
 
+@test "a pin of a session without its share is not lost" {
+    need_window
+    conus phantom slabs -o . --size 16
+    printf 'aim 3 90 2 3 0 2\nkey enter\nsave one.json\n' | view slabs.nii.gz
+    jq 'del(.confirmed[0].share)' one.json >shareless.json
+    printf 'open shareless.json\nsave two.json\n' | view slabs.nii.gz
+    diff <(jq -S '.confirmed[0].share = null | .confirmed' one.json) <(jq -S .confirmed two.json)
+    cp two.json again.json # null is read back, too
+    printf 'open again.json\nsave three.json\n' | view slabs.nii.gz
+    diff two.json three.json
+}
+
 # On a screen of 1280 x 800 pixels and mm, as Xvfb's here; the 3-D pane of a window of 1000 x 640 at its corner is 207 x
 # 307 pixels at (250, 0), so its middle is at (353.5, 153.5).
 @test "the mouse points through the eye of a tracked head" {

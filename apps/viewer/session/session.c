@@ -178,7 +178,7 @@ static json_t *hidden_labels(const struct viewer *viewer)
     return hidden;
 }
 
-/* A hidden result that was confirmed has no contact and no distance. */
+/* A hidden result that was confirmed has no contact and no distance; one of a session may have no share either. */
 static json_t *number_or_null(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
@@ -189,10 +189,10 @@ static json_t *pins_of(const struct viewer *viewer)
     json_t *pins = json_array();
     for (size_t i = 0; i < viewer->pin_count; i++) {
         const struct pin *pin = &viewer->pins[i];
-        json_array_append_new(pins, json_pack("{s: i, s: f, s: o, s: [o, o, o]}", "object", (int)pin->object, "share",
-                                              pin->share, "distance_mm", number_or_null(pin->distance), "contact",
-                                              number_or_null(pin->contact[0]), number_or_null(pin->contact[1]),
-                                              number_or_null(pin->contact[2])));
+        json_array_append_new(pins, json_pack("{s: i, s: o, s: o, s: [o, o, o]}", "object", (int)pin->object, "share",
+                                              number_or_null(pin->share), "distance_mm", number_or_null(pin->distance),
+                                              "contact", number_or_null(pin->contact[0]),
+                                              number_or_null(pin->contact[1]), number_or_null(pin->contact[2])));
     }
     return pins;
 }
