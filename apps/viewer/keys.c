@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table of keys, and what each does. */
-#include "viewer/session/keep.h"
+/* The table of keys, what each does, and the help that lists them. */
+#include "viewer/keys.h"
 
+#include "viewer/session/keep.h"
+#include "viewer/window/screen.h"
+
+#include <ctype.h>
 #include <math.h>
 #include <strings.h>
 
@@ -28,28 +32,29 @@ static void show_all(struct window *window)
 static void hide_chosen(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    if (viewer->chosen) {
-        viewer_hide(viewer, viewer->chosen, !viewer->hidden[viewer->chosen]);
+    if (viewer->shown.chosen) {
+        viewer_hide(viewer, viewer->shown.chosen, !viewer->shown.hidden[viewer->shown.chosen]);
     }
 }
 
 static void isolate_chosen(struct window *window)
 {
-    if (window->viewer->chosen) {
-        viewer_isolate(window->viewer, window->viewer->chosen);
+    if (window->viewer->shown.chosen) {
+        viewer_isolate(window->viewer, window->viewer->shown.chosen);
     }
 }
 
 static void freeze(struct window *window)
 {
-    window->viewer->frozen = !window->viewer->frozen;
-    viewer_say(window->viewer, window->viewer->frozen ? "the cone stays where it is" : "the cone follows the mouse");
+    window->viewer->cone.frozen = !window->viewer->cone.frozen;
+    viewer_say(window->viewer,
+               window->viewer->cone.frozen ? "the cone stays where it is" : "the cone follows the mouse");
 }
 
 static void scale_angle(struct window *window, double factor)
 {
     struct viewer *viewer = window->viewer;
-    viewer->angle = fmin(fmax(viewer->angle * factor, 0.1), 179);
+    viewer->cone.angle = fmin(fmax(viewer->cone.angle * factor, 0.1), 179);
     viewer_reselect(viewer);
 }
 
@@ -65,7 +70,7 @@ static void narrow(struct window *window)
 
 static void toggle_layers(struct window *window)
 {
-    conus_selector_options *options = &window->viewer->options;
+    conus_selector_options *options = &window->viewer->cone.options;
     options->layers = options->layers ? CONUS_VISIBLE : CONUS_ALL_LAYERS;
     viewer_reselect(window->viewer);
 }
@@ -79,7 +84,7 @@ static void look_at_all(struct window *window)
 
 static void flip_sides(struct window *window)
 {
-    window->viewer->radiological = !window->viewer->radiological;
+    window->viewer->display.radiological = !window->viewer->display.radiological;
     window->viewer->version++;
 }
 
@@ -94,7 +99,7 @@ static void toggle_head(struct window *window)
 
 static void change_colours(struct window *window)
 {
-    viewer_use_safe_colours(window->viewer, !window->viewer->safe_colours);
+    viewer_use_safe_colours(window->viewer, !window->viewer->display.safe_colours);
 }
 
 static void keep_session(struct window *window)
@@ -125,7 +130,7 @@ static void enlarge(struct window *window)
 static void move_wand(struct window *window, int axis, double by)
 {
     struct viewer *viewer = window->viewer;
-    conus_pose pose = viewer->pose;
+    conus_pose pose = viewer->cone.pose;
     double *m = pose.world_from_device;
     for (int a = 0; a < 3; a++) {
         m[12 + a] += by * m[4 * axis + a];
@@ -137,7 +142,7 @@ static void move_wand(struct window *window, int axis, double by)
 static void turn_wand(struct window *window, int axis, double by)
 {
     struct viewer *viewer = window->viewer;
-    conus_pose pose = viewer->pose;
+    conus_pose pose = viewer->cone.pose;
     double *m = pose.world_from_device;
     double *from = m + 4 * ((axis + 1) % 3);
     double *to = m + 4 * ((axis + 2) % 3);
@@ -176,8 +181,8 @@ static bool use_wand(struct window *window, const char *key)
     struct viewer *viewer = window->viewer;
     for (size_t i = 0; i < WAND_KEYS; i++) {
         const struct wand_key *wand = &wand_keys[i];
-        if (strcasecmp(wand->key, key) == 0 && viewer->pointer == POINT_BY_WAND) {
-            if (!viewer->has_pose) {
+        if (strcasecmp(wand->key, key) == 0 && viewer->cone.pointer == POINT_BY_WAND) {
+            if (!viewer->cone.has_pose) {
                 viewer_place(viewer);
             } else if (wand->axis < 3) {
                 move_wand(window, wand->axis, wand->by);
@@ -229,7 +234,8 @@ bool keys_press(struct window *window, const char *key)
     return use_wand(window, key);
 }
 
-bool keys_describe(size_t index, const char **key, const char **meaning)
+/* Entry `index` of both tables; false past the last. */
+static bool describe_key(size_t index, const char **key, const char **meaning)
 {
     if (index < KEYS) {
         *key = keys[index].key;
@@ -239,4 +245,34 @@ bool keys_describe(size_t index, const char **key, const char **meaning)
         *meaning = wand_keys[index - KEYS].meaning;
     }
     return index < KEYS + WAND_KEYS;
+}
+
+/* Letters as on the keyboard: an l looks like an I. */
+static void show_key(const char *key)
+{
+    int first = key[1] ? key[0] : toupper((unsigned char)key[0]);
+    ui_text_coloured((ui_colour){255, 200, 90, 255}, "%c%s", first, key + 1);
+}
+
+void keys_draw_help(struct window *window)
+{
+    const char *key;
+    const char *meaning;
+    float width = 520 * window->scale;
+    float height = 640 * window->scale;
+    ui_panel("Keys and mouse (? closes this)",
+             (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
+             UI_IN_FRONT);
+    for (size_t i = 0; describe_key(i, &key, &meaning); i++) {
+        show_key(key);
+        ui_same_line_at(80 * window->scale);
+        ui_text_wrapped(meaning);
+    }
+    ui_separator();
+    ui_text_wrapped(
+        "3-D: left button turns, right button moves, wheel comes nearer, a click sets the crosshair, a double click "
+        "confirms; where the mouse points, the cone follows it from your eye.\n"
+        "Flat panes: left button sets the crosshair, wheel goes through the cuts, Ctrl and wheel magnify; with "
+        "the wand, right button puts the device there, with Shift it points there.");
+    ui_panel_end();
 }

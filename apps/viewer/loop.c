@@ -4,6 +4,7 @@
 
 #include "common/messages.h"
 #include "link/send_selection.h"
+#include "viewer/draw.h"
 #include "viewer/session/keep.h"
 
 #include <GLFW/glfw3.h>
@@ -30,7 +31,7 @@ static void hear_tracker(struct window *window)
     uint64_t before = window->news.number;
     bool aimed = station_step(window->station, window->viewer, &window->news);
     if (aimed && window->news.number != before) {
-        times_add(&window->times, TIMED_LATENCY, 1e3 * window->news.age_s + window->viewer->select_ms);
+        times_add(&window->times, TIMED_LATENCY, 1e3 * window->news.age_s + window->viewer->cone.select_ms);
     }
 }
 
@@ -38,9 +39,10 @@ static void hear_tracker(struct window *window)
 static void send_answer(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    if (window->news.clients && viewer->answer && viewer->selector && window->sent_answer != viewer->answer_number) {
-        station_send_selection(window->station, viewer->selector, viewer->atlas, viewer_selection(viewer));
-        window->sent_answer = viewer->answer_number;
+    if (window->news.clients && viewer->cone.answer && viewer->cone.selector &&
+        window->sent_answer != viewer->cone.answer_number) {
+        station_send_selection(window->station, viewer->cone.selector, viewer->atlas, viewer_selection(viewer));
+        window->sent_answer = viewer->cone.answer_number;
     }
 }
 
@@ -61,8 +63,8 @@ static void note_times(struct window *window, unsigned answer)
 {
     struct times *times = &window->times;
     times->first_frame = times->first_frame > 0 ? times->first_frame : clock_ms() - times->started;
-    if (window->viewer->answer_number != answer) {
-        times_add(times, TIMED_SELECTION, window->viewer->select_ms);
+    if (window->viewer->cone.answer_number != answer) {
+        times_add(times, TIMED_SELECTION, window->viewer->cone.select_ms);
     }
 }
 
@@ -101,7 +103,7 @@ static void wait_for_events(struct window *window, double seconds)
 static void draw_frame(struct window *window)
 {
     times_begin_frame(&window->times);
-    window_draw(window);
+    draw_window(window);
     if (window->keeps_picture) {
         window->keeps_picture = false;
         keep(window, KEEP_PICTURE);
@@ -112,7 +114,7 @@ static void draw_frame(struct window *window)
 static bool go_round(struct window *window, struct script *script, int *code)
 {
     bool acts = script && !script_waits(script, window);
-    unsigned answer = window->viewer->answer_number;
+    unsigned answer = window->viewer->cone.answer_number;
     wait_for_events(window, acts ? 0 : rest(window, script));
     if (window->station) {
         hear_tracker(window);

@@ -3,10 +3,11 @@
 #include "common/messages.h"
 #include "common/settings.h"
 #include "common/station_settings.h"
+#include "viewer/keys.h"
 #include "viewer/loader.h"
 #include "viewer/loop.h"
 #include "viewer/session/session.h"
-#include "viewer/window/window.h"
+#include "viewer/window/screen.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>
@@ -174,11 +175,12 @@ static int run_window(struct window *window, const struct view_settings *setting
         conus_atlas_destroy(atlas);
         return EXIT_DATA;
     }
-    viewer.safe_colours = settings->safe_colours;
+    viewer.display.safe_colours = settings->safe_colours;
     set_head(&viewer.head, &settings->station);
     window->viewer = &viewer;
+    window->press = keys_press;
     window_fill_screen(window, settings->full_screen);
-    viewer.pointer = window->station ? POINT_BY_TRACKER : window->replay.poses ? POINT_BY_REPLAY : POINT_BY_MOUSE;
+    viewer.cone.pointer = window->station ? POINT_BY_TRACKER : window->replay.poses ? POINT_BY_REPLAY : POINT_BY_MOUSE;
     if (window->replay.poses) {
         replay_show(&window->replay, &viewer, 0);
     }
@@ -189,9 +191,9 @@ static int run_window(struct window *window, const struct view_settings *setting
     } else {
         code = loop_run(window, script);
     }
+    window->press = NULL;
     window->viewer = NULL;
     viewer_finish(&viewer);
-    window->viewer = NULL;
     return code;
 }
 

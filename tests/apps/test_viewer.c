@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the window does, without a window. */
-#include "viewer/model/viewer.h"
+#include "viewer/model/picker.h"
 #include "viewer/window/place.h"
 
 #include "test.h"
@@ -63,7 +63,7 @@ static void what_is_hidden_is_not_selected(void **state)
     struct viewer viewer;
     (void)state;
     load(&viewer, "nested", "nested.nii.gz");
-    viewer.angle = 2;
+    viewer.cone.angle = 2;
     viewer_aim_along(&viewer, eye, back);
     assert_int_equal(best_of(&viewer), 1);
     viewer_hide(&viewer, 1, true);
@@ -119,7 +119,7 @@ static void a_pathway_has_a_value(void **state)
         double contact[3];
         double from[3] = {middle[0], 200, middle[2] + 2 * k};
         uint32_t met;
-        viewer.fade = 1; /* no context */
+        viewer.display.fade = 1; /* no context */
         if (viewer_pick(&met, contact, &viewer, from, back)) {
             found = true;
             assert_int_equal(met, pathway);
@@ -153,10 +153,10 @@ static void a_device_without_a_pose_is_put_in_front(void **state)
     struct viewer viewer;
     (void)state;
     load(&viewer, "sphere", "sphere.nii.gz");
-    assert_false(viewer.has_pose);
+    assert_false(viewer.cone.has_pose);
     viewer_place(&viewer);
-    assert_true(viewer.has_pose);
-    const double *m = viewer.pose.world_from_device;
+    assert_true(viewer.cone.has_pose);
+    const double *m = viewer.cone.pose.world_from_device;
     assert_near(m[8], 0, 1e-12);
     assert_near(m[9], 1, 1e-12);
     assert_near(m[12], viewer.centre[0], 1e-12);
@@ -236,10 +236,10 @@ static void an_opaque_context_is_met_before_what_it_hides(void **state)
     (void)state;
     load(&viewer, "brain", "brain.atlas.json");
     const double from[3] = {viewer.centre[0] + 3, viewer.centre[1] + 200, viewer.centre[2] + 3};
-    viewer.fade = 1;
+    viewer.display.fade = 1;
     assert_true(viewer_pick(&object, bare, &viewer, from, back));
     assert_true(object > 0);
-    viewer.fade = 0;
+    viewer.display.fade = 0;
     assert_true(painter_set_transfer(viewer.painter, opaque, 4));
     assert_true(viewer_pick(&object, hidden, &viewer, from, back));
     assert_int_equal(object, 0);
@@ -350,14 +350,14 @@ static void settings_of_the_atlas_are_all_set_or_none(void **state)
     assert_true(viewer_pathway(&viewer, last - 1)->threshold == before);
     assert_int_equal(conus_atlas_object(viewer.atlas, last - 1)->voxels, voxels);
     assert_true(viewer_pathway(&viewer, last)->threshold == 100);
-    assert_false(viewer.safe_colours);
+    assert_false(viewer.display.safe_colours);
     assert_false(viewer.transfer_editor.edited);
     thresholds[last] = 200;
     assert_ok(viewer_set_up(&viewer, &edits));
     assert_true(viewer_pathway(&viewer, last - 1)->threshold == 2 * before);
     assert_true(conus_atlas_object(viewer.atlas, last - 1)->voxels < voxels);
     assert_true(viewer_pathway(&viewer, last)->threshold == 200);
-    assert_true(viewer.safe_colours && viewer.transfer_editor.edited);
+    assert_true(viewer.display.safe_colours && viewer.transfer_editor.edited);
     viewer_finish(&viewer);
 }
 

@@ -26,7 +26,8 @@ APPS = {
     "apps/viewer/panes": "apps/viewer/window apps/viewer/model",
     "apps/viewer/panels": "apps/common apps/viewer/window",
     "apps/viewer/session": "apps/common apps/viewer/window",
-    "apps/viewer": "apps/common apps/link apps/viewer/session apps/viewer/window",
+    # draw.c joins the panes and panels; the window itself knows neither.
+    "apps/viewer": "apps/common apps/link apps/viewer/session apps/viewer/window apps/viewer/panes apps/viewer/panels",
 }
 LIBRARY = {
     "base": "",

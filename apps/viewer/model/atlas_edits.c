@@ -11,10 +11,10 @@ static void rest(struct viewer *viewer)
 {
     painter_destroy(viewer->painter);
     viewer_rest_selectors(viewer);
-    answer_drop(viewer->answer);
+    answer_drop(viewer->cone.answer);
     viewer->painter = NULL;
-    viewer->answer = NULL;
-    viewer->answer_number++;
+    viewer->cone.answer = NULL;
+    viewer->cone.answer_number++;
 }
 
 /* What was edited of the transfer function outlives the painter. */
@@ -27,7 +27,7 @@ static bool pass_transfer(const struct viewer *viewer)
 static void resume_painter(struct viewer *viewer)
 {
     struct painter *painter = NULL;
-    if (painter_create(&painter, viewer->atlas, viewer->transfer, viewer->options.log, viewer->wake)) {
+    if (painter_create(&painter, viewer->atlas, viewer->transfer, viewer->cone.options.log, viewer->wake)) {
         viewer->painter = painter;
         viewer->transfer_editor.ready = false;
     }
@@ -80,7 +80,7 @@ static void set_colours(struct viewer *viewer, bool safe)
     } else {
         conus_atlas_use_own_colours(viewer->atlas);
     }
-    viewer->safe_colours = safe;
+    viewer->display.safe_colours = safe;
 }
 
 void viewer_use_safe_colours(struct viewer *viewer, bool safe)
@@ -147,7 +147,7 @@ conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *sett
     struct transfer_editor *editor = &viewer->transfer_editor;
     bool other = differ(viewer, settings->thresholds);
     bool back = settings->sets_transfer && editor->edited && !settings->point_count;
-    bool rests = other || back || settings->safe_colours != viewer->safe_colours;
+    bool rests = other || back || settings->safe_colours != viewer->display.safe_colours;
     conus_status status = CONUS_OK;
     if (rests) {
         rest(viewer);

@@ -24,8 +24,8 @@ void replay_show(struct replay *replay, struct viewer *viewer, size_t index)
         viewer_say(viewer, "line %zu: %s", row->line, row->error ? row->error : "a point, which looks nowhere");
         return;
     }
-    if (row->angle > 0 && viewer->options.radius == 0) {
-        viewer->angle = row->angle * 180 / M_PI;
+    if (row->angle > 0 && viewer->cone.options.radius == 0) {
+        viewer->cone.angle = row->angle * 180 / M_PI;
     }
     viewer_aim(viewer, &row->pose);
     if (row->trigger) {
@@ -44,7 +44,7 @@ void replay_toggle(struct replay *replay, double clock)
 
 double replay_rest(const struct replay *replay, const struct viewer *viewer, double clock)
 {
-    if (!replay->playing || viewer->pointer != POINT_BY_REPLAY ||
+    if (!replay->playing || viewer->cone.pointer != POINT_BY_REPLAY ||
         replay->at + 1 >= conus_pose_list_count(replay->poses)) {
         return INFINITY;
     }
@@ -56,7 +56,7 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock)
 {
     size_t count = conus_pose_list_count(replay->poses);
     size_t at = replay->at;
-    if (!replay->playing || viewer->pointer != POINT_BY_REPLAY) {
+    if (!replay->playing || viewer->cone.pointer != POINT_BY_REPLAY) {
         return false;
     }
     double time = replay_time(replay, replay->from) + clock - replay->started;
@@ -89,7 +89,7 @@ bool station_step(struct station *station, struct viewer *viewer, struct station
     enum station_state was = news->state;
     station_ask(station, news);
     show_head(&viewer->head, &news->head);
-    if (viewer->pointer != POINT_BY_TRACKER) {
+    if (viewer->cone.pointer != POINT_BY_TRACKER) {
         return false;
     }
     bool is_new = news->state == STATION_SEEN && news->number != before;

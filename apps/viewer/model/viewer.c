@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The viewer: creation, the cone, what is hidden, search, crosshair. */
+/* The viewer: creation, the cone, confirmed results, crosshair. */
 #include "viewer/model/viewer.h"
 
 #include "link/clock.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 static const double default_angle = 10;
 
@@ -55,8 +53,8 @@ static void find_window(struct viewer *viewer)
 {
     size_t context = viewer_context(viewer);
     if (context < conus_atlas_volume_count(viewer->atlas) &&
-        conus_atlas_window(viewer->window, viewer->atlas, context)) {
-        viewer->window[0] = viewer->window[1] = 0;
+        conus_atlas_window(viewer->display.window, viewer->atlas, context)) {
+        viewer->display.window[0] = viewer->display.window[1] = 0;
     }
 }
 
@@ -64,23 +62,20 @@ conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *p
                            conus_log log, void (*wake)(void))
 {
     struct viewer viewer = {
-        .atlas = atlas, .atlas_path = path, .transfer = transfer, .angle = default_angle, .wake = wake};
+        .atlas = atlas, .atlas_path = path, .transfer = transfer, .cone = {.angle = default_angle}, .wake = wake};
     viewer.object_count = conus_atlas_object_count(atlas);
-    viewer.hidden = calloc(viewer.object_count + 1, sizeof *viewer.hidden);
-    for (size_t number = 1; viewer.hidden && number <= viewer.object_count; number++) {
-        viewer.hidden[number] = conus_atlas_is_hidden(atlas, number);
-    }
-    viewer.fill = 0.45;
-    viewer.options.log = log;
+    bool has_shown = shown_init(&viewer.shown, atlas);
+    viewer.display.fill = 0.45;
+    viewer.cone.options.log = log;
     viewer.watch = watch_create(atlas);
     find_ball(&viewer);
     find_window(&viewer);
     viewer.magnification = 1;
     memcpy(viewer.crosshair, viewer.centre, sizeof viewer.crosshair);
     orbit_look_at(&viewer.orbit, viewer.centre, viewer.radius);
-    if (!viewer.hidden || !painter_create(&viewer.painter, atlas, transfer, log, wake)) {
+    if (!has_shown || !painter_create(&viewer.painter, atlas, transfer, log, wake)) {
         watch_destroy(viewer.watch);
-        free(viewer.hidden);
+        shown_finish(&viewer.shown);
         return CONUS_ERROR_MEMORY;
     }
     *out = viewer;
@@ -90,13 +85,10 @@ conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *p
 void viewer_finish(struct viewer *viewer)
 {
     painter_destroy(viewer->painter);
-    answer_drop(viewer->answer);
-    conus_selector_destroy(viewer->selector);
+    answer_drop(viewer->cone.answer);
+    conus_selector_destroy(viewer->cone.selector);
     conus_selector_destroy(viewer->picker);
-    for (size_t i = 0; i < viewer->undo_count; i++) {
-        free(viewer->undo[i]);
-    }
-    free(viewer->hidden);
+    shown_finish(&viewer->shown);
     watch_destroy(viewer->watch);
     conus_atlas_destroy(viewer->atlas);
     *viewer = (struct viewer){0};
@@ -106,38 +98,39 @@ void viewer_finish(struct viewer *viewer)
 
 const conus_selection *viewer_selection(const struct viewer *viewer)
 {
-    return answer_selection(viewer->answer);
+    return answer_selection(viewer->cone.answer);
 }
 
 static conus_status make_selector(struct viewer *viewer)
 {
-    return viewer->selector ? CONUS_OK : conus_selector_create(&viewer->selector, viewer->atlas, &viewer->options);
+    return viewer->cone.selector ? CONUS_OK
+                                 : conus_selector_create(&viewer->cone.selector, viewer->atlas, &viewer->cone.options);
 }
 
 static void select_now(struct viewer *viewer)
 {
     conus_selection *selection = NULL;
-    double angle = viewer->options.radius > 0 ? 0 : viewer->angle * M_PI / 180;
+    double angle = viewer->cone.options.radius > 0 ? 0 : viewer->cone.angle * M_PI / 180;
     conus_status status = make_selector(viewer);
     double begun = clock_ms();
-    status = status ? status : conus_select(&selection, viewer->selector, &viewer->pose, angle);
-    viewer->select_ms = clock_ms() - begun;
+    status = status ? status : conus_select(&selection, viewer->cone.selector, &viewer->cone.pose, angle);
+    viewer->cone.select_ms = clock_ms() - begun;
     struct answer *answer = status ? NULL : answer_create(selection);
     if (!answer) {
         conus_selection_destroy(selection);
         viewer_say(viewer, "%s", status ? conus_message() : "not enough memory");
         return;
     }
-    answer_drop(viewer->answer);
-    viewer->answer = answer;
-    viewer->answer_number++;
+    answer_drop(viewer->cone.answer);
+    viewer->cone.answer = answer;
+    viewer->cone.answer_number++;
     viewer->version++;
 }
 
 void viewer_aim(struct viewer *viewer, const conus_pose *pose)
 {
-    viewer->pose = *pose;
-    viewer->has_pose = true;
+    viewer->cone.pose = *pose;
+    viewer->cone.has_pose = true;
     select_now(viewer);
 }
 
@@ -155,17 +148,17 @@ void viewer_place(struct viewer *viewer)
 {
     static const double in_front = 1.6; /* radii from the middle, towards the face (+y) */
     const double *c = viewer->centre;
-    if (!viewer->has_pose) {
+    if (!viewer->cone.has_pose) {
         viewer_aim_along(viewer, (double[]){c[0], c[1] + in_front * viewer->radius, c[2]}, (double[]){0, -1, 0});
     }
 }
 
 void viewer_reselect(struct viewer *viewer)
 {
-    conus_selector_destroy(viewer->selector);
-    viewer->selector = NULL;
+    conus_selector_destroy(viewer->cone.selector);
+    viewer->cone.selector = NULL;
     viewer->version++;
-    if (viewer->has_pose) {
+    if (viewer->cone.has_pose) {
         select_now(viewer);
     }
 }
@@ -229,8 +222,8 @@ static conus_status make_report(conus_report **report, struct viewer *viewer, co
 {
     const conus_report_options options = {.format = CONUS_TSV};
     conus_status status = make_selector(viewer);
-    status = status ? status : conus_report_create(report, viewer->selector, &options);
-    status = status || !viewer->answer ? status : conus_report_add(*report, "1", viewer_selection(viewer));
+    status = status ? status : conus_report_create(report, viewer->cone.selector, &options);
+    status = status || !viewer->cone.answer ? status : conus_report_add(*report, "1", viewer_selection(viewer));
     return status ? status : conus_report_text(*report, text, size);
 }
 
@@ -269,8 +262,8 @@ conus_status viewer_write_picture(const struct viewer *viewer, const struct sigh
                              .frustum = {f[0], f[1], f[2], f[3]},
                              .camera = &fitted.camera,
                              .selection = viewer_selection(viewer),
-                             .chosen = viewer->chosen,
-                             .fade = viewer->fade};
+                             .chosen = viewer->shown.chosen,
+                             .fade = viewer->display.fade};
     conus_status status = conus_renderer_create(&renderer, viewer->atlas, &options);
     const struct transfer_editor *editor = &viewer->transfer_editor;
     if (!status && editor->edited) {
@@ -285,151 +278,13 @@ conus_status viewer_write_picture(const struct viewer *viewer, const struct sigh
 
 void viewer_rest_selectors(struct viewer *viewer)
 {
-    conus_selector_destroy(viewer->selector);
+    conus_selector_destroy(viewer->cone.selector);
     conus_selector_destroy(viewer->picker);
-    viewer->selector = viewer->picker = NULL;
+    viewer->cone.selector = viewer->picker = NULL;
     viewer->atlas_number++;
 }
 
-/* What is hidden is not in the atlas: it is not hit, not drawn, and blocks nothing. */
-static void hide_in_atlas(struct viewer *viewer)
-{
-    if (viewer->painter) {
-        painter_hold(viewer->painter);
-    }
-    viewer_rest_selectors(viewer);
-    if (conus_atlas_set_hidden(viewer->atlas, viewer->hidden)) {
-        viewer_say(viewer, "%s", conus_message());
-        for (size_t number = 1; number <= viewer->object_count; number++) {
-            viewer->hidden[number] = conus_atlas_is_hidden(viewer->atlas, number);
-        }
-    }
-    if (viewer->painter) {
-        painter_resume(viewer->painter);
-    }
-    viewer->scene_number++;
-    viewer_reselect(viewer);
-}
-
-/* ---- What is shown ---------------------------------------------------------------------------------------------- */
-
-static void remember(struct viewer *viewer)
-{
-    bool *copy = malloc((viewer->object_count + 1) * sizeof *copy);
-    if (!copy) {
-        return;
-    }
-    memcpy(copy, viewer->hidden, (viewer->object_count + 1) * sizeof *copy);
-    if (viewer->undo_count == UNDO_LIMIT) {
-        free(viewer->undo[0]);
-        memmove(viewer->undo, viewer->undo + 1, (UNDO_LIMIT - 1) * sizeof *viewer->undo);
-        viewer->undo_count--;
-    }
-    viewer->undo[viewer->undo_count++] = copy;
-}
-
-bool viewer_is_below(const struct viewer *viewer, uint32_t object, uint32_t ancestor)
-{
-    while (object && object != ancestor) {
-        object = conus_atlas_object(viewer->atlas, object)->parent;
-    }
-    return object;
-}
-
-enum shown viewer_shown(const struct viewer *viewer, uint32_t object)
-{
-    bool any = false;
-    bool all = true;
-    for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        if (viewer_is_below(viewer, number, object)) {
-            any = any || !viewer->hidden[number];
-            all = all && !viewer->hidden[number];
-        }
-    }
-    return all ? SHOWN : any ? SHOWN_IN_PART : SHOWN_NOT;
-}
-
-void viewer_hide(struct viewer *viewer, uint32_t object, bool hide)
-{
-    remember(viewer);
-    for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        if (viewer_is_below(viewer, number, object)) {
-            viewer->hidden[number] = hide;
-        }
-    }
-    hide_in_atlas(viewer);
-}
-
-void viewer_isolate(struct viewer *viewer, uint32_t object)
-{
-    remember(viewer);
-    for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        viewer->hidden[number] = !viewer_is_below(viewer, number, object);
-    }
-    hide_in_atlas(viewer);
-}
-
-void viewer_show_all(struct viewer *viewer)
-{
-    remember(viewer);
-    memset(viewer->hidden, 0, (viewer->object_count + 1) * sizeof *viewer->hidden);
-    hide_in_atlas(viewer);
-}
-
-void viewer_set_hidden(struct viewer *viewer, bool *hidden)
-{
-    remember(viewer);
-    free(viewer->hidden);
-    viewer->hidden = hidden;
-    hide_in_atlas(viewer);
-}
-
-void viewer_undo(struct viewer *viewer)
-{
-    if (!viewer->undo_count) {
-        viewer_say(viewer, "nothing to undo");
-        return;
-    }
-    free(viewer->hidden);
-    viewer->hidden = viewer->undo[--viewer->undo_count];
-    hide_in_atlas(viewer);
-}
-
-static bool contains(const char *text, const char *part)
-{
-    size_t length = strlen(part);
-    for (; *text; text++) {
-        if (strncasecmp(text, part, length) == 0) {
-            return true;
-        }
-    }
-    return length == 0;
-}
-
-static bool fits(const conus_object *object, const char *text)
-{
-    char label[16];
-    snprintf(label, sizeof label, "%u", object->label);
-    return contains(object->name, text) || contains(object->abbreviation, text) || strcmp(label, text) == 0;
-}
-
-bool viewer_fits(const struct viewer *viewer, uint32_t object)
-{
-    return fits(conus_atlas_object(viewer->atlas, object), viewer->search);
-}
-
-uint32_t viewer_find(const struct viewer *viewer, const char *text)
-{
-    uint32_t found = 0;
-    for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        const conus_object *object = conus_atlas_object(viewer->atlas, number);
-        if (strcmp(object->name, text) == 0) {
-            return number;
-        }
-        found = !found && fits(object, text) ? number : found;
-    }
-    return found;
-}
+/* ---- The crosshair ---------------------------------------------------------------------------------------------- */
 
 void viewer_cross(struct viewer *viewer, const double at[3])
 {
@@ -481,7 +336,7 @@ bool viewer_voxel(long voxel[3], const struct viewer *viewer, const double at[3]
 void viewer_choose(struct viewer *viewer, uint32_t object)
 {
     double middle[3];
-    viewer->chosen = object;
+    viewer->shown.chosen = object;
     viewer->version++;
     if (object && !conus_atlas_centre(middle, viewer->atlas, object)) {
         viewer_cross(viewer, middle);
@@ -500,7 +355,7 @@ void viewer_plane(double right[3], double up[3], const struct viewer *viewer, en
         {{1, 0, 0}, {0, 1, 0}}, {{1, 0, 0}, {0, 0, 1}}, {{0, 1, 0}, {0, 0, 1}}};
     memcpy(right, axes[plane][0], 3 * sizeof *right);
     memcpy(up, axes[plane][1], 3 * sizeof *up);
-    if (viewer->radiological && plane != SAGITTAL) {
+    if (viewer->display.radiological && plane != SAGITTAL) {
         right[0] = -right[0];
     }
 }

@@ -6,15 +6,16 @@
 #ifndef CONUS_VIEWER_MODEL_VIEWER_H
 #define CONUS_VIEWER_MODEL_VIEWER_H
 
+#include "viewer/model/atlas_edits.h"
 #include "viewer/model/head.h"
 #include "viewer/model/orbit.h"
 #include "viewer/model/painter.h"
+#include "viewer/model/shown.h"
 #include "viewer/model/watch.h"
 
 enum pointer { POINT_BY_MOUSE = 0, POINT_BY_WAND, POINT_BY_REPLAY, POINT_BY_TRACKER, POINTER_COUNT };
-enum shown { SHOWN_NOT = 0, SHOWN_IN_PART, SHOWN };
 enum plane { AXIAL = 0, CORONAL, SAGITTAL, PLANE_COUNT };
-enum { SEARCH_SIZE = 64, UNDO_LIMIT = 64, PIN_LIMIT = 64, MESSAGE_SIZE_LIMIT = 256 };
+enum { PIN_LIMIT = 64, MESSAGE_SIZE_LIMIT = 256 };
 
 /** A confirmed result. */
 struct pin {
@@ -25,26 +26,24 @@ struct pin {
     double apart;           /**< mm from the pin before it; NaN of the first. */
 };
 
-enum { EDITOR_POINTS = 32, EDITOR_BINS = 128 };
-
-/** The context's transfer function while it is edited. */
-struct transfer_editor {
-    conus_transfer_point points[EDITOR_POINTS];
-    size_t count;
-    size_t held;                   /**< The point that is dragged; EDITOR_POINTS = none. */
-    double low, high;              /**< Grey values shown.                               */
-    double histogram[EDITOR_BINS]; /**< Heights, 0 to 1.                                 */
-    bool ready;
-    bool edited; /**< The points are drawn with instead of the function that the context came with. */
+/** Where the cone is, what moves it, and what it hits. */
+struct cone_state {
+    enum pointer pointer;
+    conus_pose pose;
+    bool has_pose, frozen; /**< Frozen: the mouse does not move the cone. */
+    double angle;          /**< Full opening, degrees. */
+    conus_selector_options options;
+    conus_selector *selector; /**< Made when needed; NULL after options changed. */
+    struct answer *answer;
+    unsigned answer_number; /**< Tells answers apart, whose addresses may come again. */
+    double select_ms;
 };
 
-/** What a session says of the atlas itself. */
-struct atlas_edits {
-    const double *thresholds; /**< [object_count + 1] by number; those of areas are not read. NULL = as they are. */
-    bool safe_colours;
-    bool sets_transfer; /**< Then the points are; none of them = the function that the context came with. */
-    conus_transfer_point points[EDITOR_POINTS];
-    size_t point_count;
+/** How the panes draw. */
+struct display {
+    double fade, fill; /**< Of the context in 3-D; opacity of areas in the flat panes. */
+    double window[2];  /**< Grey values that the flat panes show as black and white.   */
+    bool no_outlines, radiological, safe_colours;
 };
 
 struct viewer {
@@ -54,27 +53,9 @@ struct viewer {
     double centre[3], radius; /**< A ball around the atlas, world mm. */
     struct watch *watch;      /**< NULL without memory. */
 
-    /* the cone */
-    enum pointer pointer;
-    conus_pose pose;
-    bool has_pose, frozen; /**< Frozen: the mouse does not move the cone. */
-    double angle;          /**< Full opening, degrees. */
-    conus_selector_options options;
-    conus_selector *selector; /**< Made when needed; NULL after options changed. */
-    conus_selector *picker;   /**< Of single rays through everything; made when needed. */
-    struct answer *answer;
-    unsigned answer_number; /**< Tells answers apart, whose addresses may come again. */
-    double select_ms;
-
-    /* what is shown */
-    bool *hidden; /**< [object_count + 1] */
-    bool *undo[UNDO_LIMIT];
-    size_t undo_count;
-    uint32_t chosen; /**< The object that was clicked in the list of areas; 0 = none. */
-    char search[SEARCH_SIZE];
-    double fade, fill; /**< Of the context in 3-D; opacity of areas in the flat panes. */
-    double window[2];  /**< Grey values that the flat panes show as black and white.   */
-    bool no_outlines, radiological, safe_colours;
+    struct cone_state cone;
+    struct shown_objects shown;
+    struct display display;
 
     /* where the panes look */
     struct orbit orbit;
@@ -85,6 +66,7 @@ struct viewer {
     struct pin pins[PIN_LIMIT];
     size_t pin_count;
     char message[MESSAGE_SIZE_LIMIT]; /**< The status line's last news. */
+    conus_selector *picker;           /**< Of picker.c; made when needed. */
     struct painter *painter;
     unsigned atlas_number; /**< Grows when the atlas changes: what was made for it must be made anew. */
     unsigned scene_number; /**< Grows with what the painter draws otherwise than before from the same place. */
@@ -129,42 +111,12 @@ conus_status viewer_write_results(struct viewer *viewer, const char *path);
 conus_status viewer_write_picture(const struct viewer *viewer, const struct sight *sight, const char *path,
                                   uint32_t width, uint32_t height);
 
-/** Changes from which value on a pathway is one. */
-void viewer_set_threshold(struct viewer *viewer, uint32_t object, double threshold);
-
-/** The volume of a pathway; NULL of an area. */
-const conus_volume_info *viewer_pathway(const struct viewer *viewer, uint32_t object);
-
-/** Sets all at once; where that fails (memory), the atlas is as it was. */
-conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *settings);
-
-/** Draws with the editor's points from now on. */
-void viewer_use_transfer(struct viewer *viewer);
-
-/** Colours for any colour vision, or the atlas's own. */
-void viewer_use_safe_colours(struct viewer *viewer, bool safe);
-
-/* ---- What is shown ---------------------------------------------------------------------------------------------- */
-
 /** Ends what was made for the atlas and would have to be made anew after a change. */
 void viewer_rest_selectors(struct viewer *viewer);
-/** Hides or shows an object and all below it in the tree. What is hidden is not selected either. */
-void viewer_hide(struct viewer *viewer, uint32_t object, bool hide);
-/** Hides all but an object and what is below it. */
-void viewer_isolate(struct viewer *viewer, uint32_t object);
-void viewer_show_all(struct viewer *viewer);
-/** Hides what @p hidden says, [object_count + 1], which is taken over. */
-void viewer_set_hidden(struct viewer *viewer, bool *hidden);
-/** Takes back the last of these. */
-void viewer_undo(struct viewer *viewer);
-/** The first object whose name, abbreviation or label fits @p text best; 0 = none. */
-uint32_t viewer_find(const struct viewer *viewer, const char *text);
-/** Whether @p object is @p ancestor or below it. */
-bool viewer_is_below(const struct viewer *viewer, uint32_t object, uint32_t ancestor);
-/** What is shown of an object and all below it. */
-enum shown viewer_shown(const struct viewer *viewer, uint32_t object);
-/** Whether @p object fits the search. */
-bool viewer_fits(const struct viewer *viewer, uint32_t object);
+
+/* ---- Where the panes look -----------------------------------------------------------------------------------------
+ */
+
 /** Puts the crosshair there, but not far from the atlas. */
 void viewer_cross(struct viewer *viewer, const double at[3]);
 /** The voxel that a place is in, of the parcellation or else of the first volume; false outside of it, or without. */
@@ -175,16 +127,8 @@ void viewer_choose(struct viewer *viewer, uint32_t object);
 /** sRGB of an object, in the palette that is on. */
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object);
 
-/** What the ray from @p origin along @p direction meets first of all that the 3-D picture shows, and where. Pathways
- * count from their threshold on. Where the context lets too little light through to see anything behind, it is met, and
- * @p object is 0. False: nothing is met. */
-bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, const double origin[3],
-                 const double direction[3]);
 /** Index of the context volume, or the number of volumes where there is none. */
 size_t viewer_context(const struct viewer *viewer);
-/** The largest value of pathway @p object within a voxel of @p place; NaN of an area. */
-double viewer_value(struct viewer *viewer, uint32_t object, const double place[3]);
-
 /** The frame of a plane's picture: unit vectors to the right and up. */
 void viewer_plane(double right[3], double up[3], const struct viewer *viewer, enum plane plane);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of areas and pathways, with search and check boxes. */
-#include "viewer/window/window.h"
+#include "viewer/panels/panels.h"
 
 #include <stdio.h>
 
@@ -10,7 +10,7 @@ static ui_colour colour_of(const struct viewer *viewer, uint32_t object)
 {
     uint8_t rgb[3];
     viewer_colour(rgb, viewer, object);
-    return (ui_colour){rgb[0], rgb[1], rgb[2], viewer->hidden[object] ? 60 : 255};
+    return (ui_colour){rgb[0], rgb[1], rgb[2], viewer->shown.hidden[object] ? 60 : 255};
 }
 
 /* Children are looked for in the whole list: atlases have hundreds of areas, and only open nodes are asked. */
@@ -66,7 +66,7 @@ static void draw_area(struct window *window, uint32_t number)
     ui_dim(opacities[shown]);
     ui_chip("colour", colour_of(viewer, number));
     ui_same_line();
-    if (viewer->chosen == number) {
+    if (viewer->shown.chosen == number) {
         scroll_to(window, number);
         ui_text_coloured((ui_colour){255, 200, 90, 255}, "%s%s", object->name,
                          shown == SHOWN_IN_PART ? " (in part)" : "");
@@ -94,8 +94,8 @@ static void draw_tree(struct window *window, uint32_t parent)
             continue;
         }
         ui_id(number);
-        bool leads = window->listed != viewer->chosen && viewer->chosen != number &&
-                     viewer_is_below(viewer, viewer->chosen, number);
+        bool leads = window->listed != viewer->shown.chosen && viewer->shown.chosen != number &&
+                     viewer_is_below(viewer, viewer->shown.chosen, number);
         bool open = ui_tree("##node", leads ? UI_OPEN_NOW : parent == 0 ? UI_OPEN_FIRST : UI_AS_IT_WAS);
         ui_id_end();
         ui_same_line();
@@ -131,7 +131,7 @@ static void draw_found(struct window *window)
         ui_text("nothing fits");
         ui_same_line();
         if (ui_small_button("clear")) {
-            window->viewer->search[0] = '\0';
+            window->viewer->shown.search[0] = '\0';
         }
     }
 }
@@ -141,8 +141,8 @@ void panel_areas(struct window *window)
     struct viewer *viewer = window->viewer;
     ui_panel("Areas", window->left, 0);
     ui_width(window->left.width - 20);
-    ui_type("##search", viewer->search, sizeof viewer->search, "search name or label");
-    if (ui_entered() && viewer->search[0]) {
+    ui_type("##search", viewer->shown.search, sizeof viewer->shown.search, "search name or label");
+    if (ui_entered() && viewer->shown.search[0]) {
         choose_first(viewer);
     }
     if (ui_button("show all")) {
@@ -156,7 +156,7 @@ void panel_areas(struct window *window)
     ui_text("%zu", viewer->object_count);
     ui_separator();
     ui_scroll("list", 0);
-    if (viewer->search[0]) {
+    if (viewer->shown.search[0]) {
         draw_found(window);
     } else {
         draw_tree(window, 0);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The panel of the cone: score, angle, shape, engine. */
-#include "viewer/window/window.h"
+#include "viewer/panels/panels.h"
 
 #include <math.h>
 #include <string.h>
@@ -21,32 +21,32 @@ static bool choose_score(struct viewer *viewer)
     const conus_score_info *info;
     for (size_t i = 0; count < SCORE_LIMIT && (info = conus_score(i)); i++) {
         if (!info->needs_history) {
-            chosen = viewer->options.score && strcmp(viewer->options.score, info->name) == 0 ? count : chosen;
+            chosen = viewer->cone.options.score && strcmp(viewer->cone.options.score, info->name) == 0 ? count : chosen;
             names[count++] = info->name;
         }
     }
     bool changed = ui_choose("score", &chosen, names, count);
-    viewer->options.score = names[chosen];
+    viewer->cone.options.score = names[chosen];
     return changed;
 }
 
 static bool choose_shape(struct viewer *viewer)
 {
-    bool changed = ui_slider("angle", &viewer->angle, 0.1, 179, "%.1f\u00b0", true);
-    bool cylinder = viewer->options.radius > 0;
+    bool changed = ui_slider("angle", &viewer->cone.angle, 0.1, 179, "%.1f\u00b0", true);
+    bool cylinder = viewer->cone.options.radius > 0;
     if (ui_check("cylinder instead", &cylinder)) {
-        viewer->options.radius = cylinder ? 2 : 0;
+        viewer->cone.options.radius = cylinder ? 2 : 0;
         changed = true;
     }
     if (cylinder) {
-        changed = ui_slider("radius", &viewer->options.radius, 0.1, 50, "%.1f mm", true) || changed;
+        changed = ui_slider("radius", &viewer->cone.options.radius, 0.1, 50, "%.1f mm", true) || changed;
     }
     return changed;
 }
 
 static bool choose_look(struct viewer *viewer)
 {
-    conus_selector_options *options = &viewer->options;
+    conus_selector_options *options = &viewer->cone.options;
     uint32_t resolution = options->resolution ? options->resolution : 16;
     size_t layer = (size_t)options->layers;
     size_t aperture = (size_t)options->aperture;
@@ -67,10 +67,10 @@ static bool choose_look(struct viewer *viewer)
 
 static void show_pose(struct viewer *viewer)
 {
-    const double *m = viewer->pose.world_from_device;
+    const double *m = viewer->cone.pose.world_from_device;
     double origin[3] = {m[12], m[13], m[14]};
     double along[3] = {-m[8], -m[9], -m[10]};
-    if (!viewer->has_pose) {
+    if (!viewer->cone.has_pose) {
         ui_text("no pose yet: move the mouse over the brain");
         return;
     }
@@ -84,12 +84,12 @@ static void show_pose(struct viewer *viewer)
 void panel_cone(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    size_t pointer = (size_t)viewer->pointer;
+    size_t pointer = (size_t)viewer->cone.pointer;
     if (!ui_section("Cone", true)) {
         return;
     }
     if (ui_choose("points", &pointer, pointers, POINTER_COUNT)) {
-        viewer->pointer = (enum pointer)pointer;
+        viewer->cone.pointer = (enum pointer)pointer;
         viewer->version++;
     }
     panel_source(window);
@@ -101,13 +101,13 @@ void panel_cone(struct window *window)
         viewer_reselect(viewer);
     }
     if (ui_section("View", false)) {
-        bool shown = ui_slider("context", &viewer->fade, 0, 1, "%.2f faded", false);
-        shown = ui_slider("areas", &viewer->fill, 0, 1, "%.2f filled", false) || shown;
-        bool outlines = !viewer->no_outlines;
+        bool shown = ui_slider("context", &viewer->display.fade, 0, 1, "%.2f faded", false);
+        shown = ui_slider("areas", &viewer->display.fill, 0, 1, "%.2f filled", false) || shown;
+        bool outlines = !viewer->display.no_outlines;
         shown = ui_check("outlines", &outlines) || shown;
-        viewer->no_outlines = !outlines;
-        shown = ui_check("radiological (left is right)", &viewer->radiological) || shown;
-        bool safe = viewer->safe_colours;
+        viewer->display.no_outlines = !outlines;
+        shown = ui_check("radiological (left is right)", &viewer->display.radiological) || shown;
+        bool safe = viewer->display.safe_colours;
         if (ui_check("colours for any colour vision", &safe)) {
             viewer_use_safe_colours(viewer, safe);
         }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of results and the one of confirmed results. */
-#include "viewer/window/window.h"
+#include "viewer/panels/panels.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,7 +19,7 @@ static void draw_number(const char *format, double value)
 /* The share is there already. */
 static bool shows_score(const struct viewer *viewer)
 {
-    return viewer->options.score && strcmp(viewer->options.score, "share") != 0;
+    return viewer->cone.options.score && strcmp(viewer->cone.options.score, "share") != 0;
 }
 
 /* Of the name: where it was met. */
@@ -46,8 +46,8 @@ static void draw_result(struct window *window, const conus_result *result)
     ui_same_line();
     if (!object) {
         ui_text("(nothing met)");
-    } else if (ui_row(object->name, viewer->chosen == result->object)) {
-        viewer->chosen = result->object;
+    } else if (ui_row(object->name, viewer->shown.chosen == result->object)) {
+        viewer->shown.chosen = result->object;
         if (result->pixels) {
             viewer_cross(viewer, result->contact);
         }
@@ -62,7 +62,7 @@ static void draw_result(struct window *window, const conus_result *result)
         draw_number("%.3f", result->score);
     }
     draw_number("%.1f", result->distance);
-    if (viewer->options.layers == CONUS_ALL_LAYERS) {
+    if (viewer->cone.options.layers == CONUS_ALL_LAYERS) {
         draw_number("%.1f", result->path);
     }
     ui_id_end();
@@ -78,7 +78,7 @@ static void draw_results(struct window *window)
         columns[shown++] = "score";
     }
     columns[shown++] = "mm";
-    if (window->viewer->options.layers == CONUS_ALL_LAYERS) {
+    if (window->viewer->cone.options.layers == CONUS_ALL_LAYERS) {
         columns[shown++] = "inside";
     }
     if (ui_table("results", columns, shown, 14 * ui_line())) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where poses come from: the replay's time line, the tracker's state. */
-#include "viewer/window/window.h"
+#include "viewer/panels/panels.h"
 
 #include "common/station_settings.h"
 
@@ -43,9 +43,9 @@ static void show_tracker(struct window *window)
 
 void panel_source(struct window *window)
 {
-    if (window->viewer->pointer == POINT_BY_REPLAY) {
+    if (window->viewer->cone.pointer == POINT_BY_REPLAY) {
         show_replay(window);
-    } else if (window->viewer->pointer == POINT_BY_TRACKER) {
+    } else if (window->viewer->cone.pointer == POINT_BY_TRACKER) {
         show_tracker(window);
     }
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Grey values of the context and values of pathways: what of them is seen. */
-#include "viewer/window/window.h"
+#include "viewer/panels/panels.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The 3-D pane: shows the painter's picture, and lets the mouse turn it or aim. */
-#include "viewer/window/window.h"
+#include "viewer/panes/panes.h"
+
+#include "viewer/model/picker.h"
+#include "viewer/window/screen.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -29,10 +32,10 @@ static void ask_painter(struct window *window, bool moving)
     struct painting what = {.sight = window->sight,
                             .width = (uint32_t)fmaxf(box->width, 1),
                             .height = (uint32_t)fmaxf(box->height, 1),
-                            .fade = viewer->fade,
-                            .chosen = viewer->chosen,
-                            .answer = viewer->answer,
-                            .answer_number = viewer->answer_number,
+                            .fade = viewer->display.fade,
+                            .chosen = viewer->shown.chosen,
+                            .answer = viewer->cone.answer,
+                            .answer_number = viewer->cone.answer_number,
                             .scene_number = viewer->scene_number,
                             .moving = moving};
     bool same = painting_shows_same(&what, &window->asked);
@@ -213,11 +216,11 @@ static void hover(struct window *window)
     double eye[3];
     double direction[3];
     find_ray(eye, direction, window);
-    window->hovers = viewer_pick(&window->hovered, window->hovered_at, viewer, eye, direction);
-    if (window->hovered) {
-        window->hovered_value = viewer_value(viewer, window->hovered, window->hovered_at);
+    window->hover.has_place = viewer_pick(&window->hover.object, window->hover.at, viewer, eye, direction);
+    if (window->hover.object) {
+        window->hover.value = viewer_value(viewer, window->hover.object, window->hover.at);
     }
-    if (window->hovered && (viewer->pointer != POINT_BY_MOUSE || viewer->frozen)) {
+    if (window->hover.object && (viewer->cone.pointer != POINT_BY_MOUSE || viewer->cone.frozen)) {
         char tip[HOVER_TEXT];
         window_hover_text(window, tip);
         ui_tip(tip);
@@ -239,7 +242,7 @@ static void use_click(struct window *window, const struct ui_mouse *mouse)
     find_ray(eye, direction, window);
     if (viewer_pick(&object, at, viewer, eye, direction)) {
         viewer_cross(viewer, at);
-        viewer->chosen = object ? object : viewer->chosen;
+        viewer->shown.chosen = object ? object : viewer->shown.chosen;
     }
 }
 
@@ -259,7 +262,7 @@ static bool use_mouse(struct window *window)
         orbit_turn(&viewer->orbit, (double)mouse.moved_x, (double)mouse.moved_y, height);
     } else if (held && moved && (mouse.down[1] || mouse.down[2])) {
         orbit_pan(&viewer->orbit, (double)mouse.moved_x, (double)mouse.moved_y, height);
-    } else if (!held && moved && viewer->pointer == POINT_BY_MOUSE && !viewer->frozen) {
+    } else if (!held && moved && viewer->cone.pointer == POINT_BY_MOUSE && !viewer->cone.frozen) {
         point(window);
     }
     if (mouse.wheel != 0) {
@@ -277,15 +280,15 @@ static void note_moves(struct window *window, bool by_mouse)
 {
     const struct viewer *viewer = window->viewer;
     double now = clock_ms();
-    bool carried = viewer->pointer == POINT_BY_TRACKER || viewer->pointer == POINT_BY_REPLAY;
+    bool carried = viewer->cone.pointer == POINT_BY_TRACKER || viewer->cone.pointer == POINT_BY_REPLAY;
     if (by_mouse) {
         window->moving_until = now + view_rest_ms;
     }
-    if ((carried && window->carried_answer != viewer->answer_number) ||
+    if ((carried && window->carried_answer != viewer->cone.answer_number) ||
         (viewer->head.on && window->carried_head != viewer->head.number)) {
         window->moving_until = now + others_rest_ms;
     }
-    window->carried_answer = viewer->answer_number;
+    window->carried_answer = viewer->cone.answer_number;
     window->carried_head = viewer->head.number;
     window->moving = now < window->moving_until;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which way the 3-D pane looks: a small cross of the directions L R P A I S, as conus render draws it. */
-#include "viewer/window/window.h"
+#include "viewer/panes/panes.h"
 
 static const ui_colour near = {235, 235, 240, 255};
 static const ui_colour far = {150, 150, 156, 255};

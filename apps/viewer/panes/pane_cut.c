@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A flat pane: the cut, the crosshair, the cone in it, and the mouse on it. */
-#include "viewer/window/window.h"
+#include "viewer/panes/panes.h"
+
+#include "viewer/model/picker.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -70,11 +72,11 @@ static void draw_picture(struct window *window, const struct frame *frame)
     conus_cut_view view = {.mm_per_pixel = frame->mm_per_pixel,
                            .width = frame->width,
                            .height = frame->height,
-                           .fill = viewer->fill,
-                           .no_outlines = viewer->no_outlines,
-                           .window = {viewer->window[0], viewer->window[1]},
+                           .fill = viewer->display.fill,
+                           .no_outlines = viewer->display.no_outlines,
+                           .window = {viewer->display.window[0], viewer->display.window[1]},
                            .selection = viewer_selection(viewer),
-                           .chosen = viewer->chosen};
+                           .chosen = viewer->shown.chosen};
     memcpy(view.centre, frame->centre, sizeof view.centre);
     memcpy(view.right, frame->right, sizeof view.right);
     memcpy(view.up, frame->up, sizeof view.up);
@@ -168,7 +170,7 @@ static void draw_title(const struct window *window, struct frame *frame, enum pl
     static const char *const names[] = {"axial", "coronal", "sagittal"};
     static const char axes[] = {'z', 'y', 'x'};
     const struct viewer *viewer = window->viewer;
-    const char *sides = plane == SAGITTAL ? "" : viewer->radiological ? "radiological" : "neurological";
+    const char *sides = plane == SAGITTAL ? "" : viewer->display.radiological ? "radiological" : "neurological";
     const float at[2] = {frame->pane->box.x + 8, frame->pane->box.y + 6};
     char text[96];
     double depth = viewer->crosshair[2 - (int)plane];
@@ -203,7 +205,7 @@ static void place_wand(struct viewer *viewer, const double at[3])
 
 static void move_wand(struct viewer *viewer, const struct ui_mouse *mouse, const double at[3])
 {
-    const double *m = viewer->pose.world_from_device;
+    const double *m = viewer->cone.pose.world_from_device;
     double direction[3] = {-m[8], -m[9], -m[10]};
     double origin[3] = {m[12], m[13], m[14]};
     for (int a = 0; a < 3; a++) {
@@ -215,10 +217,10 @@ static void move_wand(struct viewer *viewer, const struct ui_mouse *mouse, const
 
 static void use_wand(struct viewer *viewer, const struct ui_mouse *mouse, const double at[3])
 {
-    if (!viewer->has_pose && mouse->shift) {
+    if (!viewer->cone.has_pose && mouse->shift) {
         viewer_place(viewer);
     }
-    if (viewer->has_pose) {
+    if (viewer->cone.has_pose) {
         move_wand(viewer, mouse, at);
     } else {
         place_wand(viewer, at);
@@ -231,10 +233,10 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
     struct ui_mouse mouse = ui_mouse_now();
     double at[3];
     world_at(at, frame, mouse.x, mouse.y);
-    window->hovered = object_at(frame->pane, mouse.x, mouse.y);
-    memcpy(window->hovered_at, at, sizeof at);
-    window->hovers = true;
-    window->hovered_value = viewer_value(viewer, window->hovered, at);
+    window->hover.object = object_at(frame->pane, mouse.x, mouse.y);
+    memcpy(window->hover.at, at, sizeof at);
+    window->hover.has_place = true;
+    window->hover.value = viewer_value(viewer, window->hover.object, at);
     if (mouse.wheel != 0 && mouse.control) {
         viewer->magnification = fmin(fmax(viewer->magnification * pow(1.1, (double)mouse.wheel), 0.2), 50);
         viewer->version++;
@@ -245,8 +247,8 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
     }
     if (ui_surface_held() && mouse.down[0]) {
         viewer_cross(viewer, at);
-        viewer->chosen = window->hovered ? window->hovered : viewer->chosen;
-    } else if (ui_surface_held() && mouse.down[1] && viewer->pointer == POINT_BY_WAND) {
+        viewer->shown.chosen = window->hover.object ? window->hover.object : viewer->shown.chosen;
+    } else if (ui_surface_held() && mouse.down[1] && viewer->cone.pointer == POINT_BY_WAND) {
         use_wand(viewer, &mouse, at);
     }
 }
@@ -275,7 +277,7 @@ void pane_cut(struct window *window, enum plane plane)
     draw_title(window, &frame, plane);
     draw_letters(&frame);
     ui_clip_end();
-    if (touched && window->hovered) {
+    if (touched && window->hover.object) {
         char tip[HOVER_TEXT];
         window_hover_text(window, tip);
         ui_tip(tip);

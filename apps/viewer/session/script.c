@@ -5,6 +5,7 @@
 #include "common/messages.h"
 #include "viewer/session/script_words.h"
 #include "viewer/session/session.h"
+#include "viewer/window/screen.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -59,7 +60,7 @@ static bool is_done(conus_status status)
 
 static bool do_key(struct call *call)
 {
-    return keys_press(call->window, call->words[1]);
+    return window_press(call->window, call->words[1]);
 }
 
 static bool do_aim(struct call *call)
@@ -161,7 +162,7 @@ static bool do_angle(struct call *call)
     double angle;
     bool fine = numbers(&angle, call, 0, 1) && angle > 0 && angle < 180;
     if (fine) {
-        call->window->viewer->angle = angle;
+        call->window->viewer->cone.angle = angle;
         viewer_reselect(call->window->viewer);
     }
     return fine;
@@ -170,7 +171,7 @@ static bool do_angle(struct call *call)
 static bool do_search(struct call *call)
 {
     struct viewer *viewer = call->window->viewer;
-    snprintf(viewer->search, sizeof viewer->search, "%s", call->count ? call->words[1] : "");
+    snprintf(viewer->shown.search, sizeof viewer->shown.search, "%s", call->count ? call->words[1] : "");
     return true;
 }
 
@@ -199,7 +200,7 @@ static bool do_fade(struct call *call)
     double fade;
     bool fine = numbers(&fade, call, 0, 1) && fade >= 0 && fade <= 1;
     if (fine) {
-        call->window->viewer->fade = fade;
+        call->window->viewer->display.fade = fade;
         call->window->viewer->version++;
     }
     return fine;
@@ -210,7 +211,7 @@ static bool do_pointer(struct call *call)
     static const char *const names[] = {"mouse", "wand", "replay", "tracker"};
     for (int i = 0; i < POINTER_COUNT; i++) {
         if (strcmp(names[i], call->words[1]) == 0) {
-            call->window->viewer->pointer = (enum pointer)i;
+            call->window->viewer->cone.pointer = (enum pointer)i;
             return true;
         }
     }

@@ -79,8 +79,8 @@ static bool refuse_session(char why[SESSION_REASON], const char *format, ...)
 static void take_state(struct state *out, const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    const conus_selector_options *options = &viewer->options;
-    *out = (struct state){.angle = viewer->angle,
+    const conus_selector_options *options = &viewer->cone.options;
+    *out = (struct state){.angle = viewer->cone.angle,
                           .radius = options->radius,
                           .range = {options->range[0], options->range[1]},
                           .resolution = options->resolution ? options->resolution : 16,
@@ -88,16 +88,16 @@ static void take_state(struct state *out, const struct window *window)
                           .aperture = (double)options->aperture,
                           .sampling = (double)options->sampling,
                           .engine = (double)options->engine,
-                          .pointer = (double)viewer->pointer,
-                          .has_pose = viewer->has_pose,
-                          .frozen = viewer->frozen,
-                          .fade = viewer->fade,
-                          .fill = viewer->fill,
-                          .outlines = !viewer->no_outlines,
-                          .radiological = viewer->radiological,
+                          .pointer = (double)viewer->cone.pointer,
+                          .has_pose = viewer->cone.has_pose,
+                          .frozen = viewer->cone.frozen,
+                          .fade = viewer->display.fade,
+                          .fill = viewer->display.fill,
+                          .outlines = !viewer->display.no_outlines,
+                          .radiological = viewer->display.radiological,
                           .magnification = viewer->magnification,
                           .enlarged = window->enlarged};
-    memcpy(out->pose, viewer->pose.world_from_device, sizeof out->pose);
+    memcpy(out->pose, viewer->cone.pose.world_from_device, sizeof out->pose);
     memcpy(out->orbit, viewer->orbit.centre, sizeof viewer->orbit.centre);
     out->orbit[3] = viewer->orbit.distance;
     out->orbit[4] = viewer->orbit.azimuth;
@@ -125,12 +125,12 @@ static void put_head(struct head *head, const struct state *state)
 static void put_state(struct window *window, const struct state *state)
 {
     struct viewer *viewer = window->viewer;
-    conus_selector_options *options = &viewer->options;
-    memcpy(viewer->pose.world_from_device, state->pose, sizeof state->pose);
-    viewer->has_pose = state->has_pose > 0;
-    viewer->frozen = state->frozen > 0;
-    viewer->pointer = (enum pointer)state->pointer;
-    viewer->angle = state->angle;
+    conus_selector_options *options = &viewer->cone.options;
+    memcpy(viewer->cone.pose.world_from_device, state->pose, sizeof state->pose);
+    viewer->cone.has_pose = state->has_pose > 0;
+    viewer->cone.frozen = state->frozen > 0;
+    viewer->cone.pointer = (enum pointer)state->pointer;
+    viewer->cone.angle = state->angle;
     options->radius = state->radius;
     memcpy(options->range, state->range, sizeof state->range);
     options->resolution = (uint32_t)state->resolution;
@@ -138,10 +138,10 @@ static void put_state(struct window *window, const struct state *state)
     options->aperture = (conus_aperture)state->aperture;
     options->sampling = (conus_sampling)state->sampling;
     options->engine = (conus_engine)state->engine;
-    viewer->fade = state->fade;
-    viewer->fill = state->fill;
-    viewer->no_outlines = !(state->outlines > 0);
-    viewer->radiological = state->radiological > 0;
+    viewer->display.fade = state->fade;
+    viewer->display.fill = state->fill;
+    viewer->display.no_outlines = !(state->outlines > 0);
+    viewer->display.radiological = state->radiological > 0;
     memcpy(viewer->orbit.centre, state->orbit, sizeof viewer->orbit.centre);
     viewer->orbit.distance = fmax(state->orbit[3], 1);
     viewer->orbit.azimuth = state->orbit[4];
@@ -171,7 +171,7 @@ static json_t *hidden_labels(const struct viewer *viewer)
 {
     json_t *hidden = json_array();
     for (uint32_t number = 1; number <= viewer->object_count; number++) {
-        if (viewer->hidden[number]) {
+        if (viewer->shown.hidden[number]) {
             json_array_append_new(hidden, json_integer(number));
         }
     }
@@ -230,9 +230,9 @@ char *session_text(const struct window *window)
     struct state state;
     take_state(&state, window);
     size_t count = list_fields(fields, &state) - (state.by_head > 0 ? 0 : HEAD_FIELDS);
-    json_t *root =
-        json_pack("{s: i, s: s, s: i, s: s}", "conus_session", SESSION_VERSION, "atlas", viewer->atlas_path, "objects",
-                  (int)viewer->object_count, "score", viewer->options.score ? viewer->options.score : "share");
+    json_t *root = json_pack("{s: i, s: s, s: i, s: s}", "conus_session", SESSION_VERSION, "atlas", viewer->atlas_path,
+                             "objects", (int)viewer->object_count, "score",
+                             viewer->cone.options.score ? viewer->cone.options.score : "share");
     for (size_t i = 0; root && i < count; i++) {
         json_object_set_new(root, fields[i].key, numbers(&fields[i]));
     }
@@ -240,7 +240,7 @@ char *session_text(const struct window *window)
     json_object_set_new(root, "confirmed", pins_of(viewer));
     json_object_set_new(root, "thresholds", thresholds_of(viewer));
     json_object_set_new(root, "transfer", transfer_of(&viewer->transfer_editor));
-    json_object_set_new(root, "safe_colours", json_boolean(viewer->safe_colours));
+    json_object_set_new(root, "safe_colours", json_boolean(viewer->display.safe_colours));
     char *text = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
     json_decref(root);
     return text;
@@ -397,7 +397,7 @@ static bool read_atlas_edits(struct atlas_edits *out, double *thresholds, const 
     const json_t *transfer = json_object_get(root, "transfer");
     const json_t *safe = json_object_get(root, "safe_colours");
     *out = (struct atlas_edits){.thresholds = list ? thresholds : NULL,
-                                .safe_colours = safe ? json_is_true(safe) : viewer->safe_colours};
+                                .safe_colours = safe ? json_is_true(safe) : viewer->display.safe_colours};
     if (safe && !json_is_boolean(safe)) {
         return refuse_session(why, "session: safe_colours: true or false is needed");
     }
@@ -454,7 +454,7 @@ static bool read_session(struct window *window, const json_t *root, char why[SES
         return false;
     }
     put_state(window, &state);
-    viewer->options.score = score;
+    viewer->cone.options.score = score;
     viewer_set_hidden(viewer, hidden);
     read_pins(viewer, root);
     viewer_reselect(viewer);

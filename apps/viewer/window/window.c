@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Opens and closes the window, lays it out, draws frames, decides when the next is due. */
+/* Opens and closes the window, lays it out, and decides when the next frame is due. */
 #include "viewer/window/window.h"
 
 #include "common/messages.h"
@@ -75,6 +75,11 @@ static void touch_by_numbers(GLFWwindow *handle, int x, int y)
 
 /* ---- Keys -------------------------------------------------------------------------------------------------------- */
 
+bool window_press(struct window *window, const char *key)
+{
+    return window->press && window->press(window, key);
+}
+
 static void press_named(GLFWwindow *handle, int key, int scancode, int action, int mods)
 {
     static const struct {
@@ -89,7 +94,7 @@ static void press_named(GLFWwindow *handle, int key, int scancode, int action, i
     touch(handle);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (names[i].key == key && action != GLFW_RELEASE && !ui_wants_keys()) {
-            keys_press(window, names[i].name);
+            window_press(window, names[i].name);
         }
     }
 }
@@ -100,7 +105,7 @@ static void press_character(GLFWwindow *handle, unsigned character)
     const char key[2] = {(char)character, '\0'};
     touch(handle);
     if (character > ' ' && character < 127 && !ui_wants_keys()) {
-        keys_press(window, key);
+        window_press(window, key);
     }
 }
 
@@ -257,36 +262,11 @@ void window_lay_out(struct window *window)
     }
 }
 
-static bool is_shown(const struct window *window, int pane)
+bool window_shows_pane(const struct window *window, int pane)
 {
     const struct ui_box *box = &window->panes[pane];
     bool chosen = window->alone ? pane == PANE_3D : window->enlarged < 0 || window->enlarged == pane;
     return chosen && box->width >= 2 && box->height >= 2;
-}
-
-static void draw_panels(struct window *window)
-{
-    window->hovers = false;
-    window->hovered = 0;
-    window->hovered_value = NAN;
-    if (!window->alone) {
-        panel_areas(window);
-        panel_results(window);
-    }
-    for (int p = 0; p < PLANE_COUNT; p++) {
-        if (is_shown(window, p)) {
-            pane_cut(window, (enum plane)p);
-        }
-    }
-    if (is_shown(window, PANE_3D)) {
-        pane_3d(window);
-    }
-    if (!window->alone) { /* after the panes, which find what is under the mouse */
-        panel_status(window);
-    }
-    if (window->show_help) {
-        panel_help(window);
-    }
 }
 
 static bool is_behind(const struct window *window)
@@ -319,36 +299,11 @@ void window_clear(const struct window *window)
     glClear(GL_COLOR_BUFFER_BIT);
 }
 
-void window_draw(struct window *window)
-{
-    double begun = glfwGetTime();
-    window->frames_wanted -= window->frames_wanted > 0;
-    window->shown_version = window->viewer->version;
-    window->shown_said = window->viewer->said;
-    window->shown_head = window->viewer->head.number;
-    window->moving = window->moving && clock_ms() < window->moving_until;
-    window_lay_out(window);
-    if (window->width < 1 || window->height < 1) { /* minimised */
-        return;
-    }
-    if (window->next_scale > 0 && ui_set_scale(window->next_scale)) {
-        window->scale = window->next_scale;
-        window_lay_out(window);
-    }
-    window->next_scale = 0;
-    window_clear(window);
-    ui_begin();
-    draw_panels(window);
-    ui_end();
-    window->frame_ms = 1e3 * (glfwGetTime() - begun);
-    times_add(&window->times, TIMED_FRAME, window->frame_ms);
-}
-
 bool window_is_settled(const struct window *window)
 {
-    bool settled = window->painted_fine || !is_shown(window, PANE_3D);
+    bool settled = window->painted_fine || !window_shows_pane(window, PANE_3D);
     for (int p = 0; p < PLANE_COUNT; p++) {
-        settled = settled && (window->cuts[p].version == window->viewer->version || !is_shown(window, p));
+        settled = settled && (window->cuts[p].version == window->viewer->version || !window_shows_pane(window, p));
     }
     return settled;
 }
@@ -379,10 +334,10 @@ conus_status window_write(const struct window *window, const char *path)
 
 void window_hover_text(const struct window *window, char out[HOVER_TEXT])
 {
-    const conus_object *object = conus_atlas_object(window->viewer->atlas, window->hovered);
+    const conus_object *object = conus_atlas_object(window->viewer->atlas, window->hover.object);
     int used = snprintf(out, HOVER_TEXT, "%.200s", object ? object->name : "");
-    if (object && isfinite(window->hovered_value)) {
-        snprintf(out + used, HOVER_TEXT - (size_t)used, "  %.3g", window->hovered_value);
+    if (object && isfinite(window->hover.value)) {
+        snprintf(out + used, HOVER_TEXT - (size_t)used, "  %.3g", window->hover.value);
     }
 }
 

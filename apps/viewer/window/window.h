@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The window, its textures, and how it is laid out: panels left and right, four panes between them, a status
- * line. */
+ * line. What panels and panes draw is theirs (panels.h, panes.h); the state that a session keeps is the viewer's. */
 #ifndef CONUS_VIEWER_WINDOW_WINDOW_H
 #define CONUS_VIEWER_WINDOW_WINDOW_H
 
@@ -28,9 +28,18 @@ struct cut_pane {
     double centre[3];
 };
 
+/** What is under the mouse. */
+struct hover {
+    uint32_t object; /**< 0 = none. */
+    bool has_place;
+    double at[3]; /**< If it has a place. */
+    double value; /**< Of a pathway, there; NaN of an area. */
+};
+
 struct window {
     void *handle; /**< GLFWwindow */
     struct viewer *viewer;
+    bool (*press)(struct window *window, const char *key); /**< What keys do; NULL without a viewer. */
     struct replay replay;
     struct station *station; /**< NULL = none. */
     struct station_news news;
@@ -56,12 +65,9 @@ struct window {
     unsigned shown_head;                /**< Likewise. */
     bool show_help;
     bool quiet_status; /**< The status line leaves out what differs from run to run: times and the device. */
-    uint32_t hovered;  /**< Object under the mouse. */
-    double hovered_at[3];
-    double hovered_value; /**< Of a pathway, there; NaN of an area. */
+    struct hover hover;
     bool keeps_picture;   /**< The next frame goes into a file.     */
     uint32_t listed;      /**< What the list of areas was scrolled to last. */
-    bool hovers;          /**< hovered_at holds. */
     float dragged;        /**< Pixels that the mouse moved since it was pressed on the 3-D pane. */
     unsigned sent_answer; /**< The answer that was sent to the station last. */
     double watched;       /**< When the atlas's files were looked at last, by clock_ms(). */
@@ -77,21 +83,16 @@ void window_place(const struct window *window, struct place *out);
 void window_close(struct window *window);
 /** Asks for another size; the screen may give another one, some frames later. */
 void window_resize(struct window *window, int width, int height);
-/** The screen (GLFWmonitor) that the window's middle is on, and its x, y, width and height; NULL where none is known.
- */
-void *window_screen(const struct window *window, int screen[4]);
-/** Lets the 3-D pane fill the screen that the window is on, without panels, or brings the window back. */
-void window_fill_screen(struct window *window, bool fill);
+/** Presses a key: a character as typed ("?"), or "escape", "left", "f1", ... False if it means nothing. */
+bool window_press(struct window *window, const char *key);
 /** Lays everything out for the window's size now. */
 void window_lay_out(struct window *window);
 
-/** What the 3-D pane is to show now. */
-void window_sight(const struct window *window, struct sight *out);
+/** Whether a pane is on the window and large enough to be drawn. */
+bool window_shows_pane(const struct window *window, int pane);
 
 /** Clears it to the colour of panels. */
 void window_clear(const struct window *window);
-/** Draws one frame of @p window->viewer. */
-void window_draw(struct window *window);
 /** Whether the next frame will show something else than the newest. */
 bool window_wants_frame(struct window *window);
 /** Seconds after which it may, though nothing happens: 0 = at once, INFINITY = never. */
@@ -111,22 +112,5 @@ void window_copy(struct window *window, enum copied what);
 /** Puts bytes of sRGB, top row first, on the screen's texture; @p smooth: where it is enlarged, pixels run into each
  * other. */
 void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth);
-
-/** One key: a character as typed ("?"), or "escape", "left", "f1", ... False if it means nothing. */
-bool keys_press(struct window *window, const char *key);
-/** Entry @p index of the table of keys; false past the last. */
-bool keys_describe(size_t index, const char **key, const char **meaning);
-
-/* Panels and panes, one file each. */
-void pane_cut(struct window *window, enum plane plane);
-void pane_3d(struct window *window);
-void pane_compass(const struct window *window); /**< Over it: which way it looks. */
-void panel_areas(struct window *window);
-void panel_cone(struct window *window);
-void panel_results(struct window *window);
-void panel_transfer(struct window *window);
-void panel_source(struct window *window);
-void panel_status(struct window *window);
-void panel_help(struct window *window);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is under the mouse: single rays and small balls, by a selector of their own. */
-#include "viewer/model/viewer.h"
+#include "viewer/model/picker.h"
 
 #include <math.h>
 
@@ -26,7 +26,7 @@ struct veil {
 
 static bool veil_init(struct veil *out, const struct viewer *viewer)
 {
-    *out = (struct veil){.atlas = viewer->atlas, .volume = viewer_context(viewer), .thinned = 1 - viewer->fade};
+    *out = (struct veil){.atlas = viewer->atlas, .volume = viewer_context(viewer), .thinned = 1 - viewer->display.fade};
     if (out->volume < conus_atlas_volume_count(viewer->atlas) && viewer->painter) {
         out->count = painter_transfer(viewer->painter, out->points, EDITOR_POINTS);
     }
@@ -81,7 +81,7 @@ static bool has_pathways(const struct viewer *viewer)
         if (conus_atlas_object(viewer->atlas, number)->kind != CONUS_PATHWAY) {
             return false;
         }
-        if (!viewer->hidden[number]) {
+        if (!viewer->shown.hidden[number]) {
             return true;
         }
     }

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* One frame of the window: its panels and panes. */
+#include "viewer/draw.h"
+
+#include "viewer/keys.h"
+#include "viewer/panels/panels.h"
+#include "viewer/panes/panes.h"
+
+#include <GLFW/glfw3.h>
+#include <math.h>
+
+static void draw_panels(struct window *window)
+{
+    window->hover.has_place = false;
+    window->hover.object = 0;
+    window->hover.value = NAN;
+    if (!window->alone) {
+        panel_areas(window);
+        panel_results(window);
+    }
+    for (int p = 0; p < PLANE_COUNT; p++) {
+        if (window_shows_pane(window, p)) {
+            pane_cut(window, (enum plane)p);
+        }
+    }
+    if (window_shows_pane(window, PANE_3D)) {
+        pane_3d(window);
+    }
+    if (!window->alone) { /* after the panes, which find what is under the mouse */
+        panel_status(window);
+    }
+    if (window->show_help) {
+        keys_draw_help(window);
+    }
+}
+
+void draw_window(struct window *window)
+{
+    double begun = glfwGetTime();
+    window->frames_wanted -= window->frames_wanted > 0;
+    window->shown_version = window->viewer->version;
+    window->shown_said = window->viewer->said;
+    window->shown_head = window->viewer->head.number;
+    window->moving = window->moving && clock_ms() < window->moving_until;
+    window_lay_out(window);
+    if (window->width < 1 || window->height < 1) { /* minimised */
+        return;
+    }
+    if (window->next_scale > 0 && ui_set_scale(window->next_scale)) {
+        window->scale = window->next_scale;
+        window_lay_out(window);
+    }
+    window->next_scale = 0;
+    window_clear(window);
+    ui_begin();
+    draw_panels(window);
+    ui_end();
+    window->frame_ms = 1e3 * (glfwGetTime() - begun);
+    times_add(&window->times, TIMED_FRAME, window->frame_ms);
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Changes of the atlas itself while it is shown: thresholds, colours, the context's transfer function. */
+#ifndef CONUS_VIEWER_MODEL_ATLAS_EDITS_H
+#define CONUS_VIEWER_MODEL_ATLAS_EDITS_H
+
+#include <conus/conus.h>
+
+struct viewer;
+
+enum { EDITOR_POINTS = 32, EDITOR_BINS = 128 };
+
+/** The context's transfer function while it is edited. */
+struct transfer_editor {
+    conus_transfer_point points[EDITOR_POINTS];
+    size_t count;
+    size_t held;                   /**< The point that is dragged; EDITOR_POINTS = none. */
+    double low, high;              /**< Grey values shown.                               */
+    double histogram[EDITOR_BINS]; /**< Heights, 0 to 1.                                 */
+    bool ready;
+    bool edited; /**< The points are drawn with instead of the function that the context came with. */
+};
+
+/** What a session says of the atlas itself. */
+struct atlas_edits {
+    const double *thresholds; /**< [object_count + 1] by number; those of areas are not read. NULL = as they are. */
+    bool safe_colours;
+    bool sets_transfer; /**< Then the points are; none of them = the function that the context came with. */
+    conus_transfer_point points[EDITOR_POINTS];
+    size_t point_count;
+};
+
+/** Changes from which value on a pathway is one. */
+void viewer_set_threshold(struct viewer *viewer, uint32_t object, double threshold);
+
+/** The volume of a pathway; NULL of an area. */
+const conus_volume_info *viewer_pathway(const struct viewer *viewer, uint32_t object);
+
+/** Sets all at once; where that fails (memory), the atlas is as it was. */
+conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *settings);
+
+/** Draws with the editor's points from now on. */
+void viewer_use_transfer(struct viewer *viewer);
+
+/** Colours for any colour vision, or the atlas's own. */
+void viewer_use_safe_colours(struct viewer *viewer, bool safe);
+
+#endif

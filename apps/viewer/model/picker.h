@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What is under the mouse. */
+#ifndef CONUS_VIEWER_MODEL_PICKER_H
+#define CONUS_VIEWER_MODEL_PICKER_H
+
+#include "viewer/model/viewer.h"
+
+/** What the ray from @p origin along @p direction meets first of all that the 3-D picture shows, and where. Pathways
+ * count from their threshold on. Where the context lets too little light through to see anything behind, it is met, and
+ * @p object is 0. False: nothing is met. */
+bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, const double origin[3],
+                 const double direction[3]);
+/** The largest value of pathway @p object within a voxel of @p place; NaN of an area. */
+double viewer_value(struct viewer *viewer, uint32_t object, const double place[3]);
+
+#endif

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The panels around the panes: widgets only, each drawn by one call per frame. */
+#ifndef CONUS_VIEWER_PANELS_PANELS_H
+#define CONUS_VIEWER_PANELS_PANELS_H
+
+#include "viewer/window/window.h"
+
+void panel_areas(struct window *window);
+void panel_cone(struct window *window);
+void panel_results(struct window *window);
+void panel_transfer(struct window *window);
+void panel_source(struct window *window);
+void panel_status(struct window *window);
+
+#endif

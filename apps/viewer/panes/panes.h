@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The four pictures of the window: three cuts and the 3-D view, each drawn by one call per frame. */
+#ifndef CONUS_VIEWER_PANES_PANES_H
+#define CONUS_VIEWER_PANES_PANES_H
+
+#include "viewer/window/window.h"
+
+void pane_cut(struct window *window, enum plane plane);
+void pane_3d(struct window *window);
+void pane_compass(const struct window *window); /**< Over it: which way it looks. */
+
+#endif
