@@ -493,6 +493,17 @@ x11.XSync(display, 0)
 END
 }
 
+@test "keys pressed while the atlas is being loaded do no harm" {
+    need_window
+    command -v xdotool >/dev/null || skip "no xdotool"
+    conus phantom nested -o . --size 512 # takes a while to load
+    background timeout $HANG "$CONUS" view nested.nii.gz --quiet
+    wait_until "$child" find_window
+    xdotool key --window "$window" --delay 5 plus h u plus h u plus h u plus h u plus h u plus h u
+    close_window "$window"
+    wait "$child"
+}
+
 @test "closed, the window remembers its size and place" {
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"
