@@ -197,17 +197,17 @@ static int open_files(struct batch_file *file, int flags)
     return open_own(&file->rows, file->part, flags);
 }
 
-static int begin_file(struct batch_file *file, const char *fingerprint, const char *heading)
+static int begin_file(struct batch_file *file, const char *fingerprint, const char *header_row)
 {
     char line[LINE_SIZE];
-    const struct batch_entry entry = {0, 0, strlen(heading), crc_of(heading, strlen(heading))};
+    const struct batch_entry entry = {0, 0, strlen(header_row), crc_of(header_row, strlen(header_row))};
     int code = open_files(file, O_TRUNC);
     if (code) {
         return code;
     }
     write_first_line(line, fingerprint);
-    if (ftruncate(file->log, 0) || !write_line(file, line) || !write_fully(file->rows, heading, strlen(heading)) ||
-        !append_entry(file, &entry)) {
+    if (ftruncate(file->log, 0) || !write_line(file, line) ||
+        !write_fully(file->rows, header_row, strlen(header_row)) || !append_entry(file, &entry)) {
         return print_system_error(file->path, "write");
     }
     count_entry(file, &entry);
@@ -224,7 +224,7 @@ static int cut_back(struct batch_file *file, long journal_length)
     return EXIT_DONE;
 }
 
-static int go_on(struct batch_file *file, const char *fingerprint, const char *heading)
+static int resume_file(struct batch_file *file, const char *fingerprint, const char *header_row)
 {
     char line[LINE_SIZE];
     char wanted[LINE_SIZE];
@@ -249,11 +249,11 @@ static int go_on(struct batch_file *file, const char *fingerprint, const char *h
             file->path);
         return EXIT_USAGE;
     }
-    if (file->size < strlen(heading) || length == 0) { /* it was killed before its first block */
+    if (file->size < strlen(header_row) || length == 0) { /* it was killed before its first block */
         close_files(file);
         file->size = 0;
         file->crc = 0;
-        return begin_file(file, fingerprint, heading);
+        return begin_file(file, fingerprint, header_row);
     }
     return cut_back(file, length);
 }
@@ -280,7 +280,7 @@ static bool name_files(struct batch_file *file)
     return file->part && file->journal;
 }
 
-int batch_file_open(struct batch_file *out, const char *path, const char *fingerprint, const char *heading,
+int batch_file_open(struct batch_file *out, const char *path, const char *fingerprint, const char *header_row,
                     enum batch_start how)
 {
     *out = (struct batch_file){.path = path, .rows = -1, .log = -1};
@@ -290,7 +290,7 @@ int batch_file_open(struct batch_file *out, const char *path, const char *finger
     }
     bool begun = is_begun(out);
     if (how == BATCH_RESUME && begun) { /* a file of that name was there before, and was to be replaced */
-        return go_on(out, fingerprint, heading);
+        return resume_file(out, fingerprint, header_row);
     }
     if (how != BATCH_FORCE && exists(path)) {
         return print_usage_error("%s: there is a file already; --force replaces it", path);
@@ -298,7 +298,7 @@ int batch_file_open(struct batch_file *out, const char *path, const char *finger
     if (how == BATCH_ANEW && begun) {
         return print_usage_error("%s: an unfinished batch is there; --resume goes on, --force begins anew", path);
     }
-    return begin_file(out, fingerprint, heading);
+    return begin_file(out, fingerprint, header_row);
 }
 
 bool batch_file_is_begun(const char *path)
@@ -352,7 +352,7 @@ int batch_file_finish(struct batch_file *file)
 
 void batch_file_close(struct batch_file *file)
 {
-    if (file->rows >= 0 && !file->is_finished && !file->poses) { /* nothing to go on with */
+    if (file->rows >= 0 && !file->is_finished && !file->poses) { /* nothing to resume */
         unlink(file->part);
         unlink(file->journal);
     }

@@ -2,7 +2,7 @@
 /** @file
  * A long output that survives being killed. Rows go to FILE.part, whole blocks at a time; a journal, FILE.journal, has
  * a line for each block that is there (docs/batch.md). When all is written the part takes the name FILE, and the
- * journal goes. A run that goes on keeps what the journal vouches for and cuts off the rest. */
+ * journal goes. A run that resumes keeps what the journal vouches for and cuts off the rest. */
 #ifndef CONUS_BATCH_BATCH_FILE_H
 #define CONUS_BATCH_BATCH_FILE_H
 
@@ -13,18 +13,18 @@ struct batch_file {
     char *part, *journal; /**< Paths. */
     int rows, log;        /**< Descriptors of the two; -1 = closed. */
     uint64_t poses, errors;
-    uint64_t size;    /**< Bytes, the heading included, */
+    uint64_t size;    /**< Bytes, the header row included, */
     uint32_t crc;     /**< and their CRC-32. */
     bool is_finished; /**< It has its name. */
 };
 
 enum batch_start { BATCH_ANEW, BATCH_FORCE, BATCH_RESUME };
 
-/** Opens or reopens it. @p fingerprint, a line, names everything that the rows depend on; @p heading stands above them.
- * What is there is only replaced with BATCH_FORCE, and only continued with BATCH_RESUME if it has this fingerprint;
- * file->poses then says how many are answered. Returns the exit code and prints an error unless it is 0; @p out is the
- * caller's to batch_file_close() in any case. */
-int batch_file_open(struct batch_file *out, const char *path, const char *fingerprint, const char *heading,
+/** Opens or reopens it. @p fingerprint, a line, names everything that the rows depend on; @p header_row stands above
+ * them. What is there is only replaced with BATCH_FORCE, and only continued with BATCH_RESUME if it has this
+ * fingerprint; file->poses then says how many are answered. Returns the exit code and prints an error unless it is 0;
+ * @p out is the caller's to batch_file_close() in any case. */
+int batch_file_open(struct batch_file *out, const char *path, const char *fingerprint, const char *header_row,
                     enum batch_start how);
 
 /** Whether there is an unfinished batch that is to become the file @p path. */
@@ -44,7 +44,7 @@ int batch_file_append(struct batch_file *file, const conus_batch_block *block);
 /** Notes a block that somebody else has written behind those that are there. Gives the exit code likewise. */
 int batch_file_note(struct batch_file *file, const struct batch_entry *entry);
 
-/** Lets the journal vouch for nothing: the rows stay, but no run goes on with them. */
+/** Lets the journal vouch for nothing: the rows stay, but no run resumes them. */
 void batch_file_disown(struct batch_file *file);
 
 /** Gives the file its name; the journal is gone then. Gives the exit code likewise. */

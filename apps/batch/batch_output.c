@@ -59,7 +59,7 @@ int batch_output_finish(struct batch_file *file, struct work *work)
     return code ? code : batch_file_finish(file);
 }
 
-/* The command line that goes on with this batch; NULL without memory. */
+/* The command line that resumes this batch; NULL without memory. */
 static char *command_to_resume(const struct arguments *arguments)
 {
     struct arguments changed = *arguments;

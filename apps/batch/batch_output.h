@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The file that a batch becomes: what stands in its way, where an earlier run has got to, how to go on. */
+/** @file The file that a batch becomes: what stands in its way, where an earlier run has got to, how to resume it. */
 #ifndef CONUS_BATCH_BATCH_OUTPUT_H
 #define CONUS_BATCH_BATCH_OUTPUT_H
 
@@ -14,7 +14,7 @@ int batch_output_open(struct batch_file *out, struct work *work);
 /** Writes the sidecar and gives the file its name. Gives the exit code likewise. */
 int batch_output_finish(struct batch_file *file, struct work *work);
 
-/** Says that @p signal has ended the work behind @p poses poses, and which command goes on with it. Gives the exit
+/** Says that @p signal has ended the work behind @p poses poses, and which command resumes it. Gives the exit
  * code. */
 int batch_output_interrupted(const struct work *work, uint64_t poses, int signal);
 

@@ -43,9 +43,9 @@ static bool deliver(void *user, const conus_batch_block *block)
 static int open_output(struct run *run)
 {
     struct work *work = &run->work;
-    const char *heading = conus_batch_heading(work->batch);
+    const char *header_row = conus_batch_heading(work->batch);
     if (!work->output) {
-        return output_write(NULL, heading, strlen(heading));
+        return output_write(NULL, header_row, strlen(header_row));
     }
     int code = batch_output_open(&run->file, work);
     run->done = run->file.poses;

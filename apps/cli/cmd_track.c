@@ -279,7 +279,7 @@ static int answer_all(struct track *track)
     if (!code && !rows) {
         settings_say_no_poses(track->inquiry.settings->aim.pose, &track->inquiry.settings->common);
     }
-    return code ? code : write_steps(track); /* without a step there is still a heading */
+    return code ? code : write_steps(track); /* without a step there is still a header row */
 }
 
 static conus_status start_track(struct track *track)

@@ -114,7 +114,7 @@ static int dispatch(int count, char **words)
 
 int main(int argc, char **argv)
 {
-    /* Room for the longest help, so that a full disk is met, and its reason known, when all is written at the end. */
+    /* A buffer for the longest help: a full disk is found, with its reason, when all is written at the end. */
     static char buffer[1 << 16];
     setvbuf(stdout, buffer, _IOFBF, sizeof buffer);
     /* A reader that went away is an error of writing, with a message and an exit code, not a sudden end. */

@@ -57,8 +57,8 @@ static conus_pose read_as(const conus_pose *pose, const struct reading *reading)
     return out;
 }
 
-/* What the pose meets first, from outside of it; NULL = nothing. */
-static const char *met_by(const conus_pose *pose, double angle, conus_selector *selector, const conus_atlas *atlas)
+/* What the pose hits first, from outside of it; NULL = nothing. */
+static const char *first_hit(const conus_pose *pose, double angle, conus_selector *selector, const conus_atlas *atlas)
 {
     conus_selection *selection = NULL;
     if (conus_select(&selection, selector, pose, angle)) {
@@ -71,7 +71,7 @@ static const char *met_by(const conus_pose *pose, double angle, conus_selector *
     return object ? object->name : NULL;
 }
 
-/* The first reading by which it meets something, behind "; "; "" if there is none. */
+/* The first reading by which it hits something, behind "; "; "" if there is none. */
 static const char *remedy(char out[256], const conus_oddity *oddity, bool tiny, conus_selector *selector,
                           const conus_atlas *atlas)
 {
@@ -79,7 +79,7 @@ static const char *remedy(char out[256], const conus_oddity *oddity, bool tiny, 
     for (int i = 0; i < READINGS && !out[0]; i++) {
         const conus_pose pose = read_as(&oddity->pose, &readings[i]);
         bool likely = is_likely(&oddity->pose, readings[i].scale, tiny);
-        const char *name = likely ? met_by(&pose, oddity->angle, selector, atlas) : NULL;
+        const char *name = likely ? first_hit(&pose, oddity->angle, selector, atlas) : NULL;
         if (name) {
             snprintf(out, 256, "; %s it would meet %s first", readings[i].words, name);
         }

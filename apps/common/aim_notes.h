@@ -5,7 +5,7 @@
 
 #include "common/settings.h"
 
-/** Says on stderr, a line for each kind, unless --quiet, what is odd about the poses; and what one of them would meet
+/** Says on stderr, a line for each kind, unless --quiet, what is odd about the poses; and what one of them would hit
  * in another space or unit, if @p selector finds that it would. @p file is theirs, NULL = there is one pose. */
 void aim_notes_say(const conus_astray *found, conus_selector *selector, const conus_atlas *atlas, const char *file,
                    const struct common_settings *settings);

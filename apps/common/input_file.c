@@ -83,9 +83,9 @@ static bool read_stream(char **text, size_t *size, FILE *file, const char *path,
         if (*size + 1 >= capacity && !grow(text, &capacity)) {
             return false;
         }
-        size_t room = capacity - *size - 1;
+        size_t space = capacity - *size - 1;
         uint64_t left = limit - *size + 1;
-        got = fread(*text + *size, 1, room < left ? room : (size_t)left, file);
+        got = fread(*text + *size, 1, space < left ? space : (size_t)left, file);
         *size += got;
     }
     (*text)[*size] = '\0';

@@ -332,11 +332,11 @@ static size_t finish(uint8_t *out, const char *type, const char *device, double 
     return IGTL_HEADER + body;
 }
 
-size_t igtl_write_string(uint8_t *out, size_t room, const char *device, double time_s, const char *text)
+size_t igtl_write_string(uint8_t *out, size_t capacity, const char *device, double time_s, const char *text)
 {
     enum { UTF_8 = 106 }; /* IANA's number */
     size_t length = strlen(text);
-    if (length > UINT16_MAX || room < IGTL_HEADER + 4 + length) {
+    if (length > UINT16_MAX || capacity < IGTL_HEADER + 4 + length) {
         return 0;
     }
     put(out + IGTL_HEADER, 2, UTF_8);
@@ -345,10 +345,10 @@ size_t igtl_write_string(uint8_t *out, size_t room, const char *device, double t
     return finish(out, "STRING", device, time_s, 4 + length);
 }
 
-size_t igtl_write_points(uint8_t *out, size_t room, const char *device, double time_s, const struct igtl_point *points,
-                         size_t count)
+size_t igtl_write_points(uint8_t *out, size_t capacity, const char *device, double time_s,
+                         const struct igtl_point *points, size_t count)
 {
-    if (room < IGTL_HEADER || count > (room - IGTL_HEADER) / POINT_SIZE) {
+    if (capacity < IGTL_HEADER || count > (capacity - IGTL_HEADER) / POINT_SIZE) {
         return 0;
     }
     memset(out + IGTL_HEADER, 0, count * POINT_SIZE);
@@ -366,9 +366,9 @@ size_t igtl_write_points(uint8_t *out, size_t room, const char *device, double t
     return finish(out, "POINT", device, time_s, count * POINT_SIZE);
 }
 
-size_t igtl_write_transform(uint8_t *out, size_t room, const char *device, double time_s, const double matrix[16])
+size_t igtl_write_transform(uint8_t *out, size_t capacity, const char *device, double time_s, const double matrix[16])
 {
-    if (room < IGTL_HEADER + TRANSFORM_SIZE) {
+    if (capacity < IGTL_HEADER + TRANSFORM_SIZE) {
         return 0;
     }
     for (size_t column = 0; column < 4; column++) {
@@ -379,9 +379,9 @@ size_t igtl_write_transform(uint8_t *out, size_t room, const char *device, doubl
     return finish(out, "TRANSFORM", device, time_s, TRANSFORM_SIZE);
 }
 
-size_t igtl_write_start(uint8_t *out, size_t room, const char *type, uint32_t milliseconds)
+size_t igtl_write_start(uint8_t *out, size_t capacity, const char *type, uint32_t milliseconds)
 {
-    if (room < IGTL_HEADER + 36) {
+    if (capacity < IGTL_HEADER + 36) {
         return 0;
     }
     memset(out + IGTL_HEADER, 0, 36);

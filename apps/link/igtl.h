@@ -58,19 +58,19 @@ typedef void (*igtl_listener)(void *user, const struct igtl_poses *poses);
  * IGTL_SKIP_LIMIT), and the connection should be closed. */
 bool igtl_read(struct igtl_reader *reader, const uint8_t *bytes, size_t size, igtl_listener listener, void *user);
 
-/** Writes messages of version 1 to @p out; gives their size, or 0 where they do not fit into @p room. */
-size_t igtl_write_string(uint8_t *out, size_t room, const char *device, double time_s, const char *text);
+/** Writes messages of version 1 to @p out; gives their size, or 0 where they do not fit into @p capacity. */
+size_t igtl_write_string(uint8_t *out, size_t capacity, const char *device, double time_s, const char *text);
 /** A point of 3D Slicer: name, sRGB, RAS mm. */
 struct igtl_point {
     char name[64];
     uint8_t rgb[3];
     double position[3];
 };
-size_t igtl_write_points(uint8_t *out, size_t room, const char *device, double time_s, const struct igtl_point *points,
-                         size_t count);
-size_t igtl_write_transform(uint8_t *out, size_t room, const char *device, double time_s, const double matrix[16]);
+size_t igtl_write_points(uint8_t *out, size_t capacity, const char *device, double time_s,
+                         const struct igtl_point *points, size_t count);
+size_t igtl_write_transform(uint8_t *out, size_t capacity, const char *device, double time_s, const double matrix[16]);
 /** Asks a server for tracking data every @p milliseconds. */
-size_t igtl_write_start(uint8_t *out, size_t room, const char *type, uint32_t milliseconds);
+size_t igtl_write_start(uint8_t *out, size_t capacity, const char *type, uint32_t milliseconds);
 
 uint64_t igtl_crc(const uint8_t *bytes, size_t size);
 

@@ -374,10 +374,10 @@ bool painter_set_transfer(struct painter *painter, const conus_transfer_point *p
     return true;
 }
 
-size_t painter_transfer(struct painter *painter, conus_transfer_point *points, size_t room)
+size_t painter_transfer(struct painter *painter, conus_transfer_point *points, size_t capacity)
 {
     pthread_mutex_lock(&painter->lock);
-    size_t count = painter->used_count < room ? painter->used_count : room;
+    size_t count = painter->used_count < capacity ? painter->used_count : capacity;
     memcpy(points, painter->used, count * sizeof *points);
     pthread_mutex_unlock(&painter->lock);
     return count;

@@ -54,8 +54,8 @@ void painter_hold(struct painter *painter);
 void painter_resume(struct painter *painter);
 bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count);
 
-/** The transfer function that is used, up to @p room points; 0 before it is known, or where there is no context. */
-size_t painter_transfer(struct painter *painter, conus_transfer_point *points, size_t room);
+/** The transfer function that is used, up to @p capacity points; 0 before it is known, or where there is no context. */
+size_t painter_transfer(struct painter *painter, conus_transfer_point *points, size_t capacity);
 
 /** Why nothing is drawn, in one line; false while all is well. */
 bool painter_error(struct painter *painter, char *out, size_t size);

@@ -5,9 +5,9 @@
 
 #include "viewer/model/viewer.h"
 
-/** What the ray from @p origin along @p direction meets first of all that the 3-D picture shows, and where. Pathways
- * count from their threshold on. Where the context lets too little light through to see anything behind, it is met, and
- * @p object is 0. False: nothing is met. */
+/** The first hit of the ray from @p origin along @p direction in what the 3-D picture shows. Pathways
+ * count from their threshold on. Where the context lets too little light through to see anything behind, it is hit, and
+ * @p object is 0. False: no hit. */
 bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, const double origin[3],
                  const double direction[3]);
 /** The largest value of pathway @p object within a voxel of @p place; NaN of an area. */

@@ -10,7 +10,7 @@
 enum timed {
     TIMED_FRAME = 0, /**< Drawing the window, without waiting for the screen.                        */
     TIMED_PERIOD,    /**< From one frame to the next, where they follow at once.                      */
-    TIMED_SELECTION, /**< What the cone meets, once per pose.                                        */
+    TIMED_SELECTION, /**< Selecting, once per pose.                                                  */
     TIMED_LATENCY,   /**< From a tracker's message to the selection.                                 */
     TIMED_PICTURE,   /**< The 3-D picture, coarse or fine, on its own thread.                        */
     TIMED_KINDS

@@ -22,7 +22,7 @@ static bool shows_score(const struct viewer *viewer)
     return viewer->cone.options.score && strcmp(viewer->cone.options.score, "share") != 0;
 }
 
-/* Of the name: where it was met. */
+/* Of the name: where it was hit. */
 static void draw_tip(const conus_result *result)
 {
     char tip[128];
