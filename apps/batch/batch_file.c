@@ -4,6 +4,7 @@
 
 #include "common/input_file.h"
 #include "common/messages.h"
+#include "common/option_values.h"
 #include "common/options.h"
 
 #include <errno.h>

@@ -3,6 +3,7 @@
 #include "batch/batch_settings.h"
 
 #include "common/messages.h"
+#include "common/option_values.h"
 #include "common/output.h"
 #include "common/progress.h"
 

@@ -2,6 +2,8 @@
 /* The steps of a batch that conus batch and conus-mpi share: checks, loading, fingerprint, selector. */
 #include "batch/batch_work.h"
 
+#include "common/atlas_input.h"
+#include "common/atlas_notes.h"
 #include "common/messages.h"
 #include "common/output.h"
 

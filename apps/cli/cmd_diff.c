@@ -3,6 +3,7 @@
 #include "cli/commands.h"
 #include "cli/results_file.h"
 #include "common/messages.h"
+#include "common/option_values.h"
 #include "common/output.h"
 #include "common/settings.h"
 

@@ -3,6 +3,7 @@
 #include "cli/commands.h"
 #include "cli/info_json.h"
 #include "cli/info_tree.h"
+#include "common/atlas_input.h"
 #include "common/messages.h"
 #include "common/output.h"
 #include "common/settings.h"

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus mesh: writes a surface mesh of each area. */
 #include "cli/commands.h"
+#include "common/atlas_input.h"
+#include "common/atlas_notes.h"
 #include "common/messages.h"
 #include "common/settings.h"
 

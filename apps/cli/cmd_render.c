@@ -2,6 +2,8 @@
 /* conus render: draws an atlas, with or without a cone, into a picture file. */
 #include "cli/commands.h"
 #include "common/aim_notes.h"
+#include "common/atlas_input.h"
+#include "common/atlas_notes.h"
 #include "common/messages.h"
 #include "common/output.h"
 #include "common/pose_settings.h"

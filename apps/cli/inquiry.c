@@ -3,6 +3,8 @@
 #include "cli/inquiry.h"
 
 #include "common/aim_notes.h"
+#include "common/atlas_input.h"
+#include "common/atlas_notes.h"
 #include "common/messages.h"
 #include "common/output.h"
 

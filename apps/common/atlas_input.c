@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Loading what the atlas's options ask for, and keeping outputs off it. */
+/* Loads the atlas and its pathways, and finds out whether a file is one of them. */
+#include "common/atlas_input.h"
+
 #include "common/messages.h"
+#include "common/option_values.h"
 #include "common/output.h"
-#include "common/settings.h"
 
 #include <limits.h>
 #include <stdlib.h>

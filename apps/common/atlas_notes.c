@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The atlas's notes, where those that many pathways share are one. */
+#include "common/atlas_notes.h"
+
 #include "common/messages.h"
-#include "common/settings.h"
 
 #include <stdio.h>
 #include <stdlib.h>

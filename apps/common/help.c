@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The text of --help, from a command's table of options. */
-#include "common/options.h"
+#include "common/help.h"
+
+#include "common/option_values.h"
 
 #include <string.h>
 

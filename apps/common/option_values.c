@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses the values of options by their types. */
+#include "common/option_values.h"
+
 #include "common/messages.h"
-#include "common/options.h"
 
 #include <errno.h>
 #include <math.h>

@@ -2,7 +2,9 @@
 /* Parses a command line by a command's table of options. */
 #include "common/options.h"
 
+#include "common/help.h"
 #include "common/messages.h"
+#include "common/option_values.h"
 
 #include <assert.h>
 #include <stdlib.h>

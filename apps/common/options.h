@@ -98,21 +98,4 @@ bool options_exclude(const struct arguments *arguments, const char *a, const cha
 /** The command line as a shell would take it, "conus" in front. NULL without memory; the caller frees it. */
 char *arguments_text(const struct arguments *arguments);
 
-/** Choice @p index of an option, NULL past the last. */
-const char *option_choice(const struct option *option, size_t index);
-
-/** Reads @p text into the option's field at @p field. Prints an error and returns false when it is not what is allowed.
- */
-bool option_read(const struct option *option, void *field, const char *text);
-
-/** The whole of @p text as a finite decimal number, whatever the locale; no hexadecimal, no spaces. */
-bool number_parse(const char *text, double *out);
-/** The whole of @p text as a decimal whole number up to @p limit. */
-bool count_parse(const char *text, uint64_t limit, uint64_t *out);
-
-/** --help of one command. */
-void help_command(FILE *out, const struct command *command);
-/** One line that shows a command's form: "conus query ATLAS [options]". */
-void help_usage(FILE *out, const struct command *command);
-
 #endif

@@ -60,31 +60,8 @@ enum { DEFAULT_ANGLE = 10 };
 /** What is wrong with a pose that is only a point, where a cone is wanted. */
 #define POINT_LOOKS_NOWHERE "a point, without the direction that a cone needs"
 
-/** Loads the atlas and adds its pathways. Returns the exit code and prints an error unless it is 0. */
-int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings);
-
-/** Sets the context, unless @p path is NULL; @p blocks 0 = it does not block. Gives the exit code likewise. */
-int settings_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings);
-
 /** Whether neither of the context's options stands without the other; prints an error if not. */
 bool settings_check_context(const struct arguments *arguments);
-
-/** A file that the command line names. */
-struct input {
-    const char *what; /**< "the atlas"; NULL ends a list. */
-    const char *path; /**< NULL = not given. */
-};
-
-/** What the file @p path is among @p inputs and the files that @p atlas was read from, so that no output overwrites it;
- * NULL if it is none of them. */
-const char *settings_input(const conus_atlas *atlas, const struct input *inputs, const char *path);
-
-/** Says the atlas's notes on stderr, unless --quiet. */
-void settings_say_notes(const conus_atlas *atlas, const struct common_settings *settings);
-
-/** Says likewise, where all layers are asked for, how many surfaces are not closed and what that means for them. */
-void settings_say_open(const conus_atlas *atlas, const struct engine_settings *engine,
-                       const struct common_settings *settings);
 
 /** Whether the options that aim a cone go together; prints an error if not. @p aim_needed: there must be a cone. */
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
@@ -92,7 +69,8 @@ bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
 /** A point or direction given in @p space, in the library's. */
 void settings_point(double out[3], const double in[3], size_t space);
 
-/** The pose at @p origin looking toward a point, all in @p space; @p up may be NULL. Gives the exit code likewise. */
+/** The pose at @p origin looking toward a point, all in @p space; @p up may be NULL. Returns the exit code and prints
+ * an error unless it is 0. */
 int settings_look(conus_pose *out, const double origin[3], const double toward[3], const double up[3], size_t space);
 
 /** The pose of --origin with --toward or --direction. Returns the exit code and prints an error unless it is 0. */

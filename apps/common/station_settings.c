@@ -3,6 +3,7 @@
 #include "common/station_settings.h"
 
 #include "common/messages.h"
+#include "common/option_values.h"
 
 #include <stdio.h>
 #include <stdlib.h>

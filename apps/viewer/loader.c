@@ -2,6 +2,8 @@
 /* The thread that loads the atlas, and its progress. */
 #include "viewer/loader.h"
 
+#include "common/atlas_input.h"
+
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>

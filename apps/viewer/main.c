@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus-view: the window. Its options are read and explained by the same tables as those of conus. */
+#include "common/atlas_notes.h"
 #include "common/messages.h"
 #include "common/settings.h"
 #include "common/station_settings.h"

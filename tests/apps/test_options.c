@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The values of options, and names that were meant. */
 #include "common/messages.h"
+#include "common/option_values.h"
 #include "common/options.h"
 #include "test.h"
 
