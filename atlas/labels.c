@@ -2,6 +2,7 @@
 #include "atlas/labels.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -55,11 +56,9 @@ conus_status label_set_text(char **field, struct text text)
     return CONUS_OK;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_labels(const void *a, const void *b)
 {
-    const struct label *x = a;
-    const struct label *y = b;
-    return (x->number > y->number) - (x->number < y->number);
+    return compare_unsigned(((const struct label *)a)->number, ((const struct label *)b)->number);
 }
 
 /* qsort is not stable; the order of appearance decides which duplicate is kept. */
@@ -78,7 +77,7 @@ static conus_status sort_stably(struct label_table *table)
             size_t a = start;
             size_t b = middle;
             for (size_t k = start; k < end; k++) {
-                bool first = b == end || (a < middle && compare(&from[a], &from[b]) <= 0);
+                bool first = b == end || (a < middle && compare_labels(&from[a], &from[b]) <= 0);
                 spare[k] = from[first ? a++ : b++];
             }
         }
@@ -131,5 +130,5 @@ conus_status label_table_sort(struct label_table *table, struct notes *notes)
 struct label *label_table_find(const struct label_table *table, uint32_t number)
 {
     struct label key = {.number = number};
-    return table->count ? bsearch(&key, table->entries, table->count, sizeof key, compare) : NULL;
+    return table->count ? bsearch(&key, table->entries, table->count, sizeof key, compare_labels) : NULL;
 }

@@ -2,6 +2,7 @@
 #include "base/text.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 #include "conus/conus.h"
 
 #include <locale.h>
@@ -123,6 +124,29 @@ bool text_equal(struct text text, const char *string)
 bool text_equal_ignoring_case(struct text text, const char *string)
 {
     return text.size == strlen(string) && strncasecmp(text.data, string, text.size) == 0;
+}
+
+bool text_mentions(struct text text, const char *part)
+{
+    return text.size && memmem(text.data, text.size, part, strlen(part));
+}
+
+int text_compare(struct text a, struct text b)
+{
+    size_t size = a.size < b.size ? a.size : b.size;
+    int order = size ? memcmp(a.data, b.data, size) : 0;
+    return order ? order : compare_unsigned(a.size, b.size);
+}
+
+bool text_is_readable(struct text text)
+{
+    for (size_t i = 0; i < text.size; i++) {
+        unsigned char c = (unsigned char)text.data[i];
+        if (c < 0x20 && !(c >= '\t' && c <= '\r')) {
+            return false;
+        }
+    }
+    return text.size > 0;
 }
 
 bool text_starts(struct text text, const char *prefix)

@@ -47,6 +47,12 @@ bool text_equal(struct text text, const char *string);
 bool text_equal_ignoring_case(struct text text, const char *string);
 bool text_starts(struct text text, const char *prefix);
 
+/** True when @p part stands somewhere in @p text. */
+bool text_mentions(struct text text, const char *part);
+
+/** By bytes; of two texts of which one begins with the other, the shorter is the smaller. */
+int text_compare(struct text a, struct text b);
+
 /** True when @p part stands somewhere in @p text; upper and lower case (of ASCII) are the same. */
 bool text_contains(struct text text, struct text part);
 
@@ -65,6 +71,9 @@ bool text_to_uint(struct text text, uint64_t limit, uint64_t *out);
 
 /** The whole of @p text as a decimal integer, a leading sign allowed. False if it is none or does not fit. */
 bool text_to_int(struct text text, int64_t *out);
+
+/** True when @p text is not empty and has no control character but tab, line and page breaks: not a binary file. */
+bool text_is_readable(struct text text);
 
 /** True when @p text is valid UTF-8 (no surrogates, nothing above U+10FFFF, no overlong forms). */
 bool text_is_utf8(struct text text);

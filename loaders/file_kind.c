@@ -98,11 +98,6 @@ static const struct {
     {".lut", {"a table of colours", "put it beside the volume as X.lut"}},
 };
 
-static bool mentions(struct text text, const char *part)
-{
-    return text.size && memmem(text.data, text.size, part, strlen(part));
-}
-
 static bool ends_with(const char *path, const char *ending)
 {
     size_t length = strlen(path);
@@ -115,22 +110,23 @@ static bool ends_with(const char *path, const char *ending)
 
 static const struct file_kind *atlas_xml(struct text text)
 {
-    if (mentions(text, "<index>")) {
+    if (text_mentions(text, "<index>")) {
         return &spm;
     }
-    return mentions(text, ">Label</type>") ? &fsl_labels : &fsl_volumes;
+    return text_mentions(text, ">Label</type>") ? &fsl_labels : &fsl_volumes;
 }
 
 static const struct file_kind *markup(struct text text)
 {
     struct text root = xml_root(text);
     if (text_equal(root, "GIFTI")) {
-        return mentions(text, "NIFTI_INTENT_POINTSET") ? &surface
-               : mentions(text, "NIFTI_INTENT_LABEL")  ? &vertex_labels
-                                                       : &vertex_values;
+        return text_mentions(text, "NIFTI_INTENT_POINTSET") ? &surface
+               : text_mentions(text, "NIFTI_INTENT_LABEL")  ? &vertex_labels
+                                                            : &vertex_values;
     }
     if (text_equal(root, "VTKFile")) {
-        return mentions(text, "NumberOfPolys=\"0\"") && !mentions(text, "NumberOfLines=\"0\"") ? &lines : &surface;
+        return text_mentions(text, "NumberOfPolys=\"0\"") && !text_mentions(text, "NumberOfLines=\"0\"") ? &lines
+                                                                                                         : &surface;
     }
     if (text_equal(root, "atlas")) {
         return atlas_xml(text);
@@ -147,7 +143,7 @@ static const struct file_kind *of_text(struct text text)
     if (start.data[0] == '<') {
         return markup(start);
     }
-    if (start.data[0] == '{' && mentions(start, "\"conus_atlas\"")) {
+    if (start.data[0] == '{' && text_mentions(start, "\"conus_atlas\"")) {
         return &manifest;
     }
     if (text_starts(start, "type = ") || text_starts(start, "type  = ")) {
@@ -193,21 +189,9 @@ bool file_kind_is_vague(const struct file_kind *kind)
 bool file_kind_is_lines(const struct bytes *bytes)
 {
     struct text text = {(const char *)bytes->data, bytes->size};
-    bool legacy = text_starts(text, "# vtk DataFile") && mentions(text, "\nLINES ") && !mentions(text, "\nPOLYGONS ") &&
-                  !mentions(text, "\nTRIANGLE_STRIPS ");
+    bool legacy = text_starts(text, "# vtk DataFile") && text_mentions(text, "\nLINES ") &&
+                  !text_mentions(text, "\nPOLYGONS ") && !text_mentions(text, "\nTRIANGLE_STRIPS ");
     return legacy || file_kind_of(NULL, bytes) == &lines;
-}
-
-/* All bytes are those of a text that ends or is cut off. */
-static bool is_text(struct text text)
-{
-    for (size_t i = 0; i < text.size; i++) {
-        unsigned char c = (unsigned char)text.data[i];
-        if (c < 0x20 && !(c >= '\t' && c <= '\r')) {
-            return false;
-        }
-    }
-    return text.size > 0;
 }
 
 const struct file_kind *file_kind_of(const char *path, const struct bytes *head)
@@ -229,10 +213,10 @@ const struct file_kind *file_kind_of(const char *path, const struct bytes *head)
     if (freesurfer_is_surface(head->data, head->size)) {
         return freesurfer_is_curvature(head->data, head->size) ? &vertex_values : &surface;
     }
-    kind = is_text(text) ? of_text(text) : NULL;
-    bool named = !is_text(text) || (path && ends_with(path, ".obj")); /* the others are not text */
+    kind = text_is_readable(text) ? of_text(text) : NULL;
+    bool named = !text_is_readable(text) || (path && ends_with(path, ".obj")); /* the others are not text */
     kind = kind || !named ? kind : of_ending(path);
-    return kind ? kind : is_text(text) ? &plain_text : NULL;
+    return kind ? kind : text_is_readable(text) ? &plain_text : NULL;
 }
 
 /* The first bytes as a message shows them. */

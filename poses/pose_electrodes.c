@@ -3,6 +3,7 @@
 
 #include "base/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "poses/pose_row.h"
 
 #include <stdlib.h>
@@ -187,13 +188,6 @@ static conus_status read_table(struct reading *reading, struct text text)
     return status;
 }
 
-static int compare_text(struct text a, struct text b)
-{
-    size_t size = a.size < b.size ? a.size : b.size;
-    int order = size ? memcmp(a.data, b.data, size) : 0;
-    return order ? order : (a.size > b.size) - (a.size < b.size);
-}
-
 /* A contact in the order of the shafts. */
 struct place {
     struct contact *contact;
@@ -204,9 +198,9 @@ static int compare_contacts(const void *left, const void *right)
 {
     const struct contact *a = ((const struct place *)left)->contact;
     const struct contact *b = ((const struct place *)right)->contact;
-    int order = compare_text(a->shaft, b->shaft);
-    order = order ? order : (a->number > b->number) - (a->number < b->number);
-    return order ? order : (a->line > b->line) - (a->line < b->line);
+    int order = text_compare(a->shaft, b->shaft);
+    order = order ? order : compare_unsigned(a->number, b->number);
+    return order ? order : compare_unsigned(a->line, b->line);
 }
 
 /* Each contact's neighbours on its shaft, of those that have positions. */
@@ -226,7 +220,7 @@ static conus_status find_neighbours(struct reading *reading)
     for (size_t i = 1; i < count; i++) {
         struct contact *inner = sorted[i - 1].contact;
         struct contact *outer = sorted[i].contact;
-        if (compare_text(inner->shaft, outer->shaft) == 0) {
+        if (text_compare(inner->shaft, outer->shaft) == 0) {
             inner->next = (size_t)(outer - reading->contacts);
             outer->previous = (size_t)(inner - reading->contacts);
         }

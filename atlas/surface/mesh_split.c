@@ -2,6 +2,7 @@
 #include "atlas/surface/mesh_split.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -35,12 +36,12 @@ static uint32_t label_of(const uint32_t *corners, const uint32_t *labels)
     return b == labels[corners[2]] ? b : a;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_labelled(const void *a, const void *b)
 {
     const struct labelled *x = a;
     const struct labelled *y = b;
-    return x->label != y->label ? (x->label > y->label) - (x->label < y->label)
-                                : (x->triangle > y->triangle) - (x->triangle < y->triangle);
+    int order = compare_unsigned(x->label, y->label);
+    return order ? order : compare_unsigned(x->triangle, y->triangle);
 }
 
 static conus_status gather(struct splitting *work, const uint32_t *labels, struct notes *notes)
@@ -57,7 +58,7 @@ static conus_status gather(struct splitting *work, const uint32_t *labels, struc
     if (!work->count) {
         return fail(CONUS_ERROR_DATA, "none of %zu triangles is labelled", mesh->triangle_count);
     }
-    qsort(work->triangles, work->count, sizeof *work->triangles, compare);
+    qsort(work->triangles, work->count, sizeof *work->triangles, compare_labelled);
     return left_out ? notes_add(notes, "%s: %zu of %zu triangles have no label and were left out",
                                 mesh->path ? mesh->path : "mesh", left_out, mesh->triangle_count)
                     : CONUS_OK;

@@ -3,6 +3,7 @@
 #include "atlas/surface/mesh_winding.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -96,7 +97,8 @@ static int compare_crossings(const void *a, const void *b)
 {
     const struct crossing *x = a;
     const struct crossing *y = b;
-    return x->line != y->line ? (x->line > y->line) - (x->line < y->line) : (x->z > y->z) - (x->z < y->z);
+    int order = compare_unsigned(x->line, y->line);
+    return order ? order : compare_double(x->z, y->z);
 }
 
 /* The length inside, winding not 0, and that of it around which the mesh does not wind `facing` times. */

@@ -22,22 +22,10 @@ struct text label_text_of(const uint8_t *data, size_t size)
     return text;
 }
 
-/* Control characters that no text has. */
-static bool is_text(struct text text)
-{
-    for (size_t i = 0; i < text.size; i++) {
-        unsigned char c = (unsigned char)text.data[i];
-        if (c < 0x20 && !(c >= '\t' && c <= '\r')) {
-            return false;
-        }
-    }
-    return text.size > 0;
-}
-
 bool label_is_lut(const uint8_t *data, size_t size)
 {
     struct text all = {(const char *)data, size};
-    return size == LABEL_LUT_SIZE && !(is_text(all) && text_is_utf8(all));
+    return size == LABEL_LUT_SIZE && !(text_is_readable(all) && text_is_utf8(all));
 }
 
 /* The palettes that come with atlases leave the entries they do not use black. */
@@ -78,7 +66,7 @@ static bool is_answer(struct text text)
 const struct label_format *label_format_of(struct text text)
 {
     struct text start = text_trim(text);
-    if (!is_text(text) || is_answer(text)) {
+    if (!text_is_readable(text) || is_answer(text)) {
         return NULL;
     }
     if (start.data[0] == '<') {

@@ -216,6 +216,6 @@ const struct label_format *label_format_of_columns(struct text text)
     if (!next_line(&text, &number, &line) || !read_header(&header, line)) {
         return NULL;
     }
-    bool is_slicer = memmem(line.data, line.size, "LabelValue", strlen("LabelValue")) != NULL;
+    bool is_slicer = text_mentions(line, "LabelValue");
     return header.separator == '\t' ? &tsv : is_slicer ? &slicer : &csv;
 }

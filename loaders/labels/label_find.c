@@ -198,11 +198,6 @@ conus_status label_search_file(struct label_search *search, const char *path)
     return status;
 }
 
-static bool mentions(struct text text, const char *part)
-{
-    return text.size && memmem(text.data, text.size, part, strlen(part));
-}
-
 /* Workbench and AFNI also keep what is no label table in their extensions. */
 static conus_status search_extension(struct label_search *search, int code, const char *mark)
 {
@@ -211,7 +206,7 @@ static conus_status search_extension(struct label_search *search, int code, cons
     for (size_t i = 0; !status && i < volume->extension_count; i++) {
         const struct volume_extension *extension = &volume->extensions[i];
         struct text text = label_text_of(extension->data, extension->size);
-        if (extension->code == code && mentions(text, mark)) {
+        if (extension->code == code && text_mentions(text, mark)) {
             status = label_search_bytes(search, volume->path, NULL, text);
         }
     }

@@ -7,6 +7,7 @@
 #include "base/folder.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "loaders/labels/globe_metadata.h"
 
 #include <fnmatch.h>
@@ -106,13 +107,6 @@ static conus_status plan_file(struct area_plan *plan, size_t entry, const struct
 
 /* ---- Surfaces with labelled vertices ----------------------------------------------------------------------------- */
 
-static int compare_numbers(const void *a, const void *b)
-{
-    uint32_t x = *(const uint32_t *)a;
-    uint32_t y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
-}
-
 /* The labels that vertices have, sorted, each once. */
 static conus_status list_labels(uint32_t **out, size_t *count, const struct vertex_labels *labels)
 {
@@ -121,15 +115,12 @@ static conus_status list_labels(uint32_t **out, size_t *count, const struct vert
     if (!sorted) {
         return CONUS_ERROR_MEMORY;
     }
-    memcpy(sorted, labels->labels, labels->count * sizeof *sorted);
-    qsort(sorted, labels->count, sizeof *sorted, compare_numbers);
     for (size_t i = 0; i < labels->count; i++) {
-        if (sorted[i] && (!kept || sorted[kept - 1] != sorted[i])) {
-            sorted[kept++] = sorted[i];
-        }
+        sorted[kept] = labels->labels[i];
+        kept += sorted[kept] != 0;
     }
     *out = sorted;
-    *count = kept;
+    *count = u32_sort_unique(sorted, kept);
     return CONUS_OK;
 }
 
@@ -489,9 +480,8 @@ static conus_status plan_globe(struct area_plan *plan, size_t entry, const struc
 
 static int compare_areas(const void *a, const void *b)
 {
-    const struct planned_area *x = a;
-    const struct planned_area *y = b;
-    return (x->label.number > y->label.number) - (x->label.number < y->label.number);
+    return compare_unsigned(((const struct planned_area *)a)->label.number,
+                            ((const struct planned_area *)b)->label.number);
 }
 
 static conus_status refuse_twins(const struct area_plan *plan)

@@ -321,9 +321,8 @@ static conus_status check(const struct manifest *manifest)
 
 bool manifest_is(struct text text)
 {
-    static const char key[] = "\"conus_atlas\"";
     struct text start = text_trim(text);
-    return start.size && start.data[0] == '{' && memmem(start.data, start.size, key, sizeof key - 1);
+    return start.size && start.data[0] == '{' && text_mentions(start, "\"conus_atlas\"");
 }
 
 conus_status manifest_parse(struct manifest *out, struct text text)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/byte_order.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "loaders/labels/label_parse.h"
 #include "loaders/surfaces/freesurfer.h"
 
@@ -134,8 +135,8 @@ static int compare_entries(const void *a, const void *b)
 {
     const struct entry *x = a;
     const struct entry *y = b;
-    return x->colour != y->colour ? (x->colour > y->colour) - (x->colour < y->colour)
-                                  : (x->number > y->number) - (x->number < y->number);
+    int order = compare_unsigned(x->colour, y->colour);
+    return order ? order : compare_unsigned(x->number, y->number);
 }
 
 /* What the packed colours cannot tell apart. */
@@ -185,9 +186,7 @@ static conus_status move_entry_0(struct annot *annot)
 
 static int compare_colour(const void *key, const void *item)
 {
-    const struct entry *entry = item;
-    uint32_t colour = *(const uint32_t *)key;
-    return (colour > entry->colour) - (colour < entry->colour);
+    return compare_unsigned(*(const uint32_t *)key, ((const struct entry *)item)->colour);
 }
 
 /* The first entry of a colour. */

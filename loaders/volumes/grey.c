@@ -3,6 +3,7 @@
 
 #include "base/folder.h"
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -35,13 +36,6 @@ struct walk {
     size_t step;                 /* every step-th plane */
     uint32_t plateaus[PLATEAUS]; /* values that do not count, 0 where there are fewer; 0 itself does not either */
 };
-
-static int compare(const void *a, const void *b)
-{
-    uint32_t x = *(const uint32_t *)a;
-    uint32_t y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
-}
 
 /* 1 or 0. */
 static uint32_t counts(uint32_t value, const uint32_t plateaus[PLATEAUS])
@@ -92,7 +86,7 @@ static conus_status find_plateaus(struct walk *walk, size_t count)
         sample[n] = walk->labels[i];
         n += walk->labels[i] != 0;
     }
-    qsort(sample, n, sizeof *sample, compare);
+    qsort(sample, n, sizeof *sample, compare_u32);
     take_plateaus(walk->plateaus, sample, n);
     memory_free(sample);
     return CONUS_OK;
@@ -209,7 +203,7 @@ static conus_status find_values(struct values *out, const struct walk *walk)
         return CONUS_ERROR_MEMORY;
     }
     size_t n = gather(out->sorted, walk, every);
-    qsort(out->sorted, n, sizeof *out->sorted, compare);
+    qsort(out->sorted, n, sizeof *out->sorted, compare_u32);
     merge_values(out, n, (double)(every * walk->step));
     return CONUS_OK;
 }
