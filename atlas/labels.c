@@ -9,10 +9,11 @@
 
 enum { CONFLICTS_SHOWN = 8 };
 
-static void label_finish(struct label *label)
+void label_finish(struct label *label)
 {
     memory_free(label->name);
     memory_free(label->abbreviation);
+    *label = (struct label){0};
 }
 
 void label_table_finish(struct label_table *table)
@@ -113,7 +114,6 @@ conus_status label_table_sort(struct label_table *table, struct notes *notes)
         if (last && last->number == label->number) {
             status = contradicts(last, label) ? note_conflict(notes, ++conflicts, last, label) : CONUS_OK;
             label_finish(label);
-            *label = (struct label){0};
         } else {
             struct label moved = *label;
             *label = (struct label){0};

@@ -17,6 +17,9 @@ struct label {
     uint32_t parent; /**< Label number of the parent in the area tree.                  */
 };
 
+/** Frees its strings; it becomes all 0. */
+void label_finish(struct label *label);
+
 /** Sorted by number, without duplicates, once label_table_sort() has run. */
 struct label_table {
     struct label *entries;

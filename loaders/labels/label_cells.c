@@ -2,8 +2,6 @@
 /* Cells and entries of label tables, whatever the format. */
 #include "loaders/labels/label_parse.h"
 
-#include "base/memory.h"
-
 #include <string.h>
 
 enum { SHOWN = 60 };
@@ -174,7 +172,6 @@ conus_status label_keep(struct label_table *table, struct label *label, conus_st
                            "the volume from 1, all names are off by one",
                            label->name);
     }
-    memory_free(label->name);
-    memory_free(label->abbreviation);
+    label_finish(label);
     return status;
 }

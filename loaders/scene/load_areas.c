@@ -43,13 +43,6 @@ static conus_status count_voxels(uint64_t *counts, const struct area_plan *plan,
     return status;
 }
 
-static void planned_area_finish(struct planned_area *area)
-{
-    memory_free(area->path);
-    memory_free(area->label.name);
-    memory_free(area->label.abbreviation);
-}
-
 /* Leaves the surfaces out whose label has voxels. */
 static void drop_surfaces(struct area_plan *plan, const uint64_t *counts)
 {
@@ -133,8 +126,7 @@ static conus_status hand_over_entries(struct area_plan *plan, struct label_table
         struct planned_area *area = area_plan_find(plan, entry->number);
         if (area) {
             take_words(&area->label, entry);
-            memory_free(entry->name);
-            memory_free(entry->abbreviation);
+            label_finish(entry);
         } else {
             table->entries[kept++] = *entry;
         }
@@ -252,8 +244,7 @@ static conus_status read_own(struct surfaces *surfaces, struct planned_area *are
     struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->max_memory};
     conus_status status = mesh_file_read(mesh, &said, area->path, &options, surfaces->notes);
     status = status ? status : name_area(area, &said);
-    memory_free(said.name);
-    memory_free(said.abbreviation);
+    label_finish(&said);
     return status;
 }
 

@@ -19,17 +19,16 @@ enum { JSON_LIMIT = 1 << 20 };
 
 static const double micrometres = 0.001; /* BrainGlobe's unit, in mm */
 
-static void label_finish(struct label *label)
+void planned_area_finish(struct planned_area *area)
 {
-    memory_free(label->name);
-    memory_free(label->abbreviation);
+    memory_free(area->path);
+    label_finish(&area->label);
 }
 
 void area_plan_finish(struct area_plan *plan)
 {
     for (size_t i = 0; i < plan->count; i++) {
-        memory_free(plan->areas[i].path);
-        label_finish(&plan->areas[i].label);
+        planned_area_finish(&plan->areas[i]);
     }
     for (size_t i = 0; i < plan->sheet_count; i++) {
         memory_free(plan->sheets[i].path);

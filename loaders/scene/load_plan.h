@@ -38,6 +38,7 @@ struct area_plan {
     struct label_table groups; /**< Nodes of the area tree without a surface of their own; sorted.                */
 };
 
+void planned_area_finish(struct planned_area *area);
 void area_plan_finish(struct area_plan *plan);
 
 /** Finds the files of all entries. @p path is the manifest's. Errors name the key, not the manifest. */

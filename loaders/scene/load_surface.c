@@ -25,7 +25,7 @@ struct surface {
 static void surface_finish(struct surface *surface)
 {
     mesh_finish(&surface->mesh);
-    memory_free(surface->about.name);
+    label_finish(&surface->about);
     vertex_labels_finish(&surface->labels);
     mesh_parts_finish(&surface->parts);
     notes_finish(&surface->notes);

@@ -358,8 +358,7 @@ static void area_finish(struct manifest_area *area)
     memory_free(area->file);
     memory_free(area->files);
     memory_free(area->brainglobe);
-    memory_free(area->label.name);
-    memory_free(area->label.abbreviation);
+    label_finish(&area->label);
     memory_free(area->vertex_labels);
     memory_free(area->labels);
     memory_free(area->orientation);
@@ -371,8 +370,7 @@ void manifest_finish(struct manifest *manifest)
         area_finish(&manifest->areas[i]);
     }
     for (size_t i = 0; i < manifest->tree_count; i++) {
-        memory_free(manifest->tree[i].name);
-        memory_free(manifest->tree[i].abbreviation);
+        label_finish(&manifest->tree[i]);
     }
     memory_free(manifest->areas);
     memory_free(manifest->tree);

@@ -404,7 +404,7 @@ static conus_status end_label(struct parsing *parsing, struct text text)
                            parsing->negative_label ? "below 0" : "0", label->name);
     }
     if (status || no_area) {
-        memory_free(label->name);
+        label_finish(label);
     } else {
         status = label_keep(&parsing->gifti.labels, label, CONUS_OK, parsing->notes);
     }
@@ -482,7 +482,7 @@ conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, co
     struct xml_handler handler = {on_start, on_end, &parsing, true};
     conus_status status = xml_parse(&handler, label_text_of(data, size));
     status = status ? status : label_table_sort(&parsing.gifti.labels, notes);
-    memory_free(parsing.label.name);
+    label_finish(&parsing.label);
     memory_free(parsing.md_name);
     memory_free(parsing.external);
     if (status) {

@@ -159,7 +159,7 @@ static conus_status read_own(struct mesh *out, struct label *about, const struct
     status = status ? status : finish_mesh(&mesh, path, options->space, notes);
     notes_finish(&own);
     if (status || !about) {
-        memory_free(said.name);
+        label_finish(&said);
     } else {
         *about = said;
     }
