@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "atlas/labels.h"
 
+#include "atlas/palette.h"
 #include "base/memory.h"
 #include "base/order.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +16,18 @@ void label_finish(struct label *label)
     memory_free(label->name);
     memory_free(label->abbreviation);
     *label = (struct label){0};
+}
+
+conus_object label_object(const struct label *label, size_t index, char digits[LABEL_DIGITS])
+{
+    conus_object object = {
+        .kind = CONUS_AREA, .label = label->number, .named = label->name != NULL, .hemisphere = label->hemisphere};
+    snprintf(digits, LABEL_DIGITS, "%u", label->number);
+    object.name = label->name ? label->name : digits;
+    object.abbreviation = label->abbreviation ? label->abbreviation : "";
+    palette_colour(object.rgb, index);
+    memcpy(object.rgb, label->has_rgb ? label->rgb : object.rgb, sizeof object.rgb);
+    return object;
 }
 
 void label_table_finish(struct label_table *table)

@@ -9,6 +9,7 @@
 #include "loaders/volumes/mgh.h"
 #include "loaders/volumes/nifti.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -179,6 +180,18 @@ static const struct file_kind *of_ending(const char *path)
         }
     }
     return NULL;
+}
+
+char file_first_character(const char *path)
+{
+    uint8_t start[64];
+    FILE *file = file_exists(path) ? fopen(path, "rbe") : NULL;
+    size_t size = file ? fread(start, 1, sizeof start, file) : 0;
+    if (file) {
+        fclose(file);
+    }
+    struct text text = text_trim(label_text_of(start, size));
+    return text.size ? text.data[0] : '\0';
 }
 
 bool file_kind_is_vague(const struct file_kind *kind)

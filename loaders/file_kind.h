@@ -18,6 +18,9 @@ struct file_kind {
  * the bytes do not; it may be NULL. */
 const struct file_kind *file_kind_of(const char *path, const struct bytes *head);
 
+/** The first character of the file @p path that is not white space, in its first 64 bytes; 0 if there is none. */
+char file_first_character(const char *path);
+
 /** True of text in a format that conus does not know. */
 bool file_kind_is_vague(const struct file_kind *kind);
 

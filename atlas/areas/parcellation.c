@@ -57,18 +57,11 @@ static conus_status unite_labels(uint32_t **out, size_t *out_count, const struct
 
 static conus_status append_area(conus_atlas *atlas, uint32_t number, const struct label *label, uint64_t voxels)
 {
-    char digits[16];
-    snprintf(digits, sizeof digits, "%u", number);
-    conus_object area = {.kind = CONUS_AREA, .label = number, .name = digits, .abbreviation = "", .voxels = voxels};
+    char digits[LABEL_DIGITS];
+    const struct label unknown = {.number = number};
+    conus_object area = label_object(label ? label : &unknown, atlas->object_count, digits);
+    area.voxels = voxels;
     area.volume_mm3 = (double)voxels * space_voxel_mm3(&atlas->volumes[0].info);
-    palette_colour(area.rgb, atlas->object_count);
-    if (label) {
-        area.named = label->name != NULL;
-        area.name = label->name ? label->name : digits;
-        area.abbreviation = label->abbreviation ? label->abbreviation : "";
-        area.hemisphere = label->hemisphere;
-        memcpy(area.rgb, label->has_rgb ? label->rgb : area.rgb, sizeof area.rgb);
-    }
     return atlas_append_object(atlas, &area, (struct object_place){.index = 0});
 }
 

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A surface as an atlas: one area, or as many as its vertices have labels. */
-#include "atlas/palette.h"
+#include "loaders/scene/load_surface.h"
+
+#include "atlas/atlas.h"
 #include "atlas/surface/mesh_split.h"
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
 #include "loaders/child/mesh_foreign.h"
-#include "loaders/scene/load.h"
 #include "loaders/surfaces/mesh_file.h"
 
 #include <stdio.h>
@@ -99,19 +100,13 @@ static conus_status read_surface(struct surface *out, const char *path, const co
 
 static conus_status add_area(conus_atlas *atlas, const struct surface *surface, struct mesh_part *part)
 {
-    char digits[16];
-    const struct label *label = label_table_find(&surface->labels.table, part->label);
+    char digits[LABEL_DIGITS];
+    const struct label *known = label_table_find(&surface->labels.table, part->label);
     char hemisphere = surface->about.hemisphere ? surface->about.hemisphere : surface->labels.hemisphere;
-    snprintf(digits, sizeof digits, "%u", part->label);
-    conus_object area = {.label = part->label, .name = digits, .abbreviation = "", .hemisphere = hemisphere};
-    palette_colour(area.rgb, atlas->object_count);
-    if (label && label->name) {
-        area.named = true;
-        area.name = label->name;
-    }
-    if (label && label->has_rgb) {
-        memcpy(area.rgb, label->rgb, sizeof area.rgb);
-    }
+    struct label label = known ? *known : (struct label){.number = part->label};
+    label.abbreviation = NULL;
+    label.hemisphere = hemisphere;
+    const conus_object area = label_object(&label, atlas->object_count, digits);
     return atlas_add_mesh(atlas, &area, &part->mesh);
 }
 
