@@ -67,6 +67,16 @@ char *path_folder(const char *path)
     return slash ? memory_text(path, (size_t)(slash - path) + 1) : memory_text("./", 2);
 }
 
+char *path_with_ending(const char *path, size_t length, const char *ending)
+{
+    char *joined = memory_raw(length + strlen(ending) + 1, 1);
+    if (joined) {
+        memcpy(joined, path, length);
+        memcpy(joined + length, ending, strlen(ending) + 1);
+    }
+    return joined;
+}
+
 size_t volume_stem_length(const char *path)
 {
     static const char *const endings[] = {".nii.gz", ".hdr.gz", ".img.gz", ".mgh.gz", ".nii",

@@ -126,6 +126,18 @@ bool text_equal_ignoring_case(struct text text, const char *string)
     return text.size == strlen(string) && strncasecmp(text.data, string, text.size) == 0;
 }
 
+struct text text_from_bytes(const uint8_t *data, size_t size)
+{
+    struct text text = {(const char *)data, size};
+    if (size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0) {
+        text = (struct text){text.data + 3, text.size - 3};
+    }
+    while (text.size && strchr(" \t\r\n\v\f", text.data[text.size - 1])) { /* NUL too */
+        text.size--;
+    }
+    return text;
+}
+
 bool text_mentions(struct text text, const char *part)
 {
     return text.size && memmem(text.data, text.size, part, strlen(part));

@@ -17,6 +17,9 @@ struct text {
 /** A text over a C string. */
 struct text text_from(const char *string);
 
+/** @p data as text: without a byte order mark of UTF-8, and without NULs and white space at its end. */
+struct text text_from_bytes(const uint8_t *data, size_t size);
+
 /** Takes the next line off @p rest (ended by LF, CR, CRLF or the end) into @p line, without its ending.
  * False when nothing is left. */
 bool text_line(struct text *rest, struct text *line);

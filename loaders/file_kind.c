@@ -4,7 +4,7 @@
 #include "base/gzip.h"
 #include "base/text.h"
 #include "base/xml.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_bytes.h"
 #include "loaders/surfaces/freesurfer.h"
 #include "loaders/volumes/mgh.h"
 #include "loaders/volumes/nifti.h"
@@ -190,7 +190,7 @@ char file_first_character(const char *path)
     if (file) {
         fclose(file);
     }
-    struct text text = text_trim(label_text_of(start, size));
+    struct text text = text_trim(text_from_bytes(start, size));
     return text.size ? text.data[0] : '\0';
 }
 
@@ -209,7 +209,7 @@ bool file_kind_is_lines(const struct bytes *bytes)
 
 const struct file_kind *file_kind_of(const char *path, const struct bytes *head)
 {
-    struct text text = label_text_of(head->data, head->size);
+    struct text text = text_from_bytes(head->data, head->size);
     const struct file_kind *kind = of_magic(head);
     if (kind) {
         return path && head->data[0] == 'P' && ends_with(path, ".trx") ? &trx : kind;

@@ -4,7 +4,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/xml.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_cells.h"
 
 #include <stdio.h>
 #include <string.h>

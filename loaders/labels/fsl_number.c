@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which number a label of an FSL atlas XML has in a volume of labels: its index, or that plus one. */
+#include "loaders/labels/fsl_number.h"
+
 #include "base/folder.h"
 #include "base/math3.h"
 #include "base/memory.h"
-#include "loaders/labels/fsl_atlas.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/fsl_find.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/volumes/volume_file.h"
 
 #include <math.h>

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cells and entries of label tables, whatever the format. */
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_cells.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { SHOWN = 60 };
@@ -61,6 +62,29 @@ conus_status label_cell_rgb(struct label *label, const struct text cells[3],
         status = parse_channel(&label->rgb[i], cells[i], channels[i], where);
     }
     label->has_rgb = !status;
+    return status;
+}
+
+conus_status label_element(struct label *out, const struct xml_event *event)
+{
+    static const char *const channels[] = {"Red", "Green", "Blue"};
+    const char *key = xml_attribute(event, "Key");
+    key = key ? key : xml_attribute(event, "Index"); /* of old files */
+    struct text cells[3] = {{0}};
+    char where[32];
+    snprintf(where, sizeof where, "line %zu", event->line);
+    size_t given = 0;
+    for (int i = 0; i < 3; i++) {
+        const char *value = xml_attribute(event, channels[i]);
+        cells[i] = text_from(value ? value : "");
+        given += value != NULL;
+    }
+    struct label label = {0};
+    conus_status status = label_cell_number(&label.number, text_from(key ? key : ""), where);
+    status = status || !given ? status : label_cell_rgb(&label, cells, label_cell_fraction, where);
+    if (!status) {
+        *out = label;
+    }
     return status;
 }
 

@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables in a volume's folder that do not bear its name: an inherited BIDS dseg.tsv, an FSL atlas XML that names
  * the volume, and the tables that BrainGlobe and FreeSurfer call by fixed names. */
+#include "loaders/labels/label_folder.h"
+
 #include "base/folder.h"
 #include "base/memory.h"
-#include "loaders/labels/fsl_atlas.h"
+#include "loaders/labels/fsl_find.h"
+#include "loaders/labels/fsl_number.h"
 #include "loaders/labels/label_search.h"
 
 #include <string.h>

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables in JSON: BrainGlobe's structures.json, a list of structures with their paths in the tree, and NiiVue's
  * colour maps, an object of parallel lists. */
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_json.h"
 
 #include "base/json_text.h"
+#include "loaders/labels/label_cells.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Several tables may name one volume's labels: the first is used, and none may contradict it silently. */
+#include "loaders/labels/label_offer.h"
+
 #include "base/memory.h"
-#include "loaders/labels/label_search.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -216,6 +217,14 @@ static conus_status reconcile(struct label_search *search, struct label_offer *o
                          comparison.other[1]->name, offer->source.data);
     }
     return CONUS_OK;
+}
+
+void label_search_finish(struct label_search *search)
+{
+    label_table_finish(&search->table);
+    file_sums_finish(&search->read);
+    buffer_finish(&search->source);
+    buffer_finish(&search->first_error);
 }
 
 conus_status label_search_offer(struct label_search *search, struct label_offer *offer)

@@ -4,7 +4,6 @@
 #include "base/buffer.h"
 #include "base/memory.h"
 #include "loaders/file_kind.h"
-#include "loaders/labels/label_parse.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_parcellation.h"
 #include "loaders/scene/load_progress.h"
@@ -40,7 +39,7 @@ static conus_status load_json(conus_atlas **out, const char *path, const conus_l
 {
     struct bytes bytes = {0};
     conus_status status = file_read(&bytes, path, JSON_LIMIT);
-    struct text text = label_text_of(bytes.data, bytes.size);
+    struct text text = text_from_bytes(bytes.data, bytes.size);
     if (!status && !manifest_is(text)) {
         status = file_kind_refuse(path, atlas_needed);
     }

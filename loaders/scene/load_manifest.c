@@ -5,8 +5,7 @@
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
-#include "loaders/labels/fsl_atlas.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/fsl_find.h"
 #include "loaders/scene/load_areas.h"
 #include "loaders/scene/load_parcellation.h"
 #include "loaders/scene/load_plan.h"
@@ -16,8 +15,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-enum { XML_LIMIT = 4 << 20 };
 
 /* What all steps need. */
 struct loading {
@@ -226,9 +223,9 @@ static conus_status choose_image(struct fsl_choice *choice, const struct loading
 static conus_status read_fsl(struct fsl_choice *choice, const struct loading *loading, const char *xml)
 {
     struct bytes bytes = {0};
-    conus_status status = file_read(&bytes, xml, XML_LIMIT);
+    conus_status status = file_read(&bytes, xml, FSL_ATLAS_LIMIT);
     if (!status) {
-        status = fsl_atlas_parse(&choice->atlas, label_text_of(bytes.data, bytes.size));
+        status = fsl_atlas_parse(&choice->atlas, text_from_bytes(bytes.data, bytes.size));
         status = status ? fail_in(status, xml) : CONUS_OK;
     }
     if (!status && choice->atlas.is_label) {
@@ -380,7 +377,7 @@ conus_status manifest_load(conus_atlas **out, const char *path, const struct byt
                            const conus_load_options *options)
 {
     struct manifest manifest;
-    conus_status status = manifest_parse(&manifest, label_text_of(file->data, file->size));
+    conus_status status = manifest_parse(&manifest, text_from_bytes(file->data, file->size));
     if (status) {
         return fail_in(status, path);
     }

@@ -8,12 +8,11 @@
 #include "base/memory.h"
 #include "base/xml.h"
 #include "loaders/file_kind.h"
-#include "loaders/labels/fsl_atlas.h"
-#include "loaders/labels/label_files.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/fsl_find.h"
+#include "loaders/labels/fsl_number.h"
+#include "loaders/labels/label_file.h"
+#include "loaders/labels/label_find.h"
 #include "loaders/volumes/grey.h"
-
-enum { XML_LIMIT = 4 << 20 };
 
 void parcellation_finish(struct parcellation *parts)
 {
@@ -131,8 +130,8 @@ static conus_status load_fsl(struct parcellation *parts, const char *path, struc
 static conus_status load_markup(struct parcellation *parts, const char *path, uint64_t max_memory, const char *needed)
 {
     struct bytes bytes = {0};
-    conus_status status = file_read(&bytes, path, XML_LIMIT);
-    struct text text = label_text_of(bytes.data, bytes.size);
+    conus_status status = file_read(&bytes, path, FSL_ATLAS_LIMIT);
+    struct text text = text_from_bytes(bytes.data, bytes.size);
     if (!status && !text_equal(xml_root(text), "atlas")) {
         status = file_kind_refuse(path, needed);
     }

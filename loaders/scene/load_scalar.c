@@ -5,7 +5,7 @@
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
-#include "loaders/labels/fsl_atlas.h"
+#include "loaders/labels/fsl_find.h"
 
 #include <string.h>
 #include <strings.h>

@@ -3,7 +3,7 @@
 #include "loaders/scene/manifest.h"
 
 #include "base/memory.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/scene/schema.h"
 
 #include <string.h>

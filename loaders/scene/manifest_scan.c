@@ -3,7 +3,7 @@
 
 #include "base/buffer.h"
 #include "base/memory.h"
-#include "loaders/labels/label_files.h"
+#include "loaders/labels/label_find.h"
 #include "loaders/volumes/grey.h"
 
 #include <string.h>

@@ -6,9 +6,7 @@
 #include "base/folder.h"
 #include "base/memory.h"
 #include "base/xml.h"
-#include "loaders/labels/fsl_atlas.h"
-#include "loaders/labels/label_files.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/fsl_number.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/manifest.h"
 #include "loaders/scene/manifest_scan.h"
@@ -16,8 +14,6 @@
 
 #include <string.h>
 #include <strings.h>
-
-enum { XML_LIMIT = 4 << 20 };
 
 /* ---- FSL atlases ------------------------------------------------------------------------------------------------- */
 
@@ -85,8 +81,8 @@ static conus_status look_at_xml(struct manifest_draft *draft, const char *name)
     struct fsl_atlas atlas = {0};
     struct notes notes = {0};
     char *path = manifest_draft_path(draft, name);
-    conus_status status = path ? file_read(&bytes, path, XML_LIMIT) : CONUS_ERROR_MEMORY;
-    struct text text = status ? (struct text){0} : label_text_of(bytes.data, bytes.size);
+    conus_status status = path ? file_read(&bytes, path, FSL_ATLAS_LIMIT) : CONUS_ERROR_MEMORY;
+    struct text text = status ? (struct text){0} : text_from_bytes(bytes.data, bytes.size);
     if (!status && text.size && text_equal(xml_root(text), "atlas")) {
         status = fsl_atlas_parse(&atlas, text);
         status = status ? status : fsl_atlas_number(&atlas, &(struct label_use){0}, &notes);

@@ -7,7 +7,7 @@
 #include "base/folder.h"
 #include "base/json_text.h"
 #include "base/memory.h"
-#include "loaders/labels/label_files.h"
+#include "loaders/labels/label_file.h"
 
 #include <stdio.h>
 #include <string.h>

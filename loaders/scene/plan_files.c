@@ -5,7 +5,7 @@
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
-#include "loaders/labels/label_files.h"
+#include "loaders/labels/label_file.h"
 
 #include <fnmatch.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #include "base/byte_order.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/surfaces/freesurfer.h"
 
 #include <stdlib.h>

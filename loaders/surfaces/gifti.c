@@ -7,7 +7,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/xml.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/surfaces/gifti_data.h"
 
 #include <stdio.h>
@@ -480,7 +480,7 @@ conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, co
 {
     struct parsing parsing = {.options = options, .notes = notes};
     struct xml_handler handler = {on_start, on_end, &parsing, true};
-    conus_status status = xml_parse(&handler, label_text_of(data, size));
+    conus_status status = xml_parse(&handler, text_from_bytes(data, size));
     status = status ? status : label_table_sort(&parsing.gifti.labels, notes);
     label_finish(&parsing.label);
     memory_free(parsing.md_name);

@@ -10,7 +10,6 @@
 #include "base/xml.h"
 #include "loaders/child/mesh_foreign.h"
 #include "loaders/file_kind.h"
-#include "loaders/labels/label_parse.h"
 #include "loaders/surfaces/freesurfer.h"
 #include "loaders/surfaces/gifti.h"
 
@@ -46,7 +45,7 @@ static conus_status read_unpacked(struct bytes *out, const char *path, const str
 
 static bool is_gifti(const struct bytes *bytes)
 {
-    return text_equal(xml_root(label_text_of(bytes->data, bytes->size)), "GIFTI");
+    return text_equal(xml_root(text_from_bytes(bytes->data, bytes->size)), "GIFTI");
 }
 
 static bool is_own(const struct bytes *bytes)
