@@ -277,6 +277,17 @@ conus_status file_write(const char *path, const void *data, size_t size)
     return write_file(path, data, size, WRITE_WAIT);
 }
 
+conus_status file_write_in(const char *folder, const char *name, const struct buffer *content)
+{
+    struct buffer path = {0};
+    buffer_format(&path, "%s/%s", folder, name);
+    conus_status status = buffer_status(content);
+    status = status ? status : buffer_status(&path);
+    status = status ? status : file_write(path.data, content->data, content->size);
+    buffer_finish(&path);
+    return status;
+}
+
 conus_status file_write_soon(const char *path, const void *data, size_t size)
 {
     return write_file(path, data, size, 0);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* One as a pair: areas on both sides cut at x = 0. */
-#include "atlas/areas/hemispheres.h"
+#include "atlas/areas/halves.h"
 
+#include "atlas/areas/pairs.h"
 #include "atlas/areas/sides.h"
 #include "atlas/space.h"
 #include "base/memory.h"
