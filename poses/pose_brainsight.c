@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "poses/pose_file.h"
+#include "poses/pose_brainsight.h"
 
 #include "base/math3.h"
 #include "poses/pose_row.h"

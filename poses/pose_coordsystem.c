@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "poses/pose_file.h"
+#include "poses/pose_coordsystem.h"
 
 #include "base/buffer.h"
 #include "base/file.h"

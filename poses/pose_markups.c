@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "poses/pose_file.h"
+#include "poses/pose_markups.h"
 
 #include "base/json_text.h"
 #include "base/math3.h"

@@ -2,9 +2,13 @@
 #include "poses/pose_stream.h"
 
 #include "base/memory.h"
-#include "poses/pose_file.h"
+#include "poses/pose_brainsight.h"
+#include "poses/pose_coordsystem.h"
+#include "poses/pose_electrodes.h"
 #include "poses/pose_lines.h"
 #include "poses/pose_list.h"
+#include "poses/pose_localite.h"
+#include "poses/pose_markups.h"
 #include "poses/pose_row.h"
 #include "poses/pose_strings.h"
 #include "poses/pose_table.h"
@@ -177,6 +181,10 @@ static conus_status parse_matrix(conus_pose_list *list, struct text text, const 
     }
     return pose_list_add(list, &row, text_from(""), bad ? conus_message() : NULL);
 }
+
+/* A parser of a text as a whole. It adds the rows of the text, with notes and the space that it names, to the list; a
+ * bad pose is a row with its error. */
+typedef conus_status (*pose_parser)(conus_pose_list *list, struct text text, const conus_pose_options *options);
 
 /* Formats by number. Those without a parser are read line by line. */
 static const struct {
