@@ -4,6 +4,8 @@
 #ifndef CONUS_BASE_TEXT_H
 #define CONUS_BASE_TEXT_H
 
+#include "base/text_number.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -90,22 +92,5 @@ void text_make_plain(char *text, const char *kept);
 /** A copy of @p text for results: as UTF-8 (what is not valid UTF-8 is taken as ISO-8859-1), plain as
  * text_make_plain() makes it. End it with memory_free(); NULL without memory. */
 char *text_to_utf8(struct text text);
-
-enum { TEXT_NUMBER_SIZE = 32 };
-
-/** @p value with up to 9 digits and no needless zeros, whole numbers below 2^53 with all of theirs; "nan", "inf" or
- * "-inf" else. Never the locale's decimal comma, never "-0". Returns @p out. */
-char *text_number(char out[TEXT_NUMBER_SIZE], double value);
-
-/** The same, and gives the text's length. */
-size_t text_number_length(char out[TEXT_NUMBER_SIZE], double value);
-
-/** @p value in decimal; gives the text's length. */
-size_t text_whole(char out[TEXT_NUMBER_SIZE], uint64_t value);
-
-enum { TEXT_TIME_DIGITS = 15 };
-
-/** As text_number() with up to TEXT_TIME_DIGITS digits: a hundred-thousandth of a calendar's seconds. */
-char *text_time(char out[TEXT_NUMBER_SIZE], double value);
 
 #endif

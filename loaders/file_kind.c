@@ -5,7 +5,7 @@
 #include "base/text.h"
 #include "base/xml.h"
 #include "loaders/labels/label_bytes.h"
-#include "loaders/surfaces/freesurfer.h"
+#include "loaders/surfaces/freesurfer_surface.h"
 #include "loaders/volumes/mgh.h"
 #include "loaders/volumes/nifti.h"
 

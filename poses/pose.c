@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "poses/pose.h"
+
 #include "base/math3.h"
 #include "base/status.h"
 #include "poses/pose_row.h"

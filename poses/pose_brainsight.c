@@ -2,6 +2,7 @@
 #include "poses/pose_brainsight.h"
 
 #include "base/math3.h"
+#include "poses/pose.h"
 #include "poses/pose_row.h"
 
 #include <stdio.h>

@@ -13,6 +13,7 @@
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_find.h"
 #include "loaders/volumes/grey.h"
+#include "loaders/volumes/volume_values.h"
 
 void parcellation_finish(struct parcellation *parts)
 {

@@ -6,6 +6,7 @@
 #include "base/folder.h"
 #include "base/memory.h"
 #include "loaders/labels/fsl_find.h"
+#include "loaders/volumes/volume_values.h"
 
 #include <string.h>
 #include <strings.h>

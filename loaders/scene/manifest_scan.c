@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "loaders/labels/label_find.h"
 #include "loaders/volumes/grey.h"
+#include "loaders/volumes/volume_values.h"
 
 #include <string.h>
 

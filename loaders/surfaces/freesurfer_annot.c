@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/surfaces/freesurfer_annot.h"
+
 #include "base/byte_order.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "loaders/labels/label_cells.h"
-#include "loaders/surfaces/freesurfer.h"
 
 #include <stdlib.h>
 

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/surfaces/freesurfer_surface.h"
+
 #include "base/byte_order.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "loaders/surfaces/freesurfer.h"
 
 enum { MAGIC_SIZE = 3, TAG_REAL_RAS = 2, TAG_GEOMETRY = 20 };
 

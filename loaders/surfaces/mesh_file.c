@@ -10,8 +10,10 @@
 #include "base/xml.h"
 #include "loaders/child/mesh_foreign.h"
 #include "loaders/file_kind.h"
-#include "loaders/surfaces/freesurfer.h"
+#include "loaders/surfaces/freesurfer_annot.h"
+#include "loaders/surfaces/freesurfer_surface.h"
 #include "loaders/surfaces/gifti.h"
+#include "loaders/surfaces/gifti_mesh.h"
 
 #include <stdio.h>
 #include <string.h>

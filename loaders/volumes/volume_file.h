@@ -55,11 +55,4 @@ conus_status volume_file_open_series(struct volume_file *out, const char *path, 
 conus_status volume_file_select(struct volume_file *file, size_t volume);
 void volume_file_finish(struct volume_file *file);
 
-/** Decodes to labels, one per voxel. Refuses scaled values that are not whole, or outside 0..4294967295, naming the
- * first such voxel. *out is the caller's to memory_free(). Sets info.minimum and maximum. */
-conus_status volume_file_labels(uint32_t **out, struct volume_file *file);
-
-/** Decodes to scaled values. Values that are not finite become 0, and a note counts them. Otherwise as above. */
-conus_status volume_file_values(float **out, struct volume_file *file, struct notes *notes);
-
 #endif
