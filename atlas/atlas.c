@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Builds an atlas step by step, and answers what the public header asks of it. */
 #include "atlas/atlas.h"
 
 #include "atlas/palette.h"

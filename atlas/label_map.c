@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The hash map, with open addressing. */
 #include "atlas/label_map.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Label tables: adding, sorting, finding, and the area that a label describes. */
 #include "atlas/labels.h"
 
 #include "atlas/palette.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The colour of the n-th area. */
 #include "atlas/palette.h"
 
 #include <math.h>

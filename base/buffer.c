@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Growable text and bytes. */
 #include "base/buffer.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads files whole and writes them whole or not at all, through a temporary file beside the target. */
 #include "base/file.h"
 
 #include "base/memory.h"

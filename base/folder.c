@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Lists the names in a folder, and takes paths apart. */
 #include "base/folder.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Unpacks and packs gzip, through zlib. */
 #include "base/gzip.h"
 
 #include "base/memory.h"

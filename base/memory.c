@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Allocation with checked sizes. */
 #include "base/memory.h"
 
 #include "base/status.h"

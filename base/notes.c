@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* A list of lines of advice. */
 #include "base/notes.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Takes text apart: lines, fields, words, numbers; compares and cleans it. */
 #include "base/text.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Formats numbers in decimal. */
 #include "base/text_number.h"
 
 #include <math.h>

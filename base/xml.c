@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses XML through expat. */
 #include "base/xml.h"
 
 #include "base/buffer.h"

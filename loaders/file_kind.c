@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of formats that conus knows by their first bytes or by the ending of the name. */
 #include "loaders/file_kind.h"
 
 #include "base/gzip.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Poses from a direction, a target, a matrix or a quaternion (Eq. 1, 2). */
 #include "poses/pose.h"
 
 #include "base/math3.h"

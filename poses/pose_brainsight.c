@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses Brainsight's export, section by section. */
 #include "poses/pose_brainsight.h"
 
 #include "base/math3.h"

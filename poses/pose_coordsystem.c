@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds and parses the *_coordsystem.json of a table of electrodes. */
 #include "poses/pose_coordsystem.h"
 
 #include "base/buffer.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses BIDS electrodes, and finds the direction of each contact along its shaft. */
 #include "poses/pose_electrodes.h"
 
 #include "base/math3.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads lines in blocks of fixed size. */
 #include "poses/pose_lines.h"
 
 #include "base/memory.h"

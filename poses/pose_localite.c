@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses Localite's XML. */
 #include "poses/pose_localite.h"
 
 #include "base/math3.h"

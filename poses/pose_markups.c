@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses 3D Slicer's JSON. */
 #include "poses/pose_markups.h"
 
 #include "base/json_text.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Checks and turns what a row gives: ids, angles, points, axes, times. */
 #include "poses/pose_row.h"
 
 #include "base/math3.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus_pose_stream: detects the format, then reads rows line by line or, of some formats, all at once. */
 #include "poses/pose_stream.h"
 
 #include "base/memory.h"

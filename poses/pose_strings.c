@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Strings in chunks that are freed together. */
 #include "poses/pose_strings.h"
 
 #include "base/memory.h"

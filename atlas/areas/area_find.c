@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds an area or pathway by name, abbreviation or label, and suggests the closest one. */
 #include "atlas/areas/area_find.h"
 
 #include "base/buffer.h"

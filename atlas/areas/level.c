@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Rolls areas up the area tree: to a depth, or to the areas of a list. */
 #include "atlas/areas/level.h"
 
 #include "atlas/areas/area_find.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds the word for the side in the name of an area. */
 #include "atlas/areas/sides.h"
 
 #include <string.h>

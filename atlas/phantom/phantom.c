@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of phantoms, and how their shapes are drawn on a grid. */
 #include "atlas/phantom/phantom.h"
 
 #include "atlas/palette.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The shapes of the brain phantom, their triangles and the values of its volumes. */
 #include "atlas/phantom/phantom_brain.h"
 
 #include "atlas/space.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Pairs the edges of a mesh: a closed one passes each as often in either direction. */
 #include "atlas/surface/mesh_closed.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Distance from a point to a mesh, and the winding number of the mesh around it. */
 #include "atlas/surface/mesh_near.h"
 
 #include "base/math3.h"

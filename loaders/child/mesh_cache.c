@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Stores and finds results by key, and removes the oldest ones. */
 #include "loaders/child/mesh_cache.h"
 
 #include "base/byte_order.h"

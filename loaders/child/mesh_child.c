@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds conus-mesh, starts it, sends the request and takes its frames. */
 #include "loaders/child/mesh_child.h"
 
 #include "base/clock.h"

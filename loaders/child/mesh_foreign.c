@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Asks conus-mesh or the cache for the meshes in files. */
 #include "loaders/child/mesh_foreign.h"
 
 #include "base/file.h"

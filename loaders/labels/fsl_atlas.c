@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses an FSL atlas XML. */
 #include "loaders/labels/fsl_atlas.h"
 
 #include "base/math3.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Guesses from its values what a volume is good for, and from names whether surfaces have labels. */
 #include "loaders/scene/manifest_scan.h"
 
 #include "base/buffer.h"

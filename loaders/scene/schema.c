@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads JSON values by tables of keys. */
 #include "loaders/scene/schema.h"
 
 #include "base/buffer.h"

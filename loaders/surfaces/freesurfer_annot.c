@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses FreeSurfer annotations. */
 #include "loaders/surfaces/freesurfer_annot.h"
 
 #include "base/byte_order.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses FreeSurfer surfaces. */
 #include "loaders/surfaces/freesurfer_surface.h"
 
 #include "base/byte_order.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Decodes the numbers of a GIFTI array: text, base64, packed base64, or another file. */
 #include "loaders/surfaces/gifti_data.h"
 
 #include "base/byte_order.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads a surface, or labels of vertices, with the reader of its format. */
 #include "loaders/surfaces/mesh_file.h"
 
 #include "base/file.h"

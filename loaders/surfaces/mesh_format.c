@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Writes a mesh in each of the formats. */
 #include "loaders/surfaces/mesh_format.h"
 
 #include "base/math3.h"

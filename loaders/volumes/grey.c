@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Tells labels from grey values by the share of neighbouring voxels that are equal. */
 #include "loaders/volumes/grey.h"
 
 #include "base/folder.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads and checks NIfTI headers and extensions. */
 #include "loaders/volumes/nifti.h"
 
 #include "base/byte_order.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Chooses between qform, sform and the plain grid. */
 #include "loaders/volumes/nifti_transform.h"
 
 #include "atlas/space.h"

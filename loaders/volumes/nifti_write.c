@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Formats a NIfTI-1 file. */
 #include "loaders/volumes/nifti_write.h"
 
 #include "base/math3.h"

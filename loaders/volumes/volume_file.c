@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Opens a volume: one file or a pair, packed or not, one volume of several. */
 #include "loaders/volumes/volume_file.h"
 
 #include "base/byte_order.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of datatypes, and the checks of datatype and dimensions that all formats share. */
 #include "loaders/volumes/volume_header.h"
 
 #include "base/memory.h"
