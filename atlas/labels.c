@@ -103,7 +103,7 @@ static conus_status sort_stably(struct label_table *table)
     return CONUS_OK;
 }
 
-static bool contradicts(const struct label *kept, const struct label *dropped)
+static bool names_differ(const struct label *kept, const struct label *dropped)
 {
     return kept->name && dropped->name && strcmp(kept->name, dropped->name) != 0;
 }
@@ -127,7 +127,7 @@ conus_status label_table_sort(struct label_table *table, struct notes *notes)
         struct label *label = &table->entries[i];
         struct label *last = kept ? &table->entries[kept - 1] : NULL;
         if (last && last->number == label->number) {
-            status = contradicts(last, label) ? note_conflict(notes, ++conflicts, last, label) : CONUS_OK;
+            status = names_differ(last, label) ? note_conflict(notes, ++conflicts, last, label) : CONUS_OK;
             label_finish(label);
         } else {
             struct label moved = *label;

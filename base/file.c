@@ -180,7 +180,7 @@ static conus_status write_directly(const char *path, const void *data, size_t si
 enum { WRITE_WAIT = 1, WRITE_NEW = 2 };
 
 /* Gives the finished file its name. */
-static bool settle(const char *path, const char *temporary, unsigned how)
+static bool name_file(const char *path, const char *temporary, unsigned how)
 {
     if (!(how & WRITE_NEW)) {
         return rename(temporary, path) == 0;
@@ -221,7 +221,7 @@ static conus_status write_and_rename(const char *path, char *temporary, size_t l
     }
     bool written = file_write_fully(descriptor, data, size) && (!(how & WRITE_WAIT) || fsync(descriptor) == 0);
     written = close(descriptor) == 0 && written;
-    if (!written || !settle(path, temporary, how)) {
+    if (!written || !name_file(path, temporary, how)) {
         conus_status status = errno == EEXIST
                                   ? fail(CONUS_ERROR_IO, "%s: there is a file already, which is not replaced", path)
                                   : fail_errno(path, "write");

@@ -29,7 +29,7 @@ bool gzip_is(const uint8_t *data, size_t size)
     return size >= 3 && data[0] == 0x1f && data[1] == 0x8b && data[2] == 8; /* 8: deflate, the only method there is */
 }
 
-static size_t smaller(uint64_t a, uint64_t b)
+static size_t smaller_of(uint64_t a, uint64_t b)
 {
     return (size_t)(a < b ? a : b);
 }
@@ -41,21 +41,21 @@ static size_t aim_output(struct stream *stream, uint64_t limit)
     size_t room;
     if (stream->position >= stream->from && stream->position < end) {
         stream->z.next_out = stream->kept + (stream->position - stream->from);
-        room = smaller(end - stream->position, limit);
+        room = smaller_of(end - stream->position, limit);
     } else {
         stream->z.next_out = stream->scratch;
-        room = smaller(SCRATCH_SIZE, limit);
-        room = stream->position < stream->from ? smaller(room, stream->from - stream->position) : room;
+        room = smaller_of(SCRATCH_SIZE, limit);
+        room = stream->position < stream->from ? smaller_of(room, stream->from - stream->position) : room;
     }
-    room = smaller(room, INT_MAX);
+    room = smaller_of(room, INT_MAX);
     stream->z.avail_out = (uInt)room;
     return room;
 }
 
-static void feed(struct stream *stream)
+static void feed_input(struct stream *stream)
 {
     if (!stream->z.avail_in) {
-        size_t size = smaller(stream->rest_size, INT_MAX);
+        size_t size = smaller_of(stream->rest_size, INT_MAX);
         stream->z.next_in = (z_const Bytef *)stream->rest;
         stream->z.avail_in = (uInt)size;
         stream->rest += size;
@@ -78,7 +78,7 @@ static void next_member(struct stream *stream)
 static conus_status inflate_until(struct stream *stream, uint64_t until)
 {
     while (!stream->ended && stream->position < until) {
-        feed(stream);
+        feed_input(stream);
         size_t room = aim_output(stream, until - stream->position);
         int code = inflate(&stream->z, Z_NO_FLUSH);
         size_t got = room - stream->z.avail_out;
@@ -122,7 +122,7 @@ static void stream_close(struct stream *stream)
 conus_status gzip_head(struct bytes *out, const uint8_t *data, size_t size, size_t limit)
 {
     struct stream *stream = NULL;
-    limit = smaller(limit, INFLATE_RATIO * ((uint64_t)size + 1));
+    limit = smaller_of(limit, INFLATE_RATIO * ((uint64_t)size + 1));
     uint8_t *kept = memory_raw(limit, 1);
     conus_status status = kept ? stream_open(&stream, data, size) : CONUS_ERROR_MEMORY;
     if (status) {
@@ -219,9 +219,9 @@ conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint
     return CONUS_OK;
 }
 
-static conus_status grow(struct stream *stream, uint64_t limit)
+static conus_status grow_output(struct stream *stream, uint64_t limit)
 {
-    size_t count = smaller(limit, 2 * (uint64_t)stream->count);
+    size_t count = smaller_of(limit, 2 * (uint64_t)stream->count);
     uint8_t *kept = memory_resize(stream->kept, count, 1);
     if (!kept) {
         return CONUS_ERROR_MEMORY;
@@ -240,7 +240,7 @@ static conus_status unpack_growing(struct stream *stream, uint64_t limit)
             return fail(CONUS_ERROR_MEMORY, "gzip: unpacks to more than the %llu bytes that are allowed",
                         (unsigned long long)limit);
         }
-        status = stream->position == stream->count ? grow(stream, limit) : CONUS_OK;
+        status = stream->position == stream->count ? grow_output(stream, limit) : CONUS_OK;
         uint64_t before = stream->position;
         status = status ? status : inflate_until(stream, stream->count);
         if (!status && !stream->ended && stream->position == before) {
@@ -260,7 +260,7 @@ conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size
     if (status) {
         return status;
     }
-    stream->count = smaller(limit, 4 * (uint64_t)size + SCRATCH_SIZE);
+    stream->count = smaller_of(limit, 4 * (uint64_t)size + SCRATCH_SIZE);
     stream->kept = memory_raw(stream->count, 1);
     status = stream->kept ? unpack_growing(stream, limit) : CONUS_ERROR_MEMORY;
     if (status) {

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void *check(void *block, size_t count, size_t size)
+static void *check_block(void *block, size_t count, size_t size)
 {
     if (!block) {
         fail(CONUS_ERROR_MEMORY, "no memory for %zu elements of %zu bytes", count, size);
@@ -17,21 +17,21 @@ static void *check(void *block, size_t count, size_t size)
 
 void *memory_zeroed(size_t count, size_t size)
 {
-    return check(calloc(count ? count : 1, size ? size : 1), count, size);
+    return check_block(calloc(count ? count : 1, size ? size : 1), count, size);
 }
 
 void *memory_raw(size_t count, size_t size)
 {
     size_t bytes;
     bool fits = memory_multiply(count, size, &bytes);
-    return check(fits ? malloc(bytes ? bytes : 1) : NULL, count, size);
+    return check_block(fits ? malloc(bytes ? bytes : 1) : NULL, count, size);
 }
 
 void *memory_resize(void *block, size_t count, size_t size)
 {
     size_t bytes;
     bool fits = memory_multiply(count, size, &bytes);
-    return check(fits ? realloc(block, bytes ? bytes : 1) : NULL, count, size);
+    return check_block(fits ? realloc(block, bytes ? bytes : 1) : NULL, count, size);
 }
 
 void *memory_copy(const void *block, size_t count, size_t size)

@@ -118,7 +118,7 @@ static const struct file_kind *atlas_xml(struct text text)
     return text_mentions(text, ">Label</type>") ? &fsl_labels : &fsl_volumes;
 }
 
-static const struct file_kind *markup(struct text text)
+static const struct file_kind *kind_of_markup(struct text text)
 {
     struct text root = xml_root(text);
     if (text_equal(root, "GIFTI")) {
@@ -136,14 +136,14 @@ static const struct file_kind *markup(struct text text)
     return text_equal_ignoring_case(root, "html") ? &html : label_format_of(text) ? &table : &xml;
 }
 
-static const struct file_kind *of_text(struct text text)
+static const struct file_kind *kind_of_text(struct text text)
 {
     struct text start = text_trim(text);
     if (!start.size) {
         return NULL;
     }
     if (start.data[0] == '<') {
-        return markup(start);
+        return kind_of_markup(start);
     }
     if (start.data[0] == '{' && text_mentions(start, "\"conus_atlas\"")) {
         return &manifest;
@@ -157,7 +157,7 @@ static const struct file_kind *of_text(struct text text)
     return start.data[0] == '{' || start.data[0] == '[' ? &json : NULL;
 }
 
-static const struct file_kind *of_magic(const struct bytes *head)
+static const struct file_kind *kind_of_magic(const struct bytes *head)
 {
     for (size_t i = 0; i < sizeof magics / sizeof magics[0]; i++) {
         if (head->size >= magics[i].size && memcmp(head->data, magics[i].magic, magics[i].size) == 0) {
@@ -173,7 +173,7 @@ static bool is_dicom(const struct bytes *head)
     return head->size >= PREAMBLE + 4 && memcmp(head->data + PREAMBLE, "DICM", 4) == 0;
 }
 
-static const struct file_kind *of_ending(const char *path)
+static const struct file_kind *kind_of_ending(const char *path)
 {
     for (size_t i = 0; path && i < sizeof endings / sizeof endings[0]; i++) {
         if (ends_with(path, endings[i].ending)) {
@@ -211,7 +211,7 @@ bool file_kind_is_lines(const struct bytes *bytes)
 const struct file_kind *file_kind_of(const char *path, const struct bytes *head)
 {
     struct text text = text_from_bytes(head->data, head->size);
-    const struct file_kind *kind = of_magic(head);
+    const struct file_kind *kind = kind_of_magic(head);
     if (kind) {
         return path && head->data[0] == 'P' && ends_with(path, ".trx") ? &trx : kind;
     }
@@ -227,9 +227,9 @@ const struct file_kind *file_kind_of(const char *path, const struct bytes *head)
     if (freesurfer_is_surface(head->data, head->size)) {
         return freesurfer_is_curvature(head->data, head->size) ? &vertex_values : &surface;
     }
-    kind = text_is_readable(text) ? of_text(text) : NULL;
+    kind = text_is_readable(text) ? kind_of_text(text) : NULL;
     bool named = !text_is_readable(text) || (path && ends_with(path, ".obj")); /* the others are not text */
-    kind = kind || !named ? kind : of_ending(path);
+    kind = kind || !named ? kind : kind_of_ending(path);
     return kind ? kind : text_is_readable(text) ? &plain_text : NULL;
 }
 

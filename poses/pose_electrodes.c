@@ -88,7 +88,7 @@ bool pose_electrodes_header(struct text line)
     return all;
 }
 
-static conus_status split(struct text fields[COLUMNS], const struct reading *reading, struct text line)
+static conus_status split_row(struct text fields[COLUMNS], const struct reading *reading, struct text line)
 {
     struct text field;
     size_t index = 0;
@@ -133,7 +133,7 @@ static void name_shaft(struct contact *contact, struct text group, size_t row)
     }
 }
 
-static conus_status reserve(struct reading *reading)
+static conus_status reserve_contact(struct reading *reading)
 {
     void *contacts = reading->contacts;
     bool fits = memory_reserve(&contacts, &reading->capacity, reading->count + 1, sizeof *reading->contacts);
@@ -143,12 +143,12 @@ static conus_status reserve(struct reading *reading)
 
 static conus_status read_contact(struct reading *reading, struct text line, size_t number)
 {
-    if (reserve(reading)) {
+    if (reserve_contact(reading)) {
         return CONUS_ERROR_MEMORY;
     }
     struct text fields[COLUMNS];
     struct contact contact = {.line = number, .next = reading->count, .previous = reading->count};
-    contact.bad = split(fields, reading, line);
+    contact.bad = split_row(fields, reading, line);
     contact.name = fields[NAME];
     contact.bad = contact.bad ? contact.bad : read_position(contact.position, fields);
     if (contact.bad) {

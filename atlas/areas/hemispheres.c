@@ -197,7 +197,7 @@ static conus_status note_merging(conus_atlas *atlas, const struct merging *mergi
     return status;
 }
 
-static conus_status prepare(struct merging *merging)
+static conus_status prepare_merging(struct merging *merging)
 {
     conus_status status = hemispheres_pair(&merging->right_of, merging->atlas);
     status = status ? status : list_pairs(merging);
@@ -219,7 +219,7 @@ static conus_status merge_pairs(conus_atlas *atlas)
     struct merging merging = {.atlas = atlas};
     uint32_t first_pair = (uint32_t)atlas->area_count + 1;
     size_t notes = atlas->notes.count;
-    conus_status status = prepare(&merging);
+    conus_status status = prepare_merging(&merging);
     status = status ? status : note_merging(atlas, &merging);
     if (!status) {
         status = atlas_exchange_areas(atlas, merging.areas);

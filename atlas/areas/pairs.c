@@ -75,7 +75,7 @@ static bool may_be(const conus_object *area, char side)
 }
 
 /* Notes that `left` and the only area called `name` may be a pair. */
-static void propose(struct pairing *pairing, uint32_t left, const char *name, size_t *found)
+static void propose_pair(struct pairing *pairing, uint32_t left, const char *name, size_t *found)
 {
     size_t first = 0;
     if (find_name(&first, &pairing->index, name) == 1 && may_be(pairing->index.areas[first], 'R')) {
@@ -98,7 +98,7 @@ static conus_status pair_by_word(struct pairing *pairing, uint32_t left)
             status = buffer_status(&swapped);
         }
         if (!status && word.side == 'L') {
-            propose(pairing, left, swapped.data, &found);
+            propose_pair(pairing, left, swapped.data, &found);
         }
         buffer_finish(&swapped);
     }

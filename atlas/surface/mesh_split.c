@@ -45,7 +45,7 @@ static int compare_labelled(const void *a, const void *b)
     return order ? order : compare_unsigned(x->triangle, y->triangle);
 }
 
-static conus_status gather(struct splitting *work, const uint32_t *labels, struct notes *notes)
+static conus_status gather_triangles(struct splitting *work, const uint32_t *labels, struct notes *notes)
 {
     const struct mesh *mesh = work->mesh;
     size_t left_out = 0;
@@ -147,7 +147,7 @@ conus_status mesh_split(struct mesh_parts *out, const struct mesh *mesh, const u
     struct mesh_parts parts = {0};
     work.triangles = memory_raw(mesh->triangle_count, sizeof *work.triangles);
     work.place = memory_raw(mesh->vertex_count, sizeof *work.place);
-    conus_status status = work.triangles && work.place ? gather(&work, labels, notes) : CONUS_ERROR_MEMORY;
+    conus_status status = work.triangles && work.place ? gather_triangles(&work, labels, notes) : CONUS_ERROR_MEMORY;
     if (!status) {
         memset(work.place, 0xff, mesh->vertex_count * sizeof *work.place);
         status = make_parts(&parts, &work);

@@ -60,7 +60,7 @@ static struct fsl_point read_point(const struct xml_event *event)
     return point;
 }
 
-static conus_status start(void *user, const struct xml_event *event)
+static conus_status start_element(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
     if (strcmp(event->name, "images") == 0) {
@@ -116,7 +116,7 @@ static conus_status end_label(struct parsing *parsing, const struct xml_event *e
     return label_set_text(&label->name, event->text);
 }
 
-static conus_status end(void *user, const struct xml_event *event)
+static conus_status end_element(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
     struct fsl_atlas *atlas = &parsing->atlas;
@@ -136,7 +136,7 @@ static conus_status end(void *user, const struct xml_event *event)
 conus_status fsl_atlas_parse(struct fsl_atlas *out, struct text text)
 {
     struct parsing parsing = {0};
-    struct xml_handler handler = {start, end, &parsing, false};
+    struct xml_handler handler = {start_element, end_element, &parsing, false};
     conus_status status = xml_parse(&handler, text);
     if (!status && !parsing.atlas.type) {
         status = fail(CONUS_ERROR_DATA, "no <type>: Label, Probabilistic or Statistic is needed");

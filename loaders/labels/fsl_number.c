@@ -99,7 +99,7 @@ static conus_status find_fit(struct fit *out, const struct fsl_atlas *atlas, con
 }
 
 /* Two points or more, at least half of them, and over four times as many as fit the other way. */
-static bool decides(struct fit fit)
+static bool fit_decides(struct fit fit)
 {
     return best_of(fit) >= 2 && 2 * best_of(fit) >= fit.inside && best_of(fit) > 4 * worst_of(fit);
 }
@@ -154,7 +154,7 @@ conus_status fsl_atlas_number(struct fsl_atlas *atlas, const struct label_use *u
 {
     struct fit fit = {0};
     conus_status status = use->voxels ? find_fit(&fit, atlas, use) : CONUS_OK;
-    atlas->proved = decides(fit);
+    atlas->proved = fit_decides(fit);
     bool by_index = atlas->proved ? fit.index > fit.next : atlas->is_label || first_is_background(atlas);
     if (!status && by_index != atlas->is_label) {
         status = note_choice(atlas, use, fit, by_index, notes);

@@ -12,7 +12,7 @@ struct quoted {
     char text[SHOWN + 1];
 };
 
-static struct quoted quote(struct text cell)
+static struct quoted quote_cell(struct text cell)
 {
     struct quoted quoted = {0};
     memcpy(quoted.text, cell.size ? cell.data : "", cell.size < SHOWN ? cell.size : SHOWN);
@@ -24,7 +24,7 @@ conus_status label_cell_number(uint32_t *out, struct text cell, const char *wher
     uint64_t number;
     if (!text_to_uint(cell, UINT32_MAX, &number)) {
         return fail(CONUS_ERROR_DATA, "%s: label \"%s\", a whole number from 0 to 4294967295 is needed", where,
-                    quote(cell).text);
+                    quote_cell(cell).text);
     }
     *out = (uint32_t)number;
     return CONUS_OK;
@@ -35,7 +35,7 @@ conus_status label_cell_channel(uint8_t *out, struct text cell, const char *chan
     uint64_t value;
     if (!text_to_uint(cell, 255, &value)) {
         return fail(CONUS_ERROR_DATA, "%s: %s is \"%s\", a whole number from 0 to 255 is needed", where, channel,
-                    quote(cell).text);
+                    quote_cell(cell).text);
     }
     *out = (uint8_t)value;
     return CONUS_OK;
@@ -46,7 +46,7 @@ conus_status label_cell_fraction(uint8_t *out, struct text cell, const char *cha
     double value;
     if (!text_to_double(cell, &value) || !(value >= 0 && value <= 1)) {
         return fail(CONUS_ERROR_DATA, "%s: %s is \"%s\", a number from 0 to 1 is needed", where, channel,
-                    quote(cell).text);
+                    quote_cell(cell).text);
     }
     *out = (uint8_t)(value * 255 + 0.5);
     return CONUS_OK;
@@ -106,9 +106,9 @@ conus_status label_cell_hex(uint8_t out[3], struct text cell, const char *where)
         fine = high >= 0 && low >= 0;
         out[i] = fine ? (uint8_t)(16 * high + low) : 0;
     }
-    return fine
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "%s: colour \"%s\", #rrggbb in hexadecimal is needed", where, quote(cell).text);
+    return fine ? CONUS_OK
+                : fail(CONUS_ERROR_DATA, "%s: colour \"%s\", #rrggbb in hexadecimal is needed", where,
+                       quote_cell(cell).text);
 }
 
 char label_hemisphere_of(struct text cell)

@@ -82,7 +82,7 @@ static conus_status number_entries(struct label_table *table)
     return CONUS_OK;
 }
 
-static conus_status settle(struct label_search *search)
+static conus_status settle_search(struct label_search *search)
 {
     if (search->found) {
         return search->first_error.size ? notes_add(search->notes, "%s: passed over", search->first_error.data)
@@ -112,7 +112,7 @@ conus_status label_table_of_volume(struct label_table *out, char **source, const
     conus_status status = search_inside(&search);
     status = status ? status : search_beside(&search);
     status = status ? status : label_search_folder(&search);
-    status = status ? status : settle(&search);
+    status = status ? status : settle_search(&search);
     status = status ? status : colour_beside(&search);
     status = status || !read ? status : file_sums_move(read, &search.read);
     char *words = status ? NULL : memory_text(search.source.data, search.source.size);

@@ -12,7 +12,7 @@
 #include <string.h>
 
 /* Whether every entity ("res-01", "dseg") of the table's name is one of the volume's: then BIDS lets it inherit. */
-static bool inherits(struct text table, struct text volume, size_t *entities)
+static bool name_inherits(struct text table, struct text volume, size_t *entities)
 {
     struct text entity;
     *entities = 0;
@@ -41,7 +41,7 @@ static conus_status search_inherited(struct label_search *search, const char *fo
     for (size_t i = 0; i < names.count; i++) {
         size_t entities;
         struct text table = {names.names[i], strlen(names.names[i]) - strlen(".tsv")};
-        if (inherits(table, volume, &entities) && entities > most) {
+        if (name_inherits(table, volume, &entities) && entities > most) {
             most = entities;
             best = names.names[i];
         }

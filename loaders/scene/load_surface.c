@@ -51,7 +51,7 @@ static conus_status take_whole(struct surface *surface)
     return label->name ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static conus_status cut(struct surface *surface, const char *path)
+static conus_status cut_surface(struct surface *surface, const char *path)
 {
     const struct vertex_labels *labels = &surface->labels;
     if (labels->count != surface->mesh.vertex_count) {
@@ -95,7 +95,7 @@ static conus_status read_surface(struct surface *out, const char *path, const co
     bool whole = !options->labels && !out->labels.count;
     buffer_format(&out->source, whole ? "the name in %s" : "labels of vertices in %s", labels);
     status = buffer_status(&out->source);
-    return status ? status : whole ? take_whole(out) : cut(out, labels);
+    return status ? status : whole ? take_whole(out) : cut_surface(out, labels);
 }
 
 static conus_status add_area(conus_atlas *atlas, const struct surface *surface, struct mesh_part *part)

@@ -309,7 +309,7 @@ static const struct schema_field manifest_keys[] = {
     {0},
 };
 
-static conus_status check(const struct manifest *manifest)
+static conus_status check_manifest(const struct manifest *manifest)
 {
     if (!manifest->parcellation.source.file && !manifest->area_count && !manifest->pathway_count) {
         return fail(CONUS_ERROR_DATA, "nothing to select: parcellation, areas or pathways is needed");
@@ -332,7 +332,7 @@ conus_status manifest_parse(struct manifest *out, struct text text)
     conus_status status = json_text_load(&root, text);
     struct schema_place place = {.allow_outside = json_is_true(json_object_get(root, "allow_outside"))};
     status = status ? status : schema_object(&manifest, root, manifest_keys, &place);
-    status = status ? status : check(&manifest);
+    status = status ? status : check_manifest(&manifest);
     json_decref(root);
     if (status) {
         manifest_finish(&manifest);

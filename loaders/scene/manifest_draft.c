@@ -94,7 +94,7 @@ char *manifest_draft_path(const struct manifest_draft *draft, const char *name)
 }
 
 /* Sets `key` unless there is nothing to set. */
-static bool set(json_t *root, const char *key, json_t *value)
+static bool set_key(json_t *root, const char *key, json_t *value)
 {
     bool empty = !value || (json_is_array(value) && !json_array_size(value));
     return empty || json_object_set(root, key, value) == 0;
@@ -103,8 +103,8 @@ static bool set(json_t *root, const char *key, json_t *value)
 conus_status manifest_draft_format(struct buffer *out, const struct manifest_draft *draft)
 {
     json_t *root = json_pack("{s:i}", "conus_atlas", MANIFEST_VERSION);
-    bool done = root && set(root, "parcellation", draft->parcellation) && set(root, "areas", draft->areas) &&
-                set(root, "pathways", draft->pathways) && set(root, "context", draft->context) &&
+    bool done = root && set_key(root, "parcellation", draft->parcellation) && set_key(root, "areas", draft->areas) &&
+                set_key(root, "pathways", draft->pathways) && set_key(root, "context", draft->context) &&
                 json_dump_callback(root, put_text, out, JSON_INDENT(2)) == 0;
     json_decref(root);
     buffer_text(out, "\n");

@@ -227,7 +227,7 @@ static bool is_volume(const char *name)
     return name[0] != '.' && !image && name[volume_stem_length(name)];
 }
 
-static conus_status scan(struct manifest_draft *draft)
+static conus_status scan_folder(struct manifest_draft *draft)
 {
     struct names names = {0};
     conus_status status = names_list(&names, draft->folder, "");
@@ -287,7 +287,7 @@ conus_status conus_manifest_write(const char *path, const conus_manifest_options
     if (!status && !file_is_folder(folder)) {
         status = fail(CONUS_ERROR_IO, "%s: there is no such folder", folder);
     }
-    status = status ? status : scan(&draft);
+    status = status ? status : scan_folder(&draft);
     if (!status && !draft.parcellation && !json_array_size(draft.areas) && !json_array_size(draft.pathways)) {
         status = fail(CONUS_ERROR_DATA, "%s: neither parcellation nor surfaces nor pathways in this folder", folder);
     }

@@ -50,7 +50,7 @@ static bool read_corner(int *row, double *sign, char corner)
     return true;
 }
 
-static conus_status orient(double world_from_mesh[16], const char *orientation, double scale)
+static conus_status orient_mesh(double world_from_mesh[16], const char *orientation, double scale)
 {
     bool used[3] = {false, false, false};
     memset(world_from_mesh, 0, 16 * sizeof *world_from_mesh);
@@ -195,7 +195,7 @@ conus_status plan_brainglobe(struct area_plan *plan, size_t entry, const struct 
     } else {
         status = status ? status : read_orientation(orientation, brainglobe.folder, &plan->read);
     }
-    status = status ? status : orient(world_from_mesh, orientation, scale);
+    status = status ? status : orient_mesh(world_from_mesh, orientation, scale);
     status = status ? status : plan_structures(plan, entry, &brainglobe, area->all_structures, world_from_mesh);
     if (!status && plan->count == before) {
         status = fail(CONUS_ERROR_DATA, "brainglobe: %s/meshes holds no ID.obj of structures.json", area->brainglobe);

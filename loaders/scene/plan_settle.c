@@ -144,8 +144,8 @@ static void clear_voxels(const struct area_plan *plan, struct parcellation *part
     }
 }
 
-static conus_status prefer(struct area_plan *plan, struct parcellation *parts, const uint64_t *counts,
-                           enum manifest_preference preference)
+static conus_status apply_preference(struct area_plan *plan, struct parcellation *parts, const uint64_t *counts,
+                                     enum manifest_preference preference)
 {
     size_t shared = 0;
     const struct planned_area *first = NULL;
@@ -174,7 +174,7 @@ conus_status area_plan_settle(struct area_plan *plan, struct parcellation *parts
 {
     uint64_t *counts = memory_zeroed(plan->count, sizeof *counts);
     conus_status status = counts ? count_voxels(counts, plan, parts) : CONUS_ERROR_MEMORY;
-    status = status ? status : prefer(plan, parts, counts, preference);
+    status = status ? status : apply_preference(plan, parts, counts, preference);
     status = status ? status : hand_over_entries(plan, &parts->table);
     status = status ? status : label_table_sort(&plan->groups, &parts->notes);
     memory_free(counts);

@@ -242,7 +242,7 @@ static conus_status fill_table(struct label_table *table, const struct annot *an
     return status ? status : label_table_sort(table, annot->notes);
 }
 
-static conus_status parse(struct annot *annot, uint32_t **labels, struct label_table *table)
+static conus_status parse_annot(struct annot *annot, uint32_t **labels, struct label_table *table)
 {
     conus_status status = take_vertices(annot);
     status = status ? status : take_table(annot);
@@ -263,7 +263,7 @@ conus_status freesurfer_annot_parse(uint32_t **labels, size_t *count, struct lab
     struct annot annot = {.data = data, .size = size, .notes = notes};
     struct label_table entries = {0};
     uint32_t *out = NULL;
-    conus_status status = parse(&annot, &out, &entries);
+    conus_status status = parse_annot(&annot, &out, &entries);
     memory_free(annot.entries);
     if (status) {
         memory_free(out);

@@ -452,7 +452,7 @@ static conus_status end_element(struct parsing *parsing, const struct xml_event 
 }
 
 /* Says where: "line 7, DataArray 1: ...". */
-static conus_status place(conus_status status, const struct parsing *parsing, const struct xml_event *event)
+static conus_status fail_at_place(conus_status status, const struct parsing *parsing, const struct xml_event *event)
 {
     char where[64];
     if (!status) {
@@ -467,12 +467,12 @@ static conus_status place(conus_status status, const struct parsing *parsing, co
 
 static conus_status on_start(void *user, const struct xml_event *event)
 {
-    return place(start_element(user, event), user, event);
+    return fail_at_place(start_element(user, event), user, event);
 }
 
 static conus_status on_end(void *user, const struct xml_event *event)
 {
-    return place(end_element(user, event), user, event);
+    return fail_at_place(end_element(user, event), user, event);
 }
 
 conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, const struct gifti_options *options,

@@ -34,7 +34,7 @@ struct heading {
     const char *description;
 };
 
-static void put(uint8_t *at, uint32_t value, size_t size)
+static void put_integer(uint8_t *at, uint32_t value, size_t size)
 {
     for (size_t i = 0; i < size; i++) {
         at[i] = (uint8_t)(value >> 8 * i);
@@ -46,7 +46,7 @@ static void put_float(uint8_t *at, double value)
     float narrow = (float)value;
     uint32_t bits;
     memcpy(&bits, &narrow, sizeof bits);
-    put(at, bits, sizeof bits);
+    put_integer(at, bits, sizeof bits);
 }
 
 static conus_status check_grid(const struct heading *heading)
@@ -118,7 +118,7 @@ static void put_qform(uint8_t *header, const double m[16], int code)
     }
     quaternion_of(q, r);
     put_float(header + 76, qfac);
-    put(header + 252, (uint32_t)code, 2);
+    put_integer(header + 252, (uint32_t)code, 2);
     for (int i = 0; i < 3; i++) {
         put_float(header + 256 + 4 * i, q[i + 1]);
         put_float(header + 268 + 4 * i, m[12 + i]);
@@ -128,22 +128,22 @@ static void put_qform(uint8_t *header, const double m[16], int code)
 static void put_header(uint8_t *header, const struct heading *heading)
 {
     const double *m = heading->world_from_voxel;
-    put(header, 348, 4);
-    put(header + 40, 3, 2);
+    put_integer(header, 348, 4);
+    put_integer(header + 40, 3, 2);
     for (int axis = 0; axis < 7; axis++) {
-        put(header + 42 + 2 * axis, axis < 3 ? (uint32_t)heading->dim[axis] : 1, 2);
+        put_integer(header + 42 + 2 * axis, axis < 3 ? (uint32_t)heading->dim[axis] : 1, 2);
         put_float(header + 80 + 4 * axis, axis < 3 ? vec3_length(m + 4 * axis) : 1);
     }
-    put(header + 68, (uint32_t)heading->intent, 2);
-    put(header + 70, (uint32_t)heading->type->code, 2);
-    put(header + 72, (uint32_t)heading->type->size * 8, 2);
+    put_integer(header + 68, (uint32_t)heading->intent, 2);
+    put_integer(header + 70, (uint32_t)heading->type->code, 2);
+    put_integer(header + 72, (uint32_t)heading->type->size * 8, 2);
     put_float(header + 76, 1);
     put_float(header + 108, HEADER);
     put_float(header + 112, 1);
     header[123] = UNITS_MM;
     snprintf((char *)header + 148, 80, "%s", heading->description);
     put_qform(header, m, heading->code);
-    put(header + 254, (uint32_t)heading->code, 2);
+    put_integer(header + 254, (uint32_t)heading->code, 2);
     for (int row = 0; row < 3; row++) {
         for (int column = 0; column < 4; column++) {
             put_float(header + 280 + 16 * row + 4 * column, m[4 * column + row]);
@@ -165,7 +165,7 @@ static conus_status start_file(struct bytes *out, const struct heading *heading)
     return CONUS_OK;
 }
 
-static const struct datatype *narrowest(const uint32_t *labels, size_t count)
+static const struct datatype *narrowest_type(const uint32_t *labels, size_t count)
 {
     uint32_t most = 0;
     for (size_t i = 0; i < count; i++) {
@@ -190,14 +190,14 @@ static conus_status format_numbers(struct bytes *out, const conus_volume_info *i
     if (status) {
         return status;
     }
-    heading.type = narrowest(labels, info->dim[0] * info->dim[1] * info->dim[2]);
+    heading.type = narrowest_type(labels, info->dim[0] * info->dim[1] * info->dim[2]);
     status = start_file(out, &heading);
     if (status) {
         return status;
     }
     size_t size = heading.type->size;
     for (size_t i = 0; i < (out->size - HEADER) / size; i++) {
-        put(out->data + HEADER + i * size, labels[i], size);
+        put_integer(out->data + HEADER + i * size, labels[i], size);
     }
     return CONUS_OK;
 }
@@ -253,12 +253,12 @@ conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid)
     conus_status status = check_grid(&heading);
     status = status ? status : start_file(out, &heading);
     for (size_t i = 0; !status && i < view->count; i++) {
-        put(out->data + HEADER + i * grid->size, bits_at(grid, i), grid->size);
+        put_integer(out->data + HEADER + i * grid->size, bits_at(grid, i), grid->size);
     }
     return status;
 }
 
-static bool ends(const char *path, const char *ending)
+static bool ends_in(const char *path, const char *ending)
 {
     size_t length = strlen(path);
     size_t wanted = strlen(ending);
@@ -269,12 +269,12 @@ conus_status conus_grid_write(const conus_grid *grid, const char *path)
 {
     struct bytes file = {0};
     struct bytes packed = {0};
-    if (!ends(path, ".nii") && !ends(path, ".nii.gz")) {
+    if (!ends_in(path, ".nii") && !ends_in(path, ".nii.gz")) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: a volume's name ends in .nii or .nii.gz", path);
     }
     conus_status status = nifti_format_grid(&file, grid);
     status = status ? fail_in(status, path) : CONUS_OK;
-    if (!status && ends(path, ".gz")) {
+    if (!status && ends_in(path, ".gz")) {
         status = gzip_format(&packed, file.data, file.size);
     }
     const struct bytes *content = packed.data ? &packed : &file;
