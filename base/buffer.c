@@ -15,7 +15,7 @@ void buffer_finish(struct buffer *buffer)
     *buffer = (struct buffer){0};
 }
 
-/* Makes room for `more` bytes and a NUL; doubles, so that appending n bytes costs O(n). */
+/* Grows by `more` bytes and a NUL; doubles, so that appending n bytes costs O(n). */
 static bool reserve_bytes(struct buffer *buffer, size_t more)
 {
     size_t needed;

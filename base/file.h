@@ -27,7 +27,7 @@ struct file_state {
 #define FILE_CHANGED "changed while it was read"
 
 conus_status file_state_find(struct file_state *out, const char *path);
-/** The same of an open file; false (errno) when it cannot be told. */
+/** The same of an open file; false (errno) when that fails. */
 bool file_state_of(struct file_state *out, int descriptor);
 bool file_state_equal(const struct file_state *a, const struct file_state *b);
 /** CONUS_ERROR_IO unless @p path is still as it was @p before. */

@@ -38,18 +38,19 @@ static size_t smaller_of(uint64_t a, uint64_t b)
 static size_t aim_output(struct stream *stream, uint64_t limit)
 {
     uint64_t end = stream->from + stream->count;
-    size_t room;
+    size_t space_left;
     if (stream->position >= stream->from && stream->position < end) {
         stream->z.next_out = stream->kept + (stream->position - stream->from);
-        room = smaller_of(end - stream->position, limit);
+        space_left = smaller_of(end - stream->position, limit);
     } else {
         stream->z.next_out = stream->scratch;
-        room = smaller_of(SCRATCH_SIZE, limit);
-        room = stream->position < stream->from ? smaller_of(room, stream->from - stream->position) : room;
+        space_left = smaller_of(SCRATCH_SIZE, limit);
+        space_left =
+            stream->position < stream->from ? smaller_of(space_left, stream->from - stream->position) : space_left;
     }
-    room = smaller_of(room, INT_MAX);
-    stream->z.avail_out = (uInt)room;
-    return room;
+    space_left = smaller_of(space_left, INT_MAX);
+    stream->z.avail_out = (uInt)space_left;
+    return space_left;
 }
 
 static void feed_input(struct stream *stream)
@@ -79,9 +80,9 @@ static conus_status inflate_until(struct stream *stream, uint64_t until)
 {
     while (!stream->ended && stream->position < until) {
         feed_input(stream);
-        size_t room = aim_output(stream, until - stream->position);
+        size_t space_left = aim_output(stream, until - stream->position);
         int code = inflate(&stream->z, Z_NO_FLUSH);
-        size_t got = room - stream->z.avail_out;
+        size_t got = space_left - stream->z.avail_out;
         stream->position += got;
         if (code == Z_STREAM_END) {
             next_member(stream);

@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** A piece of text inside bytes that someone else owns; not NUL-terminated. */
+/** A text inside bytes that someone else owns; not NUL-terminated. */
 struct text {
     const char *data;
     size_t size;

@@ -85,7 +85,7 @@ static const struct {
 #undef MAGIC
 };
 
-/* What only the name tells. */
+/* Known by the ending of the name only. */
 static const struct {
     const char *ending;
     struct file_kind kind;

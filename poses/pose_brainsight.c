@@ -17,7 +17,7 @@ static const char *const names[COLUMNS] = {"Loc. X", "Loc. Y", "Loc. Z", "m0n0",
 enum kind { TARGETS, SAMPLES, ELECTRODES, KINDS };
 
 static const struct {
-    const char *column; /* the first, by which a section is told */
+    const char *column; /* the first, by which a section is detected */
     const char *prefix;
 } kinds[KINDS] = {{"Target Name", "target"}, {"Sample Name", "sample"}, {"Electrode Name", "electrode"}};
 

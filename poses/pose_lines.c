@@ -70,7 +70,7 @@ static bool is_unchanged(const struct pose_lines *lines)
     return !lines->seekable || (file_state_of(&now, lines->descriptor) && file_state_equal(&now, &lines->state));
 }
 
-/* Reads once, whatever comes. */
+/* Reads once. */
 static conus_status read_more(struct pose_lines *lines)
 {
     if (lines->data != lines->own && lines->size) {

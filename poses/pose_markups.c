@@ -50,7 +50,7 @@ static conus_status read_units(struct markup *markup)
                       markup->number - 1, pose_quote(units), units.data);
 }
 
-/* The file has no lines that matter: rows are told by the number of their markup. */
+/* The file has no lines that matter: a row has the number of its markup. */
 static conus_status add_row(const struct markup *markup, const conus_pose_row *row, struct text id, conus_status bad)
 {
     return pose_list_add(markup->list, row, id, bad ? conus_message() : NULL);

@@ -39,7 +39,7 @@ void pose_turn(conus_pose *pose, conus_axis axis);
  */
 double pose_clock(struct text date, struct text time);
 
-/** A note where the caller asked for LPS and the file says itself that it is RAS, as @p lps tells. */
+/** A note where the caller asked for LPS and the file says itself that it is RAS, by @p lps. */
 conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps);
 
 /** "+x" and so on; "" for CONUS_AXIS_OF_FORMAT. */

@@ -106,7 +106,7 @@ static void count_voxel(struct splitting *splitting, size_t voxel, int side)
     splitting->fates[volume_object(atlas_parcellation(splitting->atlas), voxel)].voxels[side]++;
 }
 
-/* Tells the area and all above it that there is something on that side. */
+/* Marks that the area and all above it have something on that side. */
 static void mark_side(struct splitting *splitting, uint32_t number, int side)
 {
     while (number && !splitting->fates[number].reaches[side]) {

@@ -129,7 +129,7 @@ static conus_status add_area(struct merging *merging, uint32_t number)
     return atlas_append_object(merging->areas, &area, atlas->places[number - 1]);
 }
 
-/* Of abbreviations, too, that end in the side and nothing between: AntL and AntR. Their names have told the sides. */
+/* Of abbreviations, too, that end in the side and nothing between: AntL and AntR. Their names give the sides. */
 static void write_abbreviation(struct buffer *out, const char *left, const char *right)
 {
     size_t length = strlen(left);

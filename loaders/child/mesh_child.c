@@ -280,7 +280,7 @@ static conus_status take_frame(struct child *child, size_t size)
     return child->ended ? CONUS_OK : child->take(child->user, &frame);
 }
 
-/* Room for the rest of the frame that is under way, and for one more reading. */
+/* Capacity for the rest of the frame that is under way, and for one more reading. */
 static conus_status make_room(struct child *child, size_t size)
 {
     size_t needed = size > child->size + READ_SIZE ? size : child->size + READ_SIZE;
@@ -316,9 +316,9 @@ static conus_status take_frames(struct child *child)
 }
 
 /* Closes *descriptor at its end. */
-static conus_status read_some(int *descriptor, uint8_t *data, size_t room, size_t *got)
+static conus_status read_some(int *descriptor, uint8_t *data, size_t capacity, size_t *got)
 {
-    ssize_t n = read(*descriptor, data, room);
+    ssize_t n = read(*descriptor, data, capacity);
     *got = n > 0 ? (size_t)n : 0;
     if (n < 0 && errno != EINTR && errno != EAGAIN) {
         return fail_system("read what it writes");
@@ -335,8 +335,8 @@ static conus_status hear_words(struct child *child)
     uint8_t rest[WORDS_SIZE];
     size_t got = 0;
     conus_status status = read_some(&child->err, rest, sizeof rest, &got);
-    size_t room = WORDS_SIZE - 1 - child->word_count;
-    size_t kept = got < room ? got : room;
+    size_t capacity = WORDS_SIZE - 1 - child->word_count;
+    size_t kept = got < capacity ? got : capacity;
     memcpy(child->words + child->word_count, rest, kept);
     child->word_count += kept;
     return status;
@@ -403,7 +403,7 @@ static conus_status judge_exit(const struct child *child, int how)
                                         : fail(CONUS_ERROR_DATA, "%s: what it wrote is cut off or goes on", program);
 }
 
-/* It may have closed what it writes to and go on all the same. */
+/* It may have closed its output and still run. */
 static conus_status await_end(const struct child *child, int *how)
 {
     static const struct timespec moment = {.tv_nsec = 1000000};

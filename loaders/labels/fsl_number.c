@@ -72,7 +72,7 @@ static conus_status from_first_image(double voxel_from_point[16], bool *found, c
         status = image->summary ? fsl_image_find(&path, use->path, image->summary) : CONUS_OK;
         status = status || path || !image->image ? status : fsl_image_find(&path, use->path, image->image);
     }
-    if (path && !volume_file_header(&first, path)) { /* a damaged one tells nothing */
+    if (path && !volume_file_header(&first, path)) { /* a damaged one says nothing */
         double voxel_from_world[16];
         *found = mat4_invert_affine(voxel_from_world, use->info->world_from_voxel);
         if (*found) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cells and entries of label tables, whatever the format. */
+/* Cells and entries of label tables, for all formats. */
 #include "loaders/labels/label_cells.h"
 
 #include <stdio.h>

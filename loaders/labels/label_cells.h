@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Entries of label tables and their cells, whatever the format. */
+/** @file Entries of label tables and their cells, for all formats. */
 #ifndef CONUS_LOADERS_LABELS_LABEL_CELLS_H
 #define CONUS_LOADERS_LABELS_LABEL_CELLS_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables with a header row: BIDS dseg.tsv, Slicer's CSV, and others. The names of the columns decide what they
- * mean; columns that nobody knows are allowed. */
+ * mean; unknown columns are allowed. */
 #include "loaders/labels/label_columns.h"
 
 #include "base/memory.h"

@@ -169,7 +169,7 @@ static conus_status read_areas(struct surfaces *surfaces, struct area_plan *plan
     return status;
 }
 
-/* A file that is not there is its reader's to complain of. */
+/* The reader reports a file that is not there. */
 static void keep_states(struct area_plan *plan)
 {
     for (size_t i = 0; i < plan->count; i++) {

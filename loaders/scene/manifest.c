@@ -179,7 +179,7 @@ static conus_status read_structures(void *field, const json_t *value, const stru
     return status;
 }
 
-/* Each kind of entry has keys of its own; the key that tells it comes first. */
+/* Each kind of entry has keys of its own; the key that decides comes first. */
 static const struct schema_field file_keys[] = {
     {"file", schema_path, AT(manifest_area, file), true},
     {"label", read_area_label, 0, false},

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * FreeSurfer's surfaces (lh.pial), big-endian. docs/formats.md lists the fields, docs/spaces.md tells how their
+ * FreeSurfer's surfaces (lh.pial), big-endian. docs/formats.md lists the fields, docs/spaces.md says how their
  * coordinates get into the world. */
 #ifndef CONUS_LOADERS_SURFACES_FREESURFER_SURFACE_H
 #define CONUS_LOADERS_SURFACES_FREESURFER_SURFACE_H

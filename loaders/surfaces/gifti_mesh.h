@@ -7,7 +7,7 @@
 #include "loaders/surfaces/gifti.h"
 
 /** The surface of the first POINTSET and the first TRIANGLE array, in world mm, not yet checked by mesh_check().
- * @p as_stored: coordinates are taken as they are; else they are placed as docs/spaces.md tells, with a note where
+ * @p as_stored: coordinates are taken as they are; else they are placed as docs/spaces.md says, with a note where
  * the file leaves doubt. */
 conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_stored, struct notes *notes);
 

@@ -7,7 +7,7 @@
 #include <nettle/base64.h>
 #include <stdio.h>
 
-/* Numbers of 4 bytes, little-endian whatever the machine, as they are or in base64. */
+/* Numbers of 4 bytes, little-endian on every machine, as they are or in base64. */
 enum { CHUNK_WORDS = 768 }; /* a multiple of 3, so that chunks of base64 join without padding */
 
 struct word_writer {
