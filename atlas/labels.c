@@ -42,14 +42,11 @@ void label_table_finish(struct label_table *table)
 
 struct label *label_table_add(struct label_table *table, uint32_t number)
 {
-    void *entries = table->entries;
     if (table->count == LABEL_LIMIT) {
         fail(CONUS_ERROR_MEMORY, "more than %d labels", LABEL_LIMIT);
         return NULL;
     }
-    bool fits = memory_reserve(&entries, &table->capacity, table->count + 1, sizeof *table->entries);
-    table->entries = entries;
-    if (!fits) {
+    if (!memory_reserve(&table->entries, &table->capacity, table->count + 1, sizeof *table->entries)) {
         return NULL;
     }
     struct label *label = &table->entries[table->count++];

@@ -43,15 +43,17 @@ void *memory_copy(const void *block, size_t count, size_t size)
     return copy;
 }
 
-bool memory_reserve(void **array, size_t *capacity, size_t count, size_t size)
+bool memory_reserve(void *array, size_t *capacity, size_t count, size_t size)
 {
     if (count <= *capacity) {
         return true;
     }
     size_t wanted = count > 2 * *capacity ? count : 2 * *capacity;
-    void *larger = memory_resize(*array, wanted, size);
+    void *block;
+    memcpy(&block, array, sizeof block); /* a pointer of another type must not be read as void * */
+    void *larger = memory_resize(block, wanted, size);
     if (larger) {
-        *array = larger;
+        memcpy(array, &larger, sizeof larger);
         *capacity = wanted;
     }
     return larger;

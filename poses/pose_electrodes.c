@@ -135,9 +135,7 @@ static void name_shaft(struct contact *contact, struct text group, size_t row)
 
 static conus_status reserve_contact(struct reading *reading)
 {
-    void *contacts = reading->contacts;
-    bool fits = memory_reserve(&contacts, &reading->capacity, reading->count + 1, sizeof *reading->contacts);
-    reading->contacts = contacts;
+    bool fits = memory_reserve(&reading->contacts, &reading->capacity, reading->count + 1, sizeof *reading->contacts);
     return fits ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 

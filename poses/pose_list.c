@@ -26,14 +26,6 @@ void conus_pose_list_destroy(conus_pose_list *list)
     }
 }
 
-static conus_status reserve_row(conus_pose_list *list)
-{
-    void *rows = list->rows;
-    bool fits = memory_reserve(&rows, &list->capacity, list->count + 1, sizeof *list->rows);
-    list->rows = rows;
-    return fits ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
 conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, struct text id, const char *error)
 {
     char ordinal[POSE_ORDINAL_SIZE];
@@ -42,7 +34,8 @@ conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, str
     conus_pose_row copy = *row;
     copy.id = memory_text(id.data, id.size);
     copy.error = error ? memory_text(error, text_from(error).size) : NULL;
-    if (!copy.id || (error && !copy.error) || reserve_row(list)) {
+    if (!copy.id || (error && !copy.error) ||
+        !memory_reserve(&list->rows, &list->capacity, list->count + 1, sizeof *list->rows)) {
         memory_free((char *)copy.id);
         memory_free((char *)copy.error);
         return CONUS_ERROR_MEMORY;

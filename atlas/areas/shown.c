@@ -47,10 +47,7 @@ static conus_status find_runs(struct runs *runs, const struct volume *volume, co
             end++;
         }
         if (hidden[object]) {
-            void *items = runs->items;
-            bool fits = memory_reserve(&items, &runs->capacity, runs->count + 1, sizeof *runs->items);
-            runs->items = items;
-            if (!fits) {
+            if (!memory_reserve(&runs->items, &runs->capacity, runs->count + 1, sizeof *runs->items)) {
                 return CONUS_ERROR_MEMORY;
             }
             runs->items[runs->count++] = (struct hidden_run){first, end - first, object};

@@ -60,9 +60,7 @@ static bool add_crossing(struct lines *lines, double p[3][3], int i, int j)
     if (!upwards && !(weights[0] < 0 && weights[1] < 0 && weights[2] < 0)) {
         return true;
     }
-    void *crossings = lines->crossings;
-    bool fits = memory_reserve(&crossings, &lines->capacity, lines->count + 1, sizeof *lines->crossings);
-    lines->crossings = crossings;
+    bool fits = memory_reserve(&lines->crossings, &lines->capacity, lines->count + 1, sizeof *lines->crossings);
     if (fits) {
         double sum = weights[0] + weights[1] + weights[2];
         double z = (weights[0] * p[0][2] + weights[1] * p[1][2] + weights[2] * p[2][2]) / sum;

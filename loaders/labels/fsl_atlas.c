@@ -101,13 +101,11 @@ static conus_status set_type(struct fsl_atlas *atlas, struct text text)
 static conus_status end_label(struct parsing *parsing, const struct xml_event *event)
 {
     struct fsl_atlas *atlas = &parsing->atlas;
-    void *points = atlas->points;
     parsing->in_label = false;
     if (parsing->index == UINT32_MAX) {
         return fail(CONUS_ERROR_DATA, "line %zu: index 4294967295 is beyond a volume's number", event->line);
     }
-    bool fits = memory_reserve(&points, &parsing->capacity, atlas->labels.count + 1, sizeof *atlas->points);
-    atlas->points = points;
+    bool fits = memory_reserve(&atlas->points, &parsing->capacity, atlas->labels.count + 1, sizeof *atlas->points);
     struct label *label = fits ? label_table_add(&atlas->labels, parsing->index + 1) : NULL;
     if (!label) {
         return CONUS_ERROR_MEMORY;

@@ -46,10 +46,7 @@ static conus_status copy_label(struct label *out, const struct label *label)
 
 conus_status area_plan_add(struct area_plan *plan, size_t entry, char *path, const struct label *label)
 {
-    void *areas = plan->areas;
-    bool fits = memory_reserve(&areas, &plan->capacity, plan->count + 1, sizeof *plan->areas);
-    plan->areas = areas;
-    if (!fits) {
+    if (!memory_reserve(&plan->areas, &plan->capacity, plan->count + 1, sizeof *plan->areas)) {
         memory_free(path);
         return CONUS_ERROR_MEMORY;
     }
