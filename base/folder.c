@@ -78,15 +78,21 @@ char *path_with_ending(const char *path, size_t length, const char *ending)
     return joined;
 }
 
+bool path_ends_in(const char *path, const char *ending)
+{
+    size_t length = strlen(path);
+    size_t tail = strlen(ending);
+    return length > tail && strcasecmp(path + length - tail, ending) == 0;
+}
+
 size_t volume_stem_length(const char *path)
 {
     static const char *const endings[] = {".nii.gz", ".hdr.gz", ".img.gz", ".mgh.gz", ".nii",
                                           ".hdr",    ".img",    ".mgz",    ".mgh"};
     size_t length = strlen(path);
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        size_t ending = strlen(endings[i]);
-        if (length > ending && strcasecmp(path + length - ending, endings[i]) == 0) {
-            return length - ending;
+        if (path_ends_in(path, endings[i])) {
+            return length - strlen(endings[i]);
         }
     }
     return length;

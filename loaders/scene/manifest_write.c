@@ -13,7 +13,6 @@
 #include "loaders/scene/manifest_surfaces.h"
 
 #include <string.h>
-#include <strings.h>
 
 /* ---- FSL atlases ------------------------------------------------------------------------------------------------- */
 
@@ -214,16 +213,9 @@ static conus_status look_at_volume(struct manifest_draft *draft, const char *nam
 
 /* ---- The whole folder -------------------------------------------------------------------------------------------- */
 
-static bool ends_in(const char *name, const char *ending)
-{
-    size_t length = strlen(name);
-    size_t tail = strlen(ending);
-    return length > tail && strcasecmp(name + length - tail, ending) == 0;
-}
-
 static bool is_volume(const char *name)
 {
-    bool image = ends_in(name, ".img") || ends_in(name, ".img.gz"); /* its .hdr is taken */
+    bool image = path_ends_in(name, ".img") || path_ends_in(name, ".img.gz"); /* its .hdr is taken */
     return name[0] != '.' && !image && name[volume_stem_length(name)];
 }
 
@@ -232,7 +224,7 @@ static conus_status scan_folder(struct manifest_draft *draft)
     struct names names = {0};
     conus_status status = names_list(&names, draft->folder, "");
     for (size_t i = 0; !status && i < names.count; i++) {
-        status = ends_in(names.names[i], ".xml") ? look_at_xml(draft, names.names[i]) : CONUS_OK;
+        status = path_ends_in(names.names[i], ".xml") ? look_at_xml(draft, names.names[i]) : CONUS_OK;
     }
     for (size_t i = 0; !status && i < names.count; i++) {
         status = is_volume(names.names[i]) ? look_at_volume(draft, names.names[i]) : CONUS_OK;

@@ -2,13 +2,13 @@
 /* Formats a NIfTI-1 file. */
 #include "loaders/volumes/nifti_write.h"
 
+#include "base/folder.h"
 #include "base/math3.h"
 #include "base/memory.h"
 
 #include <libdeflate.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 enum { HEADER = 352, EDGE_LIMIT = 32767, GZIP_LEVEL = 6 };
 enum { INTENT_NONE = 0, INTENT_LABEL = 1002, UNITS_MM = 2, CODE_ALIGNED = 2 };
@@ -258,23 +258,16 @@ conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid)
     return status;
 }
 
-static bool ends_in(const char *path, const char *ending)
-{
-    size_t length = strlen(path);
-    size_t wanted = strlen(ending);
-    return length > wanted && strcasecmp(path + length - wanted, ending) == 0;
-}
-
 conus_status conus_grid_write(const conus_grid *grid, const char *path)
 {
     struct bytes file = {0};
     struct bytes packed = {0};
-    if (!ends_in(path, ".nii") && !ends_in(path, ".nii.gz")) {
+    if (!path_ends_in(path, ".nii") && !path_ends_in(path, ".nii.gz")) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: a volume's name ends in .nii or .nii.gz", path);
     }
     conus_status status = nifti_format_grid(&file, grid);
     status = status ? fail_in(status, path) : CONUS_OK;
-    if (!status && ends_in(path, ".gz")) {
+    if (!status && path_ends_in(path, ".gz")) {
         status = gzip_format(&packed, file.data, file.size);
     }
     const struct bytes *content = packed.data ? &packed : &file;
