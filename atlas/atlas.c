@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Builds an atlas step by step, and answers what the public header asks of it. */
 #include "atlas/atlas.h"
 
 #include "atlas/palette.h"
@@ -57,7 +58,7 @@ static conus_status append_volume(conus_atlas *atlas, struct volume *volume, siz
     return CONUS_OK;
 }
 
-/* Makes room for one more: there is room up to the next power of two, so only a count that is one has to grow. */
+/* Capacity for one more: it is the next power of two, so only a count that is one has to grow. */
 static conus_status reserve_object(conus_atlas *atlas)
 {
     size_t count = atlas->object_count ? 2 * atlas->object_count : 1;
@@ -126,7 +127,7 @@ conus_status atlas_start(conus_atlas **out, const conus_volume_info *info, const
 static conus_status append_mesh(conus_atlas *atlas, struct mesh *mesh)
 {
     size_t count = atlas->mesh_count;
-    bool full = (count & (count - 1)) == 0; /* room is for the next power of two */
+    bool full = (count & (count - 1)) == 0; /* the capacity is the next power of two */
     struct mesh *meshes = full ? memory_resize(atlas->meshes, count ? 2 * count : 1, sizeof *meshes) : atlas->meshes;
     if (!meshes) {
         return CONUS_ERROR_MEMORY;

@@ -28,7 +28,7 @@ struct conus_atlas {
     size_t object_count;
     size_t area_count;   /**< The first so many objects are areas.                                   */
     uint32_t first_pair; /**< Areas from this number on stand for pairs of left and right ones, which have them as
-                            parents (atlas/areas/hemispheres.h); 0 = none do. */
+                            parents (atlas/areas/hemispheres.c); 0 = none do. */
     conus_hemispheres hemispheres; /**< What has been done to them.                                   */
     uint32_t half_step; /**< The labels of left halves are their areas' and this, those of right ones twice it;
                            0 = no area is cut in halves.                                       */

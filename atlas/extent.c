@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The box around an atlas, and the centre of an object. */
 #include "atlas/atlas.h"
 
 #include "base/math3.h"

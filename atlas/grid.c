@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes and ends a conus_grid. */
 #include "atlas/grid.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The hash map, with open addressing. */
 #include "atlas/label_map.h"
 
 #include "base/memory.h"
@@ -19,7 +20,7 @@ static struct label_map_slot *find_slot(struct label_map_slot *slots, size_t mas
     return &slots[at];
 }
 
-static bool grow(struct label_map *map)
+static bool grow_slots(struct label_map *map)
 {
     size_t mask = map->slots ? 2 * map->mask + 1 : 255;
     struct label_map_slot *slots = memory_zeroed(mask + 1, sizeof *slots);
@@ -39,7 +40,7 @@ static bool grow(struct label_map *map)
 
 uint64_t *label_map_at(struct label_map *map, uint32_t label)
 {
-    if (2 * (map->count + 1) > map->mask && !grow(map)) {
+    if (2 * (map->count + 1) > map->mask && !grow_slots(map)) {
         return NULL;
     }
     struct label_map_slot *slot = find_slot(map->slots, map->mask, label);

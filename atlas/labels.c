@@ -1,17 +1,34 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Label tables: adding, sorting, finding, and the area that a label describes. */
 #include "atlas/labels.h"
 
+#include "atlas/palette.h"
 #include "base/memory.h"
+#include "base/order.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { CONFLICTS_SHOWN = 8 };
 
-static void label_finish(struct label *label)
+void label_finish(struct label *label)
 {
     memory_free(label->name);
     memory_free(label->abbreviation);
+    *label = (struct label){0};
+}
+
+conus_object label_object(const struct label *label, size_t index, char digits[LABEL_DIGITS])
+{
+    conus_object object = {
+        .kind = CONUS_AREA, .label = label->number, .named = label->name != NULL, .hemisphere = label->hemisphere};
+    snprintf(digits, LABEL_DIGITS, "%u", label->number);
+    object.name = label->name ? label->name : digits;
+    object.abbreviation = label->abbreviation ? label->abbreviation : "";
+    palette_colour(object.rgb, index);
+    memcpy(object.rgb, label->has_rgb ? label->rgb : object.rgb, sizeof object.rgb);
+    return object;
 }
 
 void label_table_finish(struct label_table *table)
@@ -25,14 +42,11 @@ void label_table_finish(struct label_table *table)
 
 struct label *label_table_add(struct label_table *table, uint32_t number)
 {
-    void *entries = table->entries;
     if (table->count == LABEL_LIMIT) {
         fail(CONUS_ERROR_MEMORY, "more than %d labels", LABEL_LIMIT);
         return NULL;
     }
-    bool fits = memory_reserve(&entries, &table->capacity, table->count + 1, sizeof *table->entries);
-    table->entries = entries;
-    if (!fits) {
+    if (!memory_reserve(&table->entries, &table->capacity, table->count + 1, sizeof *table->entries)) {
         return NULL;
     }
     struct label *label = &table->entries[table->count++];
@@ -55,11 +69,9 @@ conus_status label_set_text(char **field, struct text text)
     return CONUS_OK;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_labels(const void *a, const void *b)
 {
-    const struct label *x = a;
-    const struct label *y = b;
-    return (x->number > y->number) - (x->number < y->number);
+    return compare_unsigned(((const struct label *)a)->number, ((const struct label *)b)->number);
 }
 
 /* qsort is not stable; the order of appearance decides which duplicate is kept. */
@@ -78,7 +90,7 @@ static conus_status sort_stably(struct label_table *table)
             size_t a = start;
             size_t b = middle;
             for (size_t k = start; k < end; k++) {
-                bool first = b == end || (a < middle && compare(&from[a], &from[b]) <= 0);
+                bool first = b == end || (a < middle && compare_labels(&from[a], &from[b]) <= 0);
                 spare[k] = from[first ? a++ : b++];
             }
         }
@@ -88,7 +100,7 @@ static conus_status sort_stably(struct label_table *table)
     return CONUS_OK;
 }
 
-static bool contradicts(const struct label *kept, const struct label *dropped)
+static bool names_differ(const struct label *kept, const struct label *dropped)
 {
     return kept->name && dropped->name && strcmp(kept->name, dropped->name) != 0;
 }
@@ -112,9 +124,8 @@ conus_status label_table_sort(struct label_table *table, struct notes *notes)
         struct label *label = &table->entries[i];
         struct label *last = kept ? &table->entries[kept - 1] : NULL;
         if (last && last->number == label->number) {
-            status = contradicts(last, label) ? note_conflict(notes, ++conflicts, last, label) : CONUS_OK;
+            status = names_differ(last, label) ? note_conflict(notes, ++conflicts, last, label) : CONUS_OK;
             label_finish(label);
-            *label = (struct label){0};
         } else {
             struct label moved = *label;
             *label = (struct label){0};
@@ -131,5 +142,5 @@ conus_status label_table_sort(struct label_table *table, struct notes *notes)
 struct label *label_table_find(const struct label_table *table, uint32_t number)
 {
     struct label key = {.number = number};
-    return table->count ? bsearch(&key, table->entries, table->count, sizeof key, compare) : NULL;
+    return table->count ? bsearch(&key, table->entries, table->count, sizeof key, compare_labels) : NULL;
 }

@@ -5,6 +5,7 @@
 
 #include "base/notes.h"
 #include "base/text.h"
+#include "conus/conus.h"
 
 struct label {
     uint32_t number;    /**< The atlas's own label; never 0 (background is not an area).   */
@@ -16,6 +17,15 @@ struct label {
     bool has_parent;
     uint32_t parent; /**< Label number of the parent in the area tree.                  */
 };
+
+/** Frees its strings; it becomes all 0. */
+void label_finish(struct label *label);
+
+enum { LABEL_DIGITS = 16 }; /**< Bytes of a number as text. */
+
+/** The area that @p label describes, the atlas's @p index-th object: without a name it is called by its number, which
+ * goes to @p digits; without a colour it has one of the palette. The strings are borrowed. */
+conus_object label_object(const struct label *label, size_t index, char digits[LABEL_DIGITS]);
 
 /** Sorted by number, without duplicates, once label_table_sort() has run. */
 struct label_table {

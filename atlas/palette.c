@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The colour of the n-th area. */
 #include "atlas/palette.h"
 
 #include <math.h>
 
 /* HSV to RGB after A. R. Smith, "Color Gamut Transform Pairs", SIGGRAPH 1978, in its closed form. */
-static uint8_t channel(double hue, double saturation, double value, double offset)
+static uint8_t channel_of(double hue, double saturation, double value, double offset)
 {
     double k = fmod(offset + hue * 6, 6);
     double slope = fmax(0, fmin(1, fmin(k, 4 - k)));
@@ -19,7 +20,7 @@ void palette_colour(uint8_t rgb[3], size_t index)
     double hue = fmod(0.08 + golden * (double)index, 1);
     double saturation = 0.45 + 0.25 * (double)(index / 3 % 2);
     for (int i = 0; i < 3; i++) {
-        rgb[i] = channel(hue, saturation, values[index % 3], offsets[i]);
+        rgb[i] = channel_of(hue, saturation, values[index % 3], offsets[i]);
     }
 }
 

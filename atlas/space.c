@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Describes a voxel grid: axes, codes, size of a voxel. */
 #include "atlas/space.h"
 
 #include "base/math3.h"

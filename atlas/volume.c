@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes, copies and ends a volume, and finds the voxel at a point. */
 #include "atlas/volume.h"
 
 #include "base/math3.h"

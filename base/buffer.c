@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Growable text and bytes. */
 #include "base/buffer.h"
 
 #include "base/memory.h"
@@ -14,8 +15,8 @@ void buffer_finish(struct buffer *buffer)
     *buffer = (struct buffer){0};
 }
 
-/* Makes room for `more` bytes and a NUL; doubles, so that appending n bytes costs O(n). */
-static bool reserve(struct buffer *buffer, size_t more)
+/* Grows by `more` bytes and a NUL; doubles, so that appending n bytes costs O(n). */
+static bool reserve_bytes(struct buffer *buffer, size_t more)
 {
     size_t needed;
     if (buffer->failed || __builtin_add_overflow(buffer->size, more, &needed) || needed == SIZE_MAX) {
@@ -39,7 +40,7 @@ static bool reserve(struct buffer *buffer, size_t more)
 
 void buffer_append_more(struct buffer *buffer, const void *bytes, size_t size)
 {
-    if (!reserve(buffer, size)) {
+    if (!reserve_bytes(buffer, size)) {
         return;
     }
     if (size) {
@@ -60,7 +61,7 @@ void buffer_format(struct buffer *buffer, const char *format, ...)
     va_start(args, format);
     int length = vsnprintf(NULL, 0, format, args);
     va_end(args);
-    if (length < 0 || !reserve(buffer, (size_t)length)) {
+    if (length < 0 || !reserve_bytes(buffer, (size_t)length)) {
         buffer->failed = true;
         return;
     }
@@ -72,14 +73,14 @@ void buffer_format(struct buffer *buffer, const char *format, ...)
 
 void buffer_number(struct buffer *buffer, double value)
 {
-    if (reserve(buffer, TEXT_NUMBER_SIZE)) {
+    if (reserve_bytes(buffer, TEXT_NUMBER_SIZE)) {
         buffer->size += text_number_length(buffer->data + buffer->size, value);
     }
 }
 
 void buffer_whole(struct buffer *buffer, uint64_t value)
 {
-    if (reserve(buffer, TEXT_NUMBER_SIZE)) {
+    if (reserve_bytes(buffer, TEXT_NUMBER_SIZE)) {
         buffer->size += text_whole(buffer->data + buffer->size, value);
     }
 }

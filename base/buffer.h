@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Growable text or bytes. Appending never reports: a failed buffer stays failed, and buffer_status() tells at the
+ * Growable text or bytes. Appending never reports: a failed buffer stays failed, and buffer_status() says so at the
  * end, so that a writer is a straight line of appends. */
 #ifndef CONUS_BASE_BUFFER_H
 #define CONUS_BASE_BUFFER_H

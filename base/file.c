@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads files whole and writes them whole or not at all, through a temporary file beside the target. */
 #include "base/file.h"
 
 #include "base/memory.h"
@@ -179,7 +180,7 @@ static conus_status write_directly(const char *path, const void *data, size_t si
 enum { WRITE_WAIT = 1, WRITE_NEW = 2 };
 
 /* Gives the finished file its name. */
-static bool settle(const char *path, const char *temporary, unsigned how)
+static bool name_file(const char *path, const char *temporary, unsigned how)
 {
     if (!(how & WRITE_NEW)) {
         return rename(temporary, path) == 0;
@@ -220,7 +221,7 @@ static conus_status write_and_rename(const char *path, char *temporary, size_t l
     }
     bool written = file_write_fully(descriptor, data, size) && (!(how & WRITE_WAIT) || fsync(descriptor) == 0);
     written = close(descriptor) == 0 && written;
-    if (!written || !settle(path, temporary, how)) {
+    if (!written || !name_file(path, temporary, how)) {
         conus_status status = errno == EEXIST
                                   ? fail(CONUS_ERROR_IO, "%s: there is a file already, which is not replaced", path)
                                   : fail_errno(path, "write");
@@ -275,6 +276,17 @@ static conus_status write_file(const char *path, const void *data, size_t size, 
 conus_status file_write(const char *path, const void *data, size_t size)
 {
     return write_file(path, data, size, WRITE_WAIT);
+}
+
+conus_status file_write_in(const char *folder, const char *name, const struct buffer *content)
+{
+    struct buffer path = {0};
+    buffer_format(&path, "%s/%s", folder, name);
+    conus_status status = buffer_status(content);
+    status = status ? status : buffer_status(&path);
+    status = status ? status : file_write(path.data, content->data, content->size);
+    buffer_finish(&path);
+    return status;
 }
 
 conus_status file_write_soon(const char *path, const void *data, size_t size)

@@ -3,6 +3,7 @@
 #ifndef CONUS_BASE_FILE_H
 #define CONUS_BASE_FILE_H
 
+#include "base/buffer.h"
 #include "base/status.h"
 
 #include <stdbool.h>
@@ -26,7 +27,7 @@ struct file_state {
 #define FILE_CHANGED "changed while it was read"
 
 conus_status file_state_find(struct file_state *out, const char *path);
-/** The same of an open file; false (errno) when it cannot be told. */
+/** The same of an open file; false (errno) when that fails. */
 bool file_state_of(struct file_state *out, int descriptor);
 bool file_state_equal(const struct file_state *a, const struct file_state *b);
 /** CONUS_ERROR_IO unless @p path is still as it was @p before. */
@@ -54,6 +55,9 @@ conus_status file_write_soon(const char *path, const void *data, size_t size);
 
 /** Writes all of it to an open file; false (errno) where that fails. */
 bool file_write_fully(int descriptor, const void *data, size_t size);
+
+/** file_write() of @p content as @p name in @p folder; fails as the content did if that has failed. */
+conus_status file_write_in(const char *folder, const char *name, const struct buffer *content);
 
 /** Like file_write(), but never in the place of anything that is there: CONUS_ERROR_IO then. */
 conus_status file_write_new(const char *path, const void *data, size_t size);

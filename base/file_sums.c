@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* A list of the files that were read, with their SHA-256. */
 #include "base/file_sums.h"
 
 #include "base/memory.h"
@@ -30,7 +31,7 @@ static bool has_path(const struct file_sums *sums, const char *path)
 }
 
 /* Takes the path of `sum`. */
-static conus_status append(struct file_sums *sums, const struct file_sum *sum)
+static conus_status append_sum(struct file_sums *sums, const struct file_sum *sum)
 {
     struct file_sum *items = memory_resize(sums->items, sums->count + 1, sizeof *items);
     if (!items) {
@@ -50,7 +51,7 @@ conus_status file_sums_add(struct file_sums *sums, const char *path, const struc
     conus_status status = CONUS_ERROR_MEMORY;
     if (sum.path) {
         file_sha256(sum.sha256, content);
-        status = append(sums, &sum);
+        status = append_sum(sums, &sum);
     }
     if (status) {
         memory_free(sum.path);
@@ -63,7 +64,7 @@ conus_status file_sums_move(struct file_sums *sums, struct file_sums *from)
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < from->count; i++) {
         if (!has_path(sums, from->items[i].path)) {
-            status = append(sums, &from->items[i]);
+            status = append_sum(sums, &from->items[i]);
             from->items[i].path = status ? from->items[i].path : NULL;
         }
     }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Lists the names in a folder, and takes paths apart. */
 #include "base/folder.h"
 
 #include "base/memory.h"
@@ -67,15 +68,31 @@ char *path_folder(const char *path)
     return slash ? memory_text(path, (size_t)(slash - path) + 1) : memory_text("./", 2);
 }
 
+char *path_with_ending(const char *path, size_t length, const char *ending)
+{
+    char *joined = memory_raw(length + strlen(ending) + 1, 1);
+    if (joined) {
+        memcpy(joined, path, length);
+        memcpy(joined + length, ending, strlen(ending) + 1);
+    }
+    return joined;
+}
+
+bool path_ends_in(const char *path, const char *ending)
+{
+    size_t length = strlen(path);
+    size_t tail = strlen(ending);
+    return length > tail && strcasecmp(path + length - tail, ending) == 0;
+}
+
 size_t volume_stem_length(const char *path)
 {
     static const char *const endings[] = {".nii.gz", ".hdr.gz", ".img.gz", ".mgh.gz", ".nii",
                                           ".hdr",    ".img",    ".mgz",    ".mgh"};
     size_t length = strlen(path);
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        size_t ending = strlen(endings[i]);
-        if (length > ending && strcasecmp(path + length - ending, endings[i]) == 0) {
-            return length - ending;
+        if (path_ends_in(path, endings[i])) {
+            return length - strlen(endings[i]);
         }
     }
     return length;

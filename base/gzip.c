@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Unpacks and packs gzip, through zlib. */
 #include "base/gzip.h"
 
 #include "base/memory.h"
@@ -28,7 +29,7 @@ bool gzip_is(const uint8_t *data, size_t size)
     return size >= 3 && data[0] == 0x1f && data[1] == 0x8b && data[2] == 8; /* 8: deflate, the only method there is */
 }
 
-static size_t smaller(uint64_t a, uint64_t b)
+static size_t smaller_of(uint64_t a, uint64_t b)
 {
     return (size_t)(a < b ? a : b);
 }
@@ -37,24 +38,25 @@ static size_t smaller(uint64_t a, uint64_t b)
 static size_t aim_output(struct stream *stream, uint64_t limit)
 {
     uint64_t end = stream->from + stream->count;
-    size_t room;
+    size_t space_left;
     if (stream->position >= stream->from && stream->position < end) {
         stream->z.next_out = stream->kept + (stream->position - stream->from);
-        room = smaller(end - stream->position, limit);
+        space_left = smaller_of(end - stream->position, limit);
     } else {
         stream->z.next_out = stream->scratch;
-        room = smaller(SCRATCH_SIZE, limit);
-        room = stream->position < stream->from ? smaller(room, stream->from - stream->position) : room;
+        space_left = smaller_of(SCRATCH_SIZE, limit);
+        space_left =
+            stream->position < stream->from ? smaller_of(space_left, stream->from - stream->position) : space_left;
     }
-    room = smaller(room, INT_MAX);
-    stream->z.avail_out = (uInt)room;
-    return room;
+    space_left = smaller_of(space_left, INT_MAX);
+    stream->z.avail_out = (uInt)space_left;
+    return space_left;
 }
 
-static void feed(struct stream *stream)
+static void feed_input(struct stream *stream)
 {
     if (!stream->z.avail_in) {
-        size_t size = smaller(stream->rest_size, INT_MAX);
+        size_t size = smaller_of(stream->rest_size, INT_MAX);
         stream->z.next_in = (z_const Bytef *)stream->rest;
         stream->z.avail_in = (uInt)size;
         stream->rest += size;
@@ -77,10 +79,10 @@ static void next_member(struct stream *stream)
 static conus_status inflate_until(struct stream *stream, uint64_t until)
 {
     while (!stream->ended && stream->position < until) {
-        feed(stream);
-        size_t room = aim_output(stream, until - stream->position);
+        feed_input(stream);
+        size_t space_left = aim_output(stream, until - stream->position);
         int code = inflate(&stream->z, Z_NO_FLUSH);
-        size_t got = room - stream->z.avail_out;
+        size_t got = space_left - stream->z.avail_out;
         stream->position += got;
         if (code == Z_STREAM_END) {
             next_member(stream);
@@ -121,7 +123,7 @@ static void stream_close(struct stream *stream)
 conus_status gzip_head(struct bytes *out, const uint8_t *data, size_t size, size_t limit)
 {
     struct stream *stream = NULL;
-    limit = smaller(limit, INFLATE_RATIO * ((uint64_t)size + 1));
+    limit = smaller_of(limit, INFLATE_RATIO * ((uint64_t)size + 1));
     uint8_t *kept = memory_raw(limit, 1);
     conus_status status = kept ? stream_open(&stream, data, size) : CONUS_ERROR_MEMORY;
     if (status) {
@@ -218,9 +220,9 @@ conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint
     return CONUS_OK;
 }
 
-static conus_status grow(struct stream *stream, uint64_t limit)
+static conus_status grow_output(struct stream *stream, uint64_t limit)
 {
-    size_t count = smaller(limit, 2 * (uint64_t)stream->count);
+    size_t count = smaller_of(limit, 2 * (uint64_t)stream->count);
     uint8_t *kept = memory_resize(stream->kept, count, 1);
     if (!kept) {
         return CONUS_ERROR_MEMORY;
@@ -239,7 +241,7 @@ static conus_status unpack_growing(struct stream *stream, uint64_t limit)
             return fail(CONUS_ERROR_MEMORY, "gzip: unpacks to more than the %llu bytes that are allowed",
                         (unsigned long long)limit);
         }
-        status = stream->position == stream->count ? grow(stream, limit) : CONUS_OK;
+        status = stream->position == stream->count ? grow_output(stream, limit) : CONUS_OK;
         uint64_t before = stream->position;
         status = status ? status : inflate_until(stream, stream->count);
         if (!status && !stream->ended && stream->position == before) {
@@ -259,7 +261,7 @@ conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size
     if (status) {
         return status;
     }
-    stream->count = smaller(limit, 4 * (uint64_t)size + SCRATCH_SIZE);
+    stream->count = smaller_of(limit, 4 * (uint64_t)size + SCRATCH_SIZE);
     stream->kept = memory_raw(stream->count, 1);
     status = stream->kept ? unpack_growing(stream, limit) : CONUS_ERROR_MEMORY;
     if (status) {

@@ -13,7 +13,7 @@ bool gzip_is(const uint8_t *data, size_t size);
 /** Unpacks the first @p limit bytes, or fewer where the stream ends earlier. No checksum is looked at. */
 conus_status gzip_head(struct bytes *out, const uint8_t *data, size_t size, size_t limit);
 
-/** Unpacks the whole of @p data, of a size that nothing tells, verifying every checksum. More than @p limit bytes are
+/** Unpacks the whole of @p data, whose size is not known, verifying every checksum. More than @p limit bytes are
  * CONUS_ERROR_MEMORY; anything but zeros after the last member is CONUS_ERROR_DATA. */
 conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit);
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses JSON through jansson, after a count of the values bounds the memory. */
 #include "base/json_text.h"
 
 #include <stdio.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Allocation with checked sizes. */
 #include "base/memory.h"
 
 #include "base/status.h"
@@ -6,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void *check(void *block, size_t count, size_t size)
+static void *check_block(void *block, size_t count, size_t size)
 {
     if (!block) {
         fail(CONUS_ERROR_MEMORY, "no memory for %zu elements of %zu bytes", count, size);
@@ -16,21 +17,21 @@ static void *check(void *block, size_t count, size_t size)
 
 void *memory_zeroed(size_t count, size_t size)
 {
-    return check(calloc(count ? count : 1, size ? size : 1), count, size);
+    return check_block(calloc(count ? count : 1, size ? size : 1), count, size);
 }
 
 void *memory_raw(size_t count, size_t size)
 {
     size_t bytes;
     bool fits = memory_multiply(count, size, &bytes);
-    return check(fits ? malloc(bytes ? bytes : 1) : NULL, count, size);
+    return check_block(fits ? malloc(bytes ? bytes : 1) : NULL, count, size);
 }
 
 void *memory_resize(void *block, size_t count, size_t size)
 {
     size_t bytes;
     bool fits = memory_multiply(count, size, &bytes);
-    return check(fits ? realloc(block, bytes ? bytes : 1) : NULL, count, size);
+    return check_block(fits ? realloc(block, bytes ? bytes : 1) : NULL, count, size);
 }
 
 void *memory_copy(const void *block, size_t count, size_t size)
@@ -42,15 +43,17 @@ void *memory_copy(const void *block, size_t count, size_t size)
     return copy;
 }
 
-bool memory_reserve(void **array, size_t *capacity, size_t count, size_t size)
+bool memory_reserve(void *array, size_t *capacity, size_t count, size_t size)
 {
     if (count <= *capacity) {
         return true;
     }
     size_t wanted = count > 2 * *capacity ? count : 2 * *capacity;
-    void *larger = memory_resize(*array, wanted, size);
+    void *block;
+    memcpy(&block, array, sizeof block); /* a pointer of another type must not be read as void * */
+    void *larger = memory_resize(block, wanted, size);
     if (larger) {
-        *array = larger;
+        memcpy(array, &larger, sizeof larger);
         *capacity = wanted;
     }
     return larger;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* A list of lines of advice. */
 #include "base/notes.h"
 
 #include "base/memory.h"
@@ -17,7 +18,7 @@ void notes_finish(struct notes *notes)
     *notes = (struct notes){0};
 }
 
-static conus_status reserve(struct notes *notes, size_t more)
+static conus_status reserve_line(struct notes *notes, size_t more)
 {
     char **lines = memory_resize(notes->lines, notes->count + more, sizeof *lines);
     if (!lines) {
@@ -36,7 +37,7 @@ conus_status notes_add(struct notes *notes, const char *format, ...)
     va_end(args);
     text_make_plain(text, "");
     char *line = memory_text(text, strlen(text));
-    if (!line || reserve(notes, 1)) {
+    if (!line || reserve_line(notes, 1)) {
         memory_free(line);
         return CONUS_ERROR_MEMORY;
     }
@@ -53,7 +54,7 @@ void notes_cut(struct notes *notes, size_t count)
 
 conus_status notes_move(struct notes *notes, struct notes *from)
 {
-    if (reserve(notes, from->count + 1)) {
+    if (reserve_line(notes, from->count + 1)) {
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < from->count; i++) {

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The message of the last failure, one per thread. */
 #include "base/status.h"
 
 #include "base/text.h"

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Takes text apart: lines, fields, words, numbers; compares and cleans it. */
 #include "base/text.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 #include "conus/conus.h"
 
 #include <locale.h>
@@ -17,7 +19,7 @@ struct text text_from(const char *string)
 }
 
 /* Splits rest at `length` bytes and drops `ending` more. */
-static struct text take(struct text *rest, size_t length, size_t ending)
+static struct text take_bytes(struct text *rest, size_t length, size_t ending)
 {
     struct text taken = {rest->data, length};
     rest->data += length + ending;
@@ -38,7 +40,7 @@ bool text_line(struct text *rest, struct text *line)
     if (length + 1 < rest->size && rest->data[length] == '\r' && rest->data[length + 1] == '\n') {
         ending = 2;
     }
-    *line = take(rest, length, ending);
+    *line = take_bytes(rest, length, ending);
     return true;
 }
 
@@ -49,7 +51,7 @@ bool text_field(struct text *rest, char separator, bool *more, struct text *fiel
     }
     const char *end = rest->size ? memchr(rest->data, separator, rest->size) : NULL;
     *more = end != NULL;
-    *field = take(rest, end ? (size_t)(end - rest->data) : rest->size, end != NULL);
+    *field = take_bytes(rest, end ? (size_t)(end - rest->data) : rest->size, end != NULL);
     return true;
 }
 
@@ -94,20 +96,20 @@ static bool is_space(char c)
 bool text_word(struct text *rest, struct text *word)
 {
     while (rest->size && is_space(*rest->data)) {
-        take(rest, 1, 0);
+        take_bytes(rest, 1, 0);
     }
     size_t length = 0;
     while (length < rest->size && !is_space(rest->data[length])) {
         length++;
     }
-    *word = length ? take(rest, length, 0) : *rest; /* of nothing there may be no pointer, either */
+    *word = length ? take_bytes(rest, length, 0) : *rest; /* of nothing there may be no pointer, either */
     return length > 0;
 }
 
 struct text text_trim(struct text text)
 {
     while (text.size && is_space(text.data[0])) {
-        take(&text, 1, 0);
+        take_bytes(&text, 1, 0);
     }
     while (text.size && is_space(text.data[text.size - 1])) {
         text.size--;
@@ -123,6 +125,41 @@ bool text_equal(struct text text, const char *string)
 bool text_equal_ignoring_case(struct text text, const char *string)
 {
     return text.size == strlen(string) && strncasecmp(text.data, string, text.size) == 0;
+}
+
+struct text text_from_bytes(const uint8_t *data, size_t size)
+{
+    struct text text = {(const char *)data, size};
+    if (size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0) {
+        text = (struct text){text.data + 3, text.size - 3};
+    }
+    while (text.size && strchr(" \t\r\n\v\f", text.data[text.size - 1])) { /* NUL too */
+        text.size--;
+    }
+    return text;
+}
+
+bool text_mentions(struct text text, const char *part)
+{
+    return text.size && memmem(text.data, text.size, part, strlen(part));
+}
+
+int text_compare(struct text a, struct text b)
+{
+    size_t size = a.size < b.size ? a.size : b.size;
+    int order = size ? memcmp(a.data, b.data, size) : 0;
+    return order ? order : compare_unsigned(a.size, b.size);
+}
+
+bool text_is_readable(struct text text)
+{
+    for (size_t i = 0; i < text.size; i++) {
+        unsigned char c = (unsigned char)text.data[i];
+        if (c < 0x20 && !(c >= '\t' && c <= '\r')) {
+            return false;
+        }
+    }
+    return text.size > 0;
 }
 
 bool text_starts(struct text text, const char *prefix)
@@ -141,7 +178,7 @@ bool text_contains(struct text text, struct text part)
     return false;
 }
 
-static unsigned char lower(char c)
+static unsigned char lower_case(char c)
 {
     return (unsigned char)(c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c);
 }
@@ -160,7 +197,7 @@ size_t text_distance(struct text a, struct text b)
         size_t diagonal = row[0];
         row[0] = i + 1;
         for (size_t j = 0; j < b.size; j++) {
-            size_t replaced = diagonal + (lower(a.data[i]) != lower(b.data[j]));
+            size_t replaced = diagonal + (lower_case(a.data[i]) != lower_case(b.data[j]));
             size_t shifted = 1 + (row[j] < row[j + 1] ? row[j] : row[j + 1]);
             diagonal = row[j + 1];
             row[j + 1] = replaced < shifted ? replaced : shifted;
@@ -251,7 +288,7 @@ bool text_to_int(struct text text, int64_t *out)
         return false;
     }
     if (text.size && (text.data[0] == '-' || text.data[0] == '+')) {
-        take(&text, 1, 0);
+        take_bytes(&text, 1, 0);
     }
     if (!text_to_uint(text, INT64_MAX, &value)) {
         return false;
@@ -288,7 +325,7 @@ bool text_is_utf8(struct text text)
         if (!length) {
             return false;
         }
-        take(&text, length, 0);
+        take_bytes(&text, length, 0);
     }
     return true;
 }
@@ -343,7 +380,7 @@ void text_make_plain(char *text, const char *kept)
             memmove(end, rest.data, length);
             end += length;
         }
-        take(&rest, length ? length : 1, 0);
+        take_bytes(&rest, length ? length : 1, 0);
     }
     *end = '\0';
 }

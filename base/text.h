@@ -4,11 +4,13 @@
 #ifndef CONUS_BASE_TEXT_H
 #define CONUS_BASE_TEXT_H
 
+#include "base/text_number.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-/** A piece of text inside bytes that someone else owns; not NUL-terminated. */
+/** A text inside bytes that someone else owns; not NUL-terminated. */
 struct text {
     const char *data;
     size_t size;
@@ -16,6 +18,9 @@ struct text {
 
 /** A text over a C string. */
 struct text text_from(const char *string);
+
+/** @p data as text: without a byte order mark of UTF-8, and without NULs and white space at its end. */
+struct text text_from_bytes(const uint8_t *data, size_t size);
 
 /** Takes the next line off @p rest (ended by LF, CR, CRLF or the end) into @p line, without its ending.
  * False when nothing is left. */
@@ -47,6 +52,12 @@ bool text_equal(struct text text, const char *string);
 bool text_equal_ignoring_case(struct text text, const char *string);
 bool text_starts(struct text text, const char *prefix);
 
+/** True when @p part stands somewhere in @p text. */
+bool text_mentions(struct text text, const char *part);
+
+/** By bytes; of two texts of which one begins with the other, the shorter is the smaller. */
+int text_compare(struct text a, struct text b);
+
 /** True when @p part stands somewhere in @p text; upper and lower case (of ASCII) are the same. */
 bool text_contains(struct text text, struct text part);
 
@@ -66,6 +77,9 @@ bool text_to_uint(struct text text, uint64_t limit, uint64_t *out);
 /** The whole of @p text as a decimal integer, a leading sign allowed. False if it is none or does not fit. */
 bool text_to_int(struct text text, int64_t *out);
 
+/** True when @p text is not empty and has no control character but tab, line and page breaks: not a binary file. */
+bool text_is_readable(struct text text);
+
 /** True when @p text is valid UTF-8 (no surrogates, nothing above U+10FFFF, no overlong forms). */
 bool text_is_utf8(struct text text);
 
@@ -78,22 +92,5 @@ void text_make_plain(char *text, const char *kept);
 /** A copy of @p text for results: as UTF-8 (what is not valid UTF-8 is taken as ISO-8859-1), plain as
  * text_make_plain() makes it. End it with memory_free(); NULL without memory. */
 char *text_to_utf8(struct text text);
-
-enum { TEXT_NUMBER_SIZE = 32 };
-
-/** @p value with up to 9 digits and no needless zeros, whole numbers below 2^53 with all of theirs; "nan", "inf" or
- * "-inf" else. Never the locale's decimal comma, never "-0". Returns @p out. */
-char *text_number(char out[TEXT_NUMBER_SIZE], double value);
-
-/** The same, and gives the text's length. */
-size_t text_number_length(char out[TEXT_NUMBER_SIZE], double value);
-
-/** @p value in decimal; gives the text's length. */
-size_t text_whole(char out[TEXT_NUMBER_SIZE], uint64_t value);
-
-enum { TEXT_TIME_DIGITS = 15 };
-
-/** As text_number() with up to TEXT_TIME_DIGITS digits: a hundred-thousandth of a calendar's seconds. */
-char *text_time(char out[TEXT_NUMBER_SIZE], double value);
 
 #endif

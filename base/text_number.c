@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "base/text.h"
+/* Formats numbers in decimal. */
+#include "base/text_number.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -38,7 +40,7 @@ static const uint64_t ten_to[] = {1,        10,        100,        1000,        
 
 /* value * 10^power to the nearest whole number, a tie to the even one. Exact: 53 bits times 10^12 fit into 128. For
  * values from 2^-14 to below 2^30. */
-static uint64_t scale(double value, int power)
+static uint64_t scale_exactly(double value, int power)
 {
     uint64_t bits; /* IEEE 754 binary64: value = significand 2^(exponent - 1075) */
     memcpy(&bits, &value, sizeof bits);
@@ -81,9 +83,9 @@ static void write_digits(char out[DIGITS], uint64_t digits)
 static size_t write_fixed(char *out, double value)
 {
     int decimals = DIGITS - 1 - (decade_of(value) - 4);
-    uint64_t digits = scale(value, decimals);
+    uint64_t digits = scale_exactly(value, decimals);
     if (digits >= LIMIT && decimals > 0) {
-        digits = scale(value, --decimals);
+        digits = scale_exactly(value, --decimals);
     }
     char text[DIGITS];
     int length = DIGITS;

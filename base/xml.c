@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses XML through expat. */
 #include "base/xml.h"
 
 #include "base/buffer.h"
@@ -18,7 +19,7 @@ struct parsing {
     conus_status status;
 };
 
-static void stop(struct parsing *parsing, conus_status status)
+static void stop_parser(struct parsing *parsing, conus_status status)
 {
     if (status && !parsing->status) {
         parsing->status = status;
@@ -40,10 +41,11 @@ static void on_start(void *user, const char *name, const char **attributes)
         return;
     }
     if (++parsing->depth > DEPTH_LIMIT) {
-        stop(parsing, fail(CONUS_ERROR_DATA, "line %zu: elements nested deeper than %d", event.line, DEPTH_LIMIT));
+        stop_parser(parsing,
+                    fail(CONUS_ERROR_DATA, "line %zu: elements nested deeper than %d", event.line, DEPTH_LIMIT));
         return;
     }
-    stop(parsing, parsing->handler->start(parsing->handler->user, &event));
+    stop_parser(parsing, parsing->handler->start(parsing->handler->user, &event));
 }
 
 static void on_end(void *user, const char *name)
@@ -53,11 +55,11 @@ static void on_end(void *user, const char *name)
     if (parsing->status) {
         return;
     }
-    stop(parsing, buffer_status(&parsing->text));
+    stop_parser(parsing, buffer_status(&parsing->text));
     parsing->depth--;
     if (!parsing->status) {
         event.text = (struct text){parsing->text.data, parsing->text.size};
-        stop(parsing, parsing->handler->end(parsing->handler->user, &event));
+        stop_parser(parsing, parsing->handler->end(parsing->handler->user, &event));
     }
     parsing->text.size = 0;
 }
@@ -73,8 +75,8 @@ static void on_doctype(void *user, const char *name, const char *system_id, cons
     (void)name, (void)system_id, (void)public_id;
     struct parsing *parsing = user;
     if (has_subset || !parsing->handler->doctype) {
-        stop(parsing, fail(CONUS_ERROR_DATA, "line %zu: a document type (<!DOCTYPE)%s, which is not read",
-                           line_of(parsing), has_subset ? " with declarations" : ""));
+        stop_parser(parsing, fail(CONUS_ERROR_DATA, "line %zu: a document type (<!DOCTYPE)%s, which is not read",
+                                  line_of(parsing), has_subset ? " with declarations" : ""));
     }
 }
 
@@ -83,10 +85,10 @@ static void on_skipped_entity(void *user, const char *name, int is_parameter)
 {
     (void)is_parameter;
     struct parsing *parsing = user;
-    stop(parsing, fail(CONUS_ERROR_DATA, "line %zu: unknown entity &%.40s;", line_of(parsing), name));
+    stop_parser(parsing, fail(CONUS_ERROR_DATA, "line %zu: unknown entity &%.40s;", line_of(parsing), name));
 }
 
-static conus_status run(struct parsing *parsing, struct text text)
+static conus_status run_parser(struct parsing *parsing, struct text text)
 {
     XML_SetUserData(parsing->parser, parsing);
     XML_SetElementHandler(parsing->parser, on_start, on_end);
@@ -102,12 +104,12 @@ static conus_status run(struct parsing *parsing, struct text text)
                : fail(CONUS_ERROR_DATA, "line %zu: not well-formed XML: %s", line_of(parsing), XML_ErrorString(error));
 }
 
-static void *allocate(size_t size)
+static void *allocate_block(size_t size)
 {
     return memory_raw(size, 1);
 }
 
-static void *reallocate(void *block, size_t size)
+static void *reallocate_block(void *block, size_t size)
 {
     return memory_resize(block, size, 1);
 }
@@ -121,7 +123,7 @@ static bool declares_encoding(struct text text)
 
 conus_status xml_parse(const struct xml_handler *handler, struct text text)
 {
-    static const XML_Memory_Handling_Suite memory = {allocate, reallocate, memory_free};
+    static const XML_Memory_Handling_Suite memory = {allocate_block, reallocate_block, memory_free};
     const char *encoding = text_is_utf8(text) || declares_encoding(text) ? NULL : "ISO-8859-1";
     struct parsing parsing = {.handler = handler};
     text = text_trim(text); /* a declaration must be the very first thing */
@@ -132,7 +134,7 @@ conus_status xml_parse(const struct xml_handler *handler, struct text text)
     if (!parsing.parser) {
         return fail(CONUS_ERROR_MEMORY, "no memory to read XML");
     }
-    conus_status status = run(&parsing, text);
+    conus_status status = run_parser(&parsing, text);
     XML_ParserFree(parsing.parser);
     buffer_finish(&parsing.text);
     return status;

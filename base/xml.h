@@ -29,7 +29,7 @@ conus_status xml_parse(const struct xml_handler *handler, struct text text);
 /** Value of attribute @p name, or NULL. */
 const char *xml_attribute(const struct xml_event *event, const char *name);
 
-/** Name of the outermost element of @p text, told without parsing; empty if there is none. */
+/** Name of the outermost element of @p text, found without parsing; empty if there is none. */
 struct text xml_root(struct text text);
 
 #endif

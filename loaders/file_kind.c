@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of formats that conus knows by their first bytes or by the ending of the name. */
 #include "loaders/file_kind.h"
 
 #include "base/gzip.h"
 #include "base/text.h"
 #include "base/xml.h"
-#include "loaders/labels/label_parse.h"
-#include "loaders/surfaces/freesurfer.h"
+#include "loaders/labels/label_bytes.h"
+#include "loaders/surfaces/freesurfer_surface.h"
 #include "loaders/volumes/mgh.h"
 #include "loaders/volumes/nifti.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -83,7 +85,7 @@ static const struct {
 #undef MAGIC
 };
 
-/* What only the name tells. */
+/* Known by the ending of the name only. */
 static const struct {
     const char *ending;
     struct file_kind kind;
@@ -98,11 +100,6 @@ static const struct {
     {".lut", {"a table of colours", "put it beside the volume as X.lut"}},
 };
 
-static bool mentions(struct text text, const char *part)
-{
-    return text.size && memmem(text.data, text.size, part, strlen(part));
-}
-
 static bool ends_with(const char *path, const char *ending)
 {
     size_t length = strlen(path);
@@ -115,22 +112,23 @@ static bool ends_with(const char *path, const char *ending)
 
 static const struct file_kind *atlas_xml(struct text text)
 {
-    if (mentions(text, "<index>")) {
+    if (text_mentions(text, "<index>")) {
         return &spm;
     }
-    return mentions(text, ">Label</type>") ? &fsl_labels : &fsl_volumes;
+    return text_mentions(text, ">Label</type>") ? &fsl_labels : &fsl_volumes;
 }
 
-static const struct file_kind *markup(struct text text)
+static const struct file_kind *kind_of_markup(struct text text)
 {
     struct text root = xml_root(text);
     if (text_equal(root, "GIFTI")) {
-        return mentions(text, "NIFTI_INTENT_POINTSET") ? &surface
-               : mentions(text, "NIFTI_INTENT_LABEL")  ? &vertex_labels
-                                                       : &vertex_values;
+        return text_mentions(text, "NIFTI_INTENT_POINTSET") ? &surface
+               : text_mentions(text, "NIFTI_INTENT_LABEL")  ? &vertex_labels
+                                                            : &vertex_values;
     }
     if (text_equal(root, "VTKFile")) {
-        return mentions(text, "NumberOfPolys=\"0\"") && !mentions(text, "NumberOfLines=\"0\"") ? &lines : &surface;
+        return text_mentions(text, "NumberOfPolys=\"0\"") && !text_mentions(text, "NumberOfLines=\"0\"") ? &lines
+                                                                                                         : &surface;
     }
     if (text_equal(root, "atlas")) {
         return atlas_xml(text);
@@ -138,16 +136,16 @@ static const struct file_kind *markup(struct text text)
     return text_equal_ignoring_case(root, "html") ? &html : label_format_of(text) ? &table : &xml;
 }
 
-static const struct file_kind *of_text(struct text text)
+static const struct file_kind *kind_of_text(struct text text)
 {
     struct text start = text_trim(text);
     if (!start.size) {
         return NULL;
     }
     if (start.data[0] == '<') {
-        return markup(start);
+        return kind_of_markup(start);
     }
-    if (start.data[0] == '{' && mentions(start, "\"conus_atlas\"")) {
+    if (start.data[0] == '{' && text_mentions(start, "\"conus_atlas\"")) {
         return &manifest;
     }
     if (text_starts(start, "type = ") || text_starts(start, "type  = ")) {
@@ -159,7 +157,7 @@ static const struct file_kind *of_text(struct text text)
     return start.data[0] == '{' || start.data[0] == '[' ? &json : NULL;
 }
 
-static const struct file_kind *of_magic(const struct bytes *head)
+static const struct file_kind *kind_of_magic(const struct bytes *head)
 {
     for (size_t i = 0; i < sizeof magics / sizeof magics[0]; i++) {
         if (head->size >= magics[i].size && memcmp(head->data, magics[i].magic, magics[i].size) == 0) {
@@ -175,7 +173,7 @@ static bool is_dicom(const struct bytes *head)
     return head->size >= PREAMBLE + 4 && memcmp(head->data + PREAMBLE, "DICM", 4) == 0;
 }
 
-static const struct file_kind *of_ending(const char *path)
+static const struct file_kind *kind_of_ending(const char *path)
 {
     for (size_t i = 0; path && i < sizeof endings / sizeof endings[0]; i++) {
         if (ends_with(path, endings[i].ending)) {
@@ -183,6 +181,18 @@ static const struct file_kind *of_ending(const char *path)
         }
     }
     return NULL;
+}
+
+char file_first_character(const char *path)
+{
+    uint8_t start[64];
+    FILE *file = file_exists(path) ? fopen(path, "rbe") : NULL;
+    size_t size = file ? fread(start, 1, sizeof start, file) : 0;
+    if (file) {
+        fclose(file);
+    }
+    struct text text = text_trim(text_from_bytes(start, size));
+    return text.size ? text.data[0] : '\0';
 }
 
 bool file_kind_is_vague(const struct file_kind *kind)
@@ -193,27 +203,15 @@ bool file_kind_is_vague(const struct file_kind *kind)
 bool file_kind_is_lines(const struct bytes *bytes)
 {
     struct text text = {(const char *)bytes->data, bytes->size};
-    bool legacy = text_starts(text, "# vtk DataFile") && mentions(text, "\nLINES ") && !mentions(text, "\nPOLYGONS ") &&
-                  !mentions(text, "\nTRIANGLE_STRIPS ");
+    bool legacy = text_starts(text, "# vtk DataFile") && text_mentions(text, "\nLINES ") &&
+                  !text_mentions(text, "\nPOLYGONS ") && !text_mentions(text, "\nTRIANGLE_STRIPS ");
     return legacy || file_kind_of(NULL, bytes) == &lines;
-}
-
-/* All bytes are those of a text that ends or is cut off. */
-static bool is_text(struct text text)
-{
-    for (size_t i = 0; i < text.size; i++) {
-        unsigned char c = (unsigned char)text.data[i];
-        if (c < 0x20 && !(c >= '\t' && c <= '\r')) {
-            return false;
-        }
-    }
-    return text.size > 0;
 }
 
 const struct file_kind *file_kind_of(const char *path, const struct bytes *head)
 {
-    struct text text = label_text_of(head->data, head->size);
-    const struct file_kind *kind = of_magic(head);
+    struct text text = text_from_bytes(head->data, head->size);
+    const struct file_kind *kind = kind_of_magic(head);
     if (kind) {
         return path && head->data[0] == 'P' && ends_with(path, ".trx") ? &trx : kind;
     }
@@ -229,10 +227,10 @@ const struct file_kind *file_kind_of(const char *path, const struct bytes *head)
     if (freesurfer_is_surface(head->data, head->size)) {
         return freesurfer_is_curvature(head->data, head->size) ? &vertex_values : &surface;
     }
-    kind = is_text(text) ? of_text(text) : NULL;
-    bool named = !is_text(text) || (path && ends_with(path, ".obj")); /* the others are not text */
-    kind = kind || !named ? kind : of_ending(path);
-    return kind ? kind : is_text(text) ? &plain_text : NULL;
+    kind = text_is_readable(text) ? kind_of_text(text) : NULL;
+    bool named = !text_is_readable(text) || (path && ends_with(path, ".obj")); /* the others are not text */
+    kind = kind || !named ? kind : kind_of_ending(path);
+    return kind ? kind : text_is_readable(text) ? &plain_text : NULL;
 }
 
 /* The first bytes as a message shows them. */

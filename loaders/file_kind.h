@@ -14,9 +14,12 @@ struct file_kind {
     const char *way;   /**< What conus can do with it, or NULL: "give it as --labels".  */
 };
 
-/** What @p head, the first bytes of a file, unpacked, is; NULL if that is not known. @p path tells by its ending what
- * the bytes do not; it may be NULL. */
+/** What @p head, the first bytes of a file, unpacked, is; NULL if that is not known. The ending of @p path decides
+ * where the bytes do not; it may be NULL. */
 const struct file_kind *file_kind_of(const char *path, const struct bytes *head);
+
+/** The first character of the file @p path that is not white space, in its first 64 bytes; 0 if there is none. */
+char file_first_character(const char *path);
 
 /** True of text in a format that conus does not know. */
 bool file_kind_is_vague(const struct file_kind *kind);

@@ -1,4 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Poses from a direction, a target, a matrix or a quaternion (Eq. 1, 2). */
+#include "poses/pose.h"
+
 #include "base/math3.h"
 #include "base/status.h"
 #include "poses/pose_row.h"
@@ -31,7 +34,7 @@ static conus_status check_point(const double p[3], const char *what)
 }
 
 /* Eq. 2: z = -d, x = normalise(up x z), y = z x x. */
-static conus_status frame(conus_pose *out, const double origin[3], const double d[3], const double up[3])
+static conus_status make_frame(conus_pose *out, const double origin[3], const double d[3], const double up[3])
 {
     double x[3];
     double y[3];
@@ -67,7 +70,7 @@ conus_status conus_pose_along(conus_pose *out, const double origin[3], const dou
         return fail(CONUS_ERROR_ARGUMENT, "direction: too long or too short a vector");
     }
     default_up(fallback, d);
-    return frame(out, origin, d, up ? up : fallback);
+    return make_frame(out, origin, d, up ? up : fallback);
 }
 
 conus_status conus_pose_toward(conus_pose *out, const double origin[3], const double target[3], const double up[3])

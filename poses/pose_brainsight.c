@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "poses/pose_file.h"
+/* Parses Brainsight's export, section by section. */
+#include "poses/pose_brainsight.h"
 
 #include "base/math3.h"
+#include "poses/pose.h"
 #include "poses/pose_row.h"
 
 #include <stdio.h>
@@ -15,7 +17,7 @@ static const char *const names[COLUMNS] = {"Loc. X", "Loc. Y", "Loc. Z", "m0n0",
 enum kind { TARGETS, SAMPLES, ELECTRODES, KINDS };
 
 static const struct {
-    const char *column; /* the first, by which a section is told */
+    const char *column; /* the first, by which a section is detected */
     const char *prefix;
 } kinds[KINDS] = {{"Target Name", "target"}, {"Sample Name", "sample"}, {"Electrode Name", "electrode"}};
 
@@ -152,8 +154,8 @@ static conus_status read_comment(struct reading *reading, struct text line)
 }
 
 /* The fields that are read, by column. */
-static conus_status split(struct text fields[COLUMNS], struct text *name, const struct reading *reading,
-                          struct text line)
+static conus_status split_row(struct text fields[COLUMNS], struct text *name, const struct reading *reading,
+                              struct text line)
 {
     struct text field;
     size_t index = 0;
@@ -266,7 +268,7 @@ static conus_status read_row(struct reading *reading, struct text line)
     struct text name = {"", 0};
     char buffer[POSE_ID_LIMIT + 1];
     conus_pose_row row = pose_row_at(reading->line);
-    conus_status bad = split(fields, &name, reading, line);
+    conus_status bad = split_row(fields, &name, reading, line);
     bad = bad ? bad : read_pose(&row, reading, fields);
     return pose_list_add(reading->list, &row, full_name(buffer, reading, name), bad ? conus_message() : NULL);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "poses/pose_file.h"
+/* Finds and parses the *_coordsystem.json of a table of electrodes. */
+#include "poses/pose_coordsystem.h"
 
 #include "base/buffer.h"
 #include "base/file.h"

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "poses/pose_file.h"
+/* Parses BIDS electrodes, and finds the direction of each contact along its shaft. */
+#include "poses/pose_electrodes.h"
 
 #include "base/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "poses/pose_row.h"
 
 #include <stdlib.h>
@@ -86,7 +88,7 @@ bool pose_electrodes_header(struct text line)
     return all;
 }
 
-static conus_status split(struct text fields[COLUMNS], const struct reading *reading, struct text line)
+static conus_status split_row(struct text fields[COLUMNS], const struct reading *reading, struct text line)
 {
     struct text field;
     size_t index = 0;
@@ -131,22 +133,20 @@ static void name_shaft(struct contact *contact, struct text group, size_t row)
     }
 }
 
-static conus_status reserve(struct reading *reading)
+static conus_status reserve_contact(struct reading *reading)
 {
-    void *contacts = reading->contacts;
-    bool fits = memory_reserve(&contacts, &reading->capacity, reading->count + 1, sizeof *reading->contacts);
-    reading->contacts = contacts;
+    bool fits = memory_reserve(&reading->contacts, &reading->capacity, reading->count + 1, sizeof *reading->contacts);
     return fits ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 static conus_status read_contact(struct reading *reading, struct text line, size_t number)
 {
-    if (reserve(reading)) {
+    if (reserve_contact(reading)) {
         return CONUS_ERROR_MEMORY;
     }
     struct text fields[COLUMNS];
     struct contact contact = {.line = number, .next = reading->count, .previous = reading->count};
-    contact.bad = split(fields, reading, line);
+    contact.bad = split_row(fields, reading, line);
     contact.name = fields[NAME];
     contact.bad = contact.bad ? contact.bad : read_position(contact.position, fields);
     if (contact.bad) {
@@ -187,13 +187,6 @@ static conus_status read_table(struct reading *reading, struct text text)
     return status;
 }
 
-static int compare_text(struct text a, struct text b)
-{
-    size_t size = a.size < b.size ? a.size : b.size;
-    int order = size ? memcmp(a.data, b.data, size) : 0;
-    return order ? order : (a.size > b.size) - (a.size < b.size);
-}
-
 /* A contact in the order of the shafts. */
 struct place {
     struct contact *contact;
@@ -204,9 +197,9 @@ static int compare_contacts(const void *left, const void *right)
 {
     const struct contact *a = ((const struct place *)left)->contact;
     const struct contact *b = ((const struct place *)right)->contact;
-    int order = compare_text(a->shaft, b->shaft);
-    order = order ? order : (a->number > b->number) - (a->number < b->number);
-    return order ? order : (a->line > b->line) - (a->line < b->line);
+    int order = text_compare(a->shaft, b->shaft);
+    order = order ? order : compare_unsigned(a->number, b->number);
+    return order ? order : compare_unsigned(a->line, b->line);
 }
 
 /* Each contact's neighbours on its shaft, of those that have positions. */
@@ -226,7 +219,7 @@ static conus_status find_neighbours(struct reading *reading)
     for (size_t i = 1; i < count; i++) {
         struct contact *inner = sorted[i - 1].contact;
         struct contact *outer = sorted[i].contact;
-        if (compare_text(inner->shaft, outer->shaft) == 0) {
+        if (text_compare(inner->shaft, outer->shaft) == 0) {
             inner->next = (size_t)(outer - reading->contacts);
             outer->previous = (size_t)(inner - reading->contacts);
         }

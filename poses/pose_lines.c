@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads lines in blocks of fixed size. */
 #include "poses/pose_lines.h"
 
 #include "base/memory.h"
@@ -69,7 +70,7 @@ static bool is_unchanged(const struct pose_lines *lines)
     return !lines->seekable || (file_state_of(&now, lines->descriptor) && file_state_equal(&now, &lines->state));
 }
 
-/* Reads once, whatever comes. */
+/* Reads once. */
 static conus_status read_more(struct pose_lines *lines)
 {
     if (lines->data != lines->own && lines->size) {
@@ -100,7 +101,7 @@ conus_status pose_lines_fill(struct pose_lines *lines, size_t size)
     return status;
 }
 
-static void take(struct pose_lines *lines, size_t size)
+static void take_bytes(struct pose_lines *lines, size_t size)
 {
     lines->data += size;
     lines->size -= size;
@@ -129,7 +130,7 @@ static void take_ending(struct pose_lines *lines)
 {
     if (lines->size) {
         lines->after_cr = lines->data[0] == '\r';
-        take(lines, 1);
+        take_bytes(lines, 1);
     }
 }
 
@@ -138,7 +139,7 @@ static conus_status take_late_feed(struct pose_lines *lines)
 {
     conus_status status = lines->after_cr ? pose_lines_fill(lines, 1) : CONUS_OK;
     if (!status && lines->after_cr && lines->size && lines->data[0] == '\n') {
-        take(lines, 1);
+        take_bytes(lines, 1);
     }
     lines->after_cr = false;
     return status;
@@ -148,14 +149,14 @@ static conus_status drop_long_line(struct pose_lines *lines)
 {
     conus_status status = CONUS_OK;
     for (size_t length = line_length(lines); !status && length == lines->size; length = line_length(lines)) {
-        take(lines, length);
+        take_bytes(lines, length);
         if (lines->ended) {
             return CONUS_OK;
         }
         status = read_more(lines);
     }
     if (!status) {
-        take(lines, line_length(lines));
+        take_bytes(lines, line_length(lines));
         take_ending(lines);
     }
     return status;
@@ -185,7 +186,7 @@ conus_status pose_lines_next(struct pose_lines *lines, struct pose_line *line, b
         return drop_long_line(lines);
     }
     line->text = text;
-    take(lines, length);
+    take_bytes(lines, length);
     take_ending(lines);
     return CONUS_OK;
 }
@@ -209,7 +210,7 @@ conus_status pose_lines_rest(struct bytes *out, struct pose_lines *lines, uint64
         if (!status && lines->size) {
             memcpy(bytes.data + bytes.size, lines->data, lines->size);
             bytes.size += lines->size;
-            take(lines, lines->size);
+            take_bytes(lines, lines->size);
         }
         status = status || lines->ended ? status : read_more(lines);
     }
@@ -225,7 +226,7 @@ conus_status pose_lines_sha256(char out[65], struct pose_lines *lines)
 {
     conus_status status = CONUS_OK;
     while (!status && !lines->ended) {
-        take(lines, lines->size);
+        take_bytes(lines, lines->size);
         status = read_more(lines);
     }
     if (!status) {

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* A list of poses: adding rows, ending it, and what the public header asks of it. */
 #include "poses/pose_list.h"
 
 #include "base/memory.h"
 #include "poses/pose_row.h"
-#include "poses/pose_stream.h"
-
-#include <stdio.h>
 
 void pose_list_finish(conus_pose_list *list)
 {
@@ -28,14 +26,6 @@ void conus_pose_list_destroy(conus_pose_list *list)
     }
 }
 
-static conus_status reserve(conus_pose_list *list)
-{
-    void *rows = list->rows;
-    bool fits = memory_reserve(&rows, &list->capacity, list->count + 1, sizeof *list->rows);
-    list->rows = rows;
-    return fits ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
 conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, struct text id, const char *error)
 {
     char ordinal[POSE_ORDINAL_SIZE];
@@ -44,56 +34,14 @@ conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, str
     conus_pose_row copy = *row;
     copy.id = memory_text(id.data, id.size);
     copy.error = error ? memory_text(error, text_from(error).size) : NULL;
-    if (!copy.id || (error && !copy.error) || reserve(list)) {
+    if (!copy.id || (error && !copy.error) ||
+        !memory_reserve(&list->rows, &list->capacity, list->count + 1, sizeof *list->rows)) {
         memory_free((char *)copy.id);
         memory_free((char *)copy.error);
         return CONUS_ERROR_MEMORY;
     }
     list->rows[list->count++] = copy;
     return CONUS_OK;
-}
-
-static conus_status read_all(conus_pose_list *list, conus_pose_stream *stream)
-{
-    enum { BLOCK = 64 };
-    conus_pose_row rows[BLOCK];
-    size_t count = 0;
-    conus_status status = CONUS_OK;
-    do {
-        status = conus_pose_stream_read(stream, rows, BLOCK, &count);
-        for (size_t i = 0; !status && i < count; i++) {
-            status = pose_list_add(list, &rows[i], text_from(rows[i].id), rows[i].error);
-        }
-    } while (!status && count);
-    return status ? status : pose_stream_take_header(list, stream);
-}
-
-/* Ends the stream. */
-static conus_status list_from_stream(conus_pose_list **out, conus_pose_stream *stream)
-{
-    conus_pose_list *list = memory_zeroed(1, sizeof *list);
-    conus_status status = list ? read_all(list, stream) : CONUS_ERROR_MEMORY;
-    conus_pose_stream_destroy(stream);
-    if (status) {
-        conus_pose_list_destroy(list);
-        return status;
-    }
-    *out = list;
-    return CONUS_OK;
-}
-
-conus_status pose_list_parse(conus_pose_list **out, struct text text, const conus_pose_options *options)
-{
-    conus_pose_stream *stream = NULL;
-    conus_status status = pose_stream_parse(&stream, text, options);
-    return status ? status : list_from_stream(out, stream);
-}
-
-conus_status conus_pose_list_load(conus_pose_list **out, const char *path, const conus_pose_options *options)
-{
-    conus_pose_stream *stream = NULL;
-    conus_status status = conus_pose_stream_open(&stream, path, options);
-    return status ? status : list_from_stream(out, stream);
 }
 
 size_t conus_pose_list_count(const conus_pose_list *list)

@@ -25,8 +25,4 @@ conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, str
 /** Frees what is in it. */
 void pose_list_finish(conus_pose_list *list);
 
-/** Parses @p text (docs/formats.md). A row that is no pose is kept with its error; CONUS_ERROR_DATA is for a text in
- * which no row can be read: an unknown or missing column, nothing at all, not text. @p options NULL = the default. */
-conus_status pose_list_parse(conus_pose_list **out, struct text text, const conus_pose_options *options);
-
 #endif

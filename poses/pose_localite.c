@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "poses/pose_file.h"
+/* Parses Localite's XML. */
+#include "poses/pose_localite.h"
 
 #include "base/math3.h"
 #include "base/xml.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "poses/pose_file.h"
+/* Parses 3D Slicer's JSON. */
+#include "poses/pose_markups.h"
 
 #include "base/json_text.h"
 #include "base/math3.h"
@@ -49,8 +50,8 @@ static conus_status read_units(struct markup *markup)
                       markup->number - 1, pose_quote(units), units.data);
 }
 
-/* The file has no lines that matter: rows are told by the number of their markup. */
-static conus_status add(const struct markup *markup, const conus_pose_row *row, struct text id, conus_status bad)
+/* The file has no lines that matter: a row has the number of its markup. */
+static conus_status add_row(const struct markup *markup, const conus_pose_row *row, struct text id, conus_status bad)
 {
     return pose_list_add(markup->list, row, id, bad ? conus_message() : NULL);
 }
@@ -94,7 +95,7 @@ static conus_status read_points(const struct markup *markup, const json_t *point
         const json_t *point = json_array_get(points, i);
         conus_pose_row row = pose_row_at(markup->number);
         conus_status bad = point_pose(&row, markup, point);
-        status = add(markup, &row, text_of(json_object_get(point, "label")), bad);
+        status = add_row(markup, &row, text_of(json_object_get(point, "label")), bad);
     }
     return status;
 }
@@ -124,7 +125,7 @@ static conus_status read_line(const struct markup *markup, const json_t *points)
     conus_pose_row row = pose_row_at(markup->number);
     conus_status bad = line_pose(&row, markup, points);
     struct text label = text_of(json_object_get(json_array_get(points, 0), "label"));
-    return add(markup, &row, markup->name.size ? markup->name : label, bad);
+    return add_row(markup, &row, markup->name.size ? markup->name : label, bad);
 }
 
 static conus_status read_markup(struct markup *markup)
@@ -145,9 +146,9 @@ static conus_status read_markup(struct markup *markup)
         return read_line(markup, points);
     }
     const conus_pose_row row = pose_row_at(markup->number);
-    return add(markup, &row, markup->name,
-               fail(CONUS_ERROR_DATA, "a markup of type \"%.*s\", allowed are Line and Fiducial", pose_quote(type),
-                    type.data));
+    return add_row(markup, &row, markup->name,
+                   fail(CONUS_ERROR_DATA, "a markup of type \"%.*s\", allowed are Line and Fiducial", pose_quote(type),
+                        type.data));
 }
 
 /* An axis is for lines. */

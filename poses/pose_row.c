@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Checks and turns what a row gives: ids, angles, points, axes, times. */
 #include "poses/pose_row.h"
 
 #include "base/math3.h"
@@ -106,7 +107,7 @@ static bool read_parts(double parts[3], struct text text, char separator)
 
 /* Days from 1970-01-01 in the Gregorian calendar, whose year begins in March here (H. Hinnant, chrono-compatible
  * low-level date algorithms). */
-static double days(double year, double month, double day)
+static double days_of_date(double year, double month, double day)
 {
     double y = month <= 2 ? year - 1 : year;
     double era = floor(y / 400);
@@ -122,7 +123,7 @@ double pose_clock(struct text date, struct text time)
     if (!read_parts(d, date, '-') || !read_parts(t, time, ':') || !(d[1] >= 1 && d[1] <= 12)) {
         return NAN;
     }
-    return days(d[0], d[1], d[2]) * 86400 + t[0] * 3600 + t[1] * 60 + t[2];
+    return days_of_date(d[0], d[1], d[2]) * 86400 + t[0] * 3600 + t[1] * 60 + t[2];
 }
 
 conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps)

@@ -35,14 +35,11 @@ void pose_flip_matrix(double m[16]);
  * for +z and quarter turns about y for +-x, so that +y stays up, and with +z up for +-y. */
 void pose_turn(conus_pose *pose, conus_axis axis);
 
-/** conus_pose_from_matrix() for a file that rounds more: deviations up to @p tolerance are made exact. */
-conus_status pose_from_matrix_within(conus_pose *out, const double world_from_device[16], double tolerance);
-
 /** Seconds since 1970-01-01 on the clock that wrote "2019-03-22" and "14:08:40.658"; NaN if that is not what they are.
  */
 double pose_clock(struct text date, struct text time);
 
-/** A note where the caller asked for LPS and the file says itself that it is RAS, as @p lps tells. */
+/** A note where the caller asked for LPS and the file says itself that it is RAS, by @p lps. */
 conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps);
 
 /** "+x" and so on; "" for CONUS_AXIS_OF_FORMAT. */

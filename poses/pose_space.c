@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Compares the space of a file of poses with that of an atlas. */
 #include "poses/pose_space.h"
 
 #include <stdio.h>

@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus_pose_stream: detects the format, then reads rows line by line or, of some formats, all at once. */
 #include "poses/pose_stream.h"
 
 #include "base/memory.h"
-#include "poses/pose_file.h"
+#include "poses/pose_brainsight.h"
+#include "poses/pose_coordsystem.h"
+#include "poses/pose_electrodes.h"
 #include "poses/pose_lines.h"
 #include "poses/pose_list.h"
+#include "poses/pose_localite.h"
+#include "poses/pose_markups.h"
 #include "poses/pose_row.h"
 #include "poses/pose_strings.h"
 #include "poses/pose_table.h"
@@ -58,7 +63,7 @@ static conus_pose_format format_of(struct text line)
 
 /* What the first line with data looks like, which ends behind *used bytes; CONUS_POSES_AUTO while it is not all there.
  */
-static conus_pose_format guess(struct text text, bool all, size_t *used)
+static conus_pose_format guess_format(struct text text, bool all, size_t *used)
 {
     const char *begin = text.data;
     const char *end = text.data + text.size;
@@ -115,7 +120,7 @@ static conus_status find_format(conus_pose_stream *stream)
     while (!status && found == CONUS_POSES_AUTO) {
         bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
         size_t size = lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT;
-        found = guess((struct text){lines->data, size}, all, &used);
+        found = guess_format((struct text){lines->data, size}, all, &used);
         if (found == CONUS_POSES_AUTO) {
             status = pose_lines_fill(lines, lines->size + 1);
         }
@@ -177,6 +182,10 @@ static conus_status parse_matrix(conus_pose_list *list, struct text text, const 
     }
     return pose_list_add(list, &row, text_from(""), bad ? conus_message() : NULL);
 }
+
+/* A parser of a text as a whole. It adds the rows of the text, with notes and the space that it names, to the list; a
+ * bad pose is a row with its error. */
+typedef conus_status (*pose_parser)(conus_pose_list *list, struct text text, const conus_pose_options *options);
 
 /* Formats by number. Those without a parser are read line by line. */
 static const struct {
@@ -240,7 +249,7 @@ static conus_status check_no_axis(const conus_pose_stream *stream)
                       pose_axis_name(stream->options.axis));
 }
 
-static conus_status begin(conus_pose_stream *stream)
+static conus_status begin_text(conus_pose_stream *stream)
 {
     conus_status status = skip_mark(&stream->lines);
     status = status ? status : find_format(stream);
@@ -277,7 +286,7 @@ static conus_status begin_file(conus_pose_stream *stream)
     }
     conus_status status = pose_lines_init(&stream->lines, stream->descriptor, at >= 0, stream->start);
     stream->lines.stop = stream->stop;
-    return status ? status : begin(stream);
+    return status ? status : begin_text(stream);
 }
 
 static bool is_stdin(const char *path)
@@ -310,7 +319,7 @@ static conus_status check_options(const conus_pose_options *options)
     return fine ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "options of poses: space, axis or format is none of its names");
 }
 
-static conus_status create(conus_pose_stream **out, const conus_pose_options *options)
+static conus_status create_stream(conus_pose_stream **out, const conus_pose_options *options)
 {
     static const conus_pose_options none = {0};
     options = options ? options : &none;
@@ -327,7 +336,7 @@ static conus_status create(conus_pose_stream **out, const conus_pose_options *op
     return CONUS_OK;
 }
 
-static conus_status settle(conus_pose_stream **out, conus_pose_stream *stream, conus_status status)
+static conus_status hand_over_stream(conus_pose_stream **out, conus_pose_stream *stream, conus_status status)
 {
     if (status) {
         conus_pose_stream_destroy(stream);
@@ -340,20 +349,20 @@ static conus_status settle(conus_pose_stream **out, conus_pose_stream *stream, c
 conus_status conus_pose_stream_open(conus_pose_stream **out, const char *path, const conus_pose_options *options)
 {
     conus_pose_stream *stream = NULL;
-    conus_status status = create(&stream, options);
-    return settle(out, stream, status ? status : open_path(stream, path));
+    conus_status status = create_stream(&stream, options);
+    return hand_over_stream(out, stream, status ? status : open_path(stream, path));
 }
 
 conus_status pose_stream_parse(conus_pose_stream **out, struct text text, const conus_pose_options *options)
 {
     conus_pose_stream *stream = NULL;
-    conus_status status = create(&stream, options);
+    conus_status status = create_stream(&stream, options);
     if (!status) {
         stream->text = text;
         pose_lines_init_text(&stream->lines, text);
-        status = begin(stream);
+        status = begin_text(stream);
     }
-    return settle(out, stream, status);
+    return hand_over_stream(out, stream, status);
 }
 
 void conus_pose_stream_destroy(conus_pose_stream *stream)

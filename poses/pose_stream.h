@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Poses one block after the other, whatever they are written in. */
+/** @file Poses block by block, from any format. */
 #ifndef CONUS_POSES_POSE_STREAM_H
 #define CONUS_POSES_POSE_STREAM_H
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Strings in chunks that are freed together. */
 #include "poses/pose_strings.h"
 
 #include "base/memory.h"
@@ -13,7 +14,7 @@ struct pose_chunk {
     char data[CHUNK];
 };
 
-/* A chunk with room for `size` bytes: the last one, the next that was kept, or a new one. */
+/* A chunk with a capacity for `size` bytes: the last one, the next that was kept, or a new one. */
 static struct pose_chunk *chunk_for(struct pose_strings *strings, size_t size)
 {
     struct pose_chunk *last = strings->last;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses the header row and the rows of a table, plain points and plain matrices. */
 #include "poses/pose_table.h"
 
 #include "base/buffer.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds an area or pathway by name, abbreviation or label, and suggests the closest one. */
 #include "atlas/areas/area_find.h"
 
 #include "base/buffer.h"
@@ -27,8 +28,8 @@ static bool is_called_ignoring_case(const conus_object *object, struct text text
     return text_equal_ignoring_case(text, object->name) || text_equal_ignoring_case(text, object->abbreviation);
 }
 
-static struct matches match(const conus_atlas *atlas, struct text text,
-                            bool (*matches)(const conus_object *object, struct text text))
+static struct matches find_matches(const conus_atlas *atlas, struct text text,
+                                   bool (*matches)(const conus_object *object, struct text text))
 {
     struct matches found = {0};
     for (size_t i = 0; i < atlas->area_count; i++) {
@@ -71,7 +72,7 @@ struct likeness {
 };
 
 /* A name that contains the text is as near as a third of its bytes mistyped. */
-static void consider(struct likeness *best, const char *name, struct text text)
+static void consider_name(struct likeness *best, const char *name, struct text text)
 {
     size_t far = text_distance(text, text_from(name));
     size_t limit = (text.size + 1) / 3;
@@ -91,8 +92,8 @@ static conus_status fail_unknown(const conus_atlas *atlas, size_t count, struct 
         if (atlas_is_paired(atlas, (uint32_t)i + 1)) {
             continue;
         }
-        consider(&best, atlas->objects[i].name, text);
-        consider(&best, atlas->objects[i].abbreviation, text);
+        consider_name(&best, atlas->objects[i].name, text);
+        consider_name(&best, atlas->objects[i].abbreviation, text);
     }
     if (!best.name) {
         return fail(CONUS_ERROR_ARGUMENT, "no %s has the name, abbreviation or label \"%.*s\"", kind, shown_size(text),
@@ -193,9 +194,9 @@ static conus_status refuse_changed(const conus_atlas *atlas, struct text text)
 /* Sets *out to 0 where no area goes by the name, and nothing says why not. */
 static conus_status find_area(uint32_t *out, const conus_atlas *atlas, struct text text)
 {
-    struct matches found = match(atlas, text, is_called);
+    struct matches found = find_matches(atlas, text, is_called);
     if (!found.count) {
-        found = match(atlas, text, is_called_ignoring_case);
+        found = find_matches(atlas, text, is_called_ignoring_case);
     }
     if (found.count > 1) {
         return fail_ambiguous(text, &found);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* One as a pair: areas on both sides cut at x = 0. */
-#include "atlas/areas/hemispheres.h"
+#include "atlas/areas/halves.h"
 
+#include "atlas/areas/pairs.h"
 #include "atlas/areas/sides.h"
 #include "atlas/space.h"
 #include "base/memory.h"
@@ -105,8 +106,8 @@ static void count_voxel(struct splitting *splitting, size_t voxel, int side)
     splitting->fates[volume_object(atlas_parcellation(splitting->atlas), voxel)].voxels[side]++;
 }
 
-/* Tells the area and all above it that there is something on that side. */
-static void reach(struct splitting *splitting, uint32_t number, int side)
+/* Marks that the area and all above it have something on that side. */
+static void mark_side(struct splitting *splitting, uint32_t number, int side)
 {
     while (number && !splitting->fates[number].reaches[side]) {
         splitting->fates[number].reaches[side] = true;
@@ -114,7 +115,7 @@ static void reach(struct splitting *splitting, uint32_t number, int side)
     }
 }
 
-static void decide(struct splitting *splitting)
+static void decide_fates(struct splitting *splitting)
 {
     size_t count = splitting->atlas->area_count;
     for (uint32_t number = 1; number <= count; number++) {
@@ -122,7 +123,7 @@ static void decide(struct splitting *splitting)
         for (int side = LEFT; side < SIDES; side++) {
             bool here = fate->side ? fate->side == "LR"[side] : fate->voxels[side] > 0;
             if (here && (fate->voxels[LEFT] || fate->voxels[RIGHT])) {
-                reach(splitting, number, side);
+                mark_side(splitting, number, side);
             }
         }
     }
@@ -275,7 +276,7 @@ static conus_status refuse_uncut(const struct splitting *splitting)
                       voxels[LEFT] ? "<" : ">=");
 }
 
-static conus_status prepare(struct splitting *splitting)
+static conus_status prepare_halves(struct splitting *splitting)
 {
     conus_status status = check_atlas(splitting->atlas);
     if (status) {
@@ -286,7 +287,7 @@ static conus_status prepare(struct splitting *splitting)
     status = status ? status : hemispheres_label_step(&splitting->label_step, splitting->atlas);
     if (!status) {
         each_voxel(splitting, count_voxel);
-        decide(splitting);
+        decide_fates(splitting);
         status = splitting->cut_count ? CONUS_OK : refuse_uncut(splitting);
     }
     if (!status) {
@@ -321,7 +322,7 @@ conus_status hemispheres_split(conus_atlas *atlas)
 {
     struct splitting splitting = {.atlas = atlas};
     size_t notes = atlas->notes.count;
-    conus_status status = prepare(&splitting);
+    conus_status status = prepare_halves(&splitting);
     status = status ? status : note_split(atlas, &splitting);
     if (!status) {
         status = atlas_exchange_areas(atlas, splitting.areas);

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pairs as one: areas above left and right ones. */
-#include "atlas/areas/hemispheres.h"
-
-#include "atlas/areas/sides.h"
+/* conus_atlas_set_hemispheres(): areas cut in two (halves.c), or pairs merged into an area above both, here. */
+#include "atlas/areas/halves.h"
+#include "atlas/areas/pairs.h"
 #include "base/memory.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { BOTH = 3, SHOWN = 4, LARGEST_LABEL = 999999999 };
+enum { BOTH = 3, SHOWN = 4 };
 
 struct pair {
     uint32_t left, right; /* numbers */
@@ -37,45 +36,6 @@ static void merging_finish(struct merging *merging)
     memory_free(merging->pairs);
     memory_free(merging->pair_of);
     memory_free(merging->names);
-}
-
-conus_status hemispheres_label_step(uint32_t *out, const conus_atlas *atlas)
-{
-    uint32_t largest = 0;
-    uint32_t step = 1;
-    for (size_t i = 0; i < atlas->area_count; i++) {
-        largest = atlas->objects[i].label > largest ? atlas->objects[i].label : largest;
-    }
-    if (largest > LARGEST_LABEL) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "label %u leaves no room for the labels of new areas, up to %d do",
-                    largest, LARGEST_LABEL);
-    }
-    while (step <= largest) {
-        step *= 10;
-    }
-    *out = step;
-    return CONUS_OK;
-}
-
-void hemispheres_common_name(struct buffer *out, const char *left, const char *right)
-{
-    struct text name = text_from(left);
-    struct side_word word;
-    if (strcmp(left, right) == 0) {
-        buffer_text(out, left);
-        return;
-    }
-    for (size_t from = 0; side_word_find(&word, name, from); from = word.start + word.size) {
-        struct buffer swapped = {0};
-        side_word_swap(&swapped, name, &word);
-        bool found = swapped.data && strcmp(swapped.data, right) == 0;
-        out->failed = out->failed || swapped.failed;
-        buffer_finish(&swapped);
-        if (found) {
-            side_word_drop(out, name, &word);
-            return;
-        }
-    }
 }
 
 /* ---- Pairs and their names ------------------------------------------------------------------------------------- */
@@ -169,7 +129,7 @@ static conus_status add_area(struct merging *merging, uint32_t number)
     return atlas_append_object(merging->areas, &area, atlas->places[number - 1]);
 }
 
-/* Of abbreviations, too, that end in the side and nothing between: AntL and AntR. Their names have told the sides. */
+/* Of abbreviations, too, that end in the side and nothing between: AntL and AntR. Their names give the sides. */
 static void write_abbreviation(struct buffer *out, const char *left, const char *right)
 {
     size_t length = strlen(left);
@@ -237,7 +197,7 @@ static conus_status note_merging(conus_atlas *atlas, const struct merging *mergi
     return status;
 }
 
-static conus_status prepare(struct merging *merging)
+static conus_status prepare_merging(struct merging *merging)
 {
     conus_status status = hemispheres_pair(&merging->right_of, merging->atlas);
     status = status ? status : list_pairs(merging);
@@ -252,12 +212,14 @@ static conus_status prepare(struct merging *merging)
     return status ? status : add_areas(merging);
 }
 
-conus_status hemispheres_merge(conus_atlas *atlas)
+/* Adds an area above each pair, with the pair's name without the side; level_create() then reports pairs as it. Its
+ * label is the left one's with a 3 before it, at the place that no label reaches. CONUS_ERROR_DATA without a pair. */
+static conus_status merge_pairs(conus_atlas *atlas)
 {
     struct merging merging = {.atlas = atlas};
     uint32_t first_pair = (uint32_t)atlas->area_count + 1;
     size_t notes = atlas->notes.count;
-    conus_status status = prepare(&merging);
+    conus_status status = prepare_merging(&merging);
     status = status ? status : note_merging(atlas, &merging);
     if (!status) {
         status = atlas_exchange_areas(atlas, merging.areas);
@@ -290,8 +252,6 @@ conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus_hemispheres h
     for (size_t i = 0; i < atlas->volume_count && !status; i++) {
         status = volume_own(&atlas->volumes[i]);
     }
-    status = status                                   ? status
-             : hemispheres == CONUS_HEMISPHERES_SPLIT ? hemispheres_split(atlas)
-                                                      : hemispheres_merge(atlas);
+    status = status ? status : hemispheres == CONUS_HEMISPHERES_SPLIT ? hemispheres_split(atlas) : merge_pairs(atlas);
     return status ? fail_in(status, "hemispheres") : CONUS_OK;
 }

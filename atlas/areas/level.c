@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Rolls areas up the area tree: to a depth, or to the areas of a list. */
 #include "atlas/areas/level.h"
 
 #include "atlas/areas/area_find.h"
@@ -113,7 +114,7 @@ static conus_status target_list(struct climb *climb, struct text spec)
 
 /* ---- The level -------------------------------------------------------------------------------------------------- */
 
-static conus_status roll(struct climb *climb, const char *spec)
+static conus_status roll_up(struct climb *climb, const char *spec)
 {
     uint64_t depth;
     struct text text = text_trim(text_from(spec));
@@ -140,7 +141,7 @@ static conus_status keep_areas(struct level *level, const struct climb *climb)
     return level->areas ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static conus_status fill(struct level *level, const conus_atlas *atlas, const char *spec)
+static conus_status fill_level(struct level *level, const conus_atlas *atlas, const char *spec)
 {
     size_t count = atlas->object_count + 1;
     struct climb climb = {.atlas = atlas, .group = level->group};
@@ -152,7 +153,7 @@ static conus_status fill(struct level *level, const conus_atlas *atlas, const ch
     climb.targets = memory_zeroed(count, sizeof *climb.targets);
     conus_status status = climb.depth && climb.order && climb.targets ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status && spec) {
-        status = roll(&climb, spec);
+        status = roll_up(&climb, spec);
         status = status || !climb.is_list ? status : keep_areas(level, &climb);
     }
     memory_free(climb.depth);
@@ -172,7 +173,7 @@ conus_status level_create(struct level **out, const conus_atlas *atlas, const ch
         return CONUS_ERROR_MEMORY;
     }
     level->group = memory_zeroed(atlas->object_count + 1, sizeof *level->group);
-    conus_status status = level->group ? fill(level, atlas, spec) : CONUS_ERROR_MEMORY;
+    conus_status status = level->group ? fill_level(level, atlas, spec) : CONUS_ERROR_MEMORY;
     if (status) {
         level_destroy(level);
         return status;

@@ -16,7 +16,7 @@ struct level;
  * file: one area each, never quoted; empty lines and those that begin with # do not count. Names match to the letter,
  * or else in upper or lower case where that leaves one area. An area that was cut in two stands for both halves.
  *
- * NULL reports every object as itself. Where hemispheres are merged (atlas/areas/hemispheres.h), that is after both
+ * NULL reports every object as itself. Where hemispheres are merged (atlas/areas/hemispheres.c), that is after both
  * areas of a pair became their common one, whose depth both have. Pathways are always themselves. Errors:
  * CONUS_ERROR_ARGUMENT without a tree, beyond its depth, and for items that are no area or several; CONUS_ERROR_IO for
  * the file. */

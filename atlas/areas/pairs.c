@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* hemispheres_pair(): which areas are the left and right of one. */
-#include "atlas/areas/hemispheres.h"
+/* Which areas are left and right of one, by their names, and the labels and names of what is made of them. */
+#include "atlas/areas/pairs.h"
+
 #include "atlas/areas/sides.h"
 #include "base/memory.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+enum { LARGEST_LABEL = 999999999 };
 
 /** Areas by name. */
 struct name_index {
@@ -72,7 +75,7 @@ static bool may_be(const conus_object *area, char side)
 }
 
 /* Notes that `left` and the only area called `name` may be a pair. */
-static void propose(struct pairing *pairing, uint32_t left, const char *name, size_t *found)
+static void propose_pair(struct pairing *pairing, uint32_t left, const char *name, size_t *found)
 {
     size_t first = 0;
     if (find_name(&first, &pairing->index, name) == 1 && may_be(pairing->index.areas[first], 'R')) {
@@ -95,7 +98,7 @@ static conus_status pair_by_word(struct pairing *pairing, uint32_t left)
             status = buffer_status(&swapped);
         }
         if (!status && word.side == 'L') {
-            propose(pairing, left, swapped.data, &found);
+            propose_pair(pairing, left, swapped.data, &found);
         }
         buffer_finish(&swapped);
     }
@@ -198,4 +201,43 @@ conus_status hemispheres_pair(uint32_t **out, const conus_atlas *atlas)
     }
     *out = pairing.right_of;
     return CONUS_OK;
+}
+
+conus_status hemispheres_label_step(uint32_t *out, const conus_atlas *atlas)
+{
+    uint32_t largest = 0;
+    uint32_t step = 1;
+    for (size_t i = 0; i < atlas->area_count; i++) {
+        largest = atlas->objects[i].label > largest ? atlas->objects[i].label : largest;
+    }
+    if (largest > LARGEST_LABEL) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "label %u leaves no room for the labels of new areas, up to %d do",
+                    largest, LARGEST_LABEL);
+    }
+    while (step <= largest) {
+        step *= 10;
+    }
+    *out = step;
+    return CONUS_OK;
+}
+
+void hemispheres_common_name(struct buffer *out, const char *left, const char *right)
+{
+    struct text name = text_from(left);
+    struct side_word word;
+    if (strcmp(left, right) == 0) {
+        buffer_text(out, left);
+        return;
+    }
+    for (size_t from = 0; side_word_find(&word, name, from); from = word.start + word.size) {
+        struct buffer swapped = {0};
+        side_word_swap(&swapped, name, &word);
+        bool found = swapped.data && strcmp(swapped.data, right) == 0;
+        out->failed = out->failed || swapped.failed;
+        buffer_finish(&swapped);
+        if (found) {
+            side_word_drop(out, name, &word);
+            return;
+        }
+    }
 }

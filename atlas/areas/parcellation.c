@@ -6,9 +6,9 @@
 #include "atlas/space.h"
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Voxels of each label present, counted run by run: neighbours along i mostly share their label. */
@@ -31,13 +31,6 @@ static conus_status count_labels(struct label_map *voxels, const uint32_t *label
     return CONUS_OK;
 }
 
-static int compare_numbers(const void *a, const void *b)
-{
-    uint32_t x = *(const uint32_t *)a;
-    uint32_t y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
-}
-
 /* The sorted union of the labels present and those that the table names: an area is one or the other. */
 static conus_status unite_labels(uint32_t **out, size_t *out_count, const struct label_map *present,
                                  const struct label_table *table)
@@ -57,32 +50,18 @@ static conus_status unite_labels(uint32_t **out, size_t *out_count, const struct
             numbers[count++] = table->entries[i].number;
         }
     }
-    qsort(numbers, count, sizeof *numbers, compare_numbers);
-    size_t kept = 0;
-    for (size_t i = 0; i < count; i++) {
-        if (!kept || numbers[kept - 1] != numbers[i]) {
-            numbers[kept++] = numbers[i];
-        }
-    }
     *out = numbers;
-    *out_count = kept;
+    *out_count = u32_sort_unique(numbers, count);
     return CONUS_OK;
 }
 
 static conus_status append_area(conus_atlas *atlas, uint32_t number, const struct label *label, uint64_t voxels)
 {
-    char digits[16];
-    snprintf(digits, sizeof digits, "%u", number);
-    conus_object area = {.kind = CONUS_AREA, .label = number, .name = digits, .abbreviation = "", .voxels = voxels};
+    char digits[LABEL_DIGITS];
+    const struct label unknown = {.number = number};
+    conus_object area = label_object(label ? label : &unknown, atlas->object_count, digits);
+    area.voxels = voxels;
     area.volume_mm3 = (double)voxels * space_voxel_mm3(&atlas->volumes[0].info);
-    palette_colour(area.rgb, atlas->object_count);
-    if (label) {
-        area.named = label->name != NULL;
-        area.name = label->name ? label->name : digits;
-        area.abbreviation = label->abbreviation ? label->abbreviation : "";
-        area.hemisphere = label->hemisphere;
-        memcpy(area.rgb, label->has_rgb ? label->rgb : area.rgb, sizeof area.rgb);
-    }
     return atlas_append_object(atlas, &area, (struct object_place){.index = 0});
 }
 

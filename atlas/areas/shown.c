@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Objects that are hidden: as if they had never been loaded. What reads an atlas needs to know nothing of it: voxels of
- * hidden areas hold no object, hidden pathways are not met (volume_is_met()), hidden meshes are not there
+ * hidden areas hold no object, hidden pathways are not hit (volume_is_met()), hidden meshes are not there
  * (atlas_object_mesh()). */
 #include "atlas/areas/area_find.h"
 #include "atlas/areas/area_list.h"
@@ -47,10 +47,7 @@ static conus_status find_runs(struct runs *runs, const struct volume *volume, co
             end++;
         }
         if (hidden[object]) {
-            void *items = runs->items;
-            bool fits = memory_reserve(&items, &runs->capacity, runs->count + 1, sizeof *runs->items);
-            runs->items = items;
-            if (!fits) {
+            if (!memory_reserve(&runs->items, &runs->capacity, runs->count + 1, sizeof *runs->items)) {
                 return CONUS_ERROR_MEMORY;
             }
             runs->items[runs->count++] = (struct hidden_run){first, end - first, object};

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds the word for the side in the name of an area. */
 #include "atlas/areas/sides.h"
 
 #include <string.h>
@@ -60,7 +61,7 @@ void side_word_swap(struct buffer *out, struct text name, const struct side_word
     buffer_append(out, name.data + end, name.size - end);
 }
 
-static bool joins(char c)
+static bool is_joining(char c)
 {
     return c && strchr(" _-.,:;/", c);
 }
@@ -81,10 +82,10 @@ void side_word_drop(struct buffer *out, struct text name, const struct side_word
         end++;
     }
     size_t next = end;
-    while (next < name.size && joins(name.data[next])) {
+    while (next < name.size && is_joining(name.data[next])) {
         next++;
     }
-    while (next == end && start && joins(name.data[start - 1])) { /* nothing joins it to what follows */
+    while (next == end && start && is_joining(name.data[start - 1])) { /* nothing joins it to what follows */
         start--;
     }
     buffer_append(out, name.data, start);

@@ -6,7 +6,7 @@
 #include "base/buffer.h"
 #include "base/text.h"
 
-/** A word of a name that tells the side: L, R, left, right, lh, rh with one case throughout (left and right also with a
+/** A word of a name for the side: L, R, left, right, lh, rh with one case throughout (left and right also with a
  * capital), or l, r at the name's beginning or end. A word is what stands between other characters than letters and
  * digits. */
 struct side_word {

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of phantoms, and how their shapes are drawn on a grid. */
 #include "atlas/phantom/phantom.h"
 
 #include "atlas/palette.h"
@@ -286,7 +287,7 @@ static void paint_shape(uint32_t *labels, const struct phantom_shape *shape, con
     }
 }
 
-static conus_status paint(struct phantom_drawing *drawing)
+static conus_status paint_shapes(struct phantom_drawing *drawing)
 {
     const conus_volume_info *grid = &drawing->grid;
     double voxel_from_world[16];
@@ -328,7 +329,7 @@ conus_status phantom_draw(struct phantom_drawing *out, const char *kind, const c
         drawing.shapes[i] = scale_shape(drawing.phantom->shapes[i], edge / PHANTOM_EDGE);
     }
     status = make_grid(&drawing.grid, drawing.phantom->info.name, &used, edge);
-    status = status ? status : paint(&drawing);
+    status = status ? status : paint_shapes(&drawing);
     if (!status) {
         *out = drawing;
     }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The shapes of the brain phantom, their triangles and the values of its volumes. */
 #include "atlas/phantom/phantom_brain.h"
 
 #include "atlas/space.h"
@@ -40,7 +41,7 @@ const struct phantom_brain_area *phantom_brain_area(size_t index)
     return &areas[index];
 }
 
-static void bend(double world[3], const double straight[3])
+static void bend_point(double world[3], const double straight[3])
 {
     double x = straight[0] + shear * sin(waves * straight[1]);
     double y = straight[1] + shear * sin(waves * straight[2]);
@@ -97,7 +98,7 @@ static void place_vertex(float *out, size_t index, double polar, double azimuth)
     double d[3] = {sin(polar) * cos(azimuth), sin(polar) * sin(azimuth), cos(polar)};
     double p[3];
     vec3_add_scaled(p, areas[index].seed, radius_towards(index, d), d);
-    bend(p, p);
+    bend_point(p, p);
     for (int i = 0; i < 3; i++) {
         out[i] = (float)p[i];
     }
@@ -179,13 +180,13 @@ conus_status phantom_brain_grid(conus_volume_info *out)
 }
 
 /* 0 below `from`, 1 above `to`, smooth between. */
-static double ramp(double value, double from, double to)
+static double ramp_between(double value, double from, double to)
 {
     double t = fmin(fmax((value - from) / (to - from), 0), 1);
     return t * t * (3 - 2 * t);
 }
 
-static double ellipsoid(const double p[3], double x, double y, double z)
+static double ellipsoid_distance(const double p[3], double x, double y, double z)
 {
     return sqrt(p[0] * p[0] / (x * x) + p[1] * p[1] / (y * y) + p[2] * p[2] / (z * z));
 }
@@ -194,15 +195,15 @@ uint16_t phantom_brain_context(const double world[3])
 {
     double p[3];
     phantom_brain_straighten(p, world);
-    double depth = ellipsoid(p, brain_reach[0], brain_reach[1], brain_reach[2]);
+    double depth = ellipsoid_distance(p, brain_reach[0], brain_reach[1], brain_reach[2]);
     if (depth > 1.1) {
         return 0;
     }
     double fold = 0.05 * sin(p[0] / 4) * sin(p[1] / 5) * sin(p[2] / 4);
-    double rim = ramp(depth + fold, 0.98, 1.02);
-    double cortex = ramp(depth + fold, 0.86, 0.9);
+    double rim = ramp_between(depth + fold, 0.98, 1.02);
+    double cortex = ramp_between(depth + fold, 0.86, 0.9);
     double side[3] = {fabs(p[0]) - 8, p[1], p[2] - 8};
-    double chamber = 1 - ramp(ellipsoid(side, 5, 24, 7), 0.9, 1.1);
+    double chamber = 1 - ramp_between(ellipsoid_distance(side, 5, 24, 7), 0.9, 1.1);
     double inside = 46000 - 14000 * cortex - 36000 * chamber;
     return (uint16_t)lround((1 - rim) * inside);
 }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes, checks, measures, moves and ends a mesh, and tests a ray against a triangle. */
 #include "atlas/surface/mesh.h"
 
 #include "atlas/surface/mesh_closed.h"
@@ -35,7 +36,7 @@ conus_status mesh_init(struct mesh *out, size_t vertex_count, size_t triangle_co
     return CONUS_OK;
 }
 
-static void corner(double out[3], const struct mesh *mesh, size_t triangle, int k)
+static void copy_corner(double out[3], const struct mesh *mesh, size_t triangle, int k)
 {
     const float *p = &mesh->positions[3 * (size_t)mesh->triangles[3 * triangle + (size_t)k]];
     for (int a = 0; a < 3; a++) {
@@ -48,7 +49,7 @@ static void normal_of(double out[3], const struct mesh *mesh, size_t triangle)
 {
     double p[3][3];
     for (int k = 0; k < 3; k++) {
-        corner(p[k], mesh, triangle, k);
+        copy_corner(p[k], mesh, triangle, k);
     }
     vec3_sub(p[1], p[1], p[0]);
     vec3_sub(p[2], p[2], p[0]);
@@ -110,7 +111,7 @@ conus_status mesh_check(struct mesh *mesh, struct notes *notes)
 
 /* Volume and centroid as sums over tetrahedra from a point inside the bounds, so that far from the origin no digits
  * are lost; area and surface centroid beside them. */
-static void integrate(struct mesh_shape *out, const struct mesh *mesh)
+static void integrate_triangles(struct mesh_shape *out, const struct mesh *mesh)
 {
     double middle[3];
     double volume = 0;
@@ -126,7 +127,7 @@ static void integrate(struct mesh_shape *out, const struct mesh *mesh)
         double sum[3] = {0};
         normal_of(normal, mesh, i);
         for (int k = 0; k < 3; k++) {
-            corner(p[k], mesh, i, k);
+            copy_corner(p[k], mesh, i, k);
             vec3_sub(p[k], p[k], middle);
             vec3_add_scaled(sum, sum, 1, p[k]);
         }
@@ -151,13 +152,13 @@ conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh)
     }
     for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
         double p[3];
-        corner(p, mesh, i / 3, (int)(i % 3));
+        copy_corner(p, mesh, i / 3, (int)(i % 3));
         for (int a = 0; a < 3; a++) {
             shape.low[a] = fmin(shape.low[a], p[a]);
             shape.high[a] = fmax(shape.high[a], p[a]);
         }
     }
-    integrate(&shape, mesh);
+    integrate_triangles(&shape, mesh);
     status = shape.closed ? mesh_winds_once(&shape.has_volume, mesh, &shape) : CONUS_OK;
     if (!status) {
         *out = shape;
@@ -173,7 +174,7 @@ double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const 
     double farthest = -INFINITY;
     double per_length = 1 / vec3_dot(direction, direction);
     for (int k = 0; k < 3; k++) {
-        corner(p[k], mesh, triangle, k);
+        copy_corner(p[k], mesh, triangle, k);
         vec3_sub(p[k], p[k], origin);
         double reach = vec3_dot(p[k], direction) * per_length;
         nearest = fmin(nearest, reach);

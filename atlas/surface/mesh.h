@@ -42,7 +42,7 @@ conus_status mesh_check_numbers(const struct mesh *mesh);
 conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh);
 
 /** Distance along a ray to the plane of @p triangle, held within the triangle's reach along the ray: for a ray that
- * meets it, or passes it by less than rounding. In units of @p direction's length. */
+ * hits it, or passes it by less than rounding. In units of @p direction's length. */
 double mesh_distance(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3]);
 
 /** mesh_distance(), and in @p side from which side the ray comes: 1 from that which the triangle faces, -1 from the

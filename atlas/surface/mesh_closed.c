@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Pairs the edges of a mesh: a closed one passes each as often in either direction. */
 #include "atlas/surface/mesh_closed.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -100,9 +102,7 @@ static void gather_edges(struct edges *edges, const struct mesh *mesh, const uin
 
 static int compare_items(const void *a, const void *b)
 {
-    uint64_t x = *(const uint64_t *)a;
-    uint64_t y = *(const uint64_t *)b;
-    return (x > y) - (x < y);
+    return compare_unsigned(*(const uint64_t *)a, *(const uint64_t *)b);
 }
 
 static void sort_items(uint64_t *items, size_t count)

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Distance from a point to a mesh, and the winding number of the mesh around it. */
 #include "atlas/surface/mesh_near.h"
 
 #include "base/math3.h"
 
-static void corners(double out[3][3], const struct mesh *mesh, size_t triangle, const double origin[3])
+static void copy_corners(double out[3][3], const struct mesh *mesh, size_t triangle, const double origin[3])
 {
     for (int c = 0; c < 3; c++) {
         const float *position = mesh->positions + 3 * (size_t)mesh->triangles[3 * triangle + (size_t)c];
@@ -88,7 +89,7 @@ double mesh_nearest(double out[3], const struct mesh *mesh, const double point[3
     for (size_t triangle = 0; triangle < mesh->triangle_count; triangle++) {
         double corner[3][3];
         double foot[3] = {0};
-        corners(corner, mesh, triangle, point);
+        copy_corners(corner, mesh, triangle, point);
         if (box_distance(corner) > fmin(limit, best)) {
             continue;
         }
@@ -107,7 +108,7 @@ double mesh_winding(const struct mesh *mesh, const double point[3])
     for (size_t triangle = 0; triangle < mesh->triangle_count; triangle++) {
         double corner[3][3];
         double normal[3];
-        corners(corner, mesh, triangle, point);
+        copy_corners(corner, mesh, triangle, point);
         double a = vec3_length(corner[0]);
         double b = vec3_length(corner[1]);
         double c = vec3_length(corner[2]);

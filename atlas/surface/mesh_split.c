@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Cuts a mesh by the labels of its vertices. */
 #include "atlas/surface/mesh_split.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -35,15 +37,15 @@ static uint32_t label_of(const uint32_t *corners, const uint32_t *labels)
     return b == labels[corners[2]] ? b : a;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_labelled(const void *a, const void *b)
 {
     const struct labelled *x = a;
     const struct labelled *y = b;
-    return x->label != y->label ? (x->label > y->label) - (x->label < y->label)
-                                : (x->triangle > y->triangle) - (x->triangle < y->triangle);
+    int order = compare_unsigned(x->label, y->label);
+    return order ? order : compare_unsigned(x->triangle, y->triangle);
 }
 
-static conus_status gather(struct splitting *work, const uint32_t *labels, struct notes *notes)
+static conus_status gather_triangles(struct splitting *work, const uint32_t *labels, struct notes *notes)
 {
     const struct mesh *mesh = work->mesh;
     size_t left_out = 0;
@@ -57,7 +59,7 @@ static conus_status gather(struct splitting *work, const uint32_t *labels, struc
     if (!work->count) {
         return fail(CONUS_ERROR_DATA, "none of %zu triangles is labelled", mesh->triangle_count);
     }
-    qsort(work->triangles, work->count, sizeof *work->triangles, compare);
+    qsort(work->triangles, work->count, sizeof *work->triangles, compare_labelled);
     return left_out ? notes_add(notes, "%s: %zu of %zu triangles have no label and were left out",
                                 mesh->path ? mesh->path : "mesh", left_out, mesh->triangle_count)
                     : CONUS_OK;
@@ -145,7 +147,7 @@ conus_status mesh_split(struct mesh_parts *out, const struct mesh *mesh, const u
     struct mesh_parts parts = {0};
     work.triangles = memory_raw(mesh->triangle_count, sizeof *work.triangles);
     work.place = memory_raw(mesh->vertex_count, sizeof *work.place);
-    conus_status status = work.triangles && work.place ? gather(&work, labels, notes) : CONUS_ERROR_MEMORY;
+    conus_status status = work.triangles && work.place ? gather_triangles(&work, labels, notes) : CONUS_ERROR_MEMORY;
     if (!status) {
         memset(work.place, 0xff, mesh->vertex_count * sizeof *work.place);
         status = make_parts(&parts, &work);

@@ -3,6 +3,7 @@
 #include "atlas/surface/mesh_winding.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -59,9 +60,7 @@ static bool add_crossing(struct lines *lines, double p[3][3], int i, int j)
     if (!upwards && !(weights[0] < 0 && weights[1] < 0 && weights[2] < 0)) {
         return true;
     }
-    void *crossings = lines->crossings;
-    bool fits = memory_reserve(&crossings, &lines->capacity, lines->count + 1, sizeof *lines->crossings);
-    lines->crossings = crossings;
+    bool fits = memory_reserve(&lines->crossings, &lines->capacity, lines->count + 1, sizeof *lines->crossings);
     if (fits) {
         double sum = weights[0] + weights[1] + weights[2];
         double z = (weights[0] * p[0][2] + weights[1] * p[1][2] + weights[2] * p[2][2]) / sum;
@@ -96,7 +95,8 @@ static int compare_crossings(const void *a, const void *b)
 {
     const struct crossing *x = a;
     const struct crossing *y = b;
-    return x->line != y->line ? (x->line > y->line) - (x->line < y->line) : (x->z > y->z) - (x->z < y->z);
+    int order = compare_unsigned(x->line, y->line);
+    return order ? order : compare_double(x->z, y->z);
 }
 
 /* The length inside, winding not 0, and that of it around which the mesh does not wind `facing` times. */

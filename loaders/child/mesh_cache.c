@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Stores and finds results by key, and removes the oldest ones. */
 #include "loaders/child/mesh_cache.h"
 
 #include "base/byte_order.h"
@@ -249,7 +250,7 @@ static conus_status make_space(const char *folder_path, uint64_t limit)
     return status;
 }
 
-/* A checksum tells a damaged entry, so that nothing need wait for the disk. */
+/* A checksum detects a damaged entry, so that nothing need wait for the disk. */
 static conus_status write_entry(const struct buffer *path, const struct buffer *content)
 {
     struct buffer temporary = {0};

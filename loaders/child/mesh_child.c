@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds conus-mesh, starts it, sends the request and takes its frames. */
 #include "loaders/child/mesh_child.h"
 
 #include "base/clock.h"
@@ -141,7 +142,7 @@ static void limit_resource(__rlimit_resource_t resource, uint64_t value, uint64_
 }
 
 /* It gets no rights by what it runs, writes to no file, and has no descriptors but those that it is given. */
-static void confine(const struct mesh_child_limits *limits)
+static void confine_child(const struct mesh_child_limits *limits)
 {
     prctl(PR_SET_PDEATHSIG, SIGKILL); /* it does not outlive who asked */
     prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
@@ -158,14 +159,14 @@ enum { OUT, ERR = 2, REPORT = 4, REQUEST = 6, ENDS };
 
 /* In the new process: becomes conus-mesh. Only calls that are allowed between fork and exec; ends in one way or the
  * other. */
-static void become(const char *path, const struct mesh_child_limits *limits, const int ends[ENDS])
+static void become_program(const char *path, const struct mesh_child_limits *limits, const int ends[ENDS])
 {
     char name[] = "conus-mesh";
     char file[] = "/dev/fd/3";
     char *const words[] = {name, file, NULL};
     /* stdin is empty: no program of ours reads it, and a library that did would wait for ever. */
     int nothing = open("/dev/null", O_RDONLY); /* may be stdin already, so not to be closed */
-    confine(limits);
+    confine_child(limits);
     if (nothing >= 0 && dup2(nothing, STDIN_FILENO) >= 0 && dup2(ends[OUT + 1], STDOUT_FILENO) >= 0 &&
         dup2(ends[ERR + 1], STDERR_FILENO) >= 0 && dup2(ends[REQUEST], REQUEST_DESCRIPTOR) >= 0) {
         execv(path, words);
@@ -215,7 +216,7 @@ static conus_status start_with(struct child *child, const char *path, int ends[E
         return fail_system("start");
     }
     if (pid == 0) {
-        become(path, child->limits, ends);
+        become_program(path, child->limits, ends);
     }
     child->pid = pid;
     errno = hear_report(ends);
@@ -229,7 +230,7 @@ static conus_status start_with(struct child *child, const char *path, int ends[E
     return CONUS_OK;
 }
 
-static conus_status start(struct child *child, const char *path, const struct mesh_child_request *request)
+static conus_status start_child(struct child *child, const char *path, const struct mesh_child_request *request)
 {
     int ends[ENDS] = {-1, -1, -1, -1, -1, -1, -1};
     conus_status status = CONUS_OK;
@@ -249,7 +250,7 @@ static conus_status start(struct child *child, const char *path, const struct me
 /* ---- What it writes ---------------------------------------------------------------------------------------- */
 
 /* How many bytes from the start of `data` make the next whole thing, as far as that is known yet. */
-static conus_status wanted(size_t *size, const struct child *child)
+static conus_status wanted_size(size_t *size, const struct child *child)
 {
     struct mesh_frame frame;
     *size = child->begun ? MESH_FRAME_HEADER_SIZE : MESH_MAGIC_SIZE;
@@ -279,7 +280,7 @@ static conus_status take_frame(struct child *child, size_t size)
     return child->ended ? CONUS_OK : child->take(child->user, &frame);
 }
 
-/* Room for the rest of the frame that is under way, and for one more reading. */
+/* Capacity for the rest of the frame that is under way, and for one more reading. */
 static conus_status make_room(struct child *child, size_t size)
 {
     size_t needed = size > child->size + READ_SIZE ? size : child->size + READ_SIZE;
@@ -298,11 +299,11 @@ static conus_status make_room(struct child *child, size_t size)
     return CONUS_OK;
 }
 
-static conus_status digest(struct child *child)
+static conus_status take_frames(struct child *child)
 {
     size_t size = 0;
     conus_status status;
-    while (!(status = wanted(&size, child)) && child->size >= size) {
+    while (!(status = wanted_size(&size, child)) && child->size >= size) {
         status = child->begun ? take_frame(child, size) : mesh_stream_begin(child->data, child->size);
         if (status) {
             return status;
@@ -315,9 +316,9 @@ static conus_status digest(struct child *child)
 }
 
 /* Closes *descriptor at its end. */
-static conus_status read_some(int *descriptor, uint8_t *data, size_t room, size_t *got)
+static conus_status read_some(int *descriptor, uint8_t *data, size_t capacity, size_t *got)
 {
-    ssize_t n = read(*descriptor, data, room);
+    ssize_t n = read(*descriptor, data, capacity);
     *got = n > 0 ? (size_t)n : 0;
     if (n < 0 && errno != EINTR && errno != EAGAIN) {
         return fail_system("read what it writes");
@@ -334,8 +335,8 @@ static conus_status hear_words(struct child *child)
     uint8_t rest[WORDS_SIZE];
     size_t got = 0;
     conus_status status = read_some(&child->err, rest, sizeof rest, &got);
-    size_t room = WORDS_SIZE - 1 - child->word_count;
-    size_t kept = got < room ? got : room;
+    size_t capacity = WORDS_SIZE - 1 - child->word_count;
+    size_t kept = got < capacity ? got : capacity;
     memcpy(child->words + child->word_count, rest, kept);
     child->word_count += kept;
     return status;
@@ -346,7 +347,7 @@ static conus_status hear_meshes(struct child *child)
     size_t got = 0;
     conus_status status = read_some(&child->out, child->data + child->size, child->capacity - child->size, &got);
     child->size += got;
-    return status || !got ? status : digest(child);
+    return status || !got ? status : take_frames(child);
 }
 
 static conus_status fail_late(const struct child *child)
@@ -380,7 +381,7 @@ static conus_status listen_to(struct child *child)
 
 /* ---- How it ended ------------------------------------------------------------------------------------------ */
 
-static conus_status judge(const struct child *child, int how)
+static conus_status judge_exit(const struct child *child, int how)
 {
     if (WIFSIGNALED(how)) {
         int number = WTERMSIG(how);
@@ -402,7 +403,7 @@ static conus_status judge(const struct child *child, int how)
                                         : fail(CONUS_ERROR_DATA, "%s: what it wrote is cut off or goes on", program);
 }
 
-/* It may have closed what it writes to and go on all the same. */
+/* It may have closed its output and still run. */
 static conus_status await_end(const struct child *child, int *how)
 {
     static const struct timespec moment = {.tv_nsec = 1000000};
@@ -419,7 +420,7 @@ static conus_status await_end(const struct child *child, int *how)
     return CONUS_OK;
 }
 
-static conus_status finish(struct child *child, conus_status status)
+static conus_status finish_child(struct child *child, conus_status status)
 {
     int how = 0;
     status = status ? status : await_end(child, &how);
@@ -435,7 +436,7 @@ static conus_status finish(struct child *child, conus_status status)
         close(child->err);
     }
     memory_free(child->data);
-    return status ? status : judge(child, how);
+    return status ? status : judge_exit(child, how);
 }
 
 conus_status mesh_child_run(const struct mesh_child_request *request, const struct mesh_child_limits *limits,
@@ -447,8 +448,8 @@ conus_status mesh_child_run(const struct mesh_child_request *request, const stru
     if (status) {
         return status;
     }
-    status = start(&child, path, request);
+    status = start_child(&child, path, request);
     memory_free(path);
     status = status ? status : listen_to(&child);
-    return finish(&child, status);
+    return finish_child(&child, status);
 }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Asks conus-mesh or the cache for the surfaces of areas. */
 #include "loaders/child/mesh_extract.h"
 
 #include "base/byte_order.h"

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Asks conus-mesh or the cache for the meshes in files. */
 #include "loaders/child/mesh_foreign.h"
 
 #include "base/file.h"
+#include "base/folder.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "loaders/child/mesh_cache.h"
@@ -10,7 +12,6 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 static const uint64_t default_memory = UINT64_C(8) << 30;
 static const char *const endings[] = {".vtk", ".vtp", ".ply", ".stl", ".obj", NULL};
@@ -36,9 +37,8 @@ struct reading {
 
 static const char *ending_of(const char *path)
 {
-    size_t length = strlen(path);
     for (size_t i = 0; endings[i]; i++) {
-        if (length > 4 && strcasecmp(path + length - 4, endings[i]) == 0) {
+        if (path_ends_in(path, endings[i])) {
             return endings[i];
         }
     }

@@ -8,8 +8,9 @@
 #include "loaders/child/mesh_protocol.h"
 
 struct mesh_foreign_options {
-    enum mesh_space space; /**< Of the stored coordinates, whatever the files say; MESH_SPACE_UNSTATED = as they say. */
-    uint64_t max_memory;   /**< Of conus-mesh and of each file, in bytes; 0 = 8 GiB.                                  */
+    enum mesh_space
+        space; /**< Of the stored coordinates, against what the files say; MESH_SPACE_UNSTATED = as they say. */
+    uint64_t max_memory; /**< Of conus-mesh and of each file, in bytes; 0 = 8 GiB.                                  */
 };
 
 /** Whether the name @p path ends like a file that mesh_foreign_read() reads. */

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses the frames that conus-mesh writes. */
 #include "loaders/child/mesh_stream.h"
 
 #include "base/byte_order.h"

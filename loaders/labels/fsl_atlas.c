@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses an FSL atlas XML. */
 #include "loaders/labels/fsl_atlas.h"
 
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/xml.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_cells.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -59,7 +60,7 @@ static struct fsl_point read_point(const struct xml_event *event)
     return point;
 }
 
-static conus_status start(void *user, const struct xml_event *event)
+static conus_status start_element(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
     if (strcmp(event->name, "images") == 0) {
@@ -100,13 +101,11 @@ static conus_status set_type(struct fsl_atlas *atlas, struct text text)
 static conus_status end_label(struct parsing *parsing, const struct xml_event *event)
 {
     struct fsl_atlas *atlas = &parsing->atlas;
-    void *points = atlas->points;
     parsing->in_label = false;
     if (parsing->index == UINT32_MAX) {
         return fail(CONUS_ERROR_DATA, "line %zu: index 4294967295 is beyond a volume's number", event->line);
     }
-    bool fits = memory_reserve(&points, &parsing->capacity, atlas->labels.count + 1, sizeof *atlas->points);
-    atlas->points = points;
+    bool fits = memory_reserve(&atlas->points, &parsing->capacity, atlas->labels.count + 1, sizeof *atlas->points);
     struct label *label = fits ? label_table_add(&atlas->labels, parsing->index + 1) : NULL;
     if (!label) {
         return CONUS_ERROR_MEMORY;
@@ -115,7 +114,7 @@ static conus_status end_label(struct parsing *parsing, const struct xml_event *e
     return label_set_text(&label->name, event->text);
 }
 
-static conus_status end(void *user, const struct xml_event *event)
+static conus_status end_element(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
     struct fsl_atlas *atlas = &parsing->atlas;
@@ -135,7 +134,7 @@ static conus_status end(void *user, const struct xml_event *event)
 conus_status fsl_atlas_parse(struct fsl_atlas *out, struct text text)
 {
     struct parsing parsing = {0};
-    struct xml_handler handler = {start, end, &parsing, false};
+    struct xml_handler handler = {start_element, end_element, &parsing, false};
     conus_status status = xml_parse(&handler, text);
     if (!status && !parsing.atlas.type) {
         status = fail(CONUS_ERROR_DATA, "no <type>: Label, Probabilistic or Statistic is needed");

@@ -4,7 +4,8 @@
 #define CONUS_LOADERS_LABELS_FSL_ATLAS_H
 
 #include "atlas/labels.h"
-#include "loaders/labels/label_use.h"
+
+enum { FSL_ATLAS_LIMIT = 4 << 20 }; /**< Bytes of an atlas XML. */
 
 /** Paths as written: relative to the XML's folder although they begin with '/', and without ending. */
 struct fsl_image {
@@ -31,26 +32,5 @@ struct fsl_atlas {
 /** Parses the bytes of an atlas XML. */
 conus_status fsl_atlas_parse(struct fsl_atlas *out, struct text text);
 void fsl_atlas_finish(struct fsl_atlas *atlas);
-
-/** Gives the labels the numbers that they have in a volume of labels, and sorts them: index or index + 1, as their
- * points say if @p use has a volume, else as the type says (docs/formats.md). @p use->path is the XML's. */
-conus_status fsl_atlas_number(struct fsl_atlas *atlas, const struct label_use *use, struct notes *notes);
-
-enum fsl_use {
-    FSL_LABELS, /**< The volume holds labels: a summary image, or an image of type Label. */
-    FSL_VOLUMES /**< It holds one volume per label; volume k is label k + 1.              */
-};
-
-/** What is done with an atlas XML, whose path is @p path and whose bytes are @p file; it may take what the atlas has.
- */
-typedef conus_status (*fsl_visit)(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file);
-
-/** Visits every atlas XML, in the folder of @p volume_path and in the one above, that names this volume for that use,
- * by name. */
-conus_status fsl_atlas_each(const char *volume_path, enum fsl_use use, fsl_visit visit, void *user);
-
-/** Path of @p image as the FSL atlas @p xml_path writes it: from the XML's folder, mostly without ending; NULL in *out
- * if there is no such file, else the caller's to memory_free(). */
-conus_status fsl_image_find(char **out, const char *xml_path, const char *image);
 
 #endif

@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which FSL atlas XML, in a volume's folder or the one above, names the volume. */
+#include "loaders/labels/fsl_find.h"
+
 #include "base/buffer.h"
 #include "base/file.h"
 #include "base/folder.h"
 #include "base/memory.h"
 #include "base/xml.h"
-#include "loaders/labels/fsl_atlas.h"
-#include "loaders/labels/label_parse.h"
 
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { XML_LIMIT = 4 << 20 };
 
 struct search {
     enum fsl_use use;
@@ -50,8 +48,8 @@ static conus_status try_xml(const struct search *search, const char *path, const
     struct bytes bytes = {0};
     struct fsl_atlas atlas = {0};
     conus_status status = CONUS_OK;
-    if (file_exists(path) && !file_read(&bytes, path, XML_LIMIT)) {
-        struct text text = label_text_of(bytes.data, bytes.size);
+    if (file_exists(path) && !file_read(&bytes, path, FSL_ATLAS_LIMIT)) {
+        struct text text = text_from_bytes(bytes.data, bytes.size);
         status = text_equal(xml_root(text), "atlas") ? fsl_atlas_parse(&atlas, text) : CONUS_OK;
         status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
         if (!status && names_volume(&atlas, search->use, relative)) {

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which number a label of an FSL atlas XML has in a volume of labels: its index, or that plus one. */
+#include "loaders/labels/fsl_number.h"
+
 #include "base/folder.h"
 #include "base/math3.h"
 #include "base/memory.h"
-#include "loaders/labels/fsl_atlas.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/fsl_find.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/volumes/volume_file.h"
 
 #include <math.h>
@@ -70,7 +72,7 @@ static conus_status from_first_image(double voxel_from_point[16], bool *found, c
         status = image->summary ? fsl_image_find(&path, use->path, image->summary) : CONUS_OK;
         status = status || path || !image->image ? status : fsl_image_find(&path, use->path, image->image);
     }
-    if (path && !volume_file_header(&first, path)) { /* a damaged one tells nothing */
+    if (path && !volume_file_header(&first, path)) { /* a damaged one says nothing */
         double voxel_from_world[16];
         *found = mat4_invert_affine(voxel_from_world, use->info->world_from_voxel);
         if (*found) {
@@ -97,7 +99,7 @@ static conus_status find_fit(struct fit *out, const struct fsl_atlas *atlas, con
 }
 
 /* Two points or more, at least half of them, and over four times as many as fit the other way. */
-static bool decides(struct fit fit)
+static bool fit_decides(struct fit fit)
 {
     return best_of(fit) >= 2 && 2 * best_of(fit) >= fit.inside && best_of(fit) > 4 * worst_of(fit);
 }
@@ -152,7 +154,7 @@ conus_status fsl_atlas_number(struct fsl_atlas *atlas, const struct label_use *u
 {
     struct fit fit = {0};
     conus_status status = use->voxels ? find_fit(&fit, atlas, use) : CONUS_OK;
-    atlas->proved = decides(fit);
+    atlas->proved = fit_decides(fit);
     bool by_index = atlas->proved ? fit.index > fit.next : atlas->is_label || first_is_background(atlas);
     if (!status && by_index != atlas->is_label) {
         status = note_choice(atlas, use, fit, by_index, notes);

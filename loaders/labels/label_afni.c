@@ -2,9 +2,10 @@
 /* AFNI's label tables. They are NIML, which looks like XML: elements hold strings in quotation marks, and marks
  * inside a string are written as entities, so that the strings must be cut out before the entities are resolved.
  * In a NIfTI extension (code 4) the table is itself such a string, cut into pieces of 1000 characters. */
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_afni.h"
 
 #include "base/buffer.h"
+#include "loaders/labels/label_cells.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -70,7 +71,7 @@ static bool next_string(struct text *rest, struct text *string)
 }
 
 /* Value of attribute `name`: a string, or a word without marks. Empty if absent. */
-static struct text attribute(const struct tag *tag, const char *name)
+static struct text find_attribute(const struct tag *tag, const char *name)
 {
     struct text rest = tag->attributes;
     while (rest.size) {
@@ -93,7 +94,7 @@ static struct text attribute(const struct tag *tag, const char *name)
 }
 
 /* The character that the entity at the start of `text` ("&lt;", "&#x22;", "&#34;") means; *length = 0 if it is none. */
-static char entity(struct text text, size_t *length)
+static char read_entity(struct text text, size_t *length)
 {
     static const struct {
         const char *name;
@@ -122,7 +123,7 @@ static void append_resolved(struct buffer *buffer, struct text string)
 {
     while (string.size) {
         size_t length;
-        char c = entity(string, &length);
+        char c = read_entity(string, &length);
         buffer_append(buffer, length ? &c : string.data, 1);
         length = length ? length : 1;
         string = (struct text){string.data + length, string.size - length};
@@ -158,7 +159,7 @@ static conus_status parse_dtable(struct label_table *out, struct text *rest, con
         status = label_keep(out, &label, status, notes);
     }
     uint64_t wanted;
-    if (!status && text_to_uint(attribute(tag, "ni_dimen"), UINT32_MAX, &wanted) && wanted != entries) {
+    if (!status && text_to_uint(find_attribute(tag, "ni_dimen"), UINT32_MAX, &wanted) && wanted != entries) {
         status = notes_add(notes, "the AFNI label table has %zu entries, though its ni_dimen says %llu", entries,
                            (unsigned long long)wanted); /* people write these by hand */
     }
@@ -169,10 +170,10 @@ static conus_status parse_dtable(struct label_table *out, struct text *rest, con
 static conus_status parse_point(struct label_table *out, const struct tag *tag, struct notes *notes)
 {
     struct label label = {0};
-    struct text name = attribute(tag, "STRUCT");
-    struct text longer = attribute(tag, "LONGNAME");
+    struct text name = find_attribute(tag, "STRUCT");
+    struct text longer = find_attribute(tag, "LONGNAME");
     bool has_longer = longer.size && !text_equal(longer, "None");
-    conus_status status = label_cell_number(&label.number, text_trim(attribute(tag, "VAL")), "ATLAS_POINT");
+    conus_status status = label_cell_number(&label.number, text_trim(find_attribute(tag, "VAL")), "ATLAS_POINT");
     status = status ? status : set_resolved(&label.name, has_longer ? longer : name);
     if (!status && has_longer) {
         status = set_resolved(&label.abbreviation, name);
@@ -200,8 +201,8 @@ static conus_status join_attribute(struct buffer *joined, struct text text, cons
 {
     struct tag tag;
     while (next_tag(&text, &tag)) {
-        struct text key = attribute(&tag, "atr_name");
-        key = key.size ? key : attribute(&tag, "AFNI_name");
+        struct text key = find_attribute(&tag, "atr_name");
+        key = key.size ? key : find_attribute(&tag, "AFNI_name");
         struct text piece;
         while (text_equal(tag.name, "AFNI_atr") && text_equal(key, name) && next_string(&text, &piece)) {
             append_resolved(joined, piece);

@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which format, by content; and MRIcron's colours, the one format that is not text. */
-#include "loaders/labels/label_files.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_bytes.h"
+
+#include "loaders/labels/label_columns.h"
+#include "loaders/labels/label_json.h"
+#include "loaders/labels/label_markup.h"
+#include "loaders/labels/label_rows.h"
 
 #include <string.h>
 
@@ -10,34 +14,10 @@
     "tables with a header, FSL atlas XML, Workbench and AFNI label tables, BrainGlobe structures.json, NiiVue JSON, "  \
     "MRIcron .lut"
 
-struct text label_text_of(const uint8_t *data, size_t size)
-{
-    struct text text = {(const char *)data, size};
-    if (size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0) {
-        text = (struct text){text.data + 3, text.size - 3};
-    }
-    while (text.size && strchr(" \t\r\n\v\f", text.data[text.size - 1])) { /* NUL too */
-        text.size--;
-    }
-    return text;
-}
-
-/* Control characters that no text has. */
-static bool is_text(struct text text)
-{
-    for (size_t i = 0; i < text.size; i++) {
-        unsigned char c = (unsigned char)text.data[i];
-        if (c < 0x20 && !(c >= '\t' && c <= '\r')) {
-            return false;
-        }
-    }
-    return text.size > 0;
-}
-
 bool label_is_lut(const uint8_t *data, size_t size)
 {
     struct text all = {(const char *)data, size};
-    return size == LABEL_LUT_SIZE && !(is_text(all) && text_is_utf8(all));
+    return size == LABEL_LUT_SIZE && !(text_is_readable(all) && text_is_utf8(all));
 }
 
 /* The palettes that come with atlases leave the entries they do not use black. */
@@ -78,7 +58,7 @@ static bool is_answer(struct text text)
 const struct label_format *label_format_of(struct text text)
 {
     struct text start = text_trim(text);
-    if (!is_text(text) || is_answer(text)) {
+    if (!text_is_readable(text) || is_answer(text)) {
         return NULL;
     }
     if (start.data[0] == '<') {
@@ -118,7 +98,7 @@ conus_status label_text_parse(struct label_table *out, const struct label_format
 conus_status label_bytes_parse(struct label_table *out, const char **format, const uint8_t *data, size_t size,
                                const struct label_use *use, struct notes *notes)
 {
-    struct text text = label_text_of(data, size);
+    struct text text = text_from_bytes(data, size);
     conus_status status;
     if (label_is_lut(data, size)) {
         status = parse_lut(out, data);

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cells and entries of label tables, whatever the format. */
-#include "loaders/labels/label_parse.h"
+/* Cells and entries of label tables, for all formats. */
+#include "loaders/labels/label_cells.h"
 
-#include "base/memory.h"
-
+#include <stdio.h>
 #include <string.h>
 
 enum { SHOWN = 60 };
@@ -13,7 +12,7 @@ struct quoted {
     char text[SHOWN + 1];
 };
 
-static struct quoted quote(struct text cell)
+static struct quoted quote_cell(struct text cell)
 {
     struct quoted quoted = {0};
     memcpy(quoted.text, cell.size ? cell.data : "", cell.size < SHOWN ? cell.size : SHOWN);
@@ -25,7 +24,7 @@ conus_status label_cell_number(uint32_t *out, struct text cell, const char *wher
     uint64_t number;
     if (!text_to_uint(cell, UINT32_MAX, &number)) {
         return fail(CONUS_ERROR_DATA, "%s: label \"%s\", a whole number from 0 to 4294967295 is needed", where,
-                    quote(cell).text);
+                    quote_cell(cell).text);
     }
     *out = (uint32_t)number;
     return CONUS_OK;
@@ -36,7 +35,7 @@ conus_status label_cell_channel(uint8_t *out, struct text cell, const char *chan
     uint64_t value;
     if (!text_to_uint(cell, 255, &value)) {
         return fail(CONUS_ERROR_DATA, "%s: %s is \"%s\", a whole number from 0 to 255 is needed", where, channel,
-                    quote(cell).text);
+                    quote_cell(cell).text);
     }
     *out = (uint8_t)value;
     return CONUS_OK;
@@ -47,7 +46,7 @@ conus_status label_cell_fraction(uint8_t *out, struct text cell, const char *cha
     double value;
     if (!text_to_double(cell, &value) || !(value >= 0 && value <= 1)) {
         return fail(CONUS_ERROR_DATA, "%s: %s is \"%s\", a number from 0 to 1 is needed", where, channel,
-                    quote(cell).text);
+                    quote_cell(cell).text);
     }
     *out = (uint8_t)(value * 255 + 0.5);
     return CONUS_OK;
@@ -63,6 +62,29 @@ conus_status label_cell_rgb(struct label *label, const struct text cells[3],
         status = parse_channel(&label->rgb[i], cells[i], channels[i], where);
     }
     label->has_rgb = !status;
+    return status;
+}
+
+conus_status label_element(struct label *out, const struct xml_event *event)
+{
+    static const char *const channels[] = {"Red", "Green", "Blue"};
+    const char *key = xml_attribute(event, "Key");
+    key = key ? key : xml_attribute(event, "Index"); /* of old files */
+    struct text cells[3] = {{0}};
+    char where[32];
+    snprintf(where, sizeof where, "line %zu", event->line);
+    size_t given = 0;
+    for (int i = 0; i < 3; i++) {
+        const char *value = xml_attribute(event, channels[i]);
+        cells[i] = text_from(value ? value : "");
+        given += value != NULL;
+    }
+    struct label label = {0};
+    conus_status status = label_cell_number(&label.number, text_from(key ? key : ""), where);
+    status = status || !given ? status : label_cell_rgb(&label, cells, label_cell_fraction, where);
+    if (!status) {
+        *out = label;
+    }
     return status;
 }
 
@@ -84,9 +106,9 @@ conus_status label_cell_hex(uint8_t out[3], struct text cell, const char *where)
         fine = high >= 0 && low >= 0;
         out[i] = fine ? (uint8_t)(16 * high + low) : 0;
     }
-    return fine
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "%s: colour \"%s\", #rrggbb in hexadecimal is needed", where, quote(cell).text);
+    return fine ? CONUS_OK
+                : fail(CONUS_ERROR_DATA, "%s: colour \"%s\", #rrggbb in hexadecimal is needed", where,
+                       quote_cell(cell).text);
 }
 
 char label_hemisphere_of(struct text cell)
@@ -174,7 +196,6 @@ conus_status label_keep(struct label_table *table, struct label *label, conus_st
                            "the volume from 1, all names are off by one",
                            label->name);
     }
-    memory_free(label->name);
-    memory_free(label->abbreviation);
+    label_finish(label);
     return status;
 }

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables with a header row: BIDS dseg.tsv, Slicer's CSV, and others. The names of the columns decide what they
- * mean; columns that nobody knows are allowed. */
-#include "loaders/labels/label_parse.h"
+ * mean; unknown columns are allowed. */
+#include "loaders/labels/label_columns.h"
 
 #include "base/memory.h"
+#include "loaders/labels/label_cells.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -216,6 +217,6 @@ const struct label_format *label_format_of_columns(struct text text)
     if (!next_line(&text, &number, &line) || !read_header(&header, line)) {
         return NULL;
     }
-    bool is_slicer = memmem(line.data, line.size, "LabelValue", strlen("LabelValue")) != NULL;
+    bool is_slicer = text_mentions(line, "LabelValue");
     return header.separator == '\t' ? &tsv : is_slicer ? &slicer : &csv;
 }

@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables in a volume's folder that do not bear its name: an inherited BIDS dseg.tsv, an FSL atlas XML that names
  * the volume, and the tables that BrainGlobe and FreeSurfer call by fixed names. */
+#include "loaders/labels/label_folder.h"
+
 #include "base/folder.h"
 #include "base/memory.h"
-#include "loaders/labels/fsl_atlas.h"
+#include "loaders/labels/fsl_find.h"
+#include "loaders/labels/fsl_number.h"
 #include "loaders/labels/label_search.h"
 
 #include <string.h>
 
 /* Whether every entity ("res-01", "dseg") of the table's name is one of the volume's: then BIDS lets it inherit. */
-static bool inherits(struct text table, struct text volume, size_t *entities)
+static bool name_inherits(struct text table, struct text volume, size_t *entities)
 {
     struct text entity;
     *entities = 0;
@@ -38,7 +41,7 @@ static conus_status search_inherited(struct label_search *search, const char *fo
     for (size_t i = 0; i < names.count; i++) {
         size_t entities;
         struct text table = {names.names[i], strlen(names.names[i]) - strlen(".tsv")};
-        if (inherits(table, volume, &entities) && entities > most) {
+        if (name_inherits(table, volume, &entities) && entities > most) {
             most = entities;
             best = names.names[i];
         }

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables in JSON: BrainGlobe's structures.json, a list of structures with their paths in the tree, and NiiVue's
  * colour maps, an object of parallel lists. */
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_json.h"
 
 #include "base/json_text.h"
+#include "loaders/labels/label_cells.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -155,18 +156,13 @@ static conus_status parse_lists(struct label_table *out, struct text text, struc
     return status;
 }
 
-static bool mentions(struct text text, const char *part)
-{
-    return memmem(text.data, text.size, part, strlen(part)) != NULL;
-}
-
 const struct label_format *label_format_of_json(struct text text)
 {
     static const struct label_format structures = {"BrainGlobe structures", parse_structures};
     static const struct label_format lists = {"NiiVue labels", parse_lists};
-    if (text.data[0] == '[' && mentions(text, "\"id\"") &&
-        (mentions(text, "\"acronym\"") || mentions(text, "\"structure_id_path\""))) {
+    if (text.data[0] == '[' && text_mentions(text, "\"id\"") &&
+        (text_mentions(text, "\"acronym\"") || text_mentions(text, "\"structure_id_path\""))) {
         return &structures;
     }
-    return text.data[0] == '{' && mentions(text, "\"labels\"") && mentions(text, "\"R\"") ? &lists : NULL;
+    return text.data[0] == '{' && text_mentions(text, "\"labels\"") && text_mentions(text, "\"R\"") ? &lists : NULL;
 }

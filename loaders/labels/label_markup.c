@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which XML it is, by the outermost element; and Workbench's label table (NIfTI extension 30). */
+#include "loaders/labels/label_markup.h"
+
 #include "base/xml.h"
 #include "loaders/labels/fsl_atlas.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/fsl_number.h"
+#include "loaders/labels/label_afni.h"
+#include "loaders/labels/label_cells.h"
 
-#include <stdio.h>
 #include <string.h>
 
 struct workbench {
@@ -25,29 +28,6 @@ static conus_status start_volume(struct workbench *workbench, const struct xml_e
     }
     workbench->elsewhere = volume != workbench->wanted;
     return CONUS_OK;
-}
-
-conus_status label_element(struct label *out, const struct xml_event *event)
-{
-    static const char *const channels[] = {"Red", "Green", "Blue"};
-    const char *key = xml_attribute(event, "Key");
-    key = key ? key : xml_attribute(event, "Index"); /* of old files */
-    struct text cells[3] = {{0}};
-    char where[32];
-    snprintf(where, sizeof where, "line %zu", event->line);
-    size_t given = 0;
-    for (int i = 0; i < 3; i++) {
-        const char *value = xml_attribute(event, channels[i]);
-        cells[i] = text_from(value ? value : "");
-        given += value != NULL;
-    }
-    struct label label = {0};
-    conus_status status = label_cell_number(&label.number, text_from(key ? key : ""), where);
-    status = status || !given ? status : label_cell_rgb(&label, cells, label_cell_fraction, where);
-    if (!status) {
-        *out = label;
-    }
-    return status;
 }
 
 static conus_status workbench_start(void *user, const struct xml_event *event)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Several tables may name one volume's labels: the first is used, and none may contradict it silently. */
+#include "loaders/labels/label_offer.h"
+
 #include "base/memory.h"
-#include "loaders/labels/label_search.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -144,7 +145,7 @@ static conus_status compare_numbers(struct comparison *comparison, const struct 
     return status;
 }
 
-static conus_status compare(struct comparison *out, const struct label_table *a, const struct label_table *b)
+static conus_status compare_tables(struct comparison *out, const struct label_table *a, const struct label_table *b)
 {
     struct key *keys[2] = {NULL, NULL};
     size_t counts[2] = {0, 0};
@@ -160,7 +161,7 @@ static conus_status compare(struct comparison *out, const struct label_table *a,
     return status;
 }
 
-static conus_status take(struct label_search *search, struct label_offer *offer)
+static conus_status take_offer(struct label_search *search, struct label_offer *offer)
 {
     label_table_finish(&search->table);
     search->table = offer->table;
@@ -192,13 +193,13 @@ static conus_status settle_contradiction(struct label_search *search, struct lab
         "two label tables contradict each other: \"%s\" is label %u in %s, %u in %s; used is the XML, whose x y "
         "z agree with the volume",
         clash[0]->name, clash[0]->number, first, clash[1]->number, second);
-    return status || search->proved ? status : take(search, offer);
+    return status || search->proved ? status : take_offer(search, offer);
 }
 
-static conus_status reconcile(struct label_search *search, struct label_offer *offer)
+static conus_status reconcile_offer(struct label_search *search, struct label_offer *offer)
 {
     struct comparison comparison;
-    conus_status status = compare(&comparison, &search->table, &offer->table);
+    conus_status status = compare_tables(&comparison, &search->table, &offer->table);
     const struct label *const *clash = comparison.clash;
     if (status) {
         return status;
@@ -218,12 +219,20 @@ static conus_status reconcile(struct label_search *search, struct label_offer *o
     return CONUS_OK;
 }
 
+void label_search_finish(struct label_search *search)
+{
+    label_table_finish(&search->table);
+    file_sums_finish(&search->read);
+    buffer_finish(&search->source);
+    buffer_finish(&search->first_error);
+}
+
 conus_status label_search_offer(struct label_search *search, struct label_offer *offer)
 {
     conus_status status = buffer_status(&offer->source);
     bool first = !search->found;
     bool proved = search->proved;
-    status = status ? status : first ? take(search, offer) : reconcile(search, offer);
+    status = status ? status : first ? take_offer(search, offer) : reconcile_offer(search, offer);
     if (!status && (first || proved != search->proved)) { /* now it is this one that is used */
         status = notes_move(search->notes, &offer->notes);
     }

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables of rows with white space between the columns. Which of the formats it is follows from the types of the
  * columns in most rows; a row that then breaks the format is an error, never a reason to read it as something else. */
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_rows.h"
 
 #include "base/memory.h"
+#include "loaders/labels/label_cells.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -130,12 +131,6 @@ static struct census count_rows(struct text text)
     return census;
 }
 
-static int compare_texts(struct text a, struct text b)
-{
-    int order = memcmp(a.data, b.data, a.size < b.size ? a.size : b.size);
-    return order ? order : (a.size > b.size) - (a.size < b.size);
-}
-
 struct word_of {
     struct text word;
     struct text number; /* of the row it stands in */
@@ -145,8 +140,8 @@ static int compare_words(const void *a, const void *b)
 {
     const struct word_of *x = a;
     const struct word_of *y = b;
-    int order = compare_texts(x->word, y->word);
-    return order ? order : compare_texts(x->number, y->number);
+    int order = text_compare(x->word, y->word);
+    return order ? order : text_compare(x->number, y->number);
 }
 
 static void take_words(struct text *rest, struct text *words, size_t count)
@@ -179,8 +174,8 @@ static conus_status words_differ(bool *out, struct text text, size_t rows, struc
     qsort(words, rows, sizeof *words, compare_words);
     *out = true;
     for (size_t i = 1; i < rows; i++) {
-        bool same = compare_texts(words[i - 1].word, words[i].word) == 0;
-        *out = *out && !(same && compare_texts(words[i - 1].number, words[i].number) != 0);
+        bool same = text_compare(words[i - 1].word, words[i].word) == 0;
+        *out = *out && !(same && text_compare(words[i - 1].number, words[i].number) != 0);
     }
     memory_free(words);
     return CONUS_OK;
@@ -398,10 +393,8 @@ static conus_status parse_pairs(struct label_table *out, struct text text, struc
 
 static bool says_slicer(struct text text)
 {
-    static const char mark[] = "Color table file";
     struct text line;
-    return text_line(&text, &line) && line.size && line.data[0] == '#' &&
-           memmem(line.data, line.size, mark, sizeof mark - 1);
+    return text_line(&text, &line) && line.size && line.data[0] == '#' && text_mentions(line, "Color table file");
 }
 
 const struct label_format *label_format_of_rows(struct text text)

@@ -14,7 +14,7 @@ struct label_use {
     const uint32_t *voxels;        /**< Its labels, i fastest; NULL if not known.     */
     const char *path;              /**< Of the table's file, or NULL.                 */
     uint64_t max_memory;           /**< For the table's file and what it becomes; 0 = 8 GiB. */
-    struct file_sums *read;        /**< Gets the files that the table is of; NULL: nobody asks. */
+    struct file_sums *read;        /**< Gets the files that the table is of; may be NULL. */
 };
 
 #endif

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The brain phantom as files: surfaces, two volumes and the manifest that joins them. */
+#include "loaders/phantom/phantom_brain_write.h"
+
 #include "atlas/palette.h"
 #include "atlas/phantom/phantom_brain.h"
 #include "atlas/space.h"
 #include "base/buffer.h"
+#include "base/file.h"
 #include "base/math3.h"
 #include "base/memory.h"
-#include "loaders/phantom/phantom_write.h"
 #include "loaders/surfaces/mesh_format.h"
 #include "loaders/volumes/nifti_write.h"
 
@@ -29,7 +31,7 @@ static conus_status write_surface(const char *folder, size_t index)
     surface_name(name, index);
     conus_status status = phantom_brain_mesh(&mesh, index);
     status = status ? status : mesh_format(&file, &mesh, &title, CONUS_GIFTI);
-    status = status ? status : phantom_write_file(folder, name, &file);
+    status = status ? status : file_write_in(folder, name, &file);
     buffer_finish(&file);
     mesh_finish(&mesh);
     return status;
@@ -54,7 +56,7 @@ static conus_status write_volume(const char *folder, const char *name, uint16_t 
     status = status ? status : nifti_format_values(&file, &grid, values, SPACE_SCANNER);
     status = status ? status : gzip_format(&packed, file.data, file.size);
     struct buffer bytes = {.data = (char *)packed.data, .size = packed.size};
-    status = status ? status : phantom_write_file(folder, name, &bytes);
+    status = status ? status : file_write_in(folder, name, &bytes);
     memory_free(values);
     bytes_finish(&packed);
     bytes_finish(&file);
@@ -87,7 +89,7 @@ static conus_status write_manifest(const char *folder)
     buffer_text(&text, "\n  ],\n"
                        "  \"pathways\": [{\"file\": \"brain-pathway.nii.gz\", \"name\": \"Arc\"}],\n"
                        "  \"context\": {\"file\": \"brain-context.nii.gz\", \"transfer\": \"brain\"}\n}\n");
-    conus_status status = phantom_write_file(folder, "brain.atlas.json", &text);
+    conus_status status = file_write_in(folder, "brain.atlas.json", &text);
     buffer_finish(&text);
     return status;
 }

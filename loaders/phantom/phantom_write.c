@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_phantom_write(): a drawing as the files that any other program reads, and the truth behind it. */
-#include "loaders/phantom/phantom_write.h"
 #include "atlas/phantom/phantom.h"
 #include "atlas/space.h"
 #include "base/buffer.h"
 #include "base/file.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "loaders/phantom/phantom_brain_write.h"
 #include "loaders/volumes/nifti_write.h"
 
 #include <stdio.h>
@@ -111,23 +111,12 @@ static void append_truth(struct buffer *out, const struct phantom_drawing *drawi
     buffer_text(out, "\n  ]\n}\n");
 }
 
-conus_status phantom_write_file(const char *folder, const char *name, const struct buffer *content)
-{
-    struct buffer path = {0};
-    buffer_format(&path, "%s/%s", folder, name);
-    conus_status status = buffer_status(content);
-    status = status ? status : buffer_status(&path);
-    status = status ? status : file_write(path.data, content->data, content->size);
-    buffer_finish(&path);
-    return status;
-}
-
 static conus_status write_beside(const char *folder, const char *kind, const char *ending, const struct buffer *content)
 {
     struct buffer name = {0};
     buffer_format(&name, "%s%s", kind, ending);
     conus_status status = buffer_status(&name);
-    status = status ? status : phantom_write_file(folder, name.data, content);
+    status = status ? status : file_write_in(folder, name.data, content);
     buffer_finish(&name);
     return status;
 }

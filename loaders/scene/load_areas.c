@@ -1,200 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From planned surfaces to areas of the atlas: who has which label, reading, the area tree. */
+/* From planned surfaces to areas of the atlas: reading them, their notes, the area tree. */
+#include "loaders/scene/load_areas.h"
+
 #include "atlas/label_map.h"
-#include "atlas/palette.h"
 #include "atlas/surface/mesh_split.h"
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
 #include "loaders/child/mesh_foreign.h"
-#include "loaders/scene/load_plan.h"
-#include "loaders/surfaces/mesh_file.h"
 
 #include <stdio.h>
 #include <string.h>
-
-/* ---- Labels that the parcellation has, too ----------------------------------------------------------------------- */
-
-/* Voxels of each planned area's label, in the plan's order. */
-static conus_status count_voxels(uint64_t *counts, const struct area_plan *plan, const struct parcellation *parts)
-{
-    const size_t *dim = parts->file.info.dim;
-    struct label_map map = {0};
-    uint32_t last = 0;
-    conus_status status = CONUS_OK;
-    uint64_t *count = NULL;
-    for (size_t i = 0; !status && i < dim[0] * dim[1] * dim[2]; i++) {
-        uint32_t label = parts->labels[i];
-        if (label != last) {
-            count = label ? label_map_at(&map, label) : NULL;
-            status = label && !count ? CONUS_ERROR_MEMORY : CONUS_OK;
-            last = label;
-        }
-        if (count) {
-            ++*count;
-        }
-    }
-    for (size_t i = 0; !status && i < plan->count; i++) {
-        count = label_map_at(&map, plan->areas[i].label.number);
-        status = count ? CONUS_OK : CONUS_ERROR_MEMORY;
-        counts[i] = count ? *count : 0;
-    }
-    label_map_finish(&map);
-    return status;
-}
-
-static void planned_area_finish(struct planned_area *area)
-{
-    memory_free(area->path);
-    memory_free(area->label.name);
-    memory_free(area->label.abbreviation);
-}
-
-/* Leaves the surfaces out whose label has voxels. */
-static void drop_surfaces(struct area_plan *plan, const uint64_t *counts)
-{
-    size_t kept = 0;
-    for (size_t i = 0; i < plan->count; i++) {
-        if (counts[i]) {
-            planned_area_finish(&plan->areas[i]);
-        } else {
-            plan->areas[kept++] = plan->areas[i];
-        }
-    }
-    plan->count = kept;
-}
-
-/* Gives the surface what the table's entry says and the manifest does not. */
-static void take_words(struct label *label, struct label *entry)
-{
-    if (!label->name) {
-        label->name = entry->name;
-        entry->name = NULL;
-    }
-    if (!label->abbreviation) {
-        label->abbreviation = entry->abbreviation;
-        entry->abbreviation = NULL;
-    }
-    if (!label->has_rgb) {
-        label->has_rgb = entry->has_rgb;
-        memcpy(label->rgb, entry->rgb, sizeof label->rgb);
-    }
-    label->hemisphere = label->hemisphere ? label->hemisphere : entry->hemisphere;
-}
-
-/* Gives the surfaces the parents that the table knows and the manifest does not. */
-static void hand_over_parents(struct area_plan *plan, const struct label_table *table)
-{
-    for (size_t i = 0; i < plan->count; i++) {
-        struct label *label = &plan->areas[i].label;
-        const struct label *entry = label_table_find(table, label->number);
-        bool known = entry && entry->has_parent &&
-                     (label_table_find(table, entry->parent) || area_plan_find(plan, entry->parent));
-        if (known && !label->has_parent) {
-            label->has_parent = true;
-            label->parent = entry->parent;
-        }
-    }
-}
-
-/* An entry of the table that lies in a surface becomes a node of the tree, since the table will not know its parent.
- * The first `stated` nodes are the manifest's. */
-static conus_status hand_over_link(struct area_plan *plan, struct label *entry, size_t stated)
-{
-    if (!entry->name || !entry->has_parent || !area_plan_find(plan, entry->parent)) {
-        return CONUS_OK;
-    }
-    struct label *node = NULL;
-    for (size_t i = 0; i < stated && !node; i++) {
-        node = plan->groups.entries[i].number == entry->number ? &plan->groups.entries[i] : NULL;
-    }
-    node = node ? node : label_table_add(&plan->groups, entry->number);
-    if (!node) {
-        return CONUS_ERROR_MEMORY;
-    }
-    node->parent = node->has_parent ? node->parent : entry->parent;
-    node->has_parent = true;
-    entry->has_parent = false;
-    return CONUS_OK;
-}
-
-/* The table keeps what is no surface's. */
-static conus_status hand_over_entries(struct area_plan *plan, struct label_table *table)
-{
-    size_t kept = 0;
-    size_t stated = plan->groups.count;
-    conus_status status = CONUS_OK;
-    hand_over_parents(plan, table);
-    for (size_t i = 0; !status && i < table->count; i++) {
-        status = hand_over_link(plan, &table->entries[i], stated);
-    }
-    for (size_t i = 0; i < table->count; i++) {
-        struct label *entry = &table->entries[i];
-        struct planned_area *area = area_plan_find(plan, entry->number);
-        if (area) {
-            take_words(&area->label, entry);
-            memory_free(entry->name);
-            memory_free(entry->abbreviation);
-        } else {
-            table->entries[kept++] = *entry;
-        }
-    }
-    table->count = kept;
-    return status;
-}
-
-/* Voxels with a planned area's label become background. */
-static void clear_voxels(const struct area_plan *plan, struct parcellation *parts)
-{
-    const size_t *dim = parts->file.info.dim;
-    uint32_t last = 0;
-    bool cleared = false;
-    for (size_t i = 0; i < dim[0] * dim[1] * dim[2]; i++) {
-        uint32_t label = parts->labels[i];
-        if (label != last) {
-            cleared = label && area_plan_find(plan, label);
-            last = label;
-        }
-        parts->labels[i] = cleared ? 0 : label;
-    }
-}
-
-static conus_status prefer(struct area_plan *plan, struct parcellation *parts, const uint64_t *counts,
-                           enum manifest_preference preference)
-{
-    size_t shared = 0;
-    const struct planned_area *first = NULL;
-    for (size_t i = 0; i < plan->count; i++) {
-        first = counts[i] && !first ? &plan->areas[i] : first;
-        shared += counts[i] > 0;
-    }
-    if (first && preference == MANIFEST_PREFER_NONE) {
-        return fail(CONUS_ERROR_DATA,
-                    "areas[%zu]: label %u of %s is in the parcellation, too: say \"prefer\": \"areas\" or "
-                    "\"parcellation\"",
-                    first->entry, first->label.number, path_base(first->path));
-    }
-    bool surfaces = preference != MANIFEST_PREFER_PARCELLATION;
-    if (first && surfaces) {
-        clear_voxels(plan, parts);
-    } else if (first) {
-        drop_surfaces(plan, counts);
-    }
-    return !first ? CONUS_OK
-                  : notes_add(&parts->notes, "labels that are both a surface and voxels: %zu, the %s taken", shared,
-                              surfaces ? "surfaces are" : "voxels are");
-}
-
-conus_status area_plan_settle(struct area_plan *plan, struct parcellation *parts, enum manifest_preference preference)
-{
-    uint64_t *counts = memory_zeroed(plan->count, sizeof *counts);
-    conus_status status = counts ? count_voxels(counts, plan, parts) : CONUS_ERROR_MEMORY;
-    status = status ? status : prefer(plan, parts, counts, preference);
-    status = status ? status : hand_over_entries(plan, &parts->table);
-    status = status ? status : label_table_sort(&plan->groups, &parts->notes);
-    memory_free(counts);
-    return status;
-}
 
 /* ---- Reading ---------------------------------------------------------------------------------------------------- */
 
@@ -252,12 +68,11 @@ static conus_status read_own(struct surfaces *surfaces, struct planned_area *are
     struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->max_memory};
     conus_status status = mesh_file_read(mesh, &said, area->path, &options, surfaces->notes);
     status = status ? status : name_area(area, &said);
-    memory_free(said.name);
-    memory_free(said.abbreviation);
+    label_finish(&said);
     return status;
 }
 
-static conus_status read_sheet(struct mesh *mesh, const struct surfaces *surfaces, const char *path)
+static conus_status read_labelled(struct mesh *mesh, const struct surfaces *surfaces, const char *path)
 {
     if (!mesh_file_keeps_vertices(path)) {
         return fail(CONUS_ERROR_UNSUPPORTED, "vertex_labels: %s: a GIFTI or FreeSurfer surface is needed",
@@ -268,36 +83,36 @@ static conus_status read_sheet(struct mesh *mesh, const struct surfaces *surface
 }
 
 /* Gives the parts to the areas planned for them. */
-static conus_status hand_out_parts(struct surfaces *surfaces, struct area_plan *plan, size_t sheet,
+static conus_status hand_out_parts(struct surfaces *surfaces, struct area_plan *plan, size_t surface,
                                    struct mesh_parts *parts)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < plan->count; i++) {
         struct planned_area *area = &plan->areas[i];
-        for (size_t k = 0; area->is_part && area->sheet == sheet && k < parts->count; k++) {
+        for (size_t k = 0; area->is_part && area->surface == surface && k < parts->count; k++) {
             if (parts->parts[k].label == area->part) {
                 surfaces->meshes[i] = parts->parts[k].mesh;
                 parts->parts[k].mesh = (struct mesh){0};
             }
         }
-        if (area->is_part && area->sheet == sheet && !surfaces->meshes[i].triangle_count) {
+        if (area->is_part && area->surface == surface && !surfaces->meshes[i].triangle_count) {
             status = notes_add(surfaces->notes, "%s: label %u is on no triangle, left out", area->path, area->part);
         }
     }
     return status;
 }
 
-static conus_status cut_sheet(struct surfaces *surfaces, struct area_plan *plan, size_t index)
+static conus_status cut_labelled(struct surfaces *surfaces, struct area_plan *plan, size_t index)
 {
-    const struct planned_sheet *sheet = &plan->sheets[index];
+    const struct labelled_surface *labelled = &plan->labelled[index];
     struct mesh mesh = {0};
     struct mesh_parts parts = {0};
-    conus_status status = read_sheet(&mesh, surfaces, sheet->path);
-    if (!status && mesh.vertex_count != sheet->labels.count) {
+    conus_status status = read_labelled(&mesh, surfaces, labelled->path);
+    if (!status && mesh.vertex_count != labelled->labels.count) {
         status = fail(CONUS_ERROR_DATA, "vertex_labels: %zu labels, %s has %zu vertices: they must be as many",
-                      sheet->labels.count, path_base(sheet->path), mesh.vertex_count);
+                      labelled->labels.count, path_base(labelled->path), mesh.vertex_count);
     }
-    status = status ? status : mesh_split(&parts, &mesh, sheet->labels.labels, surfaces->notes);
+    status = status ? status : mesh_split(&parts, &mesh, labelled->labels.labels, surfaces->notes);
     status = status ? status : hand_out_parts(surfaces, plan, index, &parts);
     mesh_parts_finish(&parts);
     mesh_finish(&mesh);
@@ -324,7 +139,7 @@ static conus_status read_foreign(struct surfaces *surfaces, struct area_plan *pl
     if (!n) {
         return CONUS_OK;
     }
-    load_progress_tell(surfaces->progress, surfaces->foreign[0], n);
+    load_progress_report(surfaces->progress, surfaces->foreign[0], n);
     conus_status status = mesh_foreign_read(surfaces->received, surfaces->foreign, n, &options, surfaces->notes);
     surfaces->foreign_count = status ? 0 : n;
     n = 0;
@@ -345,7 +160,7 @@ static conus_status read_areas(struct surfaces *surfaces, struct area_plan *plan
         char key[48];
         struct planned_area *area = &plan->areas[i];
         if (!area->is_part && !is_foreign(area)) {
-            load_progress_tell(surfaces->progress, area->path, 1);
+            load_progress_report(surfaces->progress, area->path, 1);
             status = read_own(surfaces, area, &surfaces->meshes[i]);
         }
         snprintf(key, sizeof key, "areas[%zu]", area->entry);
@@ -354,7 +169,7 @@ static conus_status read_areas(struct surfaces *surfaces, struct area_plan *plan
     return status;
 }
 
-/* A file that is not there is its reader's to complain of. */
+/* The reader reports a file that is not there. */
 static void keep_states(struct area_plan *plan)
 {
     for (size_t i = 0; i < plan->count; i++) {
@@ -367,9 +182,9 @@ static conus_status read_all(struct surfaces *surfaces, struct area_plan *plan)
     keep_states(plan);
     conus_status status = read_foreign(surfaces, plan, true);
     status = status ? status : read_foreign(surfaces, plan, false);
-    for (size_t i = 0; !status && i < plan->sheet_count; i++) {
-        load_progress_tell(surfaces->progress, plan->sheets[i].path, 1);
-        status = cut_sheet(surfaces, plan, i);
+    for (size_t i = 0; !status && i < plan->labelled_count; i++) {
+        load_progress_report(surfaces->progress, plan->labelled[i].path, 1);
+        status = cut_labelled(surfaces, plan, i);
     }
     return status ? fail_in(status, "areas") : read_areas(surfaces, plan);
 }
@@ -436,26 +251,13 @@ static conus_status gather_notes(struct notes *to, const struct area_plan *plan,
 
 /* ---- Areas ------------------------------------------------------------------------------------------------------ */
 
-/* `digits` becomes its name where it has none. */
-static conus_object object_of(const struct label *label, size_t index, char digits[16])
-{
-    conus_object object = {
-        .kind = CONUS_AREA, .label = label->number, .named = label->name != NULL, .hemisphere = label->hemisphere};
-    snprintf(digits, 16, "%u", label->number);
-    object.name = label->name ? label->name : digits;
-    object.abbreviation = label->abbreviation ? label->abbreviation : "";
-    palette_colour(object.rgb, index);
-    memcpy(object.rgb, label->has_rgb ? label->rgb : object.rgb, sizeof object.rgb);
-    return object;
-}
-
 static conus_status add_surfaces(struct area_plan *plan, struct surfaces *surfaces, conus_atlas *atlas)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < plan->count; i++) {
         const struct planned_area *area = &plan->areas[i];
-        char digits[16];
-        conus_object object = object_of(&area->label, atlas->object_count, digits);
+        char digits[LABEL_DIGITS];
+        conus_object object = label_object(&area->label, atlas->object_count, digits);
         if (!surfaces->meshes[i].triangle_count) { /* a label on no triangle */
             continue;
         }
@@ -495,8 +297,8 @@ static conus_status add_groups(struct area_plan *plan, conus_atlas *atlas, struc
         if (*number) {
             continue;
         }
-        char digits[16];
-        conus_object object = object_of(group, atlas->object_count, digits);
+        char digits[LABEL_DIGITS];
+        conus_object object = label_object(group, atlas->object_count, digits);
         if (!group->name) {
             return fail(CONUS_ERROR_DATA, "tree: label %u is no area, and a new one needs a name", group->number);
         }
@@ -559,21 +361,12 @@ static conus_status grow_tree(struct area_plan *plan, conus_atlas *atlas)
     return status ? status : refuse_cycles(atlas);
 }
 
-size_t area_plan_files(const struct area_plan *plan)
-{
-    size_t files = plan->sheet_count;
-    for (size_t i = 0; i < plan->count; i++) {
-        files += !plan->areas[i].is_part;
-    }
-    return files;
-}
-
-conus_status area_plan_load(struct area_plan *plan, conus_atlas *atlas, const struct manifest *manifest,
+conus_status area_plan_load(struct area_plan *plan, conus_atlas *atlas, enum mesh_space space,
                             const conus_load_options *options, struct load_progress *progress)
 {
     struct notes notes = {0};
     struct surfaces surfaces = {
-        .space = manifest->space, .max_memory = options->max_memory, .notes = &notes, .progress = progress};
+        .space = space, .max_memory = options->max_memory, .notes = &notes, .progress = progress};
     conus_status status = surfaces_init(&surfaces, plan->count);
     status = status ? status : read_all(&surfaces, plan);
     status = status ? status : gather_notes(&atlas->notes, plan, &notes);

@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From a manifest to the atlas that it describes. Every failure names the manifest and the key. */
+#include "loaders/scene/load_manifest.h"
+
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
-#include "loaders/labels/fsl_atlas.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/fsl_find.h"
+#include "loaders/scene/load_areas.h"
+#include "loaders/scene/load_parcellation.h"
 #include "loaders/scene/load_plan.h"
+#include "loaders/scene/load_scalar.h"
+#include "loaders/scene/plan_settle.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-enum { XML_LIMIT = 4 << 20 };
 
 /* What all steps need. */
 struct loading {
@@ -57,7 +60,7 @@ static conus_status read_parcellation(struct parcellation *parts, struct loading
     conus_status status = path && (labels || !from->labels || options.labels) ? CONUS_OK : CONUS_ERROR_MEMORY;
     options.labels = labels ? labels : options.labels;
     if (!status) {
-        load_progress_tell(&loading->progress, path, 1);
+        load_progress_report(&loading->progress, path, 1);
         status = parcellation_read(parts, path, &options, needed);
     }
     memory_free(path);
@@ -120,8 +123,9 @@ static conus_status load_areas(struct loading *loading)
         status = atlas_add_file(loading->atlas, loading->path, loading->file);
     }
     status = status ? status : file_sums_move(&loading->atlas->files, &plan.read);
-    status = status ? status
-                    : area_plan_load(&plan, loading->atlas, loading->manifest, loading->options, &loading->progress);
+    status =
+        status ? status
+               : area_plan_load(&plan, loading->atlas, loading->manifest->space, loading->options, &loading->progress);
     area_plan_finish(&plan);
     notes_finish(&notes);
     return status ? fail_in(status, loading->path) : CONUS_OK;
@@ -134,7 +138,7 @@ static conus_status add_volume(struct loading *loading, const struct manifest_pa
                                struct volume_file *file, size_t volume, const char *name, struct notes *notes)
 {
     double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
-    load_progress_tell(&loading->progress, file->path, 1);
+    load_progress_report(&loading->progress, file->path, 1);
     conus_status status = volume_file_select(file, volume);
     return status ? status : pathway_add(loading->atlas, file, threshold, name, notes);
 }
@@ -219,9 +223,9 @@ static conus_status choose_image(struct fsl_choice *choice, const struct loading
 static conus_status read_fsl(struct fsl_choice *choice, const struct loading *loading, const char *xml)
 {
     struct bytes bytes = {0};
-    conus_status status = file_read(&bytes, xml, XML_LIMIT);
+    conus_status status = file_read(&bytes, xml, FSL_ATLAS_LIMIT);
     if (!status) {
-        status = fsl_atlas_parse(&choice->atlas, label_text_of(bytes.data, bytes.size));
+        status = fsl_atlas_parse(&choice->atlas, text_from_bytes(bytes.data, bytes.size));
         status = status ? fail_in(status, xml) : CONUS_OK;
     }
     if (!status && choice->atlas.is_label) {
@@ -277,7 +281,7 @@ static conus_status add_one(struct loading *loading, const struct manifest_pathw
     double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
     const conus_pathway_options options = {threshold, pathway->name, loading->options->max_memory};
     char *path = source_path(loading, &pathway->source);
-    load_progress_tell(&loading->progress, path ? path : "", 1);
+    load_progress_report(&loading->progress, path ? path : "", 1);
     conus_status status = path ? conus_atlas_add_pathway(loading->atlas, path, &options) : CONUS_ERROR_MEMORY;
     memory_free(path);
     return status;
@@ -362,7 +366,7 @@ static conus_status set_context(struct loading *loading)
     }
     char *path = source_path(loading, &context->source);
     const conus_context_options options = {context->blocks, loading->options ? loading->options->max_memory : 0};
-    load_progress_tell(&loading->progress, path ? path : "", 1);
+    load_progress_report(&loading->progress, path ? path : "", 1);
     conus_status status = path ? conus_atlas_set_context(loading->atlas, path, &options) : CONUS_ERROR_MEMORY;
     status = status || !context->transfer ? status : set_transfer(loading);
     memory_free(path);
@@ -373,7 +377,7 @@ conus_status manifest_load(conus_atlas **out, const char *path, const struct byt
                            const conus_load_options *options)
 {
     struct manifest manifest;
-    conus_status status = manifest_parse(&manifest, label_text_of(file->data, file->size));
+    conus_status status = manifest_parse(&manifest, text_from_bytes(file->data, file->size));
     if (status) {
         return fail_in(status, path);
     }

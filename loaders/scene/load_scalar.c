@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_atlas_add_pathway() and conus_atlas_set_context(): volumes whose values are numbers, not names. */
-#include "atlas/atlas.h"
+#include "loaders/scene/load_scalar.h"
+
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
-#include "loaders/labels/fsl_atlas.h"
-#include "loaders/scene/load.h"
+#include "loaders/labels/fsl_find.h"
+#include "loaders/volumes/volume_values.h"
 
 #include <string.h>
 #include <strings.h>

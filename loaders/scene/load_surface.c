@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A surface as an atlas: one area, or as many as its vertices have labels. */
-#include "atlas/palette.h"
+#include "loaders/scene/load_surface.h"
+
+#include "atlas/atlas.h"
 #include "atlas/surface/mesh_split.h"
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
 #include "loaders/child/mesh_foreign.h"
-#include "loaders/scene/load.h"
 #include "loaders/surfaces/mesh_file.h"
 
 #include <stdio.h>
@@ -25,7 +26,7 @@ struct surface {
 static void surface_finish(struct surface *surface)
 {
     mesh_finish(&surface->mesh);
-    memory_free(surface->about.name);
+    label_finish(&surface->about);
     vertex_labels_finish(&surface->labels);
     mesh_parts_finish(&surface->parts);
     notes_finish(&surface->notes);
@@ -50,7 +51,7 @@ static conus_status take_whole(struct surface *surface)
     return label->name ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static conus_status cut(struct surface *surface, const char *path)
+static conus_status cut_surface(struct surface *surface, const char *path)
 {
     const struct vertex_labels *labels = &surface->labels;
     if (labels->count != surface->mesh.vertex_count) {
@@ -94,24 +95,18 @@ static conus_status read_surface(struct surface *out, const char *path, const co
     bool whole = !options->labels && !out->labels.count;
     buffer_format(&out->source, whole ? "the name in %s" : "labels of vertices in %s", labels);
     status = buffer_status(&out->source);
-    return status ? status : whole ? take_whole(out) : cut(out, labels);
+    return status ? status : whole ? take_whole(out) : cut_surface(out, labels);
 }
 
 static conus_status add_area(conus_atlas *atlas, const struct surface *surface, struct mesh_part *part)
 {
-    char digits[16];
-    const struct label *label = label_table_find(&surface->labels.table, part->label);
+    char digits[LABEL_DIGITS];
+    const struct label *known = label_table_find(&surface->labels.table, part->label);
     char hemisphere = surface->about.hemisphere ? surface->about.hemisphere : surface->labels.hemisphere;
-    snprintf(digits, sizeof digits, "%u", part->label);
-    conus_object area = {.label = part->label, .name = digits, .abbreviation = "", .hemisphere = hemisphere};
-    palette_colour(area.rgb, atlas->object_count);
-    if (label && label->name) {
-        area.named = true;
-        area.name = label->name;
-    }
-    if (label && label->has_rgb) {
-        memcpy(area.rgb, label->rgb, sizeof area.rgb);
-    }
+    struct label label = known ? *known : (struct label){.number = part->label};
+    label.abbreviation = NULL;
+    label.hemisphere = hemisphere;
+    const conus_object area = label_object(&label, atlas->object_count, digits);
     return atlas_add_mesh(atlas, &area, &part->mesh);
 }
 

@@ -3,7 +3,7 @@
 #include "loaders/scene/manifest.h"
 
 #include "base/memory.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/scene/schema.h"
 
 #include <string.h>
@@ -179,7 +179,7 @@ static conus_status read_structures(void *field, const json_t *value, const stru
     return status;
 }
 
-/* Each kind of entry has keys of its own; the key that tells it comes first. */
+/* Each kind of entry has keys of its own; the key that decides comes first. */
 static const struct schema_field file_keys[] = {
     {"file", schema_path, AT(manifest_area, file), true},
     {"label", read_area_label, 0, false},
@@ -309,7 +309,7 @@ static const struct schema_field manifest_keys[] = {
     {0},
 };
 
-static conus_status check(const struct manifest *manifest)
+static conus_status check_manifest(const struct manifest *manifest)
 {
     if (!manifest->parcellation.source.file && !manifest->area_count && !manifest->pathway_count) {
         return fail(CONUS_ERROR_DATA, "nothing to select: parcellation, areas or pathways is needed");
@@ -321,9 +321,8 @@ static conus_status check(const struct manifest *manifest)
 
 bool manifest_is(struct text text)
 {
-    static const char key[] = "\"conus_atlas\"";
     struct text start = text_trim(text);
-    return start.size && start.data[0] == '{' && memmem(start.data, start.size, key, sizeof key - 1);
+    return start.size && start.data[0] == '{' && text_mentions(start, "\"conus_atlas\"");
 }
 
 conus_status manifest_parse(struct manifest *out, struct text text)
@@ -333,7 +332,7 @@ conus_status manifest_parse(struct manifest *out, struct text text)
     conus_status status = json_text_load(&root, text);
     struct schema_place place = {.allow_outside = json_is_true(json_object_get(root, "allow_outside"))};
     status = status ? status : schema_object(&manifest, root, manifest_keys, &place);
-    status = status ? status : check(&manifest);
+    status = status ? status : check_manifest(&manifest);
     json_decref(root);
     if (status) {
         manifest_finish(&manifest);
@@ -359,8 +358,7 @@ static void area_finish(struct manifest_area *area)
     memory_free(area->file);
     memory_free(area->files);
     memory_free(area->brainglobe);
-    memory_free(area->label.name);
-    memory_free(area->label.abbreviation);
+    label_finish(&area->label);
     memory_free(area->vertex_labels);
     memory_free(area->labels);
     memory_free(area->orientation);
@@ -372,8 +370,7 @@ void manifest_finish(struct manifest *manifest)
         area_finish(&manifest->areas[i]);
     }
     for (size_t i = 0; i < manifest->tree_count; i++) {
-        memory_free(manifest->tree[i].name);
-        memory_free(manifest->tree[i].abbreviation);
+        label_finish(&manifest->tree[i]);
     }
     memory_free(manifest->areas);
     memory_free(manifest->tree);

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Guesses from its values what a volume is good for, and from names whether surfaces have labels. */
 #include "loaders/scene/manifest_scan.h"
 
 #include "base/buffer.h"
 #include "base/memory.h"
-#include "loaders/labels/label_files.h"
+#include "loaders/labels/label_find.h"
 #include "loaders/volumes/grey.h"
+#include "loaders/volumes/volume_values.h"
 
 #include <string.h>
 
@@ -77,7 +79,7 @@ static conus_status judge_filled(struct volume_guess *out, const struct volume_f
     return status;
 }
 
-static conus_status judge(struct volume_guess *out, struct volume_file *file, struct notes *notes)
+static conus_status judge_volume(struct volume_guess *out, struct volume_file *file, struct notes *notes)
 {
     uint32_t *labels = NULL;
     conus_status status = judge_filled(out, file, notes);
@@ -111,7 +113,7 @@ conus_status volume_guess_make(struct volume_guess *out, const char *path, uint6
     if (!status && file.info.volume_count > 1) {
         *out = (struct volume_guess){VOLUME_SERIES, file.info.volume_count, "several volumes"};
     } else if (!status) {
-        status = judge(out, &file, &notes);
+        status = judge_volume(out, &file, &notes);
     }
     notes_finish(&notes);
     volume_file_finish(&file);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads JSON values by tables of keys. */
 #include "loaders/scene/schema.h"
 
 #include "base/buffer.h"
@@ -11,7 +12,7 @@
 /* ---- Messages ---------------------------------------------------------------------------------------------- */
 
 /* `text` as part of one line: at most 40 bytes, control characters as '?'. */
-static const char *shown(char out[48], const char *text)
+static const char *quote_text(char out[48], const char *text)
 {
     size_t i = 0;
     for (; text[i] && i < 40; i++) {
@@ -32,7 +33,7 @@ conus_status schema_fail(const struct schema_place *place, const json_t *value, 
     char text[48];
     char found[72];
     if (json_is_string(value)) {
-        snprintf(found, sizeof found, "\"%s\"", shown(text, json_string_value(value)));
+        snprintf(found, sizeof found, "\"%s\"", quote_text(text, json_string_value(value)));
     } else if (json_is_number(value)) {
         snprintf(found, sizeof found, "%.9g", json_number_value(value));
     } else {
@@ -41,11 +42,11 @@ conus_status schema_fail(const struct schema_place *place, const json_t *value, 
     return fail(CONUS_ERROR_DATA, "%s: found %s, %s is needed", place->key[0] ? place->key : "content", found, wanted);
 }
 
-static struct schema_place below(const struct schema_place *place, const char *key)
+static struct schema_place place_of_key(const struct schema_place *place, const char *key)
 {
     char text[48];
     struct schema_place inner = {.allow_outside = place->allow_outside};
-    snprintf(inner.key, sizeof inner.key, "%.100s%s%s", place->key, place->key[0] ? "." : "", shown(text, key));
+    snprintf(inner.key, sizeof inner.key, "%.100s%s%s", place->key, place->key[0] ? "." : "", quote_text(text, key));
     return inner;
 }
 
@@ -89,7 +90,7 @@ conus_status schema_object(void *out, const json_t *object, const struct schema_
     json_object_foreach((json_t *)object, key, value)
     {
         const struct schema_field *field = find_field(fields, key);
-        struct schema_place inner = below(place, key);
+        struct schema_place inner = place_of_key(place, key);
         conus_status status =
             field ? field->read((char *)out + field->offset, value, &inner) : fail_unknown(&inner, fields);
         if (status) {
@@ -98,7 +99,7 @@ conus_status schema_object(void *out, const json_t *object, const struct schema_
     }
     for (const struct schema_field *field = fields; field->key; field++) {
         if (field->required && !json_object_get(object, field->key)) {
-            return fail(CONUS_ERROR_DATA, "%s is missing", below(place, field->key).key);
+            return fail(CONUS_ERROR_DATA, "%s is missing", place_of_key(place, field->key).key);
         }
     }
     return CONUS_OK;

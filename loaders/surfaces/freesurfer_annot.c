@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses FreeSurfer annotations. */
+#include "loaders/surfaces/freesurfer_annot.h"
+
 #include "base/byte_order.h"
 #include "base/memory.h"
-#include "loaders/labels/label_parse.h"
-#include "loaders/surfaces/freesurfer.h"
+#include "base/order.h"
+#include "loaders/labels/label_cells.h"
 
 #include <stdlib.h>
 
@@ -134,8 +137,8 @@ static int compare_entries(const void *a, const void *b)
 {
     const struct entry *x = a;
     const struct entry *y = b;
-    return x->colour != y->colour ? (x->colour > y->colour) - (x->colour < y->colour)
-                                  : (x->number > y->number) - (x->number < y->number);
+    int order = compare_unsigned(x->colour, y->colour);
+    return order ? order : compare_unsigned(x->number, y->number);
 }
 
 /* What the packed colours cannot tell apart. */
@@ -185,9 +188,7 @@ static conus_status move_entry_0(struct annot *annot)
 
 static int compare_colour(const void *key, const void *item)
 {
-    const struct entry *entry = item;
-    uint32_t colour = *(const uint32_t *)key;
-    return (colour > entry->colour) - (colour < entry->colour);
+    return compare_unsigned(*(const uint32_t *)key, ((const struct entry *)item)->colour);
 }
 
 /* The first entry of a colour. */
@@ -241,7 +242,7 @@ static conus_status fill_table(struct label_table *table, const struct annot *an
     return status ? status : label_table_sort(table, annot->notes);
 }
 
-static conus_status parse(struct annot *annot, uint32_t **labels, struct label_table *table)
+static conus_status parse_annot(struct annot *annot, uint32_t **labels, struct label_table *table)
 {
     conus_status status = take_vertices(annot);
     status = status ? status : take_table(annot);
@@ -262,7 +263,7 @@ conus_status freesurfer_annot_parse(uint32_t **labels, size_t *count, struct lab
     struct annot annot = {.data = data, .size = size, .notes = notes};
     struct label_table entries = {0};
     uint32_t *out = NULL;
-    conus_status status = parse(&annot, &out, &entries);
+    conus_status status = parse_annot(&annot, &out, &entries);
     memory_free(annot.entries);
     if (status) {
         memory_free(out);

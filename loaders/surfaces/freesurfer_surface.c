@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses FreeSurfer surfaces. */
+#include "loaders/surfaces/freesurfer_surface.h"
+
 #include "base/byte_order.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "loaders/surfaces/freesurfer.h"
 
 enum { MAGIC_SIZE = 3, TAG_REAL_RAS = 2, TAG_GEOMETRY = 20 };
 
@@ -20,7 +22,7 @@ struct cursor {
     size_t size;
 };
 
-static bool take(struct cursor *cursor, size_t size, const uint8_t **out)
+static bool take_bytes(struct cursor *cursor, size_t size, const uint8_t **out)
 {
     if (size > cursor->size) {
         return false;
@@ -34,7 +36,7 @@ static bool take(struct cursor *cursor, size_t size, const uint8_t **out)
 static bool take_int(struct cursor *cursor, int32_t *out)
 {
     const uint8_t *data;
-    bool there = take(cursor, 4, &data);
+    bool there = take_bytes(cursor, 4, &data);
     *out = there ? order_i32(data, BIG_ENDIAN_IS_SWAPPED) : 0;
     return there;
 }
@@ -61,7 +63,7 @@ static bool skip_comment(struct cursor *cursor)
         return false;
     }
     bool empty_line = end + 1 < cursor->data + cursor->size && end[1] == '\n';
-    return take(cursor, (size_t)(end + 1 - cursor->data) + empty_line, &skipped);
+    return take_bytes(cursor, (size_t)(end + 1 - cursor->data) + empty_line, &skipped);
 }
 
 bool freesurfer_world_from_surface(double out[16], const double axes[9], const double centre[3])
@@ -145,7 +147,7 @@ static conus_status read_footer(struct geometry *geometry, bool *real_ras, struc
                                : CONUS_OK;
 }
 
-static conus_status place(struct mesh *mesh, struct cursor footer, struct notes *notes)
+static conus_status place_in_world(struct mesh *mesh, struct cursor footer, struct notes *notes)
 {
     struct geometry geometry = {0};
     bool real_ras = false;
@@ -171,14 +173,14 @@ static conus_status place(struct mesh *mesh, struct cursor footer, struct notes 
                      geometry.centre[0], geometry.centre[1], geometry.centre[2]);
 }
 
-static conus_status fill(struct mesh *mesh, struct cursor *cursor)
+static conus_status fill_mesh(struct mesh *mesh, struct cursor *cursor)
 {
     const uint8_t *data = NULL;
-    bool there = take(cursor, 12 * mesh->vertex_count, &data);
+    bool there = take_bytes(cursor, 12 * mesh->vertex_count, &data);
     for (size_t i = 0; there && i < 3 * mesh->vertex_count; i++) {
         mesh->positions[i] = order_f32(data + 4 * i, BIG_ENDIAN_IS_SWAPPED);
     }
-    there = there && take(cursor, 12 * mesh->triangle_count, &data);
+    there = there && take_bytes(cursor, 12 * mesh->triangle_count, &data);
     for (size_t i = 0; there && i < 3 * mesh->triangle_count; i++) {
         mesh->triangles[i] = order_u32(data + 4 * i, BIG_ENDIAN_IS_SWAPPED); /* below 0 becomes too large */
         if (mesh->triangles[i] >= mesh->vertex_count) {
@@ -192,7 +194,7 @@ static conus_status fill(struct mesh *mesh, struct cursor *cursor)
 static conus_status read_counts(struct cursor *cursor, int32_t *vertices, int32_t *triangles)
 {
     const uint8_t *magic;
-    if (!take(cursor, MAGIC_SIZE, &magic) || !freesurfer_is_surface(magic, MAGIC_SIZE)) {
+    if (!take_bytes(cursor, MAGIC_SIZE, &magic) || !freesurfer_is_surface(magic, MAGIC_SIZE)) {
         return fail(CONUS_ERROR_DATA, "not a FreeSurfer surface: it must begin with the bytes ff ff fe");
     }
     if (freesurfer_is_curvature(magic, MAGIC_SIZE + cursor->size)) {
@@ -228,8 +230,8 @@ conus_status freesurfer_surface_parse(struct mesh *out, const uint8_t *data, siz
     int32_t triangles = 0;
     conus_status status;
     if ((status = read_counts(&cursor, &vertices, &triangles)) ||
-        (status = mesh_init(&mesh, (size_t)vertices, (size_t)triangles)) || (status = fill(&mesh, &cursor)) ||
-        (!as_stored && (status = place(&mesh, cursor, notes)))) {
+        (status = mesh_init(&mesh, (size_t)vertices, (size_t)triangles)) || (status = fill_mesh(&mesh, &cursor)) ||
+        (!as_stored && (status = place_in_world(&mesh, cursor, notes)))) {
         mesh_finish(&mesh);
         return status;
     }

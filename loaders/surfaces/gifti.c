@@ -7,7 +7,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/xml.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/surfaces/gifti_data.h"
 
 #include <stdio.h>
@@ -404,7 +404,7 @@ static conus_status end_label(struct parsing *parsing, struct text text)
                            parsing->negative_label ? "below 0" : "0", label->name);
     }
     if (status || no_area) {
-        memory_free(label->name);
+        label_finish(label);
     } else {
         status = label_keep(&parsing->gifti.labels, label, CONUS_OK, parsing->notes);
     }
@@ -452,7 +452,7 @@ static conus_status end_element(struct parsing *parsing, const struct xml_event 
 }
 
 /* Says where: "line 7, DataArray 1: ...". */
-static conus_status place(conus_status status, const struct parsing *parsing, const struct xml_event *event)
+static conus_status fail_at_place(conus_status status, const struct parsing *parsing, const struct xml_event *event)
 {
     char where[64];
     if (!status) {
@@ -467,12 +467,12 @@ static conus_status place(conus_status status, const struct parsing *parsing, co
 
 static conus_status on_start(void *user, const struct xml_event *event)
 {
-    return place(start_element(user, event), user, event);
+    return fail_at_place(start_element(user, event), user, event);
 }
 
 static conus_status on_end(void *user, const struct xml_event *event)
 {
-    return place(end_element(user, event), user, event);
+    return fail_at_place(end_element(user, event), user, event);
 }
 
 conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, const struct gifti_options *options,
@@ -480,9 +480,9 @@ conus_status gifti_parse(struct gifti *out, const uint8_t *data, size_t size, co
 {
     struct parsing parsing = {.options = options, .notes = notes};
     struct xml_handler handler = {on_start, on_end, &parsing, true};
-    conus_status status = xml_parse(&handler, label_text_of(data, size));
+    conus_status status = xml_parse(&handler, text_from_bytes(data, size));
     status = status ? status : label_table_sort(&parsing.gifti.labels, notes);
-    memory_free(parsing.label.name);
+    label_finish(&parsing.label);
     memory_free(parsing.md_name);
     memory_free(parsing.external);
     if (status) {

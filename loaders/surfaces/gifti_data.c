@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Decodes the numbers of a GIFTI array: text, base64, packed base64, or another file. */
 #include "loaders/surfaces/gifti_data.h"
 
 #include "base/byte_order.h"
@@ -73,7 +74,7 @@ static size_t place_of(size_t n, const struct gifti_storage *storage)
 }
 
 /* Whether `value` can be one of an integer type; any can be a float. */
-static bool fits(double value, enum gifti_type type)
+static bool fits_type(double value, enum gifti_type type)
 {
     double bits = 8 * (double)size_of(type);
     switch (type) {
@@ -96,7 +97,7 @@ static conus_status decode_ascii(double *values, const struct gifti_storage *sto
     size_t n = 0;
     for (; text_word(&text, &word); n++) {
         double value;
-        if (n < storage->count && (!text_to_double(word, &value) || !fits(value, storage->type))) {
+        if (n < storage->count && (!text_to_double(word, &value) || !fits_type(value, storage->type))) {
             return fail(CONUS_ERROR_DATA, "Data: number %zu is \"%.*s\", one of the array's DataType is needed", n,
                         (int)(word.size < SHOWN ? word.size : SHOWN), word.data);
         }
@@ -191,7 +192,7 @@ static conus_status inflate_into(struct bytes *unpacked, const struct bytes *pac
 }
 
 /* `packed` as `size` bytes. */
-static conus_status inflate(struct bytes *out, const struct bytes *packed, size_t size)
+static conus_status unpack_bytes(struct bytes *out, const struct bytes *packed, size_t size)
 {
     if (size / INFLATE_RATIO > packed->size) {
         return fail(CONUS_ERROR_DATA, "Data: %zu packed bytes, which cannot be the %zu that the Dim attributes ask for",
@@ -237,7 +238,7 @@ static conus_status decode_bytes(struct bytes *out, const struct gifti_storage *
     }
     conus_status status = decode_base64(&stored, text);
     if (!status && storage->encoding == GIFTI_GZIP_BASE64) {
-        status = inflate(out, &stored, size);
+        status = unpack_bytes(out, &stored, size);
         bytes_finish(&stored);
     } else if (!status && stored.size != size) {
         status = fail(CONUS_ERROR_DATA, "Data: %zu bytes, the Dim attributes ask for %zu", stored.size, size);

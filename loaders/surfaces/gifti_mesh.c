@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the arrays of a GIFTI file mean: a surface, or labels of its vertices. */
+#include "loaders/surfaces/gifti_mesh.h"
+
 #include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
-#include "loaders/surfaces/freesurfer.h"
+#include "loaders/surfaces/freesurfer_surface.h"
 #include "loaders/surfaces/gifti.h"
 
 enum { SPACE_UNKNOWN = 0, SPACE_ALIGNED = 2, GEOMETRY_WHOLE = (1 << 12) - 1 };
 
 /* The n-th array of an intent, or NULL; *count becomes how many there are. */
-static const struct gifti_array *find(const struct gifti *gifti, enum gifti_intent intent, size_t n, size_t *count)
+static const struct gifti_array *find_array(const struct gifti *gifti, enum gifti_intent intent, size_t n,
+                                            size_t *count)
 {
     const struct gifti_array *found = NULL;
     *count = 0;
@@ -26,9 +29,9 @@ static conus_status find_triples(const struct gifti_array **out, const struct gi
                                  const char *name, struct notes *notes)
 {
     size_t count;
-    const struct gifti_array *array = find(gifti, intent, 0, &count);
+    const struct gifti_array *array = find_array(gifti, intent, 0, &count);
     if (!array) {
-        const char *way = find(gifti, GIFTI_LABEL, 0, &count)
+        const char *way = find_array(gifti, GIFTI_LABEL, 0, &count)
                               ? ": these are labels of vertices, give them as --labels and their surface as ATLAS"
                               : "";
         return fail(CONUS_ERROR_DATA, "no %s array: not a surface (which has POINTSET and TRIANGLE)%s", name, way);
@@ -193,7 +196,7 @@ conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *
 {
     size_t arrays;
     size_t sparse;
-    const struct gifti_array *array = find(gifti, GIFTI_LABEL, map, &arrays);
+    const struct gifti_array *array = find_array(gifti, GIFTI_LABEL, map, &arrays);
     if (!arrays && !map) {
         *labels = NULL;
         *count = 0;
@@ -202,7 +205,7 @@ conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *
     if (!array) {
         return fail(CONUS_ERROR_DATA, "LABEL array %zu: the file has %zu (counted from 0)", map, arrays);
     }
-    if (find(gifti, GIFTI_NODE_INDEX, 0, &sparse)) {
+    if (find_array(gifti, GIFTI_NODE_INDEX, 0, &sparse)) {
         return fail(CONUS_ERROR_UNSUPPORTED,
                     "labels of only some vertices (NODE_INDEX array), all vertices are needed");
     }

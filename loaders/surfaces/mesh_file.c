@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads a surface, or labels of vertices, with the reader of its format. */
 #include "loaders/surfaces/mesh_file.h"
 
 #include "base/file.h"
@@ -10,9 +11,10 @@
 #include "base/xml.h"
 #include "loaders/child/mesh_foreign.h"
 #include "loaders/file_kind.h"
-#include "loaders/labels/label_parse.h"
-#include "loaders/surfaces/freesurfer.h"
+#include "loaders/surfaces/freesurfer_annot.h"
+#include "loaders/surfaces/freesurfer_surface.h"
 #include "loaders/surfaces/gifti.h"
+#include "loaders/surfaces/gifti_mesh.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -46,7 +48,7 @@ static conus_status read_unpacked(struct bytes *out, const char *path, const str
 
 static bool is_gifti(const struct bytes *bytes)
 {
-    return text_equal(xml_root(label_text_of(bytes->data, bytes->size)), "GIFTI");
+    return text_equal(xml_root(text_from_bytes(bytes->data, bytes->size)), "GIFTI");
 }
 
 static bool is_own(const struct bytes *bytes)
@@ -159,7 +161,7 @@ static conus_status read_own(struct mesh *out, struct label *about, const struct
     status = status ? status : finish_mesh(&mesh, path, options->space, notes);
     notes_finish(&own);
     if (status || !about) {
-        memory_free(said.name);
+        label_finish(&said);
     } else {
         *about = said;
     }

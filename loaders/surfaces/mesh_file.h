@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Surfaces and labels of their vertices as files hold them. What a file is, is told by its content. */
+/** @file Surfaces and labels of their vertices in files. The format is detected from the content. */
 #ifndef CONUS_LOADERS_SURFACES_MESH_FILE_H
 #define CONUS_LOADERS_SURFACES_MESH_FILE_H
 
@@ -46,7 +46,7 @@ conus_status vertex_labels_read(struct vertex_labels *out, const char *path, con
 /** True where @p path begins like a surface that mesh_file_read() reads; false also where it cannot be read. */
 bool mesh_file_is(const char *path);
 
-/** True where mesh_file_read() keeps the file's own vertices in their order, so that labels can be told which is whose:
+/** True where mesh_file_read() keeps the file's own vertices in their order, so that labels can be matched with them:
  * GIFTI and FreeSurfer. What conus-mesh reads comes in another order. */
 bool mesh_file_keeps_vertices(const char *path);
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Writes a mesh in each of the formats. */
 #include "loaders/surfaces/mesh_format.h"
 
 #include "base/math3.h"
@@ -6,7 +7,7 @@
 #include <nettle/base64.h>
 #include <stdio.h>
 
-/* Numbers of 4 bytes, little-endian whatever the machine, as they are or in base64. */
+/* Numbers of 4 bytes, little-endian on every machine, as they are or in base64. */
 enum { CHUNK_WORDS = 768 }; /* a multiple of 3, so that chunks of base64 join without padding */
 
 struct word_writer {
@@ -16,7 +17,7 @@ struct word_writer {
     size_t size;
 };
 
-static void flush(struct word_writer *writer)
+static void flush_words(struct word_writer *writer)
 {
     char text[BASE64_ENCODE_RAW_LENGTH(4 * CHUNK_WORDS)];
     if (writer->base64) {
@@ -37,7 +38,7 @@ static void put_word(struct word_writer *writer, uint32_t word)
     at[3] = (uint8_t)(word >> 24);
     writer->size += 4;
     if (writer->size == sizeof writer->bytes) {
-        flush(writer);
+        flush_words(writer);
     }
 }
 
@@ -148,12 +149,12 @@ static conus_status append_gifti(struct buffer *out, const struct mesh *mesh, co
                   "    </CoordinateSystemTransformMatrix>\n    <Data>",
                   title->space, title->space);
     put_positions(&writer, mesh);
-    flush(&writer);
+    flush_words(&writer);
     buffer_text(out, "</Data>\n  </DataArray>\n");
     append_array_start(out, "TRIANGLE", "INT32", mesh->triangle_count);
     buffer_text(out, "    <Data>");
     put_triangles(&writer, mesh);
-    flush(&writer);
+    flush_words(&writer);
     buffer_text(out, "</Data>\n  </DataArray>\n</GIFTI>\n");
     return CONUS_OK;
 }
@@ -191,19 +192,19 @@ static conus_status append_vtp(struct buffer *out, const struct mesh *mesh, cons
     append_vtp_array(out, "type=\"Float32\" Name=\"Points\" NumberOfComponents=\"3\"");
     put_long(&writer, 12 * (uint64_t)mesh->vertex_count);
     put_positions(&writer, mesh);
-    flush(&writer);
+    flush_words(&writer);
     buffer_format(out, "%s      </Points>\n      <Polys>\n", array_end);
     append_vtp_array(out, "type=\"UInt32\" Name=\"connectivity\"");
     put_long(&writer, 12 * (uint64_t)mesh->triangle_count);
     put_triangles(&writer, mesh);
-    flush(&writer);
+    flush_words(&writer);
     buffer_text(out, array_end);
     append_vtp_array(out, "type=\"Int64\" Name=\"offsets\"");
     put_long(&writer, 8 * (uint64_t)mesh->triangle_count);
     for (size_t i = 1; i <= mesh->triangle_count; i++) {
         put_long(&writer, 3 * (uint64_t)i);
     }
-    flush(&writer);
+    flush_words(&writer);
     buffer_format(out, "%s      </Polys>\n    </Piece>\n  </PolyData>\n</VTKFile>\n", array_end);
     return CONUS_OK;
 }
@@ -220,13 +221,13 @@ static conus_status append_ply(struct buffer *out, const struct mesh *mesh, cons
                   title->label, title->name, title->rgb[0], title->rgb[1], title->rgb[2], mesh->vertex_count,
                   mesh->triangle_count);
     put_positions(&writer, mesh);
-    flush(&writer);
+    flush_words(&writer);
     for (size_t i = 0; i < mesh->triangle_count; i++) {
         buffer_append(out, "\x03", 1);
         for (size_t k = 0; k < 3; k++) {
             put_word(&writer, mesh->triangles[3 * i + k]);
         }
-        flush(&writer);
+        flush_words(&writer);
     }
     return CONUS_OK;
 }
@@ -262,10 +263,10 @@ static conus_status append_stl(struct buffer *out, const struct mesh *mesh, cons
         for (size_t k = 0; k < 9; k++) {
             put_word(&writer, bits_of(mesh->positions[3 * (size_t)triangle[k / 3] + k % 3]));
         }
-        flush(&writer);
+        flush_words(&writer);
         buffer_append(out, "\0\0", 2);
     }
-    flush(&writer);
+    flush_words(&writer);
     return CONUS_OK;
 }
 

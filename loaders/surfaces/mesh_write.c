@@ -112,7 +112,7 @@ static conus_status count_files(struct writing *work, struct notes *notes)
     return empty ? notes_add(notes, "%zu areas without voxels get no mesh", empty) : CONUS_OK;
 }
 
-static conus_status check(const conus_atlas *atlas, const char *folder, const conus_mesh_options *options)
+static conus_status check_arguments(const conus_atlas *atlas, const char *folder, const conus_mesh_options *options)
 {
     if (!atlas || !folder) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_write_meshes: an atlas and a folder are needed");
@@ -137,7 +137,7 @@ conus_status conus_atlas_write_meshes(const conus_atlas *atlas, const char *fold
     static const conus_mesh_options defaults;
     struct writing work = {.atlas = atlas, .folder = folder, .options = options ? options : &defaults};
     struct notes notes = {0};
-    conus_status status = check(atlas, folder, work.options);
+    conus_status status = check_arguments(atlas, folder, work.options);
     if (status) {
         return status;
     }

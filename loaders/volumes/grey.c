@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Tells labels from grey values by the share of neighbouring voxels that are equal. */
 #include "loaders/volumes/grey.h"
 
 #include "base/folder.h"
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -36,15 +38,8 @@ struct walk {
     uint32_t plateaus[PLATEAUS]; /* values that do not count, 0 where there are fewer; 0 itself does not either */
 };
 
-static int compare(const void *a, const void *b)
-{
-    uint32_t x = *(const uint32_t *)a;
-    uint32_t y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
-}
-
 /* 1 or 0. */
-static uint32_t counts(uint32_t value, const uint32_t plateaus[PLATEAUS])
+static uint32_t value_counts(uint32_t value, const uint32_t plateaus[PLATEAUS])
 {
     return (uint32_t)((value != 0) & (value != plateaus[0]) & (value != plateaus[1]) & (value != plateaus[2]));
 }
@@ -92,7 +87,7 @@ static conus_status find_plateaus(struct walk *walk, size_t count)
         sample[n] = walk->labels[i];
         n += walk->labels[i] != 0;
     }
-    qsort(sample, n, sizeof *sample, compare);
+    qsort(sample, n, sizeof *sample, compare_u32);
     take_plateaus(walk->plateaus, sample, n);
     memory_free(sample);
     return CONUS_OK;
@@ -141,7 +136,7 @@ static void count_pairs(void *user, const uint32_t *a, const uint32_t *b, size_t
     uint32_t pairs = 0;
     uint32_t equal = 0;
     for (size_t i = 0; i < count; i++) {
-        uint32_t both = counts(a[i], copies) & counts(b[i], copies);
+        uint32_t both = value_counts(a[i], copies) & value_counts(b[i], copies);
         pairs += both;
         equal += both & (uint32_t)(a[i] == b[i]);
     }
@@ -165,13 +160,13 @@ static size_t count_filled(const struct walk *walk)
     size_t filled = 0;
     for (size_t k = 0; k < walk->dim[2]; k += walk->step) {
         for (size_t i = 0; i < plane; i++) {
-            filled += counts(walk->labels[k * plane + i], walk->plateaus);
+            filled += value_counts(walk->labels[k * plane + i], walk->plateaus);
         }
     }
     return filled;
 }
 
-static size_t gather(uint32_t *out, const struct walk *walk, size_t every)
+static size_t gather_values(uint32_t *out, const struct walk *walk, size_t every)
 {
     size_t plane = walk->dim[0] * walk->dim[1];
     size_t seen = 0;
@@ -179,7 +174,7 @@ static size_t gather(uint32_t *out, const struct walk *walk, size_t every)
     for (size_t k = 0; k < walk->dim[2]; k += walk->step) {
         for (size_t i = 0; i < plane; i++) {
             uint32_t value = walk->labels[k * plane + i];
-            if (counts(value, walk->plateaus) && seen++ % every == 0) {
+            if (value_counts(value, walk->plateaus) && seen++ % every == 0) {
                 out[n++] = value;
             }
         }
@@ -208,8 +203,8 @@ static conus_status find_values(struct values *out, const struct walk *walk)
     if (!out->sorted) {
         return CONUS_ERROR_MEMORY;
     }
-    size_t n = gather(out->sorted, walk, every);
-    qsort(out->sorted, n, sizeof *out->sorted, compare);
+    size_t n = gather_values(out->sorted, walk, every);
+    qsort(out->sorted, n, sizeof *out->sorted, compare_u32);
     merge_values(out, n, (double)(every * walk->step));
     return CONUS_OK;
 }
@@ -249,7 +244,7 @@ static void keep_differing(void *user, const uint32_t *a, const uint32_t *b, siz
 {
     struct differing *differing = user;
     for (size_t i = 0; i < count; i++) {
-        bool differ = counts(a[i], plateaus) && counts(b[i], plateaus) && a[i] != b[i];
+        bool differ = value_counts(a[i], plateaus) && value_counts(b[i], plateaus) && a[i] != b[i];
         if (differ && differing->seen++ % differing->every == 0) {
             differing->pairs[differing->count][0] = a[i];
             differing->pairs[differing->count++][1] = b[i];
@@ -257,7 +252,7 @@ static void keep_differing(void *user, const uint32_t *a, const uint32_t *b, siz
     }
 }
 
-static double distance(uint32_t a, uint32_t b)
+static double value_distance(uint32_t a, uint32_t b)
 {
     return fabs((double)a - (double)b);
 }
@@ -272,9 +267,9 @@ static double share_nearer(const struct differing *differing)
         random = random * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407); /* Knuth's MMIX */
         uint32_t a = differing->pairs[i][0];
         uint32_t other = differing->pairs[(random >> 33) % differing->count][1];
-        double own = distance(a, differing->pairs[i][1]);
+        double own = value_distance(a, differing->pairs[i][1]);
         if (other != a) {
-            nearer += own < distance(a, other) ? 1 : own > distance(a, other) ? 0 : 0.5;
+            nearer += own < value_distance(a, other) ? 1 : own > value_distance(a, other) ? 0 : 0.5;
             tried++;
         }
     }

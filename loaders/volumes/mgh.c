@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads the MGH header. */
 #include "loaders/volumes/mgh.h"
 
 #include "atlas/space.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads and checks NIfTI headers and extensions. */
 #include "loaders/volumes/nifti.h"
 
 #include "base/byte_order.h"
@@ -234,9 +235,9 @@ conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, 
 static conus_status read_extension(struct volume_extension *out, size_t *next, const struct bytes *head, size_t at,
                                    bool swapped)
 {
-    size_t room = head->size - at;
+    size_t left = head->size - at;
     *next = at;
-    if (room < EXTENSION_HEAD_SIZE) {
+    if (left < EXTENSION_HEAD_SIZE) {
         return CONUS_OK;
     }
     int32_t esize = order_i32(head->data + at, swapped);
@@ -244,12 +245,12 @@ static conus_status read_extension(struct volume_extension *out, size_t *next, c
     if (esize == 0 && ecode == 0) {
         return CONUS_OK;
     }
-    if (esize < EXTENSION_UNIT || esize % EXTENSION_UNIT || (size_t)esize > room) {
+    if (esize < EXTENSION_UNIT || esize % EXTENSION_UNIT || (size_t)esize > left) {
         return fail(
             CONUS_ERROR_DATA,
             "extension at byte %zu: found esize %d, allowed are multiples of 16 from 16 to the %zu bytes before "
             "the voxels",
-            at, esize, room);
+            at, esize, left);
     }
     *out = (struct volume_extension){ecode, head->data + at + EXTENSION_HEAD_SIZE, (size_t)esize - EXTENSION_HEAD_SIZE};
     *next = at + (size_t)esize;

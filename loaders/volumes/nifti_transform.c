@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Chooses between qform, sform and the plain grid. */
 #include "loaders/volumes/nifti_transform.h"
 
 #include "atlas/space.h"
@@ -45,7 +46,7 @@ static conus_status place_sizes(double out[16], const conus_volume_info *info, c
 }
 
 /* The rotation of the quaternion (a, b, c, d), |.| = 1, columns scaled by `scale`. */
-static void rotate(double out[16], double a, const double bcd[3], const double scale[3])
+static void rotation_from(double out[16], double a, const double bcd[3], const double scale[3])
 {
     double b = bcd[0];
     double c = bcd[1];
@@ -78,7 +79,7 @@ static conus_status place_qform(double out[16], const struct nifti_placement *p)
     vec3_scale(bcd, p->quatern, squares > 1 ? 1 / sqrt(squares) : 1);
     const double scale[3] = {p->pixdim[1], p->pixdim[2], qfac < 0 ? -p->pixdim[3] : p->pixdim[3]};
     mat4_identity(out);
-    rotate(out, a, bcd, scale);
+    rotation_from(out, a, bcd, scale);
     memcpy(out + 12, p->qoffset, sizeof p->qoffset);
     return check_pixdim(p->pixdim);
 }
@@ -135,8 +136,8 @@ static conus_status note_units(double mm, struct notes *notes)
                                mm > 1 ? "metres" : "micrometres", mm);
 }
 
-static conus_status choose(double out[16], char *words, size_t size, const conus_volume_info *info,
-                           const struct nifti_placement *p)
+static conus_status choose_transform(double out[16], char *words, size_t size, const conus_volume_info *info,
+                                     const struct nifti_placement *p)
 {
     if (p->sform_code > 0) {
         snprintf(words, size, "sform, code %d (%s)", p->sform_code, space_code_name(p->sform_code));
@@ -166,7 +167,7 @@ conus_status nifti_place(conus_volume_info *info, const struct nifti_placement *
 {
     double world[16];
     char words[sizeof info->transform];
-    conus_status status = choose(world, words, sizeof words, info, placement);
+    conus_status status = choose_transform(world, words, sizeof words, info, placement);
     double mm = unit_size(placement->units);
     if (status || (status = note_choice(info, placement, mm, world, notes)) || (status = note_units(mm, notes))) {
         return status;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Where a NIfTI header puts its grid: METHODs 1 to 3 of nifti1.h; docs/spaces.md tells which one wins. */
+/** @file Where a NIfTI header puts its grid: METHODs 1 to 3 of nifti1.h; docs/spaces.md says which one wins. */
 #ifndef CONUS_LOADERS_VOLUMES_NIFTI_TRANSFORM_H
 #define CONUS_LOADERS_VOLUMES_NIFTI_TRANSFORM_H
 
@@ -15,7 +15,7 @@ struct nifti_placement {
 };
 
 /** Sets world_from_voxel, spacing, orientation and transform of @p info, whose dim is set. The sform wins over the
- * qform; without either, the voxel sizes alone are used as FSL and nibabel do. Notes tell what a careful user should
+ * qform; without either, the voxel sizes alone are used as FSL and nibabel do. Notes say what a careful user should
  * know: no transform, two that differ, units that are not millimetres. */
 conus_status nifti_place(conus_volume_info *info, const struct nifti_placement *placement, struct notes *notes);
 

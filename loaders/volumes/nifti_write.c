@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Formats a NIfTI-1 file. */
 #include "loaders/volumes/nifti_write.h"
 
+#include "base/folder.h"
 #include "base/math3.h"
 #include "base/memory.h"
 
 #include <libdeflate.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 enum { HEADER = 352, EDGE_LIMIT = 32767, GZIP_LEVEL = 6 };
 enum { INTENT_NONE = 0, INTENT_LABEL = 1002, UNITS_MM = 2, CODE_ALIGNED = 2 };
@@ -24,7 +25,7 @@ static const struct datatype datatypes[] = {[CONUS_UINT8] = {UINT8_MAX, 1, 2},
                                             [CONUS_FLOAT32] = {0, 4, 16}};
 
 /* What the header is made of. */
-struct heading {
+struct header_values {
     const size_t *dim;
     const double *world_from_voxel;
     int code; /* of the space */
@@ -33,7 +34,7 @@ struct heading {
     const char *description;
 };
 
-static void put(uint8_t *at, uint32_t value, size_t size)
+static void put_integer(uint8_t *at, uint32_t value, size_t size)
 {
     for (size_t i = 0; i < size; i++) {
         at[i] = (uint8_t)(value >> 8 * i);
@@ -45,21 +46,21 @@ static void put_float(uint8_t *at, double value)
     float narrow = (float)value;
     uint32_t bits;
     memcpy(&bits, &narrow, sizeof bits);
-    put(at, bits, sizeof bits);
+    put_integer(at, bits, sizeof bits);
 }
 
-static conus_status check_grid(const struct heading *heading)
+static conus_status check_grid(const struct header_values *values)
 {
     for (int axis = 0; axis < 3; axis++) {
-        if (heading->dim[axis] < 1 || heading->dim[axis] > EDGE_LIMIT) {
-            return fail(CONUS_ERROR_ARGUMENT, "NIfTI-1: dim[%d]: %zu, allowed is 1 to %d", axis + 1, heading->dim[axis],
+        if (values->dim[axis] < 1 || values->dim[axis] > EDGE_LIMIT) {
+            return fail(CONUS_ERROR_ARGUMENT, "NIfTI-1: dim[%d]: %zu, allowed is 1 to %d", axis + 1, values->dim[axis],
                         EDGE_LIMIT);
         }
     }
     for (int i = 0; i < 16; i++) {
-        if (!isfinite((float)heading->world_from_voxel[i])) {
+        if (!isfinite((float)values->world_from_voxel[i])) {
             return fail(CONUS_ERROR_ARGUMENT, "NIfTI-1: srow: %g, a finite float is needed",
-                        heading->world_from_voxel[i]);
+                        values->world_from_voxel[i]);
         }
     }
     return CONUS_OK;
@@ -117,32 +118,32 @@ static void put_qform(uint8_t *header, const double m[16], int code)
     }
     quaternion_of(q, r);
     put_float(header + 76, qfac);
-    put(header + 252, (uint32_t)code, 2);
+    put_integer(header + 252, (uint32_t)code, 2);
     for (int i = 0; i < 3; i++) {
         put_float(header + 256 + 4 * i, q[i + 1]);
         put_float(header + 268 + 4 * i, m[12 + i]);
     }
 }
 
-static void put_header(uint8_t *header, const struct heading *heading)
+static void put_header(uint8_t *header, const struct header_values *values)
 {
-    const double *m = heading->world_from_voxel;
-    put(header, 348, 4);
-    put(header + 40, 3, 2);
+    const double *m = values->world_from_voxel;
+    put_integer(header, 348, 4);
+    put_integer(header + 40, 3, 2);
     for (int axis = 0; axis < 7; axis++) {
-        put(header + 42 + 2 * axis, axis < 3 ? (uint32_t)heading->dim[axis] : 1, 2);
+        put_integer(header + 42 + 2 * axis, axis < 3 ? (uint32_t)values->dim[axis] : 1, 2);
         put_float(header + 80 + 4 * axis, axis < 3 ? vec3_length(m + 4 * axis) : 1);
     }
-    put(header + 68, (uint32_t)heading->intent, 2);
-    put(header + 70, (uint32_t)heading->type->code, 2);
-    put(header + 72, (uint32_t)heading->type->size * 8, 2);
+    put_integer(header + 68, (uint32_t)values->intent, 2);
+    put_integer(header + 70, (uint32_t)values->type->code, 2);
+    put_integer(header + 72, (uint32_t)values->type->size * 8, 2);
     put_float(header + 76, 1);
     put_float(header + 108, HEADER);
     put_float(header + 112, 1);
     header[123] = UNITS_MM;
-    snprintf((char *)header + 148, 80, "%s", heading->description);
-    put_qform(header, m, heading->code);
-    put(header + 254, (uint32_t)heading->code, 2);
+    snprintf((char *)header + 148, 80, "%s", values->description);
+    put_qform(header, m, values->code);
+    put_integer(header + 254, (uint32_t)values->code, 2);
     for (int row = 0; row < 3; row++) {
         for (int column = 0; column < 4; column++) {
             put_float(header + 280 + 16 * row + 4 * column, m[4 * column + row]);
@@ -152,19 +153,19 @@ static void put_header(uint8_t *header, const struct heading *heading)
 }
 
 /* A file of a checked grid with its header, and zeros for voxels. */
-static conus_status start_file(struct bytes *out, const struct heading *heading)
+static conus_status start_file(struct bytes *out, const struct header_values *values)
 {
-    struct bytes file = {.size = HEADER + heading->dim[0] * heading->dim[1] * heading->dim[2] * heading->type->size};
+    struct bytes file = {.size = HEADER + values->dim[0] * values->dim[1] * values->dim[2] * values->type->size};
     file.data = memory_zeroed(file.size, 1);
     if (!file.data) {
         return CONUS_ERROR_MEMORY;
     }
-    put_header(file.data, heading);
+    put_header(file.data, values);
     *out = file;
     return CONUS_OK;
 }
 
-static const struct datatype *narrowest(const uint32_t *labels, size_t count)
+static const struct datatype *narrowest_type(const uint32_t *labels, size_t count)
 {
     uint32_t most = 0;
     for (size_t i = 0; i < count; i++) {
@@ -180,23 +181,23 @@ static const struct datatype *narrowest(const uint32_t *labels, size_t count)
 static conus_status format_numbers(struct bytes *out, const conus_volume_info *info, const uint32_t *labels, int intent,
                                    int code)
 {
-    struct heading heading = {.dim = info->dim,
-                              .world_from_voxel = info->world_from_voxel,
-                              .code = code,
-                              .intent = intent,
-                              .description = "conus " CONUS_VERSION};
-    conus_status status = check_grid(&heading);
+    struct header_values values = {.dim = info->dim,
+                                   .world_from_voxel = info->world_from_voxel,
+                                   .code = code,
+                                   .intent = intent,
+                                   .description = "conus " CONUS_VERSION};
+    conus_status status = check_grid(&values);
     if (status) {
         return status;
     }
-    heading.type = narrowest(labels, info->dim[0] * info->dim[1] * info->dim[2]);
-    status = start_file(out, &heading);
+    values.type = narrowest_type(labels, info->dim[0] * info->dim[1] * info->dim[2]);
+    status = start_file(out, &values);
     if (status) {
         return status;
     }
-    size_t size = heading.type->size;
+    size_t size = values.type->size;
     for (size_t i = 0; i < (out->size - HEADER) / size; i++) {
-        put(out->data + HEADER + i * size, labels[i], size);
+        put_integer(out->data + HEADER + i * size, labels[i], size);
     }
     return CONUS_OK;
 }
@@ -243,37 +244,30 @@ static uint32_t bits_at(const conus_grid *grid, size_t i)
 conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid)
 {
     const conus_grid_view *view = &grid->view;
-    const struct heading heading = {.dim = view->dim,
-                                    .world_from_voxel = view->world_from_voxel,
-                                    .code = view->space_code <= INT16_MAX ? view->space_code : CODE_ALIGNED,
-                                    .intent = grid->labels ? INTENT_LABEL : INTENT_NONE,
-                                    .type = &datatypes[view->number],
-                                    .description = view->description};
-    conus_status status = check_grid(&heading);
-    status = status ? status : start_file(out, &heading);
+    const struct header_values values = {.dim = view->dim,
+                                         .world_from_voxel = view->world_from_voxel,
+                                         .code = view->space_code <= INT16_MAX ? view->space_code : CODE_ALIGNED,
+                                         .intent = grid->labels ? INTENT_LABEL : INTENT_NONE,
+                                         .type = &datatypes[view->number],
+                                         .description = view->description};
+    conus_status status = check_grid(&values);
+    status = status ? status : start_file(out, &values);
     for (size_t i = 0; !status && i < view->count; i++) {
-        put(out->data + HEADER + i * grid->size, bits_at(grid, i), grid->size);
+        put_integer(out->data + HEADER + i * grid->size, bits_at(grid, i), grid->size);
     }
     return status;
-}
-
-static bool ends(const char *path, const char *ending)
-{
-    size_t length = strlen(path);
-    size_t wanted = strlen(ending);
-    return length > wanted && strcasecmp(path + length - wanted, ending) == 0;
 }
 
 conus_status conus_grid_write(const conus_grid *grid, const char *path)
 {
     struct bytes file = {0};
     struct bytes packed = {0};
-    if (!ends(path, ".nii") && !ends(path, ".nii.gz")) {
+    if (!path_ends_in(path, ".nii") && !path_ends_in(path, ".nii.gz")) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: a volume's name ends in .nii or .nii.gz", path);
     }
     conus_status status = nifti_format_grid(&file, grid);
     status = status ? fail_in(status, path) : CONUS_OK;
-    if (!status && ends(path, ".gz")) {
+    if (!status && path_ends_in(path, ".gz")) {
         status = gzip_format(&packed, file.data, file.size);
     }
     const struct bytes *content = packed.data ? &packed : &file;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Opens a volume: one file or a pair, packed or not, one volume of several. */
 #include "loaders/volumes/volume_file.h"
 
 #include "base/byte_order.h"
@@ -451,7 +452,7 @@ conus_status volume_file_open_series(struct volume_file *out, const char *path, 
 }
 
 /* Its notes were given when the file was opened first. */
-static conus_status reopen(struct volume_file *file, size_t volume)
+static conus_status reopen_volume(struct volume_file *file, size_t volume)
 {
     struct volume_file other = {0};
     struct notes notes = {0};
@@ -472,7 +473,7 @@ conus_status volume_file_select(struct volume_file *file, size_t volume)
         return fail(CONUS_ERROR_ARGUMENT, "%s: volume: found %zu, allowed are 0 to %zu", file->path, volume, count - 1);
     }
     if (volume != file->info.volume && !file->series.data) {
-        return reopen(file, volume);
+        return reopen_volume(file, volume);
     }
     file->info.volume = volume;
     if (file->series.data) {

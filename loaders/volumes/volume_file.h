@@ -31,9 +31,10 @@ struct volume_file {
     uint64_t max_memory;
 };
 
-/** Reads @p path (NIfTI-1/2 single file or either half of a pair, MGH; each plain or gzip, told by content), which may
- * end in ",volume=K" with K from 0. Without it a 4-D file of more than one volume is an error that names the choice.
- * What a careful user should know (a qform used because there is no sform, a second transform that differs) goes into
+/** Reads @p path (NIfTI-1/2 single file or either half of a pair, MGH; each plain or gzip, detected from the content),
+ * which may end in ",volume=K" with K from 0. Without it a 4-D file of more than one volume is an error that names the
+ * choice. What a careful user should know (a qform used because there is no sform, a second transform that differs)
+ * goes into
  * @p notes. Errors carry path, field, value found and what is allowed. */
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes);
 
@@ -54,12 +55,5 @@ conus_status volume_file_open_series(struct volume_file *out, const char *path, 
  * a volume that is not there is CONUS_ERROR_ARGUMENT. */
 conus_status volume_file_select(struct volume_file *file, size_t volume);
 void volume_file_finish(struct volume_file *file);
-
-/** Decodes to labels, one per voxel. Refuses scaled values that are not whole, or outside 0..4294967295, naming the
- * first such voxel. *out is the caller's to memory_free(). Sets info.minimum and maximum. */
-conus_status volume_file_labels(uint32_t **out, struct volume_file *file);
-
-/** Decodes to scaled values. Values that are not finite become 0, and a note counts them. Otherwise as above. */
-conus_status volume_file_values(float **out, struct volume_file *file, struct notes *notes);
 
 #endif

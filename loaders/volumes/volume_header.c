@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of datatypes, and the checks of datatype and dimensions that all formats share. */
 #include "loaders/volumes/volume_header.h"
 
 #include "base/memory.h"
@@ -30,7 +31,7 @@ static const struct datatype {
     {2304, "RGBA32", 0},
 };
 
-static const struct datatype *find(int code)
+static const struct datatype *find_datatype(int code)
 {
     for (size_t i = 0; i < sizeof datatypes / sizeof datatypes[0]; i++) {
         if (datatypes[i].code == code) {
@@ -42,14 +43,14 @@ static const struct datatype *find(int code)
 
 size_t volume_datatype_size(int code)
 {
-    const struct datatype *type = find(code);
+    const struct datatype *type = find_datatype(code);
     return type ? type->size : 0;
 }
 
 conus_status volume_header_set_datatype(struct volume_header *header, int code)
 {
     static const char allowed[] = "allowed are int8 to uint64, float32 and float64";
-    const struct datatype *type = find(code);
+    const struct datatype *type = find_datatype(code);
     if (!type) {
         return fail(CONUS_ERROR_DATA, "datatype: found %d, %s", code, allowed);
     }

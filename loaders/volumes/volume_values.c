@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Stored voxels into labels and values. */
+#include "loaders/volumes/volume_values.h"
+
 #include "base/byte_order.h"
 #include "base/memory.h"
 #include "loaders/volumes/volume_file.h"

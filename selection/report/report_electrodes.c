@@ -2,7 +2,7 @@
 /* The BIDS table of electrodes that was asked about, with columns added that say where each contact is. */
 #include "base/memory.h"
 #include "base/text.h"
-#include "poses/pose_file.h"
+#include "poses/pose_electrodes.h"
 #include "selection/report/report.h"
 
 /* Appends @p count fields of the line: missing ones as n/a, without what is too much. */

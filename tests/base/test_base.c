@@ -4,6 +4,7 @@
 #include "base/file.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "base/text.h"
 #include "test.h"
 
@@ -525,6 +526,34 @@ static void messages_are_one_line(void **state)
     assert_null(memory_raw(SIZE_MAX, 2));
 }
 
+static void numbers_are_sorted_and_kept_once(void **state)
+{
+    (void)state;
+    uint32_t numbers[] = {7, UINT32_MAX, 0, 7, 3, 0};
+    const uint32_t wanted[] = {0, 3, 7, UINT32_MAX};
+    assert_int_equal(u32_sort_unique(numbers, 6), 4);
+    assert_memory_equal(numbers, wanted, sizeof wanted);
+}
+
+static void texts_are_compared_by_bytes(void **state)
+{
+    (void)state;
+    assert_true(text_compare(text_from("a"), text_from("ab")) < 0);
+    assert_true(text_compare(text_from("b"), text_from("ab")) > 0);
+    assert_int_equal(text_compare(text_from("ab"), text_from("ab")), 0);
+    assert_int_equal(text_compare((struct text){NULL, 0}, text_from("")), 0);
+    assert_true(text_mentions(text_from("a label table"), "label"));
+}
+
+static void binary_bytes_are_not_readable(void **state)
+{
+    (void)state;
+    assert_true(text_is_readable(text_from("a\tb\r\n\xe4")));
+    assert_false(text_is_readable(text_from("a\x01")));
+    assert_false(text_is_readable((struct text){"a\0b", 3}));
+    assert_false(text_is_readable(text_from("")));
+}
+
 static void the_clock_never_goes_back(void **state)
 {
     (void)state;
@@ -561,6 +590,9 @@ int main(void)
         cmocka_unit_test(sha256_of_abc),
         cmocka_unit_test(buffers_remember_failure),
         cmocka_unit_test(messages_are_one_line),
+        cmocka_unit_test(numbers_are_sorted_and_kept_once),
+        cmocka_unit_test(texts_are_compared_by_bytes),
+        cmocka_unit_test(binary_bytes_are_not_readable),
         cmocka_unit_test(the_clock_never_goes_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

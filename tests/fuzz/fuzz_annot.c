@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FreeSurfer annotations: every label that a vertex has is in the table. */
 #include "base/memory.h"
-#include "loaders/surfaces/freesurfer.h"
+#include "loaders/surfaces/freesurfer_annot.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FreeSurfer surfaces. */
-#include "loaders/surfaces/freesurfer.h"
+#include "loaders/surfaces/freesurfer_surface.h"
 
 #include <stdlib.h>
 

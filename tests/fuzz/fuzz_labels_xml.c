@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as FSL atlas, Workbench and AFNI table, whatever their outermost element is. */
 #include "base/memory.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/label_afni.h"
+#include "loaders/labels/label_bytes.h"
+#include "loaders/labels/label_markup.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -24,7 +26,7 @@ static void parse(const struct label_format *format, struct text text)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct text text = label_text_of(data, size);
+    struct text text = text_from_bytes(data, size);
     parse(&label_format_fsl, text);
     parse(&label_format_workbench, text);
     parse(&label_format_afni, text);

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_header.h"
+#include "loaders/volumes/volume_values.h"
 
 #include <math.h>
 #include <stdlib.h>

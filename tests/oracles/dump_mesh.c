@@ -37,7 +37,7 @@ static conus_status dump_surface(FILE *stream, const char *path, bool as_stored,
                about.name ? about.name : "", about.hemisphere ? about.hemisphere : '-');
         print_notes(notes);
     }
-    memory_free(about.name);
+    label_finish(&about);
     mesh_finish(&mesh);
     return status;
 }

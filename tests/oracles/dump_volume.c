@@ -3,6 +3,7 @@
  * as uint32 into LABELS, and what the header gave to stdout, for tests/oracles/compare_volumes.py. */
 #include "base/memory.h"
 #include "loaders/volumes/volume_file.h"
+#include "loaders/volumes/volume_values.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/math3.h"
-#include "poses/pose_list.h"
+#include "poses/pose_load.h"
 #include "test.h"
 
 #include <string.h>

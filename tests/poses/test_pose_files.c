@@ -3,7 +3,8 @@
  * and look at it. */
 #include "base/file.h"
 #include "base/math3.h"
-#include "poses/pose_file.h"
+#include "poses/pose_coordsystem.h"
+#include "poses/pose_load.h"
 #include "poses/pose_stream.h"
 #include "test.h"
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "loaders/labels/label_file.h"
 #include "parsed_labels.h"
 #include "test.h"
 

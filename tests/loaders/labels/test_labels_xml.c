@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables in XML, and in AFNI's NIML, which looks like it. */
 #include "base/buffer.h"
-#include "loaders/labels/fsl_atlas.h"
-#include "loaders/labels/label_parse.h"
+#include "loaders/labels/fsl_number.h"
+#include "loaders/labels/label_bytes.h"
 #include "parsed_labels.h"
 #include "test.h"
 
@@ -175,7 +175,7 @@ static void fsl_atlases_name_their_images(void **state)
         struct notes notes = {0};
         struct fsl_atlas atlas = {0};
         assert_ok(file_read(&bytes, test_shared(files[i].path), 1 << 20));
-        assert_ok(fsl_atlas_parse(&atlas, label_text_of(bytes.data, bytes.size)));
+        assert_ok(fsl_atlas_parse(&atlas, text_from_bytes(bytes.data, bytes.size)));
         assert_ok(fsl_atlas_number(&atlas, &(struct label_use){0}, &notes));
         assert_int_equal(atlas.is_label, files[i].is_label);
         assert_int_equal(atlas.image_count, files[i].images);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "loaders/surfaces/freesurfer.h"
+#include "loaders/surfaces/freesurfer_annot.h"
+#include "loaders/surfaces/freesurfer_surface.h"
 
 #include "base/math3.h"
 #include "base/memory.h"

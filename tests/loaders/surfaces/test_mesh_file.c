@@ -59,7 +59,7 @@ static void content_decides(void **state)
         assert_int_equal(notes.count, 1); /* neither says in which space it is */
         assert_non_null(strstr(notes.lines[0], path));
         notes_finish(&notes);
-        memory_free(about.name);
+        label_finish(&about);
         mesh_finish(&mesh);
         buffer_finish(&bytes);
     }

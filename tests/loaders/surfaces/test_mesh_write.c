@@ -91,7 +91,7 @@ static void check_file(const char *path, double size)
     assert_ok(mesh_measure(&shape, &mesh));
     assert_near(shape.volume_mm3, size * size * size / 6, 1e-9);
     assert_near(shape.centroid[2], size / 4, 1e-9);
-    memory_free(about.name);
+    label_finish(&about);
     mesh_finish(&mesh);
 }
 

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "loaders/volumes/nifti_write.h"
+#include "loaders/volumes/volume_values.h"
 #include "test.h"
 
 #include <math.h>

@@ -5,6 +5,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "loaders/volumes/volume_header.h"
+#include "loaders/volumes/volume_values.h"
 #include "nifti_builder.h"
 #include "test.h"
 

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_header.h"
+#include "loaders/volumes/volume_values.h"
 #include "nifti_builder.h"
 #include "test.h"
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * FreeSurfer's surfaces (lh.pial) and annotations (lh.aparc.annot), both big-endian. docs/formats.md lists the fields,
- * docs/spaces.md tells how surface coordinates get into the world. */
-#ifndef CONUS_LOADERS_SURFACES_FREESURFER_H
-#define CONUS_LOADERS_SURFACES_FREESURFER_H
+ * FreeSurfer's surfaces (lh.pial), big-endian. docs/formats.md lists the fields, docs/spaces.md says how their
+ * coordinates get into the world. */
+#ifndef CONUS_LOADERS_SURFACES_FREESURFER_SURFACE_H
+#define CONUS_LOADERS_SURFACES_FREESURFER_SURFACE_H
 
-#include "atlas/labels.h"
 #include "atlas/surface/mesh.h"
+#include "base/notes.h"
 
 /** True where @p data begins like a surface, of triangles or of quadrangles. */
 bool freesurfer_is_surface(const uint8_t *data, size_t size);
@@ -23,11 +23,5 @@ conus_status freesurfer_surface_parse(struct mesh *out, const uint8_t *data, siz
  * c_ras @p centre: Norig inv(Torig), in which the volume's size cancels out. False (out untouched) where the axes are
  * no rotation, with or without a mirror. */
 bool freesurfer_world_from_surface(double out[16], const double axes[9], const double centre[3]);
-
-/** Parses an annotation: *labels has one label per vertex (0 = none), the caller's to memory_free(); @p table is
- * sorted, and the caller's to finish. A label is its entry's number in the file's colour table; vertices name it by its
- * packed colour. Entry 0 is no area if it is called so ("unknown"), else the label behind the last, with a note. */
-conus_status freesurfer_annot_parse(uint32_t **labels, size_t *count, struct label_table *table, const uint8_t *data,
-                                    size_t size, struct notes *notes);
 
 #endif

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A label table from a file, and its colours from a .lut beside it. */
+#include "loaders/labels/label_file.h"
+
+#include "base/folder.h"
+#include "base/memory.h"
+#include "loaders/file_kind.h"
+#include "loaders/labels/label_bytes.h"
+
+#include <string.h>
+
+enum {
+    LABEL_FILE_LIMIT = 16 << 20,
+    LABEL_GROWTH = 64, /* bytes that a byte of a table may become */
+};
+
+uint64_t label_file_limit(uint64_t max_memory)
+{
+    uint64_t allowed = max_memory / LABEL_GROWTH;
+    return max_memory && allowed < LABEL_FILE_LIMIT ? allowed : LABEL_FILE_LIMIT;
+}
+
+conus_status label_file_bytes(struct bytes *out, const char *path, uint64_t max_memory)
+{
+    uint64_t limit = label_file_limit(max_memory);
+    return limit < LABEL_FILE_LIMIT ? file_read_allowed(out, path, limit) : file_read(out, path, limit);
+}
+
+bool label_table_has_colours(const struct label_table *table)
+{
+    for (size_t i = 0; i < table->count; i++) {
+        if (table->entries[i].has_rgb) {
+            return true;
+        }
+    }
+    return false;
+}
+
+conus_status label_file_colours(struct label_table *table, bool *found, const char *path, struct file_sums *read)
+{
+    struct bytes bytes = {0};
+    *found = false;
+    if (!file_exists(path)) {
+        return CONUS_OK;
+    }
+    conus_status status = file_read(&bytes, path, LABEL_FILE_LIMIT);
+    if (status) {
+        return status;
+    }
+    if (label_is_lut(bytes.data, bytes.size)) {
+        label_lut_apply(table, bytes.data);
+        *found = true;
+        status = read ? file_sums_add(read, path, &bytes) : CONUS_OK;
+    }
+    bytes_finish(&bytes);
+    return status;
+}
+
+/* What the file is if it is known to be no table; a message of the tables' parser says more about others. */
+static const struct file_kind *foreign_kind(const char *path, const struct bytes *bytes)
+{
+    bool table = label_is_lut(bytes->data, bytes->size) || label_format_of(text_from_bytes(bytes->data, bytes->size));
+    const struct file_kind *kind = table || !bytes->size ? NULL : file_kind_of_stored(path, bytes);
+    return kind && !file_kind_is_vague(kind) ? kind : NULL;
+}
+
+static conus_status read_table(struct label_table *out, const char **format, const char *path,
+                               const struct label_use *wanted, struct notes *notes)
+{
+    struct label_use use = wanted ? *wanted : (struct label_use){0};
+    struct bytes bytes = {0};
+    conus_status status = label_file_bytes(&bytes, path, use.max_memory);
+    if (status) {
+        return status;
+    }
+    use.path = path;
+    const struct file_kind *kind = foreign_kind(path, &bytes);
+    status = kind ? file_kind_fail(path, &bytes, "a label table")
+                  : label_bytes_parse(out, format, bytes.data, bytes.size, &use, notes);
+    status = status || !use.read ? status : file_sums_add(use.read, path, &bytes);
+    bytes_finish(&bytes);
+    return status ? fail_in(status, path) : CONUS_OK;
+}
+
+conus_status label_file_read(struct label_table *out, const char **format, const char *path,
+                             const struct label_use *use, struct notes *notes)
+{
+    struct label_table table = {0};
+    conus_status status = read_table(&table, format, path, use, notes);
+    if (!status && !label_table_has_colours(&table)) {
+        const char *dot = strrchr(path_base(path), '.');
+        char *lut = path_with_ending(path, dot ? (size_t)(dot - path) : strlen(path), ".lut");
+        bool found;
+        status = lut ? label_file_colours(&table, &found, lut, use ? use->read : NULL) : CONUS_ERROR_MEMORY;
+        memory_free(lut);
+    }
+    if (status) {
+        label_table_finish(&table);
+        return status;
+    }
+    *out = table;
+    return CONUS_OK;
+}

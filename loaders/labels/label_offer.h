@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Tables that were found for one volume: which is used, and whether they contradict each other. */
+#ifndef CONUS_LOADERS_LABELS_LABEL_OFFER_H
+#define CONUS_LOADERS_LABELS_LABEL_OFFER_H
+
+#include "atlas/labels.h"
+#include "base/buffer.h"
+#include "loaders/labels/label_use.h"
+#include "loaders/volumes/volume_file.h"
+
+struct label_search {
+    const struct volume_file *volume;
+    struct label_use use; /**< path: of the table that is being read.                 */
+    struct notes *notes;
+    struct label_table table;
+    bool found;                /**< table is filled; later ones are only compared with it. */
+    bool proved;               /**< ... and its numbers are those of the volume.           */
+    struct file_sums read;     /**< The files that table is of.                            */
+    struct buffer source;      /**< "MRIcron text in aal.nii.txt".                         */
+    struct buffer first_error; /**< The first candidate that was damaged: an error only if nothing else is found. */
+};
+
+void label_search_finish(struct label_search *search);
+
+/** A table that was read, and what was noted on the way. */
+struct label_offer {
+    struct label_table table;
+    struct notes notes;
+    struct buffer source;
+    bool proved;
+    const char *path;         /**< Of the file that the table is, */
+    const struct bytes *file; /**< and its bytes; NULL inside the volume's. */
+};
+
+/** Uses the table of @p offer if it is the first, or if only its numbers are proved. One that contradicts the table in
+ * use is CONUS_ERROR_DATA, one that differs a note. Finishes @p offer. */
+conus_status label_search_offer(struct label_search *search, struct label_offer *offer);
+
+#endif

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file From a manifest to the atlas that it describes. */
+#ifndef CONUS_LOADERS_SCENE_LOAD_MANIFEST_H
+#define CONUS_LOADERS_SCENE_LOAD_MANIFEST_H
+
+#include "base/file.h"
+#include "conus/conus.h"
+
+/** Loads what the manifest in @p file, the bytes of @p path, names. A path that ends in '/' is a folder for which the
+ * manifest was made up. */
+conus_status manifest_load(conus_atlas **out, const char *path, const struct bytes *file,
+                           const conus_load_options *options);
+
+#endif

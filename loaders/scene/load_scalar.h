@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Volumes whose values are numbers: pathways and the context. */
+#ifndef CONUS_LOADERS_SCENE_LOAD_SCALAR_H
+#define CONUS_LOADERS_SCENE_LOAD_SCALAR_H
+
+#include "atlas/atlas.h"
+#include "loaders/volumes/volume_file.h"
+
+/** Adds the chosen volume of @p file as a pathway; threshold 0 and no name are the defaults. On success the atlas has
+ * @p notes, those of opening the file, too; on failure it is as before. */
+conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, double threshold, const char *wanted,
+                         struct notes *notes);
+
+#endif
