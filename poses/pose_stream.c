@@ -2,6 +2,7 @@
 #include "poses/pose_stream.h"
 
 #include "base/memory.h"
+#include "base/options.h"
 #include "poses/pose_file.h"
 #include "poses/pose_lines.h"
 #include "poses/pose_list.h"
@@ -312,8 +313,7 @@ static conus_status check_options(const conus_pose_options *options)
 
 static conus_status create(conus_pose_stream **out, const conus_pose_options *options)
 {
-    static const conus_pose_options none = {0};
-    options = options ? options : &none;
+    options = options_of(conus_pose_options, options);
     conus_status status = check_options(options);
     conus_pose_stream *stream = status ? NULL : memory_zeroed(1, sizeof *stream);
     if (!stream) {

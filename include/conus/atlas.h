@@ -29,6 +29,7 @@ typedef void (*conus_load_progress)(void *user, const char *path, size_t done, s
 
 /** How conus_atlas_load() reads. */
 typedef struct conus_load_options {
+    size_t struct_size;  /**< Its size, as #CONUS_LOAD_OPTIONS_INIT sets it; 0 = that of this version. */
     const char *labels;  /**< Path of a label table that replaces the one beside or inside the file. For a surface: path
                             of the labels of its vertices (.label.gii, .annot). NULL = none. */
     uint64_t max_memory; /**< Largest file, and largest volume unpacked, in bytes; 0 = 8 GiB. */
@@ -36,6 +37,9 @@ typedef struct conus_load_options {
     void *progress_user;          /**< Passed to @p progress. */
     bool labels_anyway; /**< Each value is a label, even where the values look like the grey values of an image. */
 } conus_load_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_LOAD_OPTIONS_INIT CONUS_INIT_(conus_load_options)
 
 /**
  * Loads an atlas. The content of the file decides what it is, not its name:
@@ -68,10 +72,14 @@ CONUS_API void conus_atlas_destroy(conus_atlas *atlas);
 
 /** How conus_atlas_add_pathway() reads. */
 typedef struct conus_pathway_options {
+    size_t struct_size;  /**< Its size, as #CONUS_PATHWAY_OPTIONS_INIT sets it; 0 = that of this version. */
     double threshold;    /**< Values at or above it are the pathway (Eq. 6); 0 = a quarter of the file's scale. */
     const char *name;    /**< NULL = its name in an FSL atlas XML near it, else the file's name without its ending. */
     uint64_t max_memory; /**< As conus_load_options.max_memory. */
 } conus_pathway_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_PATHWAY_OPTIONS_INIT CONUS_INIT_(conus_pathway_options)
 
 /**
  * Adds a scalar (probability) volume as one selectable pathway.
@@ -99,10 +107,14 @@ CONUS_CHECKED conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t 
 
 /** How conus_atlas_set_context() reads. */
 typedef struct conus_context_options {
+    size_t struct_size;     /**< Its size, as #CONUS_CONTEXT_OPTIONS_INIT sets it; 0 = that of this version. */
     double block_threshold; /**< Voxels with values at or above it block rays: a skull, say. Rays do not hit what is
                                behind them, and such a pixel has no hit. 0 = no voxel blocks. */
     uint64_t max_memory;    /**< As conus_load_options.max_memory. */
 } conus_context_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_CONTEXT_OPTIONS_INIT CONUS_INIT_(conus_context_options)
 
 /**
  * Sets the volume that is drawn around the areas (a T1, say), and replaces the one that is there. It is never

@@ -21,14 +21,18 @@ typedef struct conus_batch conus_batch; /**< Threads made ready to answer poses 
 
 /** How a batch answers. */
 typedef struct conus_batch_options {
-    uint32_t threads; /**< That answer poses, up to 1024; 0 = as many as processors that the process may use. With the
-                         gl engine there is one, the caller's. */
-    uint32_t block;   /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
-    double angle;     /**< Of poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
+    size_t struct_size; /**< Its size, as #CONUS_BATCH_OPTIONS_INIT sets it; 0 = that of this version. */
+    uint32_t threads;   /**< That answer poses, up to 1024; 0 = as many as processors that the process may use. With the
+                           gl engine there is one, the caller's. */
+    uint32_t block;     /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
+    double angle;       /**< Of poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
     conus_report_options
         report; /**< Its format is neither #CONUS_TABLE nor #CONUS_JSON. A probe, #CONUS_SPIKEGLX or #CONUS_OPEN_EPHYS,
                    is one block of up to 65535 contacts, whatever block says, and must be all that is in the stream. */
 } conus_batch_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_BATCH_OPTIONS_INIT CONUS_INIT_(conus_batch_options)
 
 /** A block of poses, answered. */
 typedef struct conus_batch_block {

@@ -19,11 +19,15 @@ typedef struct conus_jitter conus_jitter; /**< An answer under errors of the pos
 
 /** How far off a pose may be: independent normal errors (Eq. 14). */
 typedef struct conus_jitter_options {
+    size_t struct_size; /**< Its size, as #CONUS_JITTER_OPTIONS_INIT sets it; 0 = that of this version. */
     double
         tilt; /**< Standard deviation of the axis's tilt about the device's x, and about its y; radians, 0 to pi/2. */
     double shift;     /**< Standard deviation of the position along each of its axes, mm, 0 to 1e6. */
     uint32_t samples; /**< Poses to trace from, a power of two from 16 to 2^20; 0 = 1024. */
 } conus_jitter_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_JITTER_OPTIONS_INIT CONUS_INIT_(conus_jitter_options)
 
 /** The chances of one object. */
 typedef struct conus_chance {

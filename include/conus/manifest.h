@@ -8,6 +8,7 @@
 
 #include <conus/status.h>
 
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -16,10 +17,14 @@ extern "C" {
 
 /** How conus_manifest_write() reads. */
 typedef struct conus_manifest_options {
+    size_t struct_size;  /**< Its size, as #CONUS_MANIFEST_OPTIONS_INIT sets it; 0 = that of this version. */
     uint64_t max_memory; /**< Largest file, in bytes; 0 = 8 GiB. */
     conus_log log;       /**< Receives as what each file was taken, a line each; NULL = silent. */
     void *log_user;      /**< Passed to @p log. */
 } conus_manifest_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_MANIFEST_OPTIONS_INIT CONUS_INIT_(conus_manifest_options)
 
 /**
  * Writes a first manifest (docs/formats.md) of what lies in the folder of @p path and the folders in it: volumes, FSL

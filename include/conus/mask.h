@@ -27,11 +27,15 @@ typedef enum conus_grid_content {
 
 /** How conus_selection_grid() fills a grid. */
 typedef struct conus_grid_options {
+    size_t struct_size;         /**< Its size, as #CONUS_GRID_OPTIONS_INIT sets it; 0 = that of this version. */
     conus_grid_content content; /**< What the numbers are. */
     uint32_t object; /**< Only this object and those below it in the area tree; 0 = all. A map of values needs a pathway
                         here, unless there is only one; a mask of one is made with it, too. Of the region it only
                         chooses the grid, and must be a pathway. */
 } conus_grid_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_GRID_OPTIONS_INIT CONUS_INIT_(conus_grid_options)
 
 /**
  * Makes a grid of the voxels with their centre in a selection's cone, cylinder or ball (Eq. 10), occluded or not, on

@@ -9,6 +9,7 @@
 #include <conus/atlas.h>
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -26,6 +27,7 @@ typedef enum conus_mesh_format {
 
 /** How conus_atlas_write_meshes() makes surfaces. */
 typedef struct conus_mesh_options {
+    size_t struct_size;       /**< Its size, as #CONUS_MESH_OPTIONS_INIT sets it; 0 = that of this version. */
     conus_mesh_format format; /**< Of the files. */
     uint32_t smooth;          /**< Iterations of windowed-sinc smoothing, 1 to 1000; 0 = 5. */
     double pass_band;         /**< Of the smoothing, up to 2; less is smoother; 0 = 0.7. */
@@ -37,6 +39,9 @@ typedef struct conus_mesh_options {
     conus_log log;            /**< Notes about the surfaces; NULL = silent. */
     void *log_user;           /**< Passed to @p log. */
 } conus_mesh_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_MESH_OPTIONS_INIT CONUS_INIT_(conus_mesh_options)
 
 /**
  * Writes a closed surface of each area, LABEL_Name.gii and so on, in world mm. Areas that are meshes already are

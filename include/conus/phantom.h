@@ -18,12 +18,16 @@ extern "C" {
 
 /** The grid of a phantom. */
 typedef struct conus_phantom_options {
+    size_t struct_size; /**< Its size, as #CONUS_PHANTOM_OPTIONS_INIT sets it; 0 = that of this version. */
     uint32_t size; /**< Voxels along the longest edge, 16 to 512; 0 = 64. Size times the smallest spacing is the cube
                       around the origin for which the shapes are made: 64 mm, or scaled. */
     double spacing[3]; /**< mm; zeros = 1, 1, 1. At least 4 voxels must fit along every edge. */
     double oblique;    /**< Turns the grid about (1, 1, 1) by this angle, radians. */
     bool flip[3];      /**< Lets i, j, k grow towards left, posterior, inferior. */
 } conus_phantom_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_PHANTOM_OPTIONS_INIT CONUS_INIT_(conus_phantom_options)
 
 /** A kind of phantom. */
 typedef struct conus_phantom_info {

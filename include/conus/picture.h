@@ -34,12 +34,16 @@ CONUS_API const char *conus_transfer_preset(size_t index);
 
 /** How a renderer draws. */
 typedef struct conus_renderer_options {
+    size_t struct_size;   /**< Its size, as #CONUS_RENDERER_OPTIONS_INIT sets it; 0 = that of this version. */
     const char *transfer; /**< Preset name or TF file (docs/formats.md) of the context; NULL = the manifest's, or else
                              "brain". */
     uint64_t max_memory;  /**< Of textures, in bytes; 0 = 8 GiB. */
     conus_log log;        /**< NULL = silent. */
     void *log_user;       /**< Passed to @p log. */
 } conus_renderer_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_RENDERER_OPTIONS_INIT CONUS_INIT_(conus_renderer_options)
 
 /** A point of a transfer function, which is piecewise linear between them (Eq. 8). */
 typedef struct conus_transfer_point {
@@ -110,6 +114,7 @@ CONUS_CHECKED conus_status conus_renderer_update(conus_renderer *renderer);
 
 /** What conus_render() draws. */
 typedef struct conus_view {
+    size_t struct_size;   /**< Its size, as #CONUS_VIEW_INIT sets it; 0 = that of this version. */
     uint32_t width;       /**< Pixels, 1 to 16384; 0 = 1400. */
     uint32_t height;      /**< Pixels, 1 to 16384; 0 = 1050. */
     uint32_t slices;      /**< N of Eq. 7; 0 = default. */
@@ -125,6 +130,9 @@ typedef struct conus_view {
     bool draft;                       /**< Leave edges rough: quicker. */
     double fade; /**< How much the context is thinned: 0 = as its transfer function says, 1 = gone. */
 } conus_view;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_VIEW_INIT CONUS_INIT_(conus_view)
 
 /**
  * Draws the atlas over a light background: its areas, or its pathways where it has any (all areas would hide them), and
@@ -147,6 +155,7 @@ CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *rende
 /** A flat cut through an atlas: the context in grey, areas filled and outlined, surfaces as their contours, filled
  * where they are closed, pathways over them. Labels are looked up, never interpolated. */
 typedef struct conus_cut_view {
+    size_t struct_size;  /**< Its size, as #CONUS_CUT_VIEW_INIT sets it; 0 = that of this version. */
     double centre[3];    /**< World position of the picture's middle, mm. */
     double right[3];     /**< Unit vector to the picture's right; both 0 = +x and +y: axial, neurological. */
     double up[3];        /**< Unit vector to the picture's top, perpendicular to right. */
@@ -160,6 +169,9 @@ typedef struct conus_cut_view {
                                          it only pierces hatched, and others pale. */
     uint32_t chosen;                  /**< Object that is never pale, with those below it in the area tree; 0 = none. */
 } conus_cut_view;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_CUT_VIEW_INIT CONUS_INIT_(conus_cut_view)
 
 /**
  * Draws a cut.

@@ -60,6 +60,7 @@ CONUS_API const char *conus_pose_format_name(size_t index);
 
 /** How files of poses are read. */
 typedef struct conus_pose_options {
+    size_t struct_size;       /**< Its size, as #CONUS_POSE_OPTIONS_INIT sets it; 0 = that of this version. */
     conus_space space;        /**< Of the numbers in the file, where it does not say so itself. */
     conus_axis axis;          /**< Where the file gives rotations. */
     conus_pose_format format; /**< The format. */
@@ -67,6 +68,9 @@ typedef struct conus_pose_options {
                           each to the contact with the next higher number. */
     uint64_t max_memory; /**< Largest file of a format that is read whole, in bytes; 0 = 1 GiB. */
 } conus_pose_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_POSE_OPTIONS_INIT CONUS_INIT_(conus_pose_options)
 
 /** One row of a pose file. */
 typedef struct conus_pose_row {

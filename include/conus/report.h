@@ -48,6 +48,7 @@ typedef enum conus_rows {
 
 /** What a report holds and how it is written. */
 typedef struct conus_report_options {
+    size_t struct_size;           /**< Its size, as #CONUS_REPORT_OPTIONS_INIT sets it; 0 = that of this version. */
     conus_rows rows;              /**< What it has rows of. */
     conus_format format;          /**< Its format. */
     conus_space space;            /**< Of the positions written. */
@@ -60,6 +61,9 @@ typedef struct conus_report_options {
     const char *electrodes; /**< For #CONUS_BIDS: the text of the table of which each row is a query, errors among them.
                                NULL = none. */
 } conus_report_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_REPORT_OPTIONS_INIT CONUS_INIT_(conus_report_options)
 
 /**
  * Starts a report on answers of a selector.

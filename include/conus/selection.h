@@ -47,6 +47,7 @@ typedef enum conus_layers {
 
 /** How a selector answers. */
 typedef struct conus_selector_options {
+    size_t struct_size;      /**< Its size, as #CONUS_SELECTOR_OPTIONS_INIT sets it; 0 = that of this version. */
     conus_engine engine;     /**< What traces the rays. */
     conus_aperture aperture; /**< Which pixels count as the cone (Eq. 3). */
     conus_sampling sampling; /**< Exact cells (Eq. 5) or the paper's slices (Eq. 7). */
@@ -62,6 +63,9 @@ typedef struct conus_selector_options {
     conus_log log;     /**< NULL = silent. */
     void *log_user;    /**< Passed to @p log. */
 } conus_selector_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_SELECTOR_OPTIONS_INIT CONUS_INIT_(conus_selector_options)
 
 /**
  * Builds the engine for an atlas.

@@ -9,6 +9,7 @@
 #include <conus/selection.h>
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -19,15 +20,19 @@ typedef struct conus_tracker conus_tracker; /**< A selector that remembers. */
 
 /** Constants of the scores that need a history (Eq. 12). */
 typedef struct conus_tracker_options {
-    double window;     /**< T of time and stability, s; after longer without a step all starts afresh. 0 = 2. */
-    double stickiness; /**< IntenSelect's c_s, in (0, 1), what is kept of a score in one frame. 0 = 0.5. */
-    double snappiness; /**< IntenSelect's c_g, up to 1, what is added of the new one. 0 = 0.5. */
-    double rate;       /**< Hz: a frame of c_s and c_g is 1/rate. 0 = 60. */
-    double growth;     /**< Of IntenSelect+, 1/s. 0 = 7.5. */
-    double decay;      /**< Of IntenSelect+ where an object contributes less than it did, 1/s. 0 = 5. */
-    double exponent;   /**< k of both, in (0, 1]. 0 = 4/5. */
-    double delay;      /**< s before the trigger of what it confirms, up to the window. 0 = 0.15; below 0 = none. */
+    size_t struct_size; /**< Its size, as #CONUS_TRACKER_OPTIONS_INIT sets it; 0 = that of this version. */
+    double window;      /**< T of time and stability, s; after longer without a step all starts afresh. 0 = 2. */
+    double stickiness;  /**< IntenSelect's c_s, in (0, 1), what is kept of a score in one frame. 0 = 0.5. */
+    double snappiness;  /**< IntenSelect's c_g, up to 1, what is added of the new one. 0 = 0.5. */
+    double rate;        /**< Hz: a frame of c_s and c_g is 1/rate. 0 = 60. */
+    double growth;      /**< Of IntenSelect+, 1/s. 0 = 7.5. */
+    double decay;       /**< Of IntenSelect+ where an object contributes less than it did, 1/s. 0 = 5. */
+    double exponent;    /**< k of both, in (0, 1]. 0 = 4/5. */
+    double delay;       /**< s before the trigger of what it confirms, up to the window. 0 = 0.15; below 0 = none. */
 } conus_tracker_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_TRACKER_OPTIONS_INIT CONUS_INIT_(conus_tracker_options)
 
 /**
  * Starts a track.
