@@ -3,6 +3,7 @@
 #include "poses/pose_stream.h"
 
 #include "base/memory.h"
+#include "base/options.h"
 #include "poses/pose_brainsight.h"
 #include "poses/pose_coordsystem.h"
 #include "poses/pose_electrodes.h"
@@ -321,8 +322,7 @@ static conus_status check_options(const conus_pose_options *options)
 
 static conus_status create_stream(conus_pose_stream **out, const conus_pose_options *options)
 {
-    static const conus_pose_options none = {0};
-    options = options ? options : &none;
+    options = options_of(conus_pose_options, options);
     conus_status status = check_options(options);
     conus_pose_stream *stream = status ? NULL : memory_zeroed(1, sizeof *stream);
     if (!stream) {

@@ -2,6 +2,7 @@
 /* conus_selection_grid(): the voxels of a selection's region on their own grid. */
 #include "atlas/grid.h"
 #include "base/memory.h"
+#include "base/options.h"
 #include "selection/selection.h"
 
 #include <stdio.h>
@@ -164,8 +165,7 @@ static conus_status start_grid(struct mask *mask, const struct region *region)
 
 conus_status conus_selection_grid(conus_grid **out, const conus_selection *selection, const conus_grid_options *options)
 {
-    const conus_grid_options defaults = {0};
-    options = options ? options : &defaults;
+    options = options_of(conus_grid_options, options);
     struct mask mask = {.atlas = selection->atlas, .content = options->content, .group = selection->group};
     conus_status status = find_volume(&mask.volume, selection->atlas, options);
     status = status ? status : choose_objects(&mask, options->object);

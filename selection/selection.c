@@ -3,6 +3,7 @@
 
 #include "base/math3.h"
 #include "base/memory.h"
+#include "base/options.h"
 
 #include <string.h>
 
@@ -85,7 +86,7 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
         return CONUS_ERROR_MEMORY;
     }
     selector->atlas = atlas;
-    selector->options = options ? *options : (conus_selector_options){0};
+    selector->options = *options_of(conus_selector_options, options);
     selector->options.resolution = selector->options.resolution ? selector->options.resolution : DEFAULT_RESOLUTION;
     conus_status status = selector_prepare_ranking(selector);
     status = status ? status : check_options(&selector->options);

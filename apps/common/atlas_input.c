@@ -87,7 +87,8 @@ static int add_pathway(conus_atlas *atlas, const char *text, uint64_t max_memory
     struct pathway pathway = {0};
     int code = EXIT_USAGE;
     if (parse_pathway(&pathway, text)) {
-        const conus_pathway_options options = {pathway.threshold, pathway.name, max_memory};
+        const conus_pathway_options options = {
+            .threshold = pathway.threshold, .name = pathway.name, .max_memory = max_memory};
         conus_status status = conus_atlas_add_pathway(atlas, pathway.path, &options);
         code = status ? print_status(status) : EXIT_DONE;
     }
@@ -181,7 +182,7 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
 
 int settings_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings)
 {
-    const conus_context_options options = {blocks, settings->max_memory};
+    const conus_context_options options = {.block_threshold = blocks, .max_memory = settings->max_memory};
     conus_status status = path ? conus_atlas_set_context(atlas, path, &options) : CONUS_OK;
     return status ? print_status(status) : EXIT_DONE;
 }

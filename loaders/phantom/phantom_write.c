@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "base/options.h"
 #include "loaders/phantom/phantom_brain_write.h"
 #include "loaders/volumes/nifti_write.h"
 
@@ -168,6 +169,7 @@ static conus_status write_brain(const char *folder, const conus_phantom_options 
 conus_status conus_phantom_write(const char *kind, const char *folder, const conus_phantom_options *options)
 {
     struct phantom_drawing drawing;
+    options = options_of(conus_phantom_options, options);
     if (kind && strcmp(kind, "brain") == 0 && folder && folder[0]) {
         return write_brain(folder, options);
     }

@@ -3,6 +3,7 @@
 #include "atlas/atlas.h"
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "base/options.h"
 #include "loaders/file_kind.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_parcellation.h"
@@ -78,12 +79,11 @@ static conus_status load_any(conus_atlas **out, const char *path, const conus_lo
 
 conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)
 {
-    static const conus_load_options defaults;
     conus_atlas *atlas = NULL;
     if (!out || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
     }
-    conus_status status = load_any(&atlas, path, options ? options : &defaults);
+    conus_status status = load_any(&atlas, path, options_of(conus_load_options, options));
     if (status) {
         return status;
     }

@@ -279,7 +279,8 @@ static conus_status add_fsl(struct loading *loading, const struct manifest_pathw
 static conus_status add_one(struct loading *loading, const struct manifest_pathway *pathway)
 {
     double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
-    const conus_pathway_options options = {threshold, pathway->name, loading->options->max_memory};
+    const conus_pathway_options options = {
+        .threshold = threshold, .name = pathway->name, .max_memory = loading->options->max_memory};
     char *path = source_path(loading, &pathway->source);
     load_progress_report(&loading->progress, path ? path : "", 1);
     conus_status status = path ? conus_atlas_add_pathway(loading->atlas, path, &options) : CONUS_ERROR_MEMORY;
@@ -365,7 +366,8 @@ static conus_status set_context(struct loading *loading)
         return CONUS_OK;
     }
     char *path = source_path(loading, &context->source);
-    const conus_context_options options = {context->blocks, loading->options ? loading->options->max_memory : 0};
+    const conus_context_options options = {.block_threshold = context->blocks,
+                                           .max_memory = loading->options ? loading->options->max_memory : 0};
     load_progress_report(&loading->progress, path ? path : "", 1);
     conus_status status = path ? conus_atlas_set_context(loading->atlas, path, &options) : CONUS_ERROR_MEMORY;
     status = status || !context->transfer ? status : set_transfer(loading);

@@ -5,6 +5,7 @@
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
+#include "base/options.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/volumes/volume_values.h"
 
@@ -169,10 +170,9 @@ conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, double th
 
 conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path, const conus_pathway_options *options)
 {
-    static const conus_pathway_options defaults;
     struct volume_file file = {0};
     struct notes notes = {0};
-    options = options ? options : &defaults;
+    options = options_of(conus_pathway_options, options);
     if (!atlas || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_pathway: an atlas and a path are needed");
     }
@@ -197,14 +197,13 @@ static conus_status choose_block(conus_volume_info *info, double wanted)
 
 conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const conus_context_options *options)
 {
-    static const conus_context_options defaults;
     struct volume_file file = {0};
     struct notes notes = {0};
     float *values = NULL;
     if (!atlas || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context: an atlas and a path are needed");
     }
-    options = options ? options : &defaults;
+    options = options_of(conus_context_options, options);
     size_t note_count = atlas->notes.count;
     conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
     status = status ? status : volume_file_values(&values, &file, &notes);

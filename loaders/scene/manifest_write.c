@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "base/folder.h"
 #include "base/memory.h"
+#include "base/options.h"
 #include "base/xml.h"
 #include "loaders/labels/fsl_number.h"
 #include "loaders/scene/load_manifest.h"
@@ -266,13 +267,13 @@ static conus_status load_text(const struct manifest_draft *draft, const struct b
 
 conus_status conus_manifest_write(const char *path, const conus_manifest_options *options)
 {
-    static const conus_manifest_options defaults;
     struct buffer text = {0};
     if (!path || !path[0]) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_manifest_write: a path is needed");
     }
     char *folder = path_folder(path);
-    struct manifest_draft draft = {.folder = folder, .options = options ? options : &defaults, .load = load_text};
+    struct manifest_draft draft = {
+        .folder = folder, .options = options_of(conus_manifest_options, options), .load = load_text};
     draft.areas = json_array();
     draft.pathways = json_array();
     conus_status status = folder && draft.areas && draft.pathways ? CONUS_OK : CONUS_ERROR_MEMORY;

@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "base/options.h"
 #include "loaders/child/mesh_extract.h"
 #include "loaders/surfaces/mesh_format.h"
 
@@ -134,8 +135,7 @@ static conus_status check_arguments(const conus_atlas *atlas, const char *folder
 
 conus_status conus_atlas_write_meshes(const conus_atlas *atlas, const char *folder, const conus_mesh_options *options)
 {
-    static const conus_mesh_options defaults;
-    struct writing work = {.atlas = atlas, .folder = folder, .options = options ? options : &defaults};
+    struct writing work = {.atlas = atlas, .folder = folder, .options = options_of(conus_mesh_options, options)};
     struct notes notes = {0};
     conus_status status = check_arguments(atlas, folder, work.options);
     if (status) {

@@ -2,6 +2,7 @@
 #include "render/colour/renderer.h"
 
 #include "base/memory.h"
+#include "base/options.h"
 #include "render/colour/smooth.h"
 #include "render/gl/target.h"
 
@@ -36,8 +37,7 @@ static conus_status fill(conus_renderer *renderer, const conus_renderer_options 
 conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atlas,
                                    const conus_renderer_options *options)
 {
-    static const conus_renderer_options defaults = {0};
-    options = options ? options : &defaults;
+    options = options_of(conus_renderer_options, options);
     conus_renderer *renderer = memory_zeroed(1, sizeof *renderer);
     if (!renderer) {
         return CONUS_ERROR_MEMORY;

@@ -3,6 +3,7 @@
 
 #include "base/math3.h"
 #include "base/memory.h"
+#include "base/options.h"
 #include "selection/selection.h"
 
 #include <sched.h>
@@ -94,7 +95,7 @@ static conus_status build(conus_batch *batch, conus_selector *selector)
 
 conus_status conus_batch_create(conus_batch **out, conus_selector *selector, const conus_batch_options *options)
 {
-    conus_batch_options filled = *options;
+    conus_batch_options filled = *options_of(conus_batch_options, options);
     conus_status status = fill_in(&filled, selector);
     if (status) {
         return status;

@@ -3,6 +3,7 @@
 
 #include "base/math3.h"
 #include "base/memory.h"
+#include "base/options.h"
 #include "render/flat/cut.h"
 
 enum { SIDE_LIMIT = 16384 };
@@ -120,6 +121,7 @@ void conus_cutter_destroy(conus_cutter *cutter)
 
 conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view)
 {
+    view = options_of(conus_cut_view, view);
     conus_status status = check(view);
     return status ? status : draw(cutter, view);
 }

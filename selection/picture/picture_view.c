@@ -3,6 +3,7 @@
 
 #include "base/math3.h"
 #include "base/memory.h"
+#include "base/options.h"
 #include "base/text.h"
 #include "render/image/image.h"
 
@@ -36,7 +37,7 @@ static conus_status check_frustum(const conus_view *view)
 
 static conus_status fill_options(conus_view *out, const conus_view *view)
 {
-    conus_view options = view ? *view : (conus_view){0};
+    conus_view options = *options_of(conus_view, view);
     conus_status status = check_frustum(&options);
     if (status) {
         return status;

@@ -2,6 +2,7 @@
 #include "selection/report/report.h"
 
 #include "base/memory.h"
+#include "base/options.h"
 #include "base/text.h"
 
 #include <string.h>
@@ -36,7 +37,8 @@ static conus_status check_options(const conus_report_options *options)
 conus_status conus_report_create(conus_report **out, const conus_selector *selector,
                                  const conus_report_options *options)
 {
-    conus_status status = options ? check_options(options) : CONUS_OK;
+    options = options_of(conus_report_options, options);
+    conus_status status = check_options(options);
     if (status) {
         return status;
     }
@@ -47,7 +49,7 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     report->atlas = selector->atlas;
     report->selector = selector->options;
     memcpy(report->score, selector->ranking.formula.text, sizeof report->score);
-    report->options = options ? *options : (conus_report_options){0};
+    report->options = *options;
     report->options.no_voxels = report->options.no_voxels || report->options.tracker;
     memcpy(report->engine, selector->engine->name, sizeof report->engine);
     status = keep_level(report, selector);

@@ -3,6 +3,7 @@
 
 #include "base/math3.h"
 #include "base/memory.h"
+#include "base/options.h"
 
 #include <stdlib.h>
 
@@ -287,7 +288,7 @@ static conus_status build(conus_jitter *jitter, conus_selector *selector)
 conus_status conus_jitter_create(conus_jitter **out, conus_selector *selector, const conus_pose *pose, double angle,
                                  const conus_jitter_options *options)
 {
-    conus_jitter_options filled = *options;
+    conus_jitter_options filled = *options_of(conus_jitter_options, options);
     struct cone cone = {.angle = angle,
                         .resolution = selector->options.resolution,
                         .aperture = selector->options.aperture,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/memory.h"
+#include "base/options.h"
 #include "selection/selection.h"
 
 #include <math.h>
@@ -50,7 +51,7 @@ static double value_or(double value, double standard)
 
 static conus_tracker_options with_defaults(const conus_tracker_options *options)
 {
-    conus_tracker_options all = options ? *options : (conus_tracker_options){0};
+    conus_tracker_options all = *options_of(conus_tracker_options, options);
     all.window = value_or(all.window, DEFAULT_WINDOW);
     all.stickiness = value_or(all.stickiness, DEFAULT_STICKINESS);
     all.snappiness = value_or(all.snappiness, DEFAULT_SNAPPINESS);

@@ -84,7 +84,7 @@ static bool in_region(const struct fixture *fixture, size_t voxel)
 static conus_grid *grid_of(const struct fixture *fixture, conus_grid_content content, uint32_t object)
 {
     conus_grid *grid = NULL;
-    const conus_grid_options options = {content, object};
+    const conus_grid_options options = {.content = content, .object = object};
     assert_ok(conus_selection_grid(&grid, fixture->selection, &options));
     return grid;
 }
@@ -175,7 +175,7 @@ static void assert_refused(const struct fixture *fixture, conus_grid_content con
                            const char *message)
 {
     conus_grid *grid = NULL;
-    const conus_grid_options options = {content, object};
+    const conus_grid_options options = {.content = content, .object = object};
     assert_fails(conus_selection_grid(&grid, fixture->selection, &options), CONUS_ERROR_ARGUMENT);
     assert_null(grid);
     assert_string_equal(conus_message(), message);

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file aims.h
+ * Counts poses that look as if they came from another space or unit.
+ */
+#ifndef CONUS_PUBLIC_AIMS_H
+#define CONUS_PUBLIC_AIMS_H
+
+#include <conus/selection.h>
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct conus_aims conus_aims; /**< Where poses are, and whether they look at the atlas. */
+
+/** Poses of one kind. */
+typedef struct conus_oddity {
+    uint64_t count;  /**< How many. */
+    uint64_t first;  /**< The lowest number among them; the other members are of that one. */
+    uint32_t object; /**< The object that it is inside of, else 0. */
+    conus_pose pose; /**< Where it is and looks. */
+    double angle;    /**< Its full opening, radians. */
+} conus_oddity;
+
+/** What is odd about where poses are and look, which often comes from another space or unit. */
+typedef struct conus_astray {
+    uint64_t poses;      /**< Poses counted. */
+    conus_oddity inside; /**< A cone's apex is in a voxel of an area or pathway, or, with exact sampling, inside a
+                            closed surface; of several such surfaces the object is the smallest. */
+    conus_oddity away;   /**< The cone or cylinder misses the box around all areas and pathways. */
+    conus_oddity tiny;   /**< Within 1 mm of 0 in every coordinate, and not at 0. */
+} conus_astray;
+
+/**
+ * Starts to count for the atlas, aperture and radius of a selector.
+ * @param[out] out The counts; end them with conus_aims_destroy().
+ * @param selector Must outlive the counts.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_aims_create(conus_aims **out, const conus_selector *selector);
+
+/**
+ * Ends the counts.
+ * @param aims NULL is allowed.
+ * @threads One at a time for each @p aims.
+ * @since 0.1
+ */
+CONUS_API void conus_aims_destroy(conus_aims *aims);
+
+/**
+ * Counts a pose. One that conus_select() refuses is not counted. It compares the apex with boxes, and sends one ray
+ * where the apex lies in the box around a closed surface.
+ * @param aims The counts.
+ * @param number The caller's number of the pose.
+ * @param pose Apex and axis.
+ * @param angle Full opening, radians.
+ * @threads One at a time for each @p aims.
+ * @since 0.1
+ */
+CONUS_API void conus_aims_add(conus_aims *aims, uint64_t number, const conus_pose *pose, double angle);
+
+/**
+ * Gives the counts.
+ * @param aims The counts.
+ * @return Borrowed; it changes with conus_aims_add().
+ * @threads One at a time for each @p aims.
+ * @since 0.1
+ */
+CONUS_API const conus_astray *conus_aims_found(const conus_aims *aims);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

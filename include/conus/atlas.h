@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file atlas.h
+ * An atlas: the volumes, areas and pathways of one brain. This header loads and changes it; atlas_info.h reads it.
+ */
+#ifndef CONUS_PUBLIC_ATLAS_H
+#define CONUS_PUBLIC_ATLAS_H
+
+#include <conus/status.h>
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct conus_atlas conus_atlas; /**< Volumes, areas and pathways of one brain. */
+
+/**
+ * Receives what conus_atlas_load() reads next, on the thread that loads, before each file.
+ * @param user The pointer that the options gave.
+ * @param path The file. Valid until the callback returns.
+ * @param done Files that are read.
+ * @param total Files in all. It may change while files name others.
+ */
+typedef void (*conus_load_progress)(void *user, const char *path, size_t done, size_t total);
+
+/** How conus_atlas_load() reads. */
+typedef struct conus_load_options {
+    size_t struct_size;  /**< Its size, as #CONUS_LOAD_OPTIONS_INIT sets it; 0 = that of this version. */
+    const char *labels;  /**< Path of a label table that replaces the one beside or inside the file. For a surface: path
+                            of the labels of its vertices (.label.gii, .annot). NULL = none. */
+    uint64_t max_memory; /**< Largest file, and largest volume unpacked, in bytes; 0 = 8 GiB. */
+    conus_load_progress progress; /**< NULL = no callback. */
+    void *progress_user;          /**< Passed to @p progress. */
+    bool labels_anyway; /**< Each value is a label, even where the values look like the grey values of an image. */
+} conus_load_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_LOAD_OPTIONS_INIT CONUS_INIT_(conus_load_options)
+
+/**
+ * Loads an atlas. The content of the file decides what it is, not its name:
+ *
+ *  - a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, or an FSL atlas XML of type Label;
+ *  - a manifest NAME.atlas.json, which joins a parcellation, surfaces, pathways and context;
+ *  - a surface (GIFTI, FreeSurfer and what conus-mesh reads), cut by the labels of its vertices if there are any;
+ *  - a folder of surfaces, or a BrainGlobe folder.
+ *
+ * Values must be whole numbers from 0 to 4294967295; 0 is background. docs/formats.md says how the label table is
+ * found, and how an image is told from labels.
+ * @param[out] out The atlas; end it with conus_atlas_destroy().
+ * @param path May end in ",volume=K" to choose volume K (from 0) of a 4-D file.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where a file cannot be read or is damaged, and
+ * #CONUS_ERROR_DATA for a volume that looks like an image unless labels_anyway is set; #CONUS_ERROR_UNSUPPORTED for a
+ * valid file beyond this library; #CONUS_ERROR_MEMORY above max_memory.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options);
+
+/**
+ * Ends an atlas. Selectors, renderers and cutters of it must have ended before.
+ * @param atlas NULL is allowed.
+ * @threads One at a time for each @p atlas.
+ * @since 0.1
+ */
+CONUS_API void conus_atlas_destroy(conus_atlas *atlas);
+
+/** How conus_atlas_add_pathway() reads. */
+typedef struct conus_pathway_options {
+    size_t struct_size;  /**< Its size, as #CONUS_PATHWAY_OPTIONS_INIT sets it; 0 = that of this version. */
+    double threshold;    /**< Values at or above it are the pathway (Eq. 6); 0 = a quarter of the file's scale. */
+    const char *name;    /**< NULL = its name in an FSL atlas XML near it, else the file's name without its ending. */
+    uint64_t max_memory; /**< As conus_load_options.max_memory. */
+} conus_pathway_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_PATHWAY_OPTIONS_INIT CONUS_INIT_(conus_pathway_options)
+
+/**
+ * Adds a scalar (probability) volume as one selectable pathway.
+ * @param atlas The atlas; unchanged on failure.
+ * @param path The volume, as for conus_atlas_load().
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; the errors of conus_atlas_load().
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path,
+                                                   const conus_pathway_options *options);
+
+/**
+ * Changes from which value on pathway @p number is one (Eq. 6). Selectors, renderers and cutters that were made before
+ * must be made anew.
+ * @param atlas The atlas; unchanged on failure.
+ * @param number Number of the object.
+ * @param threshold In the units of the volume's scaled values.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where @p number is no pathway or the threshold is out of its range.
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double threshold);
+
+/** How conus_atlas_set_context() reads. */
+typedef struct conus_context_options {
+    size_t struct_size;     /**< Its size, as #CONUS_CONTEXT_OPTIONS_INIT sets it; 0 = that of this version. */
+    double block_threshold; /**< Voxels with values at or above it block rays: a skull, say. Rays do not hit what is
+                               behind them, and such a pixel has no hit. 0 = no voxel blocks. */
+    uint64_t max_memory;    /**< As conus_load_options.max_memory. */
+} conus_context_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_CONTEXT_OPTIONS_INIT CONUS_INIT_(conus_context_options)
+
+/**
+ * Sets the volume that is drawn around the areas (a T1, say), and replaces the one that is there. It is never
+ * selectable.
+ * @param atlas The atlas; unchanged on failure.
+ * @param path The volume, as for conus_atlas_load().
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; the errors of conus_atlas_load().
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path,
+                                                   const conus_context_options *options);
+
+/** How an atlas has left and right areas. */
+typedef enum conus_hemispheres {
+    CONUS_HEMISPHERES_AS_IS = 0, /**< As the label table has them. */
+    CONUS_HEMISPHERES_SPLIT,     /**< Areas that lie on both sides become two, cut at world x = 0. */
+    CONUS_HEMISPHERES_MERGED     /**< Left and right areas of one name are reported as one. */
+} conus_hemispheres;
+
+/**
+ * Changes how the atlas has left and right areas, once, before a selector or renderer is made. A note says what was
+ * done. Splitting takes the plane x = 0 for the midline and changes the numbers of objects. Merging adds the areas as
+ * which the pairs are reported. docs/model.md, Eq. 10, has the rules.
+ * @param atlas The atlas; unchanged on failure.
+ * @param hemispheres What to do.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where something is hidden; #CONUS_ERROR_DATA where nothing can be split or
+ * merged; #CONUS_ERROR_UNSUPPORTED for splitting meshes.
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus_hemispheres hemispheres);
+
+/** @name Hiding
+ * A hidden object is as if it had never been loaded: no ray hits it, no picture shows it, and it blocks nothing. Shown
+ * objects keep their numbers, volumes and fractions. Selectors and cutters that were made before must be made anew;
+ * for renderers call conus_renderer_update().
+ * @{ */
+
+/**
+ * Shows all objects, or only those that @p only names, and of these hides those that @p hide names. Both are lists,
+ * separated by commas, of names, abbreviations and labels. An area stands for all below it in the area tree. A name
+ * with a comma stands in double quotes. An at sign and a path stand for a file with one name per line.
+ * @param atlas The atlas; unchanged on failure.
+ * @param only NULL = no list.
+ * @param hide NULL = no list.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT, with the closest name in the message, for a name that is no object, and
+ * where nothing is left.
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_show(conus_atlas *atlas, const char *only, const char *hide);
+
+/**
+ * Hides the objects that @p hidden marks and shows all others.
+ * @param atlas The atlas; unchanged on failure.
+ * @param hidden [object count + 1], by number; entry 0 has no meaning. NULL shows all.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where nothing is left.
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_set_hidden(conus_atlas *atlas, const bool *hidden);
+
+/**
+ * Tells whether an object is hidden.
+ * @param atlas The atlas.
+ * @param number Number of the object.
+ * @return Whether it is hidden; false for a number that is no object.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API bool conus_atlas_is_hidden(const conus_atlas *atlas, size_t number);
+/** @} */
+
+/**
+ * Gives all areas and pathways colours that people with any colour vision can tell apart as well as possible. Renderers
+ * that were made before keep the old ones.
+ * @param atlas The atlas.
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_API void conus_atlas_use_safe_colours(conus_atlas *atlas);
+
+/**
+ * Gives all areas and pathways the colours back that they had before conus_atlas_use_safe_colours().
+ * @param atlas The atlas.
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
+
+/** @name Sharing between processes
+ * One process loads an atlas and packs it into memory that all processes map: a file of memfd_create(), POSIX shared
+ * memory, an MPI window, Python's multiprocessing.shared_memory. All processes attach it there. Voxels, values,
+ * vertices, triangles and the tables that the rays engine makes of voxels are in that memory once. Each process has its
+ * own names, and its own trees over triangles, which Embree cannot move.
+ * @{ */
+
+/**
+ * Tells how much memory conus_atlas_pack() needs.
+ * @param atlas The atlas.
+ * @return Bytes.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API size_t conus_atlas_packed_size(const conus_atlas *atlas);
+
+/**
+ * Packs the atlas as it is. The packed bytes hold no pointers and may be mapped at another address in each process, but
+ * they are for this version of conus on this kind of machine: they are no file format.
+ * @param[out] memory [size], at a multiple of 64 bytes. On failure its content has no meaning.
+ * @param size Bytes, at least conus_atlas_packed_size().
+ * @param atlas The atlas.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for too few bytes or another alignment.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atlas);
+
+/**
+ * Makes an atlas of what conus_atlas_pack() wrote. An atlas that is then changed (its thresholds, its hemispheres) gets
+ * its own copies of the arrays that the change concerns. The large arrays are not checked: attach only what you trust.
+ * @param[out] out The atlas; end it with conus_atlas_destroy().
+ * @param memory The packed atlas, at a multiple of 64 bytes. It is never written to and must outlive the atlas.
+ * @param size Bytes.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA where there is no whole atlas of this version.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t size);
+/** @} */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file atlas_info.h
+ * What an atlas holds: its objects, volumes and files, and the notes about them.
+ */
+#ifndef CONUS_PUBLIC_ATLAS_INFO_H
+#define CONUS_PUBLIC_ATLAS_INFO_H
+
+#include <conus/atlas.h>
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** What an object or a result is. */
+typedef enum conus_kind {
+    CONUS_AREA = 1,  /**< An area of a parcellation, a mesh, or a group of areas. */
+    CONUS_PATHWAY,   /**< A scalar volume from a threshold on. */
+    CONUS_UNASSIGNED /**< Only of a result: the pixels that hit no object, or first a context that blocks. */
+} conus_kind;
+
+/** An area or a pathway. */
+typedef struct conus_object {
+    conus_kind kind;          /**< #CONUS_AREA or #CONUS_PATHWAY. */
+    uint32_t label;           /**< The atlas's own number of the area; a pathway's ordinal, from 1. */
+    const char *name;         /**< UTF-8, one line. An area that no table names has its number here. */
+    const char *abbreviation; /**< UTF-8; "" if the table gives none. */
+    char hemisphere;          /**< 'L', 'R' or 'B' (both) where the table says so, else 0. */
+    bool named;               /**< The table has a name for it. */
+    uint8_t rgb[3];           /**< sRGB, from the table or else generated. */
+    uint32_t parent;          /**< Number of the object that contains it in the area tree, 0 if none. */
+    uint64_t voxels;          /**< Its own voxels, without those of its children. */
+    double volume_mm3;        /**< The volume of these, mm^3. */
+    uint64_t triangles;       /**< Of its surface, where the area is a mesh (then voxels is 0). */
+    bool closed; /**< That surface bounds a solid. volume_mm3 is 0 if it does not, and if its parts overlap or face
+                    different ways, so that its volume is not known. */
+} conus_object;
+
+/**
+ * Counts the objects. Areas come first: those of the parcellation, then those that are meshes, each ordered by label,
+ * then those that only group others. Pathways follow in the order in which they were added.
+ * @param atlas NULL counts 0.
+ * @return How many objects there are; their numbers are 1 to this.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API size_t conus_atlas_object_count(const conus_atlas *atlas);
+
+/**
+ * Gives object @p number.
+ * @param atlas The atlas.
+ * @param number 1 to conus_atlas_object_count().
+ * @return NULL for another number. Borrowed until the atlas is changed or ends.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API const conus_object *conus_atlas_object(const conus_atlas *atlas, size_t number);
+
+/**
+ * Tells the depth of an area in the tree, as levels count it.
+ * @param atlas The atlas.
+ * @param number Number of the object.
+ * @return 1 for roots; a merged area has the depth of its pair; 0 for a pathway.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number);
+
+/**
+ * Finds the pathway called @p name, or else the one area with that name, abbreviation or label.
+ * @param[out] out Its number.
+ * @param atlas The atlas.
+ * @param name What to find.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT if there is none, with the closest one in the message, and if there are
+ * several.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_find(uint32_t *out, const conus_atlas *atlas, const char *name);
+
+/** What a volume is for. */
+typedef enum conus_role {
+    CONUS_PARCELLATION = 1, /**< Its values are labels of areas. */
+    CONUS_SCALAR,           /**< Its values make a pathway. */
+    CONUS_CONTEXT           /**< It is drawn around the areas. */
+} conus_role;
+
+/** A volume of an atlas. */
+typedef struct conus_volume_info {
+    conus_role role;             /**< What it is for. */
+    const char *path;            /**< Of the voxels, as opened: bytes, not always UTF-8. */
+    char sha256[65];             /**< Of the bytes of that file, in hexadecimal. */
+    char format[48];             /**< "NIfTI-1, gzip, big-endian". */
+    char datatype[16];           /**< "uint8", "float64". */
+    size_t dim[3];               /**< Voxels along i, j, k. */
+    size_t volume;               /**< Which volume of a 4-D file, from 0. */
+    size_t volume_count;         /**< How many volumes the file has. */
+    double world_from_voxel[16]; /**< Maps voxel indices (centres at whole numbers) to world mm. */
+    double spacing[3];           /**< Edge lengths of a voxel in mm. */
+    char orientation[4];         /**< Towards which i, j, k grow: "RAS", "LPI". */
+    char transform[96];          /**< Where world_from_voxel comes from: "sform, code 4 (MNI 152)". */
+    int space_code;              /**< NIfTI's code of the space that it maps to, 4 for MNI 152; 0 if unknown. */
+    double slope;                /**< Of the stored values; 1 if unscaled. */
+    double intercept;            /**< Of the stored values; 0 if unscaled. */
+    double minimum;              /**< Of the scaled values. */
+    double maximum;              /**< Of the scaled values. */
+    double threshold;            /**< Of a pathway, or of a context that blocks; else 0. */
+} conus_volume_info;
+
+/**
+ * Counts the volumes. The parcellation comes first, if there is one; pathways and the context follow.
+ * @param atlas NULL counts 0.
+ * @return How many volumes there are.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API size_t conus_atlas_volume_count(const conus_atlas *atlas);
+
+/**
+ * Gives volume @p index.
+ * @param atlas The atlas.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed until the atlas is changed or ends.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, size_t index);
+
+/**
+ * Counts the other files that an atlas is made of: a manifest, surfaces, labels of their vertices, lists of what is
+ * shown.
+ * @param atlas NULL counts 0.
+ * @return How many files there are.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API size_t conus_atlas_file_count(const conus_atlas *atlas);
+
+/**
+ * Gives the path of other file @p index.
+ * @param atlas The atlas.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed until the atlas is changed or ends.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API const char *conus_atlas_file(const conus_atlas *atlas, size_t index);
+
+/**
+ * Finds the box around all voxels and triangles of areas and pathways that are not hidden.
+ * @param atlas The atlas.
+ * @param[out] low Its lowest x, y, z, world mm.
+ * @param[out] high Its highest x, y, z, world mm.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA if there are none.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_bounds(const conus_atlas *atlas, double low[3], double high[3]);
+
+/**
+ * Finds the mean position of the voxels or triangles of an object and of those below it in the area tree, hidden or
+ * not.
+ * @param[out] out World mm.
+ * @param atlas The atlas.
+ * @param number Number of the object.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA if there are none.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t number);
+
+/**
+ * Counts the voxels of a scalar or context volume by their value.
+ * @param[out] counts [bins] How many voxels have values in each of @p bins equal parts of the range from minimum to
+ * maximum.
+ * @param bins How many parts.
+ * @param atlas The atlas.
+ * @param index The volume.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where there is no such volume.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_histogram(uint64_t *counts, size_t bins, const conus_atlas *atlas, size_t index);
+
+/**
+ * Interpolates a scalar or context volume at a world position, between the centres of its voxels.
+ * @param atlas The atlas.
+ * @param index The volume.
+ * @param point World mm.
+ * @return The scaled value; NaN outside the volume's cells, and where there is no such volume.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API double conus_atlas_value(const conus_atlas *atlas, size_t index, const double point[3]);
+
+/**
+ * Finds the grey values that span the contrast of a scalar or context volume, without a few extremes.
+ * @param[out] window The grey values of black and of white.
+ * @param atlas The atlas.
+ * @param index The volume.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where there is no such volume.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_window(double window[2], const conus_atlas *atlas, size_t index);
+
+/**
+ * Tells where the names come from, in words.
+ * @param atlas The atlas.
+ * @return "ITK-SNAP labels in aal.label", "none found". Borrowed until the atlas is changed or ends.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API const char *conus_atlas_label_source(const conus_atlas *atlas);
+
+/**
+ * Counts the notes that a careful user should know about this atlas: labels without names, a guessed space.
+ * @param atlas NULL counts 0.
+ * @return How many notes there are.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API size_t conus_atlas_note_count(const conus_atlas *atlas);
+
+/**
+ * Gives note @p index.
+ * @param atlas The atlas.
+ * @param index From 0.
+ * @return One line; NULL past the last. Borrowed until the atlas is changed or ends.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API const char *conus_atlas_note(const conus_atlas *atlas, size_t index);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file batch.h
+ * Poses by the million, answered by threads in blocks.
+ */
+#ifndef CONUS_PUBLIC_BATCH_H
+#define CONUS_PUBLIC_BATCH_H
+
+#include <conus/aims.h>
+#include <conus/report.h>
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct conus_batch conus_batch; /**< Threads made ready to answer poses by the million. */
+
+/** How a batch answers. */
+typedef struct conus_batch_options {
+    size_t struct_size; /**< Its size, as #CONUS_BATCH_OPTIONS_INIT sets it; 0 = that of this version. */
+    uint32_t threads;   /**< That answer poses, up to 1024; 0 = as many as processors that the process may use. With the
+                           gl engine there is one, the caller's. */
+    uint32_t block;     /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
+    double angle;       /**< Of poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
+    conus_report_options
+        report; /**< Its format is neither #CONUS_TABLE nor #CONUS_JSON. A probe, #CONUS_SPIKEGLX or #CONUS_OPEN_EPHYS,
+                   is one block of up to 65535 contacts, whatever block says, and must be all that is in the stream. */
+} conus_batch_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_BATCH_OPTIONS_INIT CONUS_INIT_(conus_batch_options)
+
+/** A block of poses, answered. */
+typedef struct conus_batch_block {
+    const char *text; /**< Their rows, without the header row. */
+    size_t size;      /**< Bytes of text. */
+    uint64_t poses;   /**< How many poses. */
+    uint64_t errors;  /**< Poses among them that have no answer but a row of kind "error". */
+} conus_batch_block;
+
+/**
+ * Receives whole blocks in the order of the poses, on the thread that called conus_batch_run().
+ * @param user The pointer that conus_batch_run() got.
+ * @param block The block. Valid until the callback returns.
+ * @return False ends the run.
+ */
+typedef bool (*conus_batch_sink)(void *user, const conus_batch_block *block);
+
+/**
+ * Prepares to answer with a selector.
+ * @param[out] out The batch; end it with conus_batch_destroy().
+ * @param selector Must outlive the batch and is not to be used during a run.
+ * @param options Its report names the format, which must be given. Its strings must outlive the batch.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range.
+ * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_batch_create(conus_batch **out, conus_selector *selector,
+                                              const conus_batch_options *options);
+
+/**
+ * Ends a batch.
+ * @param batch NULL is allowed.
+ * @threads One at a time for each @p batch.
+ * @since 0.1
+ */
+CONUS_API void conus_batch_destroy(conus_batch *batch);
+
+/**
+ * Tells how many threads will be used.
+ * @param batch The batch.
+ * @return At least 1.
+ * @threads One at a time for each @p batch.
+ * @since 0.1
+ */
+CONUS_API uint32_t conus_batch_threads(const conus_batch *batch);
+
+/**
+ * Answers poses, in memory that does not grow with them. The text is the same, byte for byte, for any number of threads
+ * and any size of blocks. A pose that cannot be answered gives a row of kind "error". Another failure ends the run;
+ * what comes before it has been delivered then. It may be called again, but a live stream ends with a run that the sink
+ * or a failure ended.
+ * @param batch The batch.
+ * @param poses The stream.
+ * @param limit Poses to answer at most.
+ * @param sink Receives the blocks.
+ * @param user Passed to @p sink.
+ * @return #CONUS_OK; the errors of conus_pose_stream_read() and conus_select().
+ * @threads One at a time for each @p batch.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_batch_run(conus_batch *batch, conus_pose_stream *poses, uint64_t limit,
+                                           conus_batch_sink sink, void *user);
+
+/**
+ * Tells what is odd about the poses that were answered so far, by their lines in their file.
+ * @param batch The batch.
+ * @return A copy.
+ * @threads One at a time for each @p batch.
+ * @since 0.1
+ */
+CONUS_API conus_astray conus_batch_astray(const conus_batch *batch);
+
+/**
+ * Gives the header row that belongs above the rows, with its end of line.
+ * @param batch The batch.
+ * @return "" where there is none. Borrowed from the batch.
+ * @threads One at a time for each @p batch.
+ * @since 0.1
+ */
+CONUS_API const char *conus_batch_heading(const conus_batch *batch);
+
+/**
+ * Writes the sidecar as of conus_report_sidecar(), without the queries.
+ * @param batch The batch.
+ * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the batch.
+ * @param[out] size Bytes, without the NUL.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ * @threads One at a time for each @p batch.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_batch_sidecar(conus_batch *batch, const char **text, size_t *size);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file mesh.h
+ * Surfaces of areas, as files.
+ */
+#ifndef CONUS_PUBLIC_MESH_H
+#define CONUS_PUBLIC_MESH_H
+
+#include <conus/atlas.h>
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** The format of a surface. */
+typedef enum conus_mesh_format {
+    CONUS_GIFTI = 0, /**< GIFTI, .gii. */
+    CONUS_VTP,       /**< VTK's XML poly data, .vtp. */
+    CONUS_OBJ,       /**< Wavefront, .obj. */
+    CONUS_PLY,       /**< Stanford, .ply. */
+    CONUS_STL        /**< Stereolithography, .stl. */
+} conus_mesh_format;
+
+/** How conus_atlas_write_meshes() makes surfaces. */
+typedef struct conus_mesh_options {
+    size_t struct_size;       /**< Its size, as #CONUS_MESH_OPTIONS_INIT sets it; 0 = that of this version. */
+    conus_mesh_format format; /**< Of the files. */
+    uint32_t smooth;          /**< Iterations of windowed-sinc smoothing, 1 to 1000; 0 = 5. */
+    double pass_band;         /**< Of the smoothing, up to 2; less is smoother; 0 = 0.7. */
+    bool no_smoothing;        /**< Leave the voxels' steps as they are. */
+    double decimate;          /**< Part of the triangles that decimation removes, in [0, 1). */
+    uint64_t max_memory;      /**< Of the program that makes the surfaces, in bytes; 0 = 8 GiB. */
+    conus_progress progress;  /**< NULL = no callback. */
+    void *progress_user;      /**< Passed to @p progress. */
+    conus_log log;            /**< Notes about the surfaces; NULL = silent. */
+    void *log_user;           /**< Passed to @p log. */
+} conus_mesh_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_MESH_OPTIONS_INIT CONUS_INIT_(conus_mesh_options)
+
+/**
+ * Writes a closed surface of each area, LABEL_Name.gii and so on, in world mm. Areas that are meshes already are
+ * written as they are. Needs the program conus-mesh, beside this one, in PATH or named by CONUS_MESH. The user's cache
+ * folder keeps what it makes.
+ * @param atlas The atlas.
+ * @param folder Made if missing.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_UNSUPPORTED without conus-mesh; #CONUS_ERROR_ARGUMENT for an option out of its range;
+ * #CONUS_ERROR_IO where the system refuses.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_write_meshes(const conus_atlas *atlas, const char *folder,
+                                                    const conus_mesh_options *options);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

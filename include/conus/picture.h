@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file picture.h
+ * Pictures of an atlas: a renderer draws it in space, a cut shows it in a plane.
+ */
+#ifndef CONUS_PUBLIC_PICTURE_H
+#define CONUS_PUBLIC_PICTURE_H
+
+#include <conus/image.h>
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct conus_renderer conus_renderer; /**< GL objects of one atlas, for pictures. */
+typedef struct conus_cutter conus_cutter;     /**< A flat cut of one atlas that is drawn again and again. */
+
+/** @name In space
+ * A renderer uses GL, and belongs to the thread that made it.
+ * @{ */
+
+/**
+ * Names preset @p index of grey values for the context volume.
+ * @param index From 0.
+ * @return NULL past the last. Static.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API const char *conus_transfer_preset(size_t index);
+
+/** How a renderer draws. */
+typedef struct conus_renderer_options {
+    size_t struct_size;   /**< Its size, as #CONUS_RENDERER_OPTIONS_INIT sets it; 0 = that of this version. */
+    const char *transfer; /**< Preset name or TF file (docs/formats.md) of the context; NULL = the manifest's, or else
+                             "brain". */
+    uint64_t max_memory;  /**< Of textures, in bytes; 0 = 8 GiB. */
+    conus_log log;        /**< NULL = silent. */
+    void *log_user;       /**< Passed to @p log. */
+} conus_renderer_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_RENDERER_OPTIONS_INIT CONUS_INIT_(conus_renderer_options)
+
+/** A point of a transfer function, which is piecewise linear between them (Eq. 8). */
+typedef struct conus_transfer_point {
+    double value;   /**< Grey value of the context. */
+    double rgba[4]; /**< sRGB, and the opacity of 1 mm; 0 to 1. */
+} conus_transfer_point;
+
+/**
+ * Makes the GL objects of an atlas.
+ * @param[out] out The renderer; end it with conus_renderer_destroy().
+ * @param atlas Must outlive the renderer.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_GL without an OpenGL 4.5 context; #CONUS_ERROR_MEMORY above max_memory; the errors of
+ * reading a TF file.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atlas,
+                                                 const conus_renderer_options *options);
+
+/**
+ * Ends a renderer.
+ * @param renderer NULL is allowed.
+ * @threads The one that made the renderer.
+ * @since 0.1
+ */
+CONUS_API void conus_renderer_destroy(conus_renderer *renderer);
+
+/**
+ * Names what draws, as GL calls its renderer.
+ * @param renderer The renderer.
+ * @return "llvmpipe (LLVM 15.0.6, 256 bits)". Borrowed from the renderer.
+ * @threads The one that made the renderer.
+ * @since 0.1
+ */
+CONUS_API const char *conus_renderer_device(const conus_renderer *renderer);
+
+/**
+ * Gives the transfer function of the context.
+ * @param renderer The renderer.
+ * @param[out] count How many points; 0 where there is no context.
+ * @return [count] Borrowed until it is changed.
+ * @threads The one that made the renderer.
+ * @since 0.1
+ */
+CONUS_API const conus_transfer_point *conus_renderer_transfer(const conus_renderer *renderer, size_t *count);
+
+/**
+ * Changes the transfer function of the context.
+ * @param renderer The renderer.
+ * @param points [count] Their values never fall. Copied.
+ * @param count 1 to 4096.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for other points, and without a context.
+ * @threads The one that made the renderer.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_renderer_set_transfer(conus_renderer *renderer, const conus_transfer_point *points,
+                                                       size_t count);
+
+/**
+ * Takes over what has been hidden and shown in the atlas since the renderer was made.
+ * @param renderer The renderer.
+ * @return #CONUS_OK; #CONUS_ERROR_GL where the driver fails.
+ * @threads The one that made the renderer.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_renderer_update(conus_renderer *renderer);
+
+/** What conus_render() draws. */
+typedef struct conus_view {
+    size_t struct_size;   /**< Its size, as #CONUS_VIEW_INIT sets it; 0 = that of this version. */
+    uint32_t width;       /**< Pixels, 1 to 16384; 0 = 1400. */
+    uint32_t height;      /**< Pixels, 1 to 16384; 0 = 1050. */
+    uint32_t slices;      /**< N of Eq. 7; 0 = default. */
+    double field_of_view; /**< Vertical, radians, in (0, pi); 0 = 30 degrees. */
+    double frustum[4]; /**< Instead, of a camera: where its picture's left, right, lower and upper edge are at depth 1
+                          (tangents, as glFrustum() has them at its near plane), off-axis, too. All 0 = symmetric, as
+                          wide as field_of_view says. */
+    const conus_pose *camera; /**< NULL = one that shows the whole atlas, from the cone's side where one is drawn. */
+    const conus_selection *selection; /**< NULL = none; else draws its cone, axis and contacts. */
+    uint32_t chosen;                  /**< Object that is never pale, with those below it in the area tree; 0 = none. */
+    bool no_skipping;                 /**< Blend every sample: the same picture, slower (for comparison). */
+    bool no_legend;                   /**< Leave out the text. */
+    bool draft;                       /**< Leave edges rough: quicker. */
+    double fade; /**< How much the context is thinned: 0 = as its transfer function says, 1 = gone. */
+} conus_view;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_VIEW_INIT CONUS_INIT_(conus_view)
+
+/**
+ * Draws the atlas over a light background: its areas, or its pathways where it has any (all areas would hide them), and
+ * then of the areas those that the selection hits, or with #CONUS_ALL_LAYERS passes. A draft has those of the picture
+ * before.
+ * @param[out] out Channels R, G, B, A: float, linear light, premultiplied; A is 1. End it with conus_image_destroy().
+ * @param renderer The renderer.
+ * @param view What to draw.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view out of its range; #CONUS_ERROR_GL where the driver fails.
+ * @threads The one that made the renderer.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view);
+/** @} */
+
+/** @name In a plane
+ * The CPU draws cuts.
+ * @{ */
+
+/** A flat cut through an atlas: the context in grey, areas filled and outlined, surfaces as their contours, filled
+ * where they are closed, pathways over them. Labels are looked up, never interpolated. */
+typedef struct conus_cut_view {
+    size_t struct_size;  /**< Its size, as #CONUS_CUT_VIEW_INIT sets it; 0 = that of this version. */
+    double centre[3];    /**< World position of the picture's middle, mm. */
+    double right[3];     /**< Unit vector to the picture's right; both 0 = +x and +y: axial, neurological. */
+    double up[3];        /**< Unit vector to the picture's top, perpendicular to right. */
+    double mm_per_pixel; /**< 0 = 1. */
+    uint32_t width;      /**< Pixels, 1 to 16384. */
+    uint32_t height;     /**< Pixels, 1 to 16384. */
+    double fill;         /**< Opacity of areas, 0 to 1; 0 leaves their outlines. */
+    bool no_outlines;    /**< Leave out the outlines of areas. */
+    double window[2];    /**< Grey values of black and white; both 0 = conus_atlas_window(). */
+    const conus_selection *selection; /**< NULL = none; else its cone is drawn, areas that it hits are full, those that
+                                         it only pierces hatched, and others pale. */
+    uint32_t chosen;                  /**< Object that is never pale, with those below it in the area tree; 0 = none. */
+} conus_cut_view;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_CUT_VIEW_INIT CONUS_INIT_(conus_cut_view)
+
+/**
+ * Draws a cut.
+ * @param[out] rgba [height width 4] sRGB and opacity, top row first.
+ * @param[out] objects [height width] Number of the object that each pixel's centre is in, 0 = nothing; NULL = not
+ * wanted.
+ * @param atlas The atlas.
+ * @param view What to draw.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view out of its range.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const conus_atlas *atlas,
+                                     const conus_cut_view *view);
+
+/**
+ * Prepares to draw one cut after the other, as windows do. The pictures are those of conus_cut(), but voxels and
+ * surfaces are read again only where a view lies elsewhere. Another selection over the same place costs little.
+ * @param[out] out The cutter; end it with conus_cutter_destroy().
+ * @param atlas Must outlive the cutter and must not change: after conus_atlas_set_threshold(), conus_atlas_set_hidden()
+ * or other colours, make another cutter.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_cutter_create(conus_cutter **out, const conus_atlas *atlas);
+
+/**
+ * Ends a cutter.
+ * @param cutter NULL is allowed.
+ * @threads One at a time for each @p cutter.
+ * @since 0.1
+ */
+CONUS_API void conus_cutter_destroy(conus_cutter *cutter);
+
+/**
+ * Draws a cut into the cutter.
+ * @param cutter The cutter.
+ * @param view What to draw.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view out of its range.
+ * @threads One at a time for each @p cutter.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view);
+
+/**
+ * Gives the pixels that were drawn last.
+ * @param cutter The cutter.
+ * @return [height width 4] As conus_cut() fills them; NULL before the first picture. Borrowed until the next
+ * conus_cutter_draw(), and without a meaning where that failed.
+ * @threads One at a time for each @p cutter.
+ * @since 0.1
+ */
+CONUS_API const uint8_t *conus_cutter_rgba(const conus_cutter *cutter);
+
+/**
+ * Gives the numbers of objects of the pixels that were drawn last.
+ * @param cutter The cutter.
+ * @return [height width] As of conus_cutter_rgba().
+ * @threads One at a time for each @p cutter.
+ * @since 0.1
+ */
+CONUS_API const uint32_t *conus_cutter_objects(const conus_cutter *cutter);
+/** @} */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

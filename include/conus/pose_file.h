@@ -1,0 +1,342 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file pose_file.h
+ * Files of poses: a stream reads them block by block, a list reads them whole.
+ */
+#ifndef CONUS_PUBLIC_POSE_FILE_H
+#define CONUS_PUBLIC_POSE_FILE_H
+
+#include <conus/atlas.h>
+#include <conus/pose.h>
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct conus_pose_list conus_pose_list;     /**< Poses read from a file. */
+typedef struct conus_pose_stream conus_pose_stream; /**< Poses being read. */
+
+/** The world space of the numbers in a file. */
+typedef enum conus_space {
+    CONUS_RAS = 0, /**< +x right, +y anterior, +z superior. */
+    CONUS_LPS      /**< +x left, +y posterior, +z superior. */
+} conus_space;
+
+/** The axis of a device along which it looks. */
+typedef enum conus_axis {
+    CONUS_AXIS_OF_FORMAT = 0, /**< As the file's format has it (docs/formats.md): -z where nothing is said. */
+    CONUS_AXIS_PLUS_X,        /**< +x. */
+    CONUS_AXIS_MINUS_X,       /**< -x. */
+    CONUS_AXIS_PLUS_Y,        /**< +y. */
+    CONUS_AXIS_MINUS_Y,       /**< -y. */
+    CONUS_AXIS_PLUS_Z,        /**< +z. */
+    CONUS_AXIS_MINUS_Z        /**< -z. */
+} conus_axis;
+
+/** The format of a file of poses; docs/formats.md describes each. */
+typedef enum conus_pose_format {
+    CONUS_POSES_AUTO = 0,   /**< The content decides. */
+    CONUS_POSES_TABLE,      /**< A table (TSV or CSV) whose header row names the columns. */
+    CONUS_POSES_MATRIX,     /**< Sixteen numbers, a row-major world_from_device. */
+    CONUS_POSES_POINTS,     /**< Lines of x y z and perhaps a name: points. */
+    CONUS_POSES_BRAINSIGHT, /**< Brainsight's export: targets, samples, electrodes. */
+    CONUS_POSES_LOCALITE,   /**< Localite's InstrumentMarker*.xml and TriggerMarkers*.xml. */
+    CONUS_POSES_ELECTRODES, /**< BIDS *_electrodes.tsv, with the *_coordsystem.json beside it: points. */
+    CONUS_POSES_MARKUPS     /**< 3D Slicer's .mrk.json: lines, and points. */
+} conus_pose_format;
+
+/**
+ * Names the formats, for a program's options.
+ * @param index From 0, as #conus_pose_format.
+ * @return "auto", "table" and so on; NULL past the last. Static.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API const char *conus_pose_format_name(size_t index);
+
+/** How files of poses are read. */
+typedef struct conus_pose_options {
+    size_t struct_size;       /**< Its size, as #CONUS_POSE_OPTIONS_INIT sets it; 0 = that of this version. */
+    conus_space space;        /**< Of the numbers in the file, where it does not say so itself. */
+    conus_axis axis;          /**< Where the file gives rotations. */
+    conus_pose_format format; /**< The format. */
+    bool along_shafts; /**< #CONUS_POSES_ELECTRODES: not points, but poses at the contacts that look along their shafts,
+                          each to the contact with the next higher number. */
+    uint64_t max_memory; /**< Largest file of a format that is read whole, in bytes; 0 = 1 GiB. */
+} conus_pose_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_POSE_OPTIONS_INIT CONUS_INIT_(conus_pose_options)
+
+/** One row of a pose file. */
+typedef struct conus_pose_row {
+    const char *id;    /**< Column query_id, or the row's number from 1. Ids may repeat. */
+    size_t line;       /**< Line in the file, from 1; of #CONUS_POSES_MARKUPS the markup. */
+    conus_pose pose;   /**< Where the device is and looks. */
+    bool is_point;     /**< The row has only a position, no direction: the pose is not turned. */
+    bool trigger;      /**< Column trigger; false if absent. */
+    double angle;      /**< Column angle, full opening, radians; 0 if absent. */
+    double time_s;     /**< Column time_s, seconds; NaN if absent. */
+    double error_deg;  /**< Column error_deg: how far off the direction may be, degrees (not radians); NaN if absent. */
+    double error_mm;   /**< Column error_mm: how far off the position may be, mm; NaN if absent. */
+    const char *error; /**< NULL, or why the row is no pose; then only id and line have a meaning. */
+} conus_pose_row;
+
+/** @name Streams
+ * A stream reads tables and points of any length in memory that does not grow, and other formats whole. It belongs to
+ * one thread at a time.
+ * @{ */
+
+/**
+ * Opens poses for reading one block after the other. A file without any pose opens, too, unless nothing in it tells
+ * its format.
+ * @param[out] out The stream; end it with conus_pose_stream_destroy().
+ * @param path A file or a pipe; NULL or "-" is standard input.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_IO, #CONUS_ERROR_DATA or #CONUS_ERROR_UNSUPPORTED for a file that cannot be read;
+ * #CONUS_ERROR_MEMORY above max_memory.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_pose_stream_open(conus_pose_stream **out, const char *path,
+                                                  const conus_pose_options *options);
+
+/**
+ * Reads the next rows. A bad row is given with its error.
+ * @param stream The stream.
+ * @param[out] rows [capacity] The first @p count of them are filled. Their strings live until the next call on the
+ * stream.
+ * @param capacity At least 1.
+ * @param[out] count Rows read: fewer than @p capacity only at the end, 0 when there are no more.
+ * @return #CONUS_OK; #CONUS_ERROR_IO also where the file changes before all of it is read.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_pose_stream_read(conus_pose_stream *stream, conus_pose_row *rows, size_t capacity,
+                                                  size_t *count);
+
+/**
+ * Passes over rows without parsing them, which is much faster.
+ * @param stream The stream.
+ * @param rows How many; where fewer are left, all of these.
+ * @return #CONUS_OK; the errors of conus_pose_stream_read().
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_pose_stream_skip(conus_pose_stream *stream, uint64_t rows);
+
+/**
+ * Counts all rows, those already read included.
+ * @param stream The stream.
+ * @param[out] count How many rows there are.
+ * @return #CONUS_OK; #CONUS_ERROR_UNSUPPORTED for a live stream.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_pose_stream_count(conus_pose_stream *stream, uint64_t *count);
+
+/**
+ * Tells whether the stream is live: it reads rows from a pipe as they come.
+ * @param stream The stream.
+ * @return Whether it is.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API bool conus_pose_stream_is_live(const conus_pose_stream *stream);
+
+/**
+ * Ends a live stream behind the last whole line that has come, also for a thread that waits for the next one. On other
+ * streams it has no effect.
+ * @param stream The stream.
+ * @threads Any, at any time, and a signal handler.
+ * @since 0.1
+ */
+CONUS_API void conus_pose_stream_stop(conus_pose_stream *stream);
+
+/**
+ * Tells the format of the poses.
+ * @param stream The stream.
+ * @return Never #CONUS_POSES_AUTO.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream);
+
+/**
+ * Tells the space as the file names it.
+ * @param stream The stream.
+ * @return "NIfTI:Scanner", "MNI152NLin2009cAsym"; "" if the file names none. Borrowed from the stream.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API const char *conus_pose_stream_space(const conus_pose_stream *stream);
+
+/**
+ * Tells whether rows may have a time_s.
+ * @param stream The stream.
+ * @return False for a table without that column and for formats without times, and where everything was read and no
+ * row has one.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API bool conus_pose_stream_has_times(const conus_pose_stream *stream);
+
+/**
+ * Gives the table of electrodes (BIDS) that was read, for conus_report_options.electrodes.
+ * @param stream The stream.
+ * @return NULL for other formats. Borrowed from the stream.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API const char *conus_pose_stream_electrodes(const conus_pose_stream *stream);
+
+/**
+ * Gives the path of the *_coordsystem.json that says what the positions of electrodes (BIDS) are in.
+ * @param stream The stream.
+ * @return "" where there is none. Borrowed from the stream.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream);
+
+/**
+ * Gives the SHA-256 of that file as it was read.
+ * @param stream The stream.
+ * @return Hexadecimal; "" where there is no such file. Borrowed from the stream.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API const char *conus_pose_stream_coordsystem_sha256(const conus_pose_stream *stream);
+
+/**
+ * Computes the SHA-256 of the file of the poses: of the bytes that this stream has read, and of the rest, which it
+ * reads now, so that there are no rows afterwards.
+ * @param[out] out Hexadecimal with a final NUL.
+ * @param stream The stream.
+ * @return #CONUS_OK; #CONUS_ERROR_UNSUPPORTED for a pipe.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_pose_stream_sha256(char out[65], conus_pose_stream *stream);
+
+/**
+ * Checks that the file and the atlas belong to one brain. Adds a note where one of them does not name its space. A file
+ * that names no space fits any atlas.
+ * @param stream The stream.
+ * @param atlas The atlas.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA where they name different brains, a scan of one person and a template, say.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas);
+
+/**
+ * Gives note @p index that a careful user should know about these poses.
+ * @param stream The stream.
+ * @param index From 0.
+ * @return One line; NULL past the last. Borrowed from the stream.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index);
+
+/**
+ * Ends a stream.
+ * @param stream NULL is allowed.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API void conus_pose_stream_destroy(conus_pose_stream *stream);
+/** @} */
+
+/** @name Lists
+ * A list holds all rows of a file.
+ * @{ */
+
+/**
+ * Reads all rows of conus_pose_stream_open(); there may be none.
+ * @param[out] out The list; end it with conus_pose_list_destroy().
+ * @param path As for conus_pose_stream_open().
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; the errors of conus_pose_stream_open() and conus_pose_stream_read().
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_pose_list_load(conus_pose_list **out, const char *path,
+                                                const conus_pose_options *options);
+
+/**
+ * Counts the rows.
+ * @param list NULL counts 0.
+ * @return How many rows there are.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API size_t conus_pose_list_count(const conus_pose_list *list);
+
+/**
+ * Gives row @p index.
+ * @param list The list.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed from the list.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const conus_pose_row *conus_pose_list_row(const conus_pose_list *list, size_t index);
+
+/**
+ * Gives the table of electrodes, as conus_pose_stream_electrodes().
+ * @param list The list.
+ * @return NULL for other formats. Borrowed from the list.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const char *conus_pose_list_electrodes(const conus_pose_list *list);
+
+/**
+ * Gives the path of the coordinate system, as conus_pose_stream_coordsystem().
+ * @param list The list.
+ * @return "" where there is none. Borrowed from the list.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const char *conus_pose_list_coordsystem(const conus_pose_list *list);
+
+/**
+ * Checks that the file and the atlas belong to one brain, as conus_pose_stream_match().
+ * @param list The list.
+ * @param atlas The atlas.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA where they name different brains.
+ * @threads One at a time for each @p list.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_pose_list_match(conus_pose_list *list, const conus_atlas *atlas);
+
+/**
+ * Gives a note, as conus_pose_stream_note().
+ * @param list The list.
+ * @param index From 0.
+ * @return One line; NULL past the last. Borrowed from the list.
+ * @threads One at a time for each @p list.
+ * @since 0.1
+ */
+CONUS_API const char *conus_pose_list_note(const conus_pose_list *list, size_t index);
+
+/**
+ * Ends a list.
+ * @param list NULL is allowed.
+ * @threads One at a time for each @p list.
+ * @since 0.1
+ */
+CONUS_API void conus_pose_list_destroy(conus_pose_list *list);
+/** @} */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

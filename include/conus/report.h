@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file report.h
+ * Answers as text: tables, JSON, and what other programs read.
+ */
+#ifndef CONUS_PUBLIC_REPORT_H
+#define CONUS_PUBLIC_REPORT_H
+
+#include <conus/jitter.h>
+#include <conus/mask.h>
+#include <conus/pose_file.h>
+#include <conus/sweep.h>
+#include <conus/track.h>
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct conus_report conus_report; /**< Answers collected for writing. */
+
+/** The format of a report. From #CONUS_AFNI on they are read by other programs, of #CONUS_ANSWERS, as a whole
+ * (docs/formats.md). */
+typedef enum conus_format {
+    CONUS_TABLE = 0, /**< A table for people. */
+    CONUS_TSV,       /**< Tab-separated values. */
+    CONUS_CSV,       /**< The columns of #CONUS_TSV between commas (RFC 4180). */
+    CONUS_JSON,      /**< One JSON array. */
+    CONUS_NDJSON,    /**< One JSON object per line. */
+    CONUS_AFNI,      /**< The tables of AFNI's whereami -tab, of each query. */
+    CONUS_BIDS,      /**< A BIDS table of electrodes, with columns added. */
+    CONUS_SPIKEGLX,  /**< The areas along the shanks of a probe, in micrometres from the first contact. */
+    CONUS_OPEN_EPHYS /**< The areas of a probe's channels, from 0. */
+} conus_format;
+
+/** What a report has rows of; each with its own columns. */
+typedef enum conus_rows {
+    CONUS_ANSWERS = 0, /**< Of conus_report_add(). */
+    CONUS_SHARES, /**< The same with the angle, and for people a table of shares by angle; answers in a row that have
+                     one id belong together. */
+    CONUS_ADMISSIONS, /**< Of conus_report_add_sweep(). */
+    CONUS_CHANCES,    /**< Of conus_report_add_jitter(). */
+    CONUS_SUMMARIES   /**< Of conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
+                         #CONUS_TABLE. */
+} conus_rows;
+
+/** What a report holds and how it is written. */
+typedef struct conus_report_options {
+    size_t struct_size;           /**< Its size, as #CONUS_REPORT_OPTIONS_INIT sets it; 0 = that of this version. */
+    conus_rows rows;              /**< What it has rows of. */
+    conus_format format;          /**< Its format. */
+    conus_space space;            /**< Of the positions written. */
+    bool all_voxels;              /**< conus_report_voxels(): areas' voxels too, not only pathways'. */
+    bool no_voxels;               /**< Do not keep any for it: quicker, and less memory. */
+    const char *command;          /**< The command line, for the provenance; NULL = none. */
+    const conus_tracker *tracker; /**< Of a report on its steps, with the columns time_s, selected and confirmed; it
+                                     must outlive the report. NULL = none. */
+    bool selected_only;     /**< Of a step only what is selected or confirmed; or, if nothing is, what is unassigned. */
+    const char *electrodes; /**< For #CONUS_BIDS: the text of the table of which each row is a query, errors among them.
+                               NULL = none. */
+} conus_report_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_REPORT_OPTIONS_INIT CONUS_INIT_(conus_report_options)
+
+/**
+ * Starts a report on answers of a selector.
+ * @param[out] out The report; end it with conus_report_destroy().
+ * @param selector Must outlive the report.
+ * @param options NULL = defaults. Its strings must outlive the report.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for options that do not go together.
+ * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_create(conus_report **out, const conus_selector *selector,
+                                               const conus_report_options *options);
+
+/**
+ * Adds one answer.
+ * @param report The report.
+ * @param query_id Copied, as UTF-8 without control characters.
+ * @param selection The answer; may end afterwards.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *query_id,
+                                            const conus_selection *selection);
+
+/**
+ * Adds what a growing cone admits.
+ * @param report The report.
+ * @param query_id As for conus_report_add().
+ * @param sweep The admissions; may end afterwards.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_add_sweep(conus_report *report, const char *query_id, const conus_sweep *sweep);
+
+/**
+ * Adds an answer under errors of the pose.
+ * @param report The report.
+ * @param query_id As for conus_report_add().
+ * @param jitter The chances; may end afterwards.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_add_jitter(conus_report *report, const char *query_id,
+                                                   const conus_jitter *jitter);
+
+/**
+ * Adds a query without an answer: one row of kind "error" with "line N: " and @p reason for a name, all else missing.
+ * @param report The report.
+ * @param query_id As for conus_report_add().
+ * @param line The pose's in its file; 0 = it has none, and only the reason is written.
+ * @param reason One line. Copied.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const char *query_id, size_t line,
+                                                  const char *reason);
+
+/**
+ * Writes the whole text in the report's format.
+ * @param report The report.
+ * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the report.
+ * @param[out] size Bytes, without the NUL.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA for answers that the format cannot hold.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_text(conus_report *report, const char **text, size_t *size);
+
+/**
+ * Writes the text of the answers since the last call and forgets them, for a report that goes on. The header row of
+ * TSV, CSV and #CONUS_BIDS, or of a track's table, comes once, with the first call. Not for #CONUS_JSON and the formats
+ * of probes, which are one whole.
+ * @param report The report.
+ * @param[out] text As of conus_report_text().
+ * @param[out] size Bytes, without the NUL.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a format that is one whole.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_take(conus_report *report, const char **text, size_t *size);
+
+/**
+ * Writes the voxels hit first (with all layers, and of a ball, all with their centre in it), nearest first, as TSV:
+ * query pathway i j k x y z value distance_mm kind index.
+ * @param report The report.
+ * @param[out] text As of conus_report_text().
+ * @param[out] size Bytes, without the NUL.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_voxels(conus_report *report, const char **text, size_t *size);
+
+/**
+ * Writes the JSON sidecar: columns, units, space, atlas files with SHA-256, settings, version.
+ * @param report The report.
+ * @param[out] text As of conus_report_text().
+ * @param[out] size Bytes, without the NUL.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_sidecar(conus_report *report, const char **text, size_t *size);
+
+/**
+ * Writes the JSON sidecar of a mask of one of the answers (docs/formats.md).
+ * @param report The report.
+ * @param grid The mask.
+ * @param[out] text As of conus_report_text().
+ * @param[out] size Bytes, without the NUL.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_grid_sidecar(conus_report *report, const conus_grid *grid, const char **text,
+                                                     size_t *size);
+
+/**
+ * Ends a report.
+ * @param report NULL is allowed.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_API void conus_report_destroy(conus_report *report);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,240 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file selection.h
+ * Aim a cone, a cylinder or a ball at an atlas, and read off what lies in it.
+ */
+#ifndef CONUS_PUBLIC_SELECTION_H
+#define CONUS_PUBLIC_SELECTION_H
+
+#include <conus/atlas_info.h>
+#include <conus/pose.h>
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct conus_selector conus_selector;   /**< An engine made ready for one atlas. */
+typedef struct conus_selection conus_selection; /**< The answer to one query. Immutable. */
+
+/** What traces the rays of a cone's pixels. */
+typedef enum conus_engine {
+    CONUS_ENGINE_AUTO = 0, /**< The library chooses: rays. */
+    CONUS_ENGINE_RAYS,     /**< Rays on the CPU. Needs no driver and gives the pixels that gl gives. */
+    CONUS_ENGINE_GL        /**< An OpenGL 4.5 driver. */
+} conus_engine;
+
+/** Which pixels count as the cone (Eq. 3). */
+typedef enum conus_aperture {
+    CONUS_CIRCLE = 0, /**< Those in the circle: a round cone. */
+    CONUS_SQUARE      /**< All: a pyramid. */
+} conus_aperture;
+
+/** How a ray is followed through voxels. */
+typedef enum conus_sampling {
+    CONUS_EXACT = 0, /**< Cell by cell (Eq. 5). */
+    CONUS_SLICES     /**< At the paper's slices (Eq. 7). */
+} conus_sampling;
+
+/** What of a ray counts. */
+typedef enum conus_layers {
+    CONUS_VISIBLE = 0, /**< The first hit of each pixel. */
+    CONUS_ALL_LAYERS   /**< Also all intervals behind it (Eq. 10). */
+} conus_layers;
+
+/** How a selector answers. */
+typedef struct conus_selector_options {
+    size_t struct_size;      /**< Its size, as #CONUS_SELECTOR_OPTIONS_INIT sets it; 0 = that of this version. */
+    conus_engine engine;     /**< What traces the rays. */
+    conus_aperture aperture; /**< Which pixels count as the cone (Eq. 3). */
+    conus_sampling sampling; /**< Exact cells (Eq. 5) or the paper's slices (Eq. 7). */
+    uint32_t resolution;     /**< n of the n x n buffer, 1 to 1024; 0 = 16. */
+    uint32_t slices;         /**< N of Eq. 7; the ID pass takes N/5. 0 = default. */
+    conus_layers layers;     /**< What the pixels hit first, or also all that their rays pass (Eq. 10). */
+    double range[2];   /**< Nearest and farthest depth along the axis, mm from the apex: what lies outside is as if it
+                          were not there. Both 0 = everything. */
+    double radius;     /**< mm: instead of a cone a cylinder about the axis, whose angle is 0. 0 = a cone. */
+    const char *level; /**< Areas are rolled up the area tree: to a depth ("2"; roots are at 1), or to the nearest of
+                          listed areas ("Thalamus,Isocortex"; docs/commands.md has more). NULL = none are. */
+    const char *score; /**< Ranking, a name from conus_score() or a formula of them; NULL = "share". */
+    conus_log log;     /**< NULL = silent. */
+    void *log_user;    /**< Passed to @p log. */
+} conus_selector_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_SELECTOR_OPTIONS_INIT CONUS_INIT_(conus_selector_options)
+
+/**
+ * Builds the engine for an atlas.
+ * @param[out] out The selector; end it with conus_selector_destroy().
+ * @param atlas Must outlive the selector. Nothing may be added to it meanwhile.
+ * @param options NULL = defaults. Its strings are copied.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range; #CONUS_ERROR_GL where the gl engine finds no
+ * driver.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_selector_create(conus_selector **out, const conus_atlas *atlas,
+                                                 const conus_selector_options *options);
+
+/**
+ * Ends a selector. What was made for it must have ended before.
+ * @param selector NULL is allowed.
+ * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @since 0.1
+ */
+CONUS_API void conus_selector_destroy(conus_selector *selector);
+
+/**
+ * Names the engine in use.
+ * @param selector The selector.
+ * @return "rays, avx512", "gl, llvmpipe (LLVM 15.0.6, 256 bits)". Borrowed from the selector.
+ * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @since 0.1
+ */
+CONUS_API const char *conus_selector_engine(const conus_selector *selector);
+
+/**
+ * Aims a cone, or a cylinder if the selector has a radius.
+ * @param[out] out The selection; end it with conus_selection_destroy().
+ * @param selector The selector.
+ * @param pose Apex and axis.
+ * @param angle Full opening, radians, in (0, pi); 0 for a cylinder.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another angle or a pose that is not rigid; #CONUS_ERROR_GL where the
+ * driver fails.
+ * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *selector, const conus_pose *pose,
+                                        double angle);
+
+/**
+ * Finds what is at a point and near it, instead of in a cone. An object with a voxel's cell or a part of its surface in
+ * the ball has a result. Volume, fraction and the like are those of voxels with their centre in the ball. Share is
+ * their part of all such voxels of the object's grid, NaN for a mesh, and the score. Distance is that of the nearest
+ * point of a cell or surface, 0 within the object, and contact is that point. There are no pixels, and no picture.
+ * @param[out] out The selection; end it with conus_selection_destroy().
+ * @param selector The selector.
+ * @param centre World mm.
+ * @param radius mm.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number out of its range, and with a selector that has a range.
+ * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double centre[3],
+                                             double radius);
+
+/**
+ * Ends a selection.
+ * @param selection NULL is allowed.
+ * @threads One at a time for each @p selection.
+ * @since 0.1
+ */
+CONUS_API void conus_selection_destroy(conus_selection *selection);
+
+/** One object in the cone. */
+typedef struct conus_result {
+    conus_kind kind;   /**< What it is. */
+    uint32_t object;   /**< Number in the atlas, as what it is reported (level); 0 for #CONUS_UNASSIGNED. */
+    uint32_t rank;     /**< From 1; 0 for #CONUS_UNASSIGNED. */
+    double score;      /**< By the selector's score; higher is better. */
+    uint32_t pixels;   /**< Pixels of the cone that hit it first. */
+    double share;      /**< Its part of the cone's solid angle (Eq. 4); all shares sum to 1. */
+    double center_px;  /**< Smallest distance of its pixels to the buffer's centre, in pixels. */
+    double offset;     /**< Smallest angle of its rays to the axis, radians. */
+    double distance;   /**< Nearest first hit of any of its pixels, mm from the apex. */
+    double contact[3]; /**< World position of its contact (Eq. 11), mm; NaN if no pixel hits it first. */
+
+    /* With CONUS_ALL_LAYERS (Eq. 10); else 0, and NaN where 0 would say something. */
+    uint32_t pierced;     /**< Pixels of the cone whose ray passes it, occluded or not. */
+    double entry;         /**< Nearest entry of any of these rays, mm from the apex. */
+    double exit;          /**< Farthest exit of any of these rays, mm from the apex. */
+    double path;          /**< Mean length of these rays inside it, mm. */
+    uint64_t voxels;      /**< Its voxels whose centre is in the cone. */
+    double volume;        /**< Their volume, mm^3; of a mesh, estimated from the rays. */
+    double fraction;      /**< That volume as a part of the object's whole volume. */
+    double cone_fraction; /**< That volume as a part of the volume of all areas in the cone. */
+    double sum_value;     /**< Of a pathway: sum of the values of these voxels. */
+    double mean_value;    /**< Of a pathway: mean of these values. */
+    double max_value;     /**< Of a pathway: largest of these values. */
+    double centroid[3];   /**< World position, mm: mean of these voxels' centres, weighted by a pathway's values. */
+} conus_result;
+
+/**
+ * Counts the results. They are ordered by rank, with unassigned last (there even if nothing is unassigned). With
+ * #CONUS_ALL_LAYERS an object that is occluded, or too thin for any ray but with a voxel's centre in the cone, has a
+ * result of 0 pixels.
+ * @param selection NULL counts 0.
+ * @return How many results there are.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API size_t conus_selection_count(const conus_selection *selection);
+
+/**
+ * Gives result @p index.
+ * @param selection The selection.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed from the selection.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const conus_result *conus_selection_result(const conus_selection *selection, size_t index);
+
+/** The evidence behind the results: for each of n x n pixels, row j = 0 at the device's bottom (Eq. 3). */
+typedef struct conus_evidence {
+    uint32_t resolution;    /**< n. */
+    const uint32_t *object; /**< [n*n] Object hit first, as it is reported (level), 0 if none; of pixels outside the
+                               aperture too. */
+    const double *distance; /**< [n*n] mm from the apex along the ray, infinity if nothing. */
+    const uint64_t *voxel;  /**< [n*n] Linear index i + dim0 (j + dim1 k) in the volume of the hit, or the triangle of
+                               its mesh; UINT64_MAX if nothing. */
+    const bool *in_cone;    /**< [n*n] The aperture. */
+} conus_evidence;
+
+/**
+ * Gives the evidence.
+ * @param selection The selection.
+ * @return Its arrays are borrowed from the selection; resolution is 0 where there are no pixels.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API conus_evidence conus_selection_evidence(const conus_selection *selection);
+
+/**
+ * Computes where the ray of a pixel hits.
+ * @param selection The selection.
+ * @param pixel Row-major index.
+ * @param[out] out World mm; NaN where it hit nothing, or there is no such pixel.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API void conus_selection_position(const conus_selection *selection, size_t pixel, double out[3]);
+
+/** An interval of a pixel's ray inside one object. */
+typedef struct conus_span {
+    uint32_t pixel;  /**< Index into the evidence's arrays. */
+    uint32_t object; /**< Number in the atlas, as it is reported (level): intervals of one group that touch are one. */
+    double entry;    /**< mm from the apex. */
+    double exit; /**< mm from the apex; equal to entry where the ray only touches it, or the surface is not closed. */
+    uint64_t voxel; /**< The voxel (or triangle) of the entry, as in the evidence. */
+} conus_span;
+
+/**
+ * Gives all intervals of all rays, with #CONUS_ALL_LAYERS: by pixel, then entry, then object.
+ * @param selection The selection.
+ * @param[out] count How many; 0 without #CONUS_ALL_LAYERS.
+ * @return [count]; NULL without #CONUS_ALL_LAYERS. Borrowed from the selection.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const conus_span *conus_selection_spans(const conus_selection *selection, size_t *count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file status.h
+ * How functions report failure, and the types of the callbacks that hear notes and progress.
+ */
+#ifndef CONUS_PUBLIC_STATUS_H
+#define CONUS_PUBLIC_STATUS_H
+
+#include <conus/export.h>
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** The result of each function that can fail. */
+typedef enum conus_status {
+    CONUS_OK = 0,            /**< Done. */
+    CONUS_ERROR_ARGUMENT,    /**< An argument breaks its documented range. */
+    CONUS_ERROR_MEMORY,      /**< An allocation failed, or the input asks for more than the allowed memory. */
+    CONUS_ERROR_IO,          /**< The system refused to read or write. */
+    CONUS_ERROR_DATA,        /**< The file is damaged, contradicts itself or is not of its format. */
+    CONUS_ERROR_UNSUPPORTED, /**< Valid, but beyond this library. */
+    CONUS_ERROR_GL           /**< No usable OpenGL 4.5 context, or the driver failed. */
+} conus_status;
+
+/**
+ * Names a status.
+ * @param code A status; any number is allowed.
+ * @return "CONUS_ERROR_DATA", or "CONUS_ERROR_UNKNOWN" for a number that is no status. Static.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API const char *conus_status_name(conus_status code);
+
+/**
+ * Describes the last failure on the calling thread: one line with what was found and what is allowed.
+ * @return "" if no function failed. Borrowed until the next failure on this thread.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API const char *conus_message(void);
+
+/**
+ * Receives a note of a driver, an engine or a reader, on the thread that called into the library.
+ * @param user The pointer that the options gave.
+ * @param line One line without its end, UTF-8. Valid until the callback returns.
+ */
+typedef void (*conus_log)(void *user, const char *line);
+
+/**
+ * Receives how far a task is, on the thread that called into the library.
+ * @param user The pointer that the options gave.
+ * @param done Steps that are done.
+ * @param total Steps in all.
+ */
+typedef void (*conus_progress)(void *user, size_t done, size_t total);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

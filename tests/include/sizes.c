@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The sizes of the public structs, where pointers have 64 bits: a compiled caller knows them. A struct that begins with
+ * struct_size may grow. Its new members begin at its old size or behind it, not in its last bytes that no member has.
+ */
+#include <conus/conus.h>
+
+#include <assert.h>
+
+#if UINTPTR_MAX == UINT64_MAX
+#define SIZE(type, size) static_assert(sizeof(type) == (size), "callers are compiled with this size of " #type)
+
+SIZE(conus_load_options, 48);
+SIZE(conus_pathway_options, 32);
+SIZE(conus_context_options, 24);
+SIZE(conus_pose_options, 32);
+SIZE(conus_selector_options, 88);
+SIZE(conus_tracker_options, 72);
+SIZE(conus_jitter_options, 32);
+SIZE(conus_report_options, 56);
+SIZE(conus_grid_options, 16);
+SIZE(conus_batch_options, 80);
+SIZE(conus_renderer_options, 40);
+SIZE(conus_view, 96);
+SIZE(conus_cut_view, 144);
+SIZE(conus_mesh_options, 80);
+SIZE(conus_phantom_options, 56);
+SIZE(conus_manifest_options, 32);
+
+SIZE(conus_object, 72);
+SIZE(conus_volume_info, 488);
+SIZE(conus_pose, 128);
+SIZE(conus_pose_row, 192);
+SIZE(conus_oddity, 160);
+SIZE(conus_astray, 488);
+SIZE(conus_result, 200);
+SIZE(conus_evidence, 40);
+SIZE(conus_span, 32);
+SIZE(conus_score_info, 24);
+SIZE(conus_step, 16);
+SIZE(conus_admission, 64);
+SIZE(conus_chance, 64);
+SIZE(conus_grid_view, 184);
+SIZE(conus_batch_block, 32);
+SIZE(conus_transfer_point, 40);
+SIZE(conus_image_difference, 72);
+SIZE(conus_phantom_info, 16);
+#endif
+
+extern int sizes_are_known;
+int sizes_are_known = 1;
