@@ -384,14 +384,14 @@ static conus_status create_pass(struct gl_engine *gl)
     return status;
 }
 
-static conus_status make_codes(uint8_t **out, const struct leap_map *map)
+static conus_status make_codes(uint8_t **out, const struct distance_map *map)
 {
     uint8_t *codes = memory_raw(map->dim[0] * map->dim[1] * map->dim[2], 1);
     size_t at = 0;
     for (size_t k = 0; k < map->dim[2] && codes; k++) {
         for (size_t j = 0; j < map->dim[1]; j++) {
             for (size_t i = 0; i < map->dim[0]; i++) {
-                codes[at++] = map->codes[leap_map_at(map, i, j, k)];
+                codes[at++] = map->codes[distance_map_at(map, i, j, k)];
             }
         }
     }
@@ -401,12 +401,12 @@ static conus_status make_codes(uint8_t **out, const struct leap_map *map)
 
 static conus_status upload_volume(struct gl_engine *gl, const struct volume *volume, uint64_t *memory_left)
 {
-    struct leap_map map = {0};
+    struct distance_map map = {0};
     struct id_leaps leaps = {0};
     uint8_t *codes = NULL;
     conus_status status = CONUS_OK;
     if (gl->sampling == CONUS_EXACT) {
-        status = leap_map_init(&map, volume);
+        status = distance_map_init(&map, volume);
         status = status ? status : make_codes(&codes, &map);
         leaps.codes = codes;
         for (int a = 0; a < 3; a++) {
@@ -416,7 +416,7 @@ static conus_status upload_volume(struct gl_engine *gl, const struct volume *vol
     }
     status = status ? status : id_pass_add_volume(gl->pass, volume, &leaps, memory_left);
     memory_free(codes);
-    leap_map_finish(&map);
+    distance_map_finish(&map);
     return status;
 }
 

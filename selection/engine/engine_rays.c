@@ -14,8 +14,8 @@ enum { BLOCK = APERTURE_BLOCK };
 
 struct target {
     const struct volume *volume;
-    struct leap_map map; /* exact sampling  */
-    uint32_t slices;     /* sampled slices  */
+    struct distance_map map; /* exact sampling  */
+    uint32_t slices;         /* sampled slices  */
 };
 
 struct rays_engine {
@@ -39,7 +39,7 @@ static void destroy(struct engine *engine)
 {
     struct rays_engine *rays = (struct rays_engine *)engine;
     for (size_t i = 0; i < rays->target_count; i++) {
-        leap_map_finish(&rays->targets[i].map);
+        distance_map_finish(&rays->targets[i].map);
     }
     mesh_rays_destroy(rays->meshes);
     memory_free(rays);
@@ -315,7 +315,7 @@ static conus_status add_target(struct rays_engine *engine, const struct volume *
     struct target *target = &engine->targets[engine->target_count];
     *target = (struct target){.volume = volume};
     target->slices = slices_of_id_pass(slices, volume->info.dim);
-    conus_status status = engine->sampling == CONUS_EXACT ? leap_map_init(&target->map, volume) : CONUS_OK;
+    conus_status status = engine->sampling == CONUS_EXACT ? distance_map_init(&target->map, volume) : CONUS_OK;
     engine->target_count += !status;
     return status;
 }

@@ -15,7 +15,7 @@ static conus_status change(struct layers *out, conus_span *piece, uint32_t objec
     return status;
 }
 
-conus_status traverse_pierce(struct layers *out, const struct leap_map *map, const struct volume *volume,
+conus_status traverse_pierce(struct layers *out, const struct distance_map *map, const struct volume *volume,
                              const struct traverse_ray *ray, uint32_t pixel)
 {
     conus_status status = CONUS_OK;
