@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "poses/pose_stream.h"
 #include "selection/batch/batch.h"
+#include "selection/report/report_text.h"
 #include "selection/selection.h"
 
 #include <stdio.h>
