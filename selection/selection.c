@@ -169,7 +169,8 @@ void selection_set_kinds(conus_selection *selection)
     }
 }
 
-/* A piece that the range cut begins in another voxel; where rounding puts that into a neighbour, the old one stays. */
+/* An interval that the range cut begins in another voxel; where rounding puts that into a neighbour, the old one stays.
+ */
 static void move_entries(conus_selection *selection)
 {
     const struct cone *cone = &selection->cone;
@@ -193,8 +194,8 @@ static void move_entries(conus_selection *selection)
     }
 }
 
-/* What is first of the layers. Of pieces that begin at one place, as where a ray touches cells at an edge, it is what
- * is met there without layers: that heeds the order of the cells. */
+/* What is first of the layers. Of intervals that begin at one place, as where a ray touches cells at an edge, it is
+ * what is met there without layers: that heeds the order of the cells. */
 static conus_status find_first(conus_selection *selection, struct engine *engine)
 {
     struct evidence *first = &selection->evidence;
@@ -204,7 +205,7 @@ static conus_status find_first(conus_selection *selection, struct engine *engine
         return status;
     }
     layers_first(first, &selection->layers);
-    status = engine->functions->look(engine, &met, &selection->cone);
+    status = engine->functions->trace(engine, &met, &selection->cone);
     for (size_t p = 0; p < (size_t)met.resolution * met.resolution && !status; p++) {
         if (met.distance[p] == first->distance[p]) {
             first->object[p] = met.object[p];
@@ -234,11 +235,11 @@ static conus_status pierce(conus_selection *selection, struct engine *engine)
 size_t selections_at_once(const conus_selector *selector)
 {
     size_t fitting = PIXELS_AT_ONCE / ((size_t)selector->options.resolution * selector->options.resolution);
-    return !selector->engine->functions->look_many || fitting < 1 ? 1 : fitting;
+    return !selector->engine->functions->trace_many || fitting < 1 ? 1 : fitting;
 }
 
 /* What is visible, of all selections (NULL is passed over) at once. */
-static conus_status look_at_all(conus_selection *const *selections, size_t count, struct engine *engine)
+static conus_status trace_together(conus_selection *const *selections, size_t count, struct engine *engine)
 {
     struct evidence **evidence = memory_raw(count, sizeof(void *));
     const struct cone **cones = memory_raw(count, sizeof(void *));
@@ -250,7 +251,7 @@ static conus_status look_at_all(conus_selection *const *selections, size_t count
             cones[given++] = &selections[i]->cone;
         }
     }
-    status = !status && given ? engine->functions->look_many(engine, evidence, cones, given) : status;
+    status = !status && given ? engine->functions->trace_many(engine, evidence, cones, given) : status;
     memory_free(evidence);
     memory_free(cones);
     return status;
@@ -278,17 +279,17 @@ static void drop_wanted(conus_selection *const *selections, size_t count)
     }
 }
 
-conus_status selections_look(conus_selection *const *selections, size_t count, conus_selector *selector)
+conus_status selections_trace(conus_selection *const *selections, size_t count, conus_selector *selector)
 {
     struct engine *engine = selector->engine;
     bool has_range = selector->options.range[1] > 0; /* then what is first follows from all layers */
-    bool together = count > 1 && engine->functions->look_many;
+    bool together = count > 1 && engine->functions->trace_many;
     set_wanted(selections, count, selector);
-    conus_status status = together && !has_range ? look_at_all(selections, count, engine) : CONUS_OK;
+    conus_status status = together && !has_range ? trace_together(selections, count, engine) : CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
         conus_selection *selection = selections[i];
         if (selection && !has_range && !together) {
-            status = engine->functions->look(engine, &selection->evidence, &selection->cone);
+            status = engine->functions->trace(engine, &selection->evidence, &selection->cone);
         }
         if (selection && !status && (selection->has_layers || has_range)) {
             status = pierce(selection, engine);
@@ -392,11 +393,11 @@ conus_status selection_complete(conus_selection *selection, conus_selector *sele
     return status;
 }
 
-conus_status selection_look(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle)
+conus_status selection_trace(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle)
 {
     conus_selection *selection = NULL;
     conus_status status = selection_begin(&selection, selector, pose, angle);
-    status = status ? status : selections_look(&selection, 1, selector);
+    status = status ? status : selections_trace(&selection, 1, selector);
     status = status ? status : selection_complete(selection, selector);
     if (status) {
         conus_selection_destroy(selection);
@@ -413,7 +414,7 @@ conus_status conus_select(conus_selection **out, conus_selector *selector, const
         return fail(CONUS_ERROR_ARGUMENT, "score: %s needs a history, which only a track has",
                     selector->ranking.formula.text);
     }
-    conus_status status = selection_look(&selection, selector, pose, angle);
+    conus_status status = selection_trace(&selection, selector, pose, angle);
     if (!status) {
         selection_rank(selection, selector, NULL);
         *out = selection;

@@ -71,14 +71,14 @@ const conus_tracker_options *tracker_options(const conus_tracker *tracker);
  * with ease. */
 size_t selections_at_once(const conus_selector *selector);
 
-/** selection_look() in three steps, so that selections of one selector can be looked at together: all are begun, looked
- * at (NULL is passed over), and completed in any order. After a failure they can only be destroyed. */
+/** selection_trace() in three steps, so that selections of one selector can be looked at together: all are begun,
+ * looked at (NULL is passed over), and completed in any order. After a failure they can only be destroyed. */
 conus_status selection_begin(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle);
-conus_status selections_look(conus_selection *const *selections, size_t count, conus_selector *selector);
+conus_status selections_trace(conus_selection *const *selections, size_t count, conus_selector *selector);
 conus_status selection_complete(conus_selection *selection, conus_selector *selector);
 
 /** conus_select() without the ranking. */
-conus_status selection_look(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle);
+conus_status selection_trace(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle);
 
 /** Ranks the results; @p history may be NULL unless the ranking needs it. */
 void selection_rank(conus_selection *selection, conus_selector *selector, const struct history *history);

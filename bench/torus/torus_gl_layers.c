@@ -53,7 +53,7 @@ static void answer_all(void *data)
             status = functions->pierce(way->engine, &way->pieces[i], &way->cones[i]);
             status = status ? status : layers_sort(&way->pieces[i], PIXELS);
         } else {
-            status = functions->look(way->engine, &way->visible, &way->cones[i]);
+            status = functions->trace(way->engine, &way->visible, &way->cones[i]);
         }
         way->status = status ? status : way->status;
     }

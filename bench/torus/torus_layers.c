@@ -51,7 +51,7 @@ static conus_status ask_engine(struct way *way, size_t cone)
 {
     struct layers *pieces = &way->pieces[cone];
     if (!way->layers) {
-        return way->engine->functions->look(way->engine, &way->visible[cone], &way->cones[cone]);
+        return way->engine->functions->trace(way->engine, &way->visible[cone], &way->cones[cone]);
     }
     layers_clear(pieces);
     conus_status status = way->engine->functions->pierce(way->engine, pieces, &way->cones[cone]);

@@ -34,12 +34,12 @@ struct layers;
 
 struct engine_functions {
     /** Fills @p out (already initialised to the cone's resolution) for @p cone. */
-    conus_status (*look)(struct engine *engine, struct evidence *out, const struct cone *cone);
-    /** look() for @p count cones of one resolution at once; NULL where that is no faster. */
-    conus_status (*look_many)(struct engine *engine, struct evidence *const *out, const struct cone *const *cones,
-                              size_t count);
-    /** Appends every piece of every pixel's ray inside an object to @p out, whatever hides it (Eq. 10), and inside what
-     * blocks, as VOLUME_BLOCKER. Neither heeds the cone's range. Exact sampling only. */
+    conus_status (*trace)(struct engine *engine, struct evidence *out, const struct cone *cone);
+    /** trace() for @p count cones of one resolution at once; NULL where that is no faster. */
+    conus_status (*trace_many)(struct engine *engine, struct evidence *const *out, const struct cone *const *cones,
+                               size_t count);
+    /** Appends every interval of every pixel's ray inside an object to @p out, whatever hides it (Eq. 10), and inside
+     * what blocks, as VOLUME_BLOCKER. Neither heeds the cone's range. Exact sampling only. */
     conus_status (*pierce)(struct engine *engine, struct layers *out, const struct cone *cone);
     void (*destroy)(struct engine *engine);
 };

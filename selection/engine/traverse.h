@@ -65,8 +65,8 @@ bool traverse_leap(const struct distance_map *map, const struct traverse_ray *ra
 /** Walks one ray; gives up beyond @p limit mm. */
 struct traverse_contact traverse_one(const struct distance_map *map, const struct traverse_ray *ray, double limit);
 
-/** Appends to @p out the pieces of @p pixel's ray inside the objects of @p volume, whose map @p map is: runs of cells
- * with the same object, to the exit from the last one (Eq. 10). */
+/** Appends to @p out the intervals of @p pixel's ray inside the objects of @p volume, whose map @p map is: runs of
+ * cells with the same object, to the exit from the last one (Eq. 10). */
 conus_status traverse_pierce(struct layers *out, const struct distance_map *map, const struct volume *volume,
                              const struct traverse_ray *ray, uint32_t pixel);
 

@@ -14,7 +14,7 @@ static const uint32_t seen[16] = {2, 2, 0, 0, /* row 0, the device's bottom */
                                   0, 0, 1, 0, /**/
                                   0, 0, 0, 0};
 
-static conus_status look_at_script(struct engine *engine, struct evidence *out, const struct cone *cone)
+static conus_status trace_script(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     (void)engine;
     (void)cone;
@@ -33,7 +33,7 @@ static void destroy_nothing(struct engine *engine)
     (void)engine;
 }
 
-static const struct engine_functions script_functions = {.look = look_at_script, .destroy = destroy_nothing};
+static const struct engine_functions script_functions = {.trace = trace_script, .destroy = destroy_nothing};
 
 struct fixture {
     conus_atlas *atlas;

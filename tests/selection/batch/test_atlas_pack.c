@@ -162,7 +162,7 @@ static void assert_same_answers(const conus_atlas *a, const conus_atlas *b, uint
         struct evidence seen[2];
         for (int i = 0; i < 2; i++) {
             assert_ok(evidence_init(&seen[i], cone.resolution));
-            assert_ok(engines[i]->functions->look(engines[i], &seen[i], &cone));
+            assert_ok(engines[i]->functions->trace(engines[i], &seen[i], &cone));
         }
         assert_memory_equal(seen[0].object, seen[1].object, pixels * sizeof *seen[0].object);
         assert_memory_equal(seen[0].distance, seen[1].distance, pixels * sizeof *seen[0].distance);
