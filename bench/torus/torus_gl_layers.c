@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/torus/torus_scene.h"
+#include "selection/engine/engine.h"
 #include "selection/engine/layers.h"
 #include "tests/support/gl_edge.h"
 

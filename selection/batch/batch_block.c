@@ -3,7 +3,9 @@
 #include "poses/pose_stream.h"
 #include "selection/batch/batch.h"
 #include "selection/report/report_text.h"
+#include "selection/rank.h"
 #include "selection/selection.h"
+#include "selection/selector.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_SELECTION_ENGINE_ENGINE_RAYS_H
 #define CONUS_SELECTION_ENGINE_ENGINE_RAYS_H
 
-#include "selection/engine/evidence.h"
+#include "selection/engine/engine.h"
 #include "selection/engine/traverse.h"
 
 /** engine_rays_create() with @p kernel, which this machine must support. */

@@ -5,6 +5,7 @@
 
 #include "base/buffer.h"
 #include "base/text.h"
+#include "selection/selector.h"
 #include "selection/study/jitter.h"
 #include "selection/study/sweep.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "selection/study/jitter.h"
+#include "selection/selector.h"
 
 #include "base/math3.h"
 #include "base/memory.h"

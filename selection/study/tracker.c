@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/study/tracker.h"
 #include "base/memory.h"
+#include "selection/rank.h"
 #include "selection/selection.h"
+#include "selection/selector.h"
 
 #include <math.h>
 #include <string.h>

@@ -7,7 +7,7 @@
 #include "atlas/phantom/phantom.h"
 #include "base/math3.h"
 #include "bench/peers/peers.h"
-#include "selection/engine/evidence.h"
+#include "selection/engine/engine.h"
 #include "test.h"
 
 enum { PIXELS = PEER_RESOLUTION * PEER_RESOLUTION, ANTERIOR = 1, POSTERIOR = 2, FIRST_ROW = 20, DEGREES = 1 };

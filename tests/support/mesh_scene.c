@@ -4,6 +4,7 @@
 #include "atlas/phantom/phantom_brain.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "selection/engine/engine.h"
 #include "test.h"
 
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "render/gl/context.h"
 #include "scene.h"
-#include "selection/engine/evidence.h"
+#include "selection/engine/engine.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -6,7 +6,7 @@
 #include "loaders/child/mesh_child.h"
 #include "mesh_scene.h"
 #include "scene.h"
-#include "selection/engine/evidence.h"
+#include "selection/engine/engine.h"
 #include "test.h"
 
 #include <glob.h>
