@@ -76,7 +76,7 @@ static conus_status find_first(conus_selection *selection, struct engine *engine
 }
 
 /* All layers, and with a range what is first of what is in it. */
-static conus_status pierce(conus_selection *selection, struct engine *engine)
+static conus_status list_layers(conus_selection *selection, struct engine *engine)
 {
     struct layers *layers = &selection->layers;
     size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
@@ -151,7 +151,7 @@ conus_status selections_trace(conus_selection *const *selections, size_t count, 
             status = engine->functions->trace(engine, &selection->evidence, &selection->cone);
         }
         if (selection && !status && (selection->has_layers || has_range)) {
-            status = pierce(selection, engine);
+            status = list_layers(selection, engine);
         }
         if (selection && !status) {
             evidence_drop_blocked(&selection->evidence);

@@ -35,7 +35,7 @@ static conus_status set_level(conus_selector *selector, const char *spec)
 }
 
 /* Whether the middle of `inner`, by its bounds, lies within those of `outer`. */
-static bool holds(const struct mesh *outer, const struct mesh *inner)
+static bool holds_middle(const struct mesh *outer, const struct mesh *inner)
 {
     for (int axis = 0; axis < 3; axis++) {
         double middle = (inner->shape.low[axis] + inner->shape.high[axis]) / 2;
@@ -55,7 +55,7 @@ static bool lies_in_mesh(const conus_selector *selector, uint32_t number)
     uint32_t at = inner ? atlas->objects[number - 1].parent : 0;
     for (; at; at = atlas->objects[at - 1].parent) {
         const struct mesh *outer = atlas_object_mesh(atlas, at);
-        if (group[at] == group[number] && outer && holds(outer, inner)) {
+        if (group[at] == group[number] && outer && holds_middle(outer, inner)) {
             return true;
         }
     }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Runs a batch: hands blocks of poses to the workers, and writes their answers in order. */
 #include "selection/batch/batch.h"
 #include "selection/report/report_text.h"
 

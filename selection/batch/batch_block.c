@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* A block of poses: read from a stream, and answered by a worker. */
 #include "base/memory.h"
 #include "poses/pose_stream.h"
 #include "selection/batch/batch.h"
-#include "selection/report/report_text.h"
 #include "selection/rank.h"
+#include "selection/report/report_text.h"
 #include "selection/selection.h"
 #include "selection/selector.h"
 
@@ -105,7 +106,7 @@ static conus_status begin_selection(conus_selection **out, struct batch_worker *
                       : fail(CONUS_ERROR_ARGUMENT, "a point, without the direction that a cone needs");
 }
 
-static conus_status answer(struct batch_block *block, struct batch_worker *worker, const struct batch_pose *pose)
+static conus_status answer_pose(struct batch_block *block, struct batch_worker *worker, const struct batch_pose *pose)
 {
     conus_selection *selection = NULL;
     if (pose->is_no_pose) {
@@ -120,7 +121,7 @@ static conus_status answer(struct batch_block *block, struct batch_worker *worke
     return status;
 }
 
-/* Begins the selections of the poses and traces all of them. Those that have none are left to answer(), which says
+/* Begins the selections of the poses and traces all of them. Those that have none are left to answer_pose(), which says
  * why. */
 static conus_status begin_and_trace(struct batch_worker *worker, const struct batch_pose *poses, size_t count)
 {
@@ -134,7 +135,7 @@ static conus_status begin_and_trace(struct batch_worker *worker, const struct ba
     return status ? status : selections_trace(worker->begun, count, worker->selector);
 }
 
-/* answer() for poses number `first` to first + count - 1, of which at_once may be given. */
+/* answer_pose() for poses number `first` to first + count - 1, of which at_once may be given. */
 static conus_status answer_together(struct batch_block *block, struct batch_worker *worker, size_t first, size_t count)
 {
     const struct batch_pose *poses = block->poses + first;
@@ -148,7 +149,7 @@ static conus_status answer_together(struct batch_block *block, struct batch_work
             selection_rank(selection, worker->selector, NULL);
             status = conus_report_add(worker->report, block->strings.data + poses[i].id, selection);
         } else if (!status) {
-            status = answer(block, worker, &poses[i]);
+            status = answer_pose(block, worker, &poses[i]);
         }
         conus_selection_destroy(selection);
         worker->begun[i] = NULL;
@@ -171,7 +172,7 @@ void batch_block_answer(struct batch_block *block, struct batch_worker *worker, 
     for (size_t i = 0, count; i < block->count && !status && !atomic_load_explicit(stop, memory_order_relaxed);
          i += count) {
         count = block->count - i < worker->at_once ? block->count - i : worker->at_once;
-        status = count == 1 ? answer(block, worker, &block->poses[i]) : answer_together(block, worker, i, count);
+        status = count == 1 ? answer_pose(block, worker, &block->poses[i]) : answer_together(block, worker, i, count);
     }
     if (!status) {
         count_aims(worker, block->poses, block->count);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The gl engine: the GPU finds hits and crossings, which become evidence and layers here. */
 #include "selection/engine/engine_rays.h"
 
 #include "base/math3.h"
@@ -448,7 +449,7 @@ static conus_status upload_meshes(struct gl_engine *gl, uint64_t *memory_left)
     return status;
 }
 
-static conus_status fill(struct gl_engine *gl, const struct engine_options *options)
+static conus_status fill_engine(struct gl_engine *gl, const struct engine_options *options)
 {
     gl->volumes = memory_raw(gl->atlas->volume_count, sizeof *gl->volumes);
     if (!gl->volumes) {
@@ -484,7 +485,7 @@ conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, con
     gl->sampling = options->sampling;
     gl->slices = options->slices;
     mesh_intervals_init(&gl->spans, atlas);
-    conus_status status = fill(gl, options);
+    conus_status status = fill_engine(gl, options);
     if (status) {
         destroy(&gl->base);
         return status;

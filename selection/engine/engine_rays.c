@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The rays engine: traces volumes and meshes on the CPU, block by block of pixels. */
 #include "selection/engine/engine_rays.h"
 
 #include "base/math3.h"
@@ -113,7 +114,7 @@ static void block_take(struct block *block, const struct cone *cone, size_t firs
     cone_origin(bundle->origin, cone, 0, 0);
 }
 
-/* Eq. 7: the first of the planes, at depths along the axis, on which a ray meets an object's voxel. */
+/* Eq. 7: the first of the planes, at depths along the axis, on which a ray hits an object's voxel. */
 static struct traverse_contact sample_slices(const struct volume *volume, const struct slices *slices,
                                              const double origin[3], const double direction[3], double per_depth)
 {

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes, clears and ends the evidence. */
 #include "selection/engine/evidence.h"
 
 #include "base/memory.h"

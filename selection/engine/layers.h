@@ -33,7 +33,7 @@ conus_status layers_sort(struct layers *layers, size_t pixels);
  * them so. */
 void layers_clip(struct layers *layers, const struct cone *cone);
 
-/** What each pixel met first, from sorted layers: the visible part of the evidence. */
+/** What each pixel hit first, from sorted layers: the visible part of the evidence. */
 void layers_first(struct evidence *out, const struct layers *layers);
 
 /** Gives every span the object as which its own is reported, by @p group [@p object_count + 1]; spans of a pixel that

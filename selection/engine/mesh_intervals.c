@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Pairs crossings of surfaces: sorts them per ray and object, and makes intervals of them. */
 #include "selection/engine/mesh_intervals.h"
 
 #include "base/math3.h"
@@ -114,7 +115,7 @@ static conus_status make_room(struct mesh_intervals *intervals, size_t pixels)
 }
 
 /* Moves the crossings to `sorted`, pixel by pixel; end[p] becomes one past the last of pixel p. */
-static void deal(struct mesh_intervals *intervals, size_t pixels)
+static void deal_to_pixels(struct mesh_intervals *intervals, size_t pixels)
 {
     size_t *end = intervals->end;
     size_t total = 0;
@@ -315,7 +316,7 @@ static conus_span *last_open(const struct chain *chain)
 }
 
 /* Brackets: an exit ends the last interval that is open, with all that lies in it. */
-static conus_status leave(struct chain *chain, size_t index)
+static conus_status leave_object(struct chain *chain, size_t index)
 {
     const struct crossing *at = &chain->crossings[index];
     conus_span *open = last_open(chain);
@@ -336,8 +337,8 @@ static conus_status find_brackets(struct chain *chain)
         if (is_repeated(chain, i)) {
             continue;
         }
-        status =
-            direction < 0 ? leave(chain, i) : add_piece(chain, crossing, crossing->t, direction ? OPEN : crossing->t);
+        status = direction < 0 ? leave_object(chain, i)
+                               : add_piece(chain, crossing, crossing->t, direction ? OPEN : crossing->t);
     }
     return status;
 }
@@ -396,7 +397,7 @@ conus_status mesh_intervals_pair(struct layers *out, struct mesh_intervals *inte
     size_t pixels = (size_t)cone->resolution * cone->resolution;
     conus_status status = make_room(intervals, pixels);
     if (!status) {
-        deal(intervals, pixels);
+        deal_to_pixels(intervals, pixels);
     }
     for (size_t p = 0, first = 0; p < pixels && !status; first = intervals->end[p++]) {
         sort_pixel(intervals->sorted + first, intervals->end[p] - first);

@@ -31,7 +31,7 @@ struct mesh_intervals {
 void mesh_intervals_init(struct mesh_intervals *out, const conus_atlas *atlas);
 void mesh_intervals_finish(struct mesh_intervals *intervals);
 
-/** Makes room for one more; called by mesh_intervals_add(). */
+/** Reserves capacity for one more; called by mesh_intervals_add(). */
 conus_status mesh_intervals_grow(struct mesh_intervals *intervals);
 
 /** Appends a copy of @p crossing. */
@@ -44,8 +44,8 @@ static inline conus_status mesh_intervals_add(struct mesh_intervals *intervals, 
     return status;
 }
 
-/** Appends the intervals between the crossings of all of the cone's pixels to @p out, and drops the crossings: what was
- * met first of an object is where its first interval begins, to the bit, unless the apex is inside; then that is 0. */
+/** Appends the intervals between the crossings of all of the cone's pixels to @p out, and drops the crossings: the
+ * first hit of an object is where its first interval begins, to the bit, unless the apex is inside; then that is 0. */
 conus_status mesh_intervals_pair(struct layers *out, struct mesh_intervals *intervals, const struct cone *cone);
 
 #endif

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Traces bundles of rays through the meshes with Embree. */
 #include "selection/engine/mesh_embree.h"
 
 #include "base/math3.h"
@@ -93,7 +94,7 @@ static bool is_first(const struct mesh_bundle *bundle, const struct found *found
            (found->object == bundle->object[ray] && found->triangle < bundle->triangle[ray]);
 }
 
-/* Where Embree's ray has to look no farther: behind what the ray has met, and a little more. */
+/* Where Embree's ray has to look no farther: behind what the ray has hit, and a little more. */
 static float reach(const struct walk *walk, size_t ray)
 {
     return (float)(walk->bundle->t[ray] - walk->start + walk->rays->slack);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The exact walk of rays through a volume's cells (Eq. 5), leaping over what is known to be empty.
+ * The exact walk of rays through a volume's cells (Eq. 5), skipping what is known to be empty.
  *
  * A ray is a point and a direction per mm in index space. It crosses the plane between cells b - 1 and b of axis a at
  * t_a(b) = (b - 1/2 - o_a) * (1 / d_a), evaluated as written. All its crossings, sorted by t and then by axis, make the
  * sequence of its cells; so the cell after any crossing is a function of that crossing alone, however it was reached,
- * and a leap to it gives the same bits as stepping there. */
+ * and a skip to it gives the same bits as stepping there. */
 #ifndef CONUS_SELECTION_ENGINE_TRAVERSE_H
 #define CONUS_SELECTION_ENGINE_TRAVERSE_H
 

@@ -220,7 +220,7 @@ static INLINE void settle(struct walk *walk, size_t slot)
     }
 }
 
-/* Lanes that meet an object stop, with their hit set; the others leave the empty box around them. */
+/* Lanes that hit an object stop, with their hit set; the others leave the empty box around them. */
 static INLINE void advance(struct walk *walk, size_t packet)
 {
     size_t slot = packet * LANES;
@@ -263,7 +263,7 @@ static INLINE void advance(struct walk *walk, size_t packet)
     settle(walk, slot);
 }
 
-/* ---- What was met ------------------------------------------------------------------------------------------- */
+/* ---- What was hit ------------------------------------------------------------------------------------------- */
 
 /* A ray's entry into a cell is its last crossing of a face towards it. */
 static INLINE void deliver(const struct walk *walk, size_t slot, halves hit)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The walk of one ray that lists the intervals in all objects of a volume. */
 #include "selection/engine/traverse.h"
 
 /* Ends the interval at t, where the ray comes into a cell of `object`, and begins that one's. */
-static conus_status change(struct layers *out, conus_span *interval, uint32_t object, double t, uint64_t voxel)
+static conus_status change_object(struct layers *out, conus_span *interval, uint32_t object, double t, uint64_t voxel)
 {
     conus_status status = CONUS_OK;
     if (interval->object) {
@@ -27,9 +28,9 @@ conus_status traverse_pierce(struct layers *out, const struct distance_map *map,
         size_t voxel = traverse_voxel(map, &at);
         uint32_t object = code ? 0 : volume_object(volume, voxel);
         if (object != interval.object) {
-            status = change(out, &interval, object, at.t, voxel);
+            status = change_object(out, &interval, object, at.t, voxel);
         }
         inside = traverse_leap(map, ray, code ? code - 1 : 0, &at);
     }
-    return status ? status : change(out, &interval, 0, at.t, 0);
+    return status ? status : change_object(out, &interval, 0, at.t, 0);
 }

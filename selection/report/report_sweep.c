@@ -145,7 +145,7 @@ static void write_shares_row(struct buffer *out, const conus_report *report, con
     buffer_text(out, "\n");
 }
 
-/* Objects that the angle of query `query` brings, or what met nothing. */
+/* Objects that the angle of query `query` brings, or what hit nothing. */
 static void write_new_rows(struct buffer *out, const conus_report *report, const struct shares *shares, size_t query,
                            bool nothing, int width)
 {
@@ -162,7 +162,7 @@ static void write_new_rows(struct buffer *out, const conus_report *report, const
     }
 }
 
-/* Objects in the order in which the angles bring them, what met nothing last. */
+/* Objects in the order in which the angles bring them, what hit nothing last. */
 static void write_shares(struct buffer *out, const conus_report *report, struct block block, int width)
 {
     struct shares shares = {block, memory_zeroed(report->atlas->object_count + 1, sizeof *shares.lines)};

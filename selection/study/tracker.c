@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Follows a device: ranks with a history, and confirms what the trigger selects. */
 #include "selection/study/tracker.h"
 #include "base/memory.h"
 #include "selection/rank.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The planes of slice sampling, on a real atlas and on thin tubes. */
 #include "atlas/phantom/phantom.h"
 #include "base/math3.h"
 #include "selection/engine/engine.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* An atlas in one block of memory answers as the original. */
 #include "atlas/atlas.h"
 #include "base/memory.h"
 #include "mesh_scene.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The distance map against a search of all voxels. */
 #include "base/memory.h"
 #include "selection/engine/distance_map.h"
 #include "test.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Rays through meshes: hits, edges, limits and objects. */
 #include "base/math3.h"
 #include "mesh_scene.h"
 #include "scene.h"

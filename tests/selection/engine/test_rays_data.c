@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The kernels against the plain traversal, on a real atlas. */
 #include "base/math3.h"
 #include "oracle_traversal.h"
 #include "selection/engine/engine_rays.h"
