@@ -2,7 +2,9 @@
 /* conus_select_ball(): what is at a point, and how near is the rest. */
 #include "base/math3.h"
 #include "base/memory.h"
+#include "selection/rank.h"
 #include "selection/selection.h"
+#include "selection/selector.h"
 
 #include <string.h>
 
@@ -54,7 +56,7 @@ static void set_shares(conus_selection *selection)
     }
 }
 
-static conus_status answer(conus_selection *selection, conus_selector *selector)
+static conus_status answer_ball(conus_selection *selection, conus_selector *selector)
 {
     const struct score_view view = {.cone = &selection->cone};
     struct ranking share;
@@ -99,7 +101,7 @@ conus_status conus_select_ball(conus_selection **out, conus_selector *selector, 
     mat4_identity(selection->cone.pose.world_from_device);
     memcpy(selection->cone.pose.world_from_device + 12, center, 3 * sizeof *center);
     region_ball(&selection->region, center, radius);
-    status = answer(selection, selector);
+    status = answer_ball(selection, selector);
     if (status) {
         conus_selection_destroy(selection);
         return status;

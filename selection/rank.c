@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the scores of Eq. 12 look at beside the results: the box around the atlas, what touches the aperture's rim. */
+#include "selection/rank.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "selection/selection.h"
@@ -26,7 +27,7 @@ conus_status selector_prepare_ranking(conus_selector *selector)
         return fail(CONUS_ERROR_ARGUMENT, "score: %s needs all layers", selector->ranking.formula.text);
     }
     if (selector->ranking.needs_box && conus_atlas_bounds(selector->atlas, selector->box[0], selector->box[1])) {
-        memset(selector->box, 0, sizeof selector->box); /* an empty atlas: nothing is met */
+        memset(selector->box, 0, sizeof selector->box); /* an empty atlas: nothing is hit */
     }
     return selector_prepare_border(selector);
 }

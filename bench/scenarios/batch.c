@@ -8,6 +8,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "selection/selection.h"
+#include "selection/selector.h"
 #include "tests/support/oracle_traversal.h"
 
 #include <stdio.h>
@@ -241,7 +242,8 @@ static conus_status make_surfaces(struct scene *scene, const struct bench *bench
     ssize_t length = readlink("/proc/self/exe", program, sizeof program - 32);
     char *slash = length > 0 ? strrchr(program, '/') : NULL;
     if (slash) {
-        snprintf(slash, (size_t)(program + sizeof program - slash), "/../apps/cli/conus-mesh"); /* where the build puts it */
+        snprintf(slash, (size_t)(program + sizeof program - slash),
+                 "/../apps/cli/conus-mesh"); /* where the build puts it */
     }
     if (slash && access(program, X_OK) == 0) {
         setenv("CONUS_MESH", program, 0);

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/torus/torus_scene.h"
+#include "selection/engine/engine.h"
 #include "selection/engine/layers.h"
 #include "tests/support/gl_edge.h"
 
@@ -53,7 +54,7 @@ static void answer_all(void *data)
             status = functions->pierce(way->engine, &way->pieces[i], &way->cones[i]);
             status = status ? status : layers_sort(&way->pieces[i], PIXELS);
         } else {
-            status = functions->look(way->engine, &way->visible, &way->cones[i]);
+            status = functions->trace(way->engine, &way->visible, &way->cones[i]);
         }
         way->status = status ? status : way->status;
     }

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/torus/torus_scene.h"
+#include "selection/engine/engine.h"
 #include "selection/engine/layers.h"
 
 #include <stdio.h>
@@ -51,7 +52,7 @@ static conus_status ask_engine(struct way *way, size_t cone)
 {
     struct layers *pieces = &way->pieces[cone];
     if (!way->layers) {
-        return way->engine->functions->look(way->engine, &way->visible[cone], &way->cones[cone]);
+        return way->engine->functions->trace(way->engine, &way->visible[cone], &way->cones[cone]);
     }
     layers_clear(pieces);
     conus_status status = way->engine->functions->pierce(way->engine, pieces, &way->cones[cone]);

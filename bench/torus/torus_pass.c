@@ -258,7 +258,7 @@ static void destroy(struct engine *engine)
 
 conus_status torus_pass_engine(struct engine **out, struct torus_pass *pass, bool one_by_one)
 {
-    static const struct engine_functions functions = {.look = look, .destroy = destroy};
+    static const struct engine_functions functions = {.trace = look, .destroy = destroy};
     struct pass_engine *engine = memory_zeroed(1, sizeof *engine);
     if (!engine) {
         return CONUS_ERROR_MEMORY;

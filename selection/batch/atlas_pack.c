@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* An atlas as one block of memory: a head, what is small, and from a cache line on what is large. One walk over the
  * atlas says where everything lies, whether the block is measured, written or read. It lies here and not in atlas/
- * because leaps are packed, too. */
+ * because distance maps are packed, too. */
 #include "atlas/atlas.h"
 #include "base/memory.h"
-#include "selection/engine/leap_map.h"
+#include "selection/engine/distance_map.h"
 
 #include <assert.h>
 #include <string.h>
@@ -35,9 +35,9 @@ static_assert(sizeof "conus-atlas " CONUS_VERSION <= sizeof magic, "name and ver
 
 static uint64_t layout_of_structures(void)
 {
-    const size_t sizes[] = {sizeof(struct head),     sizeof(conus_atlas),         sizeof(struct volume),
-                            sizeof(conus_object),    sizeof(struct object_place), sizeof(struct mesh),
-                            sizeof(struct leap_map), sizeof(struct hidden_run)};
+    const size_t sizes[] = {sizeof(struct head),         sizeof(conus_atlas),         sizeof(struct volume),
+                            sizeof(conus_object),        sizeof(struct object_place), sizeof(struct mesh),
+                            sizeof(struct distance_map), sizeof(struct hidden_run)};
     uint64_t layout = 0;
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         layout = 1000003 * layout + sizes[i];
@@ -133,8 +133,8 @@ static void pass_array(struct walk *walk, void *array, size_t count, size_t size
     }
 }
 
-/* Makes room for things that the atlas has by itself, up to the next power of two, as it does. */
-static void *room(struct walk *walk, void *things, size_t count, size_t size)
+/* Reserves memory for things that the atlas has by itself, up to the next power of two, as it does. */
+static void *reserve(struct walk *walk, void *things, size_t count, size_t size)
 {
     size_t capacity = 1;
     if (walk->mode != ATTACH || walk->status) {
@@ -154,14 +154,14 @@ static void *room(struct walk *walk, void *things, size_t count, size_t size)
 
 /* ---- The parts of an atlas --------------------------------------------------------------------------------------- */
 
-static void pass_leaps(struct walk *walk, struct volume *volume, const struct volume *source)
+static void pass_distances(struct walk *walk, struct volume *volume, const struct volume *source)
 {
     bool is_there = pass_whether(walk, walk->mode != ATTACH && volume_is_met(source) ? source : NULL);
-    uint8_t *place = is_there && !walk->status ? pass_place(walk, leap_map_size(volume)) : NULL;
+    uint8_t *place = is_there && !walk->status ? pass_place(walk, distance_map_size(volume)) : NULL;
     if (place && walk->mode == PACK) {
-        walk->status = leap_map_write(place, source);
+        walk->status = distance_map_write(place, source);
     } else if (walk->mode == ATTACH) {
-        volume->leaps = place;
+        volume->distances = place;
     }
 }
 
@@ -186,7 +186,7 @@ static struct volume bare_volume(const struct volume *volume)
     bare.objects32 = NULL;
     bare.values = NULL;
     bare.hidden_runs = NULL;
-    bare.leaps = NULL;
+    bare.distances = NULL;
     bare.is_borrowed = true;
     return bare;
 }
@@ -212,7 +212,7 @@ static void pass_volume(struct walk *walk, struct volume *volume)
     pass_array(walk, &volume->objects32, volume->voxel_count, sizeof *volume->objects32);
     pass_array(walk, &volume->values, volume->voxel_count, sizeof *volume->values);
     pass_array(walk, &volume->hidden_runs, volume->hidden_run_count, sizeof *volume->hidden_runs);
-    pass_leaps(walk, volume, walk->mode == ATTACH ? volume : &source);
+    pass_distances(walk, volume, walk->mode == ATTACH ? volume : &source);
 }
 
 static struct mesh bare_mesh(const struct mesh *mesh)
@@ -258,7 +258,7 @@ static void pass_object(struct walk *walk, conus_object *object, struct object_p
 
 static void pass_shapes(struct walk *walk, conus_atlas *atlas, const conus_atlas *counts)
 {
-    atlas->volumes = room(walk, atlas->volumes, counts->volume_count, sizeof *atlas->volumes);
+    atlas->volumes = reserve(walk, atlas->volumes, counts->volume_count, sizeof *atlas->volumes);
     for (size_t i = 0; i < counts->volume_count && !walk->status; i++) {
         struct volume volume = walk->mode == ATTACH ? (struct volume){0} : atlas->volumes[i];
         pass_volume(walk, &volume);
@@ -267,7 +267,7 @@ static void pass_shapes(struct walk *walk, conus_atlas *atlas, const conus_atlas
             atlas->volume_count = i + 1;
         }
     }
-    atlas->meshes = room(walk, atlas->meshes, counts->mesh_count, sizeof *atlas->meshes);
+    atlas->meshes = reserve(walk, atlas->meshes, counts->mesh_count, sizeof *atlas->meshes);
     for (size_t i = 0; i < counts->mesh_count && !walk->status; i++) {
         struct mesh mesh = walk->mode == ATTACH ? (struct mesh){0} : atlas->meshes[i];
         pass_mesh(walk, &mesh);
@@ -280,8 +280,8 @@ static void pass_shapes(struct walk *walk, conus_atlas *atlas, const conus_atlas
 
 static void pass_objects(struct walk *walk, conus_atlas *atlas, const conus_atlas *counts)
 {
-    atlas->objects = room(walk, atlas->objects, counts->object_count, sizeof *atlas->objects);
-    atlas->places = room(walk, atlas->places, counts->object_count, sizeof *atlas->places);
+    atlas->objects = reserve(walk, atlas->objects, counts->object_count, sizeof *atlas->objects);
+    atlas->places = reserve(walk, atlas->places, counts->object_count, sizeof *atlas->places);
     for (size_t i = 0; i < counts->object_count && !walk->status; i++) {
         conus_object object = walk->mode == ATTACH ? (conus_object){0} : atlas->objects[i];
         pass_object(walk, &object, &atlas->places[i]);
@@ -294,13 +294,13 @@ static void pass_objects(struct walk *walk, conus_atlas *atlas, const conus_atla
 
 static void pass_lists(struct walk *walk, conus_atlas *atlas, const conus_atlas *counts)
 {
-    atlas->files.items = room(walk, atlas->files.items, counts->files.count, sizeof *atlas->files.items);
+    atlas->files.items = reserve(walk, atlas->files.items, counts->files.count, sizeof *atlas->files.items);
     for (size_t i = 0; i < counts->files.count && !walk->status; i++) {
         atlas->files.count = i + 1;
         pass(walk, atlas->files.items[i].sha256, sizeof atlas->files.items[i].sha256);
         pass_text(walk, &atlas->files.items[i].path);
     }
-    atlas->notes.lines = room(walk, atlas->notes.lines, counts->notes.count, sizeof *atlas->notes.lines);
+    atlas->notes.lines = reserve(walk, atlas->notes.lines, counts->notes.count, sizeof *atlas->notes.lines);
     for (size_t i = 0; i < counts->notes.count && !walk->status; i++) {
         atlas->notes.count = i + 1;
         pass_text(walk, &atlas->notes.lines[i]);

@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* A block of poses: read from a stream, and answered by a worker. */
 #include "base/memory.h"
 #include "poses/pose_stream.h"
 #include "selection/batch/batch.h"
+#include "selection/rank.h"
+#include "selection/report/report_text.h"
 #include "selection/selection.h"
+#include "selection/selector.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -92,7 +96,7 @@ static double angle_of(const struct batch_worker *worker, const struct batch_pos
 }
 
 /* A point is asked what is within the cylinders' radius of it. */
-static conus_status look(conus_selection **out, struct batch_worker *worker, const struct batch_pose *pose)
+static conus_status begin_selection(conus_selection **out, struct batch_worker *worker, const struct batch_pose *pose)
 {
     double radius = worker->selector->options.radius;
     if (!pose->is_point) {
@@ -102,13 +106,13 @@ static conus_status look(conus_selection **out, struct batch_worker *worker, con
                       : fail(CONUS_ERROR_ARGUMENT, "a point, without the direction that a cone needs");
 }
 
-static conus_status answer(struct batch_block *block, struct batch_worker *worker, const struct batch_pose *pose)
+static conus_status answer_pose(struct batch_block *block, struct batch_worker *worker, const struct batch_pose *pose)
 {
     conus_selection *selection = NULL;
     if (pose->is_no_pose) {
         return add_error(block, worker->report, pose, block->strings.data + pose->error);
     }
-    conus_status status = look(&selection, worker, pose);
+    conus_status status = begin_selection(&selection, worker, pose);
     if (status == CONUS_ERROR_ARGUMENT) { /* the pose's own fault */
         return add_error(block, worker->report, pose, conus_message());
     }
@@ -117,9 +121,9 @@ static conus_status answer(struct batch_block *block, struct batch_worker *worke
     return status;
 }
 
-/* Begins the selections of the poses and looks at all of them. Those that have none are left to answer(), which says
+/* Begins the selections of the poses and traces all of them. Those that have none are left to answer_pose(), which says
  * why. */
-static conus_status look_together(struct batch_worker *worker, const struct batch_pose *poses, size_t count)
+static conus_status begin_and_trace(struct batch_worker *worker, const struct batch_pose *poses, size_t count)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
@@ -128,14 +132,14 @@ static conus_status look_together(struct batch_worker *worker, const struct batc
             status = status == CONUS_ERROR_ARGUMENT ? CONUS_OK : status;
         }
     }
-    return status ? status : selections_look(worker->begun, count, worker->selector);
+    return status ? status : selections_trace(worker->begun, count, worker->selector);
 }
 
-/* answer() for poses number `first` to first + count - 1, of which at_once may be given. */
+/* answer_pose() for poses number `first` to first + count - 1, of which at_once may be given. */
 static conus_status answer_together(struct batch_block *block, struct batch_worker *worker, size_t first, size_t count)
 {
     const struct batch_pose *poses = block->poses + first;
-    conus_status status = look_together(worker, poses, count);
+    conus_status status = begin_and_trace(worker, poses, count);
     for (size_t i = 0; i < count; i++) {
         conus_selection *selection = worker->begun[i];
         if (selection && !status) {
@@ -145,7 +149,7 @@ static conus_status answer_together(struct batch_block *block, struct batch_work
             selection_rank(selection, worker->selector, NULL);
             status = conus_report_add(worker->report, block->strings.data + poses[i].id, selection);
         } else if (!status) {
-            status = answer(block, worker, &poses[i]);
+            status = answer_pose(block, worker, &poses[i]);
         }
         conus_selection_destroy(selection);
         worker->begun[i] = NULL;
@@ -168,7 +172,7 @@ void batch_block_answer(struct batch_block *block, struct batch_worker *worker, 
     for (size_t i = 0, count; i < block->count && !status && !atomic_load_explicit(stop, memory_order_relaxed);
          i += count) {
         count = block->count - i < worker->at_once ? block->count - i : worker->at_once;
-        status = count == 1 ? answer(block, worker, &block->poses[i]) : answer_together(block, worker, i, count);
+        status = count == 1 ? answer_pose(block, worker, &block->poses[i]) : answer_together(block, worker, i, count);
     }
     if (!status) {
         count_aims(worker, block->poses, block->count);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The threads that answer the blocks of a run, in a ring. */
 #include "base/memory.h"
 #include "selection/batch/batch.h"
 
@@ -69,7 +70,7 @@ static void *work(void *data)
 }
 
 /* Signals are for the program's own threads. */
-static uint32_t start(struct pool *pool, pthread_t *threads, uint32_t wanted)
+static uint32_t start_threads(struct pool *pool, pthread_t *threads, uint32_t wanted)
 {
     sigset_t all;
     sigset_t before;
@@ -120,7 +121,7 @@ conus_status batch_run_threads(struct batch_run *run)
     pthread_mutex_init(&pool.lock, NULL);
     pthread_cond_init(&pool.answered, NULL);
     pthread_cond_init(&pool.freed, NULL);
-    uint32_t count = start(&pool, threads, wanted);
+    uint32_t count = start_threads(&pool, threads, wanted);
     conus_status status = count ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "threads: the system gives none");
     const struct batch_block *last = status ? NULL : deliver(&pool);
     for (uint32_t i = 0; i < count; i++) {

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Which pixels of the buffer are in the cone, with the weight and direction of each. */
 #include "selection/cone/aperture.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The rays of a cone, a pyramid or a cylinder, and the checks of its numbers. */
 #include "selection/cone/cone.h"
 
 #include "base/math3.h"

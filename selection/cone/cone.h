@@ -21,7 +21,7 @@ struct cone {
     double radius;                  /**< Of a cylinder, mm; 0 of a cone.                                        */
     double range[2];                /**< Nearest and farthest depth along the axis, mm; both 0 = everything.   */
     double slope;                   /**< tan(angle / 2), where it is known already, else 0.                    */
-    const bool *wanted;             /**< [n*n] Pixels that are to be looked at; NULL = all.                   */
+    const bool *wanted;             /**< [n*n] Pixels that are to be traced; NULL = all.                   */
     const struct device_rays *rays; /**< Their rays, neighbours one after the other, where they are known; else NULL. */
 };
 

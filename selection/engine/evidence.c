@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes, clears and ends the evidence. */
 #include "selection/engine/evidence.h"
 
 #include "base/memory.h"
@@ -58,12 +59,5 @@ void evidence_drop_blocked(struct evidence *evidence)
         if (evidence->object[i] == VOLUME_BLOCKER) {
             clear_pixel(evidence, i);
         }
-    }
-}
-
-void engine_destroy(struct engine *engine)
-{
-    if (engine) {
-        engine->functions->destroy(engine);
     }
 }

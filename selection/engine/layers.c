@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Collects, sorts, clips and regroups the intervals of all rays. */
 #include "selection/engine/layers.h"
 
 #include "base/memory.h"
@@ -65,7 +66,7 @@ static void sort_pixel(conus_span *spans, size_t count)
 }
 
 /* Moves the spans to out, pixel by pixel; end[p] becomes one past the last of pixel p. */
-static void deal(conus_span *out, size_t *end, const struct layers *layers, size_t pixels)
+static void deal_to_pixels(conus_span *out, size_t *end, const struct layers *layers, size_t pixels)
 {
     size_t total = 0;
     for (size_t i = 0; i < layers->count; i++) {
@@ -90,7 +91,7 @@ conus_status layers_sort(struct layers *layers, size_t pixels)
         memory_free(end);
         return CONUS_ERROR_MEMORY;
     }
-    deal(sorted, end, layers, pixels);
+    deal_to_pixels(sorted, end, layers, pixels);
     for (size_t p = 0, first = 0; p < pixels; first = end[p++]) {
         sort_pixel(sorted + first, end[p] - first);
     }

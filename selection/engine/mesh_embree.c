@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes the scene of the meshes for Embree, and keeps Embree's errors. */
 #include "selection/engine/mesh_embree.h"
 
 #include "base/math3.h"

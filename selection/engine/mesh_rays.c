@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Traces bundles of rays through the meshes with Embree. */
 #include "selection/engine/mesh_embree.h"
 
 #include "base/math3.h"
@@ -44,7 +45,7 @@ struct walk {
     struct mesh_bundle *bundle;
     double start; /* mm from the apex to where Embree's rays begin; negative a little behind it */
 
-    struct mesh_spans *out; /* of collect() */
+    struct mesh_intervals *out; /* of collect() */
     conus_status status;
 };
 
@@ -93,7 +94,7 @@ static bool is_first(const struct mesh_bundle *bundle, const struct found *found
            (found->object == bundle->object[ray] && found->triangle < bundle->triangle[ray]);
 }
 
-/* Where Embree's ray has to look no farther: behind what the ray has met, and a little more. */
+/* Where Embree's ray has to look no farther: behind what the ray has hit, and a little more. */
 static float reach(const struct walk *walk, size_t ray)
 {
     return (float)(walk->bundle->t[ray] - walk->start + walk->rays->slack);
@@ -131,7 +132,7 @@ static void collect(const struct RTCFilterFunctionNArguments *arguments)
             struct found found = found_by(arguments, lane);
             const struct crossing crossing = {
                 .pixel = (uint32_t)found.ray, .object = found.object, .triangle = found.triangle};
-            walk->status = walk->status ? walk->status : mesh_spans_add(walk->out, &crossing);
+            walk->status = walk->status ? walk->status : mesh_intervals_add(walk->out, &crossing);
             arguments->valid[lane] = 0;
         }
     }
@@ -256,7 +257,7 @@ conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, 
 }
 
 /* By Embree's search for any hit, which does not care what is nearest: for all of them there is no need to. */
-conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_spans *out,
+conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_intervals *out,
                               const size_t *pixel)
 {
     _Alignas(64) union number stream[MESH_RAYS_LIMIT][HIT];

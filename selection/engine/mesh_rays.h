@@ -9,7 +9,7 @@
 #define CONUS_SELECTION_ENGINE_MESH_RAYS_H
 
 #include "atlas/surface/mesh.h"
-#include "selection/engine/mesh_spans.h"
+#include "selection/engine/mesh_intervals.h"
 
 /** A surface at its place. */
 struct mesh_object {
@@ -20,7 +20,7 @@ struct mesh_object {
 
 enum { MESH_RAYS_LIMIT = 256 };
 
-/** Rays with one origin, neighbours side by side, and what each has met so far. The caller fills in everything. */
+/** Rays with one origin, neighbours side by side, and what each has hit so far. The caller fills in everything. */
 struct mesh_bundle {
     size_t count;                               /**< At most MESH_RAYS_LIMIT.                       */
     const double *origin;                       /**< [3] in the world.                              */
@@ -41,12 +41,12 @@ void mesh_rays_destroy(struct mesh_rays *rays);
 /** Looks for nearer contacts than those that @p bundle has, @p width rays at once: 1, 4, 8 or 16. */
 conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width);
 
-/** Appends all crossings of all of the bundle's rays with all surfaces to @p out (Eq. 10), whatever the rays have met;
+/** Appends all crossings of all of the bundle's rays with all surfaces to @p out (Eq. 10), whatever the rays have hit;
  * ray k is that of pixel[k]. Leaves t undefined. */
-conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_spans *out,
+conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_intervals *out,
                               const size_t *pixel);
 
-/** The width to take for rays from @p apex that are @p pitch radians apart: 16 as long as neighbours meet the scene
+/** The width to take for rays from @p apex that are @p pitch radians apart: 16 as long as neighbours hit the scene
  * less than a triangle's cell apart, else 1. The cell is the cube root of the scene's volume per triangle. */
 unsigned mesh_rays_width(const struct mesh_rays *rays, const double apex[3], double pitch);
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The kernel of the walk for AVX2. */
 #define LANES 8
 #define KERNEL traverse_walk_avx2
 #include "selection/engine/traverse_lanes.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The kernel of the walk for AVX-512. */
 #define LANES 16
 #define KERNEL traverse_walk_avx512
 #include "selection/engine/traverse_lanes.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The kernel of the walk for any processor. */
 #define LANES 4
 #define KERNEL traverse_walk_plain
 #include "selection/engine/traverse_lanes.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Counts the voxels of each object whose centre is in a region. */
 #include "selection/measure/census.h"
 
 #include "base/math3.h"

@@ -31,7 +31,7 @@ struct census_count {
     double moment[3];      /**< Sums of value times i, j, k.                                                */
 };
 
-/** Counts of all objects, kept between regions, so that a query costs what it meets and not what the atlas has. */
+/** Counts of all objects, kept between regions, so that a query costs what it holds and not what the atlas has. */
 struct census {
     struct census_count *counts; /**< [object_count + 1]; [0]: voxels of the parcellation that are no object's. */
     uint32_t *touched;           /**< Objects with voxels, in ascending order; 0 is not among them.         */
@@ -40,7 +40,7 @@ struct census {
     size_t object_count;
 };
 
-/** Makes room for the objects of @p atlas; a zeroed census is ready for it. */
+/** Reserves capacity for the objects of @p atlas; a zeroed census is ready for it. */
 conus_status census_prepare(struct census *census, const conus_atlas *atlas);
 void census_finish(struct census *census);
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Filters of first order, exact for linear input, for scores that need a history. */
 #include "selection/measure/filter.h"
 
 #include <math.h>

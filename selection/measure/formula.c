@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses the formula of a score into a program for a stack, and evaluates it. */
 #include "selection/measure/formula.h"
 
 #include "base/text.h"
@@ -31,7 +32,7 @@ static void skip_blanks(struct parser *parser)
 }
 
 /* Takes one of the bytes in `wanted`; 0 if another one is next. */
-static char take(struct parser *parser, const char *wanted)
+static char take_mark(struct parser *parser, const char *wanted)
 {
     skip_blanks(parser);
     return *parser->at && strchr(wanted, *parser->at) ? *parser->at++ : '\0';
@@ -135,7 +136,7 @@ static conus_status parse_group(struct parser *parser)
         return fail(CONUS_ERROR_ARGUMENT, "more than %d parentheses inside each other", FORMULA_DEPTH_LIMIT);
     }
     conus_status status = parse_sum(parser);
-    if (!status && !take(parser, ")")) {
+    if (!status && !take_mark(parser, ")")) {
         status = expected(parser, "an operator or ')'");
     }
     parser->depth--;
@@ -145,10 +146,10 @@ static conus_status parse_group(struct parser *parser)
 static conus_status parse_factor(struct parser *parser)
 {
     bool negative = false;
-    while (take(parser, "-")) {
+    while (take_mark(parser, "-")) {
         negative = !negative;
     }
-    conus_status status = take(parser, "(")                             ? parse_group(parser)
+    conus_status status = take_mark(parser, "(")                        ? parse_group(parser)
                           : is_digit(*parser->at) || *parser->at == '.' ? parse_number(parser)
                           : is_name_byte(*parser->at, true)             ? parse_name(parser)
                                                                         : expected(parser, "a number, a name or '('");
@@ -212,7 +213,7 @@ static conus_status parse_product(struct parser *parser)
 {
     conus_status status = parse_factor(parser);
     char sign;
-    while (!status && (sign = take(parser, "*/"))) {
+    while (!status && (sign = take_mark(parser, "*/"))) {
         size_t first = parser->formula->count;
         status = parse_factor(parser);
         if (!status && sign == '/') {
@@ -229,7 +230,7 @@ static conus_status parse_sum(struct parser *parser)
 {
     conus_status status = parse_product(parser);
     char sign;
-    while (!status && (sign = take(parser, "+-"))) {
+    while (!status && (sign = take_mark(parser, "+-"))) {
         status = parse_product(parser);
         if (!status) {
             emit(parser, (struct formula_step){.kind = sign == '+' ? FORMULA_ADD : FORMULA_SUBTRACT});

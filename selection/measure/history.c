@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* What a track keeps of its objects from step to step. */
 #include "selection/measure/history.h"
 
 #include "base/memory.h"

@@ -57,7 +57,7 @@ struct history {
 conus_status history_init(struct history *out, size_t object_count, const struct history_constants *constants);
 void history_finish(struct history *history);
 
-/** Makes room for a step with these objects; otherwise the history stays as it was. */
+/** Reserves capacity for a step with these objects; otherwise the history stays as it was. */
 conus_status history_reserve(struct history *history, const struct history_sample *samples, size_t count);
 
 /** A step at @p time, not before the last one, after history_reserve() for the same samples: the objects in the cone,

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds the nearest point of each object to the centre of a ball. */
 #include "selection/measure/near.h"
 
 #include "atlas/surface/mesh_near.h"

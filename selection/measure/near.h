@@ -17,7 +17,7 @@ struct near {
     size_t object_count;
 };
 
-/** Makes room for the objects of @p atlas. */
+/** Reserves capacity for the objects of @p atlas. */
 conus_status near_prepare(struct near *near, const conus_atlas *atlas);
 void near_finish(struct near *near);
 

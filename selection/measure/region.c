@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The cone or the ball as a region of space, cut row by row. */
 #include "selection/measure/region.h"
 
 #include "base/math3.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of scores, and the ranking by a formula over them. */
 #include "selection/measure/score.h"
 
 #include "base/math3.h"

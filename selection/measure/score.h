@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Rankings of what a cone met (Eq. 12): a table of scores, and formulas over them. */
+/** @file Rankings of what a cone hit (Eq. 12): a table of scores, and formulas over them. */
 #ifndef CONUS_SELECTION_MEASURE_SCORE_H
 #define CONUS_SELECTION_MEASURE_SCORE_H
 
@@ -37,7 +37,7 @@ struct ranking {
 conus_status ranking_parse(struct ranking *out, const char *text);
 
 /** IntenSelect's contribution of one moment, 0 to 1: 1 - atan(d_perp / d_proj^k) / theta for the object's contact, in
- * metres, theta being half the cone's angle; 0 for an object that no pixel met first. In a cylinder, where there is no
+ * metres, theta being half the cone's angle; 0 for an object that no pixel hit first. In a cylinder, where there is no
  * theta, 1 - d_perp / radius. @p exponent is k, in (0, 1]. */
 double score_contribution(const conus_result *result, const struct cone *cone, double exponent);
 

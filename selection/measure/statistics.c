@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Adds up pixels, intervals and voxels per object, and makes results of the sums. */
 #include "selection/measure/statistics.h"
 
 #include "atlas/space.h"
@@ -101,7 +102,7 @@ static uint32_t group_of(const struct gathering *gathering, uint32_t object)
     return gathering->group ? gathering->group[object] : object;
 }
 
-/* ---- What is met first -------------------------------------------------------------------------------------- */
+/* ---- What is hit first -------------------------------------------------------------------------------------- */
 
 void evidence_position(double out[3], const struct evidence *evidence, const struct cone *cone, uint32_t i, uint32_t j)
 {
@@ -116,7 +117,7 @@ void evidence_position(double out[3], const struct evidence *evidence, const str
     vec3_add_scaled(out, out, evidence->distance[pixel], ray);
 }
 
-/* Adds the pixels in the cone from number `first` on, as far as they met the same; gives the number behind them. The
+/* Adds the pixels in the cone from number `first` on, as far as they hit the same; gives the number behind them. The
  * contact is at the smallest r, of equal ones at the nearest (Eq. 11). */
 static size_t add_run(struct tallied *object, const struct aperture *aperture, const struct evidence *evidence,
                       size_t first)
@@ -349,7 +350,7 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
 
 static int by_number(const void *a, const void *b)
 {
-    uint32_t x = *(const uint32_t *)a - 1; /* what met nothing is the last */
+    uint32_t x = *(const uint32_t *)a - 1; /* what hit nothing is the last */
     uint32_t y = *(const uint32_t *)b - 1;
     return (x > y) - (x < y);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file From evidence to one result per object met. */
+/** @file From evidence to one result per object hit. */
 #ifndef CONUS_SELECTION_MEASURE_STATISTICS_H
 #define CONUS_SELECTION_MEASURE_STATISTICS_H
 
@@ -16,16 +16,16 @@ struct statistics {
 
 void statistics_finish(struct statistics *statistics);
 
-/** What is added up per object while pixels and rays come by; of all objects, so that a query costs what it meets and
+/** What is added up per object while pixels and rays come by; of all objects, so that a query costs what it hits and
  * not what the atlas has. A zeroed one is ready for statistics_prepare(). */
 struct tally {
-    struct tallied *objects; /**< [object_count + 1]; number 0 is what met nothing.        */
+    struct tallied *objects; /**< [object_count + 1]; number 0 is what hit nothing.        */
     uint32_t *touched;       /**< [object_count + 1] Numbers of those that are not zeroed, */
     size_t touched_count;    /**< of which there are so many.                              */
     size_t object_count;
 };
 
-/** Makes room for objects up to @p object_count. */
+/** Reserves capacity for objects up to @p object_count. */
 conus_status tally_prepare(struct tally *tally, size_t object_count);
 void tally_finish(struct tally *tally);
 
@@ -43,8 +43,8 @@ struct gathering {
 };
 
 /** Gathers pixels, share (Eq. 4), nearest distance, smallest offset and contact (Eq. 11) of each object that an
- * in-cone pixel met first, and with layers pierced pixels, entry, exit and path length, and what lies in the cone,
- * by the census or, of meshes, by rays (Eq. 10): objects with a voxel there have a result even if no ray meets them. Of
+ * in-cone pixel hit first, and with layers pierced pixels, entry, exit and path length, and what lies in the cone,
+ * by the census or, of meshes, by rays (Eq. 10): objects with a voxel there have a result even if no ray hits them. Of
  * a ball, which has no pixels, distance and contact are those of what is near. @p tally is prepared for the atlas's
  * objects. */
 conus_status statistics_gather(struct statistics *out, const struct gathering *gathering, struct tally *tally);

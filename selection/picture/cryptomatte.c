@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The Cryptomatte channels and manifest of an image of object numbers. */
 #include "selection/picture/cryptomatte.h"
 
 #include "base/buffer.h"
@@ -45,7 +46,7 @@ uint32_t cryptomatte_hash(const char *name)
     return exponent == 0 || exponent == 255 ? hash ^ 1U << 23 : hash;
 }
 
-/* Objects met anywhere in the image, and what each is called there. */
+/* Objects hit anywhere in the image, and what each is called there. */
 struct layer {
     json_t *manifest;  /* {"name": "8 hexadecimal digits"} */
     uint32_t *hash_of; /* [object_count + 1]; 0 = not named yet */

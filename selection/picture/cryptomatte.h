@@ -12,7 +12,7 @@
 uint32_t cryptomatte_hash(const char *name);
 
 /** Adds the layer "CryptoObject" to an image of @p selection's pixels: channels CryptoObject00.R (hash of the object
- * met first, 0 = none), .G (coverage: 1 or 0), .B and .A (no second object), and its attributes with a manifest of the
+ * hit first, 0 = none), .G (coverage: 1 or 0), .B and .A (no second object), and its attributes with a manifest of the
  * objects in the image. Of objects with one name all but the first are called "NAME (LABEL)". */
 conus_status cryptomatte_add(conus_image *image, const conus_selection *selection);
 

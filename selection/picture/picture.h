@@ -25,7 +25,7 @@ struct picture {
  * CONUS_ERROR_UNSUPPORTED where there is no font, and the image has no text. */
 conus_status picture_annotate(conus_image *image, const struct picture *picture);
 
-/** Whether a legend of what is met first lists @p result. */
+/** Whether a legend of what is hit first lists @p result. */
 static inline bool picture_lists(const conus_result *result)
 {
     return !result->object || result->pixels > 0;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Adds the legend and the other annotations to a picture. */
 #include "selection/picture/picture.h"
 
 #include "base/math3.h"

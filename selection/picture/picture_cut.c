@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The picture of cuts through the atlas with the cone in them. */
 #include "selection/picture/picture.h"
 
 #include "base/math3.h"
@@ -21,7 +22,7 @@ static bool is_unit_frame(const double right[3], const double up[3])
            fabs(vec3_dot(right, up)) < slack;
 }
 
-static conus_status check(const conus_cut_view *view)
+static conus_status check_view(const conus_cut_view *view)
 {
     bool default_frame = vec3_length(view->right) == 0 && vec3_length(view->up) == 0;
     if (view->width < 1 || view->height < 1 || view->width > SIDE_LIMIT || view->height > SIDE_LIMIT) {
@@ -122,7 +123,7 @@ void conus_cutter_destroy(conus_cutter *cutter)
 conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view)
 {
     view = options_of(conus_cut_view, view);
-    conus_status status = check(view);
+    conus_status status = check_view(view);
     return status ? status : draw(cutter, view);
 }
 

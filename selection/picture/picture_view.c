@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus_render(): the picture of the atlas from a camera, with the cone in it. */
 #include "selection/picture/picture.h"
 
 #include "base/math3.h"
@@ -95,7 +96,7 @@ static void cone_axis(double out[3], const struct cone *cone)
     vec3_scale(out, cone->pose.world_from_device + 8, -1);
 }
 
-/* To just behind the farthest contact, or through everything where nothing was met. */
+/* To just behind the farthest contact, or through everything where nothing was hit. */
 static double cone_length(const struct picture *picture, const conus_selection *selection)
 {
     const double *apex = selection->cone.pose.world_from_device + 12;

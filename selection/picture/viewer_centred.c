@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus_look_through(): the camera of a viewer before a window. */
 #include "base/math3.h"
 #include "selection/picture/picture.h"
 

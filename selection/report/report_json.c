@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* JSON: the whole report with its provenance, and the sidecars of tables and grids. */
 #include "atlas/grid.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "selection/report/report.h"
+#include "selection/report/report_writers.h"
+#include "selection/study/tracker.h"
 
 #include <jansson.h>
 #include <stdio.h>
@@ -24,7 +26,7 @@ static json_t *json_from_text(const char *text)
     return string;
 }
 
-static bool put(json_t *object, const char *key, json_t *value)
+static bool put_value(json_t *object, const char *key, json_t *value)
 {
     return json_object_set_new(object, key, value) == 0;
 }
@@ -54,12 +56,14 @@ static json_t *json_from_cell(struct cell cell)
     return json_null();
 }
 
-static json_t *json_from_row(const conus_report *report, const struct report_row *row)
+static json_t *json_from_row(const conus_report *report, const struct report_columns *columns,
+                             const struct report_row *row)
 {
     json_t *object = json_object();
     bool whole = true;
-    for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
-        whole = put(object, column->name, json_from_cell(report_cell(report, column, row))) && whole;
+    for (size_t i = 0; i < columns->count; i++) {
+        const struct report_column *column = columns->at[i];
+        whole = put_value(object, column->name, json_from_cell(report_cell(report, column, row))) && whole;
     }
     return whole_or_null(object, whole);
 }
@@ -106,7 +110,7 @@ static json_t *json_from_query(const struct report_query *query)
     json_t *cone = json_pack("{s: o, s: f, s: i, s: o}", "query", json_from_text(query->id), "angle_deg",
                              degrees_from_radians(query->cone.angle), "cone_pixels", (int)query->cone_pixels,
                              "world_from_device_ras", json_from_matrix(query->cone.pose.world_from_device));
-    return whole_or_null(cone, !cone_is_wide(&query->cone) || put(cone, "spread", json_string("even")));
+    return whole_or_null(cone, !cone_is_wide(&query->cone) || put_value(cone, "spread", json_string("even")));
 }
 
 static json_t *json_from_queries(const conus_report *report)
@@ -127,7 +131,7 @@ static json_t *json_from_volume(const conus_volume_info *info)
                                (json_int_t)info->volume, "orientation", info->orientation, "transform", info->transform,
                                "world_from_voxel", json_from_matrix(info->world_from_voxel));
     bool has_none = info->role != CONUS_SCALAR && info->threshold == 0;
-    bool whole = has_none || put(volume, "threshold", json_real(info->threshold));
+    bool whole = has_none || put_value(volume, "threshold", json_real(info->threshold));
     return whole_or_null(volume, whole);
 }
 
@@ -149,7 +153,7 @@ static bool add_hidden(json_t *root, const conus_atlas *atlas)
 {
     struct buffer text = {0};
     atlas_list_hidden(&text, atlas);
-    bool whole = !buffer_status(&text) && (!text.size || put(root, "hidden", json_string(text.data)));
+    bool whole = !buffer_status(&text) && (!text.size || put_value(root, "hidden", json_string(text.data)));
     buffer_finish(&text);
     return whole;
 }
@@ -180,11 +184,11 @@ static bool add_track(json_t *settings, const conus_tracker *tracker)
         return true;
     }
     const conus_tracker_options *options = tracker_options(tracker);
-    return put(settings, "track",
-               json_pack("{s: f, s: f, s: f, s: f, s: f, s: f, s: f, s: f}", "window_s", options->window, "stickiness",
-                         options->stickiness, "snappiness", options->snappiness, "rate_hz", options->rate,
-                         "growth_per_s", options->growth, "decay_per_s", options->decay, "exponent", options->exponent,
-                         "delay_s", options->delay));
+    return put_value(settings, "track",
+                     json_pack("{s: f, s: f, s: f, s: f, s: f, s: f, s: f, s: f}", "window_s", options->window,
+                               "stickiness", options->stickiness, "snappiness", options->snappiness, "rate_hz",
+                               options->rate, "growth_per_s", options->growth, "decay_per_s", options->decay,
+                               "exponent", options->exponent, "delay_s", options->delay));
 }
 
 /* Labels of a list: it may have come from a file that changes. */
@@ -207,15 +211,15 @@ static json_t *json_from_settings(const conus_report *report)
                   options->sampling == CONUS_SLICES ? "slices" : "exact", "resolution", (int)options->resolution,
                   "aperture", options->aperture == CONUS_SQUARE ? "square" : "circle", "score", report->score);
     bool whole = options->sampling != CONUS_SLICES ||
-                 put(settings, "slices", options->slices ? json_integer(options->slices) : json_string("auto"));
-    whole = whole && put(settings, "layers", json_string(options->layers ? "all" : "visible")) &&
-            (options->radius == 0 || put(settings, "radius_mm", json_real(options->radius))) &&
+                 put_value(settings, "slices", options->slices ? json_integer(options->slices) : json_string("auto"));
+    whole = whole && put_value(settings, "layers", json_string(options->layers ? "all" : "visible")) &&
+            (options->radius == 0 || put_value(settings, "radius_mm", json_real(options->radius))) &&
             (options->range[1] == 0 ||
-             put(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1])));
+             put_value(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1])));
     bool tells = options->radius == 0 && (report->is_begun || !report->query_count); /* no query tells it (Eq. 15) */
-    whole = (!tells || put(settings, "spread", json_string("even beyond 120 degrees"))) && whole;
-    whole = (!report->level || put(settings, "level", json_from_text(report->level))) && whole;
-    whole = (!report->level_area_count || put(settings, "level_areas", json_from_level_areas(report))) && whole;
+    whole = (!tells || put_value(settings, "spread", json_string("even beyond 120 degrees"))) && whole;
+    whole = (!report->level || put_value(settings, "level", json_from_text(report->level))) && whole;
+    whole = (!report->level_area_count || put_value(settings, "level_areas", json_from_level_areas(report))) && whole;
     return whole_or_null(settings, whole && add_track(settings, report->options.tracker));
 }
 
@@ -223,22 +227,23 @@ static json_t *json_from_program(const conus_report *report)
 {
     json_t *program = json_pack("{s: s, s: s}", "Name", "conus", "Version", CONUS_VERSION);
     const char *command = report->options.command;
-    return whole_or_null(program, !command || put(program, "CommandLine", json_from_text(command)));
+    return whole_or_null(program, !command || put_value(program, "CommandLine", json_from_text(command)));
 }
 
 /* What rests on what; queries are always in RAS. */
 static bool add_sources(json_t *root, const conus_report *report)
 {
-    return put(root, "GeneratedBy", json_pack("[o]", json_from_program(report))) &&
-           put(root, "Atlas", json_from_atlas(report->atlas)) && put(root, "Settings", json_from_settings(report)) &&
-           (report->is_begun || put(root, "Queries", json_from_queries(report))); /* else they are forgotten */
+    return put_value(root, "GeneratedBy", json_pack("[o]", json_from_program(report))) &&
+           put_value(root, "Atlas", json_from_atlas(report->atlas)) &&
+           put_value(root, "Settings", json_from_settings(report)) &&
+           (report->is_begun || put_value(root, "Queries", json_from_queries(report))); /* else they are forgotten */
 }
 
 /* What both the report and the sidecar say about where the rows come from. */
 static bool add_provenance(json_t *root, const conus_report *report)
 {
     bool lps = report->options.space == CONUS_LPS;
-    return put(root, "Space", json_pack("{s: s, s: s}", "orientation", lps ? "LPS" : "RAS", "units", "mm")) &&
+    return put_value(root, "Space", json_pack("{s: s, s: s}", "orientation", lps ? "LPS" : "RAS", "units", "mm")) &&
            add_sources(root, report);
 }
 
@@ -247,13 +252,15 @@ conus_status report_write_json(struct buffer *out, const conus_report *report)
     json_t *root = json_object();
     json_t *rows = json_array();
     bool whole = true;
+    struct report_columns columns;
+    report_list_columns(&columns, report);
     for (size_t i = 0; i < report->row_count; i++) {
         whole = (!report_is_shown(report, i) ||
-                 json_array_append_new(rows, json_from_row(report, &report->rows[i])) == 0) &&
+                 json_array_append_new(rows, json_from_row(report, &columns, &report->rows[i])) == 0) &&
                 whole;
     }
     whole = add_provenance(root, report) && whole;
-    whole = put(root, "Rows", rows) && whole;
+    whole = put_value(root, "Rows", rows) && whole;
     return dump(out, whole_or_null(root, whole), JSON_INDENT(1) | digits(report));
 }
 
@@ -262,10 +269,13 @@ conus_status report_write_sidecar(struct buffer *out, const conus_report *report
     json_t *root = json_object();
     bool whole = true;
     bool has_columns = report->options.format <= CONUS_NDJSON || report->options.format == CONUS_BIDS;
-    for (const struct report_column *column = NULL; has_columns && (column = report_next_column(report, column));) {
+    struct report_columns columns;
+    report_list_columns(&columns, report);
+    for (size_t i = 0; has_columns && i < columns.count; i++) {
+        const struct report_column *column = columns.at[i];
         json_t *entry = json_pack("{s: s}", "Description", column->description);
-        whole = (!column->units || put(entry, "Units", json_string(column->units))) && whole;
-        whole = put(root, column->name, entry) && whole;
+        whole = (!column->units || put_value(entry, "Units", json_string(column->units))) && whole;
+        whole = put_value(root, column->name, entry) && whole;
     }
     whole = add_provenance(root, report) && whole;
     return dump(out, whole_or_null(root, whole), JSON_INDENT(1) | digits(report));
@@ -279,7 +289,7 @@ static json_t *json_from_labels(const conus_atlas *atlas)
     for (size_t i = 0; i < atlas->area_count; i++) {
         char label[16];
         snprintf(label, sizeof label, "%u", atlas->objects[i].label);
-        whole = (atlas->places[i].is_mesh || put(labels, label, json_from_text(atlas->objects[i].name))) && whole;
+        whole = (atlas->places[i].is_mesh || put_value(labels, label, json_from_text(atlas->objects[i].name))) && whole;
     }
     return whole_or_null(labels, whole);
 }
@@ -308,10 +318,11 @@ conus_status report_write_grid_sidecar(struct buffer *out, const conus_report *r
 {
     json_t *root = json_object();
     bool mask = !grid->labels && grid->view.number != CONUS_FLOAT32;
-    bool whole = put(root, "Description", json_string(grid->view.description)) &&
-                 (!mask || put(root, "Type", json_string("ROI"))) && put(root, "Manual", json_false()) &&
-                 put(root, "Sources", json_from_paths(report->atlas)) &&
-                 put(root, "Voxels", json_integer(voxels_in(grid))) &&
-                 (!grid->labels || put(root, "Labels", json_from_labels(report->atlas))) && add_sources(root, report);
+    bool whole = put_value(root, "Description", json_string(grid->view.description)) &&
+                 (!mask || put_value(root, "Type", json_string("ROI"))) && put_value(root, "Manual", json_false()) &&
+                 put_value(root, "Sources", json_from_paths(report->atlas)) &&
+                 put_value(root, "Voxels", json_integer(voxels_in(grid))) &&
+                 (!grid->labels || put_value(root, "Labels", json_from_labels(report->atlas))) &&
+                 add_sources(root, report);
     return dump(out, whole_or_null(root, whole), JSON_INDENT(1));
 }

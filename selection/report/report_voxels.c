@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of the voxels that an answer holds. */
 #include "base/math3.h"
 #include "base/memory.h"
-#include "selection/report/report.h"
+#include "selection/report/report_writers.h"
 
 #include <stdlib.h>
 
 /* A voxel that is listed. */
-struct met {
+struct listed_voxel {
     uint32_t object;
     uint64_t voxel;
     double distance;
@@ -14,8 +15,8 @@ struct met {
 
 static int by_voxel(const void *a, const void *b)
 {
-    const struct met *x = a;
-    const struct met *y = b;
+    const struct listed_voxel *x = a;
+    const struct listed_voxel *y = b;
     if (x->object != y->object) {
         return x->object > y->object ? 1 : -1;
     }
@@ -27,8 +28,8 @@ static int by_voxel(const void *a, const void *b)
 
 static int by_distance(const void *a, const void *b)
 {
-    const struct met *x = a;
-    const struct met *y = b;
+    const struct listed_voxel *x = a;
+    const struct listed_voxel *y = b;
     return x->distance != y->distance ? (x->distance > y->distance ? 1 : -1) : by_voxel(a, b);
 }
 
@@ -38,7 +39,7 @@ static bool is_listed(const conus_report *report, uint32_t number)
     return object && (object->kind == CONUS_PATHWAY || report->options.all_voxels);
 }
 
-static size_t collect(struct met *met, const conus_report *report, const conus_selection *selection)
+static size_t collect_hits(struct listed_voxel *hits, const conus_report *report, const conus_selection *selection)
 {
     const struct evidence *evidence = &selection->evidence;
     size_t pixels = (size_t)evidence->resolution * evidence->resolution;
@@ -46,39 +47,39 @@ static size_t collect(struct met *met, const conus_report *report, const conus_s
     for (size_t i = 0; i < pixels; i++) {
         uint32_t number = selection_own_object(selection, i);
         if (selection->in_cone[i] && is_listed(report, number) && atlas_object_volume(report->atlas, number)) {
-            met[count++] = (struct met){number, evidence->voxel[i], evidence->distance[i]};
+            hits[count++] = (struct listed_voxel){number, evidence->voxel[i], evidence->distance[i]};
         }
     }
     return count;
 }
 
 /* Keeps each voxel once, with its smallest distance, nearest voxel first. */
-static size_t unique(struct met *met, size_t count)
+static size_t keep_unique(struct listed_voxel *hits, size_t count)
 {
     size_t kept = 0;
-    qsort(met, count, sizeof *met, by_voxel);
+    qsort(hits, count, sizeof *hits, by_voxel);
     for (size_t i = 0; i < count; i++) {
-        if (!kept || met[kept - 1].object != met[i].object || met[kept - 1].voxel != met[i].voxel) {
-            met[kept++] = met[i];
+        if (!kept || hits[kept - 1].object != hits[i].object || hits[kept - 1].voxel != hits[i].voxel) {
+            hits[kept++] = hits[i];
         }
     }
-    qsort(met, kept, sizeof *met, by_distance);
+    qsort(hits, kept, sizeof *hits, by_distance);
     return kept;
 }
 
-static void write_voxel(conus_report *report, const struct met *met)
+static void write_voxel(conus_report *report, const struct listed_voxel *voxel)
 {
-    const conus_object *object = conus_atlas_object(report->atlas, met->object);
-    const struct volume *volume = atlas_object_volume(report->atlas, met->object);
+    const conus_object *object = conus_atlas_object(report->atlas, voxel->object);
+    const struct volume *volume = atlas_object_volume(report->atlas, voxel->object);
     const size_t *dim = volume->info.dim;
-    const size_t at[3] = {met->voxel % dim[0], met->voxel / dim[0] % dim[1], met->voxel / dim[0] / dim[1]};
+    const size_t at[3] = {voxel->voxel % dim[0], voxel->voxel / dim[0] % dim[1], voxel->voxel / dim[0] / dim[1]};
     double point[3] = {(double)at[0], (double)at[1], (double)at[2]};
     mat4_point(point, volume->info.world_from_voxel, point);
     report_point(report, point);
     const char *query = report->queries[report->query_count - 1].id;
     buffer_format(&report->voxels, "%s\t%s\t%zu\t%zu\t%zu", query, object->name, at[0], at[1], at[2]);
-    double value = volume->values ? (double)volume->values[met->voxel] : object->label;
-    const double numbers[] = {point[0], point[1], point[2], value, met->distance};
+    double value = volume->values ? (double)volume->values[voxel->voxel] : object->label;
+    const double numbers[] = {point[0], point[1], point[2], value, voxel->distance};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         buffer_text(&report->voxels, "\t");
         buffer_number(&report->voxels, numbers[i]);
@@ -86,18 +87,18 @@ static void write_voxel(conus_report *report, const struct met *met)
     buffer_format(&report->voxels, "\t%s\t%u\n", report_kind(object->kind), object->label);
 }
 
-static conus_status add_first_met(conus_report *report, const conus_selection *selection)
+static conus_status add_first_hits(conus_report *report, const conus_selection *selection)
 {
     size_t pixels = (size_t)selection->evidence.resolution * selection->evidence.resolution;
-    struct met *met = memory_raw(pixels, sizeof *met);
-    if (!met) {
+    struct listed_voxel *hits = memory_raw(pixels, sizeof *hits);
+    if (!hits) {
         return CONUS_ERROR_MEMORY;
     }
-    size_t count = unique(met, collect(met, report, selection));
+    size_t count = keep_unique(hits, collect_hits(hits, report, selection));
     for (size_t i = 0; i < count; i++) {
-        write_voxel(report, &met[i]);
+        write_voxel(report, &hits[i]);
     }
-    memory_free(met);
+    memory_free(hits);
     return CONUS_OK;
 }
 
@@ -105,8 +106,8 @@ static conus_status add_first_met(conus_report *report, const conus_selection *s
 
 struct listing {
     const conus_report *report;
-    const double *from; /* distances are from here */
-    struct met *met;    /* NULL: only count them   */
+    const double *from;        /* distances are from here */
+    struct listed_voxel *hits; /* NULL: only count them   */
     size_t count;
 };
 
@@ -119,11 +120,11 @@ static void list_row(void *user, const struct volume *volume, const size_t at[3]
         if (!is_listed(listing->report, object)) {
             continue;
         }
-        if (listing->met) {
+        if (listing->hits) {
             double p[3] = {(double)(at[0] + i), (double)at[1], (double)at[2]};
             mat4_point(p, volume->info.world_from_voxel, p);
             vec3_sub(p, p, listing->from);
-            listing->met[listing->count] = (struct met){object, first + i, vec3_length(p)};
+            listing->hits[listing->count] = (struct listed_voxel){object, first + i, vec3_length(p)};
         }
         listing->count++;
     }
@@ -144,22 +145,22 @@ static conus_status add_all(conus_report *report, const conus_selection *selecti
 {
     struct listing listing = {.report = report, .from = selection->region.origin};
     list_voxels(&listing, selection);
-    listing.met = memory_raw(listing.count, sizeof *listing.met);
-    if (!listing.met) {
+    listing.hits = memory_raw(listing.count, sizeof *listing.hits);
+    if (!listing.hits) {
         return CONUS_ERROR_MEMORY;
     }
     list_voxels(&listing, selection);
-    qsort(listing.met, listing.count, sizeof *listing.met, by_distance);
+    qsort(listing.hits, listing.count, sizeof *listing.hits, by_distance);
     for (size_t i = 0; i < listing.count; i++) {
-        write_voxel(report, &listing.met[i]);
+        write_voxel(report, &listing.hits[i]);
     }
-    memory_free(listing.met);
+    memory_free(listing.hits);
     return CONUS_OK;
 }
 
 conus_status report_add_voxels(conus_report *report, const conus_selection *selection)
 {
     bool all = selection->has_layers || selection->region.shape == REGION_BALL;
-    conus_status status = all ? add_all(report, selection) : add_first_met(report, selection);
+    conus_status status = all ? add_all(report, selection) : add_first_hits(report, selection);
     return status ? status : buffer_status(&report->voxels);
 }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The narrowest cone that holds some of an object: over its voxels, or over its surface. */
 #include "selection/study/admission.h"
 
 #include "base/math3.h"

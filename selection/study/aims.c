@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Where cones begin, and whether they can hold anything of the atlas. */
 #include "selection/study/aims.h"
 
 #include "base/math3.h"
 #include "base/memory.h"
 #include "selection/selection.h"
+#include "selection/selector.h"
 
 #include <string.h>
 
@@ -13,7 +15,7 @@ static const double margin = 1e-9;
 /* Poses whose coordinates are all within this of 0 may be in metres. */
 static const double tiny_mm = 1;
 
-/* Whether the ray along the device's axis meets the box, grown by `more`. */
+/* Whether the ray along the device's axis hits the box, grown by `more`. */
 static bool axis_meets(const double m[16], const double low[3], const double high[3], double more)
 {
     double from = 0;
@@ -123,7 +125,7 @@ static bool is_in_bounds(const struct mesh_shape *shape, const double point[3])
     return inside;
 }
 
-/* Whether the point is in the box around a closed surface: in few it is, and only then a ray tells more. */
+/* Whether the point is in the box around a closed surface: in few it is, and only then a ray says more. */
 static bool may_be_enclosed(const conus_atlas *atlas, const double point[3])
 {
     bool found = false;

@@ -11,7 +11,7 @@ void aims_init(struct conus_aims *out, const conus_selector *selector);
 /** Adds what @p from has found to @p aims. */
 void aims_merge(conus_astray *aims, const conus_astray *from);
 
-/** Whether the cone or cylinder surely meets nothing of the box from @p low to @p high. A pyramid or prism counts as
+/** Whether the cone or cylinder surely hits nothing of the box from @p low to @p high. A pyramid or prism counts as
  * the cone or cylinder around it. */
 bool aims_past(const struct cone *cone, const double low[3], const double high[3]);
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Answers many poses around one, and estimates the probability of each object. */
 #include "selection/study/jitter.h"
+#include "selection/selector.h"
 
 #include "base/math3.h"
 #include "base/memory.h"
@@ -126,7 +128,7 @@ void jitter_pose(conus_pose *out, const conus_pose *pose, const conus_jitter_opt
 
 /* ---- Counting ---- */
 
-/* What the samples say of one object; of number 0, of what met nothing. */
+/* What the samples say of one object; of number 0, of what hit nothing. */
 struct count {
     uint32_t hits[JITTER_SETS];
     uint32_t seen, inside;
@@ -142,8 +144,8 @@ static void add_result(struct count *counts, const conus_result *result)
     count->square += result->share * result->share;
 }
 
-/* The best-ranked object that any pixel meets, 0 if none. */
-static uint32_t best(const conus_selection *selection)
+/* The best-ranked object that any pixel hits, 0 if none. */
+static uint32_t best_object(const conus_selection *selection)
 {
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
@@ -154,7 +156,8 @@ static uint32_t best(const conus_selection *selection)
     return 0;
 }
 
-static conus_status look(struct count *counts, conus_selector *selector, const conus_jitter *jitter, uint32_t index)
+static conus_status answer_sample(struct count *counts, conus_selector *selector, const conus_jitter *jitter,
+                                  uint32_t index)
 {
     conus_pose pose;
     conus_selection *selection = NULL;
@@ -168,16 +171,16 @@ static conus_status look(struct count *counts, conus_selector *selector, const c
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         add_result(counts, conus_selection_result(selection, i));
     }
-    counts[best(selection)].hits[index / (jitter->options.samples / JITTER_SETS)]++;
+    counts[best_object(selection)].hits[index / (jitter->options.samples / JITTER_SETS)]++;
     conus_selection_destroy(selection);
     return CONUS_OK;
 }
 
-static conus_status look_around(struct count *counts, conus_selector *selector, const conus_jitter *jitter)
+static conus_status answer_samples(struct count *counts, conus_selector *selector, const conus_jitter *jitter)
 {
     conus_status status = CONUS_OK;
     for (uint32_t i = 0; !status && i < jitter->options.samples; i++) {
-        status = look(counts, selector, jitter, i);
+        status = answer_sample(counts, selector, jitter, i);
     }
     return status;
 }
@@ -185,7 +188,7 @@ static conus_status look_around(struct count *counts, conus_selector *selector, 
 /* ---- Rows ---- */
 
 /* Mean over the sets, and its standard error were they independent; they complement each other, so it is less. */
-static void estimate(double out[2], const uint32_t hits[JITTER_SETS], double per_set)
+static void estimate_probability(double out[2], const uint32_t hits[JITTER_SETS], double per_set)
 {
     double sum = 0;
     double square = 0;
@@ -206,7 +209,7 @@ static conus_chance describe(const struct count *count, const conus_selector *se
     const conus_object *object = conus_atlas_object(selector->atlas, number);
     conus_chance row = {.kind = object ? object->kind : CONUS_UNASSIGNED, .object = number};
     double hit[2];
-    estimate(hit, count->hits, samples / (double)JITTER_SETS);
+    estimate_probability(hit, count->hits, samples / (double)JITTER_SETS);
     row.hit = hit[0];
     row.hit_error = hit[1];
     row.seen = count->seen / (double)samples;
@@ -259,7 +262,7 @@ static conus_status fill_rows(conus_jitter *jitter, const struct count *counts, 
 
 /* ---- */
 
-static conus_status check(const conus_jitter_options *options)
+static conus_status check_options(const conus_jitter_options *options)
 {
     if (!(options->tilt >= 0 && options->tilt <= MATH3_PI / 2)) {
         return fail(CONUS_ERROR_ARGUMENT, "jitter: a tilt of %g degrees, allowed is 0 to 90",
@@ -279,7 +282,7 @@ static conus_status check(const conus_jitter_options *options)
 static conus_status build(conus_jitter *jitter, conus_selector *selector)
 {
     struct count *counts = memory_zeroed(selector->atlas->object_count + 1, sizeof *counts);
-    conus_status status = counts ? look_around(counts, selector, jitter) : CONUS_ERROR_MEMORY;
+    conus_status status = counts ? answer_samples(counts, selector, jitter) : CONUS_ERROR_MEMORY;
     status = status ? status : fill_rows(jitter, counts, selector);
     memory_free(counts);
     return status;
@@ -295,7 +298,7 @@ conus_status conus_jitter_create(conus_jitter **out, conus_selector *selector, c
                         .radius = selector->options.radius,
                         .range = {selector->options.range[0], selector->options.range[1]}};
     filled.samples = filled.samples ? filled.samples : DEFAULT_SAMPLES;
-    conus_status status = check(&filled);
+    conus_status status = check_options(&filled);
     status = status ? status : conus_pose_from_matrix(&cone.pose, pose->world_from_device);
     status = status ? status : cone_check(&cone);
     if (status) {

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds the angle at which each object is admitted, and sorts the objects by it. */
 #include "selection/study/sweep.h"
 
 #include "base/math3.h"
 #include "base/memory.h"
+#include "selection/selector.h"
 #include "selection/study/admission.h"
 
 #include <stdlib.h>
@@ -10,7 +12,7 @@
 /* Of the cone that is searched, so that the next object beyond the widest is found. */
 static const double WIDEST = MATH3_PI * (1 - 1e-9);
 
-static conus_status check(const conus_selector *selector)
+static conus_status check_selector(const conus_selector *selector)
 {
     if (selector->options.radius > 0) {
         return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, but a cylinder has no angle to sweep",
@@ -118,7 +120,7 @@ conus_status conus_sweep_create(conus_sweep **out, const conus_selector *selecto
     const conus_selector_options *options = &selector->options;
     struct cone cone = {
         .angle = widest, .resolution = options->resolution, .range = {options->range[0], options->range[1]}};
-    conus_status status = check(selector);
+    conus_status status = check_selector(selector);
     status = status ? status : conus_pose_from_matrix(&cone.pose, pose->world_from_device);
     status = status ? status : cone_check(&cone);
     if (status) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "gl_pair.h"
 
+#include "selection/engine/engine.h"
 #include "test.h"
 
 static int messages;

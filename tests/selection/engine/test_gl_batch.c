@@ -226,11 +226,11 @@ static void many_looks_are_what_they_are_alone(void **state)
         out[i] = &together[i];
         assert_ok(evidence_init(&together[i], EDGE));
     }
-    assert_ok(pair.gl->functions->look_many(pair.gl, out, in, LOOKS));
+    assert_ok(pair.gl->functions->trace_many(pair.gl, out, in, LOOKS));
     for (int i = 0; i < LOOKS; i++) {
         struct evidence alone;
         assert_ok(evidence_init(&alone, EDGE));
-        assert_ok(pair.gl->functions->look(pair.gl, &alone, &cones[i]));
+        assert_ok(pair.gl->functions->trace(pair.gl, &alone, &cones[i]));
         assert_same_evidence(&together[i], &alone);
         for (size_t pixel = 0; pixel < (size_t)EDGE * EDGE; pixel++) {
             hits += alone.object[pixel] != 0;
@@ -253,7 +253,7 @@ static void compare_wanted(uint64_t *random, const conus_atlas *atlas)
         struct evidence all, some;
         assert_ok(evidence_init(&all, cone.resolution));
         assert_ok(evidence_init(&some, cone.resolution));
-        assert_ok(pair.gl->functions->look(pair.gl, &all, &cone));
+        assert_ok(pair.gl->functions->trace(pair.gl, &all, &cone));
         for (size_t i = 0; i < (size_t)cone.resolution * cone.resolution; i++) {
             wanted[i] = round && test_random(random, 0, 1) < 0.5; /* or none */
             if (!wanted[i]) {
@@ -263,7 +263,7 @@ static void compare_wanted(uint64_t *random, const conus_atlas *atlas)
             }
         }
         cone.wanted = wanted;
-        assert_ok(pair.gl->functions->look(pair.gl, &some, &cone));
+        assert_ok(pair.gl->functions->trace(pair.gl, &some, &cone));
         assert_same_evidence(&some, &all);
         evidence_finish(&all);
         evidence_finish(&some);

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "render/gl/context.h"
 #include "scene.h"
-#include "selection/engine/evidence.h"
+#include "selection/engine/engine.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -68,8 +68,8 @@ static size_t assert_same_look(struct engine *gl, struct engine *rays, const str
     assert_ok(evidence_init(&got, cone->resolution));
     assert_ok(evidence_init(&wanted, cone->resolution));
     memset(got.object, 0xff, pixels * sizeof *got.object);
-    assert_ok(gl->functions->look(gl, &got, cone));
-    assert_ok(rays->functions->look(rays, &wanted, cone));
+    assert_ok(gl->functions->trace(gl, &got, cone));
+    assert_ok(rays->functions->trace(rays, &wanted, cone));
     assert_int_equal(count_different(&got, &wanted), 0);
     for (size_t i = 0; i < pixels; i++) {
         hits += wanted.object[i] != 0;
@@ -195,7 +195,7 @@ static void distances_are_those_of_the_closed_form(void **state)
     for (int c = 0; c < 3; c++) {
         struct evidence evidence;
         assert_ok(evidence_init(&evidence, cones[c].resolution));
-        assert_ok(gl->functions->look(gl, &evidence, &cones[c]));
+        assert_ok(gl->functions->trace(gl, &evidence, &cones[c]));
         for (uint32_t p = 0; p < cones[c].resolution * cones[c].resolution; p++) {
             double ray[3];
             cone_ray(ray, &cones[c], p % cones[c].resolution, p / cones[c].resolution);
@@ -251,7 +251,7 @@ static size_t count_blocked(struct engine *engine, const struct cone *cone)
     struct evidence evidence;
     size_t blocked = 0;
     assert_ok(evidence_init(&evidence, cone->resolution));
-    assert_ok(engine->functions->look(engine, &evidence, cone));
+    assert_ok(engine->functions->trace(engine, &evidence, cone));
     for (size_t i = 0; i < (size_t)cone->resolution * cone->resolution; i++) {
         blocked += evidence.object[i] == VOLUME_BLOCKER;
     }
@@ -329,7 +329,7 @@ static conus_status create_look_destroy(void *atlas)
     conus_status status = evidence_init(&evidence, cone.resolution);
     if (!status) {
         status = engine_gl_create(&engine, atlas, &options);
-        status = status ? status : engine->functions->look(engine, &evidence, &cone);
+        status = status ? status : engine->functions->trace(engine, &evidence, &cone);
         engine_destroy(engine);
         evidence_finish(&evidence);
     }

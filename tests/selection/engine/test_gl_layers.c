@@ -58,8 +58,8 @@ static size_t assert_same_look(struct gl_pair *pair, const struct cone *cone)
     size_t hits = 0;
     assert_ok(evidence_init(&got, cone->resolution));
     assert_ok(evidence_init(&wanted, cone->resolution));
-    assert_ok(pair->gl->functions->look(pair->gl, &got, cone));
-    assert_ok(pair->rays->functions->look(pair->rays, &wanted, cone));
+    assert_ok(pair->gl->functions->trace(pair->gl, &got, cone));
+    assert_ok(pair->rays->functions->trace(pair->rays, &wanted, cone));
     assert_memory_equal(got.object, wanted.object, pixels * sizeof *got.object);
     assert_memory_equal(got.distance, wanted.distance, pixels * sizeof *got.distance);
     assert_memory_equal(got.voxel, wanted.voxel, pixels * sizeof *got.voxel);

@@ -6,7 +6,7 @@
 #include "loaders/child/mesh_child.h"
 #include "mesh_scene.h"
 #include "scene.h"
-#include "selection/engine/evidence.h"
+#include "selection/engine/engine.h"
 #include "test.h"
 
 #include <glob.h>
@@ -69,8 +69,8 @@ static void compare(struct pair *pair, const struct cone *cone)
     struct evidence got, wanted;
     assert_ok(evidence_init(&got, cone->resolution));
     assert_ok(evidence_init(&wanted, cone->resolution));
-    assert_ok(pair->engines.gl->functions->look(pair->engines.gl, &got, cone));
-    assert_ok(pair->engines.rays->functions->look(pair->engines.rays, &wanted, cone));
+    assert_ok(pair->engines.gl->functions->trace(pair->engines.gl, &got, cone));
+    assert_ok(pair->engines.rays->functions->trace(pair->engines.rays, &wanted, cone));
     for (size_t pixel = 0; pixel < (size_t)cone->resolution * cone->resolution; pixel++) {
         compare_pixel(pair, cone, &got, &wanted, pixel);
     }
@@ -295,7 +295,7 @@ static void more_meshes_than_16_bits_hold(void **state)
     assert_agreement(&pair, 0.2);
     struct evidence evidence;
     assert_ok(evidence_init(&evidence, 128));
-    assert_ok(pair.engines.gl->functions->look(pair.engines.gl, &evidence, &cone));
+    assert_ok(pair.engines.gl->functions->trace(pair.engines.gl, &evidence, &cone));
     size_t large = 0;
     for (size_t i = 0; i < (size_t)128 * 128; i++) {
         large += evidence.object[i] > UINT16_MAX;
@@ -321,7 +321,7 @@ static void the_lower_of_equals_wins(void **state)
     compare(&pair, &cone);
     struct evidence evidence;
     assert_ok(evidence_init(&evidence, 16));
-    assert_ok(pair.engines.gl->functions->look(pair.engines.gl, &evidence, &cone));
+    assert_ok(pair.engines.gl->functions->trace(pair.engines.gl, &evidence, &cone));
     for (int i = 0; i < 16 * 16; i++) {
         assert_int_equal(evidence.object[i], 6);
         assert_int_equal(evidence.voxel[i], 0);
@@ -353,7 +353,7 @@ static void nothing_before_the_apex_is_clipped(void **state)
         struct evidence evidence;
         compare(&pair, &cone);
         assert_ok(evidence_init(&evidence, 15));
-        assert_ok(pair.engines.gl->functions->look(pair.engines.gl, &evidence, &cone));
+        assert_ok(pair.engines.gl->functions->trace(pair.engines.gl, &evidence, &cone));
         assert_int_equal(evidence.object[7 * 15 + 7], looks[i].met);
         evidence_finish(&evidence);
     }
@@ -372,7 +372,7 @@ static conus_status create_look_destroy(void *atlas)
     conus_status status = evidence_init(&evidence, cone.resolution);
     if (!status) {
         status = engine_gl_create(&engine, atlas, &options);
-        status = status ? status : engine->functions->look(engine, &evidence, &cone);
+        status = status ? status : engine->functions->trace(engine, &evidence, &cone);
         engine_destroy(engine);
         evidence_finish(&evidence);
     }

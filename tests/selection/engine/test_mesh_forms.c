@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Contacts on meshes of simple forms against closed formulas. */
 #include "base/math3.h"
 #include "mesh_scene.h"
 #include "selection/engine/mesh_rays.h"

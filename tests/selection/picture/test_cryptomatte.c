@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Cryptomatte: hashes, and pixels that lead to names. */
 #include "base/math3.h"
 #include "render/image/image.h"
 #include "scene.h"

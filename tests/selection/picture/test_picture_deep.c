@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Deep images, read back with the OpenEXR library. */
 #include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Images of a selection: evidence, colours and attributes. */
 #include "base/math3.h"
 #include "render/image/image.h"
 #include "scene.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Pictures of the view against golden ones. */
 #include "atlas/phantom/phantom.h"
 #include "base/math3.h"
 #include "golden_picture.h"
