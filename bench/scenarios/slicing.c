@@ -4,6 +4,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "bench/scenarios/slice_polygon.h"
+#include "render/colour/colour_view.h"
 
 struct slicing_vertex {
     float x, y, depth, plane; /* in camera space */

@@ -5,7 +5,7 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "render/image/image.h"
+#include "render/image/image_srgb.h"
 
 #include <float.h>
 #include <math.h>

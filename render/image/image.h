@@ -67,24 +67,4 @@ struct image_rgba {
 };
 struct image_rgba image_rgba(const conus_image *image);
 
-/** The transfer curve of sRGB (IEC 61966-2-1), for values 0 to 1. */
-double srgb_from_linear(double linear);
-double linear_from_srgb(double srgb);
-
-/** R, G, B, A as sRGB bytes, A (1 where there is none) not premultiplied; values are clipped to 0..1.
- * [width * height * 4], the caller's to memory_free(). CONUS_ERROR_ARGUMENT without R, G, B. */
-conus_status image_srgb_bytes(uint8_t **out, const conus_image *image);
-
-/* By format (image_exr.c, image_png.c). Formatting gives bytes that are the caller's to finish. */
-
-/** All channels and attributes, as one scan-line part, ZIP. Matrices are written as m44d, row-major like OpenEXR's. */
-conus_status image_format_exr(struct bytes *out, const conus_image *image);
-/** One scan-line part of FLOAT, UINT and HALF (made float) channels, string and m44 attributes. DWA, and B44 of other
- * than HALF, are CONUS_ERROR_UNSUPPORTED: OpenEXR's C library 3.1.5 lacks the one and decodes the other wrongly. */
-conus_status image_parse_exr(conus_image **out, const uint8_t *data, size_t size);
-/** 8-bit sRGB with opacity: png_rgba, or else image_srgb_bytes(). */
-conus_status image_format_png(struct bytes *out, const conus_image *image);
-/** 1 to 16 bits of any colour type, taken as sRGB whatever gamma or profile it states. */
-conus_status image_parse_png(conus_image **out, const uint8_t *data, size_t size);
-
 #endif

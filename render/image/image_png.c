@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* PNG through libpng, between an image and bytes in memory. libpng reports by longjmp: what a jump may cross lives in
  * struct job, and functions that set the jump have no locals that change. */
-#include "render/image/image.h"
+#include "render/image/image_codecs.h"
 
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "render/image/image_srgb.h"
 
 #include <math.h>
 #include <png.h>
@@ -64,52 +65,6 @@ static conus_status fail_png(const struct job *job)
 }
 
 /* ---- Writing ---- */
-
-/* An sRGB byte is the number of these that a value reaches: the middles between the bytes, in linear light. */
-static void make_steps(float steps[255])
-{
-    for (int i = 0; i < 255; i++) {
-        steps[i] = (float)linear_from_srgb((i + 0.5) / 255);
-    }
-}
-
-static uint8_t byte_from_linear(const float steps[255], float linear)
-{
-    unsigned low = 0;
-    for (unsigned half = 128; half; half /= 2) {
-        low += low + half <= 255 && linear >= steps[low + half - 1] ? half : 0;
-    }
-    return (uint8_t)low;
-}
-
-static uint8_t byte_from_opacity(float opacity)
-{
-    return (uint8_t)(opacity > 0 ? lrintf(255 * fminf(opacity, 1)) : 0);
-}
-
-conus_status image_srgb_bytes(uint8_t **out, const conus_image *image)
-{
-    const struct image_rgba rgba = image_rgba(image);
-    if (!rgba.plane[0] || !rgba.plane[1] || !rgba.plane[2]) {
-        return fail(CONUS_ERROR_ARGUMENT, "a PNG shows the channels R, G and B, this image has not all of them");
-    }
-    size_t count = (size_t)image->width * image->height;
-    uint8_t *bytes = memory_raw(count, 4);
-    if (!bytes) {
-        return CONUS_ERROR_MEMORY;
-    }
-    float steps[255];
-    make_steps(steps);
-    for (size_t i = 0; i < count; i++) {
-        float opacity = rgba.plane[3] ? rgba.plane[3][i] : 1;
-        for (size_t c = 0; c < 3; c++) {
-            bytes[4 * i + c] = opacity > 0 ? byte_from_linear(steps, rgba.plane[c][i] / opacity) : 0;
-        }
-        bytes[4 * i + 3] = byte_from_opacity(opacity);
-    }
-    *out = bytes;
-    return CONUS_OK;
-}
 
 static void write_bytes(png_structp png, png_bytep bytes, size_t size)
 {

@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "render/flat/draw.h"
 #include "render/flat/legend.h"
+#include "render/image/image_srgb.h"
 #include "selection/picture/cryptomatte.h"
 #include "selection/selection.h"
 

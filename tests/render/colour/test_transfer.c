@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/memory.h"
 #include "render/colour/transfer.h"
-#include "render/image/image.h"
+#include "render/image/image_srgb.h"
 #include "test.h"
 
 #include <math.h>

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "exr_oracle.h"
 #include "render/image/deep_image.h"
+#include "render/image/image_codecs.h"
 #include "test.h"
 
 #include <stdio.h>

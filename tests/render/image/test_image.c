@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/buffer.h"
 #include "base/memory.h"
-#include "render/image/image.h"
+#include "render/image/image_codecs.h"
+#include "render/image/image_srgb.h"
 #include "test.h"
 
 #include <math.h>
