@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/peers/peers.h"
+#include "bench/scenarios/picture.h"
 #include "render/colour/colour_view.h"
 #include "render/colour/renderer.h"
 #include "render/gl/target.h"
@@ -121,20 +122,16 @@ static void fill_table(struct scene *scene)
                                              .count = ENTRIES};
 }
 
-static void aim(struct scene *scene, const struct bench_options *options)
+static void aim_camera(struct scene *scene, const struct bench_options *options)
 {
     const struct colour_pass *pass = &scene->renderer->colour;
     uint32_t part = options->check ? CHECK_PART : 1;
     const uint32_t edge = MARGIN / part;
     const struct camera_frame frame = {WIDTH / part, HEIGHT / part, edge, edge, edge, edge};
-    double forward[3];
-    camera_default_forward(forward);
-    camera_frame_points(&scene->camera, (const double *)pass->content, pass->content_count, forward,
-                        radians_from_degrees(30), &frame);
+    picture_aim(&scene->camera, &scene->view, &frame, (const double(*)[3])pass->content, pass->content_count,
+                options->slices);
     scene->pixels = (size_t)frame.width * frame.height;
     scene->opacity_limit = options->check ? OPACITY_LIMIT_CHECK : OPACITY_LIMIT;
-    scene->view = (struct colour_view){
-        .camera = &scene->camera, .width = frame.width, .height = frame.height, .slices = (uint32_t)options->slices};
 }
 
 static conus_status scene_init(struct scene *scene, const struct bench_options *options, const char *transfer)
@@ -147,7 +144,7 @@ static conus_status scene_init(struct scene *scene, const struct bench_options *
     status = status ? status : conus_renderer_create(&scene->renderer, scene->atlas, &renderer);
     if (!status) {
         fill_table(scene);
-        aim(scene, options);
+        aim_camera(scene, options);
         status = gl_context_use(scene->renderer->context, &previous);
     }
     if (!status) {
