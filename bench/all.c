@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Runs every scenario in a child process and collects what the children print. */
 #include "bench/all.h"
 
 #include "bench/report.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Times the variants of a scenario in turn, and keeps runs, ratios and what is left out. */
 #include "bench/bench.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus-bench: the table of scenarios, the command line and the exit code. */
 #include "base/text.h"
 #include "bench/all.h"
 #include "bench/bench.h"

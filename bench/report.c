@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Writes the JSON of conus-bench: machine, settings, and whether each ratio keeps its bound. */
 #include "bench/report.h"
 
 #include "base/buffer.h"

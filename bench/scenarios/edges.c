@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Compares identifiers pixel by pixel and sorts the differences into edges and errors. */
 #include "bench/scenarios/edges.h"
 
 #include "base/math3.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Draws a volume as blended polygons. */
 #include "bench/scenarios/slicing.h"
 
 #include "base/math3.h"

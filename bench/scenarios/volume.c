@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* 256 rays through a labelled volume: plain traversal against the rays engine. */
 #include "bench/bench.h"
 
 #include "base/memory.h"

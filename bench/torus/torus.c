@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Rays through 1,000 to 200,000 tori: how the time grows with the number of objects. */
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/scenarios/look.h"

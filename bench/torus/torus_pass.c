@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Draws the torus scene with OpenGL as the paper does, and creates the engines of one number of tori. */
 #include "bench/torus/torus_pass.h"
 
 #include "base/math3.h"

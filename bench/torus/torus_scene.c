@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Places the tori and aims cones at them. */
 #include "bench/torus/torus_scene.h"
 
 #include "base/math3.h"

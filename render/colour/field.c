@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Computes densities and gradients of areas and of grey values. */
 #include "render/colour/field.h"
 
 #include "base/math3.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The renderer of the public interface: its context, its updates, and pictures off-screen. */
 #include "render/colour/renderer.h"
 
 #include "base/memory.h"

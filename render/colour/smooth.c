@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds the tiles with edges and draws them again with four rays per pixel. */
 #include "render/colour/smooth.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses, copies and samples transfer functions. */
 #include "render/colour/transfer.h"
 
 #include "atlas/atlas.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Creates a cut, draws it, and keeps what it found for the next one. */
 #include "render/flat/cut.h"
 
 #include "base/math3.h"

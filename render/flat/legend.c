@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Lays a legend out in columns and draws it. */
 #include "render/flat/legend.h"
 
 #include "render/flat/draw.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Compiles and links programs, and finds the line of a compile error. */
 #include "render/gl/program.h"
 
 #include "base/buffer.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Draws until all records fit, and reads them back. */
 #include "render/gl/shader_list.h"
 
 #include "base/memory.h"

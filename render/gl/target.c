@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Creates, clears and reads framebuffers. */
 #include "render/gl/target.h"
 
 #include "render/gl/context.h"

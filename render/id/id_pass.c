@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Uploads volumes for the ID pass, runs its compute shader and reads what it found. */
 #include "render/id/id_pass.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Walks meshes and clusters in the order of their distance, batch by batch. */
 #include "render/id/mesh_cull.h"
 
 #include "base/math3.h"

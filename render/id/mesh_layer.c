@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Uploads the meshes of an atlas and draws them for a camera. */
 #include "render/id/mesh_layer.h"
 
 #include "base/math3.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Draws batches of clusters, reads the proposed triangles and settles which is nearest. */
 #include "render/id/mesh_pass.h"
 
 #include "base/math3.h"

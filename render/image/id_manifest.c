@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Encodes ID manifests. */
 #include "render/image/id_manifest.h"
 
 #include "base/buffer.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Projects triangles and measures the distance of a pixel to their edges. */
 #include "gl_edge.h"
 
 #include "base/math3.h"

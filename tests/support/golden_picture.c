@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Compares a picture with a kept one, block by block. */
 #include "golden_picture.h"
 
 #include "test.h"

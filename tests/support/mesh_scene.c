@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Builds meshes, and finds hits by trying every triangle. */
 #include "mesh_scene.h"
 
 #include "atlas/phantom/phantom_brain.h"

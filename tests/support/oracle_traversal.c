@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Amanatides and Woo, one voxel at a time. */
 #include "oracle_traversal.h"
 
 #include "base/math3.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The helpers of test.h: tolerance, failing allocations, paths and random numbers. */
 #include "test.h"
 
 #include <errno.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The scratch folders of test runs stay apart and go at the end. */
 #include "test.h"
 
 #include <stdio.h>

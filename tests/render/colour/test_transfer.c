@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Transfer functions: values between points, files, presets and errors. */
 #include "base/memory.h"
 #include "render/colour/transfer.h"
 #include "render/image/image_srgb.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Shapes, text and legends on images. */
 #include "render/flat/draw.h"
 #include "render/flat/legend.h"
 #include "test.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Lists that shaders append to: they grow, take turns or refuse. */
 #include "base/memory.h"
 #include "render/gl/program.h"
 #include "render/gl/shader_list.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Deep images: OpenEXR's C++ library reads what was written. */
 #include "base/memory.h"
 #include "exr_oracle.h"
 #include "render/image/deep_image.h"

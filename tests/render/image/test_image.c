@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Images, OpenEXR and PNG files, sRGB and comparison. */
 #include "base/buffer.h"
 #include "base/memory.h"
 #include "render/image/image_codecs.h"
