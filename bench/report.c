@@ -73,7 +73,7 @@ double report_load(void)
 }
 
 /* JSON has no NAN. */
-static json_t *number(double value)
+static json_t *json_number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
 }
@@ -146,8 +146,8 @@ json_t *report_settings(const struct bench *bench, double seconds, double load)
                      o->context, "angle_deg", o->angle, "poses", (json_int_t)o->poses, "slices", (json_int_t)o->slices,
                      "repeats", (json_int_t)o->repeats, "seconds_per_measurement", o->seconds, "clock",
                      bench->one_thread ? "CPU time of one thread" : "wall", "driver", bench->driver, "note",
-                     bench->note ? bench->note : "", "took_s", seconds, "load_start", number(load), "load_end",
-                     number(report_load()));
+                     bench->note ? bench->note : "", "took_s", seconds, "load_start", json_number(load), "load_end",
+                     json_number(report_load()));
 }
 
 json_t *report_create(const struct bench *bench, const json_t *scenarios, double load)
@@ -160,10 +160,10 @@ json_t *report_create(const struct bench *bench, const json_t *scenarios, double
     json_t *settings =
         json_pack("{s:b, s:s, s:O}", "check", bench->options.check, "written", when, "scenarios", scenarios);
     return json_pack("{s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:O, s:O, s:o, s:O, s:I}", "version", conus_version(),
-                     "machine", machine, "driver", bench->driver, "versions", versions(), "load_start", number(load),
-                     "load_end", number(report_load()), "settings", settings, "runs", bench->runs, "ratios",
-                     bench->ratios, "holds", held(bench->ratios), "left_out", bench->left_out, "crashed",
-                     (json_int_t)bench->crashed);
+                     "machine", machine, "driver", bench->driver, "versions", versions(), "load_start",
+                     json_number(load), "load_end", json_number(report_load()), "settings", settings, "runs",
+                     bench->runs, "ratios", bench->ratios, "holds", held(bench->ratios), "left_out", bench->left_out,
+                     "crashed", (json_int_t)bench->crashed);
 }
 
 conus_status report_write(const json_t *root, const char *path)

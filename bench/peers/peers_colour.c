@@ -59,7 +59,7 @@ static conus_status draw_ours(struct scene *scene)
     return status;
 }
 
-static void draw(void *data)
+static void draw_picture(void *data)
 {
     struct way *way = data;
     conus_status status = way->peer ? peer_picture_draw(way->peer) : draw_ours(way->scene);
@@ -98,7 +98,7 @@ static void describe(struct bench_variant *out, const struct way *way, const str
     size_t pixels = way->scene->pixels;
     double opacity = rms(way->rgba, ours->rgba, pixels, 3, 3);
     double light = rms(way->rgba, ours->rgba, pixels, 0, 2);
-    *out = (struct bench_variant){.name = way->name, .run = draw, .data = (void *)way};
+    *out = (struct bench_variant){.name = way->name, .run = draw_picture, .data = (void *)way};
     out->equal = opacity <= way->scene->opacity_limit;
     if (way != ours) {
         printf("%s: rms from ours in opacity %.4f (allowed %.2f), in light %.4f of white\n", way->name, opacity,
@@ -219,7 +219,7 @@ static conus_status ratio(struct bench *bench, const char *peer, const char *suf
     return bench_ratio(bench, key, above, below);
 }
 
-static conus_status measure(struct bench *bench, struct way ways[WAYS], const char *suffix)
+static conus_status measure_pictures(struct bench *bench, struct way ways[WAYS], const char *suffix)
 {
     static const char *const peers[WAYS] = {NULL, "vtkgpu", "vtkgpu_shaded", "vtkfixed", "vtkfixed_shaded"};
     struct bench_variant variants[WAYS];
@@ -241,7 +241,7 @@ static conus_status measure(struct bench *bench, struct way ways[WAYS], const ch
 }
 
 /* Everything with one transfer function; `suffix` tells its ratios apart. */
-static conus_status run(struct bench *bench, const char *transfer, const char *suffix)
+static conus_status run_transfer(struct bench *bench, const char *transfer, const char *suffix)
 {
     struct scene scene = {0};
     struct way ways[WAYS] = {
@@ -257,7 +257,7 @@ static conus_status run(struct bench *bench, const char *transfer, const char *s
         snprintf(bench->driver, sizeof bench->driver, "%s; %s", peer_version(), device);
         status = make_ways(bench, &scene, ways, transfer);
     }
-    status = status ? status : measure(bench, ways, suffix);
+    status = status ? status : measure_pictures(bench, ways, suffix);
     for (size_t w = 0; w < WAYS; w++) {
         peer_picture_destroy(ways[w].peer);
         memory_free(ways[w].rgba);
@@ -270,7 +270,7 @@ conus_status bench_peers_colour(struct bench *bench)
 {
     setenv("LP_NUM_THREADS", "0", 0); /* Mesa's llvmpipe stays on this thread, whose time is taken */
     conus_status status = peer_check_display();
-    status = status ? status : run(bench, "brain", "");
-    status = status ? status : run(bench, "surface", "_surface");
+    status = status ? status : run_transfer(bench, "brain", "");
+    status = status ? status : run_transfer(bench, "surface", "_surface");
     return status == CONUS_ERROR_GL ? bench_leave_out(bench, "peers_colour") : status;
 }

@@ -118,7 +118,7 @@ static conus_status measure_angle(struct bench *bench, struct scene *scene, doub
     return status;
 }
 
-static conus_status measure(struct bench *bench, const char *what, const char *path)
+static conus_status measure_volume(struct bench *bench, const char *what, const char *path)
 {
     static const double angles[] = {1, 2, 5, 10, 20, 40};
     struct scene scene;
@@ -137,7 +137,7 @@ conus_status bench_accuracy(struct bench *bench)
     bench->one_thread = true;
     snprintf(tubes, sizeof tubes, "%s/tubes.nii.gz", bench->folder);
     const conus_phantom_options options = {.size = bench->options.check ? 32 : 64};
-    conus_status status = measure(bench, "labels", bench->options.atlas);
+    conus_status status = measure_volume(bench, "labels", bench->options.atlas);
     status = status ? status : conus_phantom_write("tubes", bench->folder, &options);
-    return status ? status : measure(bench, "tubes", tubes);
+    return status ? status : measure_volume(bench, "tubes", tubes);
 }

@@ -86,7 +86,8 @@ static void find_box(struct slice_box *out, const struct colour_pass *pass, cons
 }
 
 /* The polygon of one plane; nothing where it misses the box. */
-static void cut(struct slicing_vertex out[SLICE_CORNERS], const struct slice_box *box, double depth, uint32_t plane)
+static void cut_plane(struct slicing_vertex out[SLICE_CORNERS], const struct slice_box *box, double depth,
+                      uint32_t plane)
 {
     double polygon[SLICE_CORNERS][2];
     bool meets = slice_polygon(polygon, box, depth);
@@ -103,7 +104,7 @@ void slicing_draw(struct slicing *slicing, const struct colour_pass *pass, const
     find_box(&box, pass, view->camera);
     for (uint32_t n = 0; n < slices.count; n++) {
         uint32_t plane = slices.count - 1 - n;
-        cut(slicing->polygons + (size_t)n * SLICE_CORNERS, &box, slices_depth(&slices, plane), plane);
+        cut_plane(slicing->polygons + (size_t)n * SLICE_CORNERS, &box, slices_depth(&slices, plane), plane);
     }
     colour_pass_prepare(pass, view);
     glEnable(GL_BLEND);

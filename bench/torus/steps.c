@@ -39,7 +39,7 @@ struct step_engine {
     unsigned without;
 };
 
-static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+static conus_status trace_with_steps(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     const struct step_engine *own = (struct step_engine *)engine;
     struct pass *pass = own->pass;
@@ -108,7 +108,7 @@ static void destroy_pass(struct pass *pass)
 
 static conus_status scene_init(struct scene *scene, const struct bench_options *options)
 {
-    static const struct engine_functions functions = {.look = look};
+    static const struct engine_functions functions = {.look = trace_with_steps};
     conus_status status = torus_scene_init(&scene->tori, bench_size(options, TORI));
     status = status ? status : torus_scene_atlas(&scene->atlas, &scene->tori);
     status = status ? status : create_pass(&scene->pass, scene->atlas);

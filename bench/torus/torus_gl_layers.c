@@ -75,8 +75,8 @@ static bool is_at_edge(const struct cone *cone, const struct mesh *torus, uint32
     return false;
 }
 
-static conus_status compare(struct comparison *out, const struct way *gl, const struct way *rays,
-                            const conus_atlas *atlas)
+static conus_status compare_engines(struct comparison *out, const struct way *gl, const struct way *rays,
+                                    const conus_atlas *atlas)
 {
     enum { BY_RAYS = 1, BY_GL = 2 };
     uint8_t(*has)[PIXELS] = memory_raw(atlas->mesh_count, sizeof *has);
@@ -146,7 +146,7 @@ static void round_finish(struct round *round)
     torus_scene_finish(&round->scene);
 }
 
-static conus_status measure(struct bench *bench, struct round *round)
+static conus_status measure_layers(struct bench *bench, struct round *round)
 {
     static const char *const names[WAYS] = {"20000 tori, rays engine, visible", "20000 tori, rays engine, all layers",
                                             "20000 tori, gl engine, visible", "20000 tori, gl engine, all layers"};
@@ -157,7 +157,7 @@ static conus_status measure(struct bench *bench, struct round *round)
         variants[w] = (struct bench_variant){.name = names[w], .run = answer_all, .data = &round->ways[w]};
         variants[w].equal = !round->ways[w].status;
     }
-    conus_status status = compare(&comparison, &round->ways[3], &round->ways[1], round->atlas);
+    conus_status status = compare_engines(&comparison, &round->ways[3], &round->ways[1], round->atlas);
     printf("of %zu pairs of a ray and a torus one engine only has %zu at edges and %zu elsewhere\n", comparison.pairs,
            comparison.at_edges, comparison.wrong);
     variants[3].equal = variants[3].equal && !comparison.wrong;
@@ -176,7 +176,7 @@ conus_status bench_gl_layers(struct bench *bench)
     if (!status) {
         bench->one_thread = strstr(round.gl->name, "llvmpipe") != NULL;
         snprintf(bench->driver, sizeof bench->driver, "%.60s; %.60s", round.gl->name, round.rays->name);
-        status = measure(bench, &round);
+        status = measure_layers(bench, &round);
     }
     round_finish(&round);
     return status;

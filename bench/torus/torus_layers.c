@@ -102,7 +102,7 @@ static void corner(double out[3], const struct mesh *mesh, size_t triangle, size
 }
 
 /* Moeller and Trumbore. */
-static bool meets(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3])
+static bool hits_triangle(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3])
 {
     double p[3][3], across[3], from[3], turned[3];
     for (size_t k = 0; k < 3; k++) {
@@ -127,7 +127,7 @@ static bool pierces(const struct mesh *mesh, const double centre[3], const doubl
     bool found = false;
     if (vec3_dot(away, away) - along * along <= 1.01 * TORUS_RADIUS * TORUS_RADIUS) {
         for (size_t i = 0; i < mesh->triangle_count && !found; i++) {
-            found = meets(mesh, i, origin, direction);
+            found = hits_triangle(mesh, i, origin, direction);
         }
     }
     return found;
@@ -218,7 +218,7 @@ static void round_finish(struct round *round)
     torus_scene_finish(&round->scene);
 }
 
-static conus_status check(bool *equal, const struct round *round)
+static conus_status check_layers(bool *equal, const struct round *round)
 {
     struct truth truth = {0};
     size_t firsts = count_other_firsts(&round->ways[1], &round->ways[0]);
@@ -232,7 +232,7 @@ static conus_status check(bool *equal, const struct round *round)
     return status;
 }
 
-static conus_status measure(struct bench *bench, struct round *round)
+static conus_status measure_layers(struct bench *bench, struct round *round)
 {
     static const char *const names[WAYS] = {"20000 tori, rays engine, visible", "20000 tori, rays engine, all layers",
                                             "20000 tori, whole query, visible", "20000 tori, whole query, all layers"};
@@ -243,7 +243,7 @@ static conus_status measure(struct bench *bench, struct round *round)
         variants[w].equal = !round->ways[w].status;
     }
     bool equal;
-    conus_status status = check(&equal, round);
+    conus_status status = check_layers(&equal, round);
     variants[1].equal = variants[1].equal && equal;
     variants[3].equal = variants[3].equal && equal;
     status =
@@ -260,7 +260,7 @@ conus_status bench_layers(struct bench *bench)
     conus_status status = round_init(&round, &bench->options);
     if (!status) {
         snprintf(bench->driver, sizeof bench->driver, "%s", round.engine->name);
-        status = measure(bench, &round);
+        status = measure_layers(bench, &round);
     }
     round_finish(&round);
     return status;

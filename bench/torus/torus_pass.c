@@ -136,7 +136,7 @@ static conus_status make_programs(struct torus_pass *pass)
 }
 
 /* With the context current. */
-static conus_status fill(struct torus_pass *pass, const struct torus_scene *scene)
+static conus_status create_gl_objects(struct torus_pass *pass, const struct torus_scene *scene)
 {
     static const struct target_attachment attachments[] = {
         {"identifier", TARGET_UINT}, {"contact", TARGET_FLOAT4}, {"depth", TARGET_DEPTH}};
@@ -161,7 +161,7 @@ conus_status torus_pass_create(struct torus_pass **out, const struct torus_scene
     conus_status status = gl_context_create(&pass->context, NULL, NULL);
     status = status ? status : gl_context_use(pass->context, &previous);
     if (!status) {
-        status = fill(pass, scene);
+        status = create_gl_objects(pass, scene);
         gl_current_restore(&previous);
     }
     if (status) {
@@ -236,7 +236,7 @@ struct pass_engine {
     bool one_by_one;
 };
 
-static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+static conus_status trace_by_drawing(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     const struct pass_engine *own = (struct pass_engine *)engine;
     struct torus_pass *pass = own->pass;
@@ -259,7 +259,7 @@ static void destroy(struct engine *engine)
 
 conus_status torus_pass_engine(struct engine **out, struct torus_pass *pass, bool one_by_one)
 {
-    static const struct engine_functions functions = {.look = look, .destroy = destroy};
+    static const struct engine_functions functions = {.look = trace_by_drawing, .destroy = destroy};
     struct pass_engine *engine = memory_zeroed(1, sizeof *engine);
     if (!engine) {
         return CONUS_ERROR_MEMORY;

@@ -101,7 +101,7 @@ static double choose_columns(struct layout *layout)
 }
 
 /* False where nothing fits. */
-static bool measure(struct layout *layout)
+static bool measure_layout(struct layout *layout)
 {
     const struct legend *legend = layout->legend;
     double em = layout->em;
@@ -210,7 +210,7 @@ conus_status legend_draw(conus_image *image, struct font *font, const struct leg
     }
     struct layout layout = {.legend = legend, .font = font, .image = image};
     layout.em = legend->size > 0 ? legend->size : legend_size(image);
-    if (!measure(&layout)) {
+    if (!measure_layout(&layout)) {
         return CONUS_OK;
     }
     draw_box(image, &layout.panel, 0.45 * layout.em, PANEL);

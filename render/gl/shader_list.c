@@ -38,7 +38,7 @@ static conus_status make_room(struct shader_list *list, uint32_t room)
 }
 
 /* Waits for the drawing and reads how many records were to be appended, and those that were. */
-static conus_status read(struct shader_list *list, uint32_t *count)
+static conus_status read_list(struct shader_list *list, uint32_t *count)
 {
     uint32_t appended = 0;
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
@@ -53,8 +53,8 @@ static conus_status read(struct shader_list *list, uint32_t *count)
     return status;
 }
 
-static conus_status draw(struct shader_list *list, const struct shader_list_job *job, uint32_t first, uint32_t end,
-                         uint32_t *count)
+static conus_status draw_range(struct shader_list *list, const struct shader_list_job *job, uint32_t first,
+                               uint32_t end, uint32_t *count)
 {
     static const uint32_t header[HEADER_SIZE / sizeof(uint32_t)] = {0};
     conus_status status = list->records ? CONUS_OK : make_room(list, list->room);
@@ -64,7 +64,7 @@ static conus_status draw(struct shader_list *list, const struct shader_list_job 
     glNamedBufferSubData(list->buffer, 0, sizeof header, header);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, job->binding, list->buffer);
     status = job->draw(job->user, first, end);
-    return status ? status : read(list, count);
+    return status ? status : read_list(list, count);
 }
 
 /* More room after `count` records did not fit, with some to spare; or fewer pixels where that is too much. */
@@ -91,7 +91,7 @@ conus_status shader_list_collect(struct shader_list *list, const struct shader_l
     for (uint32_t first = 0; pixels && first < job->pixels && !status;) {
         uint32_t end = job->pixels - first < pixels ? job->pixels : first + pixels;
         uint32_t count = 0;
-        status = draw(list, job, first, end, &count);
+        status = draw_range(list, job, first, end, &count);
         if (!status && count > list->room) {
             pixels = end - first;
             status = adapt(list, count, &pixels);

@@ -137,8 +137,8 @@ void id_pass_destroy(struct id_pass *pass)
 
 /* ---- Volumes ------------------------------------------------------------------------------------------------ */
 
-static conus_status upload(struct id_volume *out, const struct volume *volume, const struct id_leaps *leaps,
-                           conus_sampling sampling, uint64_t *memory_left)
+static conus_status upload_volume(struct id_volume *out, const struct volume *volume, const struct id_leaps *leaps,
+                                  conus_sampling sampling, uint64_t *memory_left)
 {
     struct id_volume made = {0};
     const size_t *dim = volume->info.dim;
@@ -172,7 +172,7 @@ conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volum
         status = need_program(pass, LATER);
     }
     if (!status) {
-        status = upload(&volumes[pass->volume_count], volume, leaps, pass->sampling, memory_left);
+        status = upload_volume(&volumes[pass->volume_count], volume, leaps, pass->sampling, memory_left);
     }
     pass->volume_count += !status;
     return status;

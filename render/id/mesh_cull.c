@@ -90,7 +90,7 @@ static void sink(struct waiting *heap, size_t count, size_t at)
     heap[at] = item;
 }
 
-static void push(struct mesh_cull *cull, struct waiting item)
+static void push_waiting(struct mesh_cull *cull, struct waiting item)
 {
     size_t at = cull->count++;
     for (size_t parent; at > 0 && item.nearest < cull->heap[parent = (at - 1) / 2].nearest; at = parent) {
@@ -99,7 +99,7 @@ static void push(struct mesh_cull *cull, struct waiting item)
     cull->heap[at] = item;
 }
 
-static struct waiting pop(struct mesh_cull *cull)
+static struct waiting pop_nearest(struct mesh_cull *cull)
 {
     struct waiting top = cull->heap[0];
     cull->heap[0] = cull->heap[--cull->count];
@@ -307,7 +307,7 @@ static void push_clusters(struct mesh_cull *cull, uint32_t mesh)
         struct seen ball = see_cluster(cull, (uint32_t)i);
         double nearest = nearest_of(cull, &ball);
         if (is_in_pyramid(cull, &ball) && is_open(cull, &ball, nearest)) {
-            push(cull, (struct waiting){key_of(cull, nearest), (uint32_t)i, 0});
+            push_waiting(cull, (struct waiting){key_of(cull, nearest), (uint32_t)i, 0});
         }
     }
 }
@@ -324,7 +324,7 @@ size_t mesh_cull_batch(const uint32_t **out, struct mesh_cull *cull, size_t tria
     size_t given = 0;
     size_t count = 0;
     while (cull->count && given < triangles) {
-        struct waiting next = pop(cull);
+        struct waiting next = pop_nearest(cull);
         if (next.nearest > cull->farthest) {
             cull->count = 0;
         } else if (next.is_mesh) {

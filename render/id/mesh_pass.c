@@ -141,7 +141,7 @@ static conus_status check_size(const struct clusters *clusters, uint64_t *memory
 }
 
 /* A buffer, and the texture through which shaders see it. */
-static void upload(GLuint *buffer, GLuint *texture, GLenum format, const void *data, size_t size)
+static void upload_buffer(GLuint *buffer, GLuint *texture, GLenum format, const void *data, size_t size)
 {
     glCreateBuffers(1, buffer);
     glNamedBufferStorage(*buffer, (GLsizeiptr)size, data, 0);
@@ -157,10 +157,10 @@ static conus_status upload_triangles(struct mesh_pass *pass, uint64_t *memory_le
     if (status) {
         return status;
     }
-    upload(&pass->position_buffer, &pass->positions, GL_RGB32F, clusters->positions,
-           clusters->vertex_count * 3 * sizeof *clusters->positions);
-    upload(&pass->corner_buffer, &pass->corners, GL_RGB32UI, clusters->corners,
-           clusters->triangle_count * 3 * sizeof *clusters->corners);
+    upload_buffer(&pass->position_buffer, &pass->positions, GL_RGB32F, clusters->positions,
+                  clusters->vertex_count * 3 * sizeof *clusters->positions);
+    upload_buffer(&pass->corner_buffer, &pass->corners, GL_RGB32UI, clusters->corners,
+                  clusters->triangle_count * 3 * sizeof *clusters->corners);
     glCreateBuffers(1, &pass->pixel_buffer);
     glCreateVertexArrays(1, &pass->vertices);
     glVertexArrayVertexBuffer(pass->vertices, 0, pass->position_buffer, 0, 3 * sizeof *clusters->positions);
@@ -386,7 +386,7 @@ static void use_program(const struct mesh_program *program, const struct mesh_vi
 }
 
 /* Draws with the program in use. */
-static void draw(const struct mesh_pass *pass, const uint32_t *batch, size_t count)
+static void draw_batch(const struct mesh_pass *pass, const uint32_t *batch, size_t count)
 {
     target_bind(&pass->target);
     glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
@@ -455,7 +455,7 @@ static conus_status draw_batches(struct mesh_pass *pass, const struct slot *slot
     for (size_t i = 0; i < count; i++) {
         use_program(&pass->first, &slots[i].look->view);
         glUniform1i(pass->first.first_pixel, (GLint)(i * pixel_count(pass)));
-        draw(pass, slots[i].batch, slots[i].count);
+        draw_batch(pass, slots[i].batch, slots[i].count);
     }
     return read_pixels(pass, count);
 }
@@ -524,7 +524,7 @@ static conus_status draw_hits(void *user, uint32_t first, uint32_t end)
     const struct mesh_program *all = &piercing->pass->all;
     use_program(all, piercing->view);
     glUniform2i(all->pixels, (GLint)first, (GLint)end);
-    draw(piercing->pass, piercing->batch, piercing->count);
+    draw_batch(piercing->pass, piercing->batch, piercing->count);
     return gl_check("mesh pass of all layers");
 }
 

@@ -98,7 +98,7 @@ static bool write_png(struct job *job, const uint8_t *rgba, uint32_t width, uint
     return true;
 }
 
-static conus_status format(struct bytes *out, const uint8_t *rgba, uint32_t width, uint32_t height)
+static conus_status format_rows(struct bytes *out, const uint8_t *rgba, uint32_t width, uint32_t height)
 {
     struct job job = {0};
     job.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &job, jump, ignore, &job, allocate, release);
@@ -117,11 +117,11 @@ static conus_status format(struct bytes *out, const uint8_t *rgba, uint32_t widt
 conus_status image_format_png(struct bytes *out, const conus_image *image)
 {
     if (image->png_rgba) {
-        return format(out, image->png_rgba, image->png_width, image->png_height);
+        return format_rows(out, image->png_rgba, image->png_width, image->png_height);
     }
     uint8_t *rgba = NULL;
     conus_status status = image_srgb_bytes(&rgba, image);
-    status = status ? status : format(out, rgba, image->width, image->height);
+    status = status ? status : format_rows(out, rgba, image->width, image->height);
     memory_free(rgba);
     return status;
 }

@@ -26,7 +26,7 @@ static void run_child(int tell, int go)
     exit(made && sent ? 0 : 1);
 }
 
-static struct run start(void)
+static struct run start_run(void)
 {
     int tell[2];
     int go[2];
@@ -44,7 +44,7 @@ static struct run start(void)
     return run;
 }
 
-static void end(const struct run *run)
+static void end_run(const struct run *run)
 {
     int code;
     close(run->go);
@@ -59,16 +59,16 @@ static void a_run_has_a_folder_of_its_own(void **state)
 {
     (void)state;
     char paths[2][256];
-    struct run first = start();
+    struct run first = start_run();
     assert_int_equal(read(first.told, paths[0], sizeof paths[0]), sizeof paths[0]);
     assert_int_equal(access(paths[0], F_OK), 0);
-    struct run second = start();
+    struct run second = start_run();
     assert_int_equal(read(second.told, paths[1], sizeof paths[1]), sizeof paths[1]);
     assert_string_not_equal(paths[0], paths[1]);
-    end(&second);
+    end_run(&second);
     assert_int_equal(access(paths[1], F_OK), -1);
     assert_int_equal(access(paths[0], F_OK), 0);
-    end(&first);
+    end_run(&first);
     assert_int_equal(access(paths[0], F_OK), -1);
 }
 

@@ -60,7 +60,7 @@ static void drawing_destroy(struct drawing *drawing)
     memory_free(drawing);
 }
 
-static conus_status draw(void *user, uint32_t first, uint32_t end)
+static conus_status draw_records(void *user, uint32_t first, uint32_t end)
 {
     struct drawing *drawing = user;
     target_bind(&drawing->target);
@@ -73,7 +73,7 @@ static conus_status draw(void *user, uint32_t first, uint32_t end)
 }
 
 /* Everything comes once, and what one pixel says in its order. */
-static conus_status take(void *user, const void *records, uint32_t count)
+static conus_status take_records(void *user, const void *records, uint32_t count)
 {
     struct drawing *drawing = user;
     const uint32_t(*record)[2] = (const uint32_t(*)[2])records;
@@ -88,8 +88,8 @@ static conus_status take(void *user, const void *records, uint32_t count)
 static struct shader_list_job job_of(struct drawing *drawing)
 {
     return (struct shader_list_job){.binding = BINDING,
-                                    .draw = draw,
-                                    .take = take,
+                                    .draw = draw_records,
+                                    .take = take_records,
                                     .user = drawing,
                                     .pixels = PIXELS,
                                     .per_pixel = drawing->many > 4 ? drawing->many : 4};

@@ -117,7 +117,7 @@ static void many_names(void **state)
     check_random(&seed, 72783, 100);
 }
 
-static conus_status format(void *data)
+static conus_status format_manifest(void *data)
 {
     struct bytes bytes;
     conus_status status = id_manifest_format(&bytes, data, 1);
@@ -140,7 +140,7 @@ static void every_failing_allocation_is_survived(void **state)
         texts[i] = room[i];
     }
     struct id_manifest_group group = {"id", COMPONENTS, 1, ids, COUNT, texts};
-    test_every_allocation(format, &group);
+    test_every_allocation(format_manifest, &group);
 }
 
 int main(void)

@@ -7,7 +7,7 @@
 #include "scene.h"
 #include "test.h"
 
-static void fail_at(const struct cone *cone, const conus_span *got, const conus_span *wanted)
+static void fail_at_interval(const struct cone *cone, const conus_span *got, const conus_span *wanted)
 {
     fail_msg("%u x %u, %g degrees: pixel %u object %u from %.17g to %.17g voxel %llu; wanted %u %u %.17g %.17g %llu",
              cone->resolution, cone->resolution, degrees_from_radians(cone->angle), got->pixel, got->object, got->entry,
@@ -22,7 +22,7 @@ static void assert_same_pieces(struct gl_pair *pair, const struct cone *cone)
     struct layers wanted = gl_pair_pierce(pair->rays, cone);
     for (size_t i = 0; i < got.count && i < wanted.count; i++) {
         if (!gl_pair_same_piece(&got.spans[i], &wanted.spans[i])) {
-            fail_at(cone, &got.spans[i], &wanted.spans[i]);
+            fail_at_interval(cone, &got.spans[i], &wanted.spans[i]);
         }
         pair->counts.blocked += wanted.spans[i].object == VOLUME_BLOCKER;
     }
