@@ -45,7 +45,7 @@ static conus_status trace_with_steps(struct engine *engine, struct evidence *out
     struct pass *pass = own->pass;
     uint32_t n = cone->resolution;
     struct gl_current previous;
-    const struct mesh_look mesh_look = {
+    const struct mesh_query mesh_look = {
         {cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, n, own->without},
         {(const double(*)[3])pass->origins, (const double(*)[3])pass->directions, out->object, out->distance,
          out->voxel}};
@@ -58,7 +58,7 @@ static conus_status trace_with_steps(struct engine *engine, struct evidence *out
         return status;
     }
     evidence_clear(out);
-    status = mesh_pass_look(pass->meshes, &mesh_look, 1);
+    status = mesh_pass_render(pass->meshes, &mesh_look, 1);
     gl_current_restore(&previous);
     return status;
 }

@@ -34,7 +34,7 @@ struct layout {
     size_t shown; /* rows, without the line that counts the others */
     int columns;  /* details shown */
     double name_width, column_width[LEGEND_DETAILS];
-    bool has_headings;
+    bool has_header;
     struct draw_box panel;
 };
 
@@ -50,7 +50,7 @@ static double width_of(const struct layout *layout, double size, const char *tex
 
 static double column_width(const struct layout *layout, int column)
 {
-    double width = width_of(layout, layout->em, layout->legend->heading[column]);
+    double width = width_of(layout, layout->em, layout->legend->header[column]);
     for (size_t i = 0; i < layout->shown; i++) {
         width = fmax(width, width_of(layout, layout->em, layout->legend->rows[i].detail[column]));
     }
@@ -62,7 +62,7 @@ static double head_height(const struct layout *layout)
 {
     double height = layout->legend->title ? TITLE * LINE : 0;
     height += layout->legend->subtitle ? LINE : 0;
-    height += layout->has_headings ? LINE : 0;
+    height += layout->has_header ? LINE : 0;
     return height * layout->em;
 }
 
@@ -106,7 +106,7 @@ static bool measure_layout(struct layout *layout)
     const struct legend *legend = layout->legend;
     double em = layout->em;
     for (int c = 0; c < LEGEND_DETAILS; c++) {
-        layout->has_headings = layout->has_headings || legend->heading[c];
+        layout->has_header = layout->has_header || legend->header[c];
     }
     choose_rows(layout);
     double width = choose_columns(layout) + 2 * PADDING * em;
@@ -163,9 +163,9 @@ static conus_status write_head(const struct layout *layout, double *y)
         *y += LINE * em;
         status = write_text(layout, (double[]){left, *y - BELOW_BASELINE * em}, em, limit, DIM, legend->subtitle);
     }
-    if (!status && layout->has_headings) {
+    if (!status && layout->has_header) {
         *y += LINE * em;
-        status = write_details(layout, *y - BELOW_BASELINE * em, legend->heading, DIM);
+        status = write_details(layout, *y - BELOW_BASELINE * em, legend->header, DIM);
     }
     return status;
 }

@@ -36,7 +36,7 @@ struct id_pass {
     struct id_program programs[KIND_COUNT]; /* made when they are needed for the first time */
     GLuint identifier_buffer, ray_buffer, hit_buffer;
     GLuint identifiers, ray_texels; /* through which shaders see the first two */
-    struct shader_list pieces;      /* of struct id_piece */
+    struct shader_list pieces;      /* of struct id_interval */
     struct id_volume *volumes;
     size_t volume_count;
     size_t looks; /* since id_pass_begin() */
@@ -240,7 +240,7 @@ static void dispatch(const struct id_pass *pass, enum id_kind kind, const struct
     glDispatchCompute((end - first + GROUP - 1) / GROUP, 1, 1);
 }
 
-conus_status id_pass_look(struct id_pass *pass, size_t volume)
+conus_status id_pass_trace(struct id_pass *pass, size_t volume)
 {
     assert(volume < pass->volume_count && pass->ray_count);
     upload_rays(pass);
@@ -290,11 +290,11 @@ static conus_status take_pieces(void *user, const void *records, uint32_t count)
 conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take take, void *user)
 {
     assert(volume < pass->volume_count && pass->ray_count && pass->sampling == CONUS_EXACT);
-    static_assert(sizeof(struct id_piece) == 40, "the shader's Piece");
+    static_assert(sizeof(struct id_interval) == 40, "the shader's Piece");
     struct piercing piercing = {pass, volume, take, user};
     conus_status status = need_program(pass, PIERCE);
     if (!status && !pass->pieces.buffer) {
-        status = shader_list_init(&pass->pieces, sizeof(struct id_piece), FIRST_PIECES);
+        status = shader_list_init(&pass->pieces, sizeof(struct id_interval), FIRST_PIECES);
     }
     if (status) {
         return status;

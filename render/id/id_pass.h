@@ -2,7 +2,7 @@
 /** @file
  * The ID pass: which object each of many rays meets first. The rays are those of the pixels of as many cones as one
  * likes, so a block of cones is one dispatch per volume and one readback. Needs a current context throughout. One look
- * is: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_look(); id_pass_read(). For all layers:
+ * is: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_trace(); id_pass_read(). For all layers:
  * id_pass_begin(); for each volume fill id_pass_rays() and id_pass_pierce(). */
 #ifndef CONUS_RENDER_ID_ID_PASS_H
 #define CONUS_RENDER_ID_ID_PASS_H
@@ -34,7 +34,7 @@ struct id_hit {
 };
 
 /** A piece of a ray: a run of cells that are known by one identifier (Eq. 10). */
-struct id_piece {
+struct id_interval {
     uint32_t ray, identifier;
     double entry, exit; /**< mm along the ray, exact.          */
     uint32_t cell[3];   /**< Indices of its first voxel.       */
@@ -67,13 +67,13 @@ struct id_ray *id_pass_rays(struct id_pass *pass);
 
 /** Looks along the rays at volume number @p volume: its cells (Eq. 5) or, with CONUS_SLICES, on the rays' planes (Eq.
  * 7). What lies nearer stays; of equally near objects the one with the lower identifier. */
-conus_status id_pass_look(struct id_pass *pass, size_t volume);
+conus_status id_pass_trace(struct id_pass *pass, size_t volume);
 
 /** What each ray met, after at least one look; borrowed until the next id_pass_begin(). */
 conus_status id_pass_read(struct id_pass *pass, const struct id_hit **out);
 
 /** Takes @p count pieces in any order, but those of one ray as they lie along it. */
-typedef conus_status (*id_pass_take)(void *user, const struct id_piece *pieces, uint32_t count);
+typedef conus_status (*id_pass_take)(void *user, const struct id_interval *pieces, uint32_t count);
 
 /** Hands to @p take, in portions, all pieces of the rays in volume number @p volume, whatever hides them. Not for
  * CONUS_SLICES. */

@@ -29,7 +29,7 @@ enum { SLOT_LIMIT = 256, SLOT_MEMORY = 1 << 28, PIXEL_MEMORY = 1 << 24 };
 
 /* A look under way. */
 struct slot {
-    const struct mesh_look *look;
+    const struct mesh_query *look;
     struct mesh_cull *cull;
     const uint32_t *batch; /* clusters, borrowed from cull; count 0 = all of the last batch is settled */
     size_t count;
@@ -410,7 +410,7 @@ static void draw_batch(const struct mesh_pass *pass, const uint32_t *batch, size
 
 /* Looks that are still to be begun. */
 struct queue {
-    const struct mesh_look *next, *end;
+    const struct mesh_query *next, *end;
 };
 
 /* Gives the slot its look's next batch, or the first one of the next look; false when there is none. */
@@ -488,7 +488,7 @@ static conus_status take_round(struct mesh_pass *pass, size_t count)
     return status;
 }
 
-conus_status mesh_pass_look(struct mesh_pass *pass, const struct mesh_look *looks, size_t count)
+conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *looks, size_t count)
 {
     struct queue queue = {looks, looks + count};
     conus_status status = count ? resize(pass, looks->view.resolution) : CONUS_OK;

@@ -26,7 +26,7 @@ struct mesh_pixels {
 };
 
 /** One look. */
-struct mesh_look {
+struct mesh_query {
     struct mesh_view view;
     struct mesh_pixels pixels;
 };
@@ -49,7 +49,7 @@ void mesh_pass_destroy(struct mesh_pass *pass);
 
 /** Adds to what the pixels of @p count looks, all of one resolution, have met what they meet of the meshes, if that is
  * nearer. */
-conus_status mesh_pass_look(struct mesh_pass *pass, const struct mesh_look *looks, size_t count);
+conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *looks, size_t count);
 
 /** Hands to @p take every triangle that covers a pixel's centre, whatever hides it (Eq. 10); in the view of a cylinder
  * those behind the device, too. Nothing is settled: where a ray meets a triangle says mesh_distance(). */

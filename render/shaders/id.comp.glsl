@@ -19,7 +19,7 @@ uniform ivec3 first_cell, last_cell;                  // the box of the voxels w
 #endif
 
 #if PIERCE
-struct Piece { // struct id_piece
+struct Piece { // struct id_interval
     uint ray, id;
     double entry, exit;
     uint cell[3];
