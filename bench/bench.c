@@ -193,11 +193,11 @@ conus_status bench_measure(struct bench *bench, const char *scenario, struct ben
                            size_t per, double angle_deg)
 {
     size_t repeats = bench->options.repeats;
-    double *room = memory_raw(3 * count * repeats, sizeof *room);
+    double *scratch = memory_raw(3 * count * repeats, sizeof *scratch);
     struct times *times = memory_zeroed(count, sizeof *times);
-    conus_status status = room && times ? CONUS_OK : CONUS_ERROR_MEMORY;
+    conus_status status = scratch && times ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t v = 0; v < count && !status; v++) {
-        double *own = room + 3 * v * repeats;
+        double *own = scratch + 3 * v * repeats;
         times[v] = (struct times){.cold = own, .warm = own + repeats, .cpu = own + 2 * repeats};
     }
     size_t rounds = status ? 0 : take_rounds(bench, variants, count, times, per);
@@ -205,7 +205,7 @@ conus_status bench_measure(struct bench *bench, const char *scenario, struct ben
         status = add_run(bench, scenario, &variants[v], &times[v], rounds, queries_in(&variants[v], per), angle_deg);
     }
     memory_free(times);
-    memory_free(room);
+    memory_free(scratch);
     return status;
 }
 

@@ -100,22 +100,22 @@ static const struct hold {
 
 enum { HOLD_COUNT = sizeof holds / sizeof holds[0] };
 
-static bool is_met(const struct hold *hold, double value)
+static bool is_kept(const struct hold *hold, double value)
 {
     return hold->at_most ? value <= hold->limit : value >= hold->limit;
 }
 
-/* {key: {at_least or at_most: limit, met: whether}} of the keys that were measured. */
+/* {key: {at_least or at_most: limit, met: bool}} of the keys that were measured. */
 static json_t *held(const json_t *ratios)
 {
     json_t *all = json_object();
     for (size_t i = 0; i < HOLD_COUNT; i++) {
         const json_t *value = json_object_get(ratios, holds[i].key);
         if (value) {
-            bool met = json_is_number(value) && is_met(&holds[i], json_number_value(value));
+            bool kept = json_is_number(value) && is_kept(&holds[i], json_number_value(value));
             json_object_set_new(
                 all, holds[i].key,
-                json_pack("{s:f, s:b}", holds[i].at_most ? "at_most" : "at_least", holds[i].limit, "met", met));
+                json_pack("{s:f, s:b}", holds[i].at_most ? "at_most" : "at_least", holds[i].limit, "met", kept));
         }
     }
     return all;
@@ -131,7 +131,7 @@ void report_print_holds(const json_t *root)
             printf("%-30s not measured     (%s %g)\n", holds[i].key, bound, holds[i].limit);
         } else {
             double x = json_number_value(value);
-            printf("%-30s %10.4g %-8s (%s %g)\n", holds[i].key, x, is_met(&holds[i], x) ? "" : "NOT MET", bound,
+            printf("%-30s %10.4g %-8s (%s %g)\n", holds[i].key, x, is_kept(&holds[i], x) ? "" : "NOT MET", bound,
                    holds[i].limit);
         }
     }

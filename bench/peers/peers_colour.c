@@ -97,13 +97,13 @@ static void describe(struct bench_variant *out, const struct way *way, const str
 {
     size_t pixels = way->scene->pixels;
     double opacity = rms(way->rgba, ours->rgba, pixels, 3, 3);
-    double light = rms(way->rgba, ours->rgba, pixels, 0, 2);
+    double radiance = rms(way->rgba, ours->rgba, pixels, 0, 2);
     *out = (struct bench_variant){.name = way->name, .run = draw_picture, .data = (void *)way};
     out->equal = opacity <= way->scene->opacity_limit;
     if (way != ours) {
         printf("%s: rms from ours in opacity %.4f (allowed %.2f), in light %.4f of white\n", way->name, opacity,
-               way->scene->opacity_limit, light);
-        out->more = json_pack("{s:f, s:f}", "rms_opacity", opacity, "rms_light", light);
+               way->scene->opacity_limit, radiance);
+        out->more = json_pack("{s:f, s:f}", "rms_opacity", opacity, "rms_light", radiance);
     }
 }
 
@@ -240,7 +240,7 @@ static conus_status measure_pictures(struct bench *bench, struct way ways[WAYS],
     return status;
 }
 
-/* Everything with one transfer function; `suffix` tells its ratios apart. */
+/* Everything with one transfer function; `suffix` distinguishes its ratios. */
 static conus_status run_transfer(struct bench *bench, const char *transfer, const char *suffix)
 {
     struct scene scene = {0};

@@ -147,7 +147,7 @@ static void prepare(void *data)
     preparation->status = status ? status : preparation->status;
 }
 
-/* Makes it and tells how long that took: once, by the clock on the wall, since some of it uses all processors. */
+/* Makes it and prints how long that took: once, by the wall clock, since some of it uses all processors. */
 static conus_status make_timed(struct bench *bench, struct scene *scene, const char *what,
                                conus_status (*make)(struct scene *scene))
 {

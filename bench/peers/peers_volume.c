@@ -57,9 +57,9 @@ static void answer_cones(void *data)
     }
 }
 
-/* How many pixels name what the rays meet first. */
+/* How many pixels name the first hit of the rays. */
 struct agreement {
-    size_t met;     /* pixels with an object by either */
+    size_t hits;    /* pixels with an object by either */
     size_t objects; /* of those, with the same one */
     size_t voxels;  /* and the same voxel of it */
 };
@@ -72,7 +72,7 @@ static struct agreement compare_with_rays(const struct way *way)
         const struct peer_contact *contact = &way->contacts[i];
         uint32_t object = rays->object[i % PIXELS];
         if (object || contact->object) {
-            sum.met++;
+            sum.hits++;
             sum.objects += object == contact->object;
             sum.voxels += object == contact->object && rays->voxel[i % PIXELS] == contact->voxel;
         }
@@ -83,11 +83,11 @@ static struct agreement compare_with_rays(const struct way *way)
 static json_t *describe(const struct way *way)
 {
     struct agreement agreement = compare_with_rays(way);
-    double met = agreement.met ? (double)agreement.met : 1;
+    double hits = agreement.hits ? (double)agreement.hits : 1;
     printf("%s: of %zu pixels with an area %.1f %% name the area that the rays meet first, %.1f %% the voxel\n",
-           way->name, agreement.met, 100 * (double)agreement.objects / met, 100 * (double)agreement.voxels / met);
-    return json_pack("{s:f, s:f}", "same_area", (double)agreement.objects / met, "same_voxel",
-                     (double)agreement.voxels / met);
+           way->name, agreement.hits, 100 * (double)agreement.objects / hits, 100 * (double)agreement.voxels / hits);
+    return json_pack("{s:f, s:f}", "same_area", (double)agreement.objects / hits, "same_voxel",
+                     (double)agreement.voxels / hits);
 }
 
 /* ---- Scene ----------------------------------------------------------------------------------------------------- */

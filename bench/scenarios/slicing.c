@@ -90,10 +90,11 @@ static void cut_plane(struct slicing_vertex out[SLICE_CORNERS], const struct sli
                       uint32_t plane)
 {
     double polygon[SLICE_CORNERS][2];
-    bool meets = slice_polygon(polygon, box, depth);
+    bool is_cut = slice_polygon(polygon, box, depth);
     for (size_t i = 0; i < SLICE_CORNERS; i++) {
-        out[i] = meets ? (struct slicing_vertex){(float)polygon[i][0], (float)polygon[i][1], (float)depth, (float)plane}
-                       : (struct slicing_vertex){0};
+        out[i] = is_cut
+                     ? (struct slicing_vertex){(float)polygon[i][0], (float)polygon[i][1], (float)depth, (float)plane}
+                     : (struct slicing_vertex){0};
     }
 }
 

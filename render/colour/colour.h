@@ -88,7 +88,7 @@ conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atla
  * and before the picture's framebuffer is bound. */
 conus_status colour_pass_begin(const struct colour_pass *pass, const struct colour_view *view);
 
-/** Draws into the framebuffer that is bound (RGBA float, linear light times opacity). */
+/** Draws into the framebuffer that is bound (RGBA float, linear radiance times opacity). */
 conus_status colour_pass_draw(const struct colour_pass *pass, const struct colour_view *view);
 
 /** Does everything for drawing @p view but draw, and binds it. */

@@ -168,7 +168,7 @@ static void blur_axis(uint8_t *out, const uint8_t *in, const size_t dim[3], int 
     }
 }
 
-/* Blurs `density` in all three directions; `other` is room for as much. */
+/* Blurs `density` in all three directions; `other` is scratch memory of the same size. */
 static void blur(uint8_t *density, uint8_t *other, const struct field *field)
 {
     blur_axis(other, density, field->dim, 0);

@@ -10,7 +10,7 @@
 
 enum { TILE = COLOUR_TILE, RAYS = 4 };
 
-#define THRESHOLD 0.05F /* of white, linear light times opacity */
+#define THRESHOLD 0.05F /* of white, linear radiance times opacity */
 
 struct tile {
     uint16_t x, y; /* of its first pixel */

@@ -47,7 +47,7 @@ conus_status transfer_window(double *low, double *high, const struct volume *vol
 /** The values over which @p transfer changes, for @p volume: from its first to its last point. high > low, always. */
 conus_status transfer_span(double *low, double *high, const struct transfer *transfer, const struct volume *volume);
 
-/** Fills @p count entries, evenly spaced over the span from first to last point, with linear-light R, G, B and the
+/** Fills @p count entries, evenly spaced over the span from first to last point, with linear R, G, B and the
  * extinction per mm, -log2(1 - opacity); an opacity of 1 is taken as 1 - 2^-24. */
 void transfer_table(float *rgbe, size_t count, const struct transfer *transfer);
 

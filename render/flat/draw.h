@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * Anti-aliased shapes laid over an image's R, G, B, A. Coordinates are pixels from the image's top left corner, y down:
- * the first pixel covers 0..1. Colours are linear light and opacity, not premultiplied. What lies outside is cut off;
- * an image without R, G, B, A is left alone. */
+ * the first pixel covers 0..1. Colours are linear radiance and opacity, not premultiplied. What lies outside is cut
+ * off; an image without R, G, B, A is left alone. */
 #ifndef CONUS_RENDER_FLAT_DRAW_H
 #define CONUS_RENDER_FLAT_DRAW_H
 

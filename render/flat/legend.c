@@ -68,8 +68,8 @@ static double head_height(const struct layout *layout)
 
 static void choose_rows(struct layout *layout)
 {
-    double room = layout->image->height - 2 * (MARGIN + PADDING) * layout->em - head_height(layout);
-    size_t fitting = room > 0 ? (size_t)(room / (LINE * layout->em)) : 0;
+    double space = layout->image->height - 2 * (MARGIN + PADDING) * layout->em - head_height(layout);
+    size_t fitting = space > 0 ? (size_t)(space / (LINE * layout->em)) : 0;
     size_t count = layout->legend->count;
     layout->shown = count <= fitting ? count : fitting > 0 ? fitting - 1 : 0;
 }
@@ -87,17 +87,17 @@ static double choose_columns(struct layout *layout)
         layout->name_width = fmax(layout->name_width, width_of(layout, em, layout->legend->rows[i].name));
     }
     double widest = layout->legend->widest > 0 ? layout->legend->widest : WIDEST;
-    double room = widest * layout->image->width - (MARGIN + 2 * PADDING + CHIP + CHIP_GAP) * em;
+    double space = widest * layout->image->width - (MARGIN + 2 * PADDING + CHIP + CHIP_GAP) * em;
     double shortest = fmin(layout->name_width, SHORTEST_NAME * em);
     layout->columns = LEGEND_DETAILS;
-    while (layout->columns > 0 && room - details < shortest) {
+    while (layout->columns > 0 && space - details < shortest) {
         details -= layout->column_width[--layout->columns];
     }
-    layout->name_width = fmin(layout->name_width, room - details);
+    layout->name_width = fmin(layout->name_width, space - details);
     double width = (CHIP + CHIP_GAP) * em + layout->name_width + details;
     width = fmax(width, width_of(layout, TITLE * em, layout->legend->title));
     width = fmax(width, width_of(layout, em, layout->legend->subtitle));
-    return fmin(width, room + (CHIP + CHIP_GAP) * em);
+    return fmin(width, space + (CHIP + CHIP_GAP) * em);
 }
 
 /* False where nothing fits. */

@@ -26,7 +26,7 @@ static void append_text(struct buffer *out, const struct program_source *source,
                   PART_PASS * PART_LINES + 1, shader->text);
 }
 
-/* The first line of a log that tells of an error, else the first line. */
+/* The first line of a log with an error, else the first line. */
 static struct text worst_line(const char *log)
 {
     struct text rest = text_from(log);

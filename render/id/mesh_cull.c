@@ -11,7 +11,7 @@
 /* Distances are compared with what they may be off by, of their size. */
 #define ROUNDING 1e-9
 
-/* The buffer is looked at in at most so many tiles a side. */
+/* The buffer is divided into at most so many tiles a side. */
 enum { TILE_LIMIT = 16, MESH = 1 };
 
 /* What waits: a mesh, or a cluster of one that was taken apart. */
@@ -36,9 +36,9 @@ struct mesh_cull {
     double side[TILE_LIMIT];               /* of tiles of one pixel: how far to the side their rays are at depth 1 */
     double reach[TILE_LIMIT * TILE_LIMIT]; /* how far any of a tile's rays can get */
     double farthest;                       /* of them all */
-    struct waiting *heap;                  /* a binary heap, nearest on top; room for every mesh and cluster */
+    struct waiting *heap;                  /* a binary heap, nearest on top; [meshes + clusters] */
     size_t count;
-    uint32_t *batch; /* room for every cluster */
+    uint32_t *batch; /* [clusters] */
 };
 
 conus_status mesh_cull_create(struct mesh_cull **out, const struct clusters *clusters)
@@ -234,7 +234,7 @@ static bool is_open(const struct mesh_cull *cull, const struct seen *ball, doubl
     return false;
 }
 
-/* ---- A look --------------------------------------------------------------------------------------------------- */
+/* ---- A query --------------------------------------------------------------------------------------------------- */
 
 static void gather_meshes(struct mesh_cull *cull)
 {

@@ -22,7 +22,7 @@ static void put_u32(uint8_t *out, uint32_t value)
 
 /* ---- Chunks ---- */
 
-/* Rooms for one row: as it is, filtered, and packed. */
+/* Buffers for one row: as it is, filtered, and packed. */
 struct row {
     uint8_t *plain, *filtered;
     struct packed {

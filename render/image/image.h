@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * A picture: named channels of float or uint32, top row first, and text or matrix attributes for its header.
- * Where it has the channels R, G, B and A, they are linear light with the primaries of sRGB, and R, G, B are
+ * Where it has the channels R, G, B and A, they are linear radiance with the primaries of sRGB, and R, G, B are
  * premultiplied by A (as OpenEXR has it), so that src + (1 - A) dst lays one over the other. */
 #ifndef CONUS_RENDER_IMAGE_IMAGE_H
 #define CONUS_RENDER_IMAGE_IMAGE_H

@@ -154,7 +154,7 @@ static bool read_head(struct job *job)
         return false;
     }
     png_set_user_limits(job->png, IMAGE_MAX_SIDE, IMAGE_MAX_SIDE);
-    png_set_keep_unknown_chunks(job->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1); /* else libpng makes room as they claim */
+    png_set_keep_unknown_chunks(job->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1); /* else libpng allocates what they claim */
     png_set_read_fn(job->png, job, read_bytes);
     png_read_info(job->png, job->info);
     uint64_t unpacked = (uint64_t)png_get_rowbytes(job->png, job->info) * png_get_image_height(job->png, job->info);
@@ -176,7 +176,7 @@ static bool read_picture(struct job *job)
     return true;
 }
 
-static conus_status make_room(struct job *job)
+static conus_status allocate_rows(struct job *job)
 {
     uint32_t width = png_get_image_width(job->png, job->info);
     uint32_t height = png_get_image_height(job->png, job->info);
@@ -228,7 +228,7 @@ static conus_status read_png(struct job *job)
     if (!job->info || !read_head(job)) {
         return fail_png(job);
     }
-    conus_status status = make_room(job);
+    conus_status status = allocate_rows(job);
     if (status) {
         return status;
     }

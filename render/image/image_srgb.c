@@ -16,7 +16,7 @@ double linear_from_srgb(double srgb)
     return srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4);
 }
 
-/* An sRGB byte is the number of these that a value reaches: the middles between the bytes, in linear light. */
+/* An sRGB byte is the number of these that a value reaches: the middles between the bytes, in linear radiance. */
 static void make_steps(float steps[255])
 {
     for (int i = 0; i < 255; i++) {

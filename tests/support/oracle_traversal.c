@@ -116,7 +116,7 @@ struct oracle_hit oracle_ray(const struct volume *volume, const double origin[3]
     return follow(volume, &walk);
 }
 
-/* What one ray meets in one volume, kept if nothing nearer was met before. */
+/* The first hit of one ray in one volume, kept if it is nearer than the hit so far. */
 static void look_along(struct evidence *out, size_t pixel, const struct volume *volume, const double origin[3],
                        const double direction[3])
 {

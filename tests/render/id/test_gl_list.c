@@ -140,7 +140,7 @@ static void a_list_at_its_limit_takes_turns(void **state)
         assert_ok(shader_list_collect(&list, &job));
         assert_complete(drawing);
         assert_in_range(drawing->portions, PIXELS * 2 / limit, PIXELS);
-        assert_int_equal(list.room, limit < 3100 ? limit : list.room);
+        assert_int_equal(list.capacity, limit < 3100 ? limit : list.capacity);
         shader_list_finish(&list);
     }
     drawing_destroy(drawing);

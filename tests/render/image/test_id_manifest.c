@@ -53,7 +53,7 @@ static void a_few_names(void **state)
     assert_as_openexr(&(struct id_manifest_group){"id", COMPONENTS, 1, ids, 0, texts}, 1);
 }
 
-/* What is told apart by the length of the text before: one byte or two count what is shared. */
+/* What the length of the text before distinguishes: one byte or two count what is shared. */
 static void long_names(void **state)
 {
     (void)state;
