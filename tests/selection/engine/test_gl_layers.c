@@ -4,6 +4,7 @@
 #include "base/math3.h"
 #include "blockers.h"
 #include "gl_pair.h"
+#include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"
 
@@ -165,17 +166,6 @@ static void pieces_of_a_real_atlas_are_those_of_rays(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static conus_selection *select_with(const conus_atlas *atlas, const conus_selector_options *options,
-                                    const struct cone *cone)
-{
-    conus_selector *selector = NULL;
-    conus_selection *selection = NULL;
-    assert_ok(conus_selector_create(&selector, atlas, options));
-    assert_ok(conus_select(&selection, selector, &cone->pose, cone->angle));
-    conus_selector_destroy(selector);
-    return selection;
-}
-
 static void assert_same_results(const conus_selection *got, const conus_selection *wanted)
 {
     size_t count = 0, wanted_count = 0;
@@ -213,9 +203,9 @@ static void answers_with_a_range_are_those_of_rays(void **state)
             make_cylinder(&cone, test_random(&random, 0.5, 30));
             options.radius = cone.radius;
         }
-        conus_selection *wanted = select_with(atlas, &options, &cone);
+        conus_selection *wanted = mesh_scene_select(atlas, &options, &cone);
         options.engine = CONUS_ENGINE_GL;
-        conus_selection *got = select_with(atlas, &options, &cone);
+        conus_selection *got = mesh_scene_select(atlas, &options, &cone);
         assert_same_results(got, wanted);
         conus_selection_destroy(got);
         conus_selection_destroy(wanted);
