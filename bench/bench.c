@@ -24,7 +24,8 @@ static double clock_ms(clockid_t clock)
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
-double bench_now(const struct bench *bench)
+/* Milliseconds: of this thread's CPU time or of the wall clock. */
+static double now_ms(const struct bench *bench)
 {
     return clock_ms(bench->one_thread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC);
 }
@@ -135,9 +136,9 @@ static double time_once(const struct bench *bench, const struct bench_variant *v
         variant->prepare(variant->data);
     }
     double cpu_start = clock_ms(CLOCK_PROCESS_CPUTIME_ID);
-    double start = bench_now(bench);
+    double start = now_ms(bench);
     variant->run(variant->data);
-    double time = bench_now(bench) - start;
+    double time = now_ms(bench) - start;
     *cpu = clock_ms(CLOCK_PROCESS_CPUTIME_ID) - cpu_start;
     return time;
 }

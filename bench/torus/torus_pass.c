@@ -151,7 +151,22 @@ static conus_status create_gl_objects(struct torus_pass *pass, const struct toru
     return status ? status : target_init(&pass->buffer, TORUS_RESOLUTION, TORUS_RESOLUTION, attachments, 3);
 }
 
-conus_status torus_pass_create(struct torus_pass **out, const struct torus_scene *scene)
+static void destroy_pass(struct torus_pass *pass)
+{
+    struct gl_current previous;
+    if (!pass) {
+        return;
+    }
+    if (pass->context && !gl_context_use(pass->context, &previous)) {
+        target_finish(&pass->buffer);
+        frame_finish(&pass->frame);
+        gl_current_restore(&previous);
+    }
+    gl_context_destroy(pass->context); /* and what was made in it */
+    memory_free(pass);
+}
+
+static conus_status create_pass(struct torus_pass **out, const struct torus_scene *scene)
 {
     struct torus_pass *pass = memory_zeroed(1, sizeof *pass);
     struct gl_current previous;
@@ -165,26 +180,11 @@ conus_status torus_pass_create(struct torus_pass **out, const struct torus_scene
         gl_current_restore(&previous);
     }
     if (status) {
-        torus_pass_destroy(pass);
+        destroy_pass(pass);
         return status;
     }
     *out = pass;
     return CONUS_OK;
-}
-
-void torus_pass_destroy(struct torus_pass *pass)
-{
-    struct gl_current previous;
-    if (!pass) {
-        return;
-    }
-    if (pass->context && !gl_context_use(pass->context, &previous)) {
-        target_finish(&pass->buffer);
-        frame_finish(&pass->frame);
-        gl_current_restore(&previous);
-    }
-    gl_context_destroy(pass->context); /* and what was made in it */
-    memory_free(pass);
 }
 
 const char *torus_pass_device(const struct torus_pass *pass)
@@ -257,7 +257,9 @@ static void destroy(struct engine *engine)
     memory_free(engine);
 }
 
-conus_status torus_pass_engine(struct engine **out, struct torus_pass *pass, bool one_by_one)
+/* The paper's ID pass as an engine: identifier and contact of every torus into 16 x 16 pixels, both read back. All tori
+ * are instances of one draw call, or `one_by_one`. To be destroyed before the pass. */
+static conus_status create_pass_engine(struct engine **out, struct torus_pass *pass, bool one_by_one)
 {
     static const struct engine_functions functions = {.look = trace_by_drawing, .destroy = destroy};
     struct pass_engine *engine = memory_zeroed(1, sizeof *engine);
@@ -347,9 +349,9 @@ conus_status torus_round_init(struct torus_round *out, size_t count, bool placed
 {
     *out = (struct torus_round){0};
     conus_status status = torus_scene_init(&out->scene, count);
-    status = status ? status : torus_pass_create(&out->pass, &out->scene);
-    status = status ? status : torus_pass_engine(&out->engines[TORUS_ALL_DRAWN], out->pass, false);
-    status = status ? status : torus_pass_engine(&out->engines[TORUS_ONE_BY_ONE], out->pass, true);
+    status = status ? status : create_pass(&out->pass, &out->scene);
+    status = status ? status : create_pass_engine(&out->engines[TORUS_ALL_DRAWN], out->pass, false);
+    status = status ? status : create_pass_engine(&out->engines[TORUS_ONE_BY_ONE], out->pass, true);
     return status ? status : placed ? add_placed(out) : add_engines(out);
 }
 
@@ -358,7 +360,7 @@ void torus_round_finish(struct torus_round *round)
     for (int way = 0; way < TORUS_WAYS; way++) {
         engine_destroy(round->engines[way]);
     }
-    torus_pass_destroy(round->pass);
+    destroy_pass(round->pass);
     mesh_rays_destroy(round->rays);
     conus_atlas_destroy(round->atlas);
     torus_scene_finish(&round->scene);

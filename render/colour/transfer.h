@@ -16,15 +16,6 @@ struct transfer {
     bool relative; /**< Values are fractions of the volume's window: 0 its low, 1 its high end. */
 };
 
-struct transfer_preset {
-    const char *name, *description;
-    conus_transfer_point points[8];
-    size_t count;
-};
-
-/** The table of presets, all relative: entry @p index, NULL past the last. */
-const struct transfer_preset *transfer_preset(size_t index);
-
 /** Parses the text of a transfer function. @p out is the caller's to finish. */
 conus_status transfer_parse(struct transfer *out, const uint8_t *data, size_t size);
 

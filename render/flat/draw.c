@@ -86,11 +86,6 @@ void draw_line(conus_image *image, const double from[2], const double to[2], dou
     fill_shape(image, &shape, &bounds, rgba);
 }
 
-void draw_disc(conus_image *image, const double centre[2], double radius, const float rgba[4])
-{
-    draw_line(image, centre, centre, 2 * radius, rgba);
-}
-
 void draw_box(conus_image *image, const struct draw_box *box, double rounding, const float rgba[4])
 {
     draw_frame(image, box, rounding, 0, rgba);

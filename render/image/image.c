@@ -99,7 +99,7 @@ conus_status image_create_rgba(conus_image **out, uint32_t width, uint32_t heigh
     return CONUS_OK;
 }
 
-static struct image_attribute *find_attribute(const conus_image *image, const char *name)
+struct image_attribute *image_find_attribute(const conus_image *image, const char *name)
 {
     for (size_t i = 0; i < image->attribute_count; i++) {
         if (strcmp(image->attributes[i].name, name) == 0) {
@@ -109,15 +109,10 @@ static struct image_attribute *find_attribute(const conus_image *image, const ch
     return NULL;
 }
 
-const struct image_attribute *image_find_attribute(const conus_image *image, const char *name)
-{
-    return find_attribute(image, name);
-}
-
 /* The attribute called `name`, put in as an empty one if it is new. */
 static struct image_attribute *attribute_at(conus_image *image, const char *name)
 {
-    struct image_attribute *attribute = find_attribute(image, name);
+    struct image_attribute *attribute = image_find_attribute(image, name);
     if (attribute) {
         return attribute;
     }

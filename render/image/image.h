@@ -59,7 +59,7 @@ conus_status image_add_matrix(conus_image *image, const char *name, const double
 /** The channel called @p name, or NULL. */
 struct image_channel *image_find(const conus_image *image, const char *name);
 /** The attribute called @p name, or NULL. */
-const struct image_attribute *image_find_attribute(const conus_image *image, const char *name);
+struct image_attribute *image_find_attribute(const conus_image *image, const char *name);
 
 /** Pixels of R, G, B, A in this order, each NULL where the image has no such float channel. */
 struct image_rgba {
