@@ -38,7 +38,7 @@ conus_status volume_own(struct volume *volume)
         return CONUS_OK;
     }
     own.is_borrowed = false;
-    own.leaps = NULL;
+    own.distances = NULL;
     own.objects32 = NULL;
     own.values = NULL;
     own.hidden_runs = NULL;

@@ -26,9 +26,9 @@ struct volume {
     bool is_hidden;                 /**< It is a pathway that is hidden.                                           */
     struct hidden_run *hidden_runs; /**< What the objects of a parcellation do not say any more, since it is hidden. */
     size_t hidden_run_count;
-    bool is_borrowed; /**< The arrays are not the volume's own, and not to be written.               */
-    const void
-        *leaps; /**< What selection/engine/leap_map.h made of borrowed objects, in their memory; NULL = nothing. */
+    bool is_borrowed;      /**< The arrays are not the volume's own, and not to be written.               */
+    const void *distances; /**< The distance map of borrowed objects (selection/engine/distance_map.h), in their
+                                memory; NULL = none. */
 };
 
 void volume_finish(struct volume *volume);

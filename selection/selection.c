@@ -1,156 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes a selection: traces its cone, counts what the cone holds, and gathers the results. */
 #include "selection/selection.h"
 
 #include "base/math3.h"
 #include "base/memory.h"
+#include "selection/rank.h"
+#include "selection/selector.h"
 
 #include <string.h>
 
-enum { DEFAULT_RESOLUTION = 16, PIXELS_AT_ONCE = 1 << 18 };
-
-static conus_status check_options(const conus_selector_options *options)
-{
-    struct cone cone = {.angle = options->radius == 0 ? 1 : 0,
-                        .resolution = options->resolution,
-                        .radius = options->radius,
-                        .range = {options->range[0], options->range[1]}};
-    conus_status status = cone_check(&cone);
-    if (!status && options->sampling == CONUS_SLICES && (options->layers || cone_has_range(&cone))) {
-        status = fail(CONUS_ERROR_ARGUMENT, "%s: needs exact sampling, slices see only what is first",
-                      options->layers ? "layers" : "range");
-    }
-    if (!status && options->slices && options->sampling != CONUS_SLICES) {
-        status = fail(CONUS_ERROR_ARGUMENT, "slices: %u with exact sampling, which has none", options->slices);
-    }
-    return status;
-}
-
-static conus_status set_level(conus_selector *selector, const char *spec)
-{
-    selector->options.level = NULL;
-    selector->level_spec = spec ? memory_text(spec, strlen(spec)) : NULL;
-    return spec && !selector->level_spec ? CONUS_ERROR_MEMORY : level_create(&selector->level, selector->atlas, spec);
-}
-
-/* Whether the middle of `inner`, by its bounds, lies within those of `outer`. */
-static bool holds(const struct mesh *outer, const struct mesh *inner)
-{
-    for (int axis = 0; axis < 3; axis++) {
-        double middle = (inner->shape.low[axis] + inner->shape.high[axis]) / 2;
-        if (middle < outer->shape.low[axis] || middle > outer->shape.high[axis]) {
-            return false;
-        }
-    }
-    return true;
-}
-
-/* Whether it is a mesh within that of an area above it that is reported as the same. */
-static bool lies_in_mesh(const conus_selector *selector, uint32_t number)
-{
-    const conus_atlas *atlas = selector->atlas;
-    const uint32_t *group = level_group(selector->level);
-    const struct mesh *inner = atlas_object_mesh(atlas, number);
-    uint32_t at = inner ? atlas->objects[number - 1].parent : 0;
-    for (; at; at = atlas->objects[at - 1].parent) {
-        const struct mesh *outer = atlas_object_mesh(atlas, at);
-        if (group[at] == group[number] && outer && holds(outer, inner)) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static conus_status measure_objects(conus_selector *selector)
-{
-    const conus_atlas *atlas = selector->atlas;
-    selector->whole = memory_zeroed(atlas->object_count + 1, sizeof *selector->whole);
-    if (!selector->whole) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (uint32_t number = 1; number <= atlas->object_count; number++) {
-        const conus_object *object = &atlas->objects[number - 1];
-        bool unknown = object->triangles && object->volume_mm3 == 0; /* and so is that of what it is a part of */
-        if (!atlas->places[number - 1].is_hidden && !lies_in_mesh(selector, number)) {
-            selector->whole[level_group(selector->level)[number]] += unknown ? NAN : object->volume_mm3;
-        }
-    }
-    return CONUS_OK;
-}
-
-conus_status conus_selector_create(conus_selector **out, const conus_atlas *atlas,
-                                   const conus_selector_options *options)
-{
-    conus_selector *selector = memory_zeroed(1, sizeof *selector);
-    if (!selector) {
-        return CONUS_ERROR_MEMORY;
-    }
-    selector->atlas = atlas;
-    selector->options = options ? *options : (conus_selector_options){0};
-    selector->options.resolution = selector->options.resolution ? selector->options.resolution : DEFAULT_RESOLUTION;
-    conus_status status = selector_prepare_ranking(selector);
-    status = status ? status : check_options(&selector->options);
-    status = status ? status : set_level(selector, selector->options.level);
-    status = status ? status : measure_objects(selector);
-    if (!status) {
-        const struct engine_options engine = {selector->options.sampling, selector->options.slices,
-                                              selector->options.log, selector->options.log_user};
-        status = selector->options.engine == CONUS_ENGINE_GL ? engine_gl_create(&selector->engine, atlas, &engine)
-                                                             : engine_rays_create(&selector->engine, atlas, &engine);
-    }
-    if (status) {
-        conus_selector_destroy(selector);
-        return status;
-    }
-    *out = selector;
-    return CONUS_OK;
-}
-
-conus_status selector_share(conus_selector **out, const conus_selector *selector)
-{
-    conus_selector *shared = memory_zeroed(1, sizeof *shared);
-    if (!shared) {
-        return CONUS_ERROR_MEMORY;
-    }
-    *shared = (conus_selector){.atlas = selector->atlas, /* and all scratch is its own */
-                               .options = selector->options,
-                               .ranking = selector->ranking,
-                               .level = selector->level,
-                               .level_spec = selector->level_spec,
-                               .engine = selector->engine,
-                               .whole = selector->whole,
-                               .inside_only = selector->inside_only,
-                               .is_shared = true};
-    memcpy(shared->box, selector->box, sizeof shared->box);
-    if (selector_prepare_border(shared)) {
-        memory_free(shared);
-        return CONUS_ERROR_MEMORY;
-    }
-    *out = shared;
-    return CONUS_OK;
-}
-
-void conus_selector_destroy(conus_selector *selector)
-{
-    if (selector) {
-        if (!selector->is_shared) {
-            engine_destroy(selector->engine);
-            level_destroy(selector->level);
-            memory_free(selector->level_spec);
-            memory_free(selector->whole);
-        }
-        memory_free(selector->on_border);
-        aperture_finish(&selector->aperture);
-        tally_finish(&selector->tally);
-        census_finish(&selector->census);
-        near_finish(&selector->near);
-        memory_free(selector);
-    }
-}
-
-const char *conus_selector_engine(const conus_selector *selector)
-{
-    return selector ? selector->engine->name : "";
-}
+enum { PIXELS_AT_ONCE = 1 << 18 };
 
 static conus_status mark_cone(conus_selection *selection, const struct aperture *aperture)
 {
@@ -169,7 +28,8 @@ void selection_set_kinds(conus_selection *selection)
     }
 }
 
-/* A piece that the range cut begins in another voxel; where rounding puts that into a neighbour, the old one stays. */
+/* An interval that the range cut begins in another voxel; where rounding puts that into a neighbour, the old one stays.
+ */
 static void move_entries(conus_selection *selection)
 {
     const struct cone *cone = &selection->cone;
@@ -193,25 +53,25 @@ static void move_entries(conus_selection *selection)
     }
 }
 
-/* What is first of the layers. Of pieces that begin at one place, as where a ray touches cells at an edge, it is what
- * is met there without layers: that heeds the order of the cells. */
+/* What is first of the layers. Of intervals that begin at one place, as where a ray touches cells at an edge, it is
+ * what is met there without layers: that heeds the order of the cells. */
 static conus_status find_first(conus_selection *selection, struct engine *engine)
 {
     struct evidence *first = &selection->evidence;
-    struct evidence met;
-    conus_status status = evidence_init(&met, selection->cone.resolution);
+    struct evidence hit;
+    conus_status status = evidence_init(&hit, selection->cone.resolution);
     if (status) {
         return status;
     }
     layers_first(first, &selection->layers);
-    status = engine->functions->look(engine, &met, &selection->cone);
-    for (size_t p = 0; p < (size_t)met.resolution * met.resolution && !status; p++) {
-        if (met.distance[p] == first->distance[p]) {
-            first->object[p] = met.object[p];
-            first->voxel[p] = met.voxel[p];
+    status = engine->functions->trace(engine, &hit, &selection->cone);
+    for (size_t p = 0; p < (size_t)hit.resolution * hit.resolution && !status; p++) {
+        if (hit.distance[p] == first->distance[p]) {
+            first->object[p] = hit.object[p];
+            first->voxel[p] = hit.voxel[p];
         }
     }
-    evidence_finish(&met);
+    evidence_finish(&hit);
     return status;
 }
 
@@ -234,11 +94,11 @@ static conus_status pierce(conus_selection *selection, struct engine *engine)
 size_t selections_at_once(const conus_selector *selector)
 {
     size_t fitting = PIXELS_AT_ONCE / ((size_t)selector->options.resolution * selector->options.resolution);
-    return !selector->engine->functions->look_many || fitting < 1 ? 1 : fitting;
+    return !selector->engine->functions->trace_many || fitting < 1 ? 1 : fitting;
 }
 
 /* What is visible, of all selections (NULL is passed over) at once. */
-static conus_status look_at_all(conus_selection *const *selections, size_t count, struct engine *engine)
+static conus_status trace_together(conus_selection *const *selections, size_t count, struct engine *engine)
 {
     struct evidence **evidence = memory_raw(count, sizeof(void *));
     const struct cone **cones = memory_raw(count, sizeof(void *));
@@ -250,7 +110,7 @@ static conus_status look_at_all(conus_selection *const *selections, size_t count
             cones[given++] = &selections[i]->cone;
         }
     }
-    status = !status && given ? engine->functions->look_many(engine, evidence, cones, given) : status;
+    status = !status && given ? engine->functions->trace_many(engine, evidence, cones, given) : status;
     memory_free(evidence);
     memory_free(cones);
     return status;
@@ -278,17 +138,17 @@ static void drop_wanted(conus_selection *const *selections, size_t count)
     }
 }
 
-conus_status selections_look(conus_selection *const *selections, size_t count, conus_selector *selector)
+conus_status selections_trace(conus_selection *const *selections, size_t count, conus_selector *selector)
 {
     struct engine *engine = selector->engine;
     bool has_range = selector->options.range[1] > 0; /* then what is first follows from all layers */
-    bool together = count > 1 && engine->functions->look_many;
+    bool together = count > 1 && engine->functions->trace_many;
     set_wanted(selections, count, selector);
-    conus_status status = together && !has_range ? look_at_all(selections, count, engine) : CONUS_OK;
+    conus_status status = together && !has_range ? trace_together(selections, count, engine) : CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
         conus_selection *selection = selections[i];
         if (selection && !has_range && !together) {
-            status = engine->functions->look(engine, &selection->evidence, &selection->cone);
+            status = engine->functions->trace(engine, &selection->evidence, &selection->cone);
         }
         if (selection && !status && (selection->has_layers || has_range)) {
             status = pierce(selection, engine);
@@ -392,11 +252,11 @@ conus_status selection_complete(conus_selection *selection, conus_selector *sele
     return status;
 }
 
-conus_status selection_look(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle)
+conus_status selection_trace(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle)
 {
     conus_selection *selection = NULL;
     conus_status status = selection_begin(&selection, selector, pose, angle);
-    status = status ? status : selections_look(&selection, 1, selector);
+    status = status ? status : selections_trace(&selection, 1, selector);
     status = status ? status : selection_complete(selection, selector);
     if (status) {
         conus_selection_destroy(selection);
@@ -413,7 +273,7 @@ conus_status conus_select(conus_selection **out, conus_selector *selector, const
         return fail(CONUS_ERROR_ARGUMENT, "score: %s needs a history, which only a track has",
                     selector->ranking.formula.text);
     }
-    conus_status status = selection_look(&selection, selector, pose, angle);
+    conus_status status = selection_trace(&selection, selector, pose, angle);
     if (!status) {
         selection_rank(selection, selector, NULL);
         *out = selection;

@@ -54,7 +54,7 @@ static conus_status look_as_peer(struct engine *engine, struct evidence *out, co
     }
 }
 
-static const struct engine_functions functions = {.look = look_as_peer};
+static const struct engine_functions functions = {.trace = look_as_peer};
 
 /* ---- What is made once ------------------------------------------------------------------------------------------ */
 

@@ -44,7 +44,7 @@ static conus_status answer_cone(struct way *way, size_t i)
     case SELECTOR:
         return peer_labels_select(scene->labels, contacts, &scene->cones[i]);
     default:
-        return scene->rays->functions->look(scene->rays, &scene->answers[i], &scene->cones[i]);
+        return scene->rays->functions->trace(scene->rays, &scene->answers[i], &scene->cones[i]);
     }
 }
 

@@ -8,6 +8,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "selection/selection.h"
+#include "selection/selector.h"
 #include "tests/support/oracle_traversal.h"
 
 #include <stdio.h>

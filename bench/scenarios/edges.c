@@ -22,7 +22,7 @@ static bool is_near(struct engine *rays, const struct cone *cone, uint32_t pixel
     tiny.angle = 2 * atan(1.5 * step);
     if (!conus_pose_along(&tiny.pose, cone->pose.world_from_device + 12, direction, NULL) &&
         !evidence_init(&evidence, tiny.resolution)) {
-        if (!rays->functions->look(rays, &evidence, &tiny)) {
+        if (!rays->functions->trace(rays, &evidence, &tiny)) {
             for (int i = 0; i < 9; i++) {
                 found = found || evidence.object[i] == object;
             }

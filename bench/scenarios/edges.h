@@ -4,7 +4,7 @@
 #ifndef CONUS_BENCH_SCENARIOS_EDGES_H
 #define CONUS_BENCH_SCENARIOS_EDGES_H
 
-#include "selection/engine/evidence.h"
+#include "selection/engine/engine.h"
 
 struct bench_differences {
     size_t at_edges; /**< A ray within 1/128 of a pixel of the pixel's centre hits the object that was named. */

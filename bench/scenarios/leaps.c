@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/scenarios/look.h"
-#include "selection/engine/leap_map.h"
+#include "selection/engine/distance_map.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,16 +28,16 @@ struct scene {
 static conus_status shorten_leaps(struct scene *scene)
 {
     struct volume *volume = &scene->atlases[1]->volumes[0];
-    struct leap_map map;
-    scene->leaps = memory_raw(leap_map_size(volume), 1);
-    conus_status status = scene->leaps ? leap_map_write(scene->leaps, volume) : CONUS_ERROR_MEMORY;
-    volume->leaps = status ? NULL : scene->leaps;
-    status = status ? status : leap_map_init(&map, volume);
+    struct distance_map map;
+    scene->leaps = memory_raw(distance_map_size(volume), 1);
+    conus_status status = scene->leaps ? distance_map_write(scene->leaps, volume) : CONUS_ERROR_MEMORY;
+    volume->distances = status ? NULL : scene->leaps;
+    status = status ? status : distance_map_init(&map, volume);
     if (!status) {
-        for (size_t i = 0; i < leap_map_codes(&map); i++) {
+        for (size_t i = 0; i < distance_map_codes(&map); i++) {
             map.codes[i] = map.codes[i] > 1 ? 1 : map.codes[i];
         }
-        leap_map_finish(&map);
+        distance_map_finish(&map);
     }
     return status;
 }

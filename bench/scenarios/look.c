@@ -25,7 +25,7 @@ conus_status look_init(struct look *out, struct engine *engine, const struct con
     status = status || !count ? status : evidence_init(&out->scratch, cones[0].resolution);
     for (size_t i = 0; i < count && !status; i++) {
         status = evidence_init(&out->answers[i], cones[i].resolution);
-        status = status ? status : engine->functions->look(engine, &out->answers[i], &cones[i]);
+        status = status ? status : engine->functions->trace(engine, &out->answers[i], &cones[i]);
     }
     return status;
 }
@@ -44,7 +44,7 @@ void look_all(void *data)
 {
     struct look *look = data;
     for (size_t i = 0; i < look->count; i++) {
-        conus_status status = look->engine->functions->look(look->engine, &look->scratch, &look->cones[i]);
+        conus_status status = look->engine->functions->trace(look->engine, &look->scratch, &look->cones[i]);
         look->status = look->status ? look->status : status;
     }
 }
@@ -104,7 +104,7 @@ void shoot(void *data)
     struct look *look = shot->look;
     conus_status status = shot->draw(shot->scene, shot->way);
     if (look && !status) {
-        status = look->engine->functions->look(look->engine, &look->scratch, &look->cones[shot->next++ % look->count]);
+        status = look->engine->functions->trace(look->engine, &look->scratch, &look->cones[shot->next++ % look->count]);
     }
     status = status ? status : shot->wait(shot->scene);
     shot->status = shot->status ? shot->status : status;
@@ -130,7 +130,7 @@ static void destroy(struct engine *engine)
 
 conus_status plain_engine_create(struct engine **out, const conus_atlas *atlas)
 {
-    static const struct engine_functions functions = {.look = look_plainly, .destroy = destroy};
+    static const struct engine_functions functions = {.trace = look_plainly, .destroy = destroy};
     struct plain_engine *engine = memory_zeroed(1, sizeof *engine);
     if (!engine) {
         return CONUS_ERROR_MEMORY;
@@ -182,7 +182,7 @@ static conus_status look_at_meshes(struct engine *engine, struct evidence *out, 
 
 conus_status mesh_engine_create(struct engine **out, struct mesh_rays *rays, unsigned width)
 {
-    static const struct engine_functions functions = {.look = look_at_meshes, .destroy = destroy};
+    static const struct engine_functions functions = {.trace = look_at_meshes, .destroy = destroy};
     struct mesh_engine *engine = memory_zeroed(1, sizeof *engine);
     if (!engine) {
         return CONUS_ERROR_MEMORY;

@@ -3,7 +3,7 @@
 #ifndef CONUS_BENCH_SCENARIOS_LOOK_H
 #define CONUS_BENCH_SCENARIOS_LOOK_H
 
-#include "selection/engine/evidence.h"
+#include "selection/engine/engine.h"
 #include "selection/engine/mesh_rays.h"
 
 /** An engine that answers cones; cones of one resolution. */

@@ -79,9 +79,9 @@ static void scene_finish(struct scene *scene)
 
 static void build_map(void *data)
 {
-    struct leap_map map;
-    if (!leap_map_init(&map, data)) {
-        leap_map_finish(&map);
+    struct distance_map map;
+    if (!distance_map_init(&map, data)) {
+        distance_map_finish(&map);
     }
 }
 

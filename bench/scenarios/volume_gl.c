@@ -170,7 +170,7 @@ static void destroy_slicing(struct engine *engine)
 
 static conus_status create_slicing(struct engine **out, const struct volume *volume)
 {
-    static const struct engine_functions functions = {.look = look_at_slices, .destroy = destroy_slicing};
+    static const struct engine_functions functions = {.trace = look_at_slices, .destroy = destroy_slicing};
     struct slicing *slicing = memory_zeroed(1, sizeof *slicing);
     struct gl_current previous;
     if (!slicing) {
@@ -222,7 +222,7 @@ static void look_together(void *data)
 {
     struct scene *scene = data;
     struct engine *engine = scene->engines[EXACT];
-    conus_status status = engine->functions->look_many(engine, scene->out, scene->in, scene->cone_count);
+    conus_status status = engine->functions->trace_many(engine, scene->out, scene->in, scene->cone_count);
     scene->together.status = scene->together.status ? scene->together.status : status;
 }
 

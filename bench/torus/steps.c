@@ -108,7 +108,7 @@ static void destroy_pass(struct pass *pass)
 
 static conus_status scene_init(struct scene *scene, const struct bench_options *options)
 {
-    static const struct engine_functions functions = {.look = trace_with_steps};
+    static const struct engine_functions functions = {.trace = trace_with_steps};
     conus_status status = torus_scene_init(&scene->tori, bench_size(options, TORI));
     status = status ? status : torus_scene_atlas(&scene->atlas, &scene->tori);
     status = status ? status : create_pass(&scene->pass, scene->atlas);

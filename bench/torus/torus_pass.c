@@ -261,7 +261,7 @@ static void destroy(struct engine *engine)
  * are instances of one draw call, or `one_by_one`. To be destroyed before the pass. */
 static conus_status create_pass_engine(struct engine **out, struct torus_pass *pass, bool one_by_one)
 {
-    static const struct engine_functions functions = {.look = trace_by_drawing, .destroy = destroy};
+    static const struct engine_functions functions = {.trace = trace_by_drawing, .destroy = destroy};
     struct pass_engine *engine = memory_zeroed(1, sizeof *engine);
     if (!engine) {
         return CONUS_ERROR_MEMORY;

@@ -6,7 +6,7 @@
 #define CONUS_BENCH_TORUS_TORUS_PASS_H
 
 #include "bench/torus/torus_scene.h"
-#include "selection/engine/evidence.h"
+#include "selection/engine/engine.h"
 
 struct torus_pass;
 

@@ -41,7 +41,7 @@ static conus_status ask_engine(struct layer_way *way, size_t cone)
 {
     struct layers *intervals = &way->intervals[cone];
     if (!way->layers) {
-        return way->engine->functions->look(way->engine, &way->visible[cone], &way->cones[cone]);
+        return way->engine->functions->trace(way->engine, &way->visible[cone], &way->cones[cone]);
     }
     layers_clear(intervals);
     conus_status status = way->engine->functions->pierce(way->engine, intervals, &way->cones[cone]);

@@ -4,7 +4,7 @@
  * because leaps are packed, too. */
 #include "atlas/atlas.h"
 #include "base/memory.h"
-#include "selection/engine/leap_map.h"
+#include "selection/engine/distance_map.h"
 
 #include <assert.h>
 #include <string.h>
@@ -35,9 +35,9 @@ static_assert(sizeof "conus-atlas " CONUS_VERSION <= sizeof magic, "name and ver
 
 static uint64_t layout_of_structures(void)
 {
-    const size_t sizes[] = {sizeof(struct head),     sizeof(conus_atlas),         sizeof(struct volume),
-                            sizeof(conus_object),    sizeof(struct object_place), sizeof(struct mesh),
-                            sizeof(struct leap_map), sizeof(struct hidden_run)};
+    const size_t sizes[] = {sizeof(struct head),         sizeof(conus_atlas),         sizeof(struct volume),
+                            sizeof(conus_object),        sizeof(struct object_place), sizeof(struct mesh),
+                            sizeof(struct distance_map), sizeof(struct hidden_run)};
     uint64_t layout = 0;
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         layout = 1000003 * layout + sizes[i];
@@ -157,11 +157,11 @@ static void *room(struct walk *walk, void *things, size_t count, size_t size)
 static void pass_leaps(struct walk *walk, struct volume *volume, const struct volume *source)
 {
     bool is_there = pass_whether(walk, walk->mode != ATTACH && volume_is_met(source) ? source : NULL);
-    uint8_t *place = is_there && !walk->status ? pass_place(walk, leap_map_size(volume)) : NULL;
+    uint8_t *place = is_there && !walk->status ? pass_place(walk, distance_map_size(volume)) : NULL;
     if (place && walk->mode == PACK) {
-        walk->status = leap_map_write(place, source);
+        walk->status = distance_map_write(place, source);
     } else if (walk->mode == ATTACH) {
-        volume->leaps = place;
+        volume->distances = place;
     }
 }
 
@@ -186,7 +186,7 @@ static struct volume bare_volume(const struct volume *volume)
     bare.objects32 = NULL;
     bare.values = NULL;
     bare.hidden_runs = NULL;
-    bare.leaps = NULL;
+    bare.distances = NULL;
     bare.is_borrowed = true;
     return bare;
 }

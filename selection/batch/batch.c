@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "selection/batch/batch.h"
+#include "selection/report/report_text.h"
 
 #include "base/math3.h"
 #include "base/memory.h"
 #include "selection/selection.h"
+#include "selection/selector.h"
 
 #include <sched.h>
 
@@ -86,7 +88,7 @@ static conus_status build(conus_batch *batch, conus_selector *selector)
         status = batch_block_init(&batch->blocks[batch->block_count], batch->options.block);
     }
     if (!status) {
-        report_write_heading(&batch->heading, batch->workers[0].report);
+        report_write_header(&batch->heading, batch->workers[0].report);
         status = buffer_status(&batch->heading);
     }
     return status;

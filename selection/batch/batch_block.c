@@ -2,7 +2,10 @@
 #include "base/memory.h"
 #include "poses/pose_stream.h"
 #include "selection/batch/batch.h"
+#include "selection/report/report_text.h"
+#include "selection/rank.h"
 #include "selection/selection.h"
+#include "selection/selector.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -92,7 +95,7 @@ static double angle_of(const struct batch_worker *worker, const struct batch_pos
 }
 
 /* A point is asked what is within the cylinders' radius of it. */
-static conus_status look(conus_selection **out, struct batch_worker *worker, const struct batch_pose *pose)
+static conus_status begin_selection(conus_selection **out, struct batch_worker *worker, const struct batch_pose *pose)
 {
     double radius = worker->selector->options.radius;
     if (!pose->is_point) {
@@ -108,7 +111,7 @@ static conus_status answer(struct batch_block *block, struct batch_worker *worke
     if (pose->is_no_pose) {
         return add_error(block, worker->report, pose, block->strings.data + pose->error);
     }
-    conus_status status = look(&selection, worker, pose);
+    conus_status status = begin_selection(&selection, worker, pose);
     if (status == CONUS_ERROR_ARGUMENT) { /* the pose's own fault */
         return add_error(block, worker->report, pose, conus_message());
     }
@@ -117,9 +120,9 @@ static conus_status answer(struct batch_block *block, struct batch_worker *worke
     return status;
 }
 
-/* Begins the selections of the poses and looks at all of them. Those that have none are left to answer(), which says
+/* Begins the selections of the poses and traces all of them. Those that have none are left to answer(), which says
  * why. */
-static conus_status look_together(struct batch_worker *worker, const struct batch_pose *poses, size_t count)
+static conus_status begin_and_trace(struct batch_worker *worker, const struct batch_pose *poses, size_t count)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
@@ -128,14 +131,14 @@ static conus_status look_together(struct batch_worker *worker, const struct batc
             status = status == CONUS_ERROR_ARGUMENT ? CONUS_OK : status;
         }
     }
-    return status ? status : selections_look(worker->begun, count, worker->selector);
+    return status ? status : selections_trace(worker->begun, count, worker->selector);
 }
 
 /* answer() for poses number `first` to first + count - 1, of which at_once may be given. */
 static conus_status answer_together(struct batch_block *block, struct batch_worker *worker, size_t first, size_t count)
 {
     const struct batch_pose *poses = block->poses + first;
-    conus_status status = look_together(worker, poses, count);
+    conus_status status = begin_and_trace(worker, poses, count);
     for (size_t i = 0; i < count; i++) {
         conus_selection *selection = worker->begun[i];
         if (selection && !status) {

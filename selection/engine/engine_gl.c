@@ -6,7 +6,7 @@
 #include "render/gl/context.h"
 #include "render/id/id_pass.h"
 #include "render/id/mesh_pass.h"
-#include "selection/engine/mesh_spans.h"
+#include "selection/engine/mesh_intervals.h"
 #include "selection/engine/traverse.h"
 
 #include <stdio.h>
@@ -30,7 +30,7 @@ struct gl_engine {
     struct mesh_query *looks; /* [cone_room] */
     size_t pixel_room, cone_room;
     uint32_t ray_count;
-    struct mesh_spans spans;
+    struct mesh_intervals spans;
     conus_sampling sampling;
     uint32_t slices;
     size_t *volumes; /* [volume_count] of the atlas, in the order in which the pass has them */
@@ -48,7 +48,7 @@ static void destroy(struct engine *engine)
     }
     gl_context_destroy(gl->context);
     engine_destroy(gl->wide);
-    mesh_spans_finish(&gl->spans);
+    mesh_intervals_finish(&gl->spans);
     memory_free(gl->origins);
     memory_free(gl->directions);
     memory_free(gl->walked);
@@ -247,7 +247,7 @@ static conus_status prepare_looks(struct gl_engine *gl, const struct view *view,
                                            out->distance, out->voxel};
         if (cone_is_wide(view->cones[c])) {
             status = prepare_wide(gl);
-            status = status ? status : engine_rays_look_on(gl->wide, out, view->cones[c]);
+            status = status ? status : engine_rays_trace_on(gl->wide, out, view->cones[c]);
         } else {
             gl->looks[(*count)++] = (struct mesh_query){mesh_view_of(view->cones[c]), pixels};
             set_distances(out, view->cones[c], 0);
@@ -269,8 +269,8 @@ static conus_status look_at_meshes(struct gl_engine *gl, const struct view *view
     return status;
 }
 
-static conus_status look_many(struct engine *engine, struct evidence *const *out, const struct cone *const *cones,
-                              size_t count)
+static conus_status trace_many(struct engine *engine, struct evidence *const *out, const struct cone *const *cones,
+                               size_t count)
 {
     struct gl_engine *gl = (struct gl_engine *)engine;
     const struct view view = view_of(cones, out, count);
@@ -289,9 +289,9 @@ static conus_status look_many(struct engine *engine, struct evidence *const *out
     return status;
 }
 
-static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+static conus_status trace(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
-    return look_many(engine, &out, &cone, 1);
+    return trace_many(engine, &out, &cone, 1);
 }
 
 /* ---- All layers --------------------------------------------------------------------------------------------- */
@@ -333,7 +333,7 @@ static conus_status take_hit(void *user, const struct mesh_pass_hit *hit)
     int side = 0;
     double t = mesh_crossing(&side, mesh, hit->triangle, gl->origins[hit->pixel], gl->directions[hit->pixel]);
     const struct crossing crossing = {hit->pixel, hit->object, hit->triangle, side, t};
-    return t >= 0 ? mesh_spans_add(&gl->spans, &crossing) : CONUS_OK;
+    return t >= 0 ? mesh_intervals_add(&gl->spans, &crossing) : CONUS_OK;
 }
 
 static conus_status pierce_meshes(struct gl_engine *gl, struct layers *out, const struct cone *cone)
@@ -344,7 +344,7 @@ static conus_status pierce_meshes(struct gl_engine *gl, struct layers *out, cons
         return status ? status : gl->wide->functions->pierce(gl->wide, out, cone);
     }
     conus_status status = mesh_pass_pierce(gl->mesh_pass, &view, take_hit, gl);
-    status = status ? status : mesh_spans_pair(out, &gl->spans, cone);
+    status = status ? status : mesh_intervals_pair(out, &gl->spans, cone);
     gl->spans.count = 0;
     return status;
 }
@@ -384,14 +384,14 @@ static conus_status create_pass(struct gl_engine *gl)
     return status;
 }
 
-static conus_status make_codes(uint8_t **out, const struct leap_map *map)
+static conus_status make_codes(uint8_t **out, const struct distance_map *map)
 {
     uint8_t *codes = memory_raw(map->dim[0] * map->dim[1] * map->dim[2], 1);
     size_t at = 0;
     for (size_t k = 0; k < map->dim[2] && codes; k++) {
         for (size_t j = 0; j < map->dim[1]; j++) {
             for (size_t i = 0; i < map->dim[0]; i++) {
-                codes[at++] = map->codes[leap_map_at(map, i, j, k)];
+                codes[at++] = map->codes[distance_map_at(map, i, j, k)];
             }
         }
     }
@@ -401,12 +401,12 @@ static conus_status make_codes(uint8_t **out, const struct leap_map *map)
 
 static conus_status upload_volume(struct gl_engine *gl, const struct volume *volume, uint64_t *memory_left)
 {
-    struct leap_map map = {0};
+    struct distance_map map = {0};
     struct id_leaps leaps = {0};
     uint8_t *codes = NULL;
     conus_status status = CONUS_OK;
     if (gl->sampling == CONUS_EXACT) {
-        status = leap_map_init(&map, volume);
+        status = distance_map_init(&map, volume);
         status = status ? status : make_codes(&codes, &map);
         leaps.codes = codes;
         for (int a = 0; a < 3; a++) {
@@ -416,7 +416,7 @@ static conus_status upload_volume(struct gl_engine *gl, const struct volume *vol
     }
     status = status ? status : id_pass_add_volume(gl->pass, volume, &leaps, memory_left);
     memory_free(codes);
-    leap_map_finish(&map);
+    distance_map_finish(&map);
     return status;
 }
 
@@ -474,7 +474,7 @@ static conus_status fill(struct gl_engine *gl, const struct engine_options *opti
 conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options)
 {
     static const struct engine_functions functions = {
-        .look = look, .look_many = look_many, .pierce = pierce, .destroy = destroy};
+        .trace = trace, .trace_many = trace_many, .pierce = pierce, .destroy = destroy};
     struct gl_engine *gl = memory_zeroed(1, sizeof *gl);
     if (!gl) {
         return CONUS_ERROR_MEMORY;
@@ -483,7 +483,7 @@ conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, con
     gl->atlas = atlas;
     gl->sampling = options->sampling;
     gl->slices = options->slices;
-    mesh_spans_init(&gl->spans, atlas);
+    mesh_intervals_init(&gl->spans, atlas);
     conus_status status = fill(gl, options);
     if (status) {
         destroy(&gl->base);

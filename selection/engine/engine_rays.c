@@ -14,16 +14,16 @@ enum { BLOCK = APERTURE_BLOCK };
 
 struct target {
     const struct volume *volume;
-    struct leap_map map; /* exact sampling  */
-    uint32_t slices;     /* sampled slices  */
+    struct distance_map map; /* exact sampling  */
+    uint32_t slices;         /* sampled slices  */
 };
 
 struct rays_engine {
     struct engine base;
     conus_sampling sampling;
     const struct traverse_kernel *kernel;
-    struct mesh_rays *meshes; /* NULL if the atlas has none */
-    struct mesh_spans spans;  /* empty: what a query begins with */
+    struct mesh_rays *meshes;    /* NULL if the atlas has none */
+    struct mesh_intervals spans; /* empty: what a query begins with */
     size_t target_count;
     struct target targets[];
 };
@@ -39,7 +39,7 @@ static void destroy(struct engine *engine)
 {
     struct rays_engine *rays = (struct rays_engine *)engine;
     for (size_t i = 0; i < rays->target_count; i++) {
-        leap_map_finish(&rays->targets[i].map);
+        distance_map_finish(&rays->targets[i].map);
     }
     mesh_rays_destroy(rays->meshes);
     memory_free(rays);
@@ -154,8 +154,8 @@ static void walk_slices(const struct target *target, struct traverse_bundle *bun
     }
 }
 
-static void look_through(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
-                         struct block *block)
+static void trace_volumes(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
+                          struct block *block)
 {
     struct traverse_bundle *bundle = &block->bundle;
     for (size_t i = 0; i < engine->target_count; i++) {
@@ -185,9 +185,9 @@ static void aim_at_meshes(struct block *block)
     bundle->direction = (const double(*)[MESH_RAYS_LIMIT])block->bundle.direction;
 }
 
-/* Behind look_through(): what the volumes show limits how far the meshes are looked for. */
-static conus_status look_at_meshes(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
-                                   struct block *block)
+/* Behind trace_volumes(): what the volumes show limits how far the meshes are looked for. */
+static conus_status trace_meshes(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
+                                 struct block *block)
 {
     struct mesh_bundle *bundle = &block->meshes;
     aim_at_meshes(block);
@@ -208,14 +208,14 @@ static conus_status look_at_meshes(const struct rays_engine *engine, struct evid
     return status;
 }
 
-static conus_status look_through_block(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
-                                       struct block *block)
+static conus_status trace_block(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
+                                struct block *block)
 {
-    look_through(engine, out, cone, block);
-    return engine->meshes ? look_at_meshes(engine, out, cone, block) : CONUS_OK;
+    trace_volumes(engine, out, cone, block);
+    return engine->meshes ? trace_meshes(engine, out, cone, block) : CONUS_OK;
 }
 
-conus_status engine_rays_look_on(struct engine *engine, struct evidence *out, const struct cone *cone)
+conus_status engine_rays_trace_on(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     const struct rays_engine *rays = (const struct rays_engine *)engine;
     struct block block;
@@ -223,21 +223,21 @@ conus_status engine_rays_look_on(struct engine *engine, struct evidence *out, co
     uint32_t edge = block_edge(cone);
     for (size_t first = 0; cone->rays && first < cone->rays->count && !status; first += TRAVERSE_BUNDLE) {
         block_take(&block, cone, first);
-        status = look_through_block(rays, out, cone, &block);
+        status = trace_block(rays, out, cone, &block);
     }
     for (uint32_t row = 0; row < cone->resolution && !cone->rays && !status; row += edge) {
         for (uint32_t column = 0; column < cone->resolution && !status; column += edge) {
             block_init(&block, cone, column, row);
-            status = look_through_block(rays, out, cone, &block);
+            status = trace_block(rays, out, cone, &block);
         }
     }
     return status;
 }
 
-static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+static conus_status trace(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     evidence_clear(out);
-    return engine_rays_look_on(engine, out, cone);
+    return engine_rays_trace_on(engine, out, cone);
 }
 
 static conus_status pierce_volumes(const struct rays_engine *engine, struct layers *out, const struct cone *cone,
@@ -264,7 +264,7 @@ static conus_status pierce_volumes(const struct rays_engine *engine, struct laye
 static conus_status pierce_meshes(const struct rays_engine *engine, struct layers *out, const struct cone *cone)
 {
     struct block block;
-    struct mesh_spans spans = engine->spans; /* of its own, since several threads may be here */
+    struct mesh_intervals spans = engine->spans; /* of its own, since several threads may be here */
     conus_status status = CONUS_OK;
     uint32_t edge = block_edge(cone);
     for (uint32_t row = 0; row < cone->resolution && !status; row += edge) {
@@ -274,8 +274,8 @@ static conus_status pierce_meshes(const struct rays_engine *engine, struct layer
             status = mesh_rays_pierce(engine->meshes, &block.meshes, &spans, block.pixel);
         }
     }
-    status = status ? status : mesh_spans_pair(out, &spans, cone);
-    mesh_spans_finish(&spans);
+    status = status ? status : mesh_intervals_pair(out, &spans, cone);
+    mesh_intervals_finish(&spans);
     return status;
 }
 
@@ -305,7 +305,7 @@ static conus_status add_meshes(struct rays_engine *engine, const conus_atlas *at
         objects[i].mesh = atlas_object_mesh(atlas, (uint32_t)i + 1);
     }
     conus_status status = mesh_rays_create(&engine->meshes, objects, atlas->object_count);
-    mesh_spans_init(&engine->spans, atlas);
+    mesh_intervals_init(&engine->spans, atlas);
     memory_free(objects);
     return status;
 }
@@ -315,12 +315,12 @@ static conus_status add_target(struct rays_engine *engine, const struct volume *
     struct target *target = &engine->targets[engine->target_count];
     *target = (struct target){.volume = volume};
     target->slices = slices_of_id_pass(slices, volume->info.dim);
-    conus_status status = engine->sampling == CONUS_EXACT ? leap_map_init(&target->map, volume) : CONUS_OK;
+    conus_status status = engine->sampling == CONUS_EXACT ? distance_map_init(&target->map, volume) : CONUS_OK;
     engine->target_count += !status;
     return status;
 }
 
-static const struct engine_functions functions = {.look = look, .pierce = pierce, .destroy = destroy};
+static const struct engine_functions functions = {.trace = trace, .pierce = pierce, .destroy = destroy};
 
 conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atlas,
                                      const struct engine_options *options, const struct traverse_kernel *kernel)

@@ -3,7 +3,7 @@
 #ifndef CONUS_SELECTION_ENGINE_ENGINE_RAYS_H
 #define CONUS_SELECTION_ENGINE_ENGINE_RAYS_H
 
-#include "selection/engine/evidence.h"
+#include "selection/engine/engine.h"
 #include "selection/engine/traverse.h"
 
 /** engine_rays_create() with @p kernel, which this machine must support. */
@@ -13,7 +13,7 @@ conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atl
 /** A rays engine that knows only the meshes of @p atlas. */
 conus_status engine_rays_create_for_meshes(struct engine **out, const conus_atlas *atlas);
 
-/** look() of a rays engine, but behind what @p out has already: it keeps what is nearer. */
-conus_status engine_rays_look_on(struct engine *engine, struct evidence *out, const struct cone *cone);
+/** trace() of a rays engine, but behind what @p out has already: it keeps what is nearer. */
+conus_status engine_rays_trace_on(struct engine *engine, struct evidence *out, const struct cone *cone);
 
 #endif

@@ -60,10 +60,3 @@ void evidence_drop_blocked(struct evidence *evidence)
         }
     }
 }
-
-void engine_destroy(struct engine *engine)
-{
-    if (engine) {
-        engine->functions->destroy(engine);
-    }
-}

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * All layers of the evidence (Eq. 10): every piece of every pixel's ray inside an object. Engines append spans in any
- * order; what is behind them gets them sorted. There is no limit on their number but memory's. */
+ * All layers of the evidence (Eq. 10): every interval of every pixel's ray inside an object. Engines append intervals
+ * in any order; what is behind them gets them sorted. There is no limit on their number but memory's. */
 #ifndef CONUS_SELECTION_ENGINE_LAYERS_H
 #define CONUS_SELECTION_ENGINE_LAYERS_H
 
+#include "selection/cone/cone.h"
 #include "selection/engine/evidence.h"
 
 /** Spans of an n x n buffer, pixels outside the aperture too. A zeroed one is empty. */
@@ -28,7 +29,7 @@ conus_status layers_add(struct layers *layers, const conus_span *span);
  * about that order. */
 conus_status layers_sort(struct layers *layers, size_t pixels);
 
-/** Drops what lies outside the cone's range; pieces that reach into it are cut there. Needs sorted layers and leaves
+/** Drops what lies outside the cone's range; intervals that reach into it are cut there. Needs sorted layers and leaves
  * them so. */
 void layers_clip(struct layers *layers, const struct cone *cone);
 

@@ -44,7 +44,7 @@ struct walk {
     struct mesh_bundle *bundle;
     double start; /* mm from the apex to where Embree's rays begin; negative a little behind it */
 
-    struct mesh_spans *out; /* of collect() */
+    struct mesh_intervals *out; /* of collect() */
     conus_status status;
 };
 
@@ -131,7 +131,7 @@ static void collect(const struct RTCFilterFunctionNArguments *arguments)
             struct found found = found_by(arguments, lane);
             const struct crossing crossing = {
                 .pixel = (uint32_t)found.ray, .object = found.object, .triangle = found.triangle};
-            walk->status = walk->status ? walk->status : mesh_spans_add(walk->out, &crossing);
+            walk->status = walk->status ? walk->status : mesh_intervals_add(walk->out, &crossing);
             arguments->valid[lane] = 0;
         }
     }
@@ -256,7 +256,7 @@ conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, 
 }
 
 /* By Embree's search for any hit, which does not care what is nearest: for all of them there is no need to. */
-conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_spans *out,
+conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_intervals *out,
                               const size_t *pixel)
 {
     _Alignas(64) union number stream[MESH_RAYS_LIMIT][HIT];

@@ -9,7 +9,7 @@
 #define CONUS_SELECTION_ENGINE_MESH_RAYS_H
 
 #include "atlas/surface/mesh.h"
-#include "selection/engine/mesh_spans.h"
+#include "selection/engine/mesh_intervals.h"
 
 /** A surface at its place. */
 struct mesh_object {
@@ -43,7 +43,7 @@ conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, 
 
 /** Appends all crossings of all of the bundle's rays with all surfaces to @p out (Eq. 10), whatever the rays have met;
  * ray k is that of pixel[k]. Leaves t undefined. */
-conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_spans *out,
+conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_intervals *out,
                               const size_t *pixel);
 
 /** The width to take for rays from @p apex that are @p pitch radians apart: 16 as long as neighbours meet the scene

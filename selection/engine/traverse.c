@@ -70,13 +70,13 @@ static double cell_after(const struct traverse_ray *ray, int axis, struct crossi
 }
 
 /* The first cell beyond the map's box in the ray's direction. */
-static double end_of(const struct leap_map *map, const struct traverse_ray *ray, int a)
+static double end_of(const struct distance_map *map, const struct traverse_ray *ray, int a)
 {
     return ray->sign[a] > 0 ? map->last[a] + 1 : map->first[a] - 1;
 }
 
 /* Moves all axes but that of the crossing to where they are after it. */
-static void catch_up(const struct leap_map *map, const struct traverse_ray *ray, struct crossing crossing,
+static void catch_up(const struct distance_map *map, const struct traverse_ray *ray, struct crossing crossing,
                      double cell[3])
 {
     for (int a = 0; a < 3; a++) {
@@ -86,7 +86,7 @@ static void catch_up(const struct leap_map *map, const struct traverse_ray *ray,
     }
 }
 
-static bool is_inside(const struct leap_map *map, const double cell[3])
+static bool is_inside(const struct distance_map *map, const double cell[3])
 {
     for (int a = 0; a < 3; a++) {
         if (!(cell[a] >= map->first[a] && cell[a] <= map->last[a])) {
@@ -96,7 +96,7 @@ static bool is_inside(const struct leap_map *map, const double cell[3])
     return true;
 }
 
-bool traverse_enter(const struct leap_map *map, const struct traverse_ray *ray, struct traverse_place *out)
+bool traverse_enter(const struct distance_map *map, const struct traverse_ray *ray, struct traverse_place *out)
 {
     struct crossing last = {.t = 0, .axis = -1};
     for (int a = 0; a < 3; a++) {
@@ -117,7 +117,7 @@ bool traverse_enter(const struct leap_map *map, const struct traverse_ray *ray, 
     return last.t < INFINITY && is_inside(map, out->cell);
 }
 
-bool traverse_leap(const struct leap_map *map, const struct traverse_ray *ray, double radius,
+bool traverse_leap(const struct distance_map *map, const struct traverse_ray *ray, double radius,
                    struct traverse_place *place)
 {
     struct crossing first = {.t = INFINITY, .axis = 0};
@@ -135,7 +135,7 @@ bool traverse_leap(const struct leap_map *map, const struct traverse_ray *ray, d
     return first.t < INFINITY && is_inside(map, place->cell);
 }
 
-struct traverse_contact traverse_one(const struct leap_map *map, const struct traverse_ray *ray, double limit)
+struct traverse_contact traverse_one(const struct distance_map *map, const struct traverse_ray *ray, double limit)
 {
     struct traverse_place at;
     bool inside = traverse_enter(map, ray, &at);
@@ -149,7 +149,7 @@ struct traverse_contact traverse_one(const struct leap_map *map, const struct tr
     return (struct traverse_contact){.t = INFINITY, .voxel = UINT64_MAX};
 }
 
-void traverse_bundle_ray(const struct leap_map *map, struct traverse_bundle *bundle, size_t i)
+void traverse_bundle_ray(const struct distance_map *map, struct traverse_bundle *bundle, size_t i)
 {
     struct traverse_ray ray;
     double direction[3] = {bundle->direction[0][i], bundle->direction[1][i], bundle->direction[2][i]};
@@ -160,7 +160,7 @@ void traverse_bundle_ray(const struct leap_map *map, struct traverse_bundle *bun
     bundle->voxel[i] = contact.voxel;
 }
 
-static void walk_one_by_one(const struct leap_map *map, struct traverse_bundle *bundle)
+static void walk_one_by_one(const struct distance_map *map, struct traverse_bundle *bundle)
 {
     for (size_t i = 0; i < bundle->count; i++) {
         traverse_bundle_ray(map, bundle, i);
@@ -221,10 +221,10 @@ static void pad(struct traverse_bundle *bundle)
     }
 }
 
-void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct leap_map *map, const struct volume *volume,
-                          struct traverse_bundle *bundle)
+void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct distance_map *map,
+                          const struct volume *volume, struct traverse_bundle *bundle)
 {
-    bool is_near = leap_map_codes(map) <= TRAVERSE_CODES;
+    bool is_near = distance_map_codes(map) <= TRAVERSE_CODES;
     bundle->index_from_world = volume->voxel_from_world;
     mat4_point(bundle->start, bundle->index_from_world, bundle->origin);
     for (int a = 0; a < 3; a++) {

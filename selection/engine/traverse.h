@@ -9,8 +9,8 @@
 #ifndef CONUS_SELECTION_ENGINE_TRAVERSE_H
 #define CONUS_SELECTION_ENGINE_TRAVERSE_H
 
+#include "selection/engine/distance_map.h"
 #include "selection/engine/layers.h"
-#include "selection/engine/leap_map.h"
 
 #include <stdalign.h>
 
@@ -30,14 +30,14 @@ struct traverse_place {
 };
 
 /** The map's code there. */
-static inline uint8_t traverse_code(const struct leap_map *map, const struct traverse_place *place)
+static inline uint8_t traverse_code(const struct distance_map *map, const struct traverse_place *place)
 {
     const double *cell = place->cell;
-    return map->codes[leap_map_at(map, (size_t)cell[0], (size_t)cell[1], (size_t)cell[2])];
+    return map->codes[distance_map_at(map, (size_t)cell[0], (size_t)cell[1], (size_t)cell[2])];
 }
 
 /** The voxel there, its linear index. */
-static inline size_t traverse_voxel(const struct leap_map *map, const struct traverse_place *place)
+static inline size_t traverse_voxel(const struct distance_map *map, const struct traverse_place *place)
 {
     const double *cell = place->cell;
     return (size_t)cell[0] + map->dim[0] * ((size_t)cell[1] + map->dim[1] * (size_t)cell[2]);
@@ -55,19 +55,19 @@ double traverse_cell(double x);
 void traverse_ray_init(struct traverse_ray *out, const double origin[3], const double direction[3]);
 
 /** The ray's first place in the map's box; false if it misses it. */
-bool traverse_enter(const struct leap_map *map, const struct traverse_ray *ray, struct traverse_place *out);
+bool traverse_enter(const struct distance_map *map, const struct traverse_ray *ray, struct traverse_place *out);
 
 /** Leaves the box of @p radius cells around @p place, which must be empty; false if the ray is out of the map's box
  * then. */
-bool traverse_leap(const struct leap_map *map, const struct traverse_ray *ray, double radius,
+bool traverse_leap(const struct distance_map *map, const struct traverse_ray *ray, double radius,
                    struct traverse_place *place);
 
 /** Walks one ray; gives up beyond @p limit mm. */
-struct traverse_contact traverse_one(const struct leap_map *map, const struct traverse_ray *ray, double limit);
+struct traverse_contact traverse_one(const struct distance_map *map, const struct traverse_ray *ray, double limit);
 
-/** Appends to @p out the pieces of @p pixel's ray inside the objects of @p volume, whose map @p map is: runs of cells
- * with the same object, to the exit from the last one (Eq. 10). */
-conus_status traverse_pierce(struct layers *out, const struct leap_map *map, const struct volume *volume,
+/** Appends to @p out the intervals of @p pixel's ray inside the objects of @p volume, whose map @p map is: runs of
+ * cells with the same object, to the exit from the last one (Eq. 10). */
+conus_status traverse_pierce(struct layers *out, const struct distance_map *map, const struct volume *volume,
                              const struct traverse_ray *ray, uint32_t pixel);
 
 enum { TRAVERSE_BUNDLE = 256, TRAVERSE_LANES = 16 };
@@ -92,20 +92,20 @@ struct traverse_bundle {
 };
 
 /** Walks ray @p i alone. */
-void traverse_bundle_ray(const struct leap_map *map, struct traverse_bundle *bundle, size_t i);
+void traverse_bundle_ray(const struct distance_map *map, struct traverse_bundle *bundle, size_t i);
 
 /** One way to walk bundles. Kernels need `count` to be a multiple of TRAVERSE_LANES and near origins;
  * traverse_bundle_walk() sees to both. */
 struct traverse_kernel {
     const char *name; /**< "avx512" */
     bool (*is_supported)(void);
-    void (*walk)(const struct leap_map *map, struct traverse_bundle *bundle);
+    void (*walk)(const struct distance_map *map, struct traverse_bundle *bundle);
 };
 
 /* By instruction set: traverse_avx512.c, traverse_avx2.c, traverse_plain.c; all of them from traverse_lanes.h. */
-void traverse_walk_avx512(const struct leap_map *map, struct traverse_bundle *bundle);
-void traverse_walk_avx2(const struct leap_map *map, struct traverse_bundle *bundle);
-void traverse_walk_plain(const struct leap_map *map, struct traverse_bundle *bundle);
+void traverse_walk_avx512(const struct distance_map *map, struct traverse_bundle *bundle);
+void traverse_walk_avx2(const struct distance_map *map, struct traverse_bundle *bundle);
+void traverse_walk_plain(const struct distance_map *map, struct traverse_bundle *bundle);
 
 /** Entry @p index of the table of kernels, the fastest first; NULL past the last. The last runs on any machine. */
 const struct traverse_kernel *traverse_kernel(size_t index);
@@ -114,7 +114,7 @@ const struct traverse_kernel *traverse_kernel(size_t index);
 const struct traverse_kernel *traverse_best_kernel(void);
 
 /** Walks the rays through @p volume, whose map @p map is. */
-void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct leap_map *map, const struct volume *volume,
-                          struct traverse_bundle *bundle);
+void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct distance_map *map,
+                          const struct volume *volume, struct traverse_bundle *bundle);
 
 #endif

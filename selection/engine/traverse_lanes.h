@@ -34,7 +34,7 @@ enum { PACKETS = TRAVERSE_BUNDLE / LANES };
 
 /* The rays of a bundle, in the index space of the map with its origin moved to `middle`. */
 struct walk {
-    const struct leap_map *map;
+    const struct distance_map *map;
     struct traverse_bundle *bundle;
     double error;                                 /* of positions, cells */
     int middle[3];                                /* a cell in the box, at which a line of the map begins, */
@@ -50,19 +50,19 @@ struct walk {
     truths live[PACKETS], hit[PACKETS], unclear[PACKETS];
 };
 
-static void walk_init(struct walk *walk, const struct leap_map *map, struct traverse_bundle *bundle)
+static void walk_init(struct walk *walk, const struct distance_map *map, struct traverse_bundle *bundle)
 {
     double extent = 0;
     walk->map = map;
     walk->bundle = bundle;
     for (int a = 0; a < 3; a++) {
-        double middle = floor((map->first[a] + map->last[a]) / 2 / LEAP_EDGE) * LEAP_EDGE - LEAP_MARGIN;
+        double middle = floor((map->first[a] + map->last[a]) / 2 / DISTANCE_EDGE) * DISTANCE_EDGE - DISTANCE_MARGIN;
         extent = fmax(extent, fmax(map->last[a] - middle, middle - map->first[a]) + 1);
         walk->middle[a] = (int)middle;
     }
     walk->error = extent * SINGLE_ERROR + DOUBLE_ERROR;
     walk->codes =
-        map->codes + leap_map_at(map, (size_t)walk->middle[0], (size_t)walk->middle[1], (size_t)walk->middle[2]);
+        map->codes + distance_map_at(map, (size_t)walk->middle[0], (size_t)walk->middle[1], (size_t)walk->middle[2]);
 }
 
 /* ---- Into the box ------------------------------------------------------------------------------------------- */
@@ -97,7 +97,7 @@ static INLINE void aim(struct half *out, const struct traverse_bundle *bundle, s
 }
 
 /* When the rays come in; 0 if they are in already. */
-static INLINE doubles entry_of(const struct half *rays, const struct leap_map *map)
+static INLINE doubles entry_of(const struct half *rays, const struct distance_map *map)
 {
     doubles t = all_doubles(0);
     EACH_AXIS
@@ -111,7 +111,7 @@ static INLINE doubles entry_of(const struct half *rays, const struct leap_map *m
 }
 
 /* When they are past it or their limit, counted from t. */
-static INLINE doubles stop_of(const struct half *rays, const struct leap_map *map, doubles limit, doubles t)
+static INLINE doubles stop_of(const struct half *rays, const struct distance_map *map, doubles limit, doubles t)
 {
     doubles stop = (limit - t) + PAST_LIMIT / rays->fastest;
     EACH_AXIS
@@ -201,8 +201,8 @@ static INLINE void enter(struct walk *walk, size_t slot, halves *live, halves *u
 
 /* ---- From cell to cell -------------------------------------------------------------------------------------- */
 
-/* Notes where the codes of the lanes' cells are, as leap_map_at() says, and has them fetched: neighbours' are mostly in
- * the same lines, so every third will do. */
+/* Notes where the codes of the lanes' cells are, as distance_map_at() says, and has them fetched: neighbours' are
+ * mostly in the same lines, so every third will do. */
 static INLINE void settle(struct walk *walk, size_t slot)
 {
     const singles cell[3] = {singles_at(walk->cell[0] + slot), singles_at(walk->cell[1] + slot),
@@ -301,7 +301,7 @@ static void deliver_all(const struct walk *walk)
     }
 }
 
-void KERNEL(const struct leap_map *map, struct traverse_bundle *bundle)
+void KERNEL(const struct distance_map *map, struct traverse_bundle *bundle)
 {
     struct walk walk;
     uint8_t under_way[PACKETS];

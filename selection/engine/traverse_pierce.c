@@ -1,35 +1,35 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "selection/engine/traverse.h"
 
-/* Ends the piece at t, where the ray comes into a cell of `object`, and begins that one's. */
-static conus_status change(struct layers *out, conus_span *piece, uint32_t object, double t, uint64_t voxel)
+/* Ends the interval at t, where the ray comes into a cell of `object`, and begins that one's. */
+static conus_status change(struct layers *out, conus_span *interval, uint32_t object, double t, uint64_t voxel)
 {
     conus_status status = CONUS_OK;
-    if (piece->object) {
-        piece->exit = t;
-        status = layers_add(out, piece);
+    if (interval->object) {
+        interval->exit = t;
+        status = layers_add(out, interval);
     }
-    piece->object = object;
-    piece->entry = t;
-    piece->voxel = voxel;
+    interval->object = object;
+    interval->entry = t;
+    interval->voxel = voxel;
     return status;
 }
 
-conus_status traverse_pierce(struct layers *out, const struct leap_map *map, const struct volume *volume,
+conus_status traverse_pierce(struct layers *out, const struct distance_map *map, const struct volume *volume,
                              const struct traverse_ray *ray, uint32_t pixel)
 {
     conus_status status = CONUS_OK;
-    conus_span piece = {.pixel = pixel};
+    conus_span interval = {.pixel = pixel};
     struct traverse_place at;
     bool inside = traverse_enter(map, ray, &at);
     while (inside && !status) {
         uint8_t code = traverse_code(map, &at);
         size_t voxel = traverse_voxel(map, &at);
         uint32_t object = code ? 0 : volume_object(volume, voxel);
-        if (object != piece.object) {
-            status = change(out, &piece, object, at.t, voxel);
+        if (object != interval.object) {
+            status = change(out, &interval, object, at.t, voxel);
         }
         inside = traverse_leap(map, ray, code ? code - 1 : 0, &at);
     }
-    return status ? status : change(out, &piece, 0, at.t, 0);
+    return status ? status : change(out, &interval, 0, at.t, 0);
 }

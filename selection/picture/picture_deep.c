@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Everything in the cone as a deep image: a sample for each piece of a pixel's ray inside an object. */
+/* Everything in the cone as a deep image: a sample for each interval of a pixel's ray inside an object. */
 #include "base/memory.h"
 #include "render/image/deep_image.h"
 #include "render/image/id_manifest.h"

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reports: makes them, and collects what they are to say. */
 #include "selection/report/report.h"
 
 #include "base/memory.h"
 #include "base/text.h"
+#include "selection/report/report_writers.h"
 
 #include <string.h>
 
@@ -147,6 +149,11 @@ static void fill_rows(conus_report *report, struct report_row *rows, const struc
     report->row_count -= statistics->count - kept;
 }
 
+static conus_status refuse_rows(const char *what)
+{
+    return fail(CONUS_ERROR_ARGUMENT, "report: %s, but its rows are of something else", what);
+}
+
 conus_status conus_report_add(conus_report *report, const char *query_id, const conus_selection *selection)
 {
     const struct statistics *statistics = &selection->statistics;
@@ -154,7 +161,7 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
     struct report_query query = {
         .cone = selection->cone, .step = selection->step, .ball = is_ball ? selection->region.radius : 0};
     if (report->options.rows == CONUS_ADMISSIONS || report->options.rows == CONUS_CHANCES) {
-        return fail(CONUS_ERROR_ARGUMENT, "report: an answer, but its rows are of something else");
+        return refuse_rows("an answer");
     }
     for (size_t i = 0; i < statistics->count; i++) {
         query.cone_pixels += statistics->results[i].pixels;
@@ -165,6 +172,34 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
         fill_rows(report, rows, statistics);
     }
     return status || report->options.no_voxels ? status : report_add_voxels(report, selection);
+}
+
+conus_status conus_report_add_sweep(conus_report *report, const char *query_id, const conus_sweep *sweep)
+{
+    struct report_row *rows;
+    if (report->options.rows != CONUS_ADMISSIONS) {
+        return refuse_rows("a sweep");
+    }
+    conus_status status =
+        report_append(&rows, report, query_id, &(struct report_query){.cone = sweep->cone}, sweep->count);
+    for (size_t i = 0; !status && i < sweep->count; i++) {
+        rows[i].admission = sweep->rows[i];
+    }
+    return status;
+}
+
+conus_status conus_report_add_jitter(conus_report *report, const char *query_id, const conus_jitter *jitter)
+{
+    struct report_row *rows;
+    const struct report_query query = {.cone = jitter->cone, .jitter = jitter->options};
+    if (report->options.rows != CONUS_CHANCES) {
+        return refuse_rows("an answer under errors of the pose");
+    }
+    conus_status status = report_append(&rows, report, query_id, &query, jitter->count);
+    for (size_t i = 0; !status && i < jitter->count; i++) {
+        rows[i].chance = jitter->rows[i];
+    }
+    return status;
 }
 
 /* NULL without memory. */
@@ -194,98 +229,4 @@ conus_status conus_report_add_error(conus_report *report, const char *query_id, 
         row->result.kind = CONUS_UNASSIGNED;
     }
     return status;
-}
-
-/* Hands out report->text, which a writer has filled. */
-static conus_status hand_out(conus_report *report, conus_status status, const char **text, size_t *size)
-{
-    status = status ? status : buffer_status(&report->text);
-    if (!status) {
-        *text = report->text.data ? report->text.data : "";
-        *size = report->text.size;
-    }
-    return status;
-}
-
-conus_status report_write_part(struct buffer *out, const conus_report *report)
-{
-    switch (report->options.format) {
-    case CONUS_TABLE:
-        (report->options.tracker ? report_write_track : report_write_table)(out, report);
-        break;
-    case CONUS_TSV:
-    case CONUS_CSV:
-    case CONUS_NDJSON:
-        report_write_rows(out, report);
-        break;
-    case CONUS_AFNI:
-        report_write_afni(out, report);
-        break;
-    case CONUS_BIDS:
-        return report_write_electrodes(out, report);
-    case CONUS_SPIKEGLX:
-        return report_write_spikeglx(out, report);
-    case CONUS_OPEN_EPHYS:
-        return report_write_open_ephys(out, report);
-    case CONUS_JSON:
-        break;
-    }
-    return CONUS_OK;
-}
-
-static conus_status write_text(conus_report *report)
-{
-    buffer_finish(&report->text);
-    if (report->options.format == CONUS_JSON) {
-        return report_write_json(&report->text, report);
-    }
-    if (!report->is_begun) {
-        report_write_heading(&report->text, report);
-    }
-    return report_write_part(&report->text, report);
-}
-
-conus_status conus_report_text(conus_report *report, const char **text, size_t *size)
-{
-    conus_status status = write_text(report);
-    size_t rows = report->electrode_line_count ? report->electrode_line_count - 1 : 0;
-    if (!status && rows > report->taken + report->query_count) {
-        status = fail(CONUS_ERROR_DATA, "electrodes: %zu rows, more than answers", rows);
-    }
-    return hand_out(report, status, text, size);
-}
-
-conus_status conus_report_take(conus_report *report, const char **text, size_t *size)
-{
-    conus_format format = report->options.format;
-    if (format == CONUS_JSON || format == CONUS_SPIKEGLX || format == CONUS_OPEN_EPHYS) {
-        return fail(CONUS_ERROR_ARGUMENT, "format: this one is one whole, NDJSON can be taken in parts");
-    }
-    conus_status status = hand_out(report, write_text(report), text, size);
-    if (!status) {
-        report->is_begun = true;
-        report->taken += report->query_count;
-        report_clear(report);
-    }
-    return status;
-}
-
-conus_status conus_report_voxels(conus_report *report, const char **text, size_t *size)
-{
-    buffer_finish(&report->text);
-    buffer_text(&report->text, "query\tpathway\ti\tj\tk\tx\ty\tz\tvalue\tdistance_mm\tkind\tindex\n");
-    buffer_append(&report->text, report->voxels.data, report->voxels.size);
-    return hand_out(report, buffer_status(&report->voxels), text, size);
-}
-
-conus_status conus_report_sidecar(conus_report *report, const char **text, size_t *size)
-{
-    buffer_finish(&report->text);
-    return hand_out(report, report_write_sidecar(&report->text, report), text, size);
-}
-
-conus_status conus_report_grid_sidecar(conus_report *report, const conus_grid *grid, const char **text, size_t *size)
-{
-    buffer_finish(&report->text);
-    return hand_out(report, report_write_grid_sidecar(&report->text, report, grid), text, size);
 }

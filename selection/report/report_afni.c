@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Answers in the two blocks of AFNI's whereami -tab. */
 #include "atlas/atlas.h"
-#include "selection/report/report.h"
+#include "selection/report/report_writers.h"
 
 #include <math.h>
 #include <stdio.h>

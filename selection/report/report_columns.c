@@ -1,25 +1,31 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "base/math3.h"
-#include "selection/report/report.h"
+/* The tables of columns of all kinds of reports, and how a cell is read from a row. */
+#include "selection/report/report_columns.h"
 
-static struct cell none(void)
+#include "base/math3.h"
+
+#include <assert.h>
+#include <stddef.h>
+#include <string.h>
+
+static struct cell no_cell(void)
 {
     return (struct cell){.type = CELL_NONE};
 }
 
-static struct cell text(const char *value)
+static struct cell text_cell(const char *value)
 {
-    return value && value[0] ? (struct cell){.type = CELL_TEXT, .text = value} : none();
+    return value && value[0] ? (struct cell){.type = CELL_TEXT, .text = value} : no_cell();
 }
 
-static struct cell integer(uint64_t value)
+static struct cell integer_cell(uint64_t value)
 {
     return (struct cell){.type = CELL_INTEGER, .integer = value};
 }
 
-static struct cell number(double value)
+static struct cell number_cell(double value)
 {
-    return isfinite(value) ? (struct cell){.type = CELL_NUMBER, .number = value} : none();
+    return isfinite(value) ? (struct cell){.type = CELL_NUMBER, .number = value} : no_cell();
 }
 
 static const conus_object *object_of(const conus_report *report, const struct report_row *row)
@@ -27,9 +33,15 @@ static const conus_object *object_of(const conus_report *report, const struct re
     return conus_atlas_object(report->atlas, row->result.object);
 }
 
+/* Entries of the tables: where a value lies, after its name, units and description. */
+#define OF_ROW(kind, member) .type = COLUMN_##kind, .offset = offsetof(struct report_row, member)
+#define OF_QUERY(kind, member) .type = COLUMN_##kind, .offset = offsetof(struct report_query, member), .of_query = true
+
+/* ---- Answers ---- */
+
 static struct cell get_query(const conus_report *report, const struct report_row *row)
 {
-    return text(report->queries[row->query].id);
+    return text_cell(report->queries[row->query].id);
 }
 
 const char *report_kind(conus_kind kind)
@@ -40,73 +52,298 @@ const char *report_kind(conus_kind kind)
 static struct cell get_kind(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return text(report_kind(row->result.kind));
+    return text_cell(report_kind(row->result.kind));
 }
 
 static struct cell get_index(const conus_report *report, const struct report_row *row)
 {
     const conus_object *object = object_of(report, row);
-    return object ? integer(object->label) : none();
+    return object ? integer_cell(object->label) : no_cell();
 }
 
 static struct cell get_name(const conus_report *report, const struct report_row *row)
 {
     const conus_object *object = object_of(report, row);
-    return text(object ? object->name : "unassigned");
+    return text_cell(object ? object->name : "unassigned");
 }
 
 static struct cell get_abbreviation(const conus_report *report, const struct report_row *row)
 {
     const conus_object *object = object_of(report, row);
-    return object ? text(object->abbreviation) : none();
+    return object ? text_cell(object->abbreviation) : no_cell();
 }
 
-static struct cell get_rank(const conus_report *report, const struct report_row *row)
+static struct cell get_voxels(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return row->result.rank ? integer(row->result.rank) : none();
+    bool in_grid = row->result.object || isfinite(row->result.volume);
+    return in_grid ? integer_cell(row->result.voxels) : no_cell();
 }
 
-static struct cell get_score(const conus_report *report, const struct report_row *row)
+static struct cell get_unoccluded(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return number(row->result.score);
+    return number_cell(row->result.pixels / (double)row->result.pierced);
 }
 
-/* A ball has no pixels and no rays. */
-static bool of_ball(const conus_report *report, const struct report_row *row)
+static const struct report_column answer_columns[] = {
+    {"query", NULL, "query_id of the pose, else its number from 1", .get = get_query},
+    {"kind", NULL,
+     "area, pathway, or unassigned: the part of the cone that met nothing; error: no answer, and name says why",
+     .get = get_kind},
+    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway", .get = get_index},
+    {"name", NULL, "name of the area or pathway", .get = get_name},
+    {"abbreviation", NULL, "abbreviation in the label table", .get = get_abbreviation},
+    {"rank", NULL, "1 is the best score", OF_ROW(RANK, result.rank)},
+    {"score", NULL, "value of the ranking named in the settings, higher is better", OF_ROW(NUMBER, result.score)},
+    {"pixels", NULL, "pixels of the cone that met it first", OF_ROW(COUNT, result.pixels), .needs = NEEDS_RAYS},
+    {"share", NULL, "its part of the cone's solid angle; all shares of a query sum to 1", OF_ROW(NUMBER, result.share)},
+    {"pierced", NULL, "pixels whose ray passes it, hidden or not", OF_ROW(COUNT, result.pierced),
+     .needs = NEEDS_RAYS | NEEDS_LAYERS},
+    {"center_px", "pixel", "smallest distance of its pixels to the buffer's centre", OF_ROW(NUMBER, result.center_px)},
+    {"offset_deg", "degree", "smallest angle between its rays and the axis", OF_ROW(ANGLE, result.offset)},
+    {"distance_mm", "mm", "distance from the apex to the nearest first contact of any of its pixels",
+     OF_ROW(NUMBER, result.distance)},
+    {"contact_x", "mm", "first contact on its ray closest to the axis, x", OF_ROW(X, result.contact)},
+    {"contact_y", "mm", "the same, y", OF_ROW(Y, result.contact)},
+    {"contact_z", "mm", "the same, z", OF_ROW(Z, result.contact)},
+    {"entry_mm", "mm", "nearest entry over all layers", OF_ROW(NUMBER, result.entry), .needs = NEEDS_LAYERS},
+    {"exit_mm", "mm", "farthest exit over all layers", OF_ROW(NUMBER, result.exit), .needs = NEEDS_LAYERS},
+    {"path_mm", "mm", "mean path length over its rays", OF_ROW(NUMBER, result.path), .needs = NEEDS_LAYERS},
+    {"volume_mm3", "mm^3", "its volume inside the cone; of unassigned, that of voxels that are no area's",
+     OF_ROW(NUMBER, result.volume), .needs = NEEDS_CENSUS},
+    {"fraction", NULL, "that volume as a part of its whole", OF_ROW(NUMBER, result.fraction), .needs = NEEDS_LAYERS},
+    {"mean_value", NULL, "mean value of a pathway's voxels in the cone", OF_ROW(NUMBER, result.mean_value),
+     .needs = NEEDS_LAYERS},
+    {"max_value", NULL, "largest value of a pathway's voxels in the cone", OF_ROW(NUMBER, result.max_value),
+     .needs = NEEDS_LAYERS},
+    {"voxels", NULL, "its voxels whose centre is in the cone", .get = get_voxels, .needs = NEEDS_CENSUS,
+     .layers_only = true},
+    {"cone_fraction", NULL, "its volume in the cone as a part of that of all areas in the cone",
+     OF_ROW(NUMBER, result.cone_fraction), .needs = NEEDS_LAYERS, .layers_only = true},
+    {"sum_value", NULL, "sum of the values of a pathway's voxels in the cone", OF_ROW(NUMBER, result.sum_value),
+     .needs = NEEDS_LAYERS, .layers_only = true},
+    {"centroid_x", "mm", "centroid of its voxels in the cone, of a pathway weighted by value, x",
+     OF_ROW(X, result.centroid), .needs = NEEDS_LAYERS, .layers_only = true},
+    {"centroid_y", "mm", "the same, y", OF_ROW(Y, result.centroid), .needs = NEEDS_LAYERS, .layers_only = true},
+    {"centroid_z", "mm", "the same, z", OF_ROW(Z, result.centroid), .needs = NEEDS_LAYERS, .layers_only = true},
+    {"unoccluded", NULL, "pixels that met it first as a part of those that pierce it", .get = get_unoccluded,
+     .needs = NEEDS_LAYERS, .layers_only = true},
+};
+
+/* ---- Steps of a track: behind those of answers ---- */
+
+static struct cell get_selected(const conus_report *report, const struct report_row *row)
 {
-    return report->queries[row->query].ball > 0;
+    return integer_cell(report_is_selected(report, row));
 }
 
-static struct cell get_pixels(const conus_report *report, const struct report_row *row)
+static struct cell get_confirmed(const conus_report *report, const struct report_row *row)
 {
-    return of_ball(report, row) ? none() : integer(row->result.pixels);
+    return integer_cell(report_is_confirmed(report, row));
 }
 
-static struct cell get_share(const conus_report *report, const struct report_row *row)
+static const struct report_column track_columns[] = {
+    {"time_s", "s", "time of the step", OF_QUERY(TIME, step.time_s)},
+    {"selected", NULL, "1 if it is what is selected at this step, else 0", .get = get_selected},
+    {"confirmed", NULL, "1 if the trigger, pressed at this step, confirms it, else 0", .get = get_confirmed},
+};
+
+/* ---- Sweeps and chances: behind the common ones ---- */
+
+static const char *const study_common[] = {"query", "kind", "index", "name", "abbreviation"};
+
+static struct cell get_place(const conus_report *report, const struct report_row *row)
+{
+    return integer_cell((size_t)(row - report->rows) - report->queries[row->query].first_row + 1);
+}
+
+static struct cell get_half(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return number(row->result.share);
+    return number_cell(degrees_from_radians(row->admission.angle / 2));
 }
 
-static struct cell get_center(const conus_report *report, const struct report_row *row)
+static struct cell get_measured(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return number(row->result.center_px);
+    return text_cell(row->admission.is_surface ? "surface" : "voxel centre");
 }
 
-static struct cell get_offset(const conus_report *report, const struct report_row *row)
+static const struct report_column share_columns[] = {
+    {"angle_deg", "degree", "full opening angle of the cone", OF_QUERY(ANGLE, cone.angle)},
+};
+
+static const struct report_column admission_columns[] = {
+    {"rank", NULL, "1 is admitted first", .get = get_place},
+    {"angle_deg", "degree", "full opening angle of the narrowest cone that holds some of it",
+     OF_ROW(ANGLE, admission.angle)},
+    {"half_angle_deg", "degree", "half of that: the angle to the axis", .get = get_half},
+    {"margin_deg", "degree", "by how much the cone must open further for the next one",
+     OF_ROW(ANGLE, admission.margin)},
+    {"distance_mm", "mm", "distance from the apex to what is admitted first", OF_ROW(NUMBER, admission.distance)},
+    {"x", "mm", "where that is, x", OF_ROW(X, admission.point)},
+    {"y", "mm", "the same, y", OF_ROW(Y, admission.point)},
+    {"z", "mm", "the same, z", OF_ROW(Z, admission.point)},
+    {"measured", NULL, "what that is: voxel centre, or surface of a mesh; exact either way", .get = get_measured},
+};
+
+static const struct report_column chance_columns[] = {
+    {"rank", NULL, "1 is the most probable hit", OF_ROW(RANK, chance.rank)},
+    {"p_hit", NULL, "probability that it is the one hit; of a query they sum to 1", OF_ROW(NUMBER, chance.hit)},
+    {"p_hit_error", NULL, "standard error of p_hit, on the safe side", OF_ROW(NUMBER, chance.hit_error)},
+    {"p_seen", NULL, "probability that some pixel meets it first", OF_ROW(NUMBER, chance.seen)},
+    {"p_in_cone", NULL, "probability that it is in the cone at all; needs all layers", OF_ROW(NUMBER, chance.in_cone)},
+    {"mean_share", NULL, "mean part of the cone's solid angle; of a query they sum to 1", OF_ROW(NUMBER, chance.share)},
+    {"sd_share", NULL, "standard deviation of that part from sample to sample", OF_ROW(NUMBER, chance.share_deviation)},
+    {"samples", NULL, "poses that were looked from", OF_QUERY(COUNT, jitter.samples)},
+    {"error_deg", "degree", "standard deviation of the tilt of the axis, about each of two axes",
+     OF_QUERY(ANGLE, jitter.tilt)},
+    {"error_mm", "mm", "standard deviation of the position, along each of three axes", OF_QUERY(NUMBER, jitter.shift)},
+};
+
+/* ---- Summaries: one row per answer, with the best, the next, and by how much it is behind ---- */
+
+static const char *const summary_common[] = {"query", "kind", "index", "name", "share", "score", "distance_mm"};
+
+/* The result behind the best one, or what is unassigned. */
+static const struct report_row *next_row(const conus_report *report, const struct report_row *row)
 {
-    (void)report;
-    return number(degrees_from_radians(row->result.offset));
+    const struct report_row *end = report->rows + report->row_count;
+    return row + 1 < end && row[1].query == row->query ? row + 1 : row;
 }
 
-static struct cell get_distance(const conus_report *report, const struct report_row *row)
+static const conus_object *runner_up(const conus_report *report, const struct report_row *row)
 {
-    (void)report;
-    return number(row->result.distance);
+    const struct report_row *next = next_row(report, row);
+    return next == row ? NULL : conus_atlas_object(report->atlas, next->result.object);
 }
+
+static struct cell get_runner_up(const conus_report *report, const struct report_row *row)
+{
+    const conus_object *object = runner_up(report, row);
+    return object ? text_cell(object->name) : no_cell();
+}
+
+static struct cell get_runner_up_index(const conus_report *report, const struct report_row *row)
+{
+    const conus_object *object = runner_up(report, row);
+    return object ? integer_cell(object->label) : no_cell();
+}
+
+static struct cell get_runner_up_share(const conus_report *report, const struct report_row *row)
+{
+    return number_cell(runner_up(report, row) ? next_row(report, row)->result.share : NAN);
+}
+
+static struct cell get_score_margin(const conus_report *report, const struct report_row *row)
+{
+    return number_cell(runner_up(report, row) ? row->result.score - next_row(report, row)->result.score : NAN);
+}
+
+static struct cell get_unassigned(const conus_report *report, const struct report_row *row)
+{
+    while (next_row(report, row) != row) {
+        row++;
+    }
+    return number_cell(row->result.object ? NAN : row->result.share);
+}
+
+static struct cell get_error(const conus_report *report, const struct report_row *row)
+{
+    return text_cell(report->queries[row->query].error);
+}
+
+static const struct report_column summary_columns[] = {
+    {"runner_up", NULL, "name of the area or pathway with the second best score", .get = get_runner_up},
+    {"runner_up_index", NULL, "its index", .get = get_runner_up_index},
+    {"runner_up_share", NULL, "its share", .get = get_runner_up_share},
+    {"margin", NULL, "score of the best less that of the runner-up", .get = get_score_margin},
+    {"unassigned_share", NULL, "share of what met nothing", .get = get_unassigned},
+    {"error", NULL, "why there is no answer; then kind is error, and all else is missing", .get = get_error},
+};
+
+/* What a table of electrodes gets. */
+static const struct report_column electrode_columns[] = {
+    {"area", NULL, "name of the area or pathway with the best score at the contact, or unassigned", .get = get_name},
+    {"area_index", NULL, "the atlas's own label of it", .get = get_index},
+    {"area_share", NULL, "its part of the ball around the contact, or of the cone", OF_ROW(NUMBER, result.share)},
+    {"area_distance_mm", "mm", "how far it is from the contact", OF_ROW(NUMBER, result.distance)},
+    {"runner_up", NULL, "name of the area or pathway with the second best score", .get = get_runner_up},
+    {"runner_up_share", NULL, "its share", .get = get_runner_up_share},
+    {"area_error", NULL, "why there is no answer", .get = get_error},
+};
+
+/* ---- Which columns a report has ---- */
+
+#define COUNT_OF(array) (sizeof(array) / sizeof(array)[0])
+
+static void list_column(struct report_columns *out, const struct report_column *column)
+{
+    assert(out->count < REPORT_COLUMN_LIMIT);
+    out->at[out->count++] = column;
+}
+
+static void list_table(struct report_columns *out, const struct report_column *table, size_t count, bool layers)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (layers || !table[i].layers_only) {
+            list_column(out, &table[i]);
+        }
+    }
+}
+
+/* The columns of answers that have these names. */
+static void list_named(struct report_columns *out, const char *const *names, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const struct report_column *column = answer_columns;
+        while (strcmp(column->name, names[i]) != 0) {
+            column++;
+        }
+        list_column(out, column);
+    }
+}
+
+static void list_answers(struct report_columns *out, const conus_report *report)
+{
+    list_table(out, answer_columns, COUNT_OF(answer_columns), report->selector.layers);
+    if (report->options.tracker) {
+        list_table(out, track_columns, COUNT_OF(track_columns), true);
+    }
+}
+
+void report_list_columns(struct report_columns *out, const conus_report *report)
+{
+    out->count = 0;
+    switch (report->options.rows) {
+    case CONUS_ANSWERS:
+        if (report->options.format == CONUS_BIDS) {
+            list_table(out, electrode_columns, COUNT_OF(electrode_columns), true);
+        } else {
+            list_answers(out, report);
+        }
+        break;
+    case CONUS_SUMMARIES:
+        list_named(out, summary_common, COUNT_OF(summary_common));
+        list_table(out, summary_columns, COUNT_OF(summary_columns), true);
+        break;
+    case CONUS_SHARES:
+        list_answers(out, report);
+        list_table(out, share_columns, COUNT_OF(share_columns), true);
+        break;
+    case CONUS_ADMISSIONS:
+        list_named(out, study_common, COUNT_OF(study_common));
+        list_table(out, admission_columns, COUNT_OF(admission_columns), true);
+        break;
+    case CONUS_CHANCES:
+        list_named(out, study_common, COUNT_OF(study_common));
+        list_table(out, chance_columns, COUNT_OF(chance_columns), true);
+        break;
+    }
+}
+
+/* ---- Cells ---- */
 
 void report_point(const conus_report *report, double point[3])
 {
@@ -116,220 +353,66 @@ void report_point(const conus_report *report, double point[3])
     }
 }
 
-static struct cell contact(const conus_report *report, const struct report_row *row, int axis)
+static bool has_needs(const conus_report *report, const struct report_row *row, unsigned needs)
 {
+    bool of_ball = report->queries[row->query].ball > 0;
+    unsigned there = of_ball ? NEEDS_CENSUS : NEEDS_RAYS;
+    there |= report->selector.layers ? NEEDS_CENSUS : 0;
+    there |= row->result.object ? NEEDS_OBJECT : 0;
+    return !(needs & ~there);
+}
+
+/* The value at `place`, which is of the column's type. */
+static struct cell stored_cell(const conus_report *report, enum column_type type, const void *place)
+{
+    const uint32_t *count = place;
+    const double *numbers = place;
     double point[3];
-    memcpy(point, row->result.contact, sizeof point);
-    report_point(report, point);
-    return number(point[axis]);
-}
-
-static struct cell get_contact_x(const conus_report *report, const struct report_row *row)
-{
-    return contact(report, row, 0);
-}
-
-static struct cell get_contact_y(const conus_report *report, const struct report_row *row)
-{
-    return contact(report, row, 1);
-}
-
-static struct cell get_contact_z(const conus_report *report, const struct report_row *row)
-{
-    return contact(report, row, 2);
-}
-
-/* ---- All layers; n/a in every row of what is only visible ---------------------------------------------------- */
-
-static bool has_census(const conus_report *report, const struct report_row *row)
-{
-    return report->selector.layers || of_ball(report, row);
-}
-
-static struct cell of_layers(const conus_report *report, const struct report_row *row, struct cell cell)
-{
-    return has_census(report, row) && row->result.object ? cell : none();
-}
-
-static struct cell get_pierced(const conus_report *report, const struct report_row *row)
-{
-    return of_ball(report, row) ? none() : of_layers(report, row, integer(row->result.pierced));
-}
-
-static struct cell get_entry(const conus_report *report, const struct report_row *row)
-{
-    return of_layers(report, row, number(row->result.entry));
-}
-
-static struct cell get_exit(const conus_report *report, const struct report_row *row)
-{
-    return of_layers(report, row, number(row->result.exit));
-}
-
-static struct cell get_path(const conus_report *report, const struct report_row *row)
-{
-    return of_layers(report, row, number(row->result.path));
-}
-
-static struct cell get_volume(const conus_report *report, const struct report_row *row)
-{
-    return has_census(report, row) ? number(row->result.volume) : none();
-}
-
-static struct cell get_fraction(const conus_report *report, const struct report_row *row)
-{
-    return of_layers(report, row, number(row->result.fraction));
-}
-
-static struct cell get_mean_value(const conus_report *report, const struct report_row *row)
-{
-    return of_layers(report, row, number(row->result.mean_value));
-}
-
-static struct cell get_max_value(const conus_report *report, const struct report_row *row)
-{
-    return of_layers(report, row, number(row->result.max_value));
-}
-
-/* ---- Columns that only a report of all layers has ----------------------------------------------------------- */
-
-static struct cell get_voxels(const conus_report *report, const struct report_row *row)
-{
-    bool in_grid = row->result.object || isfinite(row->result.volume);
-    return has_census(report, row) && in_grid ? integer(row->result.voxels) : none();
-}
-
-static struct cell get_cone_fraction(const conus_report *report, const struct report_row *row)
-{
-    return of_layers(report, row, number(row->result.cone_fraction));
-}
-
-static struct cell get_sum_value(const conus_report *report, const struct report_row *row)
-{
-    return of_layers(report, row, number(row->result.sum_value));
-}
-
-static struct cell centroid(const conus_report *report, const struct report_row *row, int axis)
-{
-    double point[3];
-    memcpy(point, row->result.centroid, sizeof point);
-    report_point(report, point);
-    return of_layers(report, row, number(point[axis]));
-}
-
-static struct cell get_centroid_x(const conus_report *report, const struct report_row *row)
-{
-    return centroid(report, row, 0);
-}
-
-static struct cell get_centroid_y(const conus_report *report, const struct report_row *row)
-{
-    return centroid(report, row, 1);
-}
-
-static struct cell get_centroid_z(const conus_report *report, const struct report_row *row)
-{
-    return centroid(report, row, 2);
-}
-
-static struct cell get_unoccluded(const conus_report *report, const struct report_row *row)
-{
-    return of_layers(report, row, number(row->result.pixels / (double)row->result.pierced));
-}
-
-static const struct report_column report_columns[] = {
-    {"query", NULL, "query_id of the pose, else its number from 1", get_query, false},
-    {"kind", NULL,
-     "area, pathway, or unassigned: the part of the cone that met nothing; error: no answer, and name says why",
-     get_kind, false},
-    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway", get_index, false},
-    {"name", NULL, "name of the area or pathway", get_name, false},
-    {"abbreviation", NULL, "abbreviation in the label table", get_abbreviation, false},
-    {"rank", NULL, "1 is the best score", get_rank, false},
-    {"score", NULL, "value of the ranking named in the settings, higher is better", get_score, false},
-    {"pixels", NULL, "pixels of the cone that met it first", get_pixels, false},
-    {"share", NULL, "its part of the cone's solid angle; all shares of a query sum to 1", get_share, false},
-    {"pierced", NULL, "pixels whose ray passes it, hidden or not", get_pierced, false},
-    {"center_px", "pixel", "smallest distance of its pixels to the buffer's centre", get_center, false},
-    {"offset_deg", "degree", "smallest angle between its rays and the axis", get_offset, false},
-    {"distance_mm", "mm", "distance from the apex to the nearest first contact of any of its pixels", get_distance,
-     false},
-    {"contact_x", "mm", "first contact on its ray closest to the axis, x", get_contact_x, false},
-    {"contact_y", "mm", "the same, y", get_contact_y, false},
-    {"contact_z", "mm", "the same, z", get_contact_z, false},
-    {"entry_mm", "mm", "nearest entry over all layers", get_entry, false},
-    {"exit_mm", "mm", "farthest exit over all layers", get_exit, false},
-    {"path_mm", "mm", "mean path length over its rays", get_path, false},
-    {"volume_mm3", "mm^3", "its volume inside the cone; of unassigned, that of voxels that are no area's", get_volume,
-     false},
-    {"fraction", NULL, "that volume as a part of its whole", get_fraction, false},
-    {"mean_value", NULL, "mean value of a pathway's voxels in the cone", get_mean_value, false},
-    {"max_value", NULL, "largest value of a pathway's voxels in the cone", get_max_value, false},
-    {"voxels", NULL, "its voxels whose centre is in the cone", get_voxels, true},
-    {"cone_fraction", NULL, "its volume in the cone as a part of that of all areas in the cone", get_cone_fraction,
-     true},
-    {"sum_value", NULL, "sum of the values of a pathway's voxels in the cone", get_sum_value, true},
-    {"centroid_x", "mm", "centroid of its voxels in the cone, of a pathway weighted by value, x", get_centroid_x, true},
-    {"centroid_y", "mm", "the same, y", get_centroid_y, true},
-    {"centroid_z", "mm", "the same, z", get_centroid_z, true},
-    {"unoccluded", NULL, "pixels that met it first as a part of those that pierce it", get_unoccluded, true},
-    {NULL, NULL, NULL, NULL, false},
-};
-
-/* ---- Columns that only a report on a track has -------------------------------------------------------------- */
-
-static struct cell get_time(const conus_report *report, const struct report_row *row)
-{
-    return (struct cell){.type = CELL_TIME, .number = report->queries[row->query].step.time_s};
-}
-
-static struct cell get_selected(const conus_report *report, const struct report_row *row)
-{
-    return integer(report_is_selected(report, row));
-}
-
-static struct cell get_confirmed(const conus_report *report, const struct report_row *row)
-{
-    return integer(report_is_confirmed(report, row));
-}
-
-static const struct report_column track_columns[] = {
-    {"time_s", "s", "time of the step", get_time, false},
-    {"selected", NULL, "1 if it is what is selected at this step, else 0", get_selected, false},
-    {"confirmed", NULL, "1 if the trigger, pressed at this step, confirms it, else 0", get_confirmed, false},
-    {NULL, NULL, NULL, NULL, false},
-};
-
-const struct report_column *report_find_column(const char *name)
-{
-    const struct report_column *column = report_columns;
-    while (column->name && strcmp(column->name, name) != 0) {
-        column++;
-    }
-    return column->name ? column : NULL;
-}
-
-const struct report_column *report_next_column(const conus_report *report, const struct report_column *column)
-{
-    switch (report->options.rows) {
-    case CONUS_ANSWERS:
-        return report->options.format == CONUS_BIDS ? report_next_electrode_column(column)
-                                                    : report_next_answer_column(report, column);
-    case CONUS_SUMMARIES:
-        return report_next_summary_column(column);
+    switch (type) {
+    case COLUMN_RANK:
+        return *count ? integer_cell(*count) : no_cell();
+    case COLUMN_COUNT:
+        return integer_cell(*count);
+    case COLUMN_ANGLE:
+        return number_cell(degrees_from_radians(*numbers));
+    case COLUMN_TIME:
+        return (struct cell){.type = CELL_TIME, .number = *numbers};
+    case COLUMN_X:
+    case COLUMN_Y:
+    case COLUMN_Z:
+        memcpy(point, numbers, sizeof point);
+        report_point(report, point);
+        return number_cell(point[type - COLUMN_X]);
     default:
-        return report_next_sweep_column(report, column);
+        return number_cell(*numbers);
     }
 }
 
-const struct report_column *report_next_answer_column(const conus_report *report, const struct report_column *column)
+static struct cell answered_cell(const conus_report *report, const struct report_column *column,
+                                 const struct report_row *row)
 {
-    column = column ? column + 1 : report_columns;
-    while (column->name && column->layers_only && !report->selector.layers) {
-        column++;
+    if (column->needs && !has_needs(report, row, column->needs)) {
+        return no_cell();
     }
-    if (column == &report_columns[sizeof report_columns / sizeof report_columns[0] - 1] && report->options.tracker) {
-        column = track_columns;
+    if (column->get) {
+        return column->get(report, row);
     }
-    return column->name ? column : NULL;
+    const void *from = column->of_query ? (const void *)&report->queries[row->query] : row;
+    return stored_cell(report, column->type, (const char *)from + column->offset);
+}
+
+struct cell report_cell(const conus_report *report, const struct report_column *column, const struct report_row *row)
+{
+    const struct report_query *query = &report->queries[row->query];
+    if (!query->error) {
+        return answered_cell(report, column, row);
+    }
+    const char *reason = report->options.rows == CONUS_SUMMARIES ? "error"
+                         : report->options.format == CONUS_BIDS  ? "area_error"
+                                                                 : "name";
+    const char *text = !strcmp(column->name, "query")  ? query->id
+                       : !strcmp(column->name, "kind") ? "error"
+                       : !strcmp(column->name, reason) ? query->error
+                                                       : NULL;
+    return text_cell(text);
 }

@@ -3,7 +3,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "poses/pose_file.h"
-#include "selection/report/report.h"
+#include "selection/report/report_writers.h"
 
 /* Appends @p count fields of the line: missing ones as n/a, without what is too much. */
 static void write_fields(struct buffer *out, struct text line, size_t count)
@@ -22,10 +22,12 @@ static size_t check_header(const conus_report *report, struct text line)
 {
     struct text field;
     size_t count = 0;
+    struct report_columns columns;
+    report_list_columns(&columns, report);
     for (bool more = true; text_field(&line, '\t', &more, &field); count++) {
-        for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
-            if (text_equal(text_trim(field), column->name)) {
-                (void)fail(CONUS_ERROR_DATA, "electrodes: there is a column %s already", column->name);
+        for (size_t i = 0; i < columns.count; i++) {
+            if (text_equal(text_trim(field), columns.at[i]->name)) {
+                (void)fail(CONUS_ERROR_DATA, "electrodes: there is a column %s already", columns.at[i]->name);
                 return 0;
             }
         }
@@ -35,10 +37,12 @@ static size_t check_header(const conus_report *report, struct text line)
 
 static void write_cells(struct buffer *out, const conus_report *report, const struct report_row *row)
 {
-    for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
+    struct report_columns columns;
+    report_list_columns(&columns, report);
+    for (size_t i = 0; i < columns.count; i++) {
         buffer_append(out, "\t", 1);
-        report_write_cell(out, row ? report_cell(report, column, row)
-                                   : (struct cell){.type = CELL_TEXT, .text = column->name});
+        report_write_cell(out, row ? report_cell(report, columns.at[i], row)
+                                   : (struct cell){.type = CELL_TEXT, .text = columns.at[i]->name});
     }
     buffer_append(out, "\n", 1);
 }
@@ -88,7 +92,7 @@ conus_status report_read_electrodes(conus_report *report)
     return status;
 }
 
-void report_write_electrodes_heading(struct buffer *out, const conus_report *report)
+void report_write_electrodes_header(struct buffer *out, const conus_report *report)
 {
     write_fields(out, report->electrode_lines[0], report->electrode_field_count);
     write_cells(out, report, NULL);

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* JSON: the whole report with its provenance, and the sidecars of tables and grids. */
 #include "atlas/grid.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "selection/report/report.h"
+#include "selection/report/report_writers.h"
+#include "selection/study/tracker.h"
 
 #include <jansson.h>
 #include <stdio.h>
@@ -54,11 +56,13 @@ static json_t *json_from_cell(struct cell cell)
     return json_null();
 }
 
-static json_t *json_from_row(const conus_report *report, const struct report_row *row)
+static json_t *json_from_row(const conus_report *report, const struct report_columns *columns,
+                             const struct report_row *row)
 {
     json_t *object = json_object();
     bool whole = true;
-    for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
+    for (size_t i = 0; i < columns->count; i++) {
+        const struct report_column *column = columns->at[i];
         whole = put(object, column->name, json_from_cell(report_cell(report, column, row))) && whole;
     }
     return whole_or_null(object, whole);
@@ -247,9 +251,11 @@ conus_status report_write_json(struct buffer *out, const conus_report *report)
     json_t *root = json_object();
     json_t *rows = json_array();
     bool whole = true;
+    struct report_columns columns;
+    report_list_columns(&columns, report);
     for (size_t i = 0; i < report->row_count; i++) {
         whole = (!report_is_shown(report, i) ||
-                 json_array_append_new(rows, json_from_row(report, &report->rows[i])) == 0) &&
+                 json_array_append_new(rows, json_from_row(report, &columns, &report->rows[i])) == 0) &&
                 whole;
     }
     whole = add_provenance(root, report) && whole;
@@ -262,7 +268,10 @@ conus_status report_write_sidecar(struct buffer *out, const conus_report *report
     json_t *root = json_object();
     bool whole = true;
     bool has_columns = report->options.format <= CONUS_NDJSON || report->options.format == CONUS_BIDS;
-    for (const struct report_column *column = NULL; has_columns && (column = report_next_column(report, column));) {
+    struct report_columns columns;
+    report_list_columns(&columns, report);
+    for (size_t i = 0; has_columns && i < columns.count; i++) {
+        const struct report_column *column = columns.at[i];
         json_t *entry = json_pack("{s: s}", "Description", column->description);
         whole = (!column->units || put(entry, "Units", json_string(column->units))) && whole;
         whole = put(root, column->name, entry) && whole;

@@ -2,7 +2,7 @@
 /* The areas along a probe, as SpikeGLX and Open Ephys take them (docs/formats.md). Each query is a contact, each row
  * of contacts whose ids differ in the number at their end a shank. */
 #include "base/math3.h"
-#include "selection/report/report.h"
+#include "selection/report/report_writers.h"
 
 #include <string.h>
 

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table for people: the columns that a reader at a desk wants, aligned, with units. */
+/* The table of answers for people, aligned, with units; and what all tables for people have in common. */
+#include "selection/report/report_table.h"
 #include "atlas/atlas.h"
 #include "base/math3.h"
 #include "base/memory.h"
-#include "selection/report/report.h"
+#include "selection/report/report_writers.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -20,23 +21,33 @@ static int width_of(const char *text)
     return width;
 }
 
-static const char *name_of(const conus_report *report, const conus_result *result)
+const char *table_name(const conus_report *report, uint32_t object)
 {
-    const conus_object *object = conus_atlas_object(report->atlas, result->object);
-    return object ? object->name : "(nothing met)";
+    const conus_object *named = conus_atlas_object(report->atlas, object);
+    return named ? named->name : TABLE_NOTHING;
 }
 
-int report_name_width(const conus_report *report)
+const char *table_label(char out[TABLE_LABEL_SIZE], const conus_report *report, uint32_t object)
+{
+    const conus_object *labelled = conus_atlas_object(report->atlas, object);
+    out[0] = '\0';
+    if (labelled) {
+        snprintf(out, TABLE_LABEL_SIZE, "%u", labelled->label);
+    }
+    return out;
+}
+
+int table_name_width(const conus_report *report)
 {
     int width = 12;
     for (size_t i = 0; i < report->row_count; i++) {
-        int wanted = width_of(name_of(report, &report->rows[i].result));
+        int wanted = width_of(table_name(report, report->rows[i].result.object));
         width = wanted > width ? wanted : width;
     }
     return width < NAME_LIMIT ? width : NAME_LIMIT;
 }
 
-void report_write_name(struct buffer *out, const char *name, int width)
+void table_write_name(struct buffer *out, const char *name, int width)
 {
     int columns = width_of(name);
     int keep = columns > width ? width - 3 : columns;
@@ -73,7 +84,7 @@ static bool has_several(const conus_report *report)
     return count > 1 && !same;
 }
 
-void report_write_query(struct buffer *out, const conus_report *report, const struct report_query *query)
+void table_write_query(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
     const double *m = query->cone.pose.world_from_device;
     double origin[3] = {m[12], m[13], m[14]};
@@ -99,16 +110,14 @@ void report_write_query(struct buffer *out, const conus_report *report, const st
 
 static void write_rank(struct buffer *out, const conus_report *report, const conus_result *result, int width)
 {
-    const conus_object *object = conus_atlas_object(report->atlas, result->object);
     char rank[16] = "";
-    char label[16] = "";
-    if (object) {
+    char label[TABLE_LABEL_SIZE];
+    if (result->object) {
         snprintf(rank, sizeof rank, "%u", result->rank);
-        snprintf(label, sizeof label, "%u", object->label);
     }
     buffer_format(out, "%4s  ", rank);
-    report_write_name(out, name_of(report, result), width);
-    buffer_format(out, "  %10s", label);
+    table_write_name(out, table_name(report, result->object), width);
+    buffer_format(out, "  %10s", table_label(label, report, result->object));
 }
 
 static void write_label(struct buffer *out, const conus_report *report, const conus_result *result, int width)
@@ -127,7 +136,7 @@ static void write_number(struct buffer *out, int width, int digits, double value
     }
 }
 
-static void write_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+static void write_visible_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
 {
     write_label(out, report, result, width);
     if (result->object) {
@@ -143,7 +152,7 @@ static void write_result(struct buffer *out, const conus_report *report, const c
     buffer_text(out, "\n");
 }
 
-static void write_heading(struct buffer *out, int width)
+static void write_visible_header(struct buffer *out, int width)
 {
     buffer_format(out, "%4s  %-*s  %10s  %8s  %6s  %9s  %8s  %26s\n", "rank", width, "name", "label", "share", "pixels",
                   "nearest", "off axis", "contact x, y, z");
@@ -153,9 +162,8 @@ static void write_heading(struct buffer *out, int width)
 
 static void write_layers_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
 {
-    const conus_object *object = conus_atlas_object(report->atlas, result->object);
     write_label(out, report, result, width);
-    if (object) {
+    if (result->object) {
         buffer_format(out, "  %7u", result->pierced);
         write_number(out, 8, 2, result->entry, "");
         write_number(out, 8, 2, result->exit, "");
@@ -167,7 +175,7 @@ static void write_layers_result(struct buffer *out, const conus_report *report, 
     buffer_text(out, "\n");
 }
 
-static void write_layers_heading(struct buffer *out, int width)
+static void write_layers_header(struct buffer *out, int width)
 {
     static const char form[] = "%4s  %-*s  %10s  %8s  %6s  %7s  %8s  %8s  %7s  %9s  %8s  %9s\n";
     buffer_format(out, form, "rank", width, "name", "label", "share", "pixels", "pixels", "enters", "leaves", "inside",
@@ -176,14 +184,13 @@ static void write_layers_heading(struct buffer *out, int width)
                   "value");
 }
 
-void report_write_error(struct buffer *out, const struct report_query *query, bool more)
+void table_write_error(struct buffer *out, const struct report_query *query, bool more)
 {
     buffer_format(out, "query %s: no answer: %s\n%s", query->id, query->error, more ? "\n" : "");
 }
 
 static void write_ball_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
 {
-    const conus_object *object = conus_atlas_object(report->atlas, result->object);
     double contact[3];
     memcpy(contact, result->contact, sizeof contact);
     report_point(report, contact);
@@ -191,7 +198,7 @@ static void write_ball_result(struct buffer *out, const conus_report *report, co
     write_number(out, 6, 2, 100 * result->share, " %");
     buffer_format(out, "  %8llu", (unsigned long long)result->voxels);
     write_number(out, 9, 1, result->volume, "");
-    if (object) {
+    if (result->object) {
         write_number(out, 6, 2, 100 * result->fraction, " %");
         write_number(out, 9, 4, result->mean_value, "");
         write_number(out, 8, 2, result->distance, "");
@@ -202,7 +209,7 @@ static void write_ball_result(struct buffer *out, const conus_report *report, co
     buffer_text(out, "\n");
 }
 
-static void write_ball_heading(struct buffer *out, int width)
+static void write_ball_header(struct buffer *out, int width)
 {
     static const char form[] = "%4s  %-*s  %10s  %8s  %8s  %9s  %8s  %9s  %8s  %26s\n";
     buffer_format(out, form, "rank", width, "name", "label", "share", "voxels", "volume", "of whole", "mean",
@@ -211,16 +218,16 @@ static void write_ball_heading(struct buffer *out, int width)
 }
 
 /* The table of one kind of query. */
-struct look {
-    void (*heading)(struct buffer *out, int width);
+struct table_form {
+    void (*header)(struct buffer *out, int width);
     void (*result)(struct buffer *out, const conus_report *report, const conus_result *result, int width);
 };
 
-static const struct look *look_of(const conus_report *report, const struct report_query *query)
+static const struct table_form *form_of(const conus_report *report, const struct report_query *query)
 {
-    static const struct look visible = {write_heading, write_result};
-    static const struct look layers = {write_layers_heading, write_layers_result};
-    static const struct look ball = {write_ball_heading, write_ball_result};
+    static const struct table_form visible = {write_visible_header, write_visible_result};
+    static const struct table_form layers = {write_layers_header, write_layers_result};
+    static const struct table_form ball = {write_ball_header, write_ball_result};
     return query->ball > 0 ? &ball : report->selector.layers ? &layers : &visible;
 }
 
@@ -344,7 +351,7 @@ static void write_pathways(struct buffer *out, const conus_atlas *atlas)
 }
 
 /* What the answers rest on: which transform placed the atlas, and from which value on a pathway is one. */
-void report_write_sources(struct buffer *out, const conus_report *report)
+void table_write_sources(struct buffer *out, const conus_report *report)
 {
     const conus_atlas *atlas = report->atlas;
     const struct volume *parcellation = atlas_parcellation(atlas);
@@ -367,26 +374,22 @@ void report_write_sources(struct buffer *out, const conus_report *report)
 
 void report_write_table(struct buffer *out, const conus_report *report)
 {
-    if (report->options.rows != CONUS_ANSWERS) {
-        report_write_sweep(out, report);
-        return;
-    }
-    int width = report_name_width(report);
+    int width = table_name_width(report);
     size_t row = 0;
     for (size_t i = 0; i < report->query_count; i++) {
         if (report->queries[i].error) {
-            report_write_error(out, &report->queries[i], i + 1 < report->query_count);
+            table_write_error(out, &report->queries[i], i + 1 < report->query_count);
             row++;
             continue;
         }
-        const struct look *look = look_of(report, &report->queries[i]);
-        report_write_query(out, report, &report->queries[i]);
-        look->heading(out, width);
+        const struct table_form *form = form_of(report, &report->queries[i]);
+        table_write_query(out, report, &report->queries[i]);
+        form->header(out, width);
         for (; row < report->row_count && report->rows[row].query == i; row++) {
-            look->result(out, report, &report->rows[row].result, width);
+            form->result(out, report, &report->rows[row].result, width);
         }
         write_summary(out, report, &report->queries[i]);
         buffer_text(out, i + 1 < report->query_count ? "\n" : "");
     }
-    report_write_sources(out, report);
+    table_write_sources(out, report);
 }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table of a track for people: a line per object and step, under one heading. */
+/* The table of a track for people: a line per object and step, under one header. */
 #include "base/math3.h"
 #include "base/text.h"
-#include "selection/report/report.h"
+#include "selection/report/report_table.h"
+#include "selection/report/report_writers.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -12,7 +13,7 @@ enum { NAME_LIMIT = 32 };
 /* Rows come without end, so the width is that of the longest name there could be. */
 static int name_width(const conus_report *report)
 {
-    size_t width = strlen("(nothing met)");
+    size_t width = strlen(TABLE_NOTHING);
     for (size_t i = 1; i <= conus_atlas_object_count(report->atlas); i++) {
         size_t wanted = strlen(conus_atlas_object(report->atlas, i)->name);
         width = wanted > width ? wanted : width;
@@ -20,7 +21,7 @@ static int name_width(const conus_report *report)
     return width < NAME_LIMIT ? (int)width : NAME_LIMIT;
 }
 
-static void write_heading(struct buffer *out, const conus_report *report, int width)
+static void write_header(struct buffer *out, const conus_report *report, int width)
 {
     buffer_format(out, "ranked by %s; engine %s\n", report->score, report->engine);
     buffer_format(out, "%10s  %4s  %-*s  %10s  %10s  %8s  %6s  %8s\n", "time", "rank", width, "name", "label", "score",
@@ -57,7 +58,7 @@ static void write_row(struct buffer *out, const conus_report *report, const stru
         snprintf(rank, sizeof rank, "%u", row->result.rank);
     }
     buffer_format(out, "%10.3f  %4s  ", report->queries[row->query].step.time_s, rank);
-    report_write_name(out, object ? object->name : "(nothing met)", width);
+    table_write_name(out, table_name(report, row->result.object), width);
     write_numbers(out, &row->result, object);
     buffer_text(out, report_is_selected(report, row) ? "  selected" : "");
     buffer_text(out, report_is_confirmed(report, row) ? "  confirmed" : "");
@@ -68,7 +69,7 @@ void report_write_track(struct buffer *out, const conus_report *report)
 {
     int width = name_width(report);
     if (!report->is_begun) {
-        write_heading(out, report, width);
+        write_header(out, report, width);
     }
     for (size_t i = 0; i < report->row_count; i++) {
         write_row(out, report, &report->rows[i], width);

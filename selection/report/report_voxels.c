@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of the voxels that an answer holds. */
 #include "base/math3.h"
 #include "base/memory.h"
-#include "selection/report/report.h"
+#include "selection/report/report_writers.h"
 
 #include <stdlib.h>
 

@@ -4,6 +4,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "selection/selection.h"
+#include "selection/selector.h"
 
 #include <string.h>
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "selection/study/jitter.h"
+#include "selection/selector.h"
 
 #include "base/math3.h"
 #include "base/memory.h"
@@ -153,7 +154,8 @@ static uint32_t best(const conus_selection *selection)
     return 0;
 }
 
-static conus_status look(struct count *counts, conus_selector *selector, const conus_jitter *jitter, uint32_t index)
+static conus_status answer_sample(struct count *counts, conus_selector *selector, const conus_jitter *jitter,
+                                  uint32_t index)
 {
     conus_pose pose;
     conus_selection *selection = NULL;
@@ -172,11 +174,11 @@ static conus_status look(struct count *counts, conus_selector *selector, const c
     return CONUS_OK;
 }
 
-static conus_status look_around(struct count *counts, conus_selector *selector, const conus_jitter *jitter)
+static conus_status answer_samples(struct count *counts, conus_selector *selector, const conus_jitter *jitter)
 {
     conus_status status = CONUS_OK;
     for (uint32_t i = 0; !status && i < jitter->options.samples; i++) {
-        status = look(counts, selector, jitter, i);
+        status = answer_sample(counts, selector, jitter, i);
     }
     return status;
 }
@@ -278,7 +280,7 @@ static conus_status check(const conus_jitter_options *options)
 static conus_status build(conus_jitter *jitter, conus_selector *selector)
 {
     struct count *counts = memory_zeroed(selector->atlas->object_count + 1, sizeof *counts);
-    conus_status status = counts ? look_around(counts, selector, jitter) : CONUS_ERROR_MEMORY;
+    conus_status status = counts ? answer_samples(counts, selector, jitter) : CONUS_ERROR_MEMORY;
     status = status ? status : fill_rows(jitter, counts, selector);
     memory_free(counts);
     return status;

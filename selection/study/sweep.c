@@ -3,6 +3,7 @@
 
 #include "base/math3.h"
 #include "base/memory.h"
+#include "selection/selector.h"
 #include "selection/study/admission.h"
 
 #include <stdlib.h>

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "selection/study/tracker.h"
 #include "base/memory.h"
+#include "selection/rank.h"
 #include "selection/selection.h"
+#include "selection/selector.h"
 
 #include <math.h>
 #include <string.h>
@@ -265,7 +268,7 @@ conus_status conus_tracker_step(conus_selection **out, conus_tracker *tracker, d
     conus_selection *selection = NULL;
     size_t count = 0;
     conus_status status = check_time(tracker, time_s);
-    status = status ? status : selection_look(&selection, tracker->selector, pose, angle);
+    status = status ? status : selection_trace(&selection, tracker->selector, pose, angle);
     status = status ? status : make_room(tracker, selection, &count);
     if (status) {
         conus_selection_destroy(selection);

@@ -54,7 +54,7 @@ LIBRARY = {
     "selection": "base atlas atlas/areas selection/engine selection/measure",
     "selection/study": "base atlas selection selection/cone selection/measure",
     "selection/picture": "base render/colour render/flat render/image selection",
-    "selection/report": "base atlas poses selection/study",
+    "selection/report": "base atlas poses selection selection/study",
     "selection/batch": "base atlas poses selection selection/engine selection/report selection/study",
 }
 RULES = {**LIBRARY, **APPS}

@@ -7,7 +7,7 @@
 #include "atlas/phantom/phantom.h"
 #include "base/math3.h"
 #include "bench/peers/peers.h"
-#include "selection/engine/evidence.h"
+#include "selection/engine/engine.h"
 #include "test.h"
 
 enum { PIXELS = PEER_RESOLUTION * PEER_RESOLUTION, ANTERIOR = 1, POSTERIOR = 2, FIRST_ROW = 20, DEGREES = 1 };
@@ -60,7 +60,7 @@ static void conus_answers_with_the_first_contact(void **state)
     open_view(&view);
     assert_ok(engine_rays_create(&rays, view.atlas, &(struct engine_options){0}));
     assert_ok(evidence_init(&evidence, PEER_RESOLUTION));
-    assert_ok(rays->functions->look(rays, &evidence, &view.cone));
+    assert_ok(rays->functions->trace(rays, &evidence, &view.cone));
     for (size_t i = 0; i < PIXELS; i++) {
         assert_int_equal(evidence.object[i], POSTERIOR);
         assert_int_equal(row_of(&view, evidence.voxel[i]), FIRST_ROW);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "atlas/phantom/phantom.h"
 #include "base/math3.h"
-#include "selection/engine/evidence.h"
+#include "selection/engine/engine.h"
 #include "test.h"
 
 #include <string.h>
@@ -56,8 +56,8 @@ static void count_look(struct tally *tally, const struct engines *engines, const
     struct evidence exact, slices;
     assert_ok(evidence_init(&exact, RESOLUTION));
     assert_ok(evidence_init(&slices, RESOLUTION));
-    assert_ok(engines->exact->functions->look(engines->exact, &exact, cone));
-    assert_ok(engines->slices->functions->look(engines->slices, &slices, cone));
+    assert_ok(engines->exact->functions->trace(engines->exact, &exact, cone));
+    assert_ok(engines->slices->functions->trace(engines->slices, &slices, cone));
     for (uint32_t i = 0; i < RESOLUTION * RESOLUTION; i++) {
         if (!cone_has_pixel(cone, i % RESOLUTION, i / RESOLUTION)) {
             continue;

@@ -2,7 +2,7 @@
 /* From hand-made evidence to results, ranks and reports. The engine here is a script, so that every number is known. */
 #include "base/math3.h"
 #include "base/memory.h"
-#include "selection/report/report.h"
+#include "selection/report/report_columns.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -14,7 +14,7 @@ static const uint32_t seen[16] = {2, 2, 0, 0, /* row 0, the device's bottom */
                                   0, 0, 1, 0, /**/
                                   0, 0, 0, 0};
 
-static conus_status look_at_script(struct engine *engine, struct evidence *out, const struct cone *cone)
+static conus_status trace_script(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     (void)engine;
     (void)cone;
@@ -33,7 +33,7 @@ static void destroy_nothing(struct engine *engine)
     (void)engine;
 }
 
-static const struct engine_functions script_functions = {.look = look_at_script, .destroy = destroy_nothing};
+static const struct engine_functions script_functions = {.trace = trace_script, .destroy = destroy_nothing};
 
 struct fixture {
     conus_atlas *atlas;
@@ -228,9 +228,11 @@ static void sidecar_describes_every_column(void **state)
     const char *text;
     size_t size;
     assert_ok(conus_report_sidecar(report, &text, &size));
-    for (const struct report_column *column = NULL; (column = report_next_column(report, column));) {
+    struct report_columns columns;
+    report_list_columns(&columns, report);
+    for (size_t i = 0; i < columns.count; i++) {
         char key[64];
-        snprintf(key, sizeof key, "\"%s\": {", column->name);
+        snprintf(key, sizeof key, "\"%s\": {", columns.at[i]->name);
         assert_non_null(strstr(text, key));
     }
     conus_report_destroy(report);

@@ -374,11 +374,11 @@ static void assert_same_looks(const struct gl_pair *pair, const struct cone *con
         out[c] = &many[c];
         in[c] = &cones[c];
     }
-    assert_ok(pair->gl->functions->look_many(pair->gl, out, in, CONES));
+    assert_ok(pair->gl->functions->trace_many(pair->gl, out, in, CONES));
     for (int c = 0; c < CONES; c++) {
         struct evidence alone;
         assert_ok(evidence_init(&alone, N));
-        assert_ok(pair->rays->functions->look(pair->rays, &alone, in[c]));
+        assert_ok(pair->rays->functions->trace(pair->rays, &alone, in[c]));
         if (!meshes || cone_is_wide(in[c])) {
             assert_same_evidence(&many[c], &alone);
         }

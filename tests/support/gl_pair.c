@@ -2,6 +2,7 @@
 /* Both engines for one atlas, and comparisons of what they see. */
 #include "gl_pair.h"
 
+#include "selection/engine/engine.h"
 #include "test.h"
 
 #include <string.h>
@@ -67,7 +68,7 @@ struct evidence gl_pair_look(struct engine *engine, const struct cone *cone)
     struct evidence evidence;
     assert_ok(evidence_init(&evidence, cone->resolution));
     memset(evidence.object, 0xff, (size_t)cone->resolution * cone->resolution * sizeof *evidence.object);
-    assert_ok(engine->functions->look(engine, &evidence, cone));
+    assert_ok(engine->functions->trace(engine, &evidence, cone));
     return evidence;
 }
 
@@ -137,7 +138,7 @@ static conus_status create_answer_destroy(void *data)
     status = engine_gl_create(&engine, attempt->atlas, &options);
     if (!status) {
         status = attempt->layers ? engine->functions->pierce(engine, &layers, attempt->cone)
-                                 : engine->functions->look(engine, &evidence, attempt->cone);
+                                 : engine->functions->trace(engine, &evidence, attempt->cone);
     }
     engine_destroy(engine);
     layers_finish(&layers);

@@ -3,6 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_GL_PAIR_H
 #define CONUS_TESTS_SUPPORT_GL_PAIR_H
 
+#include "selection/engine/engine.h"
 #include "selection/engine/layers.h"
 
 /** What a test has compared so far; each test counts what it needs. */

@@ -5,6 +5,7 @@
 #include "atlas/phantom/phantom_brain.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "selection/engine/engine.h"
 #include "test.h"
 
 #include <stdlib.h>
@@ -29,7 +30,7 @@ void mesh_scene_look(struct evidence *out, const conus_atlas *atlas, const struc
     struct engine *engine = NULL;
     assert_ok(engine_rays_create(&engine, atlas, &(struct engine_options){0}));
     assert_ok(evidence_init(out, cone->resolution));
-    assert_ok(engine->functions->look(engine, out, cone));
+    assert_ok(engine->functions->trace(engine, out, cone));
     engine_destroy(engine);
 }
 

@@ -5,7 +5,7 @@
 #ifndef CONUS_TESTS_SUPPORT_ORACLE_TRAVERSAL_H
 #define CONUS_TESTS_SUPPORT_ORACLE_TRAVERSAL_H
 
-#include "selection/engine/evidence.h"
+#include "selection/engine/engine.h"
 
 struct oracle_hit {
     uint32_t object; /**< 0 = none. */

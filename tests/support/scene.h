@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_SCENE_H
 #define CONUS_TESTS_SUPPORT_SCENE_H
 
-#include "selection/engine/evidence.h"
+#include "selection/engine/engine.h"
 
 /** A grid of @p dim voxels placed by a random affine: oblique, flipped, anisotropic, sheared; its centre near 0. */
 conus_volume_info scene_grid(uint64_t *state, const size_t dim[3]);

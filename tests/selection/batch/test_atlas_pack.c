@@ -3,8 +3,8 @@
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "scene.h"
+#include "selection/engine/distance_map.h"
 #include "selection/engine/engine_rays.h"
-#include "selection/engine/leap_map.h"
 #include "test.h"
 
 #include <string.h>
@@ -136,7 +136,7 @@ static void what_is_attached_is_what_was_packed(void **state)
         assert_same(atlas, attached);
         for (size_t i = 0; i < attached->volume_count; i++) {
             const struct volume *volume = &attached->volumes[i];
-            assert_true(lies_in(volume->objects16, &block) && lies_in(volume->leaps, &block));
+            assert_true(lies_in(volume->objects16, &block) && lies_in(volume->distances, &block));
             assert_true(!volume->values || lies_in(volume->values, &block));
         }
         for (size_t i = 0; i < attached->mesh_count; i++) {
@@ -162,7 +162,7 @@ static void assert_same_answers(const conus_atlas *a, const conus_atlas *b, uint
         struct evidence seen[2];
         for (int i = 0; i < 2; i++) {
             assert_ok(evidence_init(&seen[i], cone.resolution));
-            assert_ok(engines[i]->functions->look(engines[i], &seen[i], &cone));
+            assert_ok(engines[i]->functions->trace(engines[i], &seen[i], &cone));
         }
         assert_memory_equal(seen[0].object, seen[1].object, pixels * sizeof *seen[0].object);
         assert_memory_equal(seen[0].distance, seen[1].distance, pixels * sizeof *seen[0].distance);
@@ -227,7 +227,7 @@ static void changes_are_made_to_copies(void **state)
         size_t pathway = atlas->object_count;
         assert_ok(conus_atlas_set_threshold(atlas, pathway, 0.25));
         assert_ok(conus_atlas_set_threshold(attached, pathway, 0.25));
-        assert_null(attached->volumes[attached->places[pathway - 1].index].leaps);
+        assert_null(attached->volumes[attached->places[pathway - 1].index].distances);
         conus_status status = conus_atlas_set_hemispheres(atlas, CONUS_HEMISPHERES_SPLIT);
         assert_fails(conus_atlas_set_hemispheres(attached, CONUS_HEMISPHERES_SPLIT), status);
         assert_same(atlas, attached);

@@ -195,7 +195,7 @@ static void many_looks_are_what_they_are_alone(void **state)
         out[i] = &together[i];
         assert_ok(evidence_init(&together[i], EDGE));
     }
-    assert_ok(pair.gl->functions->look_many(pair.gl, out, in, LOOKS));
+    assert_ok(pair.gl->functions->trace_many(pair.gl, out, in, LOOKS));
     for (int i = 0; i < LOOKS; i++) {
         struct evidence alone = gl_pair_look(pair.gl, &cones[i]);
         gl_pair_same_evidence(&together[i], &alone);

@@ -444,7 +444,7 @@ static conus_status create_and_look(void *data)
     status = status ? status : evidence_init(&evidence, 16);
     if (!status) {
         struct cone cone = mesh_scene_cone((double[]){0, 0, 60}, (double[]){0, 0, 0}, 10, 16);
-        status = engine->functions->look(engine, &evidence, &cone);
+        status = engine->functions->trace(engine, &evidence, &cone);
     }
     evidence_finish(&evidence);
     engine_destroy(engine);

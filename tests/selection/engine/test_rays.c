@@ -27,7 +27,7 @@ static size_t compare_with_oracle(struct engine *engine, const conus_atlas *atla
     assert_ok(evidence_init(&got, cone->resolution));
     assert_ok(evidence_init(&wanted, cone->resolution));
     memset(got.object, 0xff, cone->resolution * cone->resolution * sizeof *got.object);
-    assert_ok(engine->functions->look(engine, &got, cone));
+    assert_ok(engine->functions->trace(engine, &got, cone));
     oracle_look(&wanted, atlas, cone);
     for (size_t pixel = 0; pixel < (size_t)cone->resolution * cone->resolution; pixel++) {
         assert_same_pixel(&got, &wanted, pixel);
@@ -117,7 +117,7 @@ static void first_contact_is_the_nearest_cell(void **state)
         struct cone cone = {.angle = 0.6, .resolution = 8, .pose = scene_generic_pose(&random, atlas)};
         assert_ok(engine_rays_create(&engine, atlas, &options));
         assert_ok(evidence_init(&evidence, cone.resolution));
-        assert_ok(engine->functions->look(engine, &evidence, &cone));
+        assert_ok(engine->functions->trace(engine, &evidence, &cone));
         double origin[3];
         mat4_point(origin, volume->voxel_from_world, cone.pose.world_from_device + 12);
         for (uint32_t pixel = 0; pixel < 64; pixel++) {
@@ -173,7 +173,7 @@ static void look(struct evidence *out, const conus_atlas *atlas, const struct en
     struct engine *engine = NULL;
     assert_ok(evidence_init(out, cone->resolution));
     assert_ok(engine_rays_create(&engine, atlas, options));
-    assert_ok(engine->functions->look(engine, out, cone));
+    assert_ok(engine->functions->trace(engine, out, cone));
     engine_destroy(engine);
 }
 

@@ -70,7 +70,7 @@ static void place_volume(struct volume *volume, uint64_t *random, double scale)
     assert_true(mat4_invert_affine(volume->voxel_from_world, m));
 }
 
-static void make_volume(struct volume *volume, struct leap_map *map, uint64_t *random, double scale)
+static void make_volume(struct volume *volume, struct distance_map *map, uint64_t *random, double scale)
 {
     *volume = (struct volume){0};
     size_t *dim = volume->info.dim;
@@ -87,12 +87,12 @@ static void make_volume(struct volume *volume, struct leap_map *map, uint64_t *r
         volume->objects16[any_of(random, volume->voxel_count)] = 1;
     }
     place_volume(volume, random, scale);
-    assert_ok(leap_map_init(map, volume));
+    assert_ok(distance_map_init(map, volume));
 }
 
-static void end_volume(struct volume *volume, struct leap_map *map)
+static void end_volume(struct volume *volume, struct distance_map *map)
 {
-    leap_map_finish(map);
+    distance_map_finish(map);
     volume_finish(volume);
 }
 
@@ -173,8 +173,8 @@ static double pick_limit(uint64_t *random, double contact)
 }
 
 /* Returns how many rays hit. */
-static size_t walk_and_compare(struct traverse_bundle *bundle, const struct leap_map *map, const struct volume *volume,
-                               const struct oracle_hit *wanted)
+static size_t walk_and_compare(struct traverse_bundle *bundle, const struct distance_map *map,
+                               const struct volume *volume, const struct oracle_hit *wanted)
 {
     size_t hits = 0;
     for (size_t k = 0; traverse_kernel(k); k++) {
@@ -198,7 +198,7 @@ static size_t walk_and_compare(struct traverse_bundle *bundle, const struct leap
 }
 
 /* Returns how many rays hit, with and without a limit. */
-static size_t compare_bundle(uint64_t *random, const struct leap_map *map, const struct volume *volume)
+static size_t compare_bundle(uint64_t *random, const struct distance_map *map, const struct volume *volume)
 {
     struct traverse_bundle bundle = {0};
     struct oracle_hit wanted[TRAVERSE_BUNDLE];
@@ -221,7 +221,7 @@ static size_t compare_scenes(uint64_t random, int scenes, double scale)
     size_t hits = 0;
     for (int scene = 0; scene < scenes; scene++) {
         struct volume volume;
-        struct leap_map map;
+        struct distance_map map;
         make_volume(&volume, &map, &random, scale);
         for (int bundle = 0; bundle < 5; bundle++) {
             hits += compare_bundle(&random, &map, &volume);
@@ -252,9 +252,9 @@ static void what_is_met_at_once_is_at_zero(void **state)
     (void)state;
     uint16_t objects[] = {0, 1, 0};
     struct volume volume = {.info = {.dim = {3, 1, 1}}, .voxel_count = 3, .objects16 = objects};
-    struct leap_map map;
+    struct distance_map map;
     mat4_identity(volume.voxel_from_world);
-    assert_ok(leap_map_init(&map, &volume));
+    assert_ok(distance_map_init(&map, &volume));
     for (size_t k = 0; traverse_kernel(k); k++) {
         struct traverse_bundle bundle = {.count = 1, .direction = {{-1}}, .limit = {INFINITY}, .origin = {1.5}};
         if (traverse_kernel(k)->is_supported()) {
@@ -263,7 +263,7 @@ static void what_is_met_at_once_is_at_zero(void **state)
             assert_int_equal(bundle.voxel[0], 1);
         }
     }
-    leap_map_finish(&map);
+    distance_map_finish(&map);
 }
 
 int main(void)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/memory.h"
-#include "selection/engine/leap_map.h"
+#include "selection/engine/distance_map.h"
 #include "test.h"
 
 #include <stdlib.h>
@@ -60,22 +60,22 @@ static void codes_tell_how_far_it_is_empty(void **state)
     uint64_t random = 5;
     for (int round = 0; round < 60; round++) {
         struct volume volume;
-        struct leap_map map;
+        struct distance_map map;
         make_volume(&volume, &random);
-        assert_ok(leap_map_init(&map, &volume));
+        assert_ok(distance_map_init(&map, &volume));
         for (int probe = 0; probe < 200; probe++) {
             long at[3];
             for (int a = 0; a < 3; a++) {
                 at[a] = (long)random_size(&random, volume.info.dim[a]) - 1;
             }
             long radius = empty_radius(&volume, at);
-            long code = map.codes[leap_map_at(&map, (size_t)at[0], (size_t)at[1], (size_t)at[2])];
+            long code = map.codes[distance_map_at(&map, (size_t)at[0], (size_t)at[1], (size_t)at[2])];
             assert_true(code <= radius + 1);
             assert_int_equal(code == 0, radius < 0);
             assert_true(radius + 1 >= 8 || code == radius + 1);
             assert_true(radius < 16 || code >= 9); /* two bricks away at least */
         }
-        leap_map_finish(&map);
+        distance_map_finish(&map);
         volume_finish(&volume);
     }
 }
@@ -86,9 +86,9 @@ static void the_box_just_holds_the_objects(void **state)
     uint64_t random = 6;
     for (int round = 0; round < 100; round++) {
         struct volume volume;
-        struct leap_map map;
+        struct distance_map map;
         make_volume(&volume, &random);
-        assert_ok(leap_map_init(&map, &volume));
+        assert_ok(distance_map_init(&map, &volume));
         double low[3] = {1e9, 1e9, 1e9};
         double high[3] = {-1, -1, -1};
         for (size_t v = 0; v < volume.voxel_count; v++) {
@@ -103,16 +103,16 @@ static void the_box_just_holds_the_objects(void **state)
             assert_near(map.last[a], high[a], 0);
             assert_true(high[a] < 0 ? map.first[a] > map.last[a] : map.first[a] == low[a]);
         }
-        leap_map_finish(&map);
+        distance_map_finish(&map);
         volume_finish(&volume);
     }
 }
 
 static conus_status make_and_finish(void *data)
 {
-    struct leap_map map = {0};
-    conus_status status = leap_map_init(&map, data);
-    leap_map_finish(&map);
+    struct distance_map map = {0};
+    conus_status status = distance_map_init(&map, data);
+    distance_map_finish(&map);
     return status;
 }
 

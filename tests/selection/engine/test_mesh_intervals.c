@@ -47,17 +47,17 @@ static void assert_pieces(uint32_t object, double depth, const struct crossed *c
                           const struct piece *wanted, size_t wanted_count)
 {
     conus_atlas *atlas = make_atlas();
-    struct mesh_spans spans;
+    struct mesh_intervals intervals;
     struct layers layers = {0};
     struct cone cone = mesh_scene_cone((double[]){0, 0, -depth}, (double[]){0, 0, 100}, 1, 1);
-    mesh_spans_init(&spans, atlas);
+    mesh_intervals_init(&intervals, atlas);
     for (size_t i = 0; i < count; i++) {
         const struct crossed *c = &crossed[(i * 7 + 3) % count];
         assert_true(count % 7 != 0);
-        assert_ok(mesh_spans_add(&spans, &(struct crossing){0, object, c->triangle, c->side, c->t}));
+        assert_ok(mesh_intervals_add(&intervals, &(struct crossing){0, object, c->triangle, c->side, c->t}));
     }
-    assert_ok(mesh_spans_pair(&layers, &spans, &cone));
-    assert_int_equal(spans.count, 0);
+    assert_ok(mesh_intervals_pair(&layers, &intervals, &cone));
+    assert_int_equal(intervals.count, 0);
     assert_int_equal(layers.count, wanted_count);
     for (size_t i = 0; i < wanted_count; i++) {
         assert_int_equal(layers.spans[i].object, object);
@@ -66,7 +66,7 @@ static void assert_pieces(uint32_t object, double depth, const struct crossed *c
         assert_near(layers.spans[i].exit, wanted[i].exit, 0);
     }
     layers_finish(&layers);
-    mesh_spans_finish(&spans);
+    mesh_intervals_finish(&intervals);
     conus_atlas_destroy(atlas);
 }
 
@@ -131,20 +131,20 @@ static void vertices_at_equal_positions_are_one_corner(void **state)
     }
     mesh_finish(&sphere);
     mesh_scene_add(atlas, &apart);
-    struct mesh_spans spans;
+    struct mesh_intervals intervals;
     struct layers layers = {0};
     struct cone cone = mesh_scene_cone((double[]){0, 0, -30}, (double[]){0, 0, 100}, 1, 1);
-    mesh_spans_init(&spans, atlas);
+    mesh_intervals_init(&intervals, atlas);
     for (uint32_t cap = 0; cap < SECTORS; cap++) {
-        assert_ok(mesh_spans_add(&spans, &(struct crossing){0, 1, cap, 1, 20 + 1e-9 * cap}));
+        assert_ok(mesh_intervals_add(&intervals, &(struct crossing){0, 1, cap, 1, 20 + 1e-9 * cap}));
     }
-    assert_ok(mesh_spans_add(&spans, &(struct crossing){0, 1, NORTH, -1, 40}));
-    assert_ok(mesh_spans_pair(&layers, &spans, &cone));
+    assert_ok(mesh_intervals_add(&intervals, &(struct crossing){0, 1, NORTH, -1, 40}));
+    assert_ok(mesh_intervals_pair(&layers, &intervals, &cone));
     assert_int_equal(layers.count, 1);
     assert_near(layers.spans[0].entry, 20, 0);
     assert_near(layers.spans[0].exit, 40, 0);
     layers_finish(&layers);
-    mesh_spans_finish(&spans);
+    mesh_intervals_finish(&intervals);
     conus_atlas_destroy(atlas);
 }
 
@@ -184,18 +184,18 @@ static void crossings_may_come_in_any_order(void **state)
     enum { SIDE = 9, PIXELS = SIDE * SIDE, COUNT = 2 * PIXELS * 2 * 40 };
     conus_atlas *atlas = make_atlas();
     struct cone cone = mesh_scene_cone((double[]){0, 0, -30}, (double[]){0, 0, 100}, 1, SIDE);
-    struct mesh_spans spans;
+    struct mesh_intervals intervals;
     struct layers layers = {0};
-    mesh_spans_init(&spans, atlas);
+    mesh_intervals_init(&intervals, atlas);
     for (uint32_t round = 0; round < 2; round++) {
         for (uint32_t i = 0; i < COUNT; i++) {
             uint32_t k = (uint32_t)((uint64_t)i * 10007 % COUNT);
             uint32_t pixel = k % PIXELS, object = 1 + k / PIXELS % 2, step = k / PIXELS / 2;
             int side = (step % 2 ? -1 : 1) * (object == INWARD ? -1 : 1);
-            assert_ok(mesh_spans_add(&spans, &(struct crossing){pixel, object, step, side, pixel + step}));
+            assert_ok(mesh_intervals_add(&intervals, &(struct crossing){pixel, object, step, side, pixel + step}));
         }
         layers_clear(&layers);
-        assert_ok(mesh_spans_pair(&layers, &spans, &cone));
+        assert_ok(mesh_intervals_pair(&layers, &intervals, &cone));
         assert_int_equal(layers.count, COUNT / 2);
         for (uint32_t i = 0; i < layers.count; i++) {
             const conus_span *span = &layers.spans[i];
@@ -205,7 +205,7 @@ static void crossings_may_come_in_any_order(void **state)
         }
     }
     layers_finish(&layers);
-    mesh_spans_finish(&spans);
+    mesh_intervals_finish(&intervals);
     conus_atlas_destroy(atlas);
 }
 

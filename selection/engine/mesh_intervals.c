@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "selection/engine/mesh_spans.h"
+#include "selection/engine/mesh_intervals.h"
 
 #include "base/math3.h"
 #include "base/memory.h"
@@ -13,7 +13,7 @@
 
 enum { FIRST_CAPACITY = 4096, FEW = 64 };
 
-/* The exit of a piece that has none yet. */
+/* The exit of an interval that has none yet. */
 #define OPEN (-1.0)
 
 /* The crossings of one ray with one object, in order. */
@@ -24,10 +24,10 @@ struct chain {
     double slack;
     const struct cone *cone;
     struct layers *out;
-    size_t first; /* of its pieces in `out` */
+    size_t first; /* of its intervals in `out` */
 };
 
-void mesh_spans_init(struct mesh_spans *out, const conus_atlas *atlas)
+void mesh_intervals_init(struct mesh_intervals *out, const conus_atlas *atlas)
 {
     double reach = 0;
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
@@ -36,26 +36,26 @@ void mesh_spans_init(struct mesh_spans *out, const conus_atlas *atlas)
             reach = fmax(reach, fmax(fabs(mesh->shape.low[a]), fabs(mesh->shape.high[a])));
         }
     }
-    *out = (struct mesh_spans){.atlas = atlas, .slack = SLACK * reach};
+    *out = (struct mesh_intervals){.atlas = atlas, .slack = SLACK * reach};
 }
 
-void mesh_spans_finish(struct mesh_spans *spans)
+void mesh_intervals_finish(struct mesh_intervals *intervals)
 {
-    memory_free(spans->crossings);
-    memory_free(spans->sorted);
-    memory_free(spans->end);
-    *spans = (struct mesh_spans){0};
+    memory_free(intervals->crossings);
+    memory_free(intervals->sorted);
+    memory_free(intervals->end);
+    *intervals = (struct mesh_intervals){0};
 }
 
-conus_status mesh_spans_grow(struct mesh_spans *spans)
+conus_status mesh_intervals_grow(struct mesh_intervals *intervals)
 {
-    size_t capacity = spans->capacity ? 2 * spans->capacity : FIRST_CAPACITY;
-    struct crossing *crossings = memory_resize(spans->crossings, capacity, sizeof *crossings);
+    size_t capacity = intervals->capacity ? 2 * intervals->capacity : FIRST_CAPACITY;
+    struct crossing *crossings = memory_resize(intervals->crossings, capacity, sizeof *crossings);
     if (!crossings) {
         return CONUS_ERROR_MEMORY;
     }
-    spans->crossings = crossings;
-    spans->capacity = capacity;
+    intervals->crossings = crossings;
+    intervals->capacity = capacity;
     return CONUS_OK;
 }
 
@@ -90,45 +90,45 @@ static void sort_pixel(struct crossing *crossings, size_t count)
     }
 }
 
-static conus_status make_room(struct mesh_spans *spans, size_t pixels)
+static conus_status make_room(struct mesh_intervals *intervals, size_t pixels)
 {
-    if (spans->sorted_capacity < spans->capacity) {
-        struct crossing *sorted = memory_raw(spans->capacity, sizeof *sorted);
+    if (intervals->sorted_capacity < intervals->capacity) {
+        struct crossing *sorted = memory_raw(intervals->capacity, sizeof *sorted);
         if (!sorted) {
             return CONUS_ERROR_MEMORY;
         }
-        memory_free(spans->sorted);
-        spans->sorted = sorted;
-        spans->sorted_capacity = spans->capacity;
+        memory_free(intervals->sorted);
+        intervals->sorted = sorted;
+        intervals->sorted_capacity = intervals->capacity;
     }
-    if (spans->pixel_capacity < pixels) {
+    if (intervals->pixel_capacity < pixels) {
         size_t *end = memory_raw(pixels, sizeof *end);
         if (!end) {
             return CONUS_ERROR_MEMORY;
         }
-        memory_free(spans->end);
-        spans->end = end;
-        spans->pixel_capacity = pixels;
+        memory_free(intervals->end);
+        intervals->end = end;
+        intervals->pixel_capacity = pixels;
     }
     return CONUS_OK;
 }
 
 /* Moves the crossings to `sorted`, pixel by pixel; end[p] becomes one past the last of pixel p. */
-static void deal(struct mesh_spans *spans, size_t pixels)
+static void deal(struct mesh_intervals *intervals, size_t pixels)
 {
-    size_t *end = spans->end;
+    size_t *end = intervals->end;
     size_t total = 0;
     memset(end, 0, pixels * sizeof *end);
-    for (size_t i = 0; i < spans->count; i++) {
-        end[spans->crossings[i].pixel]++;
+    for (size_t i = 0; i < intervals->count; i++) {
+        end[intervals->crossings[i].pixel]++;
     }
     for (size_t p = 0; p < pixels; p++) {
         size_t first = total;
         total += end[p];
         end[p] = first;
     }
-    for (size_t i = 0; i < spans->count; i++) {
-        spans->sorted[end[spans->crossings[i].pixel]++] = spans->crossings[i];
+    for (size_t i = 0; i < intervals->count; i++) {
+        intervals->sorted[end[intervals->crossings[i].pixel]++] = intervals->crossings[i];
     }
 }
 
@@ -261,7 +261,7 @@ static int winding_at_start(const struct chain *chain)
     return winding;
 }
 
-/* Pieces are where a closed surface winds around the ray's points. */
+/* Intervals are where a closed surface winds around the ray's points. */
 static conus_status find_inside(struct chain *chain, int winding)
 {
     conus_status status = winding ? add_piece(chain, &chain->crossings[0], 0, OPEN) : CONUS_OK;
@@ -303,7 +303,7 @@ static bool turn_graze(const struct chain *chain, size_t at)
     return false;
 }
 
-/* The last piece that has no exit yet; NULL = none. */
+/* The last interval that has no exit yet; NULL = none. */
 static conus_span *last_open(const struct chain *chain)
 {
     for (size_t i = chain->out->count; i > chain->first; i--) {
@@ -314,7 +314,7 @@ static conus_span *last_open(const struct chain *chain)
     return NULL;
 }
 
-/* Brackets: an exit ends the last piece that is open, with all that lies in it. */
+/* Brackets: an exit ends the last interval that is open, with all that lies in it. */
 static conus_status leave(struct chain *chain, size_t index)
 {
     const struct crossing *at = &chain->crossings[index];
@@ -344,19 +344,19 @@ static conus_status find_brackets(struct chain *chain)
 
 /* ---- All of them ------------------------------------------------------------------------------------------------- */
 
-/* Pieces that never ended have no length, and those that meet are one. */
+/* Intervals that never ended have no length, and those that meet are one. */
 static void tidy(struct chain *chain)
 {
-    conus_span *pieces = chain->out->spans + chain->first;
+    conus_span *intervals = chain->out->spans + chain->first;
     size_t count = chain->out->count - chain->first;
     size_t kept = 0;
     for (size_t i = 0; i < count; i++) {
-        conus_span piece = pieces[i];
-        piece.exit = piece.exit == OPEN ? piece.entry : piece.exit;
-        if (kept && piece.entry <= pieces[kept - 1].exit) {
-            pieces[kept - 1].exit = fmax(pieces[kept - 1].exit, piece.exit);
+        conus_span interval = intervals[i];
+        interval.exit = interval.exit == OPEN ? interval.entry : interval.exit;
+        if (kept && interval.entry <= intervals[kept - 1].exit) {
+            intervals[kept - 1].exit = fmax(intervals[kept - 1].exit, interval.exit);
         } else {
-            pieces[kept++] = piece;
+            intervals[kept++] = interval;
         }
     }
     chain->out->count = chain->first + kept;
@@ -374,7 +374,7 @@ static conus_status pair_chain(struct chain *chain)
     return status;
 }
 
-static conus_status pair_pixel(struct layers *out, const struct mesh_spans *spans, const struct cone *cone,
+static conus_status pair_pixel(struct layers *out, const struct mesh_intervals *intervals, const struct cone *cone,
                                struct crossing *crossings, size_t count)
 {
     conus_status status = CONUS_OK;
@@ -383,25 +383,25 @@ static conus_status pair_pixel(struct layers *out, const struct mesh_spans *span
         while (next < count && crossings[next].object == object) {
             next++;
         }
-        struct chain chain = {.crossings = crossings + i, .count = next - i, .slack = spans->slack, .cone = cone};
-        chain.mesh = atlas_object_mesh(spans->atlas, object);
+        struct chain chain = {.crossings = crossings + i, .count = next - i, .slack = intervals->slack, .cone = cone};
+        chain.mesh = atlas_object_mesh(intervals->atlas, object);
         chain.out = out;
         status = pair_chain(&chain);
     }
     return status;
 }
 
-conus_status mesh_spans_pair(struct layers *out, struct mesh_spans *spans, const struct cone *cone)
+conus_status mesh_intervals_pair(struct layers *out, struct mesh_intervals *intervals, const struct cone *cone)
 {
     size_t pixels = (size_t)cone->resolution * cone->resolution;
-    conus_status status = make_room(spans, pixels);
+    conus_status status = make_room(intervals, pixels);
     if (!status) {
-        deal(spans, pixels);
+        deal(intervals, pixels);
     }
-    for (size_t p = 0, first = 0; p < pixels && !status; first = spans->end[p++]) {
-        sort_pixel(spans->sorted + first, spans->end[p] - first);
-        status = pair_pixel(out, spans, cone, spans->sorted + first, spans->end[p] - first);
+    for (size_t p = 0, first = 0; p < pixels && !status; first = intervals->end[p++]) {
+        sort_pixel(intervals->sorted + first, intervals->end[p] - first);
+        status = pair_pixel(out, intervals, cone, intervals->sorted + first, intervals->end[p] - first);
     }
-    spans->count = 0;
+    intervals->count = 0;
     return status;
 }

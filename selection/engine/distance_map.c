@@ -1,0 +1,440 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes the distance map: it dilates the occupied voxels as bits, and counts farther distances in bricks. */
+#include "selection/engine/distance_map.h"
+
+#include "base/memory.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+/* Fine distances are counted up to FINE_LEVELS in PLANES bits; farther away whole bricks are counted. */
+enum { PLANES = 4, FINE_LEVELS = (1 << PLANES) - 1, FAR_BRICKS = 32 };
+
+/* Distances are counted in bricks of 8 x 8 x 8, with the margin. */
+enum { BRICK = 8, BRICK_WORDS = BRICK, BRICK_LINES = BRICK / DISTANCE_EDGE };
+
+/* A brick as bits: word k % 8, bit i % 8 + 8 (j % 8). */
+struct bits {
+    uint64_t word[BRICK_WORDS];
+};
+
+/* Scratch memory for making a map. Its bricks have an empty border of one brick all around, so that every brick has its
+ * neighbours. */
+struct scratch {
+    size_t bricks[3]; /* without that border */
+    ptrdiff_t stride[3];
+    size_t brick_count;
+    struct bits *grown;  /* the occupied voxels, dilated so far */
+    struct bits *other;  /* the target of a dilation's steps    */
+    struct bits *planes; /* [brick][PLANES] codes, bit by bit   */
+    uint8_t *distance;   /* to the nearest occupied brick       */
+};
+
+void distance_map_finish(struct distance_map *map)
+{
+    memory_free(map->block);
+    *map = (struct distance_map){0};
+}
+
+static void scratch_finish(struct scratch *scratch)
+{
+    memory_free(scratch->grown);
+    memory_free(scratch->other);
+    memory_free(scratch->planes);
+    memory_free(scratch->distance);
+}
+
+static conus_status scratch_init(struct scratch *scratch, const struct distance_map *map)
+{
+    size_t count = 1;
+    *scratch = (struct scratch){0};
+    for (int a = 0; a < 3; a++) {
+        scratch->bricks[a] = map->lines[a] / BRICK_LINES;
+        scratch->stride[a] = (ptrdiff_t)count;
+        if (!memory_multiply(count, scratch->bricks[a] + 2, &count)) {
+            return fail(CONUS_ERROR_MEMORY, "out of memory");
+        }
+    }
+    scratch->brick_count = count;
+    scratch->grown = memory_zeroed(count, sizeof *scratch->grown);
+    scratch->other = memory_zeroed(count, sizeof *scratch->other);
+    scratch->planes = memory_zeroed(count, PLANES * sizeof *scratch->planes);
+    scratch->distance = memory_raw(count, sizeof *scratch->distance);
+    return scratch->grown && scratch->other && scratch->planes && scratch->distance ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static size_t scratch_brick(const struct scratch *scratch, size_t i, size_t j, size_t k)
+{
+    return (i + 1) * (size_t)scratch->stride[0] + (j + 1) * (size_t)scratch->stride[1] +
+           (k + 1) * (size_t)scratch->stride[2];
+}
+
+/* One bit per object of a run of at most 8 voxels. */
+static uint64_t row_bits16(const uint16_t *objects, size_t count)
+{
+    uint64_t bits = 0;
+    if (count == BRICK) {
+        uint64_t halves[2];
+        memcpy(halves, objects, sizeof halves);
+        if (!(halves[0] | halves[1])) {
+            return 0;
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        bits |= (uint64_t)(objects[i] != 0) << i;
+    }
+    return bits;
+}
+
+static uint64_t row_bits32(const uint32_t *objects, size_t count)
+{
+    uint64_t bits = 0;
+    for (size_t i = 0; i < count; i++) {
+        bits |= (uint64_t)(objects[i] != 0) << i;
+    }
+    return bits;
+}
+
+/* Marks one row of voxels along i, starting at linear index `voxel`. */
+static void mark_row(struct scratch *scratch, const struct volume *volume, size_t j, size_t k, size_t voxel)
+{
+    size_t dim = volume->info.dim[0];
+    size_t y = j + DISTANCE_MARGIN;
+    size_t z = k + DISTANCE_MARGIN;
+    struct bits *brick = &scratch->grown[scratch_brick(scratch, 0, y / BRICK, z / BRICK)];
+    for (size_t x = 0; x < dim + DISTANCE_MARGIN; x += BRICK, brick++) { /* voxel i is at x = i + DISTANCE_MARGIN */
+        size_t skipped = x ? 0 : DISTANCE_MARGIN;
+        size_t first = voxel + x + skipped - DISTANCE_MARGIN;
+        size_t count = dim + DISTANCE_MARGIN - x < BRICK ? dim + DISTANCE_MARGIN - x - skipped : BRICK - skipped;
+        uint64_t bits = volume->objects16 ? row_bits16(volume->objects16 + first, count)
+                                          : row_bits32(volume->objects32 + first, count);
+        if (bits) {
+            brick->word[z % BRICK] |= bits << (skipped + BRICK * (y % BRICK));
+        }
+    }
+}
+
+/* Makes the box hold the voxels of a brick's word. */
+static void extend_box(struct distance_map *map, const size_t brick[3], size_t k, uint64_t word)
+{
+    uint64_t columns = word;
+    for (int shift = 32; shift >= BRICK; shift /= 2) {
+        columns |= columns >> shift;
+    }
+    columns &= 0xff;
+    const size_t low[3] = {(size_t)__builtin_ctzll(columns), (size_t)__builtin_ctzll(word) / BRICK, k};
+    const size_t high[3] = {63 - (size_t)__builtin_clzll(columns), (63 - (size_t)__builtin_clzll(word)) / BRICK, k};
+    for (int a = 0; a < 3; a++) {
+        double base = (double)(brick[a] * BRICK) - DISTANCE_MARGIN;
+        map->first[a] = fmin(map->first[a], base + (double)low[a]);
+        map->last[a] = fmax(map->last[a], base + (double)high[a]);
+    }
+}
+
+static void find_box(struct distance_map *map, const struct scratch *scratch)
+{
+    for (int a = 0; a < 3; a++) {
+        map->first[a] = (double)map->dim[a];
+        map->last[a] = -1;
+    }
+    size_t count = scratch->bricks[0] * scratch->bricks[1] * scratch->bricks[2];
+    for (size_t b = 0; b < count; b++) {
+        const size_t brick[3] = {b % scratch->bricks[0], b / scratch->bricks[0] % scratch->bricks[1],
+                                 b / scratch->bricks[0] / scratch->bricks[1]};
+        const struct bits *bits = &scratch->grown[scratch_brick(scratch, brick[0], brick[1], brick[2])];
+        for (size_t k = 0; k < BRICK_WORDS; k++) {
+            if (bits->word[k]) {
+                extend_box(map, brick, k, bits->word[k]);
+            }
+        }
+    }
+}
+
+static void mark_occupied(struct scratch *scratch, const struct volume *volume)
+{
+    for (size_t k = 0; k < volume->info.dim[2]; k++) {
+        for (size_t j = 0; j < volume->info.dim[1]; j++) {
+            mark_row(scratch, volume, j, k, volume->info.dim[0] * (j + volume->info.dim[1] * k));
+        }
+    }
+}
+
+/* Calls step for every row of bricks along i, that is for bricks first .. first + scratch->bricks[0] - 1. */
+typedef void row_step(struct scratch *scratch, size_t first, size_t count);
+
+static void for_rows(struct scratch *scratch, row_step *step)
+{
+    for (size_t k = 0; k < scratch->bricks[2]; k++) {
+        for (size_t j = 0; j < scratch->bricks[1]; j++) {
+            step(scratch, scratch_brick(scratch, 0, j, k), scratch->bricks[0]);
+        }
+    }
+}
+
+/* Adds 1 to the code of every voxel that the growth has not reached. */
+static void count_row(struct scratch *scratch, size_t first, size_t count)
+{
+    for (size_t b = first; b < first + count; b++) {
+        for (int w = 0; w < BRICK_WORDS; w++) {
+            uint64_t carry = ~scratch->grown[b].word[w];
+            for (int p = 0; p < PLANES; p++) {
+                uint64_t *plane = &scratch->planes[b * PLANES + (size_t)p].word[w];
+                uint64_t sum = *plane ^ carry;
+                carry &= *plane;
+                *plane = sum;
+            }
+        }
+    }
+}
+
+#define EVERY_ROW(byte) (UINT64_C(0x0101010101010101) * (byte))
+
+static void grow_row_along_i(struct scratch *scratch, size_t first, size_t count)
+{
+    const struct bits *from = scratch->grown;
+    for (size_t b = first; b < first + count; b++) {
+        for (int w = 0; w < BRICK_WORDS; w++) {
+            uint64_t x = from[b].word[w];
+            uint64_t up = (x << 1 & EVERY_ROW(0xfe)) | (from[b - 1].word[w] >> 7 & EVERY_ROW(0x01));
+            uint64_t down = (x >> 1 & EVERY_ROW(0x7f)) | (from[b + 1].word[w] << 7 & EVERY_ROW(0x80));
+            scratch->other[b].word[w] = x | up | down;
+        }
+    }
+}
+
+static void grow_row_along_j(struct scratch *scratch, size_t first, size_t count)
+{
+    const struct bits *from = scratch->other;
+    size_t step = (size_t)scratch->stride[1];
+    for (size_t b = first; b < first + count; b++) {
+        for (int w = 0; w < BRICK_WORDS; w++) {
+            uint64_t x = from[b].word[w];
+            uint64_t up = x << 8 | from[b - step].word[w] >> 56;
+            uint64_t down = x >> 8 | from[b + step].word[w] << 56;
+            scratch->grown[b].word[w] = x | up | down;
+        }
+    }
+}
+
+static void grow_row_along_k(struct scratch *scratch, size_t first, size_t count)
+{
+    const struct bits *from = scratch->grown;
+    size_t step = (size_t)scratch->stride[2];
+    for (size_t b = first; b < first + count; b++) {
+        uint64_t before = from[b - step].word[BRICK_WORDS - 1];
+        for (int w = 0; w < BRICK_WORDS; w++) {
+            uint64_t after = w + 1 < BRICK_WORDS ? from[b].word[w + 1] : from[b + step].word[0];
+            scratch->other[b].word[w] = before | from[b].word[w] | after;
+            before = from[b].word[w];
+        }
+    }
+}
+
+static void count_fine_distances(struct scratch *scratch)
+{
+    for_rows(scratch, count_row);
+    for (int level = 1; level < FINE_LEVELS; level++) {
+        for_rows(scratch, grow_row_along_i);
+        for_rows(scratch, grow_row_along_j);
+        for_rows(scratch, grow_row_along_k);
+        struct bits *grown = scratch->other;
+        scratch->other = scratch->grown;
+        scratch->grown = grown;
+        for_rows(scratch, count_row);
+    }
+}
+
+static void mark_distance_row(struct scratch *scratch, size_t first, size_t count)
+{
+    for (size_t b = first; b < first + count; b++) {
+        uint64_t any = 0;
+        for (int w = 0; w < BRICK_WORDS; w++) {
+            any |= scratch->grown[b].word[w];
+        }
+        scratch->distance[b] = any ? 0 : FAR_BRICKS;
+    }
+}
+
+/* Lowers a brick's distance to 1 + that of the 13 neighbours before it (sign 1) or behind it (sign -1). */
+static void relax_brick(struct scratch *scratch, size_t brick, ptrdiff_t sign)
+{
+    uint8_t best = scratch->distance[brick];
+    for (int n = 0; n < 13; n++) {
+        ptrdiff_t offset = (n % 3 - 1) * scratch->stride[0] + (n / 3 % 3 - 1) * scratch->stride[1];
+        offset -= n < 9 ? scratch->stride[2] : 0;
+        uint8_t further = (uint8_t)(scratch->distance[(ptrdiff_t)brick + sign * offset] + 1);
+        best = further < best ? further : best;
+    }
+    scratch->distance[brick] = best;
+}
+
+static void relax_row(struct scratch *scratch, size_t first, size_t count)
+{
+    for (size_t b = first; b < first + count; b++) {
+        relax_brick(scratch, b, 1);
+    }
+}
+
+static void relax_row_backwards(struct scratch *scratch, size_t first, size_t count)
+{
+    for (size_t b = first + count; b-- > first;) {
+        relax_brick(scratch, b, -1);
+    }
+}
+
+static void count_brick_distances(struct scratch *scratch)
+{
+    memset(scratch->distance, FAR_BRICKS, scratch->brick_count);
+    for_rows(scratch, mark_distance_row);
+    for_rows(scratch, relax_row);
+    for (size_t k = scratch->bricks[2]; k-- > 0;) {
+        for (size_t j = scratch->bricks[1]; j-- > 0;) {
+            relax_row_backwards(scratch, scratch_brick(scratch, 0, j, k), scratch->bricks[0]);
+        }
+    }
+}
+
+/* spread[b] has bit n of b in its n-th byte. */
+static void make_spread(uint64_t spread[256])
+{
+    for (unsigned b = 0; b < 256; b++) {
+        uint8_t bytes[8];
+        for (unsigned n = 0; n < 8; n++) {
+            bytes[n] = (uint8_t)(b >> n & 1);
+        }
+        memcpy(&spread[b], bytes, sizeof bytes);
+    }
+}
+
+/* Eight codes along i. */
+static uint64_t fine_codes(const struct bits planes[PLANES], int row, const uint64_t spread[256])
+{
+    uint64_t eight = 0;
+    for (int p = 0; p < PLANES; p++) {
+        eight += spread[planes[p].word[row / BRICK] >> BRICK * (row % BRICK) & 0xff] << p;
+    }
+    return eight;
+}
+
+/* The first line of codes of the brick's half along each axis that a bit of `part` says. */
+static uint8_t *line_of(const struct distance_map *map, const size_t brick[3], int part)
+{
+    size_t at[3];
+    for (int a = 0; a < 3; a++) {
+        at[a] = BRICK_LINES * brick[a] + (size_t)(part >> a & 1);
+    }
+    return map->codes + DISTANCE_LINE * (at[0] + map->lines[0] * (at[1] + map->lines[1] * at[2]));
+}
+
+static void write_fine_codes(const struct distance_map *map, const size_t brick[3], const struct bits planes[PLANES],
+                             const uint64_t spread[256])
+{
+    for (int part = 0; part < 8; part += 2) {
+        uint8_t *codes = line_of(map, brick, part);
+        for (int at = 0; at < DISTANCE_LINE; at += DISTANCE_EDGE) {
+            int y = at / DISTANCE_EDGE % DISTANCE_EDGE + (part & 2) * 2;
+            int z = at / DISTANCE_EDGE / DISTANCE_EDGE + (part & 4);
+            uint64_t eight = fine_codes(planes, y + BRICK * z, spread);
+            uint8_t bytes[BRICK];
+            memcpy(bytes, &eight, sizeof bytes);
+            memcpy(codes + at, bytes, DISTANCE_EDGE);
+            memcpy(codes + DISTANCE_LINE + at, bytes + DISTANCE_EDGE, DISTANCE_EDGE);
+        }
+    }
+}
+
+/* A voxel of a brick n bricks away from an occupied one has n - 1 whole empty bricks on every side. */
+static void write_codes(struct distance_map *map, const struct scratch *scratch)
+{
+    uint64_t spread[256];
+    make_spread(spread);
+    for (size_t b = 0; b < scratch->bricks[0] * scratch->bricks[1] * scratch->bricks[2]; b++) {
+        const size_t brick[3] = {b % scratch->bricks[0], b / scratch->bricks[0] % scratch->bricks[1],
+                                 b / scratch->bricks[0] / scratch->bricks[1]};
+        size_t at = scratch_brick(scratch, brick[0], brick[1], brick[2]);
+        int far = 1 + BRICK * (scratch->distance[at] - 1);
+        for (int part = 0; part < 8 && far > FINE_LEVELS; part++) {
+            memset(line_of(map, brick, part), far < UINT8_MAX ? far : UINT8_MAX, DISTANCE_LINE);
+        }
+        if (far <= FINE_LEVELS) {
+            write_fine_codes(map, brick, scratch->planes + at * PLANES, spread);
+        }
+    }
+}
+
+/* ---- Where the codes lie ----------------------------------------------------------------------------------------- */
+
+/* A written map begins with the struct without its pointer, padded so that the codes lie in lines of the cache. */
+enum { HEAD_SIZE = 128 };
+static_assert(sizeof(struct distance_map) <= HEAD_SIZE, "the map fits in front of its codes");
+
+/* Everything but the codes; gives the bytes that these need. */
+static size_t set_dimensions(struct distance_map *map, const struct volume *volume)
+{
+    *map = (struct distance_map){0};
+    for (int a = 0; a < 3; a++) {
+        map->dim[a] = volume->info.dim[a];
+        map->lines[a] = (map->dim[a] + 2 * (size_t)DISTANCE_MARGIN + BRICK - 1) / BRICK * BRICK_LINES;
+    }
+    return distance_map_codes(map); /* not much more than the number of voxels, which was checked */
+}
+
+/* Fills the codes and the box of a map whose dimensions are set. */
+static conus_status fill_codes(struct distance_map *map, const struct volume *volume)
+{
+    struct scratch scratch;
+    conus_status status = scratch_init(&scratch, map);
+    if (!status) {
+        mark_occupied(&scratch, volume);
+        find_box(map, &scratch);
+        count_brick_distances(&scratch);
+        count_fine_distances(&scratch);
+        write_codes(map, &scratch);
+    }
+    scratch_finish(&scratch);
+    return status;
+}
+
+size_t distance_map_size(const struct volume *volume)
+{
+    struct distance_map map;
+    return HEAD_SIZE + set_dimensions(&map, volume);
+}
+
+conus_status distance_map_write(void *memory, const struct volume *volume)
+{
+    struct distance_map map;
+    size_t size = set_dimensions(&map, volume);
+    if (volume->distances) {
+        memcpy(memory, volume->distances, HEAD_SIZE + size);
+        return CONUS_OK;
+    }
+    map.codes = (uint8_t *)memory + HEAD_SIZE;
+    conus_status status = fill_codes(&map, volume);
+    map.codes = NULL;
+    memset(memory, 0, HEAD_SIZE);
+    memcpy(memory, &map, sizeof map);
+    return status;
+}
+
+conus_status distance_map_init(struct distance_map *out, const struct volume *volume)
+{
+    struct distance_map map;
+    size_t size = set_dimensions(&map, volume);
+    if (volume->distances) {
+        memcpy(out, volume->distances, sizeof *out);
+        out->codes = (uint8_t *)volume->distances + HEAD_SIZE; /* is only read */
+        return CONUS_OK;
+    }
+    map.block = memory_raw(size / DISTANCE_LINE + 1, DISTANCE_LINE);
+    map.codes = (uint8_t *)(((uintptr_t)map.block + DISTANCE_LINE - 1) / DISTANCE_LINE *
+                            DISTANCE_LINE); /* on the processor's lines */
+    conus_status status = map.block ? fill_codes(&map, volume) : CONUS_ERROR_MEMORY;
+    if (status) {
+        distance_map_finish(&map);
+        return status;
+    }
+    *out = map;
+    return CONUS_OK;
+}

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The Chebyshev distance from each empty voxel of a volume to the nearest occupied one, for empty-space skipping.
+ *
+ * One byte per voxel, its code: 0 where the voxel holds an object; else 1 + r, where all voxels of the grid that differ
+ * from it by at most r in every index hold none. There is a margin of empty voxels around the grid, with codes of their
+ * own. Bytes lie in lines of 4 x 4 x 4, the size of the processor's, so that neighbours share them whatever the
+ * direction of a ray. */
+#ifndef CONUS_SELECTION_ENGINE_DISTANCE_MAP_H
+#define CONUS_SELECTION_ENGINE_DISTANCE_MAP_H
+
+#include "atlas/volume.h"
+
+enum { DISTANCE_MARGIN = 1, DISTANCE_EDGE = 4, DISTANCE_LINE = 64 };
+
+struct distance_map {
+    size_t dim[3];   /**< Voxels along i, j, k.                         */
+    size_t lines[3]; /**< Lines along i, j, k; the last may be padded.   */
+    double first[3]; /**< The box of the voxels with objects: lowest     */
+    double last[3];  /**< and highest index; below the lowest if none.   */
+    uint8_t *codes;  /**< [distance_map_codes()], in                          */
+    void *block;     /**< this memory; NULL if they are not the map's own. */
+};
+
+/** @p volume must have objects. Uses its distance map, if it has one, for as long as the volume has it. */
+conus_status distance_map_init(struct distance_map *out, const struct volume *volume);
+void distance_map_finish(struct distance_map *map);
+
+/** Bytes of what distance_map_write() writes. */
+size_t distance_map_size(const struct volume *volume);
+/** Makes the distance map of a volume (volume->distances) at @p memory, which is aligned as malloc's is, better as a
+ * line. */
+conus_status distance_map_write(void *memory, const struct volume *volume);
+
+/** How many codes there are. */
+static inline size_t distance_map_codes(const struct distance_map *map)
+{
+    return map->lines[0] * map->lines[1] * map->lines[2] * DISTANCE_LINE;
+}
+
+/** Position of voxel (i, j, k) among the codes; those of the margin in front are (size_t)-DISTANCE_MARGIN. */
+static inline size_t distance_map_at(const struct distance_map *map, size_t i, size_t j, size_t k)
+{
+    size_t x = i + DISTANCE_MARGIN;
+    size_t y = j + DISTANCE_MARGIN;
+    size_t z = k + DISTANCE_MARGIN;
+    size_t line = x / DISTANCE_EDGE + map->lines[0] * (y / DISTANCE_EDGE + map->lines[1] * (z / DISTANCE_EDGE));
+    return line * DISTANCE_LINE + x % DISTANCE_EDGE +
+           DISTANCE_EDGE * (y % DISTANCE_EDGE + DISTANCE_EDGE * (z % DISTANCE_EDGE));
+}
+
+#endif

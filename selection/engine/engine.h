@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The interface of the engines, which fill the evidence and list the intervals of rays, and their constructors.
+ */
+#ifndef CONUS_SELECTION_ENGINE_ENGINE_H
+#define CONUS_SELECTION_ENGINE_ENGINE_H
+
+#include "selection/cone/cone.h"
+#include "selection/engine/evidence.h"
+
+/** An engine for one atlas. */
+struct engine;
+struct layers;
+
+struct engine_functions {
+    /** Fills @p out (already initialised to the cone's resolution) for @p cone. */
+    conus_status (*trace)(struct engine *engine, struct evidence *out, const struct cone *cone);
+    /** trace() for @p count cones of one resolution at once; NULL where that is no faster. */
+    conus_status (*trace_many)(struct engine *engine, struct evidence *const *out, const struct cone *const *cones,
+                               size_t count);
+    /** Appends every interval of every pixel's ray inside an object to @p out, whatever hides it (Eq. 10), and inside
+     * what blocks, as VOLUME_BLOCKER. Neither heeds the cone's range. Exact sampling only. */
+    conus_status (*pierce)(struct engine *engine, struct layers *out, const struct cone *cone);
+    void (*destroy)(struct engine *engine);
+};
+
+/** First member of every engine. */
+struct engine {
+    const struct engine_functions *functions;
+    char name[96]; /**< "rays, avx512"; "gl, llvmpipe (...)". */
+};
+
+struct engine_options {
+    conus_sampling sampling;
+    uint32_t slices; /**< N of Eq. 7 of the colour pass; the ID pass takes N/5. 0 = default. */
+    conus_log log;   /**< May be NULL. */
+    void *log_user;
+};
+
+/* The engines that there are: engine_rays.c and engine_gl.c. */
+conus_status engine_rays_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options);
+conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options);
+
+/** NULL is fine. */
+static inline void engine_destroy(struct engine *engine)
+{
+    if (engine) {
+        engine->functions->destroy(engine);
+    }
+}
+
+#endif

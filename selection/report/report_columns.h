@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The columns of reports: tables that say where each value lies, and the cells that they give. */
+#ifndef CONUS_SELECTION_REPORT_REPORT_COLUMNS_H
+#define CONUS_SELECTION_REPORT_REPORT_COLUMNS_H
+
+#include "selection/report/report.h"
+
+enum cell_type { CELL_NONE, CELL_TEXT, CELL_INTEGER, CELL_NUMBER, CELL_TIME };
+
+struct cell {
+    enum cell_type type;
+    const char *text;
+    uint64_t integer;
+    double number;
+};
+
+enum column_type {
+    COLUMN_COMPUTED, /**< What get() gives.                                              */
+    COLUMN_COUNT,    /**< A uint32_t.                                                    */
+    COLUMN_RANK,     /**< A uint32_t, n/a if 0.                                          */
+    COLUMN_NUMBER,   /**< A double, n/a unless finite.                                   */
+    COLUMN_ANGLE,    /**< The same, radians that are written in degrees.                 */
+    COLUMN_TIME,     /**< A double, seconds.                                             */
+    COLUMN_X,        /**< A coordinate of a double[3], world, written in the report's space. */
+    COLUMN_Y,
+    COLUMN_Z
+};
+
+/** Without one of its needs a cell is n/a. */
+enum column_needs {
+    NEEDS_RAYS = 1,   /**< The query is a cone: a ball has no pixels and no rays. */
+    NEEDS_CENSUS = 2, /**< Voxels were counted: with all layers, or in a ball.    */
+    NEEDS_OBJECT = 4, /**< The row is not CONUS_UNASSIGNED.                       */
+    NEEDS_LAYERS = NEEDS_CENSUS | NEEDS_OBJECT
+};
+
+struct report_column {
+    const char *name;
+    const char *units; /**< NULL if it has none. */
+    const char *description;
+    enum column_type type;
+    size_t offset;    /**< Of the value in struct report_row, */
+    bool of_query;    /**< or in struct report_query.         */
+    unsigned needs;   /**< enum column_needs */
+    bool layers_only; /**< Only in reports of all layers. */
+    struct cell (*get)(const conus_report *report, const struct report_row *row);
+};
+
+enum { REPORT_COLUMN_LIMIT = 64 }; /* more than any kind of report has */
+
+/** The columns of a report, one after the other. */
+struct report_columns {
+    const struct report_column *at[REPORT_COLUMN_LIMIT];
+    size_t count;
+};
+
+void report_list_columns(struct report_columns *out, const conus_report *report);
+
+/** The value in a column; n/a in most columns of a query without an answer. */
+struct cell report_cell(const conus_report *report, const struct report_column *column, const struct report_row *row);
+
+/** "area", "pathway", "unassigned". */
+const char *report_kind(conus_kind kind);
+
+/** Turns a world point into the report's space. */
+void report_point(const conus_report *report, double point[3]);
+
+#endif

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What the tables for people have in common. */
+#ifndef CONUS_SELECTION_REPORT_REPORT_TABLE_H
+#define CONUS_SELECTION_REPORT_REPORT_TABLE_H
+
+#include "selection/report/report.h"
+
+#define TABLE_NOTHING "(nothing met)"
+
+enum { TABLE_LABEL_SIZE = 16 };
+
+/** The name of an object for people; TABLE_NOTHING for 0. */
+const char *table_name(const conus_report *report, uint32_t object);
+
+/** Its label in decimal, written to @p out; nothing for 0. */
+const char *table_label(char out[TABLE_LABEL_SIZE], const conus_report *report, uint32_t object);
+
+/** Columns for the longest name in the report, up to a limit. */
+int table_name_width(const conus_report *report);
+
+/** Writes @p name, cut or padded with spaces to @p width columns. */
+void table_write_name(struct buffer *out, const char *name, int width);
+
+/** Writes the line that says where the cone of a query is. */
+void table_write_query(struct buffer *out, const conus_report *report, const struct report_query *query);
+
+/** Writes the line of a query without an answer. */
+void table_write_error(struct buffer *out, const struct report_query *query, bool more);
+
+/** Writes the lines that say what the answers rest on. */
+void table_write_sources(struct buffer *out, const conus_report *report);
+
+#endif

@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Hands out the text of a report: calls the writer of its format, and keeps the text. */
+#include "selection/report/report_text.h"
+
+#include "selection/report/report_writers.h"
+
+/* Hands out report->text, which a writer has filled. */
+static conus_status hand_out(conus_report *report, conus_status status, const char **text, size_t *size)
+{
+    status = status ? status : buffer_status(&report->text);
+    if (!status) {
+        *text = report->text.data ? report->text.data : "";
+        *size = report->text.size;
+    }
+    return status;
+}
+
+typedef void table_writer(struct buffer *out, const conus_report *report);
+
+static table_writer *table_of(const conus_report *report)
+{
+    if (report->options.tracker) {
+        return report_write_track;
+    }
+    return report->options.rows == CONUS_ANSWERS ? report_write_table : report_write_sweep;
+}
+
+conus_status report_write_part(struct buffer *out, const conus_report *report)
+{
+    switch (report->options.format) {
+    case CONUS_TABLE:
+        table_of(report)(out, report);
+        break;
+    case CONUS_TSV:
+    case CONUS_CSV:
+    case CONUS_NDJSON:
+        report_write_rows(out, report);
+        break;
+    case CONUS_AFNI:
+        report_write_afni(out, report);
+        break;
+    case CONUS_BIDS:
+        return report_write_electrodes(out, report);
+    case CONUS_SPIKEGLX:
+        return report_write_spikeglx(out, report);
+    case CONUS_OPEN_EPHYS:
+        return report_write_open_ephys(out, report);
+    case CONUS_JSON:
+        break;
+    }
+    return CONUS_OK;
+}
+
+void report_write_header(struct buffer *out, const conus_report *report)
+{
+    if (report->options.format == CONUS_BIDS) {
+        report_write_electrodes_header(out, report);
+    } else if (report->options.format == CONUS_TSV || report->options.format == CONUS_CSV) {
+        report_write_names(out, report);
+    }
+}
+
+static conus_status write_text(conus_report *report)
+{
+    buffer_finish(&report->text);
+    if (report->options.format == CONUS_JSON) {
+        return report_write_json(&report->text, report);
+    }
+    if (!report->is_begun) {
+        report_write_header(&report->text, report);
+    }
+    return report_write_part(&report->text, report);
+}
+
+conus_status conus_report_text(conus_report *report, const char **text, size_t *size)
+{
+    conus_status status = write_text(report);
+    size_t rows = report->electrode_line_count ? report->electrode_line_count - 1 : 0;
+    if (!status && rows > report->taken + report->query_count) {
+        status = fail(CONUS_ERROR_DATA, "electrodes: %zu rows, more than answers", rows);
+    }
+    return hand_out(report, status, text, size);
+}
+
+conus_status conus_report_take(conus_report *report, const char **text, size_t *size)
+{
+    conus_format format = report->options.format;
+    if (format == CONUS_JSON || format == CONUS_SPIKEGLX || format == CONUS_OPEN_EPHYS) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: this one is one whole, NDJSON can be taken in parts");
+    }
+    conus_status status = hand_out(report, write_text(report), text, size);
+    if (!status) {
+        report->is_begun = true;
+        report->taken += report->query_count;
+        report_clear(report);
+    }
+    return status;
+}
+
+conus_status conus_report_voxels(conus_report *report, const char **text, size_t *size)
+{
+    buffer_finish(&report->text);
+    buffer_text(&report->text, "query\tpathway\ti\tj\tk\tx\ty\tz\tvalue\tdistance_mm\tkind\tindex\n");
+    buffer_append(&report->text, report->voxels.data, report->voxels.size);
+    return hand_out(report, buffer_status(&report->voxels), text, size);
+}
+
+conus_status conus_report_sidecar(conus_report *report, const char **text, size_t *size)
+{
+    buffer_finish(&report->text);
+    return hand_out(report, report_write_sidecar(&report->text, report), text, size);
+}
+
+conus_status conus_report_grid_sidecar(conus_report *report, const conus_grid *grid, const char **text, size_t *size)
+{
+    buffer_finish(&report->text);
+    return hand_out(report, report_write_grid_sidecar(&report->text, report, grid), text, size);
+}

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What the file of each format gives to report.c, which collects, and report_text.c, which hands out. A format
+ * appends its text to @p out. */
+#ifndef CONUS_SELECTION_REPORT_REPORT_WRITERS_H
+#define CONUS_SELECTION_REPORT_REPORT_WRITERS_H
+
+#include "selection/report/report_columns.h"
+
+/* report_rows.c: TSV, CSV and NDJSON. */
+void report_write_cell(struct buffer *out, struct cell cell);
+/** The header row of TSV and CSV. */
+void report_write_names(struct buffer *out, const conus_report *report);
+void report_write_rows(struct buffer *out, const conus_report *report);
+
+/* Tables for people. */
+void report_write_table(struct buffer *out, const conus_report *report); /**< Of answers.          */
+void report_write_track(struct buffer *out, const conus_report *report); /**< Of a track.          */
+void report_write_sweep(struct buffer *out, const conus_report *report); /**< Of all other rows.   */
+
+/* report_json.c */
+conus_status report_write_json(struct buffer *out, const conus_report *report);
+conus_status report_write_sidecar(struct buffer *out, const conus_report *report);
+conus_status report_write_grid_sidecar(struct buffer *out, const conus_report *report, const conus_grid *grid);
+
+/* report_electrodes.c: BIDS. */
+/** Reads the table of options.electrodes, whose rows the queries are. */
+conus_status report_read_electrodes(conus_report *report);
+void report_write_electrodes_header(struct buffer *out, const conus_report *report);
+conus_status report_write_electrodes(struct buffer *out, const conus_report *report);
+
+/* Other programs. */
+void report_write_afni(struct buffer *out, const conus_report *report);
+conus_status report_write_spikeglx(struct buffer *out, const conus_report *report);
+conus_status report_write_open_ephys(struct buffer *out, const conus_report *report);
+
+/** report_voxels.c: Adds the voxels that the rays of @p selection, the report's last query, hit first, or with all
+ * layers those with their centre in it, as rows of report->voxels. */
+conus_status report_add_voxels(conus_report *report, const conus_selection *selection);
+
+#endif

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes, shares and ends selectors. */
+#include "selection/selector.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+#include "selection/rank.h"
+
+#include <string.h>
+
+enum { DEFAULT_RESOLUTION = 16 };
+
+static conus_status check_options(const conus_selector_options *options)
+{
+    struct cone cone = {.angle = options->radius == 0 ? 1 : 0,
+                        .resolution = options->resolution,
+                        .radius = options->radius,
+                        .range = {options->range[0], options->range[1]}};
+    conus_status status = cone_check(&cone);
+    if (!status && options->sampling == CONUS_SLICES && (options->layers || cone_has_range(&cone))) {
+        status = fail(CONUS_ERROR_ARGUMENT, "%s: needs exact sampling, slices see only what is first",
+                      options->layers ? "layers" : "range");
+    }
+    if (!status && options->slices && options->sampling != CONUS_SLICES) {
+        status = fail(CONUS_ERROR_ARGUMENT, "slices: %u with exact sampling, which has none", options->slices);
+    }
+    return status;
+}
+
+static conus_status set_level(conus_selector *selector, const char *spec)
+{
+    selector->options.level = NULL;
+    selector->level_spec = spec ? memory_text(spec, strlen(spec)) : NULL;
+    return spec && !selector->level_spec ? CONUS_ERROR_MEMORY : level_create(&selector->level, selector->atlas, spec);
+}
+
+/* Whether the middle of `inner`, by its bounds, lies within those of `outer`. */
+static bool holds(const struct mesh *outer, const struct mesh *inner)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        double middle = (inner->shape.low[axis] + inner->shape.high[axis]) / 2;
+        if (middle < outer->shape.low[axis] || middle > outer->shape.high[axis]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Whether it is a mesh within that of an area above it that is reported as the same. */
+static bool lies_in_mesh(const conus_selector *selector, uint32_t number)
+{
+    const conus_atlas *atlas = selector->atlas;
+    const uint32_t *group = level_group(selector->level);
+    const struct mesh *inner = atlas_object_mesh(atlas, number);
+    uint32_t at = inner ? atlas->objects[number - 1].parent : 0;
+    for (; at; at = atlas->objects[at - 1].parent) {
+        const struct mesh *outer = atlas_object_mesh(atlas, at);
+        if (group[at] == group[number] && outer && holds(outer, inner)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static conus_status measure_objects(conus_selector *selector)
+{
+    const conus_atlas *atlas = selector->atlas;
+    selector->whole = memory_zeroed(atlas->object_count + 1, sizeof *selector->whole);
+    if (!selector->whole) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        const conus_object *object = &atlas->objects[number - 1];
+        bool unknown = object->triangles && object->volume_mm3 == 0; /* and so is that of what it is a part of */
+        if (!atlas->places[number - 1].is_hidden && !lies_in_mesh(selector, number)) {
+            selector->whole[level_group(selector->level)[number]] += unknown ? NAN : object->volume_mm3;
+        }
+    }
+    return CONUS_OK;
+}
+
+conus_status conus_selector_create(conus_selector **out, const conus_atlas *atlas,
+                                   const conus_selector_options *options)
+{
+    conus_selector *selector = memory_zeroed(1, sizeof *selector);
+    if (!selector) {
+        return CONUS_ERROR_MEMORY;
+    }
+    selector->atlas = atlas;
+    selector->options = options ? *options : (conus_selector_options){0};
+    selector->options.resolution = selector->options.resolution ? selector->options.resolution : DEFAULT_RESOLUTION;
+    conus_status status = selector_prepare_ranking(selector);
+    status = status ? status : check_options(&selector->options);
+    status = status ? status : set_level(selector, selector->options.level);
+    status = status ? status : measure_objects(selector);
+    if (!status) {
+        const struct engine_options engine = {selector->options.sampling, selector->options.slices,
+                                              selector->options.log, selector->options.log_user};
+        status = selector->options.engine == CONUS_ENGINE_GL ? engine_gl_create(&selector->engine, atlas, &engine)
+                                                             : engine_rays_create(&selector->engine, atlas, &engine);
+    }
+    if (status) {
+        conus_selector_destroy(selector);
+        return status;
+    }
+    *out = selector;
+    return CONUS_OK;
+}
+
+conus_status selector_share(conus_selector **out, const conus_selector *selector)
+{
+    conus_selector *shared = memory_zeroed(1, sizeof *shared);
+    if (!shared) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *shared = (conus_selector){.atlas = selector->atlas, /* and all scratch is its own */
+                               .options = selector->options,
+                               .ranking = selector->ranking,
+                               .level = selector->level,
+                               .level_spec = selector->level_spec,
+                               .engine = selector->engine,
+                               .whole = selector->whole,
+                               .inside_only = selector->inside_only,
+                               .is_shared = true};
+    memcpy(shared->box, selector->box, sizeof shared->box);
+    if (selector_prepare_border(shared)) {
+        memory_free(shared);
+        return CONUS_ERROR_MEMORY;
+    }
+    *out = shared;
+    return CONUS_OK;
+}
+
+void conus_selector_destroy(conus_selector *selector)
+{
+    if (selector) {
+        if (!selector->is_shared) {
+            engine_destroy(selector->engine);
+            level_destroy(selector->level);
+            memory_free(selector->level_spec);
+            memory_free(selector->whole);
+        }
+        memory_free(selector->on_border);
+        aperture_finish(&selector->aperture);
+        tally_finish(&selector->tally);
+        census_finish(&selector->census);
+        near_finish(&selector->near);
+        memory_free(selector);
+    }
+}
+
+const char *conus_selector_engine(const conus_selector *selector)
+{
+    return selector ? selector->engine->name : "";
+}

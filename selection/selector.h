@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A selector from inside: its engine, level and ranking, and scratch for one thread. */
+#ifndef CONUS_SELECTION_SELECTOR_H
+#define CONUS_SELECTION_SELECTOR_H
+
+#include "atlas/areas/level.h"
+#include "selection/engine/engine.h"
+#include "selection/measure/census.h"
+#include "selection/measure/near.h"
+#include "selection/measure/score.h"
+#include "selection/measure/statistics.h"
+
+struct conus_selector {
+    const conus_atlas *atlas;
+    conus_selector_options options; /**< Defaults filled in; strings are not kept (score is parsed). */
+    struct ranking ranking;
+    bool *on_border;  /**< [object_count + 1] All false between rankings; NULL unless ranking.needs_border. */
+    double box[2][3]; /**< Around the areas and pathways, world; only where ranking.needs_box. */
+    struct level *level;
+    char *level_spec; /**< NULL = none. */
+    struct engine *engine;
+    struct aperture aperture;
+    struct tally tally; /**< Prepared for the atlas's objects. */
+    struct census census;
+    struct near near;
+    double *whole;    /**< [object_count + 1] Volumes of what is reported, mm^3; with all layers. */
+    bool inside_only; /**< Of its selections only the pixels in the cone will be traced. */
+    bool is_shared;   /**< Engine, level and volumes are another selector's. */
+};
+
+/** A selector like @p selector, which must outlive it, with the same engine and scratch of its own: each may answer on
+ * another thread, where the engine is rays. */
+conus_status selector_share(conus_selector **out, const conus_selector *selector);
+
+#endif
