@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Runs every scenario in a child process and collects what the children print. */
 #include "bench/all.h"
 
 #include "bench/report.h"
@@ -114,7 +115,7 @@ static void add_drivers(struct bench *bench, const char *drivers)
 }
 
 /* Adds what a scenario has measured. */
-static conus_status take(struct bench *bench, json_t *settings, const char *name, const json_t *result)
+static conus_status take_result(struct bench *bench, json_t *settings, const char *name, const json_t *result)
 {
     const char *driver = json_string_value(json_object_get(result, "driver"));
     add_drivers(bench, driver ? driver : "");
@@ -138,7 +139,7 @@ conus_status bench_all(struct bench *bench, json_t *settings, const struct bench
         }
         bench->crashed += !result;
         status = !result || error ? bench_leave_out(bench, scenarios[i].name)
-                                  : take(bench, settings, scenarios[i].name, result);
+                                  : take_result(bench, settings, scenarios[i].name, result);
         fprintf(stderr, "[%zu/%zu] %s: %.0f s\n", i + 1, count, scenarios[i].name, bench_wall() - start);
         json_decref(result);
     }

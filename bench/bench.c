@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Times the variants of a scenario in turn, and keeps runs, ratios and what is left out. */
 #include "bench/bench.h"
 
 #include "base/memory.h"
@@ -23,7 +24,8 @@ static double clock_ms(clockid_t clock)
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
-double bench_now(const struct bench *bench)
+/* Milliseconds: of this thread's CPU time or of the wall clock. */
+static double now_ms(const struct bench *bench)
 {
     return clock_ms(bench->one_thread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC);
 }
@@ -134,9 +136,9 @@ static double time_once(const struct bench *bench, const struct bench_variant *v
         variant->prepare(variant->data);
     }
     double cpu_start = clock_ms(CLOCK_PROCESS_CPUTIME_ID);
-    double start = bench_now(bench);
+    double start = now_ms(bench);
     variant->run(variant->data);
-    double time = bench_now(bench) - start;
+    double time = now_ms(bench) - start;
     *cpu = clock_ms(CLOCK_PROCESS_CPUTIME_ID) - cpu_start;
     return time;
 }
@@ -192,11 +194,11 @@ conus_status bench_measure(struct bench *bench, const char *scenario, struct ben
                            size_t per, double angle_deg)
 {
     size_t repeats = bench->options.repeats;
-    double *room = memory_raw(3 * count * repeats, sizeof *room);
+    double *scratch = memory_raw(3 * count * repeats, sizeof *scratch);
     struct times *times = memory_zeroed(count, sizeof *times);
-    conus_status status = room && times ? CONUS_OK : CONUS_ERROR_MEMORY;
+    conus_status status = scratch && times ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t v = 0; v < count && !status; v++) {
-        double *own = room + 3 * v * repeats;
+        double *own = scratch + 3 * v * repeats;
         times[v] = (struct times){.cold = own, .warm = own + repeats, .cpu = own + 2 * repeats};
     }
     size_t rounds = status ? 0 : take_rounds(bench, variants, count, times, per);
@@ -204,7 +206,7 @@ conus_status bench_measure(struct bench *bench, const char *scenario, struct ben
         status = add_run(bench, scenario, &variants[v], &times[v], rounds, queries_in(&variants[v], per), angle_deg);
     }
     memory_free(times);
-    memory_free(room);
+    memory_free(scratch);
     return status;
 }
 

@@ -70,9 +70,6 @@ conus_status bench_value(struct bench *bench, const char *key, double value, boo
 /** Notes that @p what is left out, because of conus_message(). */
 conus_status bench_leave_out(struct bench *bench, const char *what);
 
-/** Milliseconds: of this thread's CPU time or of the wall clock. */
-double bench_now(const struct bench *bench);
-
 /** Seconds of the wall clock. */
 double bench_wall(void);
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* conus-bench: the table of scenarios, the command line and the exit code. */
 #include "base/text.h"
 #include "bench/all.h"
 #include "bench/bench.h"
@@ -159,7 +160,7 @@ static conus_status parse_scenario(struct arguments *out, const char *name)
                : fail(CONUS_ERROR_ARGUMENT, "unknown scenario '%s'; see conus-bench --help", name);
 }
 
-static conus_status parse(struct arguments *out, int argc, char **argv)
+static conus_status parse_arguments(struct arguments *out, int argc, char **argv)
 {
     static const struct option table[] = {{"atlas", required_argument, NULL, 'a'},
                                           {"context", required_argument, NULL, 'c'},
@@ -249,7 +250,7 @@ static int conclude(const struct bench *bench, const json_t *settings, const str
     return code;
 }
 
-static int run(const struct arguments *arguments)
+static int run_benchmark(const struct arguments *arguments)
 {
     char folder[] = "/tmp/conus-bench.XXXXXX";
     char phantom[64];
@@ -286,7 +287,7 @@ int main(int argc, char **argv)
 {
     setvbuf(stdout, NULL, _IOLBF, 0);
     struct arguments arguments = {.options = {.angle = 5}};
-    conus_status status = parse(&arguments, argc, argv);
+    conus_status status = parse_arguments(&arguments, argc, argv);
     if (status) {
         fprintf(stderr, "conus-bench: %s\n", conus_message());
         return EXIT_USAGE;
@@ -295,5 +296,5 @@ int main(int argc, char **argv)
         print_help();
         return EXIT_SUCCESS;
     }
-    return run(&arguments);
+    return run_benchmark(&arguments);
 }

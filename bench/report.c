@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Writes the JSON of conus-bench: machine, settings, and whether each ratio keeps its bound. */
 #include "bench/report.h"
 
 #include "base/buffer.h"
@@ -72,7 +73,7 @@ double report_load(void)
 }
 
 /* JSON has no NAN. */
-static json_t *number(double value)
+static json_t *json_number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
 }
@@ -99,22 +100,22 @@ static const struct hold {
 
 enum { HOLD_COUNT = sizeof holds / sizeof holds[0] };
 
-static bool is_met(const struct hold *hold, double value)
+static bool is_kept(const struct hold *hold, double value)
 {
     return hold->at_most ? value <= hold->limit : value >= hold->limit;
 }
 
-/* {key: {at_least or at_most: limit, met: whether}} of the keys that were measured. */
+/* {key: {at_least or at_most: limit, met: bool}} of the keys that were measured. */
 static json_t *held(const json_t *ratios)
 {
     json_t *all = json_object();
     for (size_t i = 0; i < HOLD_COUNT; i++) {
         const json_t *value = json_object_get(ratios, holds[i].key);
         if (value) {
-            bool met = json_is_number(value) && is_met(&holds[i], json_number_value(value));
+            bool kept = json_is_number(value) && is_kept(&holds[i], json_number_value(value));
             json_object_set_new(
                 all, holds[i].key,
-                json_pack("{s:f, s:b}", holds[i].at_most ? "at_most" : "at_least", holds[i].limit, "met", met));
+                json_pack("{s:f, s:b}", holds[i].at_most ? "at_most" : "at_least", holds[i].limit, "met", kept));
         }
     }
     return all;
@@ -130,7 +131,7 @@ void report_print_holds(const json_t *root)
             printf("%-30s not measured     (%s %g)\n", holds[i].key, bound, holds[i].limit);
         } else {
             double x = json_number_value(value);
-            printf("%-30s %10.4g %-8s (%s %g)\n", holds[i].key, x, is_met(&holds[i], x) ? "" : "NOT MET", bound,
+            printf("%-30s %10.4g %-8s (%s %g)\n", holds[i].key, x, is_kept(&holds[i], x) ? "" : "NOT MET", bound,
                    holds[i].limit);
         }
     }
@@ -145,8 +146,8 @@ json_t *report_settings(const struct bench *bench, double seconds, double load)
                      o->context, "angle_deg", o->angle, "poses", (json_int_t)o->poses, "slices", (json_int_t)o->slices,
                      "repeats", (json_int_t)o->repeats, "seconds_per_measurement", o->seconds, "clock",
                      bench->one_thread ? "CPU time of one thread" : "wall", "driver", bench->driver, "note",
-                     bench->note ? bench->note : "", "took_s", seconds, "load_start", number(load), "load_end",
-                     number(report_load()));
+                     bench->note ? bench->note : "", "took_s", seconds, "load_start", json_number(load), "load_end",
+                     json_number(report_load()));
 }
 
 json_t *report_create(const struct bench *bench, const json_t *scenarios, double load)
@@ -159,10 +160,10 @@ json_t *report_create(const struct bench *bench, const json_t *scenarios, double
     json_t *settings =
         json_pack("{s:b, s:s, s:O}", "check", bench->options.check, "written", when, "scenarios", scenarios);
     return json_pack("{s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:O, s:O, s:o, s:O, s:I}", "version", conus_version(),
-                     "machine", machine, "driver", bench->driver, "versions", versions(), "load_start", number(load),
-                     "load_end", number(report_load()), "settings", settings, "runs", bench->runs, "ratios",
-                     bench->ratios, "holds", held(bench->ratios), "left_out", bench->left_out, "crashed",
-                     (json_int_t)bench->crashed);
+                     "machine", machine, "driver", bench->driver, "versions", versions(), "load_start",
+                     json_number(load), "load_end", json_number(report_load()), "settings", settings, "runs",
+                     bench->runs, "ratios", bench->ratios, "holds", held(bench->ratios), "left_out", bench->left_out,
+                     "crashed", (json_int_t)bench->crashed);
 }
 
 conus_status report_write(const json_t *root, const char *path)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// VTK cell pickers and cell locators on the surfaces of an atlas.
 #include <vtkActor.h>
 #include <vtkCellLocator.h>
 #include <vtkCellPicker.h>

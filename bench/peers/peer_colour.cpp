@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// VTK volume mappers that draw a context volume.
 #include <vtkColorTransferFunction.h>
 #include <vtkFixedPointVolumeRayCastMapper.h>
 #include <vtkFloatArray.h>

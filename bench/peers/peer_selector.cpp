@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// VTK's hardware selector on the surfaces of an atlas.
 #include <vtkActor.h>
 #include <vtkCompositePolyDataMapper2.h>
 #include <vtkHardwareSelector.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// VTK pickers and the hardware selector on a labelled volume.
 #include <vtkCellPicker.h>
 #include <vtkDataObject.h>
 #include <vtkGPUVolumeRayCastMapper.h>

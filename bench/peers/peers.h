@@ -30,7 +30,7 @@ conus_status peer_check_display(void);
 
 enum peer_parts {
     PEER_ACTORS,   /**< One vtkActor per object: how programs show parts.                                */
-    PEER_COMPOSITE /**< One vtkCompositePolyDataMapper2 over a block per object, told apart by flat index. */
+    PEER_COMPOSITE /**< One vtkCompositePolyDataMapper2 over a block per object, distinguished by flat index. */
 };
 
 struct peer_selector;
@@ -42,7 +42,7 @@ conus_status peer_selector_create(struct peer_selector **out, const struct mesh_
 void peer_selector_destroy(struct peer_selector *selector); /**< NULL is fine. */
 
 /** Objects, [16 * 16], of the square of pixels in the window's middle, which @p cone just fills. @p actors_only: leaves
- * out the passes that tell cells apart (vtkHardwareSelector::ActorPassOnly), which Select() makes by default. */
+ * out the passes that distinguish cells (vtkHardwareSelector::ActorPassOnly), which Select() makes by default. */
 conus_status peer_selector_look(struct peer_selector *selector, uint32_t *objects, const struct cone *cone,
                                 bool actors_only);
 
@@ -74,10 +74,10 @@ conus_status peer_surface_pick(struct peer_surface *surface, uint32_t *objects, 
 
 enum peer_picker { PEER_VOLUME_PICKER, PEER_CELL_PICKER };
 
-/** What a ray has met, in the labelled volume. */
+/** The hit of a ray in the labelled volume. */
 struct peer_contact {
     uint32_t object;    /**< Of the voxel that was named; 0 = none, or a voxel of the background. */
-    uint64_t voxel;     /**< Its linear index; UINT64_MAX = nothing was met.                      */
+    uint64_t voxel;     /**< Its linear index; UINT64_MAX = no hit.                      */
     double distance_mm; /**< From the apex to the point that was named; NAN if only a voxel was.  */
 };
 
@@ -88,7 +88,7 @@ struct peer_labels;
 conus_status peer_labels_create(struct peer_labels **out, const struct volume *volume, double opacity, bool window);
 void peer_labels_destroy(struct peer_labels *labels); /**< NULL is fine. */
 
-/** What a picker's 16 * 16 rays through the pixels' centres meet. @p isovalue is VolumeOpacityIsovalue, VTK's default
+/** What a picker's 16 * 16 rays through the pixels' centres hit. @p isovalue is VolumeOpacityIsovalue, VTK's default
  * being 0.05. */
 conus_status peer_labels_pick(struct peer_labels *labels, struct peer_contact *contacts, const struct cone *cone,
                               enum peer_picker kind, double isovalue);
@@ -103,7 +103,7 @@ enum peer_caster { PEER_GPU, PEER_FIXED_POINT };
 
 struct peer_picture_options {
     enum peer_caster caster;
-    bool shade;       /**< Lights it by its gradient. */
+    bool shade;       /**< Shades it by its gradient. */
     bool one_thread;  /**< Only the calling one, where the caster is not OpenGL's. */
     uint32_t size[2]; /**< Pixels. */
     double sample_mm; /**< From sample to sample along a ray. */

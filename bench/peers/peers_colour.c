@@ -5,6 +5,8 @@
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/peers/peers.h"
+#include "bench/scenarios/picture.h"
+#include "render/colour/colour_view.h"
 #include "render/colour/renderer.h"
 #include "render/gl/target.h"
 
@@ -57,7 +59,7 @@ static conus_status draw_ours(struct scene *scene)
     return status;
 }
 
-static void draw(void *data)
+static void draw_picture(void *data)
 {
     struct way *way = data;
     conus_status status = way->peer ? peer_picture_draw(way->peer) : draw_ours(way->scene);
@@ -95,13 +97,13 @@ static void describe(struct bench_variant *out, const struct way *way, const str
 {
     size_t pixels = way->scene->pixels;
     double opacity = rms(way->rgba, ours->rgba, pixels, 3, 3);
-    double light = rms(way->rgba, ours->rgba, pixels, 0, 2);
-    *out = (struct bench_variant){.name = way->name, .run = draw, .data = (void *)way};
+    double radiance = rms(way->rgba, ours->rgba, pixels, 0, 2);
+    *out = (struct bench_variant){.name = way->name, .run = draw_picture, .data = (void *)way};
     out->equal = opacity <= way->scene->opacity_limit;
     if (way != ours) {
         printf("%s: rms from ours in opacity %.4f (allowed %.2f), in light %.4f of white\n", way->name, opacity,
-               way->scene->opacity_limit, light);
-        out->more = json_pack("{s:f, s:f}", "rms_opacity", opacity, "rms_light", light);
+               way->scene->opacity_limit, radiance);
+        out->more = json_pack("{s:f, s:f}", "rms_opacity", opacity, "rms_light", radiance);
     }
 }
 
@@ -120,20 +122,16 @@ static void fill_table(struct scene *scene)
                                              .count = ENTRIES};
 }
 
-static void aim(struct scene *scene, const struct bench_options *options)
+static void aim_camera(struct scene *scene, const struct bench_options *options)
 {
     const struct colour_pass *pass = &scene->renderer->colour;
     uint32_t part = options->check ? CHECK_PART : 1;
     const uint32_t edge = MARGIN / part;
     const struct camera_frame frame = {WIDTH / part, HEIGHT / part, edge, edge, edge, edge};
-    double forward[3];
-    camera_default_forward(forward);
-    camera_frame_points(&scene->camera, (const double *)pass->content, pass->content_count, forward,
-                        radians_from_degrees(30), &frame);
+    picture_aim(&scene->camera, &scene->view, &frame, (const double(*)[3])pass->content, pass->content_count,
+                options->slices);
     scene->pixels = (size_t)frame.width * frame.height;
     scene->opacity_limit = options->check ? OPACITY_LIMIT_CHECK : OPACITY_LIMIT;
-    scene->view = (struct colour_view){
-        .camera = &scene->camera, .width = frame.width, .height = frame.height, .slices = (uint32_t)options->slices};
 }
 
 static conus_status scene_init(struct scene *scene, const struct bench_options *options, const char *transfer)
@@ -146,7 +144,7 @@ static conus_status scene_init(struct scene *scene, const struct bench_options *
     status = status ? status : conus_renderer_create(&scene->renderer, scene->atlas, &renderer);
     if (!status) {
         fill_table(scene);
-        aim(scene, options);
+        aim_camera(scene, options);
         status = gl_context_use(scene->renderer->context, &previous);
     }
     if (!status) {
@@ -221,7 +219,7 @@ static conus_status ratio(struct bench *bench, const char *peer, const char *suf
     return bench_ratio(bench, key, above, below);
 }
 
-static conus_status measure(struct bench *bench, struct way ways[WAYS], const char *suffix)
+static conus_status measure_pictures(struct bench *bench, struct way ways[WAYS], const char *suffix)
 {
     static const char *const peers[WAYS] = {NULL, "vtkgpu", "vtkgpu_shaded", "vtkfixed", "vtkfixed_shaded"};
     struct bench_variant variants[WAYS];
@@ -242,8 +240,8 @@ static conus_status measure(struct bench *bench, struct way ways[WAYS], const ch
     return status;
 }
 
-/* Everything with one transfer function; `suffix` tells its ratios apart. */
-static conus_status run(struct bench *bench, const char *transfer, const char *suffix)
+/* Everything with one transfer function; `suffix` distinguishes its ratios. */
+static conus_status run_transfer(struct bench *bench, const char *transfer, const char *suffix)
 {
     struct scene scene = {0};
     struct way ways[WAYS] = {
@@ -259,7 +257,7 @@ static conus_status run(struct bench *bench, const char *transfer, const char *s
         snprintf(bench->driver, sizeof bench->driver, "%s; %s", peer_version(), device);
         status = make_ways(bench, &scene, ways, transfer);
     }
-    status = status ? status : measure(bench, ways, suffix);
+    status = status ? status : measure_pictures(bench, ways, suffix);
     for (size_t w = 0; w < WAYS; w++) {
         peer_picture_destroy(ways[w].peer);
         memory_free(ways[w].rgba);
@@ -272,7 +270,7 @@ conus_status bench_peers_colour(struct bench *bench)
 {
     setenv("LP_NUM_THREADS", "0", 0); /* Mesa's llvmpipe stays on this thread, whose time is taken */
     conus_status status = peer_check_display();
-    status = status ? status : run(bench, "brain", "");
-    status = status ? status : run(bench, "surface", "_surface");
+    status = status ? status : run_transfer(bench, "brain", "");
+    status = status ? status : run_transfer(bench, "surface", "_surface");
     return status == CONUS_ERROR_GL ? bench_leave_out(bench, "peers_colour") : status;
 }

@@ -65,7 +65,7 @@ struct preparation {
     conus_status status;
 };
 
-static double reach(const struct scene *scene)
+static double view_range(const struct scene *scene)
 {
     return 4 * scene->tori.side;
 }
@@ -76,7 +76,7 @@ static conus_status remake_selector(struct peer_selector **selector, const struc
 {
     peer_selector_destroy(*selector);
     *selector = NULL;
-    return peer_selector_create(selector, objects, scene->tori.count, parts, size, reach(scene), cones);
+    return peer_selector_create(selector, objects, scene->tori.count, parts, size, view_range(scene), cones);
 }
 
 static const uint32_t small_size[2] = {PEER_RESOLUTION, PEER_RESOLUTION};
@@ -106,7 +106,7 @@ static conus_status make_surface(struct scene *scene)
 {
     peer_surface_destroy(scene->surface);
     scene->surface = NULL;
-    return peer_surface_create(&scene->surface, scene->areas, scene->tori.count, reach(scene));
+    return peer_surface_create(&scene->surface, scene->areas, scene->tori.count, view_range(scene));
 }
 
 static conus_status build_locator(struct scene *scene)
@@ -147,7 +147,7 @@ static void prepare(void *data)
     preparation->status = status ? status : preparation->status;
 }
 
-/* Makes it and tells how long that took: once, by the clock on the wall, since some of it uses all processors. */
+/* Makes it and prints how long that took: once, by the wall clock, since some of it uses all processors. */
 static conus_status make_timed(struct bench *bench, struct scene *scene, const char *what,
                                conus_status (*make)(struct scene *scene))
 {
@@ -257,7 +257,7 @@ static void add_selector(struct contest *contest, struct peer_selector *selector
 }
 
 /* Answers all once, compares, and times them. */
-static conus_status measure(struct bench *bench, struct contest *contest)
+static conus_status measure_contest(struct bench *bench, struct contest *contest)
 {
     conus_status status = CONUS_OK;
     for (size_t w = 0; w < contest->count && !status; w++) {
@@ -327,7 +327,7 @@ static conus_status measure_wide(struct bench *bench, struct scene *scene)
         add_selector(&contest, scene->own, true, "vtkHardwareSelector, actors of own triangles");
         add_selector(&contest, scene->composite, false, "vtkHardwareSelector, composite");
     }
-    conus_status status = measure(bench, &contest);
+    conus_status status = measure_contest(bench, &contest);
     for (size_t i = 0; i < (scene->small ? RATIOS : RATIOS_WITHOUT_DISPLAY) && !status; i++) {
         status = ratio(bench, &contest, ratios[i].above, ratios[i].below, ratios[i].key);
     }
@@ -340,7 +340,7 @@ static conus_status measure_narrow(struct bench *bench, struct scene *scene)
 {
     struct contest contest = {.scene = scene, .cones = scene->narrow, .engines = {scene->rays}, .count = 1};
     add_selector(&contest, scene->large, true, "vtkHardwareSelector, 1400 x 1050, actors");
-    conus_status status = measure(bench, &contest);
+    conus_status status = measure_contest(bench, &contest);
     status = status ? status : ratio(bench, &contest, 1, 0, "vtkselector_window_over_rays");
     contest_finish(&contest);
     return status;

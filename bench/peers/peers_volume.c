@@ -48,7 +48,7 @@ static conus_status answer_cone(struct way *way, size_t i)
     }
 }
 
-static void answer(void *data)
+static void answer_cones(void *data)
 {
     struct way *way = data;
     for (size_t i = 0; i < way->scene->cone_count; i++) {
@@ -57,14 +57,14 @@ static void answer(void *data)
     }
 }
 
-/* How many pixels name what the rays meet first. */
+/* How many pixels name the first hit of the rays. */
 struct agreement {
-    size_t met;     /* pixels with an object by either */
+    size_t hits;    /* pixels with an object by either */
     size_t objects; /* of those, with the same one */
     size_t voxels;  /* and the same voxel of it */
 };
 
-static struct agreement compare(const struct way *way)
+static struct agreement compare_with_rays(const struct way *way)
 {
     struct agreement sum = {0};
     for (size_t i = 0; i < way->scene->cone_count * PIXELS; i++) {
@@ -72,7 +72,7 @@ static struct agreement compare(const struct way *way)
         const struct peer_contact *contact = &way->contacts[i];
         uint32_t object = rays->object[i % PIXELS];
         if (object || contact->object) {
-            sum.met++;
+            sum.hits++;
             sum.objects += object == contact->object;
             sum.voxels += object == contact->object && rays->voxel[i % PIXELS] == contact->voxel;
         }
@@ -82,12 +82,12 @@ static struct agreement compare(const struct way *way)
 
 static json_t *describe(const struct way *way)
 {
-    struct agreement agreement = compare(way);
-    double met = agreement.met ? (double)agreement.met : 1;
+    struct agreement agreement = compare_with_rays(way);
+    double hits = agreement.hits ? (double)agreement.hits : 1;
     printf("%s: of %zu pixels with an area %.1f %% name the area that the rays meet first, %.1f %% the voxel\n",
-           way->name, agreement.met, 100 * (double)agreement.objects / met, 100 * (double)agreement.voxels / met);
-    return json_pack("{s:f, s:f}", "same_area", (double)agreement.objects / met, "same_voxel",
-                     (double)agreement.voxels / met);
+           way->name, agreement.hits, 100 * (double)agreement.objects / hits, 100 * (double)agreement.voxels / hits);
+    return json_pack("{s:f, s:f}", "same_area", (double)agreement.objects / hits, "same_voxel",
+                     (double)agreement.voxels / hits);
 }
 
 /* ---- Scene ----------------------------------------------------------------------------------------------------- */
@@ -136,22 +136,23 @@ static void scene_finish(struct scene *scene)
     conus_atlas_destroy(scene->atlas);
 }
 
-static conus_status measure(struct bench *bench, struct way ways[WAYS], size_t count)
+static conus_status measure_pickers(struct bench *bench, struct way ways[WAYS], size_t count)
 {
     struct bench_variant variants[WAYS];
     for (size_t w = 0; w < count; w++) {
-        answer(&ways[w]);
+        answer_cones(&ways[w]);
         if (ways[w].status) {
             return ways[w].status;
         }
-        variants[w] = (struct bench_variant){.name = ways[w].name, .run = answer, .data = &ways[w], .equal = w == 0};
+        variants[w] =
+            (struct bench_variant){.name = ways[w].name, .run = answer_cones, .data = &ways[w], .equal = w == 0};
         variants[w].other_by_design = w > 0;
         variants[w].more = w > 0 ? describe(&ways[w]) : NULL;
     }
     return bench_measure(bench, "peers_volume", variants, count, bench->options.poses, bench->options.angle);
 }
 
-static conus_status run(struct bench *bench, struct scene *scene)
+static conus_status run_scene(struct bench *bench, struct scene *scene)
 {
     struct way ways[WAYS] = {
         {.name = "rays engine", .kind = RAYS},
@@ -165,7 +166,7 @@ static conus_status run(struct bench *bench, struct scene *scene)
         ways[w].contacts = memory_zeroed(scene->cone_count * PIXELS, sizeof *ways[w].contacts);
         status = ways[w].contacts ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
-    status = status ? status : measure(bench, ways, scene->has_window ? WAYS : WAYS - 1);
+    status = status ? status : measure_pickers(bench, ways, scene->has_window ? WAYS : WAYS - 1);
     for (size_t w = 0; w < WAYS; w++) {
         memory_free(ways[w].contacts);
     }
@@ -180,7 +181,7 @@ conus_status bench_peers_volume(struct bench *bench)
     conus_status status = scene_init(bench, &scene);
     if (!status) {
         snprintf(bench->driver, sizeof bench->driver, "%s; %s", peer_version(), scene.rays->name);
-        status = run(bench, &scene);
+        status = run_scene(bench, &scene);
     }
     scene_finish(&scene);
     return status;

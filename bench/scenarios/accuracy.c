@@ -10,7 +10,7 @@
 
 enum { SEED = 72 };
 
-/* Ways to look. An engine takes a fifth of the slices that it is told of. */
+/* Ways to look. An engine takes a fifth of the given number of slices. */
 enum { EXACT, ALL_SLICES, FIFTH, WAYS };
 
 struct scene {
@@ -22,9 +22,9 @@ struct scene {
     struct look looks[WAYS];
 };
 
-/* Pixels that meet something, and those in which a look differs from the exact one. */
+/* Pixels that hit something, and those in which a look differs from the exact one. */
 struct faults {
-    size_t met, missed, invented, other; /* nothing instead of an object, the other way round, another object */
+    size_t hits, missed, invented, other; /* nothing instead of an object, the other way round, another object */
 };
 
 static void count_faults(struct faults *out, const struct look *look, const struct look *exact)
@@ -34,7 +34,7 @@ static void count_faults(struct faults *out, const struct look *look, const stru
         size_t pixels = (size_t)look->cones[i].resolution * look->cones[i].resolution;
         for (size_t pixel = 0; pixel < pixels; pixel++) {
             uint32_t got = look->answers[i].object[pixel], wanted = exact->answers[i].object[pixel];
-            out->met += wanted != 0;
+            out->hits += wanted != 0;
             out->missed += wanted && !got;
             out->invented += got && !wanted;
             out->other += got && wanted && got != wanted;
@@ -80,11 +80,11 @@ static void scene_finish(struct scene *scene)
 
 static json_t *describe(const struct faults *faults)
 {
-    double met = (double)(faults->met ? faults->met : 1);
+    double hits = (double)(faults->hits ? faults->hits : 1);
     size_t wrong = faults->missed + faults->invented + faults->other;
-    return json_pack("{s:I, s:f, s:f, s:f, s:f}", "pixels_met", (json_int_t)faults->met, "wrong", (double)wrong / met,
-                     "missed", (double)faults->missed / met, "invented", (double)faults->invented / met, "other",
-                     (double)faults->other / met);
+    return json_pack("{s:I, s:f, s:f, s:f, s:f}", "pixels_met", (json_int_t)faults->hits, "wrong", (double)wrong / hits,
+                     "missed", (double)faults->missed / hits, "invented", (double)faults->invented / hits, "other",
+                     (double)faults->other / hits);
 }
 
 static conus_status measure_angle(struct bench *bench, struct scene *scene, double angle)
@@ -118,7 +118,7 @@ static conus_status measure_angle(struct bench *bench, struct scene *scene, doub
     return status;
 }
 
-static conus_status measure(struct bench *bench, const char *what, const char *path)
+static conus_status measure_volume(struct bench *bench, const char *what, const char *path)
 {
     static const double angles[] = {1, 2, 5, 10, 20, 40};
     struct scene scene;
@@ -137,7 +137,7 @@ conus_status bench_accuracy(struct bench *bench)
     bench->one_thread = true;
     snprintf(tubes, sizeof tubes, "%s/tubes.nii.gz", bench->folder);
     const conus_phantom_options options = {.size = bench->options.check ? 32 : 64};
-    conus_status status = measure(bench, "labels", bench->options.atlas);
+    conus_status status = measure_volume(bench, "labels", bench->options.atlas);
     status = status ? status : conus_phantom_write("tubes", bench->folder, &options);
-    return status ? status : measure(bench, "tubes", tubes);
+    return status ? status : measure_volume(bench, "tubes", tubes);
 }

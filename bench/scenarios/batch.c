@@ -167,7 +167,7 @@ static conus_status answer_all(struct contender *contender)
     return status;
 }
 
-static void run(void *data)
+static void run_contender(void *data)
 {
     struct contender *contender = data;
     conus_status status = contender->batch ? answer_all(contender) : look_at_all(contender);
@@ -188,16 +188,17 @@ static conus_status add_speed(struct bench *bench, const char *key, const struct
     return bench_value(bench, key, 1000 / variant->median_ms, variant->equal);
 }
 
-static conus_status measure(struct bench *bench, struct contender *contenders, size_t count)
+static conus_status measure_contenders(struct bench *bench, struct contender *contenders, size_t count)
 {
     static const char *const names[VARIANTS] = {"plain scalar traversal, no rows", "plain scalar traversal, batch",
                                                 "rays, batch, 1 thread",           "rays, batch, 2 threads",
                                                 "gl, batch, one cone at a time",   "gl, batch, blocks of 256 cones"};
     struct bench_variant variants[VARIANTS];
     for (size_t i = 0; i < count; i++) {
-        run(&contenders[i]);
+        run_contender(&contenders[i]);
         bool same = i == 0 ? !contenders[0].status : gives_the_same(&contenders[i], &contenders[1]);
-        variants[i] = (struct bench_variant){.name = names[i], .run = run, .data = &contenders[i], .equal = same};
+        variants[i] =
+            (struct bench_variant){.name = names[i], .run = run_contender, .data = &contenders[i], .equal = same};
     }
     conus_status status = bench_measure(bench, "batch", variants, count, bench->options.poses, bench->options.angle);
     status = status ? status : bench_ratio(bench, "plain_over_batch", &variants[NO_ROWS], &variants[RAYS]);
@@ -223,7 +224,7 @@ conus_status bench_batch(struct bench *bench)
     if (!status) {
         snprintf(bench->driver, sizeof bench->driver, "%s; %s", conus_selector_engine(scene.selector),
                  conus_selector_engine(scene.gl));
-        status = measure(bench, contenders, count);
+        status = measure_contenders(bench, contenders, count);
     }
     for (size_t i = 0; i < VARIANTS; i++) {
         contender_finish(&contenders[i]);
@@ -268,9 +269,9 @@ conus_status bench_batch_mesh(struct bench *bench)
     for (size_t i = 0; i < WAYS && !status; i++) {
         conus_selector *selector = i == VOLUME ? scene.selector : scene.surface;
         status = contender_init(&contenders[i], &scene, selector, i == TWO ? 2 : 1, false);
-        variants[i] = (struct bench_variant){.name = names[i], .run = run, .data = &contenders[i]};
+        variants[i] = (struct bench_variant){.name = names[i], .run = run_contender, .data = &contenders[i]};
         if (!status) {
-            run(&contenders[i]);
+            run_contender(&contenders[i]);
             variants[i].equal = gives_the_same(&contenders[i], &contenders[ONE]);
             variants[i].other_by_design = i == VOLUME; /* surfaces cut corners */
         }

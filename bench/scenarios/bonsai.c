@@ -5,10 +5,9 @@
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/scenarios/bonsai_volume.h"
-#include "bench/scenarios/frame.h"
 #include "bench/scenarios/look.h"
+#include "bench/scenarios/picture.h"
 #include "bench/scenarios/slicing.h"
-#include "render/colour/renderer.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -34,13 +33,8 @@ struct scene {
     size_t copies;
     double (*places)[3]; /* [copies] of their middles, farthest from the camera first */
     conus_atlas *one;    /* a context: what is drawn at each place */
-    conus_renderer *renderer;
-    struct colour_volume at_home; /* that context */
-    struct gl_current previous;
-    bool is_current;
-    struct camera camera;
-    struct colour_view view;
-    struct frame frame;
+    struct picture picture;
+    struct colour_volume at_home; /* the renderer's context */
     struct slicing slicing;
     conus_atlas *atlas; /* of all copies, a pathway each: what is selected from */
     struct engine *engines[ENGINES];
@@ -59,7 +53,7 @@ static const conus_transfer_point transfer[] = {
 /* The context as if it lay around `place`. */
 static void move_to(struct scene *scene, const double place[3])
 {
-    struct colour_volume *context = &scene->renderer->colour.context;
+    struct colour_volume *context = &scene->picture.renderer->colour.context;
     double back[16];
     *context = scene->at_home;
     for (int a = 0; a < 3; a++) {
@@ -73,17 +67,17 @@ static void move_to(struct scene *scene, const double place[3])
 /* Limits drawing to the pixels of the copy's box; what lies behind the camera is all of the frame. */
 static void limit_to(const struct scene *scene, const double place[3])
 {
-    const struct camera_frame whole = {scene->view.width, scene->view.height, 0, 0, 0, 0};
+    const struct camera_frame whole = {scene->picture.view.width, scene->picture.view.height, 0, 0, 0, 0};
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     for (int n = 0; n < 8; n++) {
         double p[3], at[2], depth;
         for (int a = 0; a < 3; a++) {
             p[a] = place[a] + (n >> a & 1 ? 0.5 : -0.5) * (double)scene->bonsai->edge;
         }
-        if (!camera_project(&at[0], &at[1], &depth, &scene->camera, &whole, p)) {
+        if (!camera_project(&at[0], &at[1], &depth, &scene->picture.camera, &whole, p)) {
             return;
         }
-        at[1] = scene->view.height - at[1]; /* from below */
+        at[1] = scene->picture.view.height - at[1]; /* from below */
         for (int a = 0; a < 2; a++) {
             low[a] = fmin(low[a], floor(at[a]) - 1);
             high[a] = fmax(high[a], ceil(at[a]) + 1);
@@ -97,8 +91,8 @@ static void limit_to(const struct scene *scene, const double place[3])
 
 static conus_status draw_copy(struct scene *scene, int way, const double place[3])
 {
-    struct colour_pass *pass = &scene->renderer->colour;
-    struct colour_view view = scene->view;
+    struct colour_pass *pass = &scene->picture.renderer->colour;
+    struct colour_view view = scene->picture.view;
     move_to(scene, place);
     limit_to(scene, place);
     if (way == SLICED) {
@@ -115,7 +109,7 @@ static conus_status draw_frame(void *data, int way)
 {
     struct scene *scene = data;
     conus_status status = CONUS_OK;
-    frame_begin(&scene->frame, false);
+    frame_begin(&scene->picture.frame, false);
     for (size_t i = 0; i < scene->copies && !status; i++) {
         status = draw_copy(scene, way, scene->places[i]);
     }
@@ -163,15 +157,16 @@ static conus_status make_renderer(struct scene *scene)
         memory_free(values);
         return status;
     }
-    status = conus_renderer_create(&scene->renderer, scene->one, NULL);
-    return status ? status : conus_renderer_set_transfer(scene->renderer, transfer, sizeof transfer / sizeof *transfer);
+    status = conus_renderer_create(&scene->picture.renderer, scene->one, NULL);
+    return status ? status
+                  : conus_renderer_set_transfer(scene->picture.renderer, transfer, sizeof transfer / sizeof *transfer);
 }
 
 static double depth_of(const struct scene *scene, const double place[3])
 {
     double from[3];
-    vec3_sub(from, place, scene->camera.world_from_camera + 12);
-    return -vec3_dot(from, scene->camera.world_from_camera + 8);
+    vec3_sub(from, place, scene->picture.camera.world_from_camera + 12);
+    return -vec3_dot(from, scene->picture.camera.world_from_camera + 8);
 }
 
 /* Farthest first, as blending wants it. */
@@ -190,7 +185,7 @@ static void sort_places(struct scene *scene)
 static conus_status aim_camera(struct scene *scene, const struct bench_options *options)
 {
     uint32_t size[2];
-    double forward[3], (*corners)[3] = memory_raw(8 * scene->copies, sizeof *corners);
+    double(*corners)[3] = memory_raw(8 * scene->copies, sizeof *corners);
     if (!corners) {
         return CONUS_ERROR_MEMORY;
     }
@@ -201,12 +196,9 @@ static conus_status aim_camera(struct scene *scene, const struct bench_options *
     }
     frame_size(size, options->check);
     const struct camera_frame frame = {size[0], size[1], 0, 0, 0, 0};
-    camera_default_forward(forward);
-    camera_frame_points(&scene->camera, (const double *)corners, 8 * scene->copies, forward, radians_from_degrees(30),
-                        &frame);
+    picture_aim(&scene->picture.camera, &scene->picture.view, &frame, (const double(*)[3])corners, 8 * scene->copies,
+                options->slices);
     memory_free(corners);
-    scene->view = (struct colour_view){
-        .camera = &scene->camera, .width = size[0], .height = size[1], .slices = (uint32_t)options->slices};
     sort_places(scene);
     return CONUS_OK;
 }
@@ -237,7 +229,7 @@ static conus_status aim_cones(struct scene *scene, double angle_deg)
         double from[3], to[3];
         for (int a = 0; a < 3; a++) {
             double half = 0.25 * (double)scene->bonsai->edge;
-            from[a] = scene->camera.world_from_camera[12 + a] + bench_random(&random, -half, half);
+            from[a] = scene->picture.camera.world_from_camera[12 + a] + bench_random(&random, -half, half);
             to[a] = place[a] + bench_random(&random, -half, half);
         }
         scene->cones[i] = (struct cone){.angle = radians_from_degrees(angle_deg), .resolution = 16};
@@ -277,15 +269,12 @@ static conus_status scene_init(struct scene *scene, const struct bonsai *bonsai,
     status = status ? status : make_renderer(scene);
     status = status ? status : aim_camera(scene, options);
     status = status ? status : make_engines(scene, options);
-    status = status ? status : gl_context_use(scene->renderer->context, &scene->previous);
-    scene->is_current = !status;
+    status = status ? status : picture_begin(&scene->picture);
     if (status) {
         return status;
     }
-    scene->at_home = scene->renderer->colour.context;
-    const uint32_t size[2] = {scene->view.width, scene->view.height};
-    status = frame_resize(&scene->frame, size);
-    return status ? status : slicing_init(&scene->slicing, scene->view.slices);
+    scene->at_home = scene->picture.renderer->colour.context;
+    return slicing_init(&scene->slicing, scene->picture.view.slices);
 }
 
 static void scene_finish(struct scene *scene)
@@ -294,12 +283,10 @@ static void scene_finish(struct scene *scene)
         look_finish(&scene->looks[e]);
         engine_destroy(scene->engines[e]);
     }
-    if (scene->is_current) {
-        frame_finish(&scene->frame);
+    if (scene->picture.is_current) {
         slicing_finish(&scene->slicing);
-        gl_current_restore(&scene->previous);
     }
-    conus_renderer_destroy(scene->renderer);
+    picture_finish(&scene->picture);
     conus_atlas_destroy(scene->one);
     conus_atlas_destroy(scene->atlas);
     memory_free(scene->places);
@@ -311,18 +298,18 @@ static void scene_finish(struct scene *scene)
 static conus_status compare_pictures(bool equal[PICTURES], double *sliced_ms, struct scene *scene)
 {
     float *pictures[PICTURES] = {NULL};
-    size_t count = (size_t)scene->view.width * scene->view.height * 4;
+    size_t count = (size_t)scene->picture.view.width * scene->picture.view.height * 4;
     conus_status status = CONUS_OK;
     double start = bench_wall();
     for (int way = 0; way < PICTURES && !status; way++) {
         pictures[way] = memory_raw(count, sizeof *pictures[way]);
         status = pictures[way] ? draw_frame(scene, way) : CONUS_ERROR_MEMORY;
-        status = status ? status : frame_read(&scene->frame, pictures[way]);
+        status = status ? status : frame_read(&scene->picture.frame, pictures[way]);
         *sliced_ms = way == SLICED ? 1e3 * (bench_wall() - start) : *sliced_ms;
     }
     if (!status) {
         double coverage = 0, rms = picture_rms(pictures[SLICED], pictures[ALL_SAMPLES], count);
-        status = frame_coverage(&coverage, &scene->frame);
+        status = frame_coverage(&coverage, &scene->picture.frame);
         equal[SLICED] = equal[ALL_SAMPLES] = rms <= PICTURE_RMS_LIMIT && coverage >= FRAME_COVERAGE;
         equal[SKIPPING] =
             equal[ALL_SAMPLES] && memcmp(pictures[ALL_SAMPLES], pictures[SKIPPING], count * sizeof(float)) == 0;
@@ -367,12 +354,12 @@ static void name_frame(char *out, size_t size, const struct scene *scene, size_t
 {
     char slices[16] = "";
     if (kinds[kind].way == SLICED) {
-        snprintf(slices, sizeof slices, "%u", scene->view.slices);
+        snprintf(slices, sizeof slices, "%u", scene->picture.view.slices);
     }
     snprintf(out, size, "%zu copies, frame, %s%s", scene->copies, slices, kinds[kind].name);
 }
 
-static conus_status measure(struct bench *bench, struct scene *scene, struct bench_variant variants[VARIANTS])
+static conus_status measure_copies(struct bench *bench, struct scene *scene, struct bench_variant variants[VARIANTS])
 {
     struct shot shots[FRAMES];
     char names[FRAMES][80];
@@ -415,9 +402,9 @@ static conus_status run_copies(struct bench *bench, const struct bonsai *bonsai,
     struct bench_variant variants[VARIANTS];
     conus_status status = scene_init(&scene, bonsai, copies, &bench->options);
     if (!status) {
-        snprintf(bench->driver, sizeof bench->driver, "gl, %s; %s", conus_renderer_device(scene.renderer),
+        snprintf(bench->driver, sizeof bench->driver, "gl, %s; %s", conus_renderer_device(scene.picture.renderer),
                  scene.engines[RAYS_EXACT]->name);
-        status = measure(bench, &scene, variants);
+        status = measure_copies(bench, &scene, variants);
     }
     status = status ? status : add_ratios(bench, variants, copies);
     scene_finish(&scene);

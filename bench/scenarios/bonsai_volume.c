@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads the paper's volume of a bonsai, or makes a similar one. */
 #include "bench/scenarios/bonsai_volume.h"
 
 #include "base/file.h"

@@ -1,37 +1,30 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The paper's third experiment: frames of a brain of eleven surfaces (234,444 triangles), a pathway and a context, as
  * pictures show it, without and with a selection in each. */
-#include "base/math3.h"
 #include "bench/bench.h"
-#include "bench/scenarios/frame.h"
 #include "bench/scenarios/look.h"
-#include "render/colour/renderer.h"
+#include "bench/scenarios/picture.h"
 
 #include <stdio.h>
 
-enum { CONES = 8, SEED = 11, ENGINES = 2, VARIANTS = 1 + 2 * ENGINES, MARGIN_PART = 35 };
+enum { CONES = 8, SEED = 11, ENGINES = 2, VARIANTS = 1 + 2 * ENGINES };
 
 struct scene {
     conus_atlas *atlas;
-    conus_renderer *renderer;
-    struct gl_current previous;
-    bool is_current;
-    struct camera camera;
-    struct colour_view view;
-    struct frame frame;
+    struct picture picture;
     struct engine *engines[ENGINES]; /* rays, gl */
     struct cone cones[CONES];
     struct look looks[ENGINES];
 };
 
-static conus_status draw(void *data, int way)
+static conus_status draw_frame(void *data, int way)
 {
-    struct scene *scene = data;
-    const struct colour_pass *pass = &scene->renderer->colour;
+    const struct picture *picture = &((struct scene *)data)->picture;
+    const struct colour_pass *pass = &picture->renderer->colour;
     (void)way;
-    conus_status status = colour_pass_begin(pass, &scene->view);
-    frame_begin(&scene->frame, false);
-    status = status ? status : colour_pass_draw(pass, &scene->view);
+    conus_status status = colour_pass_begin(pass, &picture->view);
+    frame_begin(&picture->frame, false);
+    status = status ? status : colour_pass_draw(pass, &picture->view);
     glFlush();
     return status;
 }
@@ -43,27 +36,13 @@ static conus_status wait_for(void *scene)
     return gl_check("brain");
 }
 
-static void aim(struct scene *scene, const struct bench_options *options)
-{
-    const struct colour_pass *pass = &scene->renderer->colour;
-    uint32_t size[2];
-    double forward[3];
-    frame_size(size, options->check);
-    uint32_t margin = size[0] / MARGIN_PART;
-    const struct camera_frame frame = {size[0], size[1], margin, margin, margin, margin};
-    camera_default_forward(forward);
-    camera_frame_points(&scene->camera, (const double *)pass->content, pass->content_count, forward,
-                        radians_from_degrees(30), &frame);
-    scene->view = (struct colour_view){.camera = &scene->camera, .width = size[0], .height = size[1]};
-}
-
 static conus_status scene_init(struct scene *scene, const struct bench *bench)
 {
     char path[128];
     const struct engine_options how = {0};
     conus_status status = bench_brain(path, sizeof path, bench);
     status = status ? status : conus_atlas_load(&scene->atlas, path, NULL);
-    status = status ? status : conus_renderer_create(&scene->renderer, scene->atlas, NULL);
+    status = status ? status : conus_renderer_create(&scene->picture.renderer, scene->atlas, NULL);
     status = status ? status : engine_rays_create(&scene->engines[0], scene->atlas, &how);
     status = status ? status : engine_gl_create(&scene->engines[1], scene->atlas, &how);
     if (status) {
@@ -73,10 +52,8 @@ static conus_status scene_init(struct scene *scene, const struct bench *bench)
     for (int e = 0; e < ENGINES && !status; e++) {
         status = look_init(&scene->looks[e], scene->engines[e], scene->cones, CONES);
     }
-    aim(scene, &bench->options);
-    status = status ? status : gl_context_use(scene->renderer->context, &scene->previous);
-    scene->is_current = !status;
-    return status ? status : frame_resize(&scene->frame, (uint32_t[]){scene->view.width, scene->view.height});
+    picture_aim_at_all(&scene->picture, &bench->options, 0);
+    return status ? status : picture_begin(&scene->picture);
 }
 
 static void scene_finish(struct scene *scene)
@@ -85,11 +62,7 @@ static void scene_finish(struct scene *scene)
         look_finish(&scene->looks[e]);
         engine_destroy(scene->engines[e]);
     }
-    if (scene->is_current) {
-        frame_finish(&scene->frame);
-        gl_current_restore(&scene->previous);
-    }
-    conus_renderer_destroy(scene->renderer);
+    picture_finish(&scene->picture);
     conus_atlas_destroy(scene->atlas);
 }
 
@@ -98,7 +71,7 @@ static double per_second(const struct bench_variant *variant)
     return 1e3 / variant->median_ms;
 }
 
-static conus_status measure(struct bench *bench, struct scene *scene)
+static conus_status measure_frames(struct bench *bench, struct scene *scene)
 {
     static const char *const names[VARIANTS] = {"frame", "frame and rays", "frame and gl", "rays alone", "gl alone"};
     static const char *const keys[1 + ENGINES] = {"brain_frames_per_s", "brain_frames_per_s_rays",
@@ -106,12 +79,12 @@ static conus_status measure(struct bench *bench, struct scene *scene)
     struct bench_variant variants[VARIANTS];
     struct shot shots[1 + ENGINES];
     double coverage = 0;
-    conus_status status = draw(scene, 0);
-    status = status ? status : frame_coverage(&coverage, &scene->frame);
+    conus_status status = draw_frame(scene, 0);
+    status = status ? status : frame_coverage(&coverage, &scene->picture.frame);
     for (int s = 0; s <= ENGINES; s++) {
         struct look *look = s ? &scene->looks[s - 1] : NULL;
         bool equal = coverage >= FRAME_COVERAGE && (!look || look_same_but_edges(look, &scene->looks[0]));
-        shots[s] = (struct shot){.draw = draw, .wait = wait_for, .scene = scene, .look = look};
+        shots[s] = (struct shot){.draw = draw_frame, .wait = wait_for, .scene = scene, .look = look};
         variants[s] = (struct bench_variant){.name = names[s], .run = shoot, .data = &shots[s], .equal = equal};
         if (look) {
             variants[s + ENGINES] = (struct bench_variant){
@@ -132,9 +105,9 @@ conus_status bench_brain_frames(struct bench *bench)
     struct scene scene = {0};
     conus_status status = scene_init(&scene, bench);
     if (!status) {
-        snprintf(bench->driver, sizeof bench->driver, "gl, %s; %s", conus_renderer_device(scene.renderer),
+        snprintf(bench->driver, sizeof bench->driver, "gl, %s; %s", conus_renderer_device(scene.picture.renderer),
                  scene.engines[0]->name);
-        status = measure(bench, &scene);
+        status = measure_frames(bench, &scene);
     }
     scene_finish(&scene);
     return status;

@@ -51,7 +51,7 @@ static void ask_all(struct census *census, const conus_atlas *atlas, const struc
     }
 }
 
-static void run(void *data)
+static void count_voxels(void *data)
 {
     struct way *way = data;
     way->sum = 0;
@@ -63,15 +63,15 @@ static void run(void *data)
     }
 }
 
-static conus_status measure(struct bench *bench, struct scene *scene, struct way ways[WAYS], double degrees)
+static conus_status measure_angle(struct bench *bench, struct scene *scene, struct way ways[WAYS], double degrees)
 {
     static const char *const names[WAYS] = {"every voxel asked", "rows"};
     struct bench_variant variants[WAYS];
     char key[64];
     make_regions(scene, degrees);
     for (size_t w = 0; w < WAYS; w++) {
-        run(&ways[w]);
-        variants[w] = (struct bench_variant){.name = names[w], .run = run, .data = &ways[w]};
+        count_voxels(&ways[w]);
+        variants[w] = (struct bench_variant){.name = names[w], .run = count_voxels, .data = &ways[w]};
         variants[w].equal = ways[w].sum == ways[0].sum;
     }
     snprintf(key, sizeof key, "asked_over_rows_%gdeg", degrees);
@@ -96,7 +96,7 @@ conus_status bench_census(struct bench *bench)
     scene.cones = status ? NULL : memory_zeroed(scene.count, sizeof *scene.cones);
     status = status || (scene.regions && scene.cones) ? status : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < sizeof angles / sizeof angles[0] && !status; i++) {
-        status = measure(bench, &scene, ways, angles[i]);
+        status = measure_angle(bench, &scene, ways, angles[i]);
     }
     for (size_t w = 0; w < WAYS; w++) {
         census_finish(&ways[w].census);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Compares identifiers pixel by pixel and sorts the differences into edges and errors. */
 #include "bench/scenarios/edges.h"
 
 #include "base/math3.h"
@@ -8,7 +9,7 @@
 /* Pixels by which a driver's vertex grid may move an edge. */
 #define EDGE_PIXELS (1 / 128.0)
 
-/* Whether a ray within EDGE_PIXELS of the pixel's centre meets the object: nine rays of a tiny cone round it. */
+/* Whether a ray within EDGE_PIXELS of the pixel's centre hits the object: nine rays of a tiny cone round it. */
 static bool is_near(struct engine *rays, const struct cone *cone, uint32_t pixel, uint32_t object)
 {
     struct cone tiny = {.resolution = 3};
@@ -32,10 +33,10 @@ static bool is_near(struct engine *rays, const struct cone *cone, uint32_t pixel
 }
 
 void bench_compare_pixels(struct bench_differences *sum, struct engine *rays, const struct cone *cone,
-                          const uint32_t *named, const uint32_t *met)
+                          const uint32_t *named, const uint32_t *hits)
 {
     for (uint32_t pixel = 0; pixel < cone->resolution * cone->resolution; pixel++) {
-        if (named[pixel] != met[pixel]) {
+        if (named[pixel] != hits[pixel]) {
             bool near = is_near(rays, cone, pixel, named[pixel]);
             sum->at_edges += near;
             sum->elsewhere += !near;

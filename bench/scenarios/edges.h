@@ -7,13 +7,13 @@
 #include "selection/engine/engine.h"
 
 struct bench_differences {
-    size_t at_edges; /**< A ray within 1/128 of a pixel of the pixel's centre meets the object that was named. */
+    size_t at_edges; /**< A ray within 1/128 of a pixel of the pixel's centre hits the object that was named. */
     size_t elsewhere;
 };
 
-/** Adds the pixels of @p named, [n*n] objects, that are not those of @p met, which @p rays found for @p cone. */
+/** Adds the pixels of @p named, [n*n] objects, that are not those of @p hits, which @p rays found for @p cone. */
 void bench_compare_pixels(struct bench_differences *sum, struct engine *rays, const struct cone *cone,
-                          const uint32_t *named, const uint32_t *met);
+                          const uint32_t *named, const uint32_t *hits);
 
 /** Prints them for @p name, of so many pixels, unless there are none; true if all lie at edges. */
 bool bench_differences_pass(const struct bench_differences *differences, const char *name, size_t pixels);

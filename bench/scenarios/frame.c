@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Creates, clears and reads the framebuffer of a frame. */
 #include "bench/scenarios/frame.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* How often each way of selecting finds what a trembling hand points at. It measures no time. */
 #include "bench/bench.h"
 
 #include "tests/support/hand.h"

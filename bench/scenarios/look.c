@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Answers many cones with one engine, compares the answers, and makes the cones. */
 #include "bench/scenarios/look.h"
 
 #include "base/math3.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* 256 rays at the surfaces of an atlas, or of the brain phantom, 1 to 16 rays at once. */
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/scenarios/look.h"
@@ -31,7 +32,7 @@ static conus_status make_rays(struct scene *scene)
 }
 
 /* The atlas that was asked for, or, where that has no surfaces, the brain phantom. */
-static conus_status load(conus_atlas **out, const struct bench *bench)
+static conus_status load_surfaces(conus_atlas **out, const struct bench *bench)
 {
     char brain[128];
     conus_atlas *atlas = NULL;
@@ -50,7 +51,7 @@ static conus_status scene_init(struct scene *scene, const struct bench *bench)
 {
     static const unsigned widths[WIDTHS] = {1, 4, 8, 16, 0};
     size_t count = bench->options.poses;
-    conus_status status = load(&scene->atlas, bench);
+    conus_status status = load_surfaces(&scene->atlas, bench);
     status = status ? status : make_rays(scene);
     scene->cones = status ? NULL : memory_zeroed(count, sizeof *scene->cones);
     if (!scene->cones) {

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Cuts a box with a plane across the view. */
 #include "bench/scenarios/slice_polygon.h"
 
 #include <math.h>

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Draws a volume as blended polygons. */
 #include "bench/scenarios/slicing.h"
 
 #include "base/math3.h"
 #include "base/memory.h"
 #include "bench/scenarios/slice_polygon.h"
+#include "render/colour/colour_view.h"
 
 struct slicing_vertex {
     float x, y, depth, plane; /* in camera space */
@@ -84,13 +86,15 @@ static void find_box(struct slice_box *out, const struct colour_pass *pass, cons
 }
 
 /* The polygon of one plane; nothing where it misses the box. */
-static void cut(struct slicing_vertex out[SLICE_CORNERS], const struct slice_box *box, double depth, uint32_t plane)
+static void cut_plane(struct slicing_vertex out[SLICE_CORNERS], const struct slice_box *box, double depth,
+                      uint32_t plane)
 {
     double polygon[SLICE_CORNERS][2];
-    bool meets = slice_polygon(polygon, box, depth);
+    bool is_cut = slice_polygon(polygon, box, depth);
     for (size_t i = 0; i < SLICE_CORNERS; i++) {
-        out[i] = meets ? (struct slicing_vertex){(float)polygon[i][0], (float)polygon[i][1], (float)depth, (float)plane}
-                       : (struct slicing_vertex){0};
+        out[i] = is_cut
+                     ? (struct slicing_vertex){(float)polygon[i][0], (float)polygon[i][1], (float)depth, (float)plane}
+                     : (struct slicing_vertex){0};
     }
 }
 
@@ -101,7 +105,7 @@ void slicing_draw(struct slicing *slicing, const struct colour_pass *pass, const
     find_box(&box, pass, view->camera);
     for (uint32_t n = 0; n < slices.count; n++) {
         uint32_t plane = slices.count - 1 - n;
-        cut(slicing->polygons + (size_t)n * SLICE_CORNERS, &box, slices_depth(&slices, plane), plane);
+        cut_plane(slicing->polygons + (size_t)n * SLICE_CORNERS, &box, slices_depth(&slices, plane), plane);
     }
     colour_pass_prepare(pass, view);
     glEnable(GL_BLEND);

@@ -28,7 +28,7 @@ struct job {
     conus_status status;
 };
 
-static void keep(struct job *job, conus_status status)
+static void keep_first_error(struct job *job, conus_status status)
 {
     job->status = job->status ? job->status : status;
 }
@@ -64,11 +64,11 @@ static void forget(void *data)
 
 /* ---- What is timed ----------------------------------------------------------------------------------------------- */
 
-static void load(void *data)
+static void load_atlas(void *data)
 {
     struct job *job = data;
     conus_atlas *atlas = NULL;
-    keep(job, conus_atlas_load(&atlas, job->path, NULL));
+    keep_first_error(job, conus_atlas_load(&atlas, job->path, NULL));
     conus_atlas_destroy(atlas);
 }
 
@@ -77,7 +77,7 @@ static void make_selector(void *data)
     struct job *job = data;
     const conus_selector_options options = {.engine = job->engine};
     conus_selector *selector = NULL;
-    keep(job, conus_selector_create(&selector, job->atlas, &options));
+    keep_first_error(job, conus_selector_create(&selector, job->atlas, &options));
     conus_selector_destroy(selector);
 }
 
@@ -103,7 +103,7 @@ static void run_query(void *data)
     }
     posix_spawn_file_actions_destroy(&actions);
     if (!WIFEXITED(how) || WEXITSTATUS(how) != EXIT_SUCCESS) {
-        keep(job, fail(CONUS_ERROR_ARGUMENT, "%s query %s: it failed", job->program, job->path));
+        keep_first_error(job, fail(CONUS_ERROR_ARGUMENT, "%s query %s: it failed", job->program, job->path));
     }
 }
 
@@ -146,10 +146,10 @@ static conus_status measure_loading(struct bench *bench, struct job *labels, str
     rays.engine = CONUS_ENGINE_RAYS;
     gl.engine = CONUS_ENGINE_GL;
     struct bench_variant variants[] = {
-        {.name = "labelled volume, from memory", .run = load, .data = labels},
-        {.name = "labelled volume, from the disk", .run = load, .data = labels, .prepare = forget},
-        {.name = "brain phantom, from memory", .run = load, .data = brain},
-        {.name = "brain phantom, from the disk", .run = load, .data = brain, .prepare = forget},
+        {.name = "labelled volume, from memory", .run = load_atlas, .data = labels},
+        {.name = "labelled volume, from the disk", .run = load_atlas, .data = labels, .prepare = forget},
+        {.name = "brain phantom, from memory", .run = load_atlas, .data = brain},
+        {.name = "brain phantom, from the disk", .run = load_atlas, .data = brain, .prepare = forget},
         {.name = "labelled volume, selector, rays", .run = make_selector, .data = &rays},
         {.name = "labelled volume, selector, gl", .run = make_selector, .data = &gl}};
     size_t count = sizeof variants / sizeof *variants;

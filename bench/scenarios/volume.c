@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* 256 rays through a labelled volume: plain traversal against the rays engine. */
 #include "bench/bench.h"
 
 #include "base/memory.h"
@@ -84,7 +85,7 @@ static void build_map(void *data)
     }
 }
 
-static conus_status measure(struct bench *bench, struct scene *scene)
+static conus_status measure_engines(struct bench *bench, struct scene *scene)
 {
     struct bench_variant variants[LOOKS_LIMIT];
     size_t count = scene->count;
@@ -109,7 +110,7 @@ conus_status bench_volume(struct bench *bench)
     bench->one_thread = true;
     if (!status) {
         snprintf(bench->driver, sizeof bench->driver, "%s", scene.engines[1]->name);
-        status = measure(bench, &scene);
+        status = measure_engines(bench, &scene);
     }
     scene_finish(&scene);
     return status;

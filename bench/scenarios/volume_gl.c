@@ -284,7 +284,7 @@ static bool shows_the_same(const struct look *drawn, const struct look *sampled)
     return !drawn->status && look_differences(drawn, sampled) <= look_pixels(sampled) / 500;
 }
 
-static conus_status measure(struct bench *bench, struct scene *scene)
+static conus_status measure_ways(struct bench *bench, struct scene *scene)
 {
     static const char *const names[VARIANTS] = {"72 slices drawn, as in the paper", "gl engine, 72 slices",
                                                 "gl engine, exact", "rays engine, exact",
@@ -325,7 +325,7 @@ conus_status bench_volume_gl(struct bench *bench)
         const char *name = scene.engines[EXACT]->name;
         bench->one_thread = strstr(name, "llvmpipe") != NULL;
         snprintf(bench->driver, sizeof bench->driver, "%s", name);
-        status = measure(bench, &scene);
+        status = measure_ways(bench, &scene);
     }
     scene_finish(&scene);
     return status;

@@ -39,13 +39,13 @@ struct step_engine {
     unsigned without;
 };
 
-static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+static conus_status trace_with_steps(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     const struct step_engine *own = (struct step_engine *)engine;
     struct pass *pass = own->pass;
     uint32_t n = cone->resolution;
     struct gl_current previous;
-    const struct mesh_look mesh_look = {
+    const struct mesh_query mesh_look = {
         {cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, n, own->without},
         {(const double(*)[3])pass->origins, (const double(*)[3])pass->directions, out->object, out->distance,
          out->voxel}};
@@ -58,7 +58,7 @@ static conus_status look(struct engine *engine, struct evidence *out, const stru
         return status;
     }
     evidence_clear(out);
-    status = mesh_pass_look(pass->meshes, &mesh_look, 1);
+    status = mesh_pass_render(pass->meshes, &mesh_look, 1);
     gl_current_restore(&previous);
     return status;
 }
@@ -108,7 +108,7 @@ static void destroy_pass(struct pass *pass)
 
 static conus_status scene_init(struct scene *scene, const struct bench_options *options)
 {
-    static const struct engine_functions functions = {.trace = look};
+    static const struct engine_functions functions = {.trace = trace_with_steps};
     conus_status status = torus_scene_init(&scene->tori, bench_size(options, TORI));
     status = status ? status : torus_scene_atlas(&scene->atlas, &scene->tori);
     status = status ? status : create_pass(&scene->pass, scene->atlas);

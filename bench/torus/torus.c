@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Rays through 1,000 to 200,000 tori: how the time grows with the number of objects. */
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/scenarios/look.h"
@@ -92,7 +93,7 @@ static const size_t sizes[] = {1000, 5000, 20000, 200000};
 enum { SIZES = sizeof sizes / sizeof sizes[0] };
 
 /* All sizes side by side, since their ratio is wanted. */
-static conus_status measure(struct bench *bench, struct round rounds[SIZES])
+static conus_status measure_sizes(struct bench *bench, struct round rounds[SIZES])
 {
     struct bench_variant variants[SIZES * LOOKS];
     const struct bench_variant *by_rule[SIZES];
@@ -117,7 +118,7 @@ conus_status bench_torus(struct bench *bench)
     }
     if (!status) {
         snprintf(bench->driver, sizeof bench->driver, "%s", rounds[0].engines[WIDTHS]->name);
-        status = measure(bench, rounds);
+        status = measure_sizes(bench, rounds);
     }
     for (size_t s = 0; s < SIZES; s++) {
         round_finish(&rounds[s]);

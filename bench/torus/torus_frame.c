@@ -21,7 +21,7 @@ struct scene {
     struct look looks[TORUS_WAYS];
 };
 
-static conus_status draw(void *data, int way)
+static conus_status draw_frame(void *data, int way)
 {
     struct scene *scene = data;
     (void)way;
@@ -33,7 +33,7 @@ static conus_status wait_for(void *data)
     return torus_pass_wait(((struct scene *)data)->round.pass);
 }
 
-static bool has(const struct scene *scene, int way)
+static bool has_way(const struct scene *scene, int way)
 {
     return scene->looks[way].engine != NULL;
 }
@@ -76,7 +76,7 @@ static conus_status check_frame(bool *equal, struct scene *scene)
 /* Of one number of tori; beyond the paper's, a frame and selections alone. Fills in those of `out` that there are. */
 static conus_status measure_scene(struct bench *bench, struct scene *scene, struct bench_variant out[VARIANTS])
 {
-    struct shot shots[1 + TORUS_WAYS] = {{.draw = draw, .wait = wait_for, .scene = scene}};
+    struct shot shots[1 + TORUS_WAYS] = {{.draw = draw_frame, .wait = wait_for, .scene = scene}};
     struct bench_variant variants[VARIANTS];
     char names[TORUS_WAYS][144];
     int place[VARIANTS];
@@ -87,9 +87,9 @@ static conus_status measure_scene(struct bench *bench, struct scene *scene, stru
     place[count++] = FRAME;
     for (int way = 0; way < TORUS_WAYS; way++) {
         struct look *look = &scene->looks[way];
-        if (has(scene, way)) {
+        if (has_way(scene, way)) {
             bool equal = look_same_but_edges(look, &scene->looks[TORUS_RAYS]);
-            shots[1 + way] = (struct shot){.draw = draw, .wait = wait_for, .scene = scene, .look = look};
+            shots[1 + way] = (struct shot){.draw = draw_frame, .wait = wait_for, .scene = scene, .look = look};
             snprintf(names[way], sizeof names[way], "%s, in a frame", look->name);
             if (!scene->round.rays) {
                 variants[count] = (struct bench_variant){

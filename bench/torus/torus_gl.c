@@ -35,7 +35,7 @@ static conus_status measure_angle(struct bench *bench, struct torus_round *round
     return status;
 }
 
-static conus_status measure(struct bench *bench, struct torus_round *round)
+static conus_status measure_angles(struct bench *bench, struct torus_round *round)
 {
     struct bench_variant variants[ANGLES][TORUS_WAYS];
     conus_status status = CONUS_OK;
@@ -59,7 +59,7 @@ conus_status bench_torus_gl(struct bench *bench)
         const char *gl = round.engines[TORUS_GL]->name;
         bench->one_thread = strstr(gl, "llvmpipe") != NULL;
         snprintf(bench->driver, sizeof bench->driver, "%s; %s", gl, round.engines[TORUS_RAYS]->name);
-        status = measure(bench, &round);
+        status = measure_angles(bench, &round);
     }
     torus_round_finish(&round);
     return status;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Draws the torus scene with OpenGL as the paper does, and creates the engines of one number of tori. */
 #include "bench/torus/torus_pass.h"
 
 #include "base/math3.h"
@@ -135,7 +136,7 @@ static conus_status make_programs(struct torus_pass *pass)
 }
 
 /* With the context current. */
-static conus_status fill(struct torus_pass *pass, const struct torus_scene *scene)
+static conus_status create_gl_objects(struct torus_pass *pass, const struct torus_scene *scene)
 {
     static const struct target_attachment attachments[] = {
         {"identifier", TARGET_UINT}, {"contact", TARGET_FLOAT4}, {"depth", TARGET_DEPTH}};
@@ -150,28 +151,7 @@ static conus_status fill(struct torus_pass *pass, const struct torus_scene *scen
     return status ? status : target_init(&pass->buffer, TORUS_RESOLUTION, TORUS_RESOLUTION, attachments, 3);
 }
 
-conus_status torus_pass_create(struct torus_pass **out, const struct torus_scene *scene)
-{
-    struct torus_pass *pass = memory_zeroed(1, sizeof *pass);
-    struct gl_current previous;
-    if (!pass) {
-        return CONUS_ERROR_MEMORY;
-    }
-    conus_status status = gl_context_create(&pass->context, NULL, NULL);
-    status = status ? status : gl_context_use(pass->context, &previous);
-    if (!status) {
-        status = fill(pass, scene);
-        gl_current_restore(&previous);
-    }
-    if (status) {
-        torus_pass_destroy(pass);
-        return status;
-    }
-    *out = pass;
-    return CONUS_OK;
-}
-
-void torus_pass_destroy(struct torus_pass *pass)
+static void destroy_pass(struct torus_pass *pass)
 {
     struct gl_current previous;
     if (!pass) {
@@ -184,6 +164,27 @@ void torus_pass_destroy(struct torus_pass *pass)
     }
     gl_context_destroy(pass->context); /* and what was made in it */
     memory_free(pass);
+}
+
+static conus_status create_pass(struct torus_pass **out, const struct torus_scene *scene)
+{
+    struct torus_pass *pass = memory_zeroed(1, sizeof *pass);
+    struct gl_current previous;
+    if (!pass) {
+        return CONUS_ERROR_MEMORY;
+    }
+    conus_status status = gl_context_create(&pass->context, NULL, NULL);
+    status = status ? status : gl_context_use(pass->context, &previous);
+    if (!status) {
+        status = create_gl_objects(pass, scene);
+        gl_current_restore(&previous);
+    }
+    if (status) {
+        destroy_pass(pass);
+        return status;
+    }
+    *out = pass;
+    return CONUS_OK;
 }
 
 const char *torus_pass_device(const struct torus_pass *pass)
@@ -235,7 +236,7 @@ struct pass_engine {
     bool one_by_one;
 };
 
-static conus_status look(struct engine *engine, struct evidence *out, const struct cone *cone)
+static conus_status trace_by_drawing(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     const struct pass_engine *own = (struct pass_engine *)engine;
     struct torus_pass *pass = own->pass;
@@ -256,9 +257,11 @@ static void destroy(struct engine *engine)
     memory_free(engine);
 }
 
-conus_status torus_pass_engine(struct engine **out, struct torus_pass *pass, bool one_by_one)
+/* The paper's ID pass as an engine: identifier and contact of every torus into 16 x 16 pixels, both read back. All tori
+ * are instances of one draw call, or `one_by_one`. To be destroyed before the pass. */
+static conus_status create_pass_engine(struct engine **out, struct torus_pass *pass, bool one_by_one)
 {
-    static const struct engine_functions functions = {.trace = look, .destroy = destroy};
+    static const struct engine_functions functions = {.trace = trace_by_drawing, .destroy = destroy};
     struct pass_engine *engine = memory_zeroed(1, sizeof *engine);
     if (!engine) {
         return CONUS_ERROR_MEMORY;
@@ -346,9 +349,9 @@ conus_status torus_round_init(struct torus_round *out, size_t count, bool placed
 {
     *out = (struct torus_round){0};
     conus_status status = torus_scene_init(&out->scene, count);
-    status = status ? status : torus_pass_create(&out->pass, &out->scene);
-    status = status ? status : torus_pass_engine(&out->engines[TORUS_ALL_DRAWN], out->pass, false);
-    status = status ? status : torus_pass_engine(&out->engines[TORUS_ONE_BY_ONE], out->pass, true);
+    status = status ? status : create_pass(&out->pass, &out->scene);
+    status = status ? status : create_pass_engine(&out->engines[TORUS_ALL_DRAWN], out->pass, false);
+    status = status ? status : create_pass_engine(&out->engines[TORUS_ONE_BY_ONE], out->pass, true);
     return status ? status : placed ? add_placed(out) : add_engines(out);
 }
 
@@ -357,7 +360,7 @@ void torus_round_finish(struct torus_round *round)
     for (int way = 0; way < TORUS_WAYS; way++) {
         engine_destroy(round->engines[way]);
     }
-    torus_pass_destroy(round->pass);
+    destroy_pass(round->pass);
     mesh_rays_destroy(round->rays);
     conus_atlas_destroy(round->atlas);
     torus_scene_finish(&round->scene);

@@ -10,14 +10,6 @@
 
 struct torus_pass;
 
-conus_status torus_pass_create(struct torus_pass **out, const struct torus_scene *scene);
-/** NULL is fine. */
-void torus_pass_destroy(struct torus_pass *pass);
-
-/** The paper's ID pass as an engine: identifier and contact of every torus into 16 x 16 pixels, both read back. All
- * tori are instances of one draw call, or @p one_by_one. Destroy it before the pass. */
-conus_status torus_pass_engine(struct engine **out, struct torus_pass *pass, bool one_by_one);
-
 /** Draws a frame of @p size pixels, all tori in colour, lit per pixel, without culling, and does not wait for it. The
  * target is made anew when the size changes. */
 conus_status torus_pass_frame(struct torus_pass *pass, const uint32_t size[2]);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Places the tori and aims cones at them. */
 #include "bench/torus/torus_scene.h"
 
 #include "base/math3.h"
@@ -34,7 +35,7 @@ static conus_status make_torus(struct mesh *out)
     return status;
 }
 
-static void place(double out[16], const double centre[3], uint64_t *random)
+static void place_torus(double out[16], const double centre[3], uint64_t *random)
 {
     double wxyz[4];
     conus_pose pose;
@@ -65,7 +66,7 @@ conus_status torus_scene_init(struct torus_scene *out, size_t count)
         for (int a = 0; a < 3; a++) {
             centre[a] = ((double)at[a] - 0.5 * (double)(edge - 1)) * TORUS_SPACING;
         }
-        place(scene.places[i], centre, &random);
+        place_torus(scene.places[i], centre, &random);
     }
     *out = scene;
     return CONUS_OK;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Computes the distance from each brick to the nearest brick that shows. */
 #include "render/colour/bricks.h"
 
 #include "base/memory.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file How far around each brick of 4 x 4 x 4 voxels there is nothing to show: what lets a picture's rays leap. */
+/** @file Chebyshev distance, in bricks of 4 x 4 x 4 voxels, from each brick to the nearest one that shows, for
+ * empty-space skipping. */
 #ifndef CONUS_RENDER_COLOUR_BRICKS_H
 #define CONUS_RENDER_COLOUR_BRICKS_H
 

@@ -84,15 +84,11 @@ conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *at
 conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atlas *atlas,
                                       const struct transfer *transfer, uint64_t max_memory);
 
-/** The planes of Eq. 7 over the joint depth range of the volumes: @p count of them, 0 = slices_default() of the finest
- * volume. */
-struct slices colour_pass_slices(const struct colour_pass *pass, const struct camera *camera, uint32_t count);
-
 /** Draws the meshes of @p view into textures of the pass, which the calls below use; to be called before each of them,
  * and before the picture's framebuffer is bound. */
 conus_status colour_pass_begin(const struct colour_pass *pass, const struct colour_view *view);
 
-/** Draws into the framebuffer that is bound (RGBA float, linear light times opacity). */
+/** Draws into the framebuffer that is bound (RGBA float, linear radiance times opacity). */
 conus_status colour_pass_draw(const struct colour_pass *pass, const struct colour_view *view);
 
 /** Does everything for drawing @p view but draw, and binds it. */

@@ -5,7 +5,7 @@
 
 enum emphasis {
     EMPHASIS_PALE = 0, /**< Not in the cone.                               */
-    EMPHASIS_FULL,     /**< Met first by a pixel.                          */
+    EMPHASIS_FULL,     /**< A pixel hits it first.                         */
     EMPHASIS_HATCHED,  /**< In the cone, but hidden: stripes of its colour. */
 };
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Computes densities and gradients of areas and of grey values. */
 #include "render/colour/field.h"
 
 #include "base/math3.h"
@@ -20,7 +21,7 @@ static size_t brick_count(const struct field *field)
     return field->brick_dim[0] * field->brick_dim[1] * field->brick_dim[2];
 }
 
-static conus_status start(struct field *field, const struct volume *volume)
+static conus_status start_field(struct field *field, const struct volume *volume)
 {
     for (int a = 0; a < 3; a++) {
         field->dim[a] = volume->info.dim[a];
@@ -83,7 +84,7 @@ static void store_density(struct field *field, const uint8_t *density, size_t co
 }
 
 /* First and one past the last voxel that bear on brick `b` of an axis. */
-static void reach(size_t *first, size_t *end, size_t b, size_t dim)
+static void find_reach(size_t *first, size_t *end, size_t b, size_t dim)
 {
     size_t low = b * BRICKS_EDGE;
     *first = low > BORDER ? low - BORDER : 0;
@@ -94,7 +95,7 @@ static void range_of_brick(struct field *field, const size_t b[3], size_t index)
 {
     size_t first[3], end[3];
     for (int a = 0; a < 3; a++) {
-        reach(&first[a], &end[a], b[a], field->dim[a]);
+        find_reach(&first[a], &end[a], b[a], field->dim[a]);
     }
     uint8_t low = UINT8_MAX;
     uint8_t high = 0;
@@ -129,7 +130,7 @@ conus_status field_of_values(struct field *out, const struct volume *volume, dou
 {
     struct field field = {0};
     uint8_t *density = memory_raw(volume->voxel_count, 1);
-    conus_status status = density ? start(&field, volume) : CONUS_ERROR_MEMORY;
+    conus_status status = density ? start_field(&field, volume) : CONUS_ERROR_MEMORY;
     if (status) {
         memory_free(density);
         field_finish(&field);
@@ -167,7 +168,7 @@ static void blur_axis(uint8_t *out, const uint8_t *in, const size_t dim[3], int 
     }
 }
 
-/* Blurs `density` in all three directions; `other` is room for as much. */
+/* Blurs `density` in all three directions; `other` is scratch memory of the same size. */
 static void blur(uint8_t *density, uint8_t *other, const struct field *field)
 {
     blur_axis(other, density, field->dim, 0);
@@ -194,7 +195,7 @@ conus_status field_of_objects(struct field *out, const struct volume *volume)
     struct field field = {0};
     uint8_t *density = memory_raw(volume->voxel_count, 1);
     uint8_t *other = memory_raw(volume->voxel_count, 1);
-    conus_status status = density && other ? start(&field, volume) : CONUS_ERROR_MEMORY;
+    conus_status status = density && other ? start_field(&field, volume) : CONUS_ERROR_MEMORY;
     if (!status) {
         for (size_t v = 0; v < volume->voxel_count; v++) {
             density[v] = volume_object(volume, v) ? FIELD_LEVELS - 1 : 0;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Joins pathways and some areas into one volume of objects. */
 #include "render/colour/pathways.h"
 
 #include "base/math3.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The renderer of the public interface: its context, its updates, and pictures off-screen. */
 #include "render/colour/renderer.h"
 
 #include "base/memory.h"
@@ -25,7 +26,7 @@ static conus_status make_absolute(struct transfer *transfer, const struct volume
 }
 
 /* With the renderer's context current. */
-static conus_status fill(conus_renderer *renderer, const conus_renderer_options *options)
+static conus_status create_passes(conus_renderer *renderer, const conus_renderer_options *options)
 {
     const char *own = renderer->atlas->transfer ? renderer->atlas->transfer : "brain";
     conus_status status = transfer_load(&renderer->transfer, options->transfer ? options->transfer : own);
@@ -52,7 +53,7 @@ conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atla
         status = gl_context_use(renderer->context, &previous);
     }
     if (!status) {
-        status = fill(renderer, options);
+        status = create_passes(renderer, options);
         gl_current_restore(&previous);
     }
     if (status) {
@@ -131,7 +132,8 @@ const char *conus_renderer_device(const conus_renderer *renderer)
     return renderer ? gl_context_renderer(renderer->context) : "";
 }
 
-static conus_status draw(float *rgba, const struct colour_pass *pass, const struct colour_view *view, bool smooth)
+static conus_status draw_picture(float *rgba, const struct colour_pass *pass, const struct colour_view *view,
+                                 bool smooth)
 {
     static const struct target_attachment colour = {"colour", TARGET_FLOAT4};
     struct target target = {0};
@@ -159,7 +161,7 @@ conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct c
     struct gl_current previous;
     conus_status status = gl_context_use(renderer->context, &previous);
     if (!status) {
-        status = draw(rgba, &renderer->colour, view, smooth);
+        status = draw_picture(rgba, &renderer->colour, view, smooth);
         gl_current_restore(&previous);
     }
     return status;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds the tiles with edges and draws them again with four rays per pixel. */
 #include "render/colour/smooth.h"
 
 #include "base/memory.h"
@@ -9,7 +10,7 @@
 
 enum { TILE = COLOUR_TILE, RAYS = 4 };
 
-#define THRESHOLD 0.05F /* of white, linear light times opacity */
+#define THRESHOLD 0.05F /* of white, linear radiance times opacity */
 
 struct tile {
     uint16_t x, y; /* of its first pixel */

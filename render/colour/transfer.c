@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses, copies and samples transfer functions. */
 #include "render/colour/transfer.h"
 
 #include "atlas/atlas.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "render/image/image.h"
+#include "render/image/image_srgb.h"
 
 #include <float.h>
 #include <math.h>
@@ -13,6 +14,13 @@
 #include <string.h>
 
 enum { SAMPLE_LIMIT = 1 << 16, FILE_LIMIT = 1 << 20 };
+
+/* A preset; its values are relative. */
+struct transfer_preset {
+    const char *name, *description;
+    conus_transfer_point points[8];
+    size_t count;
+};
 
 static const struct transfer_preset presets[] = {
     {"brain",
@@ -40,14 +48,15 @@ static const struct transfer_preset presets[] = {
      3},
 };
 
-const struct transfer_preset *transfer_preset(size_t index)
+/* NULL past the last. */
+static const struct transfer_preset *find_preset(size_t index)
 {
     return index < sizeof presets / sizeof *presets ? &presets[index] : NULL;
 }
 
 const char *conus_transfer_preset(size_t index)
 {
-    const struct transfer_preset *preset = transfer_preset(index);
+    const struct transfer_preset *preset = find_preset(index);
     return preset ? preset->name : NULL;
 }
 
@@ -183,9 +192,9 @@ conus_status transfer_copy(struct transfer *out, const conus_transfer_point *poi
 
 conus_status transfer_load(struct transfer *out, const char *name)
 {
-    for (size_t i = 0; transfer_preset(i); i++) {
-        if (strcmp(name, transfer_preset(i)->name) == 0) {
-            return load_preset(out, transfer_preset(i));
+    for (size_t i = 0; find_preset(i); i++) {
+        if (strcmp(name, find_preset(i)->name) == 0) {
+            return load_preset(out, find_preset(i));
         }
     }
     struct bytes bytes = {0};

@@ -16,15 +16,6 @@ struct transfer {
     bool relative; /**< Values are fractions of the volume's window: 0 its low, 1 its high end. */
 };
 
-struct transfer_preset {
-    const char *name, *description;
-    conus_transfer_point points[8];
-    size_t count;
-};
-
-/** The table of presets, all relative: entry @p index, NULL past the last. */
-const struct transfer_preset *transfer_preset(size_t index);
-
 /** Parses the text of a transfer function. @p out is the caller's to finish. */
 conus_status transfer_parse(struct transfer *out, const uint8_t *data, size_t size);
 
@@ -47,7 +38,7 @@ conus_status transfer_window(double *low, double *high, const struct volume *vol
 /** The values over which @p transfer changes, for @p volume: from its first to its last point. high > low, always. */
 conus_status transfer_span(double *low, double *high, const struct transfer *transfer, const struct volume *volume);
 
-/** Fills @p count entries, evenly spaced over the span from first to last point, with linear-light R, G, B and the
+/** Fills @p count entries, evenly spaced over the span from first to last point, with linear R, G, B and the
  * extinction per mm, -log2(1 - opacity); an opacity of 1 is taken as 1 - 2^-24. */
 void transfer_table(float *rgbe, size_t count, const struct transfer *transfer);
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Creates a cut, draws it, and keeps what it found for the next one. */
 #include "render/flat/cut.h"
 
 #include "base/math3.h"
@@ -55,7 +56,7 @@ static void free_pixels(struct cut *cut)
     cut->rgba = cut->grey = NULL;
     cut->turns = NULL;
     cut->objects = cut->contours = NULL;
-    cut->pixel_room = 0;
+    cut->pixel_capacity = 0;
 }
 
 void cut_finish(struct cut *cut)
@@ -65,9 +66,9 @@ void cut_finish(struct cut *cut)
     *cut = (struct cut){0};
 }
 
-static conus_status make_room(struct cut *cut, size_t pixels)
+static conus_status reserve_pixels(struct cut *cut, size_t pixels)
 {
-    if (pixels <= cut->pixel_room) {
+    if (pixels <= cut->pixel_capacity) {
         return CONUS_OK;
     }
     bool contours = cut->surface_count > 0;
@@ -82,7 +83,7 @@ static conus_status make_room(struct cut *cut, size_t pixels)
         free_pixels(cut);
         return CONUS_ERROR_MEMORY;
     }
-    cut->pixel_room = pixels;
+    cut->pixel_capacity = pixels;
     return CONUS_OK;
 }
 
@@ -164,7 +165,7 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const s
 conus_status cut_draw(struct cut *cut, const struct cut_view *view)
 {
     struct opacities opacities = opacities_of(view);
-    conus_status status = make_room(cut, (size_t)view->place.width * view->place.height);
+    conus_status status = reserve_pixels(cut, (size_t)view->place.width * view->place.height);
     if (status) {
         return status;
     }

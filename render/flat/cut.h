@@ -43,10 +43,10 @@ struct cut {
 
     uint8_t *grey;      /**< [height width] Of the context.                                                      */
     uint32_t *contours; /**< [height width] The object whose surface the plane cuts there; NULL without meshes.  */
-    int32_t *turns;    /**< [height width] Of the surface at hand: how often more it winds from there on; NULL likewise.
-                            0 between surfaces.                                                              */
-    size_t pixel_room; /**< Of each of these arrays.                                                            */
-    uint32_t *surfaces; /**< Objects with a mesh, the large ones first: they may hold others.                    */
+    int32_t *turns; /**< [height width] Of the surface at hand: how often more it winds from there on; NULL likewise.
+                         0 between surfaces.                                                              */
+    size_t pixel_capacity; /**< Of each of these arrays.                                                            */
+    uint32_t *surfaces;    /**< Objects with a mesh, the large ones first: they may hold others.                    */
     size_t surface_count;
     double window[2];    /**< Of grey.                                                                            */
     struct cut_place of; /**< Where grey and objects were found.                                                  */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Every shape is a signed distance: a pixel is covered by as much of it as the shape's edge leaves at its centre. */
 #include "render/flat/draw.h"
+#include "render/image/image_srgb.h"
 
 #include <math.h>
 
@@ -35,7 +36,8 @@ static void limit(long range[2], double low, double high, uint32_t size)
     range[1] = lrint(fmin(fmax(ceil(high + 1), 0), size));
 }
 
-static void fill(conus_image *image, const struct shape *shape, const struct draw_box *bounds, const float rgba[4])
+static void fill_shape(conus_image *image, const struct shape *shape, const struct draw_box *bounds,
+                       const float rgba[4])
 {
     const struct image_rgba planes = image_rgba(image);
     if (!planes.plane[0] || !planes.plane[1] || !planes.plane[2] || !planes.plane[3]) {
@@ -81,12 +83,7 @@ void draw_line(conus_image *image, const double from[2], const double to[2], dou
     const struct shape shape = {distance_to_line, {from[0], from[1]}, {to[0], to[1]}, width / 2, 0};
     const struct draw_box bounds = {fmin(from[0], to[0]) - shape.radius, fmin(from[1], to[1]) - shape.radius,
                                     fmax(from[0], to[0]) + shape.radius, fmax(from[1], to[1]) + shape.radius};
-    fill(image, &shape, &bounds, rgba);
-}
-
-void draw_disc(conus_image *image, const double centre[2], double radius, const float rgba[4])
-{
-    draw_line(image, centre, centre, 2 * radius, rgba);
+    fill_shape(image, &shape, &bounds, rgba);
 }
 
 void draw_box(conus_image *image, const struct draw_box *box, double rounding, const float rgba[4])
@@ -97,5 +94,5 @@ void draw_box(conus_image *image, const struct draw_box *box, double rounding, c
 void draw_frame(conus_image *image, const struct draw_box *box, double rounding, double width, const float rgba[4])
 {
     const struct shape shape = {distance_to_box, {box->left, box->top}, {box->right, box->bottom}, rounding, width};
-    fill(image, &shape, box, rgba);
+    fill_shape(image, &shape, box, rgba);
 }

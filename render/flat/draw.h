@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * Anti-aliased shapes laid over an image's R, G, B, A. Coordinates are pixels from the image's top left corner, y down:
- * the first pixel covers 0..1. Colours are linear light and opacity, not premultiplied. What lies outside is cut off;
- * an image without R, G, B, A is left alone. */
+ * the first pixel covers 0..1. Colours are linear radiance and opacity, not premultiplied. What lies outside is cut
+ * off; an image without R, G, B, A is left alone. */
 #ifndef CONUS_RENDER_FLAT_DRAW_H
 #define CONUS_RENDER_FLAT_DRAW_H
 
@@ -14,9 +14,8 @@ void draw_colour(float rgba[4], const uint8_t rgb[3], float opacity);
 /** Lays @p rgba, weakened to @p coverage (0 to 1), over pixel number @p pixel; all four planes must be there. */
 void draw_over(const struct image_rgba *planes, size_t pixel, const float rgba[4], float coverage);
 
-/** A straight line with round ends. */
+/** A straight line with round ends: a disc where they are equal. */
 void draw_line(conus_image *image, const double from[2], const double to[2], double width, const float rgba[4]);
-void draw_disc(conus_image *image, const double centre[2], double radius, const float rgba[4]);
 
 struct draw_box {
     double left, top, right, bottom;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds the font of the system, measures text and draws it. */
 #include "render/flat/font.h"
 
 #include "base/memory.h"

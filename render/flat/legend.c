@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Lays a legend out in columns and draws it. */
 #include "render/flat/legend.h"
 
 #include "render/flat/draw.h"
@@ -33,7 +34,7 @@ struct layout {
     size_t shown; /* rows, without the line that counts the others */
     int columns;  /* details shown */
     double name_width, column_width[LEGEND_DETAILS];
-    bool has_headings;
+    bool has_header;
     struct draw_box panel;
 };
 
@@ -49,7 +50,7 @@ static double width_of(const struct layout *layout, double size, const char *tex
 
 static double column_width(const struct layout *layout, int column)
 {
-    double width = width_of(layout, layout->em, layout->legend->heading[column]);
+    double width = width_of(layout, layout->em, layout->legend->header[column]);
     for (size_t i = 0; i < layout->shown; i++) {
         width = fmax(width, width_of(layout, layout->em, layout->legend->rows[i].detail[column]));
     }
@@ -61,14 +62,14 @@ static double head_height(const struct layout *layout)
 {
     double height = layout->legend->title ? TITLE * LINE : 0;
     height += layout->legend->subtitle ? LINE : 0;
-    height += layout->has_headings ? LINE : 0;
+    height += layout->has_header ? LINE : 0;
     return height * layout->em;
 }
 
 static void choose_rows(struct layout *layout)
 {
-    double room = layout->image->height - 2 * (MARGIN + PADDING) * layout->em - head_height(layout);
-    size_t fitting = room > 0 ? (size_t)(room / (LINE * layout->em)) : 0;
+    double space = layout->image->height - 2 * (MARGIN + PADDING) * layout->em - head_height(layout);
+    size_t fitting = space > 0 ? (size_t)(space / (LINE * layout->em)) : 0;
     size_t count = layout->legend->count;
     layout->shown = count <= fitting ? count : fitting > 0 ? fitting - 1 : 0;
 }
@@ -86,26 +87,26 @@ static double choose_columns(struct layout *layout)
         layout->name_width = fmax(layout->name_width, width_of(layout, em, layout->legend->rows[i].name));
     }
     double widest = layout->legend->widest > 0 ? layout->legend->widest : WIDEST;
-    double room = widest * layout->image->width - (MARGIN + 2 * PADDING + CHIP + CHIP_GAP) * em;
+    double space = widest * layout->image->width - (MARGIN + 2 * PADDING + CHIP + CHIP_GAP) * em;
     double shortest = fmin(layout->name_width, SHORTEST_NAME * em);
     layout->columns = LEGEND_DETAILS;
-    while (layout->columns > 0 && room - details < shortest) {
+    while (layout->columns > 0 && space - details < shortest) {
         details -= layout->column_width[--layout->columns];
     }
-    layout->name_width = fmin(layout->name_width, room - details);
+    layout->name_width = fmin(layout->name_width, space - details);
     double width = (CHIP + CHIP_GAP) * em + layout->name_width + details;
     width = fmax(width, width_of(layout, TITLE * em, layout->legend->title));
     width = fmax(width, width_of(layout, em, layout->legend->subtitle));
-    return fmin(width, room + (CHIP + CHIP_GAP) * em);
+    return fmin(width, space + (CHIP + CHIP_GAP) * em);
 }
 
 /* False where nothing fits. */
-static bool measure(struct layout *layout)
+static bool measure_layout(struct layout *layout)
 {
     const struct legend *legend = layout->legend;
     double em = layout->em;
     for (int c = 0; c < LEGEND_DETAILS; c++) {
-        layout->has_headings = layout->has_headings || legend->heading[c];
+        layout->has_header = layout->has_header || legend->header[c];
     }
     choose_rows(layout);
     double width = choose_columns(layout) + 2 * PADDING * em;
@@ -162,9 +163,9 @@ static conus_status write_head(const struct layout *layout, double *y)
         *y += LINE * em;
         status = write_text(layout, (double[]){left, *y - BELOW_BASELINE * em}, em, limit, DIM, legend->subtitle);
     }
-    if (!status && layout->has_headings) {
+    if (!status && layout->has_header) {
         *y += LINE * em;
-        status = write_details(layout, *y - BELOW_BASELINE * em, legend->heading, DIM);
+        status = write_details(layout, *y - BELOW_BASELINE * em, legend->header, DIM);
     }
     return status;
 }
@@ -209,7 +210,7 @@ conus_status legend_draw(conus_image *image, struct font *font, const struct leg
     }
     struct layout layout = {.legend = legend, .font = font, .image = image};
     layout.em = legend->size > 0 ? legend->size : legend_size(image);
-    if (!measure(&layout)) {
+    if (!measure_layout(&layout)) {
         return CONUS_OK;
     }
     draw_box(image, &layout.panel, 0.45 * layout.em, PANEL);

@@ -17,9 +17,9 @@ struct legend_row {
 enum legend_corner { LEGEND_TOP_LEFT = 0, LEGEND_TOP_RIGHT, LEGEND_BOTTOM_LEFT, LEGEND_BOTTOM_RIGHT };
 
 struct legend {
-    const char *title;                   /**< NULL = none.                                            */
-    const char *subtitle;                /**< In grey below it; NULL = none.                          */
-    const char *heading[LEGEND_DETAILS]; /**< Of the detail columns; all NULL = no line of headings.  */
+    const char *title;                  /**< NULL = none.                                            */
+    const char *subtitle;               /**< In grey below it; NULL = none.                          */
+    const char *header[LEGEND_DETAILS]; /**< Of the detail columns; all NULL = no header row.  */
     const struct legend_row *rows;
     size_t count;
     enum legend_corner corner;

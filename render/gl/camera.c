@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Cameras from poses, from a frustum and around points; projection of points. */
 #include "render/gl/camera.h"
 
 #include "base/math3.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Opens EGL displays, creates contexts and passes on what drivers say. */
 #include "render/gl/context.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Compiles and links programs, and finds the line of a compile error. */
 #include "render/gl/program.h"
 
 #include "base/buffer.h"
@@ -25,7 +26,7 @@ static void append_text(struct buffer *out, const struct program_source *source,
                   PART_PASS * PART_LINES + 1, shader->text);
 }
 
-/* The first line of a log that tells of an error, else the first line. */
+/* The first line of a log with an error, else the first line. */
 static struct text worst_line(const char *log)
 {
     struct text rest = text_from(log);

@@ -4,7 +4,7 @@
  *
  *     #version 450 core, defines | common.glsl | the pass's own file
  *
- * and a compiler's complaint names the .glsl file and the line in it. */
+ * and a compile error names the .glsl file and the line in it. */
 #ifndef CONUS_RENDER_GL_PROGRAM_H
 #define CONUS_RENDER_GL_PROGRAM_H
 
@@ -31,7 +31,7 @@ struct program_source {
 };
 
 /** Compiles and links in the current context. *out is the caller's to glDeleteProgram(). CONUS_ERROR_GL with the first
- * line of the compiler's complaint. */
+ * line of the compile error. */
 conus_status program_create(GLuint *out, const struct program_source *source);
 
 /** Location of uniform @p name, which must be in use in @p program: to be called once, after creation. */

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Draws until all records fit, and reads them back. */
 #include "render/gl/shader_list.h"
 
 #include "base/memory.h"
@@ -8,7 +9,7 @@ enum { HEADER_SIZE = 8, SIZE_LIMIT = 1 << 24 }; /* bytes; any driver takes block
 
 conus_status shader_list_init(struct shader_list *out, size_t record_size, uint32_t first)
 {
-    struct shader_list list = {.record_size = record_size, .room = first};
+    struct shader_list list = {.record_size = record_size, .capacity = first};
     list.limit = (uint32_t)((SIZE_LIMIT - HEADER_SIZE) / record_size);
     glCreateBuffers(1, &list.buffer);
     *out = list;
@@ -24,27 +25,27 @@ void shader_list_finish(struct shader_list *list)
     *list = (struct shader_list){0};
 }
 
-static conus_status make_room(struct shader_list *list, uint32_t room)
+static conus_status reserve_records(struct shader_list *list, uint32_t capacity)
 {
     memory_free(list->records);
-    list->records = memory_raw(room, list->record_size);
+    list->records = memory_raw(capacity, list->record_size);
     if (!list->records) {
         return CONUS_ERROR_MEMORY;
     }
-    list->room = room;
-    glNamedBufferData(list->buffer, (GLsizeiptr)(HEADER_SIZE + room * list->record_size), NULL, GL_STREAM_READ);
+    list->capacity = capacity;
+    glNamedBufferData(list->buffer, (GLsizeiptr)(HEADER_SIZE + capacity * list->record_size), NULL, GL_STREAM_READ);
     return gl_check("list");
 }
 
 /* Waits for the drawing and reads how many records were to be appended, and those that were. */
-static conus_status read(struct shader_list *list, uint32_t *count)
+static conus_status read_list(struct shader_list *list, uint32_t *count)
 {
     uint32_t appended = 0;
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glFinish();
     glGetNamedBufferSubData(list->buffer, 0, sizeof appended, &appended);
     conus_status status = gl_check("drawing into a list");
-    if (!status && appended && appended <= list->room) {
+    if (!status && appended && appended <= list->capacity) {
         glGetNamedBufferSubData(list->buffer, HEADER_SIZE, (GLsizeiptr)(appended * list->record_size), list->records);
         status = gl_check("reading a list");
     }
@@ -52,31 +53,31 @@ static conus_status read(struct shader_list *list, uint32_t *count)
     return status;
 }
 
-static conus_status draw(struct shader_list *list, const struct shader_list_job *job, uint32_t first, uint32_t end,
-                         uint32_t *count)
+static conus_status draw_range(struct shader_list *list, const struct shader_list_job *job, uint32_t first,
+                               uint32_t end, uint32_t *count)
 {
     static const uint32_t header[HEADER_SIZE / sizeof(uint32_t)] = {0};
-    conus_status status = list->records ? CONUS_OK : make_room(list, list->room);
+    conus_status status = list->records ? CONUS_OK : reserve_records(list, list->capacity);
     if (status) {
         return status;
     }
     glNamedBufferSubData(list->buffer, 0, sizeof header, header);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, job->binding, list->buffer);
     status = job->draw(job->user, first, end);
-    return status ? status : read(list, count);
+    return status ? status : read_list(list, count);
 }
 
-/* More room after `count` records did not fit, with some to spare; or fewer pixels where that is too much. */
+/* After `count` records did not fit: raises the capacity above `count`, or lowers the number of pixels at the limit. */
 static conus_status adapt(struct shader_list *list, uint32_t count, uint32_t *pixels)
 {
-    if (list->room < list->limit) {
+    if (list->capacity < list->limit) {
         uint64_t wanted = count + (uint64_t)count / 4;
-        return make_room(list, wanted < list->limit ? (uint32_t)wanted : list->limit);
+        return reserve_records(list, wanted < list->limit ? (uint32_t)wanted : list->limit);
     }
-    uint64_t fitting = *pixels * (uint64_t)list->room / count;
+    uint64_t fitting = *pixels * (uint64_t)list->capacity / count;
     if (*pixels == 1) {
         return fail(CONUS_ERROR_UNSUPPORTED, "%u pieces along one ray: the gl engine takes up to %u", count,
-                    list->room);
+                    list->capacity);
     }
     *pixels = fitting > *pixels / 2 ? *pixels / 2 : fitting < 1 ? 1 : (uint32_t)fitting;
     return CONUS_OK;
@@ -90,8 +91,8 @@ conus_status shader_list_collect(struct shader_list *list, const struct shader_l
     for (uint32_t first = 0; pixels && first < job->pixels && !status;) {
         uint32_t end = job->pixels - first < pixels ? job->pixels : first + pixels;
         uint32_t count = 0;
-        status = draw(list, job, first, end, &count);
-        if (!status && count > list->room) {
+        status = draw_range(list, job, first, end, &count);
+        if (!status && count > list->capacity) {
             pixels = end - first;
             status = adapt(list, count, &pixels);
         } else if (!status) {

@@ -5,8 +5,8 @@
  *     layout(std430, binding = ...) restrict buffer List { uint count; uint unused; Record records[]; };
  *
  * in which a fragment takes the place atomicAdd(count, 1u) and writes its record if that is below records.length().
- * A draw that had more to say than there was room is made again, with more room or for fewer pixels at once, so a list
- * on the device stays small and yet none is too long. Needs a current context throughout. */
+ * A draw that appends more records than the capacity is repeated, with a larger capacity or for fewer pixels at once.
+ * So the list on the device stays small. Needs a current context throughout. */
 #ifndef CONUS_RENDER_GL_SHADER_LIST_H
 #define CONUS_RENDER_GL_SHADER_LIST_H
 
@@ -17,9 +17,9 @@
 struct shader_list {
     GLuint buffer;
     size_t record_size; /**< Bytes. */
-    uint32_t room;      /**< Records that fit.                            */
+    uint32_t capacity;  /**< Records that fit.                            */
     uint32_t limit;     /**< And will at most.                            */
-    void *records;      /**< What was read; room for as many, or NULL.    */
+    void *records;      /**< What was read, [capacity]; may be NULL.      */
 };
 
 /** One drawing into a list. Both functions get @p user. */

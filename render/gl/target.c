@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Creates, clears and reads framebuffers. */
 #include "render/gl/target.h"
 
 #include "render/gl/context.h"
@@ -126,7 +127,7 @@ void target_clear(const struct target *target)
     }
 }
 
-static size_t find(const struct target *target, const char *name)
+static size_t find_attachment(const struct target *target, const char *name)
 {
     size_t i = 0;
     while (i < target->count && strcmp(target->attachments[i].name, name) != 0) {
@@ -138,12 +139,12 @@ static size_t find(const struct target *target, const char *name)
 
 GLuint target_texture(const struct target *target, const char *name)
 {
-    return target->textures[find(target, name)];
+    return target->textures[find_attachment(target, name)];
 }
 
 conus_status target_read(const struct target *target, const char *name, void *pixels)
 {
-    size_t index = find(target, name);
+    size_t index = find_attachment(target, name);
     const struct format *format = &formats[target->attachments[index].format];
     GLsizei size = format->size * (GLsizei)target->width * (GLsizei)target->height;
     glPixelStorei(GL_PACK_ALIGNMENT, 4);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Creates 3-D textures within the limits of driver and memory. */
 #include "render/gl/volume_texture.h"
 
 #include "render/gl/context.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Cuts meshes into clusters of neighbouring triangles and finds a ball around each. */
 #include "render/id/clusters.h"
 
 #include "base/math3.h"

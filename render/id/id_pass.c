@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Uploads volumes for the ID pass, runs its compute shader and reads what it found. */
 #include "render/id/id_pass.h"
 
 #include "base/memory.h"
@@ -13,7 +14,7 @@
 
 enum { OBJECTS_UNIT, LEAP_UNIT, IDENTIFIER_UNIT, RAY_UNIT };
 enum { OUT_BUFFER };
-enum { GROUP = 64, FIRST_PIECES = 1024, RAY_TEXELS = sizeof(struct id_ray) / 16 };
+enum { GROUP = 64, FIRST_INTERVALS = 1024, RAY_TEXELS = sizeof(struct id_ray) / 16 };
 
 /* What a program does with a ray: the first contact, also if it is nearer than what is known, or all layers. */
 enum id_kind { FIRST, LATER, PIERCE, KIND_COUNT };
@@ -35,12 +36,12 @@ struct id_pass {
     struct id_program programs[KIND_COUNT]; /* made when they are needed for the first time */
     GLuint identifier_buffer, ray_buffer, hit_buffer;
     GLuint identifiers, ray_texels; /* through which shaders see the first two */
-    struct shader_list pieces;      /* of struct id_piece */
+    struct shader_list intervals;   /* of struct id_interval */
     struct id_volume *volumes;
     size_t volume_count;
-    size_t looks; /* since id_pass_begin() */
+    size_t volumes_traced; /* since id_pass_begin() */
     uint32_t ray_count;
-    uint32_t room; /* rays for which there is */
+    uint32_t capacity; /* rays */
     struct id_ray *rays;
     struct id_hit *hits;
 };
@@ -109,7 +110,7 @@ static void drop_rays(struct id_pass *pass)
     memory_free(pass->hits);
     pass->rays = NULL;
     pass->hits = NULL;
-    pass->room = 0;
+    pass->capacity = 0;
 }
 
 void id_pass_destroy(struct id_pass *pass)
@@ -130,14 +131,14 @@ void id_pass_destroy(struct id_pass *pass)
     for (int kind = 0; kind < KIND_COUNT; kind++) {
         glDeleteProgram(pass->programs[kind].program);
     }
-    shader_list_finish(&pass->pieces);
+    shader_list_finish(&pass->intervals);
     memory_free(pass);
 }
 
 /* ---- Volumes ------------------------------------------------------------------------------------------------ */
 
-static conus_status upload(struct id_volume *out, const struct volume *volume, const struct id_leaps *leaps,
-                           conus_sampling sampling, uint64_t *memory_left)
+static conus_status upload_volume(struct id_volume *out, const struct volume *volume, const struct id_leaps *leaps,
+                                  conus_sampling sampling, uint64_t *memory_left)
 {
     struct id_volume made = {0};
     const size_t *dim = volume->info.dim;
@@ -171,15 +172,15 @@ conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volum
         status = need_program(pass, LATER);
     }
     if (!status) {
-        status = upload(&volumes[pass->volume_count], volume, leaps, pass->sampling, memory_left);
+        status = upload_volume(&volumes[pass->volume_count], volume, leaps, pass->sampling, memory_left);
     }
     pass->volume_count += !status;
     return status;
 }
 
-/* ---- A look ------------------------------------------------------------------------------------------------- */
+/* ---- A trace ------------------------------------------------------------------------------------------------- */
 
-static conus_status make_room(struct id_pass *pass, uint32_t rays)
+static conus_status reserve_rays(struct id_pass *pass, uint32_t rays)
 {
     GLint limit = 0;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
@@ -201,15 +202,15 @@ static conus_status make_room(struct id_pass *pass, uint32_t rays)
         drop_rays(pass);
         return status;
     }
-    pass->room = rays;
+    pass->capacity = rays;
     return CONUS_OK;
 }
 
 conus_status id_pass_begin(struct id_pass *pass, uint32_t rays)
 {
-    conus_status status = rays > pass->room ? make_room(pass, rays) : CONUS_OK;
+    conus_status status = rays > pass->capacity ? reserve_rays(pass, rays) : CONUS_OK;
     pass->ray_count = status ? 0 : rays;
-    pass->looks = 0;
+    pass->volumes_traced = 0;
     return status;
 }
 
@@ -239,22 +240,22 @@ static void dispatch(const struct id_pass *pass, enum id_kind kind, const struct
     glDispatchCompute((end - first + GROUP - 1) / GROUP, 1, 1);
 }
 
-conus_status id_pass_look(struct id_pass *pass, size_t volume)
+conus_status id_pass_trace(struct id_pass *pass, size_t volume)
 {
     assert(volume < pass->volume_count && pass->ray_count);
     upload_rays(pass);
-    if (pass->looks) {
-        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); /* what was met before is now read */
+    if (pass->volumes_traced) {
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); /* earlier hits are read now */
     }
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, OUT_BUFFER, pass->hit_buffer);
-    dispatch(pass, pass->looks ? LATER : FIRST, &pass->volumes[volume], 0, pass->ray_count);
-    pass->looks++;
+    dispatch(pass, pass->volumes_traced ? LATER : FIRST, &pass->volumes[volume], 0, pass->ray_count);
+    pass->volumes_traced++;
     return gl_check("ID pass");
 }
 
 conus_status id_pass_read(struct id_pass *pass, const struct id_hit **out)
 {
-    assert(pass->looks);
+    assert(pass->volumes_traced);
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glGetNamedBufferSubData(pass->hit_buffer, 0, (GLsizeiptr)(pass->ray_count * sizeof *pass->hits), pass->hits);
     conus_status status = gl_check("reading the ID pass");
@@ -273,14 +274,14 @@ struct piercing {
     void *user;
 };
 
-static conus_status append_pieces(void *user, uint32_t first, uint32_t end)
+static conus_status append_intervals(void *user, uint32_t first, uint32_t end)
 {
     const struct piercing *piercing = user;
     dispatch(piercing->pass, PIERCE, &piercing->pass->volumes[piercing->volume], first, end);
     return gl_check("ID pass of all layers");
 }
 
-static conus_status take_pieces(void *user, const void *records, uint32_t count)
+static conus_status take_intervals(void *user, const void *records, uint32_t count)
 {
     const struct piercing *piercing = user;
     return piercing->take(piercing->user, records, count);
@@ -289,22 +290,22 @@ static conus_status take_pieces(void *user, const void *records, uint32_t count)
 conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take take, void *user)
 {
     assert(volume < pass->volume_count && pass->ray_count && pass->sampling == CONUS_EXACT);
-    static_assert(sizeof(struct id_piece) == 40, "the shader's Piece");
+    static_assert(sizeof(struct id_interval) == 40, "the shader's Interval");
     struct piercing piercing = {pass, volume, take, user};
     conus_status status = need_program(pass, PIERCE);
-    if (!status && !pass->pieces.buffer) {
-        status = shader_list_init(&pass->pieces, sizeof(struct id_piece), FIRST_PIECES);
+    if (!status && !pass->intervals.buffer) {
+        status = shader_list_init(&pass->intervals, sizeof(struct id_interval), FIRST_INTERVALS);
     }
     if (status) {
         return status;
     }
     const size_t *dim = pass->volumes[volume].dim;
     const struct shader_list_job job = {.binding = OUT_BUFFER,
-                                        .draw = append_pieces,
-                                        .take = take_pieces,
+                                        .draw = append_intervals,
+                                        .take = take_intervals,
                                         .user = &piercing,
                                         .pixels = pass->ray_count,
                                         .per_pixel = (uint32_t)(dim[0] + dim[1] + dim[2])}; /* cells of any ray */
     upload_rays(pass);
-    return shader_list_collect(&pass->pieces, &job);
+    return shader_list_collect(&pass->intervals, &job);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The ID pass: which object each of many rays meets first. The rays are those of the pixels of as many cones as one
- * likes, so a block of cones is one dispatch per volume and one readback. Needs a current context throughout. One look
- * is: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_look(); id_pass_read(). For all layers:
+ * The ID pass: which object each of many rays hits first. The rays are those of the pixels of as many cones as one
+ * likes, so a block of cones is one dispatch per volume and one readback. Needs a current context throughout. One
+ * trace is: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_trace(); id_pass_read(). For all layers:
  * id_pass_begin(); for each volume fill id_pass_rays() and id_pass_pierce(). */
 #ifndef CONUS_RENDER_ID_ID_PASS_H
 #define CONUS_RENDER_ID_ID_PASS_H
@@ -26,15 +26,15 @@ struct id_ray {
     };
 };
 
-/** What a ray met first. */
+/** The first hit of a ray. */
 struct id_hit {
     double distance;     /**< mm along the ray, exact; INFINITY = nothing.    */
     uint32_t identifier; /**< 0 = nothing.                                    */
     uint32_t cell[3];    /**< Indices of the voxel.                           */
 };
 
-/** A piece of a ray: a run of cells that are known by one identifier (Eq. 10). */
-struct id_piece {
+/** An interval of a ray: a run of cells with one identifier (Eq. 10). */
+struct id_interval {
     uint32_t ray, identifier;
     double entry, exit; /**< mm along the ray, exact.          */
     uint32_t cell[3];   /**< Indices of its first voxel.       */
@@ -65,17 +65,17 @@ conus_status id_pass_begin(struct id_pass *pass, uint32_t rays);
 /** The rays, to be filled in before each volume. */
 struct id_ray *id_pass_rays(struct id_pass *pass);
 
-/** Looks along the rays at volume number @p volume: its cells (Eq. 5) or, with CONUS_SLICES, on the rays' planes (Eq.
+/** Traces the rays through volume number @p volume: its cells (Eq. 5) or, with CONUS_SLICES, on the rays' planes (Eq.
  * 7). What lies nearer stays; of equally near objects the one with the lower identifier. */
-conus_status id_pass_look(struct id_pass *pass, size_t volume);
+conus_status id_pass_trace(struct id_pass *pass, size_t volume);
 
-/** What each ray met, after at least one look; borrowed until the next id_pass_begin(). */
+/** The first hit of each ray, after at least one id_pass_trace(); borrowed until the next id_pass_begin(). */
 conus_status id_pass_read(struct id_pass *pass, const struct id_hit **out);
 
-/** Takes @p count pieces in any order, but those of one ray as they lie along it. */
-typedef conus_status (*id_pass_take)(void *user, const struct id_piece *pieces, uint32_t count);
+/** Receives @p count intervals in any order, but those of one ray in the order along it. */
+typedef conus_status (*id_pass_take)(void *user, const struct id_interval *intervals, uint32_t count);
 
-/** Hands to @p take, in portions, all pieces of the rays in volume number @p volume, whatever hides them. Not for
+/** Hands to @p take, in portions, all intervals of the rays in volume number @p volume, whatever hides them. Not for
  * CONUS_SLICES. */
 conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take take, void *user);
 

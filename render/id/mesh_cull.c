@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Walks meshes and clusters in the order of their distance, batch by batch. */
 #include "render/id/mesh_cull.h"
 
 #include "base/math3.h"
@@ -10,7 +11,7 @@
 /* Distances are compared with what they may be off by, of their size. */
 #define ROUNDING 1e-9
 
-/* The buffer is looked at in at most so many tiles a side. */
+/* The buffer is divided into at most so many tiles a side. */
 enum { TILE_LIMIT = 16, MESH = 1 };
 
 /* What waits: a mesh, or a cluster of one that was taken apart. */
@@ -35,9 +36,9 @@ struct mesh_cull {
     double side[TILE_LIMIT];               /* of tiles of one pixel: how far to the side their rays are at depth 1 */
     double reach[TILE_LIMIT * TILE_LIMIT]; /* how far any of a tile's rays can get */
     double farthest;                       /* of them all */
-    struct waiting *heap;                  /* a binary heap, nearest on top; room for every mesh and cluster */
+    struct waiting *heap;                  /* a binary heap, nearest on top; [meshes + clusters] */
     size_t count;
-    uint32_t *batch; /* room for every cluster */
+    uint32_t *batch; /* [clusters] */
 };
 
 conus_status mesh_cull_create(struct mesh_cull **out, const struct clusters *clusters)
@@ -89,7 +90,7 @@ static void sink(struct waiting *heap, size_t count, size_t at)
     heap[at] = item;
 }
 
-static void push(struct mesh_cull *cull, struct waiting item)
+static void push_waiting(struct mesh_cull *cull, struct waiting item)
 {
     size_t at = cull->count++;
     for (size_t parent; at > 0 && item.nearest < cull->heap[parent = (at - 1) / 2].nearest; at = parent) {
@@ -98,7 +99,7 @@ static void push(struct mesh_cull *cull, struct waiting item)
     cull->heap[at] = item;
 }
 
-static struct waiting pop(struct mesh_cull *cull)
+static struct waiting pop_nearest(struct mesh_cull *cull)
 {
     struct waiting top = cull->heap[0];
     cull->heap[0] = cull->heap[--cull->count];
@@ -233,7 +234,7 @@ static bool is_open(const struct mesh_cull *cull, const struct seen *ball, doubl
     return false;
 }
 
-/* ---- A look --------------------------------------------------------------------------------------------------- */
+/* ---- A query --------------------------------------------------------------------------------------------------- */
 
 static void gather_meshes(struct mesh_cull *cull)
 {
@@ -306,7 +307,7 @@ static void push_clusters(struct mesh_cull *cull, uint32_t mesh)
         struct seen ball = see_cluster(cull, (uint32_t)i);
         double nearest = nearest_of(cull, &ball);
         if (is_in_pyramid(cull, &ball) && is_open(cull, &ball, nearest)) {
-            push(cull, (struct waiting){key_of(cull, nearest), (uint32_t)i, 0});
+            push_waiting(cull, (struct waiting){key_of(cull, nearest), (uint32_t)i, 0});
         }
     }
 }
@@ -323,7 +324,7 @@ size_t mesh_cull_batch(const uint32_t **out, struct mesh_cull *cull, size_t tria
     size_t given = 0;
     size_t count = 0;
     while (cull->count && given < triangles) {
-        struct waiting next = pop(cull);
+        struct waiting next = pop_nearest(cull);
         if (next.nearest > cull->farthest) {
             cull->count = 0;
         } else if (next.is_mesh) {

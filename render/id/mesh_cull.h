@@ -8,7 +8,7 @@
 
 #include "render/id/clusters.h"
 
-/** What a look can do without, for comparison; the answers are the same. */
+/** Optimisations that a benchmark can switch off. The answers do not change. */
 enum mesh_step {
     MESH_CULL = 1,     /**< Leaving out what is outside the pyramid, or touches no pixel's centre. */
     MESH_ORDER = 2,    /**< Taking the nearest first.                                              */
@@ -33,10 +33,10 @@ void mesh_cull_destroy(struct mesh_cull *cull);
 /** Bytes that one takes. */
 size_t mesh_cull_size(const struct clusters *clusters);
 
-/** Begins a look; mesh_cull_hide() must be called before the first batch. */
+/** Begins a view; mesh_cull_hide() must be called before the first batch. */
 void mesh_cull_begin(struct mesh_cull *cull, const struct mesh_view *view);
 
-/** Tells how far each pixel's ray can get, in mm ([n n], INFINITY = for ever); NULL = for ever all of them. */
+/** Sets how far each pixel's ray can get, in mm ([n n], INFINITY = no limit); NULL = no limit for all. */
 void mesh_cull_hide(struct mesh_cull *cull, const double *distances);
 
 /** The next clusters, about @p triangles triangles of them or as many as there are: their number, 0 when all that can

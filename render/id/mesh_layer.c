@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Uploads the meshes of an atlas and draws them for a camera. */
 #include "render/id/mesh_layer.h"
 
 #include "base/math3.h"
@@ -56,7 +57,8 @@ static void add_normals(struct vertex *vertices, const struct mesh *mesh)
     }
 }
 
-static void fill(struct vertex *vertices, uint32_t *indices, uint32_t first, const struct mesh *mesh, uint32_t object)
+static void fill_mesh(struct vertex *vertices, uint32_t *indices, uint32_t first, const struct mesh *mesh,
+                      uint32_t object)
 {
     for (size_t v = 0; v < mesh->vertex_count; v++) {
         vertices[v] = (struct vertex){.object = object};
@@ -92,8 +94,8 @@ static conus_status check_sizes(struct sizes *out, const conus_atlas *atlas, uin
     return CONUS_OK;
 }
 
-static void upload(struct mesh_layer *layer, const struct vertex *vertices, const uint32_t *indices,
-                   const struct sizes *sizes)
+static void upload_buffers(struct mesh_layer *layer, const struct vertex *vertices, const uint32_t *indices,
+                           const struct sizes *sizes)
 {
     static const GLuint offsets[] = {offsetof(struct vertex, position), offsetof(struct vertex, normal)};
     glCreateBuffers(1, &layer->vertex_buffer);
@@ -124,14 +126,14 @@ static conus_status upload_meshes(struct mesh_layer *layer, const conus_atlas *a
         for (uint32_t number = 1; number <= atlas->object_count; number++) {
             const struct mesh *mesh = atlas_stored_mesh(atlas, number);
             if (mesh) {
-                fill(vertices + next.vertices, indices + next.indices, (uint32_t)next.vertices, mesh, number);
+                fill_mesh(vertices + next.vertices, indices + next.indices, (uint32_t)next.vertices, mesh, number);
                 layer->parts[number - 1].count = (GLsizei)(3 * mesh->triangle_count);
                 layer->parts[number - 1].offset = (const char *)NULL + next.indices * sizeof *indices;
                 next.vertices += mesh->vertex_count;
                 next.indices += 3 * mesh->triangle_count;
             }
         }
-        upload(layer, vertices, indices, &next);
+        upload_buffers(layer, vertices, indices, &next);
         status = gl_check("meshes");
     } else {
         status = status ? status : CONUS_ERROR_MEMORY;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * The meshes of an atlas as a camera sees them: which object covers a pixel, its depth and its normal. The colour pass
- * lights them and lets its rays end there. Needs a current context throughout. */
+ * shades them and ends its rays there. Needs a current context throughout. */
 #ifndef CONUS_RENDER_ID_MESH_LAYER_H
 #define CONUS_RENDER_ID_MESH_LAYER_H
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Draws batches of clusters, reads the proposed triangles and settles which is nearest. */
 #include "render/id/mesh_pass.h"
 
 #include "base/math3.h"
@@ -13,26 +14,26 @@
 
 enum { POSITION_UNIT, CORNER_UNIT };
 enum { PIXEL_BUFFER, HIT_BUFFER };
-enum { FIRST_ROOM = 6, ROOM_STEP = 8 };
+enum { FIRST_CAPACITY = 6, CAPACITY_STEP = 8 };
 /* Triangles. On a GPU each batch is waited for; on the CPU waiting costs nothing, so fewer are drawn that batches
  * before them hide. */
 enum { BATCH = 4096, SOFTWARE_BATCH = 1024, PIERCE_BATCH = 65536, FIRST_HITS = 1024 };
 
 /* llvmpipe keeps triangles until it rasterises, in memory that it gives back to the system afterwards: thousands of
- * them cost it two to three times as much each as hundreds, by page faults. So it is told to begin after that many. */
+ * them cost it two to three times as much each as hundreds, by page faults. So it begins after that many. */
 enum { SOFTWARE_PORTION = 1024 };
 
 /* Looks are under way side by side as long as what they are culled with takes no more than so many bytes, and are drawn
  * and read at once as long as their pixels do not. */
 enum { SLOT_LIMIT = 256, SLOT_MEMORY = 1 << 28, PIXEL_MEMORY = 1 << 24 };
 
-/* A look under way. */
+/* A query under way. */
 struct slot {
-    const struct mesh_look *look;
+    const struct mesh_query *query;
     struct mesh_cull *cull;
     const uint32_t *batch; /* clusters, borrowed from cull; count 0 = all of the last batch is settled */
     size_t count;
-    uint32_t attempts; /* drawings of it without enough room */
+    uint32_t attempts; /* draws of it without enough capacity */
     uint32_t most;     /* triangles that one pixel had to note */
 };
 
@@ -54,9 +55,9 @@ struct mesh_pass {
     GLuint vertices, position_buffer, corner_buffer, positions, corners;
     struct target target; /* without pixels: what is drawn goes to the buffer */
     GLuint pixel_buffer;
-    uint32_t *pixels;   /* [pixel_slots n n][2 + room]: the shader's nearest, count and triangles */
+    uint32_t *pixels;   /* [pixel_slots n n][2 + capacity]: the shader's nearest, count and triangles */
     size_t pixel_slots; /* that many are drawn and read at once */
-    uint32_t room;      /* triangles that a pixel can note in one batch */
+    uint32_t capacity;  /* triangles that a pixel can note in one batch */
     GLsizei *draw_counts;
     const void **draw_offsets;
     struct shader_list hits; /* of pixel and triangle */
@@ -64,9 +65,9 @@ struct mesh_pass {
 
 /* ---- Creation ------------------------------------------------------------------------------------------------- */
 
-static conus_status create_program(struct mesh_program *out, const struct program_shader *fragment, uint32_t room)
+static conus_status create_program(struct mesh_program *out, const struct program_shader *fragment, uint32_t capacity)
 {
-    const struct program_define defines[] = {{"ROOM", room},
+    const struct program_define defines[] = {{"CAPACITY", capacity},
                                              {"PIXEL_BUFFER", PIXEL_BUFFER},
                                              {"HIT_BUFFER", HIT_BUFFER},
                                              {"POSITION_UNIT", POSITION_UNIT},
@@ -88,12 +89,12 @@ static conus_status create_program(struct mesh_program *out, const struct progra
     return CONUS_OK;
 }
 
-/* The program of the first triangle, with room for so many in every pixel. */
-static conus_status create_first(struct mesh_pass *pass, uint32_t room)
+/* The program of the first triangle, with this capacity in every pixel. */
+static conus_status create_first(struct mesh_pass *pass, uint32_t capacity)
 {
     const struct program_shader fragment = {"mesh_id.frag.glsl", shader_mesh_id_frag};
     struct mesh_program first = {.pixels = -1};
-    conus_status status = create_program(&first, &fragment, room);
+    conus_status status = create_program(&first, &fragment, capacity);
     if (status) {
         return status;
     }
@@ -102,7 +103,7 @@ static conus_status create_first(struct mesh_pass *pass, uint32_t room)
     first.first_pixel = program_uniform(first.program, "first_pixel");
     glDeleteProgram(pass->first.program);
     pass->first = first;
-    pass->room = room;
+    pass->capacity = capacity;
     return CONUS_OK;
 }
 
@@ -140,7 +141,7 @@ static conus_status check_size(const struct clusters *clusters, uint64_t *memory
 }
 
 /* A buffer, and the texture through which shaders see it. */
-static void upload(GLuint *buffer, GLuint *texture, GLenum format, const void *data, size_t size)
+static void upload_buffer(GLuint *buffer, GLuint *texture, GLenum format, const void *data, size_t size)
 {
     glCreateBuffers(1, buffer);
     glNamedBufferStorage(*buffer, (GLsizeiptr)size, data, 0);
@@ -156,10 +157,10 @@ static conus_status upload_triangles(struct mesh_pass *pass, uint64_t *memory_le
     if (status) {
         return status;
     }
-    upload(&pass->position_buffer, &pass->positions, GL_RGB32F, clusters->positions,
-           clusters->vertex_count * 3 * sizeof *clusters->positions);
-    upload(&pass->corner_buffer, &pass->corners, GL_RGB32UI, clusters->corners,
-           clusters->triangle_count * 3 * sizeof *clusters->corners);
+    upload_buffer(&pass->position_buffer, &pass->positions, GL_RGB32F, clusters->positions,
+                  clusters->vertex_count * 3 * sizeof *clusters->positions);
+    upload_buffer(&pass->corner_buffer, &pass->corners, GL_RGB32UI, clusters->corners,
+                  clusters->triangle_count * 3 * sizeof *clusters->corners);
     glCreateBuffers(1, &pass->pixel_buffer);
     glCreateVertexArrays(1, &pass->vertices);
     glVertexArrayVertexBuffer(pass->vertices, 0, pass->position_buffer, 0, 3 * sizeof *clusters->positions);
@@ -171,7 +172,7 @@ static conus_status upload_triangles(struct mesh_pass *pass, uint64_t *memory_le
     return gl_check("meshes");
 }
 
-/* Makes slots for @p wanted looks, or as many as may be. */
+/* Makes slots for @p wanted queries, or as many as may be. */
 static conus_status make_slots(struct mesh_pass *pass, size_t wanted)
 {
     conus_status status = CONUS_OK;
@@ -215,7 +216,7 @@ conus_status mesh_pass_create(struct mesh_pass **out, const struct mesh *const *
         return CONUS_ERROR_MEMORY;
     }
     conus_status status = reserve(pass, meshes, count);
-    status = status ? status : create_first(pass, FIRST_ROOM);
+    status = status ? status : create_first(pass, FIRST_CAPACITY);
     status = status ? status : upload_triangles(pass, memory_left);
     if (status) {
         mesh_pass_destroy(pass);
@@ -260,13 +261,13 @@ static size_t pixel_count(const struct mesh_pass *pass)
 /* Of the slot that is number `place` of those that are drawn at once. */
 static uint32_t *pixel_at(const struct mesh_pass *pass, size_t place, size_t pixel)
 {
-    return pass->pixels + (place * pixel_count(pass) + pixel) * (2 + (size_t)pass->room);
+    return pass->pixels + (place * pixel_count(pass) + pixel) * (2 + (size_t)pass->capacity);
 }
 
 /* Bytes of the pixels of so many slots. */
 static size_t pixels_size(const struct mesh_pass *pass, size_t slots)
 {
-    return slots * pixel_count(pass) * (2 + (size_t)pass->room) * sizeof *pass->pixels;
+    return slots * pixel_count(pass) * (2 + (size_t)pass->capacity) * sizeof *pass->pixels;
 }
 
 /* Pixels of so many slots, or as many as may be. */
@@ -298,12 +299,12 @@ static conus_status resize(struct mesh_pass *pass, uint32_t resolution)
     return target_init(&pass->target, resolution, resolution, NULL, 0);
 }
 
-/* Room for @p count triangles in every pixel. */
-static conus_status make_room(struct mesh_pass *pass, uint32_t count)
+/* Raises the capacity of every pixel to at least `count` triangles. */
+static conus_status set_capacity(struct mesh_pass *pass, uint32_t count)
 {
-    uint32_t room = (count + 2 + ROOM_STEP - 1) / ROOM_STEP * ROOM_STEP - 2;
+    uint32_t capacity = (count + 2 + CAPACITY_STEP - 1) / CAPACITY_STEP * CAPACITY_STEP - 2;
     size_t slots = pass->pixel_slots;
-    conus_status status = create_first(pass, room);
+    conus_status status = create_first(pass, capacity);
     pass->pixel_slots = 0; /* those are too small */
     return status ? status : make_pixels(pass, slots);
 }
@@ -352,13 +353,13 @@ static void settle(const struct mesh_pass *pass, struct slot *slot, size_t place
         const uint32_t *pixel = pixel_at(pass, place, i);
         uint32_t count = pixel[1];
         slot->most = count > slot->most ? count : slot->most;
-        for (uint32_t k = 0; k < count && k < pass->room; k++) {
-            weigh(pass, &slot->look->pixels, i, pixel[2 + k]);
+        for (uint32_t k = 0; k < count && k < pass->capacity; k++) {
+            weigh(pass, &slot->query->pixels, i, pixel[2 + k]);
         }
     }
 }
 
-/* ---- A look --------------------------------------------------------------------------------------------------- */
+/* ---- A query --------------------------------------------------------------------------------------------------- */
 
 static void use_program(const struct mesh_program *program, const struct mesh_view *view)
 {
@@ -385,7 +386,7 @@ static void use_program(const struct mesh_program *program, const struct mesh_vi
 }
 
 /* Draws with the program in use. */
-static void draw(const struct mesh_pass *pass, const uint32_t *batch, size_t count)
+static void draw_batch(const struct mesh_pass *pass, const uint32_t *batch, size_t count)
 {
     target_bind(&pass->target);
     glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
@@ -409,21 +410,21 @@ static void draw(const struct mesh_pass *pass, const uint32_t *batch, size_t cou
 
 /* Looks that are still to be begun. */
 struct queue {
-    const struct mesh_look *next, *end;
+    const struct mesh_query *next, *end;
 };
 
-/* Gives the slot its look's next batch, or the first one of the next look; false when there is none. */
+/* Gives the slot its query's next batch, or the first one of the next query; false when there is none. */
 static bool feed(struct slot *slot, struct queue *queue, size_t batch)
 {
-    while (!slot->count && (slot->look || queue->next < queue->end)) {
-        if (!slot->look) {
-            slot->look = queue->next++;
-            mesh_cull_begin(slot->cull, &slot->look->view);
+    while (!slot->count && (slot->query || queue->next < queue->end)) {
+        if (!slot->query) {
+            slot->query = queue->next++;
+            mesh_cull_begin(slot->cull, &slot->query->view);
         }
-        mesh_cull_hide(slot->cull, slot->look->pixels.distances);
+        mesh_cull_hide(slot->cull, slot->query->pixels.distances);
         slot->count = mesh_cull_batch(&slot->batch, slot->cull, batch);
         slot->attempts = 0;
-        slot->look = slot->count ? slot->look : NULL;
+        slot->query = slot->count ? slot->query : NULL;
     }
     return slot->count > 0;
 }
@@ -447,32 +448,32 @@ static size_t feed_all(struct mesh_pass *pass, size_t slots, struct queue *queue
 static conus_status draw_batches(struct mesh_pass *pass, const struct slot *slots, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        clear_pixels(pass, i, slots[i].look->pixels.distances);
+        clear_pixels(pass, i, slots[i].query->pixels.distances);
     }
     glNamedBufferSubData(pass->pixel_buffer, 0, (GLsizeiptr)pixels_size(pass, count), pass->pixels);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PIXEL_BUFFER, pass->pixel_buffer);
     for (size_t i = 0; i < count; i++) {
-        use_program(&pass->first, &slots[i].look->view);
+        use_program(&pass->first, &slots[i].query->view);
         glUniform1i(pass->first.first_pixel, (GLint)(i * pixel_count(pass)));
-        draw(pass, slots[i].batch, slots[i].count);
+        draw_batch(pass, slots[i].batch, slots[i].count);
     }
     return read_pixels(pass, count);
 }
 
-/* A batch is drawn again where a pixel had to note more triangles than it has room for: what is known by then leaves
- * most of them out, and if that is not enough there is more room. */
+/* Draws a batch again if a pixel had more triangles than its capacity. What is known by then leaves most of them out;
+ * if that is not enough, the capacity grows. */
 static conus_status settle_batches(struct mesh_pass *pass, struct slot *slots, size_t count)
 {
     uint32_t wanted = 0;
     for (size_t i = 0; i < count; i++) {
         settle(pass, &slots[i], i);
-        if (slots[i].most <= pass->room) {
+        if (slots[i].most <= pass->capacity) {
             slots[i].count = 0;
         } else if (++slots[i].attempts > 1 && slots[i].most > wanted) {
             wanted = slots[i].most;
         }
     }
-    return wanted ? make_room(pass, wanted) : CONUS_OK;
+    return wanted ? set_capacity(pass, wanted) : CONUS_OK;
 }
 
 /* One batch of each of the first `count` slots. */
@@ -487,17 +488,17 @@ static conus_status take_round(struct mesh_pass *pass, size_t count)
     return status;
 }
 
-conus_status mesh_pass_look(struct mesh_pass *pass, const struct mesh_look *looks, size_t count)
+conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)
 {
-    struct queue queue = {looks, looks + count};
-    conus_status status = count ? resize(pass, looks->view.resolution) : CONUS_OK;
+    struct queue queue = {queries, queries + count};
+    conus_status status = count ? resize(pass, queries->view.resolution) : CONUS_OK;
     status = status ? status : make_slots(pass, count);
     size_t slots = count < pass->slot_count ? count : pass->slot_count;
     if (!status && pass->pixel_slots < slots) {
         status = make_pixels(pass, slots);
     }
-    for (size_t i = 0; i < slots; i++) { /* whatever a look that failed left behind */
-        pass->slots[i].look = NULL;
+    for (size_t i = 0; i < slots; i++) { /* whatever a query that failed left behind */
+        pass->slots[i].query = NULL;
         pass->slots[i].count = 0;
     }
     while (!status && (slots = feed_all(pass, slots, &queue)) > 0) {
@@ -523,7 +524,7 @@ static conus_status draw_hits(void *user, uint32_t first, uint32_t end)
     const struct mesh_program *all = &piercing->pass->all;
     use_program(all, piercing->view);
     glUniform2i(all->pixels, (GLint)first, (GLint)end);
-    draw(piercing->pass, piercing->batch, piercing->count);
+    draw_batch(piercing->pass, piercing->batch, piercing->count);
     return gl_check("mesh pass of all layers");
 }
 

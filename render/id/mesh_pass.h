@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The mesh ID pass (Eq. 9): which triangle each pixel of n x n buffers meets first. Needs a current context throughout.
+ * The mesh ID pass (Eq. 9): which triangle each pixel of n x n buffers hits first. Needs a current context throughout.
  *
  * Clusters of triangles are drawn front to back in batches (mesh_cull.h), each batch with one call; the driver proposes
  * the triangles that cover a pixel's centre and are the nearest within rounding, and mesh_distance() settles in double
  * precision which of them is: nearest first; of equally near ones that of the lower object, then the lower triangle.
  *
- * Many looks are answered side by side, in rounds: in each, every look that is under way draws its next batch, and all
- * of them are read back at once. What a look draws, and where on the driver's grid, does not depend on its neighbours.
+ * Many queries are answered side by side, in rounds: in each, every query that is under way draws its next batch, and
+ * all of them are read back at once. What a query draws, and where on the driver's grid, does not depend on its
+ * neighbours.
  */
 #ifndef CONUS_RENDER_ID_MESH_PASS_H
 #define CONUS_RENDER_ID_MESH_PASS_H
@@ -16,17 +17,17 @@
 
 struct mesh_pass;
 
-/** What each pixel's ray has met so far; bottom row first, [n n] each. */
+/** The first hit of each pixel's ray so far; bottom row first, [n n] each. */
 struct mesh_pixels {
     const double (*origins)[3];    /**< In the world, those of the view's pixels.              */
     const double (*directions)[3]; /**< Unit vectors in the world, likewise.                   */
     uint32_t *objects;             /**< In and out: 0 = none.                                  */
     double *distances;             /**< In and out: mm; INFINITY = none.                       */
-    uint64_t *triangles;           /**< Out, where a mesh is met first.                        */
+    uint64_t *triangles;           /**< Out, where a mesh is hit first.                        */
 };
 
-/** One look. */
-struct mesh_look {
+/** One view and the pixels that it fills. */
+struct mesh_query {
     struct mesh_view view;
     struct mesh_pixels pixels;
 };
@@ -47,12 +48,12 @@ conus_status mesh_pass_create(struct mesh_pass **out, const struct mesh *const *
 /** NULL is fine. */
 void mesh_pass_destroy(struct mesh_pass *pass);
 
-/** Adds to what the pixels of @p count looks, all of one resolution, have met what they meet of the meshes, if that is
- * nearer. */
-conus_status mesh_pass_look(struct mesh_pass *pass, const struct mesh_look *looks, size_t count);
+/** Draws the meshes for @p count queries, all of one resolution. A pixel takes a mesh's hit if it is nearer than the
+ * hit that it has. */
+conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *queries, size_t count);
 
 /** Hands to @p take every triangle that covers a pixel's centre, whatever hides it (Eq. 10); in the view of a cylinder
- * those behind the device, too. Nothing is settled: where a ray meets a triangle says mesh_distance(). */
+ * those behind the device, too. The hits are not exact yet: mesh_distance() decides where a ray hits a triangle. */
 conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *view, mesh_pass_take take, void *user);
 
 #endif

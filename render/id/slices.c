@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Computes the planes over a volume. */
 #include "render/id/slices.h"
 
 #include "base/math3.h"

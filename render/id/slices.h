@@ -24,7 +24,7 @@ uint32_t slices_of_id_pass(uint32_t slices, const size_t dim[3]);
 struct slices slices_over(const size_t dim[3], const double world_from_voxel[16], const double eye[3],
                           const double axis[3], uint32_t count);
 
-/** Depth of plane @p k, from 0 (Eq. 7). A ray with unit direction d meets it at depth * (1 / (d . axis)) mm. */
+/** Depth of plane @p k, from 0 (Eq. 7). A ray with unit direction d hits it at depth * (1 / (d . axis)) mm. */
 static inline double slices_depth(const struct slices *slices, uint32_t k)
 {
     return slices->start + (k + 0.5) * slices->spacing;

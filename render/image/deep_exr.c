@@ -22,7 +22,7 @@ static void put_u32(uint8_t *out, uint32_t value)
 
 /* ---- Chunks ---- */
 
-/* Rooms for one row: as it is, filtered, and packed. */
+/* Buffers for one row: as it is, filtered, and packed. */
 struct row {
     uint8_t *plain, *filtered;
     struct packed {
@@ -82,7 +82,7 @@ static void filter(uint8_t *out, const uint8_t *in, size_t size)
 }
 
 /* ZIPS of `size` bytes of row->plain; as they are, where that is no shorter. */
-static exr_result_t pack(struct packed *out, const struct row *row, size_t size)
+static exr_result_t deflate_row(struct packed *out, const struct row *row, size_t size)
 {
     uLongf packed = compressBound(size);
     filter(row->filtered, row->plain, size);
@@ -106,7 +106,7 @@ static exr_result_t pack_counts(struct row *row, const struct deep_image *image,
         sum += image->counts[(size_t)y * width + x];
         put_u32(row->plain + sizeof sum * x, sum);
     }
-    return pack(&row->counts, row, sizeof sum * width);
+    return deflate_row(&row->counts, row, sizeof sum * width);
 }
 
 /* Its samples, channel by channel. */
@@ -119,7 +119,7 @@ static exr_result_t pack_samples(struct row *row, const struct deep_image *image
             put_u32(out, order[c].uints[first + i]);
         }
     }
-    return pack(&row->samples, row, (size_t)(out - row->plain));
+    return deflate_row(&row->samples, row, (size_t)(out - row->plain));
 }
 
 static int by_name(const void *a, const void *b)

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Deep images in memory. deep_exr.c writes them. */
 #include "render/image/deep_image.h"
 
 #include "base/memory.h"

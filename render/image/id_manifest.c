@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Encodes ID manifests. */
 #include "render/image/id_manifest.h"
 
 #include "base/buffer.h"
@@ -287,7 +288,7 @@ static void put_manifest(struct buffer *out, const struct id_manifest_group *gro
     }
 }
 
-static conus_status pack(struct bytes *out, const struct buffer *plain)
+static conus_status deflate_manifest(struct bytes *out, const struct buffer *plain)
 {
     if (plain->size > SIZE_LIMIT) {
         return fail(CONUS_ERROR_UNSUPPORTED, "names of %zu bytes for an OpenEXR image, allowed are %d", plain->size,
@@ -318,7 +319,7 @@ conus_status id_manifest_format(struct bytes *out, const struct id_manifest_grou
         put_manifest(&plain, groups, group_count, &dictionary);
         status = buffer_status(&plain);
     }
-    status = status ? status : pack(out, &plain);
+    status = status ? status : deflate_manifest(out, &plain);
     dictionary_finish(&dictionary);
     buffer_finish(&plain);
     return status;

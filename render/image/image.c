@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Images in memory: their channels and attributes. */
 #include "render/image/image.h"
 
 #include "base/memory.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 conus_status image_create(conus_image **out, uint32_t width, uint32_t height)
 {
@@ -100,7 +99,7 @@ conus_status image_create_rgba(conus_image **out, uint32_t width, uint32_t heigh
     return CONUS_OK;
 }
 
-static struct image_attribute *find_attribute(const conus_image *image, const char *name)
+struct image_attribute *image_find_attribute(const conus_image *image, const char *name)
 {
     for (size_t i = 0; i < image->attribute_count; i++) {
         if (strcmp(image->attributes[i].name, name) == 0) {
@@ -110,15 +109,10 @@ static struct image_attribute *find_attribute(const conus_image *image, const ch
     return NULL;
 }
 
-const struct image_attribute *image_find_attribute(const conus_image *image, const char *name)
-{
-    return find_attribute(image, name);
-}
-
 /* The attribute called `name`, put in as an empty one if it is new. */
 static struct image_attribute *attribute_at(conus_image *image, const char *name)
 {
-    struct image_attribute *attribute = find_attribute(image, name);
+    struct image_attribute *attribute = image_find_attribute(image, name);
     if (attribute) {
         return attribute;
     }
@@ -181,16 +175,6 @@ struct image_rgba image_rgba(const conus_image *image)
     return rgba;
 }
 
-double srgb_from_linear(double linear)
-{
-    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
-}
-
-double linear_from_srgb(double srgb)
-{
-    return srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4);
-}
-
 uint32_t conus_image_width(const conus_image *image)
 {
     return image ? image->width : 0;
@@ -216,75 +200,4 @@ const uint32_t *conus_image_uints(const conus_image *image, const char *channel)
 {
     const struct image_channel *found = image_find(image, channel);
     return found && found->type == IMAGE_UINT ? found->uints : NULL;
-}
-
-static conus_status parse(conus_image **out, const struct bytes *bytes)
-{
-    static const uint8_t exr[] = {0x76, 0x2f, 0x31, 0x01};
-    static const uint8_t png[] = {0x89, 'P', 'N', 'G'};
-    if (bytes->size >= sizeof exr && memcmp(bytes->data, exr, sizeof exr) == 0) {
-        return image_parse_exr(out, bytes->data, bytes->size);
-    }
-    if (bytes->size >= sizeof png && memcmp(bytes->data, png, sizeof png) == 0) {
-        return image_parse_png(out, bytes->data, bytes->size);
-    }
-    return fail(CONUS_ERROR_DATA, "%zu bytes that are neither OpenEXR nor PNG", bytes->size);
-}
-
-conus_status conus_image_load(conus_image **out, const char *path)
-{
-    if (!out || !path) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_image_load: %s is NULL", out ? "path" : "out");
-    }
-    struct bytes bytes;
-    conus_status status = file_read(&bytes, path, IMAGE_MAX_BYTES);
-    if (status) {
-        return status;
-    }
-    status = parse(out, &bytes);
-    bytes_finish(&bytes);
-    return status ? fail_in(status, path) : CONUS_OK;
-}
-
-conus_status conus_image_write(const conus_image *image, const char *path)
-{
-    if (!image || !path) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_image_write: %s is NULL", image ? "path" : "image");
-    }
-    const char *dot = strrchr(path, '.');
-    bool exr = dot && strcasecmp(dot, ".exr") == 0;
-    if (!exr && !(dot && strcasecmp(dot, ".png") == 0)) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: the ending says the format of a picture: .exr or .png", path);
-    }
-    struct bytes bytes;
-    conus_status status = exr ? image_format_exr(&bytes, image) : image_format_png(&bytes, image);
-    if (status) {
-        return fail_in(status, path);
-    }
-    status = file_write(path, bytes.data, bytes.size);
-    bytes_finish(&bytes);
-    return status;
-}
-
-conus_status conus_image_from_bytes(conus_image **out, const uint8_t *rgba, uint32_t width, uint32_t height)
-{
-    conus_image *image = NULL;
-    conus_status status = image_create_rgba(&image, width, height);
-    if (status) {
-        return status;
-    }
-    float linear[256];
-    const struct image_rgba to = image_rgba(image);
-    for (int i = 0; i < 256; i++) {
-        linear[i] = (float)linear_from_srgb(i / 255.0);
-    }
-    for (size_t p = 0; p < (size_t)width * height; p++) {
-        float opacity = (float)rgba[4 * p + 3] / 255;
-        for (size_t c = 0; c < 3; c++) {
-            to.plane[c][p] = linear[rgba[4 * p + c]] * opacity;
-        }
-        to.plane[3][p] = opacity;
-    }
-    *out = image;
-    return CONUS_OK;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * A picture: named channels of float or uint32, top row first, and text or matrix attributes for its header.
- * Where it has the channels R, G, B and A, they are linear light with the primaries of sRGB, and R, G, B are
+ * Where it has the channels R, G, B and A, they are linear radiance with the primaries of sRGB, and R, G, B are
  * premultiplied by A (as OpenEXR has it), so that src + (1 - A) dst lays one over the other. */
 #ifndef CONUS_RENDER_IMAGE_IMAGE_H
 #define CONUS_RENDER_IMAGE_IMAGE_H
@@ -59,32 +59,12 @@ conus_status image_add_matrix(conus_image *image, const char *name, const double
 /** The channel called @p name, or NULL. */
 struct image_channel *image_find(const conus_image *image, const char *name);
 /** The attribute called @p name, or NULL. */
-const struct image_attribute *image_find_attribute(const conus_image *image, const char *name);
+struct image_attribute *image_find_attribute(const conus_image *image, const char *name);
 
 /** Pixels of R, G, B, A in this order, each NULL where the image has no such float channel. */
 struct image_rgba {
     float *plane[4];
 };
 struct image_rgba image_rgba(const conus_image *image);
-
-/** The transfer curve of sRGB (IEC 61966-2-1), for values 0 to 1. */
-double srgb_from_linear(double linear);
-double linear_from_srgb(double srgb);
-
-/** R, G, B, A as sRGB bytes, A (1 where there is none) not premultiplied; values are clipped to 0..1.
- * [width * height * 4], the caller's to memory_free(). CONUS_ERROR_ARGUMENT without R, G, B. */
-conus_status image_srgb_bytes(uint8_t **out, const conus_image *image);
-
-/* By format (image_exr.c, image_png.c). Formatting gives bytes that are the caller's to finish. */
-
-/** All channels and attributes, as one scan-line part, ZIP. Matrices are written as m44d, row-major like OpenEXR's. */
-conus_status image_format_exr(struct bytes *out, const conus_image *image);
-/** One scan-line part of FLOAT, UINT and HALF (made float) channels, string and m44 attributes. DWA, and B44 of other
- * than HALF, are CONUS_ERROR_UNSUPPORTED: OpenEXR's C library 3.1.5 lacks the one and decodes the other wrongly. */
-conus_status image_parse_exr(conus_image **out, const uint8_t *data, size_t size);
-/** 8-bit sRGB with opacity: png_rgba, or else image_srgb_bytes(). */
-conus_status image_format_png(struct bytes *out, const conus_image *image);
-/** 1 to 16 bits of any colour type, taken as sRGB whatever gamma or profile it states. */
-conus_status image_parse_png(conus_image **out, const uint8_t *data, size_t size);
 
 #endif

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Compares two images channel by channel. */
 #include "render/image/image.h"
 
 #include "base/memory.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* OpenEXR through its C library, between an image and bytes in memory. */
 #include "render/image/exr_stream.h"
+#include "render/image/image_codecs.h"
 
 #include <string.h>
 

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* PNG through libpng, between an image and bytes in memory. libpng reports by longjmp: what a jump may cross lives in
  * struct job, and functions that set the jump have no locals that change. */
-#include "render/image/image.h"
+#include "render/image/image_codecs.h"
 
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "render/image/image_srgb.h"
 
 #include <math.h>
 #include <png.h>
@@ -65,52 +66,6 @@ static conus_status fail_png(const struct job *job)
 
 /* ---- Writing ---- */
 
-/* An sRGB byte is the number of these that a value reaches: the middles between the bytes, in linear light. */
-static void make_steps(float steps[255])
-{
-    for (int i = 0; i < 255; i++) {
-        steps[i] = (float)linear_from_srgb((i + 0.5) / 255);
-    }
-}
-
-static uint8_t byte_from_linear(const float steps[255], float linear)
-{
-    unsigned low = 0;
-    for (unsigned half = 128; half; half /= 2) {
-        low += low + half <= 255 && linear >= steps[low + half - 1] ? half : 0;
-    }
-    return (uint8_t)low;
-}
-
-static uint8_t byte_from_opacity(float opacity)
-{
-    return (uint8_t)(opacity > 0 ? lrintf(255 * fminf(opacity, 1)) : 0);
-}
-
-conus_status image_srgb_bytes(uint8_t **out, const conus_image *image)
-{
-    const struct image_rgba rgba = image_rgba(image);
-    if (!rgba.plane[0] || !rgba.plane[1] || !rgba.plane[2]) {
-        return fail(CONUS_ERROR_ARGUMENT, "a PNG shows the channels R, G and B, this image has not all of them");
-    }
-    size_t count = (size_t)image->width * image->height;
-    uint8_t *bytes = memory_raw(count, 4);
-    if (!bytes) {
-        return CONUS_ERROR_MEMORY;
-    }
-    float steps[255];
-    make_steps(steps);
-    for (size_t i = 0; i < count; i++) {
-        float opacity = rgba.plane[3] ? rgba.plane[3][i] : 1;
-        for (size_t c = 0; c < 3; c++) {
-            bytes[4 * i + c] = opacity > 0 ? byte_from_linear(steps, rgba.plane[c][i] / opacity) : 0;
-        }
-        bytes[4 * i + 3] = byte_from_opacity(opacity);
-    }
-    *out = bytes;
-    return CONUS_OK;
-}
-
 static void write_bytes(png_structp png, png_bytep bytes, size_t size)
 {
     struct job *job = png_get_io_ptr(png);
@@ -143,7 +98,7 @@ static bool write_png(struct job *job, const uint8_t *rgba, uint32_t width, uint
     return true;
 }
 
-static conus_status format(struct bytes *out, const uint8_t *rgba, uint32_t width, uint32_t height)
+static conus_status format_rows(struct bytes *out, const uint8_t *rgba, uint32_t width, uint32_t height)
 {
     struct job job = {0};
     job.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &job, jump, ignore, &job, allocate, release);
@@ -162,11 +117,11 @@ static conus_status format(struct bytes *out, const uint8_t *rgba, uint32_t widt
 conus_status image_format_png(struct bytes *out, const conus_image *image)
 {
     if (image->png_rgba) {
-        return format(out, image->png_rgba, image->png_width, image->png_height);
+        return format_rows(out, image->png_rgba, image->png_width, image->png_height);
     }
     uint8_t *rgba = NULL;
     conus_status status = image_srgb_bytes(&rgba, image);
-    status = status ? status : format(out, rgba, image->width, image->height);
+    status = status ? status : format_rows(out, rgba, image->width, image->height);
     memory_free(rgba);
     return status;
 }
@@ -199,7 +154,7 @@ static bool read_head(struct job *job)
         return false;
     }
     png_set_user_limits(job->png, IMAGE_MAX_SIDE, IMAGE_MAX_SIDE);
-    png_set_keep_unknown_chunks(job->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1); /* else libpng makes room as they claim */
+    png_set_keep_unknown_chunks(job->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1); /* else libpng allocates what they claim */
     png_set_read_fn(job->png, job, read_bytes);
     png_read_info(job->png, job->info);
     uint64_t unpacked = (uint64_t)png_get_rowbytes(job->png, job->info) * png_get_image_height(job->png, job->info);
@@ -221,7 +176,7 @@ static bool read_picture(struct job *job)
     return true;
 }
 
-static conus_status make_room(struct job *job)
+static conus_status allocate_rows(struct job *job)
 {
     uint32_t width = png_get_image_width(job->png, job->info);
     uint32_t height = png_get_image_height(job->png, job->info);
@@ -273,7 +228,7 @@ static conus_status read_png(struct job *job)
     if (!job->info || !read_head(job)) {
         return fail_png(job);
     }
-    conus_status status = make_room(job);
+    conus_status status = allocate_rows(job);
     if (status) {
         return status;
     }

@@ -40,7 +40,7 @@ layout(std430, binding = 0) readonly buffer Palette
 #if SLICES
 layout(location = 0) flat in float slice; // number of the plane that is drawn
 #endif
-layout(location = 0) out vec4 colour; // linear light times opacity, opacity
+layout(location = 0) out vec4 colour; // linear radiance times opacity, opacity
 
 const float OPAQUE = 0.995;
 const float GHOST = 0.3; // how much the cone, its axis and the markers show through areas before them
@@ -237,7 +237,7 @@ bool shows_area(vec3 place)
     return textureLod(areas_field, place, 0.0).a >= SURFACE;
 }
 
-// Where an area begins that was met between the planes before and at depth t: refined, so that planes leave no rings.
+// Where an area begins that the ray hits between the planes before and at depth t: refined, so that planes leave no rings.
 float area_depth(Track track, float t)
 {
     float outside = t - planes.y;
@@ -417,7 +417,7 @@ void meet_area(inout vec4 sum, Track context, vec3 direction, float depth, float
     }
 }
 
-// The mesh at that depth, or an area that begins just before it, so that no plane lies between. Returns what was met.
+// The mesh at that depth, or an area that begins just before it, so that no plane lies between. Returns the hit.
 float meet_mesh(inout vec4 sum, Track context, Track areas, vec3 direction, vec3 view, float mesh)
 {
     float plane = plane_after(mesh);

@@ -1,7 +1,7 @@
 // The ID pass: per ray, the first voxel along it that belongs to an object (Eq. 5), or the first of the planes of Eq. 7
 // on which it samples one. In double precision and `precise`, so that it takes the very cells that the CPU takes. Rays
 // come prepared from the CPU, of as many pixels and cones as there are. Dispatched once per volume; a later volume
-// (MERGE) only overwrites what is farther. PIERCE appends every piece of the ray inside an object to a list instead
+// (MERGE) only overwrites what is farther. PIERCE appends every interval of the ray inside an object to a list instead
 // (Eq. 10).
 //
 // Defines: SLICES, MERGE, PIERCE (0 or 1), GROUP, and the bindings *_UNIT (textures) and *_BUFFER.
@@ -11,7 +11,7 @@ layout(local_size_x = GROUP) in;
 layout(binding = OBJECTS_UNIT) uniform usampler3D objects;
 layout(binding = IDENTIFIER_UNIT) uniform usamplerBuffer identifiers;
 layout(binding = RAY_UNIT) uniform usamplerBuffer rays; // struct id_ray, two doubles per texel
-uniform ivec2 range;                                    // of rays: the first, and the first that is not to be looked along
+uniform ivec2 range;                                    // of rays: the first, and the first not to trace
 
 #if !SLICES
 layout(binding = LEAP_UNIT) uniform usampler3D leaps; // codes: 0 = an object; else 1 + voxels to leap each way
@@ -19,16 +19,16 @@ uniform ivec3 first_cell, last_cell;                  // the box of the voxels w
 #endif
 
 #if PIERCE
-struct Piece { // struct id_piece
+struct Interval { // struct id_interval
     uint ray, id;
     double entry, exit;
     uint cell[3];
 };
 
-layout(std430, binding = OUT_BUFFER) restrict buffer Pieces // see shader_list.h
+layout(std430, binding = OUT_BUFFER) restrict buffer Intervals // see shader_list.h
 {
-    uint piece_count, unused;
-    Piece pieces[];
+    uint interval_count, unused;
+    Interval intervals[];
 };
 #else
 struct Found { // struct id_hit
@@ -259,36 +259,36 @@ bool find_object(Ray ray, double limit, inout Place at)
 }
 
 #if PIERCE
-// Ends the piece at t and begins one of `id` there.
-void change(inout Piece piece, uint id, double t, dvec3 cell)
+// Ends the interval at t and begins one of `id` there.
+void change(inout Interval interval, uint id, double t, dvec3 cell)
 {
-    if (piece.id != 0u) {
-        piece.exit = t;
-        uint place = atomicAdd(piece_count, 1u);
-        if (place < uint(pieces.length())) {
-            pieces[place] = piece;
+    if (interval.id != 0u) {
+        interval.exit = t;
+        uint place = atomicAdd(interval_count, 1u);
+        if (place < uint(intervals.length())) {
+            intervals[place] = interval;
         }
     }
-    piece.id = id;
-    piece.entry = t;
-    piece.cell = uint[](uint(cell.x), uint(cell.y), uint(cell.z));
+    interval.id = id;
+    interval.entry = t;
+    interval.cell = uint[](uint(cell.x), uint(cell.y), uint(cell.z));
 }
 
 // Eq. 10: runs of cells with the same object.
 void pierce(Ray ray, uint number)
 {
-    Piece piece = Piece(number, 0u, 0.0, 0.0, uint[](0u, 0u, 0u));
+    Interval interval = Interval(number, 0u, 0.0, 0.0, uint[](0u, 0u, 0u));
     Place at;
     bool is_inside = enter(ray, at);
     while (is_inside && find_object(ray, NEVER, at)) {
         do {
             uint id = identify(at.cell);
-            if (id != piece.id) {
-                change(piece, id, at.t, at.cell);
+            if (id != interval.id) {
+                change(interval, id, at.t, at.cell);
             }
             is_inside = leave(ray, 0.0, at);
         } while (is_inside && code_at(at) == 0u);
-        change(piece, 0u, at.t, dvec3(0.0));
+        change(interval, 0u, at.t, dvec3(0.0));
     }
 }
 #else

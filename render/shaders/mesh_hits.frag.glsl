@@ -1,4 +1,4 @@
-// All layers of the meshes (Eq. 10): every triangle that covers a pixel's centre, in any order. Where the ray meets it is
+// All layers of the meshes (Eq. 10): every triangle that covers a pixel's centre, in any order. Where the ray hits it is
 // computed on the CPU in double precision.
 flat in uint triangle;
 

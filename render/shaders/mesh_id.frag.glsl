@@ -4,8 +4,8 @@ flat in uint triangle;
 
 struct Pixel {
     uint nearest; // bits of the smallest distance so far, as a float: for these, greater bits are a greater number
-    uint count;   // triangles noted, or more where there was no room
-    uint triangles[ROOM];
+    uint count;   // triangles noted, or more than fit
+    uint triangles[CAPACITY];
 };
 
 layout(std430, binding = PIXEL_BUFFER) restrict buffer Pixels
@@ -59,7 +59,7 @@ void main()
     uint before = atomicMin(pixels[pixel].nearest, distance < 0.0 ? 0xffffffffu : floatBitsToUint(t));
     if (t <= uintBitsToFloat(before) * SLACK) {
         uint slot = atomicAdd(pixels[pixel].count, 1u);
-        if (slot < uint(ROOM)) {
+        if (slot < uint(CAPACITY)) {
             pixels[pixel].triangles[slot] = triangle;
         }
     }

@@ -27,8 +27,8 @@ struct gl_engine {
     struct engine *wide;         /* what finds meshes in wide cones; NULL before the first one */
     double (*origins)[3];        /* [pixel_room] of all pixels of all cones in view */
     double (*directions)[3];
-    uint32_t *walked;        /* [ray_count] those along which volumes are looked through, neighbours together */
-    struct mesh_look *looks; /* [cone_room] */
+    uint32_t *walked;         /* [ray_count] those along which volumes are looked through, neighbours together */
+    struct mesh_query *looks; /* [cone_room] */
     size_t pixel_room, cone_room;
     uint32_t ray_count;
     struct mesh_intervals spans;
@@ -185,7 +185,7 @@ static conus_status walk_volumes(struct gl_engine *gl, const struct view *view, 
     conus_status status = id_pass_begin(gl->pass, gl->ray_count);
     for (size_t i = 0; i < gl->volume_count && !status; i++) {
         prepare_rays(gl, &gl->atlas->volumes[gl->volumes[i]], view);
-        status = id_pass_look(gl->pass, i);
+        status = id_pass_trace(gl->pass, i);
     }
     return status ? status : id_pass_read(gl->pass, hits);
 }
@@ -250,7 +250,7 @@ static conus_status prepare_looks(struct gl_engine *gl, const struct view *view,
             status = prepare_wide(gl);
             status = status ? status : engine_rays_trace_on(gl->wide, out, view->cones[c]);
         } else {
-            gl->looks[(*count)++] = (struct mesh_look){mesh_view_of(view->cones[c]), pixels};
+            gl->looks[(*count)++] = (struct mesh_query){mesh_view_of(view->cones[c]), pixels};
             set_distances(out, view->cones[c], 0);
         }
     }
@@ -263,7 +263,7 @@ static conus_status look_at_meshes(struct gl_engine *gl, const struct view *view
 {
     size_t count;
     conus_status status = prepare_looks(gl, view, &count);
-    status = !status && count ? mesh_pass_look(gl->mesh_pass, gl->looks, count) : status;
+    status = !status && count ? mesh_pass_render(gl->mesh_pass, gl->looks, count) : status;
     for (size_t c = 0; c < view->count; c++) {
         set_distances(view->out[c], view->cones[c], INFINITY);
     }
@@ -302,12 +302,12 @@ struct piercing {
     struct layers *out;
 };
 
-static conus_status take_pieces(void *user, const struct id_piece *pieces, uint32_t count)
+static conus_status take_pieces(void *user, const struct id_interval *pieces, uint32_t count)
 {
     const struct piercing *piercing = user;
     conus_status status = CONUS_OK;
     for (uint32_t i = 0; i < count && !status; i++) {
-        const struct id_piece *piece = &pieces[i];
+        const struct id_interval *piece = &pieces[i];
         const conus_span span = {piercing->gl->walked[piece->ray], piece->identifier, piece->entry + 0.0,
                                  piece->exit + 0.0, /* -0 becomes 0 */
                                  linear_index(piercing->gl->atlas, piece->identifier, piece->cell)};

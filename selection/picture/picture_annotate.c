@@ -127,7 +127,7 @@ static conus_status draw_legend(conus_image *image, struct font *font, const str
         count += add_pathways(rows + count, words, picture);
         const struct legend legend = {.title = "What the cone meets first",
                                       .subtitle = subtitle,
-                                      .heading = {"share", "distance"},
+                                      .header = {"share", "distance"},
                                       .rows = rows,
                                       .count = count,
                                       .corner = free_corner(image, picture, count)};

@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "render/flat/draw.h"
 #include "render/flat/legend.h"
+#include "render/image/image_srgb.h"
 #include "selection/picture/cryptomatte.h"
 #include "selection/selection.h"
 
@@ -268,7 +269,7 @@ static conus_status draw_legend(conus_image *panel, const conus_selection *selec
         snprintf(title, sizeof title, "What the device saw, %.4g%s",
                  rod ? selection->cone.radius : degrees_from_radians(selection->cone.angle), rod ? " mm" : "\xc2\xb0");
         const struct legend legend = {.title = title,
-                                      .heading = {"pixels", "share", "distance"},
+                                      .header = {"pixels", "share", "distance"},
                                       .rows = rows,
                                       .count = count,
                                       .size = LETTERS,

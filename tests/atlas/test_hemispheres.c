@@ -176,16 +176,6 @@ static const char *reported(const conus_atlas *atlas, const char *spec)
     return text;
 }
 
-static bool has_note(const conus_atlas *atlas, const char *part)
-{
-    for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
-        if (strstr(conus_atlas_note(atlas, i), part)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static void pairs_are_reported_as_one(void **state)
 {
     (void)state;
@@ -213,8 +203,8 @@ static void pairs_are_reported_as_one(void **state)
     assert_int_equal(conus_atlas_object(atlas, 6)->label, 1);
     assert_int_equal(volume_object(&atlas->volumes[1], 7), 6);
     assert_string_equal(reported(atlas, NULL), "A|A|A|A|A|A|A|A|B_L|B_L|B_L|B_L|Middle|Middle|-|-");
-    assert_true(
-        has_note(atlas, "hemispheres: 1 pairs are reported as one area each; without a counterpart: 2 (B_L, Middle)"));
+    assert_true(test_has_note(
+        atlas, "hemispheres: 1 pairs are reported as one area each; without a counterpart: 2 (B_L, Middle)"));
     assert_fails(conus_atlas_set_hemispheres(atlas, CONUS_HEMISPHERES_MERGED), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_atlas_set_hemispheres(atlas, CONUS_HEMISPHERES_SPLIT), CONUS_ERROR_ARGUMENT);
     assert_fails(level_create(&level, atlas, "1"), CONUS_ERROR_ARGUMENT); /* still no tree */
@@ -317,9 +307,9 @@ static void areas_of_both_sides_are_cut(void **state)
                         "Four left|Four left|Four left|Four left|Four right|Six right|Six right|Six right|"
                         "Six left|Six left|Six left|Five_L|Seven|-|-|Left-vessel");
     assert_int_equal(volume_object(&atlas->volumes[1], 3), 11);
-    assert_true(has_note(atlas,
-                         "hemispheres: 3 areas are cut in two at x = 0, which is taken as the midline: 8 voxels lie "
-                         "left of it, 6 on it or right"));
+    assert_true(test_has_note(
+        atlas, "hemispheres: 3 areas are cut in two at x = 0, which is taken as the midline: 8 voxels lie "
+               "left of it, 6 on it or right"));
     assert_fails(conus_atlas_set_hemispheres(atlas, CONUS_HEMISPHERES_SPLIT), CONUS_ERROR_ARGUMENT);
     conus_atlas_destroy(atlas);
 }

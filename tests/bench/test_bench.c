@@ -19,7 +19,7 @@ static struct bench make_bench(void)
                           .left_out = json_object()};
 }
 
-static void finish(struct bench *bench)
+static void finish_bench(struct bench *bench)
 {
     json_decref(bench->runs);
     json_decref(bench->ratios);
@@ -35,7 +35,7 @@ static void prepare(void *data)
     ((struct counts *)data)->prepared++;
 }
 
-static void run(void *data)
+static void run_variant(void *data)
 {
     ((struct counts *)data)->run++;
 }
@@ -51,8 +51,8 @@ static void every_round_runs_all_cold_and_warm(void **state)
     struct bench bench = make_bench();
     struct counts counts[2] = {{0}};
     struct bench_variant variants[] = {
-        {.name = "one", .run = run, .data = &counts[0], .prepare = prepare, .equal = true, .per = 7},
-        {.name = "two", .run = run, .data = &counts[1], .more = json_pack("{s:i}", "wrong", 4)}};
+        {.name = "one", .run = run_variant, .data = &counts[0], .prepare = prepare, .equal = true, .per = 7},
+        {.name = "two", .run = run_variant, .data = &counts[1], .more = json_pack("{s:i}", "wrong", 4)}};
     assert_ok(bench_measure(&bench, "test", variants, 2, 5, 20));
     for (int v = 0; v < 2; v++) {
         assert_int_equal(counts[v].run, 3 * (1 + 3));
@@ -67,7 +67,7 @@ static void every_round_runs_all_cold_and_warm(void **state)
     assert_int_equal(json_integer_value(run_at(&bench, 1, "count")), 5);
     assert_int_equal(json_integer_value(run_at(&bench, 1, "wrong")), 4);
     assert_true(json_is_true(run_at(&bench, 0, "equal")) && json_is_false(run_at(&bench, 1, "equal")));
-    finish(&bench);
+    finish_bench(&bench);
 }
 
 static void take_long(void *data)
@@ -88,7 +88,7 @@ static void long_runs_count_at_once_and_time_ends_rounds(void **state)
     assert_true(isnan(variant.cold_ms));
     assert_true(json_is_null(run_at(&bench, 0, "cold_ms")));
     assert_int_equal(json_integer_value(run_at(&bench, 0, "repeats")), 1);
-    finish(&bench);
+    finish_bench(&bench);
 }
 
 static void a_ratio_of_different_answers_is_null_and_says_why(void **state)
@@ -111,7 +111,7 @@ static void a_ratio_of_different_answers_is_null_and_says_why(void **state)
     assert_string_equal(json_string_value(json_object_get(bench.ratios, "bad_null_because")), "the answers differ");
     assert_true(json_is_null(json_object_get(bench.ratios, "none")));
     assert_null(json_object_get(bench.ratios, "good_null_because"));
-    finish(&bench);
+    finish_bench(&bench);
 }
 
 /* ---- Checking -------------------------------------------------------------------------------------------------- */
@@ -133,9 +133,9 @@ static void a_check_finds_what_differs_and_what_is_null(void **state)
     struct bench bench = make_bench();
     struct counts counts = {0};
     struct bench_variant variants[] = {
-        {.name = "one", .run = run, .data = &counts, .equal = true},
-        {.name = "slices", .run = run, .data = &counts, .other_by_design = true},
-        {.name = "wrong", .run = run, .data = &counts},
+        {.name = "one", .run = run_variant, .data = &counts, .equal = true},
+        {.name = "slices", .run = run_variant, .data = &counts, .other_by_design = true},
+        {.name = "wrong", .run = run_variant, .data = &counts},
     };
     assert_int_equal(faults(&bench), 1); /* nothing was run */
     assert_ok(bench_measure(&bench, "test", variants, 2, 1, 0));
@@ -147,7 +147,7 @@ static void a_check_finds_what_differs_and_what_is_null(void **state)
     assert_int_equal(faults(&bench), 2);
     json_object_del(json_array_get(bench.runs, 0), "min_ms");
     assert_int_equal(faults(&bench), 3);
-    finish(&bench);
+    finish_bench(&bench);
 }
 
 static void what_is_held_is_compared(void **state)
@@ -167,7 +167,7 @@ static void what_is_held_is_compared(void **state)
     report_print_holds(root);
     json_decref(root);
     json_decref(settings);
-    finish(&bench);
+    finish_bench(&bench);
 }
 
 /* ---- All ------------------------------------------------------------------------------------------------------- */
@@ -175,7 +175,7 @@ static void what_is_held_is_compared(void **state)
 static conus_status measure_one(struct bench *bench)
 {
     struct counts counts = {0};
-    struct bench_variant variant = {.name = "one", .run = run, .data = &counts, .equal = true};
+    struct bench_variant variant = {.name = "one", .run = run_variant, .data = &counts, .equal = true};
     bench->one_thread = true;
     snprintf(bench->driver, sizeof bench->driver, "rays, test; gl, test");
     conus_status status = bench_measure(bench, "good", &variant, 1, bench->options.poses, 0);
@@ -228,7 +228,7 @@ static void what_one_scenario_does_is_its_own(void **state)
     assert_int_equal(json_integer_value(json_object_get(own, "poses")), 11);
     assert_string_equal(json_string_value(json_object_get(own, "clock")), "CPU time of one thread");
     json_decref(settings);
-    finish(&bench);
+    finish_bench(&bench);
 }
 
 int main(void)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* PNG: whatever is read can be written again. */
-#include "render/image/image.h"
+#include "render/image/image_codecs.h"
 
 #include <stdlib.h>
 

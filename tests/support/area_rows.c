@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Small atlases with an area tree. */
 #include "area_rows.h"
 
 #include "atlas/space.h"

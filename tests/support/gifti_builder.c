@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Writes GIFTI documents field by field. */
 #include "gifti_builder.h"
 
 #include "base/memory.h"
@@ -30,7 +31,7 @@ static void append_base64(struct buffer *out, const struct buffer *bytes)
     }
 }
 
-static void pack(struct buffer *bytes)
+static void pack_bytes(struct buffer *bytes)
 {
     char packed[4096];
     struct libdeflate_compressor *compressor = libdeflate_alloc_compressor(6);
@@ -72,7 +73,7 @@ static void append_data(struct buffer *out, const struct array_spec *spec)
         }
     }
     if (strncmp(encoding, "GZip", 4) == 0) {
-        pack(&bytes);
+        pack_bytes(&bytes);
     }
     append_base64(out, &bytes);
     buffer_finish(&bytes);

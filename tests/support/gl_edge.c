@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Projects triangles and measures the distance of a pixel to their edges. */
 #include "gl_edge.h"
 
 #include "base/math3.h"
@@ -8,7 +9,7 @@
 
 /* Corner `k` of a triangle in the buffer's pixels, times its depth, and the depth: homogeneous coordinates; of a
  * cylinder 1 for the depth. */
-static void project(double out[3], const struct cone *cone, const struct mesh *mesh, uint64_t triangle, int k)
+static void project_corner(double out[3], const struct cone *cone, const struct mesh *mesh, uint64_t triangle, int k)
 {
     const double *m = cone->pose.world_from_device;
     const float *p = &mesh->positions[3 * (size_t)mesh->triangles[3 * triangle + (uint64_t)k]];
@@ -25,7 +26,7 @@ static void project(double out[3], const struct cone *cone, const struct mesh *m
 }
 
 /* Cuts the edge off where it passes the eye's plane; false if nothing is left. */
-static bool clip(double a[3], double b[3])
+static bool clip_edge(double a[3], double b[3])
 {
     double least = 1e-9 * fmax(fabs(a[2]), fabs(b[2]));
     if (a[2] < least && b[2] < least) {
@@ -45,7 +46,7 @@ static bool clip(double a[3], double b[3])
 /* Pixels from (x, y) to the projection of the edge. */
 static double edge_distance(double a[3], double b[3], double x, double y)
 {
-    if (!clip(a, b)) {
+    if (!clip_edge(a, b)) {
         return INFINITY;
     }
     const double from[2] = {a[0] / a[2] - x, a[1] / a[2] - y};
@@ -65,8 +66,8 @@ bool gl_edge_is_near(const struct cone *cone, const struct mesh *mesh, uint64_t 
     double y = (double)row + 0.5;
     for (int k = 0; k < 3; k++) {
         double a[3], b[3];
-        project(a, cone, mesh, triangle, k);
-        project(b, cone, mesh, triangle, (k + 1) % 3);
+        project_corner(a, cone, mesh, triangle, k);
+        project_corner(b, cone, mesh, triangle, (k + 1) % 3);
         if (edge_distance(a, b, x, y) <= EDGE_PIXELS) {
             return true;
         }

@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Both engines for one atlas, and comparisons of what they see. */
 #include "gl_pair.h"
 
 #include "selection/engine/engine.h"
 #include "test.h"
 
+#include <string.h>
+
 static int messages;
 
-static void count_message(void *user, const char *line)
+void gl_pair_log(void *user, const char *line)
 {
-    *(int *)user += 1;
+    (void)user;
+    messages++;
     print_message("%s\n", line);
 }
 
@@ -17,9 +21,15 @@ int gl_pair_messages(void)
     return messages;
 }
 
-struct gl_pair gl_pair_create(const conus_atlas *atlas, conus_sampling sampling)
+void the_driver_was_silent(void **state)
 {
-    const struct engine_options options = {.sampling = sampling, .log = count_message, .log_user = &messages};
+    (void)state;
+    assert_int_equal(messages, 0);
+}
+
+struct gl_pair gl_pair_create_slices(const conus_atlas *atlas, conus_sampling sampling, uint32_t slices)
+{
+    const struct engine_options options = {.sampling = sampling, .slices = slices, .log = gl_pair_log};
     struct gl_pair pair = {.atlas = atlas};
     conus_status status = engine_gl_create(&pair.gl, atlas, &options);
     if (status == CONUS_ERROR_GL) {
@@ -27,14 +37,39 @@ struct gl_pair gl_pair_create(const conus_atlas *atlas, conus_sampling sampling)
         skip();
     }
     assert_ok(status);
+    assert_memory_equal(pair.gl->name, "gl, ", 4);
     assert_ok(engine_rays_create(&pair.rays, atlas, &options));
     return pair;
+}
+
+struct gl_pair gl_pair_create(const conus_atlas *atlas, conus_sampling sampling)
+{
+    return gl_pair_create_slices(atlas, sampling, 0);
 }
 
 void gl_pair_destroy(struct gl_pair *pair)
 {
     engine_destroy(pair->gl);
     engine_destroy(pair->rays);
+}
+
+void gl_counts_add(struct gl_counts *sum, const struct gl_counts *counts)
+{
+    sum->compared += counts->compared;
+    sum->hits += counts->hits;
+    sum->blocked += counts->blocked;
+    sum->at_edges += counts->at_edges;
+    sum->other_object += counts->other_object;
+    sum->other_length += counts->other_length;
+}
+
+struct evidence gl_pair_look(struct engine *engine, const struct cone *cone)
+{
+    struct evidence evidence;
+    assert_ok(evidence_init(&evidence, cone->resolution));
+    memset(evidence.object, 0xff, (size_t)cone->resolution * cone->resolution * sizeof *evidence.object);
+    assert_ok(engine->functions->trace(engine, &evidence, cone));
+    return evidence;
 }
 
 struct layers gl_pair_pierce(struct engine *engine, const struct cone *cone)
@@ -45,8 +80,76 @@ struct layers gl_pair_pierce(struct engine *engine, const struct cone *cone)
     return layers;
 }
 
+void gl_pair_same_evidence(const struct evidence *got, const struct evidence *wanted)
+{
+    size_t different = 0;
+    for (size_t i = 0; i < (size_t)wanted->resolution * wanted->resolution; i++) {
+        bool same = got->object[i] == wanted->object[i] && got->voxel[i] == wanted->voxel[i] &&
+                    got->distance[i] == wanted->distance[i];
+        if (!same && ++different <= 3) {
+            print_message("pixel %zu of %u x %u: object %u, voxel %llu, %.17g mm; wanted %u, %llu, %.17g\n", i,
+                          got->resolution, got->resolution, got->object[i], (unsigned long long)got->voxel[i],
+                          got->distance[i], wanted->object[i], (unsigned long long)wanted->voxel[i],
+                          wanted->distance[i]);
+        }
+    }
+    assert_int_equal(different, 0);
+}
+
+size_t gl_pair_same_look(const struct gl_pair *pair, const struct cone *cone)
+{
+    struct evidence got = gl_pair_look(pair->gl, cone);
+    struct evidence wanted = gl_pair_look(pair->rays, cone);
+    size_t hits = 0;
+    gl_pair_same_evidence(&got, &wanted);
+    for (size_t i = 0; i < (size_t)cone->resolution * cone->resolution; i++) {
+        hits += wanted.object[i] != 0;
+    }
+    evidence_finish(&got);
+    evidence_finish(&wanted);
+    return hits;
+}
+
 bool gl_pair_same_piece(const conus_span *a, const conus_span *b)
 {
     return a->pixel == b->pixel && a->object == b->object && a->entry == b->entry && a->exit == b->exit &&
            a->voxel == b->voxel;
+}
+
+/* ---- Failing allocations ---------------------------------------------------------------------------------------- */
+
+struct attempt {
+    const conus_atlas *atlas;
+    const struct cone *cone;
+    bool layers;
+};
+
+static conus_status create_answer_destroy(void *data)
+{
+    const struct attempt *attempt = data;
+    const struct engine_options options = {0};
+    struct engine *engine = NULL;
+    struct evidence evidence;
+    struct layers layers = {0};
+    conus_status status = evidence_init(&evidence, attempt->cone->resolution);
+    if (status) {
+        return status;
+    }
+    status = engine_gl_create(&engine, attempt->atlas, &options);
+    if (!status) {
+        status = attempt->layers ? engine->functions->pierce(engine, &layers, attempt->cone)
+                                 : engine->functions->trace(engine, &evidence, attempt->cone);
+    }
+    engine_destroy(engine);
+    layers_finish(&layers);
+    evidence_finish(&evidence);
+    return status;
+}
+
+void gl_pair_every_allocation(const conus_atlas *atlas, const struct cone *cone, bool layers)
+{
+    struct attempt attempt = {atlas, cone, layers};
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT); /* or skips */
+    gl_pair_destroy(&pair);
+    test_every_allocation(create_answer_destroy, &attempt);
 }

@@ -1,26 +1,58 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Both engines for one atlas. */
+/** @file The harness of the gl engine's tests: both engines for one atlas, their answers, and comparisons of these. */
 #ifndef CONUS_TESTS_SUPPORT_GL_PAIR_H
 #define CONUS_TESTS_SUPPORT_GL_PAIR_H
 
+#include "selection/engine/engine.h"
 #include "selection/engine/layers.h"
+
+/** What a test has compared so far; each test counts what it needs. */
+struct gl_counts {
+    size_t compared;     /**< Pixels, or pairs of a pixel and an object.                  */
+    size_t hits;         /**< Pixels that hit an object, or intervals.                    */
+    size_t blocked;      /**< Of these, by a context volume that blocks.                  */
+    size_t at_edges;     /**< Compared ones that differ beside a triangle's edge.         */
+    size_t other_object; /**< Of these, in which only one engine hits the object.         */
+    size_t other_length; /**< Of these, in which the object has another length.           */
+};
 
 struct gl_pair {
     const conus_atlas *atlas;
     struct engine *gl, *rays;
+    struct gl_counts counts;
 };
 
-/** Makes both engines; the running test is skipped, saying why, where there is no GL. */
+/** Creates both engines. Without GL the running test is skipped, saying why. @p slices counts for CONUS_SLICES only. */
+struct gl_pair gl_pair_create_slices(const conus_atlas *atlas, conus_sampling sampling, uint32_t slices);
 struct gl_pair gl_pair_create(const conus_atlas *atlas, conus_sampling sampling);
 void gl_pair_destroy(struct gl_pair *pair);
 
-/** What drivers have had to say so far, in lines. */
+void gl_counts_add(struct gl_counts *sum, const struct gl_counts *counts);
+
+/** The log of the engines here: prints and counts what drivers say. Its user data is not used. */
+void gl_pair_log(void *user, const char *line);
+
+/** Lines that drivers have said so far. */
 int gl_pair_messages(void);
+
+/** A test that runs last: no driver has said anything. */
+void the_driver_was_silent(void **state);
+
+/** What an engine sees first. End it with evidence_finish(). */
+struct evidence gl_pair_look(struct engine *engine, const struct cone *cone);
 
 /** All layers that an engine sees, sorted. End them with layers_finish(). */
 struct layers gl_pair_pierce(struct engine *engine, const struct cone *cone);
 
-/** Whether two pieces are equal in every number. */
+/** Fails where the engines differ in object, voxel or, by a single bit, in distance; prints up to three such pixels.
+ * Returns how many pixels hit. */
+size_t gl_pair_same_look(const struct gl_pair *pair, const struct cone *cone);
+void gl_pair_same_evidence(const struct evidence *got, const struct evidence *wanted);
+
+/** Whether two intervals are equal in every number. */
 bool gl_pair_same_piece(const conus_span *a, const conus_span *b);
+
+/** Creates a gl engine, answers the cone and destroys the engine, with every allocation failing in turn. */
+void gl_pair_every_allocation(const conus_atlas *atlas, const struct cone *cone, bool layers);
 
 #endif

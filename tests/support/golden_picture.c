@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Compares a picture with a kept one, block by block. */
 #include "golden_picture.h"
 
 #include "test.h"
@@ -27,9 +28,9 @@ double golden_brightness(const conus_image *got, const conus_image *wanted)
     double largest = 0;
     for (uint32_t block = 0; block < COLUMNS * ROWS; block++) {
         for (int channel = 0; channel < 3; channel++) {
-            double light = mean(wanted, channel, block % COLUMNS, block / COLUMNS);
-            double change = mean(got, channel, block % COLUMNS, block / COLUMNS) - light;
-            largest = fmax(largest, fabs(change) / fmax(light, 0.05));
+            double radiance = mean(wanted, channel, block % COLUMNS, block / COLUMNS);
+            double change = mean(got, channel, block % COLUMNS, block / COLUMNS) - radiance;
+            largest = fmax(largest, fabs(change) / fmax(radiance, 0.05));
         }
     }
     return largest;

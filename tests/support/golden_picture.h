@@ -5,8 +5,8 @@
 
 #include "render/image/image.h"
 
-/** The largest change of the mean light of a channel in a block of an eighth by a sixth of the picture, relative to the
- * light in @p wanted, or to 0.05 of white where it is darker. */
+/** The largest change of the mean radiance of a channel in a block of an eighth by a sixth of the picture, relative to
+ * the radiance in @p wanted, or to 0.05 of white where it is darker. */
 double golden_brightness(const conus_image *got, const conus_image *wanted);
 
 /** Fails unless @p got looks as tests/golden/@p name: drivers differ in the last bits of filtering, which moves an edge

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Paths of a hand, ways of selecting, and what they find (Eq. 12). */
 #include "tests/support/hand.h"
 
 #include "base/math3.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Builds streams of conus-mesh. */
 #include "mesh_builder.h"
 
 #include <string.h>

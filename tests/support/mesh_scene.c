@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Builds meshes, and finds hits by trying every triangle. */
 #include "mesh_scene.h"
 
 #include "atlas/phantom/phantom_brain.h"
@@ -183,8 +184,8 @@ static void corner(double out[3], const struct mesh *mesh, size_t triangle, size
 }
 
 /* Eq. 9 for one triangle by Moeller and Trumbore: both faces, edges included; INFINITY if the ray misses. */
-static double meet(int *side, const struct mesh *mesh, size_t triangle, const double origin[3],
-                   const double direction[3])
+static double hit_triangle(int *side, const struct mesh *mesh, size_t triangle, const double origin[3],
+                           const double direction[3])
 {
     double p[3][3], across[3], from[3], turned[3];
     for (size_t k = 0; k < 3; k++) {
@@ -209,7 +210,7 @@ struct mesh_hit mesh_scene_first(const conus_atlas *atlas, const double origin[3
     for (uint32_t object = 1; object <= atlas->object_count; object++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, object);
         for (size_t i = 0; mesh && i < mesh->triangle_count; i++) {
-            double t = meet(&side, mesh, i, origin, direction);
+            double t = hit_triangle(&side, mesh, i, origin, direction);
             if (t < first.t) {
                 first = (struct mesh_hit){object, i, t};
             }
@@ -230,7 +231,7 @@ size_t mesh_scene_all(struct crossing *out, size_t limit, const struct mesh *mes
     size_t count = 0;
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         int side;
-        double t = meet(&side, mesh, i, origin, direction);
+        double t = hit_triangle(&side, mesh, i, origin, direction);
         if (t < INFINITY) {
             assert_true(count < limit);
             out[count++] = (struct crossing){.triangle = i, .side = side, .t = t};

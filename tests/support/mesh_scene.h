@@ -41,7 +41,7 @@ void mesh_scene_add_soups(conus_atlas *atlas, uint64_t *state);
 /** Appends @p mesh (taken over) as an area. */
 void mesh_scene_add(conus_atlas *atlas, struct mesh *mesh);
 
-/** The paper's mixed scene: eleven areas of 234,444 triangles and a pathway, met first whichever is nearer. */
+/** The paper's mixed scene: eleven areas of 234,444 triangles and a pathway; a ray hits the nearer one first. */
 conus_atlas *mesh_scene_brain(void);
 
 /** A cone from inside, near or 1e5 mm away, at a point of a scene of @p size mm round 0. */

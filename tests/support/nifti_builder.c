@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Builds NIfTI files in memory. */
 #include "nifti_builder.h"
 
 #include "loaders/volumes/volume_header.h"

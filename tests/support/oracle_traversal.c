@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Amanatides and Woo, one voxel at a time. */
 #include "oracle_traversal.h"
 
 #include "base/math3.h"
@@ -33,7 +34,7 @@ static double entry(const struct walk *walk, int a, long cell)
 }
 
 /* Puts the walk on its start or, from outside, on the crossing that brings the last of the axes into the grid. */
-static bool start(struct walk *walk)
+static bool start_walk(struct walk *walk)
 {
     int last = -1;
     for (int a = 0; a < 3; a++) {
@@ -68,7 +69,7 @@ static bool start(struct walk *walk)
 }
 
 /* Crosses the next face of axis a; false when that leaves the grid. */
-static inline bool step(struct walk *walk, int a)
+static inline bool step_along(struct walk *walk, int a)
 {
     walk->t = walk->t_next[a];
     walk->cell[a] += walk->step[a];
@@ -90,11 +91,11 @@ static struct oracle_hit follow(const struct volume *volume, const struct walk *
             return (struct oracle_hit){.object = object, .distance = walk.t, .voxel = voxel};
         }
         if (walk.t_next[0] <= walk.t_next[1] && walk.t_next[0] <= walk.t_next[2]) {
-            inside = step(&walk, 0);
+            inside = step_along(&walk, 0);
         } else if (walk.t_next[1] <= walk.t_next[2]) {
-            inside = step(&walk, 1);
+            inside = step_along(&walk, 1);
         } else {
-            inside = step(&walk, 2);
+            inside = step_along(&walk, 2);
         }
     }
     return nothing;
@@ -109,13 +110,13 @@ struct oracle_hit oracle_ray(const struct volume *volume, const double origin[3]
         walk.inverse[a] = 1 / direction[a];
         walk.step[a] = isinf(walk.inverse[a]) ? 0 : direction[a] > 0 ? 1 : -1;
     }
-    if (!start(&walk)) {
+    if (!start_walk(&walk)) {
         return nothing;
     }
     return follow(volume, &walk);
 }
 
-/* What one ray meets in one volume, kept if nothing nearer was met before. */
+/* The first hit of one ray in one volume, kept if it is nearer than the hit so far. */
 static void look_along(struct evidence *out, size_t pixel, const struct volume *volume, const double origin[3],
                        const double direction[3])
 {

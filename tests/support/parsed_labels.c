@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses a literal and prints the table. */
 #include "parsed_labels.h"
 
 #include "base/buffer.h"

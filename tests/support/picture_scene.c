@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Atlases of a ball, a slab and other simple shapes. */
 #include "picture_scene.h"
 
 #include "atlas/space.h"

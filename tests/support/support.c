@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The helpers of test.h: tolerance, failing allocations, paths and random numbers. */
 #include "test.h"
+
+#include "base/memory.h"
+#include "loaders/child/mesh_child.h"
 
 #include <errno.h>
 #include <ftw.h>
@@ -200,6 +204,26 @@ void test_own_cache(void)
         snprintf(cache, sizeof cache, "%s/%s", here, own);
         setenv("XDG_CACHE_HOME", cache, 1);
     }
+}
+
+void test_need_conus_mesh(void)
+{
+    char *path = NULL;
+    if (mesh_child_find(&path)) {
+        print_message("skipped: %s\n", conus_message());
+        skip();
+    }
+    memory_free(path);
+}
+
+bool test_has_note(const conus_atlas *atlas, const char *part)
+{
+    for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
+        if (strstr(conus_atlas_note(atlas, i), part)) {
+            return true;
+        }
+    }
+    return false;
 }
 
 double test_random(uint64_t *state, double low, double high)

@@ -61,6 +61,12 @@ const char *test_in(const char *name);
 /** Lets the cache of meshes be a fresh folder of this test program. */
 void test_own_cache(void);
 
+/** Skips the running test, saying why, where there is no program conus-mesh. */
+void test_need_conus_mesh(void);
+
+/** Whether a note of the atlas contains @p part. */
+bool test_has_note(const conus_atlas *atlas, const char *part);
+
 /** A deterministic generator (SplitMix64), so that random tests repeat. Uniform in [low, high). */
 double test_random(uint64_t *state, double low, double high);
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The scratch folders of test runs stay apart and go at the end. */
 #include "test.h"
 
 #include <stdio.h>
@@ -9,45 +10,45 @@
 
 struct run {
     pid_t child;
-    int told; /* its folder, */
-    int go;   /* and it ends when this closes */
+    int notified; /* its folder, */
+    int go;       /* and it ends when this closes */
 };
 
 /* Another run of this program: makes files, says where, and waits. It calls no assertion: they are the parent's. */
-static void run_child(int tell, int go)
+static void run_child(int notify, int go)
 {
     char path[256] = {0};
     char byte;
     snprintf(path, sizeof path, "%s", test_scratch(""));
     bool made = !mkdir(test_scratch("sub"), 0777) && !mkdir(test_scratch("sub/below"), 0777) &&
                 !conus_write_file(test_scratch("sub/below/a.txt"), "a", 1) && !symlink("nowhere", test_scratch("link"));
-    bool sent = write(tell, path, sizeof path) == sizeof path && read(go, &byte, 1) == 0;
+    bool sent = write(notify, path, sizeof path) == sizeof path && read(go, &byte, 1) == 0;
     exit(made && sent ? 0 : 1);
 }
 
-static struct run start(void)
+static struct run start_run(void)
 {
-    int tell[2];
+    int notify[2];
     int go[2];
-    assert_int_equal(pipe(tell), 0);
+    assert_int_equal(pipe(notify), 0);
     assert_int_equal(pipe(go), 0);
     fflush(NULL);
-    struct run run = {.child = fork(), .told = tell[0], .go = go[1]};
+    struct run run = {.child = fork(), .notified = notify[0], .go = go[1]};
     if (run.child == 0) {
         close(go[1]);
-        run_child(tell[1], go[0]);
+        run_child(notify[1], go[0]);
     }
     assert_true(run.child > 0);
-    close(tell[1]);
+    close(notify[1]);
     close(go[0]);
     return run;
 }
 
-static void end(const struct run *run)
+static void end_run(const struct run *run)
 {
     int code;
     close(run->go);
-    close(run->told);
+    close(run->notified);
     assert_int_equal(waitpid(run->child, &code, 0), run->child);
     assert_int_equal(code, 0);
 }
@@ -58,16 +59,16 @@ static void a_run_has_a_folder_of_its_own(void **state)
 {
     (void)state;
     char paths[2][256];
-    struct run first = start();
-    assert_int_equal(read(first.told, paths[0], sizeof paths[0]), sizeof paths[0]);
+    struct run first = start_run();
+    assert_int_equal(read(first.notified, paths[0], sizeof paths[0]), sizeof paths[0]);
     assert_int_equal(access(paths[0], F_OK), 0);
-    struct run second = start();
-    assert_int_equal(read(second.told, paths[1], sizeof paths[1]), sizeof paths[1]);
+    struct run second = start_run();
+    assert_int_equal(read(second.notified, paths[1], sizeof paths[1]), sizeof paths[1]);
     assert_string_not_equal(paths[0], paths[1]);
-    end(&second);
+    end_run(&second);
     assert_int_equal(access(paths[1], F_OK), -1);
     assert_int_equal(access(paths[0], F_OK), 0);
-    end(&first);
+    end_run(&first);
     assert_int_equal(access(paths[0], F_OK), -1);
 }
 

@@ -3,11 +3,8 @@
 #include "atlas/phantom/phantom.h"
 #include "base/math3.h"
 #include "base/memory.h"
-#include "loaders/child/mesh_child.h"
 #include "loaders/child/mesh_extract.h"
 #include "test.h"
-
-#include <string.h>
 
 enum { MOST_AREAS = 200 };
 
@@ -24,16 +21,6 @@ static conus_status take(void *user, uint32_t number, const struct mesh *mesh)
     found->count++;
     found->triangles[number - 1] = mesh->triangle_count;
     return mesh_measure(&found->shapes[number - 1], mesh);
-}
-
-static void need_conus_mesh(void)
-{
-    char *path = NULL;
-    if (mesh_child_find(&path)) {
-        print_message("skipped: %s\n", conus_message());
-        skip();
-    }
-    memory_free(path);
 }
 
 static struct found extract(const conus_atlas *atlas, uint32_t iterations, double reduction)
@@ -63,7 +50,7 @@ static conus_atlas *draw(const char *kind, const conus_phantom_options *options,
 static void a_ball_is_one_wherever_the_voxels_point(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     const conus_phantom_options grids[] = {
         {0},
         {.flip = {true}},
@@ -120,7 +107,7 @@ static conus_atlas *one_sided(bool flip, double voxels_on_the_right)
 static void right_stays_right_and_borders_are_closed(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     for (int flip = 0; flip < 2; flip++) {
         conus_atlas *atlas = one_sided(flip, 4);
         struct found found = extract(atlas, 0, 0);
@@ -140,7 +127,7 @@ static void right_stays_right_and_borders_are_closed(void **state)
 static void decimation_removes_what_it_is_told_to(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     struct phantom_drawing drawing;
     conus_atlas *atlas = draw("sphere", NULL, &drawing);
     struct found whole = extract(atlas, MESH_DEFAULT_SMOOTH, 0);
@@ -173,7 +160,7 @@ static void add_up_voxels(double (*centroids)[3], const conus_atlas *atlas)
 static void aal_areas_are_closed_and_keep_volume_and_place(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     static double centroids[MOST_AREAS][3];
     conus_atlas *atlas;
     assert_ok(conus_atlas_load(&atlas, test_mricron("aal.nii.gz"), NULL));

@@ -2,8 +2,6 @@
 /* Mesh files of other programs through conus-mesh: good ones, and the ones that break VTK's readers. */
 #include "base/buffer.h"
 #include "base/file.h"
-#include "base/memory.h"
-#include "loaders/child/mesh_child.h"
 #include "loaders/child/mesh_foreign.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/surfaces/mesh_format.h"
@@ -12,16 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static void need_conus_mesh(void)
-{
-    char *path = NULL;
-    if (mesh_child_find(&path)) {
-        print_message("skipped: %s\n", conus_message());
-        skip();
-    }
-    memory_free(path);
-}
 
 static const char *write_text(const char *name, const char *text, size_t size)
 {
@@ -75,7 +63,7 @@ static void check_shape(struct mesh *mesh, double volume, double at, double up)
 static void good_files_are_read_and_their_space_is_honoured(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     char ras[1024];
     char lps[1024];
     snprintf(ras, sizeof ras, legacy, "RAS");
@@ -113,7 +101,7 @@ static const char objects[] = "v 0 0 0\nv 3 0 0\nv 0 3 0\nv 0 0 3\nf 1 3 2\nf 1 
 static void objects_are_areas(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     static const char *const names[] = {"objects", "left", "right side"};
     static const double volumes[] = {27. / 6, 216. / 6, 1. / 6};
     const char *path = write_text("objects.obj", objects, sizeof objects - 1);
@@ -144,7 +132,7 @@ static conus_status load_objects(void *data)
 static void objects_without_memory_leave_nothing_behind(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     const char *path = write_text("objects.obj", objects, sizeof objects - 1);
     assert_ok(load_objects((void *)path)); /* now in the cache */
     test_every_allocation(load_objects, (void *)path);
@@ -154,7 +142,7 @@ static void objects_without_memory_leave_nothing_behind(void **state)
 static void a_file_of_many_objects_may_be_one_surface(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     struct mesh mesh;
     struct notes notes = {0};
     read_one(&mesh, write_text("objects.obj", objects, sizeof objects - 1), NULL, &notes);
@@ -166,7 +154,7 @@ static void a_file_of_many_objects_may_be_one_surface(void **state)
 static void the_caller_may_know_the_space_better(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     const struct mesh_foreign_options lps = {.space = MESH_SPACE_LPS};
     const struct mesh_foreign_options ras = {.space = MESH_SPACE_RAS};
     struct mesh mesh;
@@ -183,7 +171,7 @@ static void the_caller_may_know_the_space_better(void **state)
 static void mesh_file_read_leads_here(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     static const char freesurfer[] = "\xff\xff\xfe"
                                      "created by someone\n\n\0\0\0\4";
     const struct mesh_file_options ras = {.space = MESH_SPACE_RAS};
@@ -205,7 +193,7 @@ static void mesh_file_read_leads_here(void **state)
 static void what_we_write_vtk_reads(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     float positions[12] = {0, 0, 0, 3.25f, 0, 0, 0, 3.25f, 0, 0, 0, 3.25f};
     uint32_t triangles[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
     const struct mesh mesh = {.positions = positions, .vertex_count = 4, .triangles = triangles, .triangle_count = 4};
@@ -258,7 +246,7 @@ static void build_stl(uint8_t out[STL_SIZE])
 static void binary_stl_files_have_the_size_that_they_say(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     uint8_t bytes[STL_SIZE + 1] = {0};
     struct mesh mesh;
     struct notes notes = {0};
@@ -279,7 +267,7 @@ static void binary_stl_files_have_the_size_that_they_say(void **state)
 static void triangles_without_area_are_counted(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     static const float flat[3][9] = {
         {0, 0, 0, 0, 0, 0, 0, 0, 0}, {0, 0, 0, 3, 0, 0, 3, 0, 0}, {0, 0, 0, 3, 0, 0, 0, 0, 0}};
     uint8_t bytes[STL_SIZE + 150] = {0};
@@ -303,7 +291,7 @@ static void triangles_without_area_are_counted(void **state)
 static void other_files_that_are_cut_off_are_refused(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     char vtk[1024];
     int length = snprintf(vtk, sizeof vtk, legacy, "RAS");
     const struct {
@@ -321,7 +309,7 @@ static void other_files_that_are_cut_off_are_refused(void **state)
 static void hostile_files_are_one_line(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     static const char binary_ply[] =
         "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
         "element face 2\nproperty list uchar int vertex_indices\nend_header\n\0\0\0\0\0\0\0\0";
@@ -371,7 +359,7 @@ static void hostile_files_are_one_line(void **state)
 static void one_bad_file_among_many_is_named(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     char good[256];
     char bad[256];
     snprintf(good, sizeof good, "%s", write_text("cube.obj", quads, sizeof quads - 1));
@@ -395,7 +383,7 @@ static void one_bad_file_among_many_is_named(void **state)
 static void real_files_are_read(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     static const char *const cubes[] = {"cube.vtk", "cube.ply", "cube.stl", "cube_bin.stl"};
     for (size_t i = 0; i < sizeof cubes / sizeof cubes[0]; i++) {
         char name[64];
@@ -433,7 +421,7 @@ static conus_status attempt(void *data)
 static void every_failing_allocation(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     char path[256];
     snprintf(path, sizeof path, "%s", write_text("cube.obj", quads, sizeof quads - 1));
     test_every_allocation(attempt, path);

@@ -8,22 +8,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static bool has_note(const conus_atlas *atlas, const char *part)
-{
-    for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
-        if (strstr(conus_atlas_note(atlas, i), part)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static void assert_note(const conus_atlas *atlas, const char *part)
 {
-    for (size_t i = 0; !has_note(atlas, part) && i < conus_atlas_note_count(atlas); i++) {
+    for (size_t i = 0; !test_has_note(atlas, part) && i < conus_atlas_note_count(atlas); i++) {
         print_message("note: %s\n", conus_atlas_note(atlas, i));
     }
-    assert_true(has_note(atlas, part));
+    assert_true(test_has_note(atlas, part));
 }
 
 static void put16(uint8_t *at, uint16_t value)
@@ -130,7 +120,7 @@ static void an_atlas_without_names_is_called_by_numbers(void **state)
     assert_int_equal(area->label, 1);
     assert_int_equal(area->rgb[0], 203);
     assert_note(atlas, "no label table found");
-    assert_false(has_note(atlas, "does not name"));
+    assert_false(test_has_note(atlas, "does not name"));
     conus_atlas_destroy(atlas);
 }
 
@@ -216,7 +206,7 @@ static void notes_that_are_no_table_are_passed_over(void **state)
     write_text(test_in("v.json"), "{\"Name\": \"a sidecar\"}");
     assert_ok(conus_atlas_load(&atlas, volume, NULL));
     assert_note(atlas, "v.txt is not a label table of a known format: passed over");
-    assert_false(has_note(atlas, "v.json is"));
+    assert_false(test_has_note(atlas, "v.json is"));
     assert_note(atlas, "no label table found");
     conus_atlas_destroy(atlas);
     write_text(test_in("v.csv"), "id,name\n1,A\n");

@@ -3,8 +3,6 @@
 #include "atlas/atlas.h"
 #include "base/buffer.h"
 #include "base/file.h"
-#include "base/memory.h"
-#include "loaders/child/mesh_child.h"
 #include "loaders/surfaces/mesh_format.h"
 #include "test.h"
 
@@ -76,16 +74,6 @@ static void assert_refused(const char *keys, const char *message)
     const char *after = strstr(conus_message(), "test.atlas.json: ");
     assert_non_null(after);
     assert_string_equal(after + strlen("test.atlas.json: "), message);
-}
-
-static bool has_note(const conus_atlas *atlas, const char *part)
-{
-    for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
-        if (strstr(conus_atlas_note(atlas, i), part)) {
-            return true;
-        }
-    }
-    return false;
 }
 
 static void files_get_what_the_manifest_says(void **state)
@@ -185,7 +173,7 @@ static void a_surface_may_replace_voxels(void **state)
     for (size_t i = 0; i < volume->voxel_count; i++) {
         assert_true(volume_object(volume, i) <= 1);
     }
-    assert_true(has_note(atlas, "both a surface and voxels: 1, the surfaces are taken"));
+    assert_true(test_has_note(atlas, "both a surface and voxels: 1, the surfaces are taken"));
     conus_atlas_destroy(atlas);
 
     snprintf(text, sizeof text, keys, "parcellation");
@@ -209,7 +197,7 @@ static void voxels_may_lie_in_a_surface(void **state)
     assert_string_equal(conus_atlas_object(atlas, 1)->name, "Posterior");
     assert_string_equal(conus_atlas_object(atlas, 2)->name, "Anterior");
     assert_int_equal(conus_atlas_object(atlas, 1)->parent, 2);
-    assert_false(has_note(atlas, "treated as a root"));
+    assert_false(test_has_note(atlas, "treated as a root"));
     conus_atlas_destroy(atlas);
 
     atlas = loaded("\"prefer\": \"areas\", \"parcellation\": {\"file\": \"slabs.nii.gz\", \"labels\": \"tree.tsv\"}, "
@@ -286,7 +274,7 @@ static void labels_of_vertices_cut_a_surface(void **state)
     atlas = loaded(keys);
     assert_int_equal(conus_atlas_object_count(atlas), 1);
     assert_int_equal(conus_atlas_object(atlas, 1)->triangles, 4);
-    assert_true(has_note(atlas, "label 5 is on no triangle, left out"));
+    assert_true(test_has_note(atlas, "label 5 is on no triangle, left out"));
     conus_atlas_destroy(atlas);
 
     write_vertex_labels("3 3 3", 3);
@@ -341,16 +329,6 @@ static void a_folder_of_surfaces_is_an_atlas(void **state)
 
 /* ---- BrainGlobe ------------------------------------------------------------------------------------------------- */
 
-static void need_conus_mesh(void)
-{
-    char *path = NULL;
-    if (mesh_child_find(&path)) {
-        print_message("skipped: %s\n", conus_message());
-        skip();
-    }
-    memory_free(path);
-}
-
 /* Whether `name` is among the atlas's files, with the sum that sha256sum prints for it. */
 static void assert_file(const conus_atlas *atlas, const char *name)
 {
@@ -390,7 +368,7 @@ static void write_globe(void)
 static void brainglobe_folders_are_placed_and_grouped(void **state)
 {
     (void)state;
-    need_conus_mesh();
+    test_need_conus_mesh();
     write_globe();
     conus_atlas *atlas = loaded("\"areas\": [{\"brainglobe\": \"globe\"}]");
     assert_int_equal(conus_atlas_object_count(atlas), 3);
@@ -404,7 +382,7 @@ static void brainglobe_folders_are_placed_and_grouped(void **state)
     const conus_object *grey = conus_atlas_object(atlas, conus_atlas_object(atlas, 1)->parent);
     assert_string_equal(grey->name, "Grey");
     assert_string_equal(conus_atlas_object(atlas, grey->parent)->name, "root");
-    assert_true(has_note(atlas, "axes start at \"asr\""));
+    assert_true(test_has_note(atlas, "axes start at \"asr\""));
     assert_int_equal(atlas->files.count, 3); /* the area is one of the two meshes */
     assert_file(atlas, "test.atlas.json");
     assert_file(atlas, "globe/structures.json");

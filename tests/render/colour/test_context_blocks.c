@@ -84,7 +84,7 @@ static void set_slab(conus_atlas *atlas, double y, float left, float right, doub
 }
 
 /* The running test is skipped where the engine needs GL and there is none. */
-static conus_selection *look(const conus_atlas *atlas, conus_selector_options options)
+static conus_selection *select_from_eye(const conus_atlas *atlas, conus_selector_options options)
 {
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
@@ -121,7 +121,7 @@ static size_t assert_lost(const conus_selection *got, const conus_selection *ope
 static void check_engine(conus_selector_options options)
 {
     conus_atlas *atlas = two_balls();
-    conus_selection *open = look(atlas, options);
+    conus_selection *open = select_from_eye(atlas, options);
     assert_int_equal(conus_selection_count(open), 3);
     static const struct {
         double y;
@@ -139,7 +139,7 @@ static void check_engine(conus_selector_options options)
     };
     for (size_t i = 0; i < sizeof slabs / sizeof slabs[0]; i++) {
         set_slab(atlas, slabs[i].y, slabs[i].left, slabs[i].right, slabs[i].threshold);
-        conus_selection *got = look(atlas, options);
+        conus_selection *got = select_from_eye(atlas, options);
         size_t lost = assert_lost(got, open, slabs[i].first, slabs[i].last);
         assert_true((lost > 100) == (slabs[i].last > 0));
         conus_selection_destroy(got);
@@ -167,7 +167,7 @@ static void what_is_blocked_is_unassigned(void **state)
     (void)state;
     conus_atlas *atlas = two_balls();
     set_slab(atlas, -30, 9, 9, 5);
-    conus_selection *none = look(atlas, (conus_selector_options){0});
+    conus_selection *none = select_from_eye(atlas, (conus_selector_options){0});
     assert_int_equal(conus_selection_count(none), 1);
     const conus_result *result = conus_selection_result(none, 0);
     assert_int_equal(result->kind, CONUS_UNASSIGNED);
@@ -178,7 +178,7 @@ static void what_is_blocked_is_unassigned(void **state)
     conus_selection_destroy(none);
 
     set_slab(atlas, -30, 9, 1, 5);
-    conus_selection *half = look(atlas, (conus_selector_options){0});
+    conus_selection *half = select_from_eye(atlas, (conus_selector_options){0});
     assert_int_equal(conus_selection_count(half), 2);
     assert_int_equal(conus_selection_result(half, 0)->object, 2);
     assert_true(conus_selection_result(half, 1)->share > 0.5);
@@ -192,12 +192,12 @@ static void a_pathway_may_come_after_the_context(void **state)
     (void)state;
     conus_atlas *atlas = two_balls();
     add_pathway(atlas);
-    conus_selection *open = look(atlas, (conus_selector_options){0});
+    conus_selection *open = select_from_eye(atlas, (conus_selector_options){0});
     conus_atlas_destroy(atlas);
     atlas = two_balls();
     set_slab(atlas, -30, 9, 1, 5);
     add_pathway(atlas);
-    conus_selection *got = look(atlas, (conus_selector_options){0});
+    conus_selection *got = select_from_eye(atlas, (conus_selector_options){0});
     assert_int_equal(conus_selection_count(got), 3);
     assert_true(assert_lost(got, open, 0, RESOLUTION / 2) > 100);
     conus_selection_destroy(got);
@@ -211,7 +211,7 @@ static void what_is_equally_near_comes_first(void **state)
     (void)state;
     static uint32_t labels[EDGE * EDGE * EDGE];
     conus_atlas *atlas = two_balls();
-    conus_selection *open = look(atlas, (conus_selector_options){0});
+    conus_selection *open = select_from_eye(atlas, (conus_selector_options){0});
     conus_volume_info info = ball_at(CONUS_CONTEXT, (double[]){-8, 0, 0}, labels);
     float *values = memory_zeroed(EDGE * EDGE * EDGE, sizeof *values);
     assert_non_null(values);
@@ -220,7 +220,7 @@ static void what_is_equally_near_comes_first(void **state)
     }
     info.threshold = 1;
     assert_ok(atlas_set_context(atlas, &info, values));
-    conus_selection *got = look(atlas, (conus_selector_options){0});
+    conus_selection *got = select_from_eye(atlas, (conus_selector_options){0});
     assert_lost(got, open, 0, 0);
     conus_selection_destroy(got);
     conus_selection_destroy(open);

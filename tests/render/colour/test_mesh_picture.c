@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Pictures of meshes, alone and among voxels. */
 #include "base/math3.h"
 #include "base/memory.h"
 #include "golden_picture.h"

@@ -5,7 +5,7 @@
 #include "mesh_scene.h"
 #include "picture_scene.h"
 #include "render/colour/renderer.h"
-#include "render/image/image.h"
+#include "render/image/image_srgb.h"
 #include "test.h"
 
 #include <string.h>

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Transfer functions: values between points, files, presets and errors. */
 #include "base/memory.h"
 #include "render/colour/transfer.h"
-#include "render/image/image.h"
+#include "render/image/image_srgb.h"
 #include "test.h"
 
 #include <math.h>
@@ -16,7 +17,7 @@ static const char example[] = "# a step, then a ramp\n"
                               "\n"
                               "20  1 1 0 1\n";
 
-static conus_status parse(struct transfer *out, const char *text)
+static conus_status parse_text(struct transfer *out, const char *text)
 {
     return transfer_parse(out, (const uint8_t *)text, strlen(text));
 }
@@ -30,7 +31,7 @@ static void values_between_points_are_linear(void **state)
     } wanted[] = {{-5, {0, 0, 0, 0}},      {9.999, {0, 0, 0, 0}}, {10, {1, 0, 0, 0.5}},
                   {15, {1, 0.5, 0, 0.75}}, {20, {1, 1, 0, 1}},    {1e300, {1, 1, 0, 1}}};
     struct transfer transfer;
-    assert_ok(parse(&transfer, example));
+    assert_ok(parse_text(&transfer, example));
     assert_false(transfer.relative);
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         double rgba[4];
@@ -55,13 +56,13 @@ static void a_relative_function_follows_the_window(void **state)
     volume.info.maximum = 1e9;
     struct transfer transfer;
     double low, high;
-    assert_ok(parse(&transfer, "relative\n0.5 0 0 0 0\n1 1 1 1 1\n"));
+    assert_ok(parse_text(&transfer, "relative\n0.5 0 0 0 0\n1 1 1 1 1\n"));
     assert_true(transfer.relative);
     assert_ok(transfer_span(&low, &high, &transfer, &volume));
     assert_near(high, 597, 2); /* the 99.5th percentile of 101 to 600 */
     assert_near(low, (100 + high) / 2, 1e-9);
     transfer_finish(&transfer);
-    assert_ok(parse(&transfer, "7 0 0 0 0\n7 1 1 1 1\n"));
+    assert_ok(parse_text(&transfer, "7 0 0 0 0\n7 1 1 1 1\n"));
     assert_ok(transfer_span(&low, &high, &transfer, &volume));
     assert_near(low, 7, 0);
     assert_true(high > low);
@@ -86,7 +87,7 @@ static void the_table_holds_linear_light_and_extinction(void **state)
     (void)state;
     struct transfer transfer;
     float table[5 * 4];
-    assert_ok(parse(&transfer, "0 0.5 1 0 0\n4 0.5 1 0 1\n"));
+    assert_ok(parse_text(&transfer, "0 0.5 1 0 0\n4 0.5 1 0 1\n"));
     transfer_table(table, 5, &transfer);
     assert_near(table[0], linear_from_srgb(0.5), 1e-6);
     assert_near(table[1], 1, 1e-6);
@@ -119,7 +120,7 @@ static void bad_lines_are_named(void **state)
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct transfer transfer = {.count = 77};
-        assert_fails(parse(&transfer, cases[i].text), CONUS_ERROR_DATA);
+        assert_fails(parse_text(&transfer, cases[i].text), CONUS_ERROR_DATA);
         assert_int_equal(transfer.count, 77);
         if (!strstr(conus_message(), cases[i].message)) {
             fail_msg("\"%s\" lacks \"%s\"", conus_message(), cases[i].message);
@@ -136,7 +137,7 @@ static void too_many_points_are_refused(void **state)
         snprintf(text + strlen(text), 24, "%d 0 0 0 0\n", i);
     }
     struct transfer transfer;
-    assert_fails(parse(&transfer, text), CONUS_ERROR_DATA);
+    assert_fails(parse_text(&transfer, text), CONUS_ERROR_DATA);
     memory_free(text);
 }
 

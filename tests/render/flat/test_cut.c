@@ -38,7 +38,7 @@ static void pixels_are_where_their_centres_are(void **state)
     conus_atlas *atlas = open_phantom("u-shape");
     const conus_cut_view view = {.width = SIDE, .height = SIDE, .right = {1, 0, 0}, .up = {0, 0, 1}, .fill = 1};
     const struct volume *volume = atlas_parcellation(atlas);
-    unsigned met = 0;
+    unsigned hits = 0;
     assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
     for (int y = 0; y < SIDE; y++) {
         for (int x = 0; x < SIDE; x++) {
@@ -46,10 +46,10 @@ static void pixels_are_where_their_centres_are(void **state)
             bool inside = volume_find_voxel(&voxel, volume, (double[]){x - 30, 0, 30 - y});
             uint32_t wanted = inside ? volume_object(volume, voxel) : 0;
             assert_int_equal(picture.objects[y * SIDE + x], wanted);
-            met += wanted > 0;
+            hits += wanted > 0;
         }
     }
-    assert_true(met > 500);
+    assert_true(hits > 500);
     conus_atlas_destroy(atlas);
 }
 
@@ -186,7 +186,7 @@ static void a_cone_is_drawn_to_scale(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* What is met first is full, what is only pierced striped, what is not in the cone pale. */
+/* Objects hit first are full, objects only pierced are striped, objects outside the cone are pale. */
 static void hidden_areas_in_the_cone_are_hatched(void **state)
 {
     (void)state;
@@ -368,7 +368,7 @@ static void closed_surfaces_are_filled(void **state)
                                  .right = {0, 1, 0},
                                  .up = {0, 0, 1},
                                  .mm_per_pixel = 2.9};
-    unsigned met = 0;
+    unsigned hits = 0;
     uint64_t random = 5;
     assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
     for (int i = 0; i < 60; i++) {
@@ -383,9 +383,9 @@ static void closed_surfaces_are_filled(void **state)
                 assert_int_equal(found == number, is_inside(mesh, at)); /* no two of them overlap */
             }
         }
-        met += found > 0;
+        hits += found > 0;
     }
-    assert_in_range(met, 10, 55);
+    assert_in_range(hits, 10, 55);
     conus_atlas_destroy(atlas);
 }
 

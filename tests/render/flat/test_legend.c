@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Shapes, text and legends on images. */
 #include "render/flat/draw.h"
 #include "render/flat/legend.h"
 #include "test.h"
@@ -43,7 +44,7 @@ static void shapes_cover_their_area(void **state)
 {
     (void)state;
     conus_image *image = make_image(64, 48);
-    draw_disc(image, (double[]){30.3, 20.7}, 15, WHITE);
+    draw_line(image, (double[]){30.3, 20.7}, (double[]){30.3, 20.7}, 30, WHITE);
     assert_near(inked(image), acos(-1) * 225, 1);
     conus_image_destroy(image);
     image = make_image(64, 48);
@@ -62,10 +63,10 @@ static void shapes_are_cut_off_at_the_border(void **state)
 {
     (void)state;
     conus_image *image = make_image(16, 16);
-    draw_disc(image, (double[]){0, 0}, 8, WHITE);
+    draw_line(image, (double[]){0, 0}, (double[]){0, 0}, 16, WHITE);
     draw_line(image, (double[]){-1e9, 12}, (double[]){1e9, 12}, 2, WHITE);
     draw_box(image, &(struct draw_box){20, -40, 30, -20}, 3, WHITE);
-    draw_disc(image, (double[]){NAN, 0}, 8, WHITE);
+    draw_line(image, (double[]){NAN, 0}, (double[]){NAN, 0}, 16, WHITE);
     assert_near(inked(image), acos(-1) * 16 + 32, 1);
     conus_image_destroy(image);
 }
@@ -156,7 +157,7 @@ static const struct legend_row ROWS[] = {
 static const struct legend LEGEND = {.title = "Areas in the cone",
                                      .subtitle = "20\xc2\xb0 from (\xe2\x88\x92"
                                                  "90, 20, 20) mm",
-                                     .heading = {"pixels", "share", "distance"},
+                                     .header = {"pixels", "share", "distance"},
                                      .rows = ROWS,
                                      .count = 4};
 

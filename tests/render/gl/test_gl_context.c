@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Contexts, programs, targets and textures, and their errors. */
 #include "base/memory.h"
 #include "render/gl/context.h"
 #include "render/gl/program.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Lists that shaders append to: they grow, take turns or refuse. */
 #include "base/memory.h"
 #include "render/gl/program.h"
 #include "render/gl/shader_list.h"
@@ -59,7 +60,7 @@ static void drawing_destroy(struct drawing *drawing)
     memory_free(drawing);
 }
 
-static conus_status draw(void *user, uint32_t first, uint32_t end)
+static conus_status draw_records(void *user, uint32_t first, uint32_t end)
 {
     struct drawing *drawing = user;
     target_bind(&drawing->target);
@@ -72,7 +73,7 @@ static conus_status draw(void *user, uint32_t first, uint32_t end)
 }
 
 /* Everything comes once, and what one pixel says in its order. */
-static conus_status take(void *user, const void *records, uint32_t count)
+static conus_status take_records(void *user, const void *records, uint32_t count)
 {
     struct drawing *drawing = user;
     const uint32_t(*record)[2] = (const uint32_t(*)[2])records;
@@ -87,8 +88,8 @@ static conus_status take(void *user, const void *records, uint32_t count)
 static struct shader_list_job job_of(struct drawing *drawing)
 {
     return (struct shader_list_job){.binding = BINDING,
-                                    .draw = draw,
-                                    .take = take,
+                                    .draw = draw_records,
+                                    .take = take_records,
                                     .user = drawing,
                                     .pixels = PIXELS,
                                     .per_pixel = drawing->many > 4 ? drawing->many : 4};
@@ -139,7 +140,7 @@ static void a_list_at_its_limit_takes_turns(void **state)
         assert_ok(shader_list_collect(&list, &job));
         assert_complete(drawing);
         assert_in_range(drawing->portions, PIXELS * 2 / limit, PIXELS);
-        assert_int_equal(list.room, limit < 3100 ? limit : list.room);
+        assert_int_equal(list.capacity, limit < 3100 ? limit : list.capacity);
         shader_list_finish(&list);
     }
     drawing_destroy(drawing);

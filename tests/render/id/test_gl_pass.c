@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The ID pass by itself: identifiers, GL state, memory limits. */
 #include "base/math3.h"
 #include "render/colour/bricks.h"
 #include "render/id/id_pass.h"
@@ -56,7 +57,7 @@ static const struct id_hit *look_at_row(struct id_pass *pass, conus_sampling sam
     const struct id_hit *hits;
     assert_ok(id_pass_begin(pass, RAYS));
     aim_from_above(pass, height, sampling, 1);
-    assert_ok(id_pass_look(pass, 0));
+    assert_ok(id_pass_trace(pass, 0));
     assert_ok(id_pass_read(pass, &hits));
     return hits;
 }
@@ -146,9 +147,9 @@ static void the_nearer_volume_stays(void **state)
         const struct id_hit *hits;
         assert_ok(id_pass_begin(pass, RAYS));
         aim_from_above(pass, 10, CONUS_EXACT, 0);
-        assert_ok(id_pass_look(pass, 0));
+        assert_ok(id_pass_trace(pass, 0));
         aim_from_above(pass, second[i], CONUS_EXACT, 0);
-        assert_ok(id_pass_look(pass, 1));
+        assert_ok(id_pass_trace(pass, 1));
         assert_ok(id_pass_read(pass, &hits));
         assert_row(hits, fmin(10, second[i]) - 0.5);
     }
@@ -166,13 +167,13 @@ static void rays_without_planes_meet_nothing(void **state)
     const struct id_hit *hits;
     assert_ok(id_pass_begin(pass, RAYS));
     aim_from_above(pass, 10, CONUS_SLICES, 0);
-    assert_ok(id_pass_look(pass, 0));
+    assert_ok(id_pass_trace(pass, 0));
     assert_ok(id_pass_read(pass, &hits));
     for (int i = 0; i < RAYS; i++) {
         assert_int_equal(hits[i].identifier, 0);
     }
     aim_from_above(pass, 10, CONUS_SLICES, 3);
-    assert_ok(id_pass_look(pass, 1));
+    assert_ok(id_pass_trace(pass, 1));
     assert_ok(id_pass_read(pass, &hits));
     assert_row(hits, 10);
     id_pass_destroy(pass);

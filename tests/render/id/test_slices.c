@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The planes of Eq. 7. */
 #include "base/math3.h"
 #include "render/id/slices.h"
 #include "test.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Deep images: OpenEXR's C++ library reads what was written. */
 #include "base/memory.h"
 #include "exr_oracle.h"
 #include "render/image/deep_image.h"
@@ -73,7 +74,7 @@ static void assert_same(const struct exr_deep *deep, const struct deep_image *im
     assert_int_equal(exr_deep_names(deep, "id"), 0);
 }
 
-static void check(struct deep_image *image)
+static void check_written(struct deep_image *image)
 {
     struct bytes bytes;
     const char *path = test_scratch("deep.exr");
@@ -94,7 +95,7 @@ static void openexr_reads_what_was_written(void **state)
     for (int i = 0; i < 60; i++) {
         uint32_t width = (uint32_t)test_random(&seed, 1, WIDTH_LIMIT);
         uint32_t height = (uint32_t)test_random(&seed, 1, HEIGHT_LIMIT);
-        check(make_image(&seed, width, height, i % 3 ? 5 : 400));
+        check_written(make_image(&seed, width, height, i % 3 ? 5 : 400));
     }
 }
 
@@ -102,10 +103,10 @@ static void images_may_be_empty_or_one_pixel(void **state)
 {
     (void)state;
     uint64_t seed = 9;
-    check(make_image(&seed, 7, 5, 0));
-    check(make_image(&seed, 1, 1, 0));
+    check_written(make_image(&seed, 7, 5, 0));
+    check_written(make_image(&seed, 1, 1, 0));
     for (int i = 0; i < 20; i++) {
-        check(make_image(&seed, 1, 1, 3));
+        check_written(make_image(&seed, 1, 1, 3));
     }
 }
 
@@ -142,7 +143,7 @@ static void too_many_samples_are_refused(void **state)
     deep_image_destroy(NULL);
 }
 
-static conus_status format(void *data)
+static conus_status format_image(void *data)
 {
     (void)data;
     static const uint32_t counts[] = {0, 2, 1, 0};
@@ -164,7 +165,7 @@ static conus_status format(void *data)
 static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
-    test_every_allocation(format, NULL);
+    test_every_allocation(format_image, NULL);
 }
 
 int main(void)

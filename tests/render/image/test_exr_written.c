@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "exr_oracle.h"
 #include "render/image/deep_image.h"
+#include "render/image/image_codecs.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -20,7 +21,7 @@ static uint32_t noise(uint64_t *seed)
 }
 
 /* `count` values whose first `noisy` bytes are noise. */
-static void fill(uint32_t *values, size_t count, size_t noisy, uint64_t *seed)
+static void fill_values(uint32_t *values, size_t count, size_t noisy, uint64_t *seed)
 {
     memset(values, 0, count * sizeof *values);
     for (size_t i = 0; i < noisy; i++) {
@@ -62,7 +63,7 @@ static void check_flat(uint32_t width, uint32_t height, size_t noisy, uint64_t *
     for (int i = 0; i < 2; i++) {
         struct image_channel *channel = NULL;
         assert_ok(image_add_channel(image, names[i], i ? IMAGE_FLOAT : IMAGE_UINT, &channel));
-        fill(channel->uints + before, (size_t)width * height - before, noisy, seed);
+        fill_values(channel->uints + before, (size_t)width * height - before, noisy, seed);
     }
     const char *path = test_scratch("flat.exr");
     assert_ok(image_format_exr(&bytes, image));
@@ -101,7 +102,7 @@ static void check_deep(const uint32_t *counts, uint32_t width, size_t noisy, uin
     struct bytes bytes;
     assert_ok(deep_image_create(&image, width, 1, counts));
     assert_ok(deep_image_add_channel(image, "id", IMAGE_UINT, &channel));
-    fill(channel->uints, image->sample_count, noisy, seed);
+    fill_values(channel->uints, image->sample_count, noisy, seed);
     assert_ok(deep_image_format(&bytes, image));
     write_scratch(test_scratch("row.exr"), &bytes);
     struct exr_deep *deep = exr_deep_read(test_scratch("row.exr"));

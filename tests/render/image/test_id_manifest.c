@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* ID manifests: the bytes of OpenEXR's own encoder. */
 #include "base/memory.h"
 #include "exr_oracle.h"
 #include "test.h"
@@ -52,7 +53,7 @@ static void a_few_names(void **state)
     assert_as_openexr(&(struct id_manifest_group){"id", COMPONENTS, 1, ids, 0, texts}, 1);
 }
 
-/* What is told apart by the length of the text before: one byte or two count what is shared. */
+/* What the length of the text before distinguishes: one byte or two count what is shared. */
 static void long_names(void **state)
 {
     (void)state;
@@ -116,7 +117,7 @@ static void many_names(void **state)
     check_random(&seed, 72783, 100);
 }
 
-static conus_status format(void *data)
+static conus_status format_manifest(void *data)
 {
     struct bytes bytes;
     conus_status status = id_manifest_format(&bytes, data, 1);
@@ -139,7 +140,7 @@ static void every_failing_allocation_is_survived(void **state)
         texts[i] = room[i];
     }
     struct id_manifest_group group = {"id", COMPONENTS, 1, ids, COUNT, texts};
-    test_every_allocation(format, &group);
+    test_every_allocation(format_manifest, &group);
 }
 
 int main(void)

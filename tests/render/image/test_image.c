@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Images, OpenEXR and PNG files, sRGB and comparison. */
 #include "base/buffer.h"
 #include "base/memory.h"
-#include "render/image/image.h"
+#include "render/image/image_codecs.h"
+#include "render/image/image_srgb.h"
 #include "test.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 #include "base/buffer.h"
 #include "base/file.h"
 #include "base/math3.h"
-#include "base/memory.h"
+#include "blockers.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"
 #include "scene.h"
@@ -16,21 +16,12 @@
 
 enum { POSES = 150 };
 
-static int driver_messages;
-
-static void count_message(void *user, const char *line)
-{
-    *(int *)user += 1;
-    print_message("%s\n", line);
-}
-
 /* A selector by the gl engine, or the running test is skipped, saying why. */
 static conus_selector *gl_selector(const conus_atlas *atlas, conus_selector_options options)
 {
     conus_selector *selector = NULL;
     options.engine = CONUS_ENGINE_GL;
-    options.log = count_message;
-    options.log_user = &driver_messages;
+    options.log = gl_pair_log;
     conus_status status = conus_selector_create(&selector, atlas, &options);
     if (status == CONUS_ERROR_GL) {
         print_message("skipped: %s\n", conus_message());
@@ -70,7 +61,7 @@ struct rows {
     uint64_t errors;
 };
 
-static bool receive(void *user, const conus_batch_block *block)
+static bool append_block(void *user, const conus_batch_block *block)
 {
     struct rows *rows = user;
     buffer_append(&rows->text, block->text, block->size);
@@ -78,7 +69,7 @@ static bool receive(void *user, const conus_batch_block *block)
     return true;
 }
 
-static conus_status run(struct rows *out, conus_selector *selector, const char *path, uint32_t block)
+static conus_status run_batch(struct rows *out, conus_selector *selector, const char *path, uint32_t block)
 {
     conus_batch *batch = NULL;
     conus_pose_stream *poses = NULL;
@@ -87,7 +78,7 @@ static conus_status run(struct rows *out, conus_selector *selector, const char *
     out->errors = 0;
     conus_status status = conus_batch_create(&batch, selector, &options);
     status = status ? status : conus_pose_stream_open(&poses, path, NULL);
-    status = status ? status : conus_batch_run(batch, poses, UINT64_MAX, receive, out);
+    status = status ? status : conus_batch_run(batch, poses, UINT64_MAX, append_block, out);
     conus_pose_stream_destroy(poses);
     conus_batch_destroy(batch);
     return status;
@@ -99,7 +90,7 @@ static void assert_same_rows(conus_selector *selector, const char *path, const s
     static const uint32_t blocks[] = {1, 7, 64, 65536};
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) {
         struct rows rows = {0};
-        assert_ok(run(&rows, selector, path, blocks[i]));
+        assert_ok(run_batch(&rows, selector, path, blocks[i]));
         assert_int_equal(rows.errors, reference->errors);
         assert_int_equal(rows.text.size, reference->text.size);
         assert_memory_equal(rows.text.data, reference->text.data, rows.text.size);
@@ -113,7 +104,7 @@ static void compare_engines(const conus_atlas *atlas, const conus_selector_optio
     conus_selector *rays = NULL;
     struct rows reference = {0};
     assert_ok(conus_selector_create(&rays, atlas, options));
-    assert_ok(run(&reference, rays, path, 0));
+    assert_ok(run_batch(&reference, rays, path, 0));
     assert_true(reference.errors > POSES / 10 && reference.errors < POSES / 3); /* those that are meant to be wrong */
     assert_true(reference.text.size > (size_t)POSES * 200);
     assert_same_rows(gl, path, &reference);
@@ -122,27 +113,13 @@ static void compare_engines(const conus_atlas *atlas, const conus_selector_optio
     conus_selector_destroy(rays);
 }
 
-static void add_blocking_context(conus_atlas *atlas, uint64_t *random)
-{
-    enum { EDGE = 9, COUNT = EDGE * EDGE * EDGE };
-    conus_volume_info info = scene_grid(random, (size_t[]){EDGE, EDGE, EDGE});
-    float *values = memory_zeroed(COUNT, sizeof *values);
-    assert_non_null(values);
-    for (size_t v = 0; v < COUNT; v++) {
-        values[v] = (float)test_random(random, 0, 1);
-    }
-    info.role = CONUS_CONTEXT;
-    info.threshold = 0.95;
-    assert_ok(atlas_set_context(atlas, &info, values));
-}
-
 /* Areas and pathways on three grids, and what hides them; whatever is asked of the cones. */
 static void blocks_of_cones_give_the_rows_of_the_rays(void **state)
 {
     (void)state;
     uint64_t random = 61;
     conus_atlas *atlas = scene_atlas(&random, 24, 2);
-    add_blocking_context(atlas, &random);
+    blockers_add(atlas, &random, (size_t[]){9, 9, 9}, 0.05);
     static const conus_selector_options settings[] = {
         {.resolution = 16},
         {.resolution = 5, .aperture = CONUS_SQUARE, .sampling = CONUS_SLICES, .slices = 120},
@@ -186,20 +163,12 @@ static void blocks_do_not_move_the_edges_of_meshes(void **state)
     for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
         conus_selector *selector = gl_selector(atlas, settings[i]);
         struct rows reference = {0};
-        assert_ok(run(&reference, selector, path, 1));
+        assert_ok(run_batch(&reference, selector, path, 1));
         assert_same_rows(selector, path, &reference);
         buffer_finish(&reference.text);
         conus_selector_destroy(selector);
     }
     conus_atlas_destroy(atlas);
-}
-
-static void assert_same_evidence(const struct evidence *got, const struct evidence *wanted)
-{
-    size_t pixels = (size_t)wanted->resolution * wanted->resolution;
-    assert_memory_equal(got->object, wanted->object, pixels * sizeof *got->object);
-    assert_memory_equal(got->distance, wanted->distance, pixels * sizeof *got->distance);
-    assert_memory_equal(got->voxel, wanted->voxel, pixels * sizeof *got->voxel);
 }
 
 /* Equal surfaces, of which a pixel notes more than it has room for; and, being many, do not fit the buffer at once. */
@@ -228,10 +197,8 @@ static void many_looks_are_what_they_are_alone(void **state)
     }
     assert_ok(pair.gl->functions->trace_many(pair.gl, out, in, LOOKS));
     for (int i = 0; i < LOOKS; i++) {
-        struct evidence alone;
-        assert_ok(evidence_init(&alone, EDGE));
-        assert_ok(pair.gl->functions->trace(pair.gl, &alone, &cones[i]));
-        assert_same_evidence(&together[i], &alone);
+        struct evidence alone = gl_pair_look(pair.gl, &cones[i]);
+        gl_pair_same_evidence(&together[i], &alone);
         for (size_t pixel = 0; pixel < (size_t)EDGE * EDGE; pixel++) {
             hits += alone.object[pixel] != 0;
         }
@@ -250,10 +217,7 @@ static void compare_wanted(uint64_t *random, const conus_atlas *atlas)
     for (int round = 0; round < 20; round++) {
         struct cone cone = scene_cone(random, atlas);
         static bool wanted[64 * 64];
-        struct evidence all, some;
-        assert_ok(evidence_init(&all, cone.resolution));
-        assert_ok(evidence_init(&some, cone.resolution));
-        assert_ok(pair.gl->functions->trace(pair.gl, &all, &cone));
+        struct evidence all = gl_pair_look(pair.gl, &cone);
         for (size_t i = 0; i < (size_t)cone.resolution * cone.resolution; i++) {
             wanted[i] = round && test_random(random, 0, 1) < 0.5; /* or none */
             if (!wanted[i]) {
@@ -263,8 +227,8 @@ static void compare_wanted(uint64_t *random, const conus_atlas *atlas)
             }
         }
         cone.wanted = wanted;
-        assert_ok(pair.gl->functions->trace(pair.gl, &some, &cone));
-        assert_same_evidence(&some, &all);
+        struct evidence some = gl_pair_look(pair.gl, &cone);
+        gl_pair_same_evidence(&some, &all);
         evidence_finish(&all);
         evidence_finish(&some);
     }
@@ -293,7 +257,7 @@ static conus_status run_again(void *data)
 {
     struct attempt *attempt = data;
     struct rows rows = {0};
-    conus_status status = run(&rows, attempt->selector, attempt->path, 40);
+    conus_status status = run_batch(&rows, attempt->selector, attempt->path, 40);
     if (!status) {
         assert_int_equal(rows.text.size, attempt->wanted.text.size);
         assert_memory_equal(rows.text.data, attempt->wanted.text.data, rows.text.size);
@@ -311,20 +275,12 @@ static void every_failing_allocation_is_clean(void **state)
     struct attempt attempt = {.path = write_poses(9, atlas, false)};
     conus_selector *another = gl_selector(atlas, (conus_selector_options){.resolution = 4});
     attempt.selector = gl_selector(atlas, (conus_selector_options){.resolution = 4});
-    assert_ok(run(&attempt.wanted, another, attempt.path, 40));
+    assert_ok(run_batch(&attempt.wanted, another, attempt.path, 40));
     test_every_allocation(run_again, &attempt);
     buffer_finish(&attempt.wanted.text);
     conus_selector_destroy(attempt.selector);
     conus_selector_destroy(another);
     conus_atlas_destroy(atlas);
-}
-
-/* Runs last: through all of it the driver had nothing to say. */
-static void the_driver_was_silent(void **state)
-{
-    (void)state;
-    assert_int_equal(driver_messages, 0);
-    assert_int_equal(gl_pair_messages(), 0);
 }
 
 int main(void)

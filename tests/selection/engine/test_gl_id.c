@@ -1,83 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* What the gl engine sees first in volumes (Eq. 5 to Eq. 7) against what the rays engine sees. */
 #include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "blockers.h"
+#include "gl_pair.h"
 #include "render/gl/context.h"
 #include "scene.h"
-#include "selection/engine/engine.h"
 #include "test.h"
 
-#include <stdio.h>
 #include <string.h>
 
-static void print_line(void *user, const char *line)
-{
-    *(int *)user += 1;
-    print_message("%s\n", line);
-}
-
-static int driver_messages;
-
-/* The gl engine for `atlas`, or the running test is skipped, saying why. */
-static struct engine *gl_engine(const conus_atlas *atlas, conus_sampling sampling, uint32_t slices)
-{
-    const struct engine_options options = {sampling, slices, print_line, &driver_messages};
-    struct engine *engine = NULL;
-    conus_status status = engine_gl_create(&engine, atlas, &options);
-    if (status == CONUS_ERROR_GL) {
-        print_message("skipped: %s\n", conus_message());
-        skip();
-    }
-    assert_ok(status);
-    assert_memory_equal(engine->name, "gl, ", 4);
-    return engine;
-}
-
-static struct engine *rays_engine(const conus_atlas *atlas, conus_sampling sampling, uint32_t slices)
-{
-    const struct engine_options options = {.sampling = sampling, .slices = slices};
-    struct engine *engine = NULL;
-    assert_ok(engine_rays_create(&engine, atlas, &options));
-    return engine;
-}
-
 /* ---- The engines against each other ------------------------------------------------------------------------- */
-
-static size_t count_different(const struct evidence *got, const struct evidence *wanted)
-{
-    size_t different = 0;
-    for (size_t i = 0; i < (size_t)got->resolution * got->resolution; i++) {
-        bool same = got->object[i] == wanted->object[i] && got->voxel[i] == wanted->voxel[i] &&
-                    got->distance[i] == wanted->distance[i];
-        if (!same && ++different <= 3) {
-            print_message("pixel %zu of %u x %u: object %u, voxel %llu, %.17g mm; wanted %u, %llu, %.17g\n", i,
-                          got->resolution, got->resolution, got->object[i], (unsigned long long)got->voxel[i],
-                          got->distance[i], wanted->object[i], (unsigned long long)wanted->voxel[i],
-                          wanted->distance[i]);
-        }
-    }
-    return different;
-}
-
-/* Fails where the engines differ in object, voxel or, by a single bit, in distance. Returns how many pixels hit. */
-static size_t assert_same_look(struct engine *gl, struct engine *rays, const struct cone *cone)
-{
-    struct evidence got, wanted;
-    size_t pixels = (size_t)cone->resolution * cone->resolution;
-    size_t hits = 0;
-    assert_ok(evidence_init(&got, cone->resolution));
-    assert_ok(evidence_init(&wanted, cone->resolution));
-    memset(got.object, 0xff, pixels * sizeof *got.object);
-    assert_ok(gl->functions->trace(gl, &got, cone));
-    assert_ok(rays->functions->trace(rays, &wanted, cone));
-    assert_int_equal(count_different(&got, &wanted), 0);
-    for (size_t i = 0; i < pixels; i++) {
-        hits += wanted.object[i] != 0;
-    }
-    evidence_finish(&got);
-    evidence_finish(&wanted);
-    return hits;
-}
 
 static size_t compare_scenes(uint64_t random, int scenes, conus_sampling sampling)
 {
@@ -85,14 +19,12 @@ static size_t compare_scenes(uint64_t random, int scenes, conus_sampling samplin
     for (int scene = 0; scene < scenes; scene++) {
         conus_atlas *atlas = scene_atlas(&random, scene % 10 ? 24 : 70, scene % 4);
         uint32_t slices = sampling == CONUS_SLICES ? (uint32_t)test_random(&random, 0, 200) : 0;
-        struct engine *gl = gl_engine(atlas, sampling, slices);
-        struct engine *rays = rays_engine(atlas, sampling, slices);
+        struct gl_pair pair = gl_pair_create_slices(atlas, sampling, slices);
         for (int pose = 0; pose < 12; pose++) {
             struct cone cone = scene_cone(&random, atlas);
-            hits += assert_same_look(gl, rays, &cone);
+            hits += gl_pair_same_look(&pair, &cone);
         }
-        engine_destroy(rays);
-        engine_destroy(gl);
+        gl_pair_destroy(&pair);
         conus_atlas_destroy(atlas);
     }
     return hits;
@@ -119,14 +51,12 @@ static void big_buffers_take_turns(void **state)
     (void)state;
     uint64_t random = 13;
     conus_atlas *atlas = scene_atlas(&random, 30, 3);
-    struct engine *gl = gl_engine(atlas, CONUS_EXACT, 0);
-    struct engine *rays = rays_engine(atlas, CONUS_EXACT, 0);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
     for (int pose = 0; pose < 3; pose++) {
         struct cone cone = {.pose = scene_pose(&random, atlas), .angle = 0.5, .resolution = pose ? 500 : 300};
-        assert_same_look(gl, rays, &cone);
+        gl_pair_same_look(&pair, &cone);
     }
-    engine_destroy(rays);
-    engine_destroy(gl);
+    gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
 
@@ -170,12 +100,10 @@ static void more_objects_than_16_bits_hold(void **state)
     conus_volume_info info = plain_grid(EDGE, EDGE, EDGE);
     conus_atlas *atlas = atlas_of(&info, labels);
     assert_non_null(atlas->volumes[0].objects32);
-    struct engine *gl = gl_engine(atlas, CONUS_EXACT, 0);
-    struct engine *rays = rays_engine(atlas, CONUS_EXACT, 0);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
     struct cone cone = cone_from(-60, 20.3, 21.1, 40, 64);
-    assert_true(assert_same_look(gl, rays, &cone) > 64 * 64 / 2);
-    engine_destroy(rays);
-    engine_destroy(gl);
+    assert_true(gl_pair_same_look(&pair, &cone) > 64 * 64 / 2);
+    gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
 
@@ -189,13 +117,11 @@ static void distances_are_those_of_the_closed_form(void **state)
     }
     conus_volume_info info = plain_grid(8, 64, 64);
     conus_atlas *atlas = atlas_of(&info, labels);
-    struct engine *gl = gl_engine(atlas, CONUS_EXACT, 0);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
     const struct cone cones[] = {cone_from(-1e5, 31.25, 32.125, 0.03, 16), cone_from(0, 31.25, 32.125, 120, 15),
                                  cone_from(5, 31.25, 32.125, 60, 16)};
     for (int c = 0; c < 3; c++) {
-        struct evidence evidence;
-        assert_ok(evidence_init(&evidence, cones[c].resolution));
-        assert_ok(gl->functions->trace(gl, &evidence, &cones[c]));
+        struct evidence evidence = gl_pair_look(pair.gl, &cones[c]);
         for (uint32_t p = 0; p < cones[c].resolution * cones[c].resolution; p++) {
             double ray[3];
             cone_ray(ray, &cones[c], p % cones[c].resolution, p / cones[c].resolution);
@@ -205,7 +131,7 @@ static void distances_are_those_of_the_closed_form(void **state)
         }
         evidence_finish(&evidence);
     }
-    engine_destroy(gl);
+    gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
 
@@ -222,36 +148,17 @@ static void the_context_is_never_met(void **state)
     values[13] = 1000;
     info.role = CONUS_CONTEXT;
     assert_ok(atlas_set_context(atlas, &info, values));
-    struct engine *gl = gl_engine(atlas, CONUS_EXACT, 0);
-    struct engine *rays = rays_engine(atlas, CONUS_EXACT, 0);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
     struct cone cone = cone_from(-10, 1, 1, 40, 16);
-    assert_true(assert_same_look(gl, rays, &cone) > 0);
-    engine_destroy(rays);
-    engine_destroy(gl);
+    assert_true(gl_pair_same_look(&pair, &cone) > 0);
+    gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
-}
-
-/* Grids of their own, voxels that block strewn over them. */
-static void add_blocking_context(conus_atlas *atlas, uint64_t *random)
-{
-    const size_t dim[3] = {9, 7, 8};
-    conus_volume_info info = scene_grid(random, dim);
-    float *values = memory_zeroed(9 * 7 * 8, sizeof *values);
-    assert_non_null(values);
-    for (size_t v = 0; v < 9 * 7 * 8; v++) {
-        values[v] = (float)test_random(random, 0, 1);
-    }
-    info.role = CONUS_CONTEXT;
-    info.threshold = 0.9;
-    assert_ok(atlas_set_context(atlas, &info, values));
 }
 
 static size_t count_blocked(struct engine *engine, const struct cone *cone)
 {
-    struct evidence evidence;
+    struct evidence evidence = gl_pair_look(engine, cone);
     size_t blocked = 0;
-    assert_ok(evidence_init(&evidence, cone->resolution));
-    assert_ok(engine->functions->trace(engine, &evidence, cone));
     for (size_t i = 0; i < (size_t)cone->resolution * cone->resolution; i++) {
         blocked += evidence.object[i] == VOLUME_BLOCKER;
     }
@@ -268,16 +175,14 @@ static void what_blocks_is_seen_alike(void **state)
     for (int scene = 0; scene < 20; scene++) {
         conus_sampling sampling = scene % 2 ? CONUS_SLICES : CONUS_EXACT;
         conus_atlas *atlas = scene_atlas(&random, 24, scene % 3);
-        add_blocking_context(atlas, &random);
-        struct engine *gl = gl_engine(atlas, sampling, 0);
-        struct engine *rays = rays_engine(atlas, sampling, 0);
+        blockers_add(atlas, &random, (size_t[]){9, 7, 8}, 0.1);
+        struct gl_pair pair = gl_pair_create(atlas, sampling);
         for (int pose = 0; pose < 6; pose++) {
             struct cone cone = scene_cone(&random, atlas);
-            hits += assert_same_look(gl, rays, &cone);
-            blocked += count_blocked(rays, &cone);
+            hits += gl_pair_same_look(&pair, &cone);
+            blocked += count_blocked(pair.rays, &cone);
         }
-        engine_destroy(rays);
-        engine_destroy(gl);
+        gl_pair_destroy(&pair);
         conus_atlas_destroy(atlas);
     }
     assert_true(blocked > 500 && hits - blocked > 500);
@@ -303,7 +208,8 @@ static void a_volume_too_long_for_the_driver_is_refused(void **state)
     (void)state;
     conus_volume_info small = plain_grid(1, 1, 1);
     conus_atlas *atlas = atlas_of(&small, (uint32_t[]){1});
-    engine_destroy(gl_engine(atlas, CONUS_EXACT, 0));
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT); /* or skips */
+    gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
     size_t length = (size_t)longest_texture() + 1;
     conus_volume_info info = plain_grid(1, length, 1);
@@ -320,29 +226,13 @@ static void a_volume_too_long_for_the_driver_is_refused(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static conus_status create_look_destroy(void *atlas)
-{
-    const struct engine_options options = {0};
-    struct engine *engine = NULL;
-    struct evidence evidence;
-    struct cone cone = cone_from(-10, 0, 0, 20, 4);
-    conus_status status = evidence_init(&evidence, cone.resolution);
-    if (!status) {
-        status = engine_gl_create(&engine, atlas, &options);
-        status = status ? status : engine->functions->trace(engine, &evidence, &cone);
-        engine_destroy(engine);
-        evidence_finish(&evidence);
-    }
-    return status;
-}
-
 static void every_failing_allocation_is_reported(void **state)
 {
     (void)state;
     uint64_t random = 14;
     conus_atlas *atlas = scene_atlas(&random, 20, 2);
-    engine_destroy(gl_engine(atlas, CONUS_EXACT, 0));
-    test_every_allocation(create_look_destroy, atlas);
+    struct cone cone = cone_from(-10, 0, 0, 20, 4);
+    gl_pair_every_allocation(atlas, &cone, false);
     conus_atlas_destroy(atlas);
 }
 
@@ -352,23 +242,22 @@ static void the_callers_context_stays_current(void **state)
     (void)state;
     uint64_t random = 15;
     conus_atlas *atlas = scene_atlas(&random, 20, 1);
-    struct engine *gl = gl_engine(atlas, CONUS_EXACT, 0);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
     struct gl_context *own = NULL;
     struct gl_current previous;
     assert_ok(gl_context_create(&own, NULL, NULL));
     assert_ok(gl_context_use(own, &previous));
     EGLContext is = eglGetCurrentContext();
-    struct engine *rays = rays_engine(atlas, CONUS_EXACT, 0);
     struct cone cone = scene_cone(&random, atlas);
-    assert_same_look(gl, rays, &cone);
+    gl_pair_same_look(&pair, &cone);
     assert_ptr_equal(eglGetCurrentContext(), is);
-    engine_destroy(gl_engine(atlas, CONUS_EXACT, 0));
+    struct gl_pair another = gl_pair_create(atlas, CONUS_EXACT);
+    gl_pair_destroy(&another);
     assert_ptr_equal(eglGetCurrentContext(), is);
-    engine_destroy(gl);
+    gl_pair_destroy(&pair);
     assert_ptr_equal(eglGetCurrentContext(), is);
     gl_current_restore(&previous);
     gl_context_destroy(own);
-    engine_destroy(rays);
     conus_atlas_destroy(atlas);
 }
 
@@ -378,19 +267,17 @@ static void compare_on(const char *name, uint64_t random, int poses)
 {
     conus_atlas *atlas = NULL;
     assert_ok(conus_atlas_load(&atlas, test_mricron(name), NULL));
-    struct engine *exact[2] = {gl_engine(atlas, CONUS_EXACT, 0), rays_engine(atlas, CONUS_EXACT, 0)};
-    struct engine *slices[2] = {gl_engine(atlas, CONUS_SLICES, 0), rays_engine(atlas, CONUS_SLICES, 0)};
+    struct gl_pair exact = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair slices = gl_pair_create(atlas, CONUS_SLICES);
     size_t hits = 0;
     for (int pose = 0; pose < poses; pose++) {
         struct cone cone = scene_cone(&random, atlas);
-        hits += assert_same_look(exact[0], exact[1], &cone);
-        assert_same_look(slices[0], slices[1], &cone);
+        hits += gl_pair_same_look(&exact, &cone);
+        gl_pair_same_look(&slices, &cone);
     }
     assert_true(hits > 1000);
-    for (int i = 0; i < 2; i++) {
-        engine_destroy(exact[i]);
-        engine_destroy(slices[i]);
-    }
+    gl_pair_destroy(&exact);
+    gl_pair_destroy(&slices);
     conus_atlas_destroy(atlas);
 }
 
@@ -409,13 +296,6 @@ static void real_atlases_are_seen_alike(void **state)
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         compare_on(names[i], 20 + i, 50);
     }
-}
-
-/* Runs last: through all of it the driver had nothing to say. */
-static void the_driver_was_silent(void **state)
-{
-    (void)state;
-    assert_int_equal(driver_messages, 0);
 }
 
 int main(void)

@@ -9,42 +9,14 @@
 
 #include <stdio.h>
 
-/* The engines, and what has been compared: pixels and their objects. */
-struct pair {
-    struct gl_pair engines;
-    size_t pairs, pieces;
-    size_t at_edges; /* pixels and objects apart: mostly another triangle beside the edge */
-    size_t lengths;  /* of these, those whose length inside is another one                */
-    size_t missed;   /* and those that one engine only has met                            */
-};
-
-static struct pair pair_of(const conus_atlas *atlas)
-{
-    return (struct pair){.engines = gl_pair_create(atlas, CONUS_EXACT)};
-}
-
-static void pair_finish(struct pair *pair)
-{
-    gl_pair_destroy(&pair->engines);
-}
-
-static void add_up(struct pair *sum, const struct pair *pair)
-{
-    sum->pairs += pair->pairs;
-    sum->pieces += pair->pieces;
-    sum->at_edges += pair->at_edges;
-    sum->lengths += pair->lengths;
-    sum->missed += pair->missed;
-}
-
-static void assert_agreement(const struct pair *pair, size_t least)
+static void assert_agreement(const struct gl_counts *counts, size_t least)
 {
     print_message("%zu pieces of %zu objects in pixels, %zu apart at edges, %zu in length, %zu met by one engine\n",
-                  pair->pieces, pair->pairs, pair->at_edges, pair->lengths, pair->missed);
-    assert_true(pair->pairs >= least);
-    assert_true(pair->at_edges <= 1 + pair->pairs / 50); /* triangles may be as small as pixels */
-    assert_true(pair->lengths <= 1 + pair->pairs / 500);
-    assert_true(pair->missed <= 1 + pair->pairs / 1000);
+                  counts->hits, counts->compared, counts->at_edges, counts->other_length, counts->other_object);
+    assert_true(counts->compared >= least);
+    assert_true(counts->at_edges <= 1 + counts->compared / 50); /* triangles may be as small as pixels */
+    assert_true(counts->other_length <= 1 + counts->compared / 500);
+    assert_true(counts->other_object <= 1 + counts->compared / 1000);
 }
 
 /* ---- Comparison --------------------------------------------------------------------------------------------- */
@@ -93,7 +65,7 @@ static bool are_same(const struct stack *got, const struct stack *wanted, uint32
     }
 }
 
-static bool has(const struct stack *stack, uint32_t object)
+static bool has_object(const struct stack *stack, uint32_t object)
 {
     size_t at = 0;
     return next_of(stack, &at, object) != NULL;
@@ -118,9 +90,9 @@ static bool is_other_length(const struct cone *cone, const struct stack *got, co
 }
 
 /* Whether the driver may see another triangle of the object there, or none. */
-static bool may_differ(const struct pair *pair, const struct cone *cone, uint32_t object, size_t pixel)
+static bool may_differ(const struct gl_pair *pair, const struct cone *cone, uint32_t object, size_t pixel)
 {
-    const struct mesh *mesh = atlas_object_mesh(pair->engines.atlas, object);
+    const struct mesh *mesh = atlas_object_mesh(pair->atlas, object);
     for (size_t triangle = 0; mesh && triangle < mesh->triangle_count; triangle++) {
         if (gl_edge_is_near(cone, mesh, triangle, pixel)) {
             return true;
@@ -140,10 +112,10 @@ static void print_stack(const char *what, const struct stack *stack, uint32_t ob
     }
 }
 
-static void compare_object(struct pair *pair, const struct cone *cone, const struct stack *got,
+static void compare_object(struct gl_pair *pair, const struct cone *cone, const struct stack *got,
                            const struct stack *wanted, const conus_span *span)
 {
-    pair->pairs++;
+    pair->counts.compared++;
     if (are_same(got, wanted, span->object)) {
         return;
     }
@@ -153,22 +125,22 @@ static void compare_object(struct pair *pair, const struct cone *cone, const str
         fail_msg("pixel %u of %u x %u, %g degrees, %g mm, object %u", span->pixel, cone->resolution, cone->resolution,
                  degrees_from_radians(cone->angle), cone->radius, span->object);
     }
-    pair->at_edges++;
-    pair->lengths += is_other_length(cone, got, wanted, span);
-    pair->missed += has(got, span->object) != has(wanted, span->object);
+    pair->counts.at_edges++;
+    pair->counts.other_length += is_other_length(cone, got, wanted, span);
+    pair->counts.other_object += has_object(got, span->object) != has_object(wanted, span->object);
 }
 
 /* Whether the object of the span at `index` comes earlier in the stack. */
 static bool is_known(const struct stack *stack, size_t index)
 {
     const struct stack earlier = {stack->spans, index};
-    return has(&earlier, stack->spans[index].object);
+    return has_object(&earlier, stack->spans[index].object);
 }
 
-static void compare(struct pair *pair, const struct cone *cone)
+static void compare_layers(struct gl_pair *pair, const struct cone *cone)
 {
-    struct layers got = gl_pair_pierce(pair->engines.gl, cone);
-    struct layers wanted = gl_pair_pierce(pair->engines.rays, cone);
+    struct layers got = gl_pair_pierce(pair->gl, cone);
+    struct layers wanted = gl_pair_pierce(pair->rays, cone);
     size_t i = 0, j = 0;
     for (size_t pixel = 0; pixel < (size_t)cone->resolution * cone->resolution; pixel++) {
         struct stack a = take_pixel(&got, &i, pixel);
@@ -179,19 +151,19 @@ static void compare(struct pair *pair, const struct cone *cone)
             }
         }
         for (size_t k = 0; k < a.count; k++) {
-            if (!is_known(&a, k) && !has(&b, a.spans[k].object)) {
+            if (!is_known(&a, k) && !has_object(&b, a.spans[k].object)) {
                 compare_object(pair, cone, &a, &b, &a.spans[k]);
             }
         }
     }
     assert_int_equal(i, got.count);
     assert_int_equal(j, wanted.count);
-    pair->pieces += wanted.count;
+    pair->counts.hits += wanted.count;
     layers_finish(&got);
     layers_finish(&wanted);
 }
 
-static void compare_poses(struct pair *pair, uint64_t *random, double size, int poses)
+static void compare_poses(struct gl_pair *pair, uint64_t *random, double size, int poses)
 {
     for (int pose = 0; pose < poses; pose++) {
         struct cone cone = mesh_scene_random_cone(random, size);
@@ -199,7 +171,7 @@ static void compare_poses(struct pair *pair, uint64_t *random, double size, int 
             cone.angle = 0;
             cone.radius = size * test_random(random, 0.02, 0.4);
         }
-        compare(pair, &cone);
+        compare_layers(pair, &cone);
     }
 }
 
@@ -214,10 +186,10 @@ static void nested_spheres(void **state)
         struct mesh sphere = mesh_scene_sphere((double[]){3, -2, 1}, 50 - i * pow(10, -i), 30, 60);
         mesh_scene_add(atlas, &sphere);
     }
-    struct pair pair = pair_of(atlas);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
     compare_poses(&pair, &random, 50, 100);
-    assert_agreement(&pair, 80000);
-    pair_finish(&pair);
+    assert_agreement(&pair.counts, 80000);
+    gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
 
@@ -226,7 +198,7 @@ static void random_triangles(void **state)
 {
     (void)state;
     uint64_t random = 82;
-    struct pair sum = {0};
+    struct gl_counts sum = {0};
     for (int scene = 0; scene < 30; scene++) {
         conus_atlas *atlas = mesh_scene_atlas();
         double size = pow(10, test_random(&random, 0, 3));
@@ -235,10 +207,10 @@ static void random_triangles(void **state)
             struct mesh soup = mesh_scene_soup(&random, triangles, size, size * test_random(&random, 0.05, 0.6));
             mesh_scene_add(atlas, &soup);
         }
-        struct pair pair = pair_of(atlas);
+        struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
         compare_poses(&pair, &random, size, 10);
-        add_up(&sum, &pair);
-        pair_finish(&pair);
+        gl_counts_add(&sum, &pair.counts);
+        gl_pair_destroy(&pair);
         conus_atlas_destroy(atlas);
     }
     assert_agreement(&sum, 60000);
@@ -265,10 +237,10 @@ static void tori_in_rows(void **state)
         mesh_transform(&torus, pose.world_from_device);
         mesh_scene_add(atlas, &torus);
     }
-    struct pair pair = pair_of(atlas);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
     compare_poses(&pair, &random, 44, 100);
-    assert_agreement(&pair, 50000);
-    pair_finish(&pair);
+    assert_agreement(&pair.counts, 50000);
+    gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
 
@@ -277,10 +249,10 @@ static void one_hundred_poses_of_the_brain(void **state)
     (void)state;
     uint64_t random = 84;
     conus_atlas *atlas = mesh_scene_brain();
-    struct pair pair = pair_of(atlas);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
     compare_poses(&pair, &random, 60, 100);
-    assert_agreement(&pair, 80000);
-    pair_finish(&pair);
+    assert_agreement(&pair.counts, 80000);
+    gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
 
@@ -288,18 +260,18 @@ static void meshes_among_voxels(void **state)
 {
     (void)state;
     uint64_t random = 85;
-    struct pair sum = {0};
+    struct gl_counts sum = {0};
     for (int scene = 0; scene < 10; scene++) {
         conus_atlas *atlas = scene_atlas(&random, 20, 0);
         mesh_scene_add_soups(atlas, &random);
-        struct pair pair = pair_of(atlas);
+        struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
         for (int pose = 0; pose < 10; pose++) {
             struct cone cone = {.pose = scene_pose(&random, atlas), .resolution = 16};
             cone.angle = radians_from_degrees(test_random(&random, 1, 90));
-            compare(&pair, &cone);
+            compare_layers(&pair, &cone);
         }
-        add_up(&sum, &pair);
-        pair_finish(&pair);
+        gl_counts_add(&sum, &pair.counts);
+        gl_pair_destroy(&pair);
         conus_atlas_destroy(atlas);
     }
     assert_agreement(&sum, 10000);
@@ -319,10 +291,10 @@ static void one_hundred_poses_of_julich_brain(void **state)
     fprintf(file, "\"areas\": [{\"files\": \"%s/*.gii\"}]}\n", shared);
     assert_int_equal(fclose(file), 0);
     assert_ok(conus_atlas_load(&atlas, path, NULL));
-    struct pair pair = pair_of(atlas);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
     compare_poses(&pair, &random, 60, 100);
-    assert_agreement(&pair, 20000);
-    pair_finish(&pair);
+    assert_agreement(&pair.counts, 20000);
+    gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
 
@@ -335,12 +307,12 @@ static void what_lies_behind_a_cylinder_is_not_in_it(void **state)
         struct mesh sphere = mesh_scene_sphere((double[]){20 * i, 0, 0}, 8, 20, 40);
         mesh_scene_add(atlas, &sphere);
     }
-    struct pair pair = pair_of(atlas);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
     struct cone cone = mesh_scene_cone((double[]){0, 0.123, 0.045}, (double[]){1, 0.123, 0.045}, 10, 16);
     cone.angle = 0;
     cone.radius = 1.5;
-    compare(&pair, &cone);
-    struct layers layers = gl_pair_pierce(pair.engines.gl, &cone);
+    compare_layers(&pair, &cone);
+    struct layers layers = gl_pair_pierce(pair.gl, &cone);
     assert_int_equal(layers.count, 3 * 16 * 16);
     for (size_t i = 0; i < layers.count; i++) {
         const conus_span *span = &layers.spans[i];
@@ -349,7 +321,7 @@ static void what_lies_behind_a_cylinder_is_not_in_it(void **state)
         assert_near(span->exit, 20 * (span->object - 3.0) + 7.75, 0.3);
     }
     layers_finish(&layers);
-    pair_finish(&pair);
+    gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
 
@@ -363,26 +335,13 @@ static void a_thousand_layers(void **state)
         struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 10 + 0.01 * i, 6, 8);
         mesh_scene_add(atlas, &sphere);
     }
-    struct pair pair = pair_of(atlas);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
     struct cone cone = mesh_scene_cone((double[]){-50, 1.234, 2.345}, (double[]){0, 0.321, 0.123}, 6, N);
-    compare(&pair, &cone);
-    assert_int_equal(pair.pieces, (size_t)LAYERS * N * N);
-    assert_agreement(&pair, (size_t)LAYERS * N * N);
-    pair_finish(&pair);
+    compare_layers(&pair, &cone);
+    assert_int_equal(pair.counts.hits, (size_t)LAYERS * N * N);
+    assert_agreement(&pair.counts, (size_t)LAYERS * N * N);
+    gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
-}
-
-static conus_status create_pierce_destroy(void *atlas)
-{
-    const struct engine_options options = {0};
-    struct engine *engine = NULL;
-    struct layers layers = {0};
-    struct cone cone = mesh_scene_cone((double[]){-50, 0, 0}, (double[]){0, 0, 0}, 30, 24);
-    conus_status status = engine_gl_create(&engine, atlas, &options);
-    status = status ? status : engine->functions->pierce(engine, &layers, &cone);
-    engine_destroy(engine);
-    layers_finish(&layers);
-    return status;
 }
 
 static void every_failing_allocation_is_reported(void **state)
@@ -393,17 +352,9 @@ static void every_failing_allocation_is_reported(void **state)
         struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 10 + i, 8, 16);
         mesh_scene_add(atlas, &sphere);
     }
-    struct pair pair = pair_of(atlas);
-    pair_finish(&pair);
-    test_every_allocation(create_pierce_destroy, atlas);
+    struct cone cone = mesh_scene_cone((double[]){-50, 0, 0}, (double[]){0, 0, 0}, 30, 24);
+    gl_pair_every_allocation(atlas, &cone, true);
     conus_atlas_destroy(atlas);
-}
-
-/* Runs last: through all of it the driver had nothing to say. */
-static void the_driver_was_silent(void **state)
-{
-    (void)state;
-    assert_int_equal(gl_pair_messages(), 0);
 }
 
 int main(void)

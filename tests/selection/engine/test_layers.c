@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All layers (Eq. 10): the container of the pieces, and what the rays engine puts into it. */
 #include "base/math3.h"
+#include "mesh_scene.h"
 #include "scene.h"
 #include "selection/selection.h"
 #include "test.h"
@@ -94,17 +95,6 @@ static void what_blocks_is_dropped(void **state)
     layers_finish(&layers);
 }
 
-static conus_selection *select_with(const conus_atlas *atlas, const conus_selector_options *options,
-                                    const struct cone *cone)
-{
-    conus_selector *selector = NULL;
-    conus_selection *selection = NULL;
-    assert_ok(conus_selector_create(&selector, atlas, options));
-    assert_ok(conus_select(&selection, selector, &cone->pose, options->radius > 0 ? 0 : cone->angle));
-    conus_selector_destroy(selector);
-    return selection;
-}
-
 /* Property: what is visible is the first piece of each pixel, to the bit. */
 static void the_first_piece_is_what_is_visible(void **state)
 {
@@ -114,7 +104,7 @@ static void the_first_piece_is_what_is_visible(void **state)
         conus_atlas *atlas = scene_atlas(&random, 12, 1);
         struct cone cone = scene_cone(&random, atlas);
         const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .resolution = cone.resolution};
-        conus_selection *selection = select_with(atlas, &options, &cone);
+        conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
         struct evidence first;
         size_t pixels = (size_t)cone.resolution * cone.resolution;
         assert_ok(evidence_init(&first, cone.resolution));
@@ -141,7 +131,7 @@ static void ranges_that_meet_add_up(void **state)
         for (int r = 0; r < 3; r++) {
             const conus_selector_options options = {
                 .layers = CONUS_ALL_LAYERS, .range = {ranges[r][0], ranges[r][1]}, .resolution = cone.resolution};
-            conus_selection *selection = select_with(atlas, &options, &cone);
+            conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
             for (size_t i = 0; i + 1 < conus_selection_count(selection); i++) {
                 const conus_result *result = conus_selection_result(selection, i);
                 length[r] += result->pierced ? result->path * result->pierced : 0;
@@ -171,7 +161,7 @@ static void a_cylinder_has_parallel_rays(void **state)
     label_table_finish(&table);
     assert_ok(conus_pose_along(&cone.pose, (double[]){4.5, 4.5, 50}, (double[]){0, 0, -1}, NULL));
     const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .radius = 4};
-    conus_selection *selection = select_with(atlas, &options, &cone);
+    conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
     const conus_result *box = conus_selection_result(selection, 0);
     assert_int_equal(box->pixels, 208);
     assert_int_equal(box->pierced, 208);
@@ -271,8 +261,8 @@ static void a_range_of_everything_changes_nothing(void **state)
         fill_grid(atlas);
         const conus_selector_options open = {.resolution = cone.resolution};
         const conus_selector_options range = {.resolution = cone.resolution, .range = {0, 1e7}};
-        conus_selection *wanted = select_with(atlas, &open, &cone);
-        conus_selection *got = select_with(atlas, &range, &cone);
+        conus_selection *wanted = mesh_scene_select(atlas, &open, &cone);
+        conus_selection *got = mesh_scene_select(atlas, &range, &cone);
         size_t pixels = (size_t)cone.resolution * cone.resolution;
         assert_memory_equal(got->evidence.object, wanted->evidence.object, pixels * sizeof *got->evidence.object);
         assert_memory_equal(got->evidence.distance, wanted->evidence.distance, pixels * sizeof(double));

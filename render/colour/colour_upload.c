@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Uploads volumes, meshes and colours of an atlas for the colour pass, and collects the points around what shows. */
+#include "render/colour/colour_upload.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+#include "render/colour/bricks.h"
+#include "render/colour/colour_view.h"
+#include "render/colour/pathways.h"
+#include "render/gl/context.h"
+#include "render/gl/volume_texture.h"
+#include "render/image/image_srgb.h"
+
+#include <string.h>
+
+enum { MESH_POINTS = 100000 };
+
+static void place_volume(struct colour_volume *out, const struct volume *volume)
+{
+    double texture_from_voxel[16];
+    mat4_identity(texture_from_voxel);
+    for (int a = 0; a < 3; a++) {
+        out->dim[a] = volume->info.dim[a];
+        texture_from_voxel[5 * a] = 1.0 / (double)out->dim[a];
+        texture_from_voxel[12 + a] = 0.5 / (double)out->dim[a];
+    }
+    mat4_multiply(out->texture_from_world, texture_from_voxel, volume->voxel_from_world);
+    memcpy(out->world_from_voxel, volume->info.world_from_voxel, sizeof out->world_from_voxel);
+}
+
+/* Appends the corners of all bricks that show. */
+static conus_status add_content(struct colour_pass *pass, const struct bricks *bricks,
+                                const struct colour_volume *volume)
+{
+    size_t count = bricks->dim[0] * bricks->dim[1] * bricks->dim[2];
+    double(*points)[3] = memory_resize(pass->content, pass->content_count + 8 * count + 1, sizeof *points);
+    if (!points) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->content = points;
+    for (size_t b = 0; b < count; b++) {
+        const size_t at[3] = {b % bricks->dim[0], b / bricks->dim[0] % bricks->dim[1],
+                              b / bricks->dim[0] / bricks->dim[1]};
+        for (int n = 0; n < 8 && !bricks->distance[b]; n++) {
+            double voxel[3];
+            for (int a = 0; a < 3; a++) {
+                size_t edge = (at[a] + (size_t)(n >> a & 1)) * BRICKS_EDGE;
+                voxel[a] = (double)(edge < volume->dim[a] ? edge : volume->dim[a]) - 0.5;
+            }
+            mat4_point(points[pass->content_count++], volume->world_from_voxel, voxel);
+        }
+    }
+    return CONUS_OK;
+}
+
+/* Appends the corners of the whole grid: for an atlas in which nothing shows. */
+conus_status colour_add_corners(struct colour_pass *pass, const struct colour_volume *volume)
+{
+    double(*points)[3] = memory_resize(pass->content, pass->content_count + 8, sizeof *points);
+    if (!points) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->content = points;
+    for (int n = 0; n < 8; n++) {
+        double corner[3];
+        for (int a = 0; a < 3; a++) {
+            corner[a] = n >> a & 1 ? (double)volume->dim[a] - 0.5 : -0.5;
+        }
+        mat4_point(points[pass->content_count++], volume->world_from_voxel, corner);
+    }
+    return CONUS_OK;
+}
+
+/* Uploads a field and the distances to the bricks with densities that `visible` names. */
+static conus_status upload_field(struct colour_pass *pass, struct colour_volume *out, const struct volume *volume,
+                                 const struct field *field, const bool *visible, uint64_t *memory_left)
+{
+    struct bricks bricks = {0};
+    conus_status status = field_bricks(&bricks, field, visible, TABLE_PER_LEVEL);
+    place_volume(out, volume);
+    if (!status) {
+        status = add_content(pass, &bricks, out);
+    }
+    if (!status) {
+        status = volume_texture_create(&out->field, VOLUME_TEXTURE_BYTE4, field->dim, field->texels, memory_left);
+    }
+    if (!status) {
+        status = volume_texture_create(&out->empty, VOLUME_TEXTURE_UINT8, bricks.dim, bricks.distance, memory_left);
+    }
+    bricks_finish(&bricks);
+    return status;
+}
+
+static conus_status upload_areas(struct colour_pass *pass, const struct volume *volume, uint64_t *memory_left)
+{
+    bool visible[COLOUR_TABLE_ENTRIES];
+    for (size_t i = 0; i < COLOUR_TABLE_ENTRIES; i++) {
+        visible[i] = i > (FIELD_SURFACE - 1) * TABLE_PER_LEVEL;
+    }
+    struct field field = {0};
+    conus_status status = field_of_objects(&field, volume);
+    if (!status) {
+        status = upload_field(pass, &pass->areas, volume, &field, visible, memory_left);
+    }
+    if (!status) {
+        enum volume_texture_kind kind = volume->objects16 ? VOLUME_TEXTURE_UINT16 : VOLUME_TEXTURE_UINT32;
+        const void *objects = volume->objects16 ? (const void *)volume->objects16 : volume->objects32;
+        status = volume_texture_create(&pass->objects, kind, volume->info.dim, objects, memory_left);
+    }
+    field_finish(&field);
+    pass->has_areas = true;
+    return status;
+}
+
+/* All opaque areas would hide pathways: where there are any, they are drawn with only some areas, those in @p drawn. */
+conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const bool *drawn,
+                                   uint64_t *memory_left)
+{
+    if (!pathways_first(atlas)) {
+        const struct volume *parcellation = atlas_parcellation(atlas);
+        return parcellation ? upload_areas(pass, parcellation, memory_left) : CONUS_OK;
+    }
+    struct volume joint = {0};
+    conus_status status = pathways_join(&joint, atlas, drawn);
+    status = status ? status : upload_areas(pass, &joint, memory_left);
+    volume_finish(&joint);
+    return status;
+}
+
+/* Vertices, about MESH_POINTS of them, for the camera to frame. */
+static conus_status add_mesh_content(struct colour_pass *pass, const conus_atlas *atlas)
+{
+    size_t vertices = 0;
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, number);
+        vertices += mesh ? mesh->vertex_count : 0;
+    }
+    size_t step = vertices / MESH_POINTS + 1;
+    double(*points)[3] =
+        memory_resize(pass->content, pass->content_count + vertices / step + atlas->mesh_count + 1, sizeof *points);
+    if (!points) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->content = points;
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, number);
+        for (size_t v = 0; mesh && v < mesh->vertex_count; v += step) {
+            for (size_t a = 0; a < 3; a++) {
+                points[pass->content_count][a] = (double)mesh->positions[3 * v + a];
+            }
+            pass->content_count++;
+        }
+    }
+    return CONUS_OK;
+}
+
+conus_status colour_upload_meshes(struct colour_pass *pass, const conus_atlas *atlas, uint64_t *memory_left)
+{
+    if (!atlas->mesh_count) {
+        return CONUS_OK;
+    }
+    conus_status status = mesh_layer_create(&pass->meshes, atlas, memory_left);
+    return status ? status : add_mesh_content(pass, atlas);
+}
+
+static GLuint table_texture(const float *table)
+{
+    GLuint texture = 0;
+    glCreateTextures(GL_TEXTURE_2D, 1, &texture);
+    glTextureStorage2D(texture, 1, GL_RGBA32F, COLOUR_TABLE_ENTRIES, 1);
+    glTextureSubImage2D(texture, 0, 0, 0, COLOUR_TABLE_ENTRIES, 1, GL_RGBA, GL_FLOAT, table);
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    return texture;
+}
+
+conus_status colour_upload_context(struct colour_pass *pass, const struct volume *volume,
+                                   const struct transfer *transfer, uint64_t *memory_left)
+{
+    float table[COLOUR_TABLE_ENTRIES * 4];
+    bool visible[COLOUR_TABLE_ENTRIES];
+    transfer_table(table, COLOUR_TABLE_ENTRIES, transfer);
+    for (size_t i = 0; i < COLOUR_TABLE_ENTRIES; i++) {
+        visible[i] = table[4 * i + 3] > 0;
+    }
+    struct field field = {0};
+    double low, high;
+    conus_status status = transfer_span(&low, &high, transfer, volume);
+    if (!status) {
+        status = field_of_values(&field, volume, low, high);
+    }
+    if (!status) {
+        status = upload_field(pass, &pass->context, volume, &field, visible, memory_left);
+    }
+    if (!status) {
+        pass->transfer = table_texture(table);
+        status = gl_check("transfer function");
+    }
+    field_finish(&field);
+    pass->has_context = true;
+    return status;
+}
+
+conus_status colour_upload_palette(struct colour_pass *pass, const conus_atlas *atlas)
+{
+    pass->object_count = atlas->object_count;
+    pass->colours = memory_zeroed(atlas->object_count + 1, 4 * sizeof *pass->colours);
+    pass->shown = memory_zeroed(atlas->object_count + 1, 4 * sizeof *pass->shown);
+    pass->drawn = memory_zeroed(atlas->object_count + 1, sizeof *pass->drawn);
+    if (!pass->colours || !pass->shown || !pass->drawn) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t number = 1; number <= atlas->object_count; number++) {
+        for (int c = 0; c < 3; c++) {
+            double srgb = atlas->objects[number - 1].rgb[c] / 255.0;
+            pass->colours[4 * number + (size_t)c] = (float)linear_from_srgb(srgb);
+        }
+    }
+    glCreateBuffers(1, &pass->palette);
+    glNamedBufferData(pass->palette, (GLsizeiptr)((atlas->object_count + 1) * 4 * sizeof *pass->colours), NULL,
+                      GL_DYNAMIC_DRAW);
+    glCreateBuffers(1, &pass->view);
+    glNamedBufferData(pass->view, sizeof(struct colour_view_block), NULL, GL_DYNAMIC_DRAW);
+    glCreateVertexArrays(1, &pass->vertices);
+    return gl_check("colour pass");
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Moves an atlas into the GL objects of a colour pass. Private to the pass: only colour.c includes it.
+ * @p memory_left is in bytes; each upload takes its textures off. */
+#ifndef CONUS_RENDER_COLOUR_COLOUR_UPLOAD_H
+#define CONUS_RENDER_COLOUR_COLOUR_UPLOAD_H
+
+#include "render/colour/colour.h"
+#include "render/colour/field.h"
+
+enum {
+    TABLE_PER_LEVEL = 4, /**< Entries of the transfer table for each step between neighbouring densities. */
+    COLOUR_TABLE_ENTRIES = (FIELD_LEVELS - 1) * TABLE_PER_LEVEL + 1
+};
+
+/** Creates the buffers and the tables by object number. */
+conus_status colour_upload_palette(struct colour_pass *pass, const conus_atlas *atlas);
+
+/** Uploads the parcellation. In an atlas with pathways the areas would hide them: then it uploads the pathways, and
+ * only the areas in @p drawn [object_count + 1] (NULL = none). */
+conus_status colour_upload_objects(struct colour_pass *pass, const conus_atlas *atlas, const bool *drawn,
+                                   uint64_t *memory_left);
+
+conus_status colour_upload_context(struct colour_pass *pass, const struct volume *volume,
+                                   const struct transfer *transfer, uint64_t *memory_left);
+
+conus_status colour_upload_meshes(struct colour_pass *pass, const conus_atlas *atlas, uint64_t *memory_left);
+
+/** Adds the corners of the whole grid to the content: for an atlas in which nothing shows. */
+conus_status colour_add_corners(struct colour_pass *pass, const struct colour_volume *volume);
+
+#endif

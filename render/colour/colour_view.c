@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Packs a view into the uniform block of the colour pass: planes of Eq. 7, camera, light, cone and markers. */
+#include "render/colour/colour_view.h"
+
+#include "base/math3.h"
+#include "render/colour/bricks.h"
+#include "render/image/image_srgb.h"
+
+static void join_depths(struct slices *joint, const struct colour_volume *volume, const struct camera *camera)
+{
+    const double *m = camera->world_from_camera;
+    const double forward[3] = {-m[8], -m[9], -m[10]};
+    struct slices own = slices_over(volume->dim, volume->world_from_voxel, m + 12, forward, 1);
+    if (own.count) {
+        double end = fmax(joint->count ? joint->start + joint->spacing : 0, own.start + own.spacing);
+        joint->start = joint->count ? fmin(joint->start, own.start) : own.start;
+        joint->spacing = end - joint->start;
+        joint->count = 1;
+    }
+}
+
+struct slices colour_pass_slices(const struct colour_pass *pass, const struct camera *camera, uint32_t count)
+{
+    struct slices joint = {0};
+    uint32_t finest = 1;
+    const struct colour_volume *volumes[] = {pass->has_areas ? &pass->areas : NULL,
+                                             pass->has_context ? &pass->context : NULL};
+    for (int i = 0; i < 2; i++) {
+        if (volumes[i]) {
+            uint32_t own = slices_default(volumes[i]->dim);
+            finest = own > finest ? own : finest;
+            join_depths(&joint, volumes[i], camera);
+        }
+    }
+    if (joint.count) {
+        joint.count = count ? count : finest;
+        joint.spacing /= joint.count;
+    }
+    return joint;
+}
+
+static void set4(float out[4], const double xyz[3], double w)
+{
+    for (int i = 0; i < 3; i++) {
+        out[i] = (float)xyz[i];
+    }
+    out[3] = (float)w;
+}
+
+static void set_volume(float from_camera[16], float bricks[4], const struct colour_volume *volume,
+                       const struct camera *camera)
+{
+    double m[16];
+    mat4_multiply(m, volume->texture_from_world, camera->world_from_camera);
+    for (int i = 0; i < 16; i++) {
+        from_camera[i] = (float)m[i];
+    }
+    for (int a = 0; a < 3; a++) {
+        bricks[a] = (float)((double)volume->dim[a] / BRICKS_EDGE);
+    }
+    bricks[3] = 1;
+}
+
+static void set_cone(struct colour_view_block *block, const struct colour_view *view,
+                     const double camera_from_world[16])
+{
+    const double *m = view->world_from_cone;
+    double apex[3], axis[3];
+    const double forward[3] = {-m[8], -m[9], -m[10]};
+    mat4_point(apex, camera_from_world, m + 12);
+    mat4_direction(axis, camera_from_world, forward);
+    set4(block->apex, apex, view->cone_slope);
+    set4(block->axis, axis, view->cone_length);
+    set4(block->cone_shape, (double[]){view->cone_radius, view->cone_start, 0}, 1);
+    set4(block->cone_colour, (double[]){1.0, 0.42, 0.02}, 0.09);
+}
+
+static void set_markers(struct colour_view_block *block, const struct colour_view *view,
+                        const double camera_from_world[16])
+{
+    size_t count = view->marker_count < COLOUR_MARKER_LIMIT ? view->marker_count : COLOUR_MARKER_LIMIT;
+    block->counts[0] = (int32_t)count;
+    for (size_t i = 0; i < count; i++) {
+        const struct colour_marker *marker = &view->markers[i];
+        double centre[3];
+        mat4_point(centre, camera_from_world, marker->centre);
+        set4(block->markers[i], centre, marker->radius);
+        for (int c = 0; c < 3; c++) {
+            block->marker_colours[i][c] = (float)linear_from_srgb(marker->rgb[c] / 255.0);
+        }
+    }
+}
+
+void colour_view_pack(struct colour_view_block *block, const struct colour_pass *pass, const struct colour_view *view)
+{
+    const struct camera *camera = view->camera;
+    double camera_from_world[16], light[3];
+    mat4_invert_affine(camera_from_world, camera->world_from_camera);
+    struct slices slices = colour_pass_slices(pass, camera, view->slices);
+    mat4_direction(light, camera->world_from_camera, (double[]){-0.42, 0.52, 0.74});
+    vec3_normalise(light, light);
+    for (int i = 0; i < 12; i++) {
+        block->world_from_camera[i] = (float)camera->world_from_camera[i];
+    }
+    set4(block->lens, (double[]){camera->slope[0], camera->slope[1], view->width}, view->height);
+    set4(block->middle, (double[]){camera->middle[0], camera->middle[1], 0}, 0);
+    set4(block->planes, (double[]){slices.start, slices.count ? slices.spacing : 1, slices.count}, !view->no_skipping);
+    set4(block->light, light, 1 - view->fade);
+    set4(block->line, (double[]){0.5 * view->line_width, 0.5 * view->line_width, view->shift[0]}, view->shift[1]);
+    if (pass->has_areas) {
+        set_volume(block->areas_from_camera, block->areas_bricks, &pass->areas, camera);
+    }
+    if (pass->has_context && view->fade < 1) {
+        set_volume(block->context_from_camera, block->context_bricks, &pass->context, camera);
+    }
+    if (view->world_from_cone) {
+        set_cone(block, view, camera_from_world);
+    }
+    set_markers(block, view, camera_from_world);
+    block->counts[1] = pass->meshes ? 1 : 0;
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Image files: detects the format of a file that is read, and picks the format of one that is written. */
+#include "render/image/image_codecs.h"
+
+#include <string.h>
+#include <strings.h>
+
+static conus_status parse_image(conus_image **out, const struct bytes *bytes)
+{
+    static const uint8_t exr[] = {0x76, 0x2f, 0x31, 0x01};
+    static const uint8_t png[] = {0x89, 'P', 'N', 'G'};
+    if (bytes->size >= sizeof exr && memcmp(bytes->data, exr, sizeof exr) == 0) {
+        return image_parse_exr(out, bytes->data, bytes->size);
+    }
+    if (bytes->size >= sizeof png && memcmp(bytes->data, png, sizeof png) == 0) {
+        return image_parse_png(out, bytes->data, bytes->size);
+    }
+    return fail(CONUS_ERROR_DATA, "%zu bytes that are neither OpenEXR nor PNG", bytes->size);
+}
+
+conus_status conus_image_load(conus_image **out, const char *path)
+{
+    if (!out || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_image_load: %s is NULL", out ? "path" : "out");
+    }
+    struct bytes bytes;
+    conus_status status = file_read(&bytes, path, IMAGE_MAX_BYTES);
+    if (status) {
+        return status;
+    }
+    status = parse_image(out, &bytes);
+    bytes_finish(&bytes);
+    return status ? fail_in(status, path) : CONUS_OK;
+}
+
+conus_status conus_image_write(const conus_image *image, const char *path)
+{
+    if (!image || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_image_write: %s is NULL", image ? "path" : "image");
+    }
+    const char *dot = strrchr(path, '.');
+    bool exr = dot && strcasecmp(dot, ".exr") == 0;
+    if (!exr && !(dot && strcasecmp(dot, ".png") == 0)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: the ending says the format of a picture: .exr or .png", path);
+    }
+    struct bytes bytes;
+    conus_status status = exr ? image_format_exr(&bytes, image) : image_format_png(&bytes, image);
+    if (status) {
+        return fail_in(status, path);
+    }
+    status = file_write(path, bytes.data, bytes.size);
+    bytes_finish(&bytes);
+    return status;
+}
