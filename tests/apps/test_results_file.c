@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What `conus diff` reads. */
-#include "common/messages.h"
 #include "cli/results_file.h"
+#include "common/messages.h"
 #include "test.h"
 
 #include <stdio.h>
