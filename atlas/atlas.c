@@ -146,7 +146,7 @@ conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct
     }
     conus_status status = mesh_measure(&mesh->shape, mesh);
     if (!status) {
-        copy.kind = CONUS_AREA;
+        copy.kind = CONUS_KIND_AREA;
         copy.triangles = mesh->triangle_count;
         copy.closed = mesh->shape.closed;
         copy.volume_mm3 = mesh->shape.has_volume ? fabs(mesh->shape.volume_mm3) : 0;
@@ -276,7 +276,8 @@ conus_status atlas_exchange_areas(conus_atlas *atlas, conus_atlas *areas)
 static conus_object pathway_object(const conus_atlas *atlas, const char *name, uint64_t voxels, double voxel_mm3)
 {
     uint32_t ordinal = (uint32_t)(atlas->object_count - atlas->area_count) + 1;
-    conus_object object = {.kind = CONUS_PATHWAY, .label = ordinal, .name = name, .abbreviation = "", .named = true};
+    conus_object object = {
+        .kind = CONUS_KIND_PATHWAY, .label = ordinal, .name = name, .abbreviation = "", .named = true};
     object.voxels = voxels;
     object.volume_mm3 = (double)voxels * voxel_mm3;
     palette_colour(object.rgb, 1000 + ordinal);
@@ -313,7 +314,7 @@ conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info
 conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double threshold)
 {
     const conus_object *object = conus_atlas_object(atlas, number);
-    if (!object || object->kind != CONUS_PATHWAY) {
+    if (!object || object->kind != CONUS_KIND_PATHWAY) {
         return fail(CONUS_ERROR_ARGUMENT, "object %zu is no pathway", number);
     }
     if (!isfinite(threshold)) {
@@ -433,7 +434,7 @@ conus_status atlas_note_file(conus_atlas *atlas, const char *path, const struct 
 const struct volume *atlas_context(const conus_atlas *atlas)
 {
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (atlas->volumes[i].info.role == CONUS_CONTEXT) {
+        if (atlas->volumes[i].info.role == CONUS_ROLE_CONTEXT) {
             return &atlas->volumes[i];
         }
     }
@@ -452,7 +453,7 @@ const char *atlas_path(const conus_atlas *atlas)
 
 const struct volume *atlas_parcellation(const conus_atlas *atlas)
 {
-    bool has = atlas->volume_count && atlas->volumes[0].info.role == CONUS_PARCELLATION;
+    bool has = atlas->volume_count && atlas->volumes[0].info.role == CONUS_ROLE_PARCELLATION;
     return has ? &atlas->volumes[0] : NULL;
 }
 
@@ -496,7 +497,7 @@ uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number)
 {
     const conus_object *object = conus_atlas_object(atlas, number);
     uint32_t depth = 0;
-    while (object && object->kind == CONUS_AREA) {
+    while (object && object->kind == CONUS_KIND_AREA) {
         depth += !atlas_is_paired(atlas, (uint32_t)(object - atlas->objects) + 1);
         object = conus_atlas_object(atlas, object->parent);
     }

@@ -92,11 +92,11 @@ static void add_volume(struct box *box, const struct volume *volume)
     }
 }
 
-conus_status conus_atlas_bounds(const conus_atlas *atlas, double low[3], double high[3])
+conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas *atlas)
 {
     struct box box = empty_box;
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (atlas->volumes[i].info.role != CONUS_CONTEXT && volume_is_met(&atlas->volumes[i])) {
+        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_is_met(&atlas->volumes[i])) {
             add_volume(&box, &atlas->volumes[i]);
         }
     }
@@ -191,7 +191,7 @@ conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t 
     for (size_t i = 0; i < atlas->volume_count; i++) {
         struct moment voxels = {0};
         const struct volume *volume = &atlas->volumes[i];
-        if (volume->info.role != CONUS_CONTEXT) {
+        if (volume->info.role != CONUS_ROLE_CONTEXT) {
             add_voxels(&voxels, atlas, volume, (uint32_t)number);
             add_hidden_voxels(&voxels, atlas, volume, (uint32_t)number);
         }

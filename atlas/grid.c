@@ -8,7 +8,8 @@
 
 conus_status grid_create(conus_grid **out, const conus_volume_info *info, conus_number number, const char *description)
 {
-    static const size_t sizes[] = {[CONUS_UINT8] = 1, [CONUS_UINT16] = 2, [CONUS_UINT32] = 4, [CONUS_FLOAT32] = 4};
+    static const size_t sizes[] = {
+        [CONUS_NUMBER_UINT8] = 1, [CONUS_NUMBER_UINT16] = 2, [CONUS_NUMBER_UINT32] = 4, [CONUS_NUMBER_FLOAT32] = 4};
     conus_grid *grid = memory_zeroed(1, sizeof *grid);
     if (!grid) {
         return CONUS_ERROR_MEMORY;

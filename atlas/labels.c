@@ -22,7 +22,7 @@ void label_finish(struct label *label)
 conus_object label_object(const struct label *label, size_t index, char digits[LABEL_DIGITS])
 {
     conus_object object = {
-        .kind = CONUS_AREA, .label = label->number, .named = label->name != NULL, .hemisphere = label->hemisphere};
+        .kind = CONUS_KIND_AREA, .label = label->number, .named = label->name != NULL, .hemisphere = label->hemisphere};
     snprintf(digits, LABEL_DIGITS, "%u", label->number);
     object.name = label->name ? label->name : digits;
     object.abbreviation = label->abbreviation ? label->abbreviation : "";

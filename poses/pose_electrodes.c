@@ -268,7 +268,7 @@ conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, cons
 {
     struct reading reading = {.options = options, .scale = list->space.scale > 0 ? list->space.scale : 1};
     bool is_named = list->space.brain != POSE_BRAIN_UNKNOWN; /* and by that RAS */
-    reading.lps = options->space == CONUS_LPS && !is_named;
+    reading.lps = options->space == CONUS_SPACE_LPS && !is_named;
     conus_status status = check_axis(options);
     status = status ? status : pose_note_space(&list->notes, options, reading.lps);
     status = status ? status : read_table(&reading, text);

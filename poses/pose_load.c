@@ -12,7 +12,7 @@ static conus_status read_all(conus_pose_list *list, conus_pose_stream *stream)
     size_t count = 0;
     conus_status status = CONUS_OK;
     do {
-        status = conus_pose_stream_read(stream, rows, BLOCK, &count);
+        status = conus_pose_stream_read(rows, &count, stream, BLOCK);
         for (size_t i = 0; !status && i < count; i++) {
             status = pose_list_add(list, &rows[i], text_from(rows[i].id), rows[i].error);
         }

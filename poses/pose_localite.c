@@ -43,7 +43,7 @@ static conus_status begin_list(struct reading *reading, const struct xml_event *
                     event->line, event->name);
     }
     if (!space) {
-        reading->lps = reading->options->space == CONUS_LPS;
+        reading->lps = reading->options->space == CONUS_SPACE_LPS;
         return notes_add(&reading->list->notes, "<%s> names no coordinateSpace; taken as %s", event->name,
                          reading->lps ? "LPS" : "RAS");
     }

@@ -54,15 +54,16 @@ static conus_pose_format format_of(struct text line)
     struct text rest = line;
     double number;
     if (line.data[0] == '<' || line.data[0] == '{') {
-        return line.data[0] == '<' ? CONUS_POSES_LOCALITE : CONUS_POSES_MARKUPS;
+        return line.data[0] == '<' ? CONUS_POSE_FORMAT_LOCALITE : CONUS_POSE_FORMAT_MARKUPS;
     }
-    return pose_is_point(line)                                        ? CONUS_POSES_POINTS
-           : text_word(&rest, &word) && text_to_double(word, &number) ? CONUS_POSES_MATRIX
-           : pose_electrodes_header(line)                             ? CONUS_POSES_ELECTRODES
-                                                                      : CONUS_POSES_TABLE;
+    return pose_is_point(line)                                        ? CONUS_POSE_FORMAT_POINTS
+           : text_word(&rest, &word) && text_to_double(word, &number) ? CONUS_POSE_FORMAT_MATRIX
+           : pose_electrodes_header(line)                             ? CONUS_POSE_FORMAT_ELECTRODES
+                                                                      : CONUS_POSE_FORMAT_TABLE;
 }
 
-/* What the first line with data looks like, which ends behind *used bytes; CONUS_POSES_AUTO while it is not all there.
+/* What the first line with data looks like, which ends behind *used bytes; CONUS_POSE_FORMAT_AUTO while it is not all
+ * there.
  */
 static conus_pose_format guess_format(struct text text, bool all, size_t *used)
 {
@@ -73,17 +74,17 @@ static conus_pose_format guess_format(struct text text, bool all, size_t *used)
     while (text_line(&text, &line)) {
         struct text trimmed = text_trim(line);
         if (!all && line.data + line.size == end) {
-            return CONUS_POSES_AUTO;
+            return CONUS_POSE_FORMAT_AUTO;
         }
         *used = (size_t)(line.data + line.size - begin);
         if (pose_brainsight_line(line)) {
-            return CONUS_POSES_BRAINSIGHT;
+            return CONUS_POSE_FORMAT_BRAINSIGHT;
         }
         if (trimmed.size && trimmed.data[0] != '#') {
             return format_of(trimmed);
         }
     }
-    return all ? CONUS_POSES_TABLE : CONUS_POSES_AUTO;
+    return all ? CONUS_POSE_FORMAT_TABLE : CONUS_POSE_FORMAT_AUTO;
 }
 
 /* What the first bytes show not to be a text, as it is said to the user; NULL if nothing. */
@@ -116,13 +117,13 @@ static conus_status find_format(conus_pose_stream *stream)
 {
     struct pose_lines *lines = &stream->lines;
     conus_status status = CONUS_OK;
-    conus_pose_format found = CONUS_POSES_AUTO;
+    conus_pose_format found = CONUS_POSE_FORMAT_AUTO;
     size_t used = 0;
-    while (!status && found == CONUS_POSES_AUTO) {
+    while (!status && found == CONUS_POSE_FORMAT_AUTO) {
         bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
         size_t size = lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT;
         found = guess_format((struct text){lines->data, size}, all, &used);
-        if (found == CONUS_POSES_AUTO) {
+        if (found == CONUS_POSE_FORMAT_AUTO) {
             status = pose_lines_fill(lines, lines->size + 1);
         }
     }
@@ -193,14 +194,14 @@ static const struct {
     const char *name;
     pose_parser parse;
 } formats[] = {
-    [CONUS_POSES_AUTO] = {"auto", NULL},
-    [CONUS_POSES_TABLE] = {"table", NULL},
-    [CONUS_POSES_MATRIX] = {"matrix", parse_matrix},
-    [CONUS_POSES_POINTS] = {"points", NULL},
-    [CONUS_POSES_BRAINSIGHT] = {"brainsight", pose_brainsight_parse},
-    [CONUS_POSES_LOCALITE] = {"localite", pose_localite_parse},
-    [CONUS_POSES_ELECTRODES] = {"electrodes", pose_electrodes_parse},
-    [CONUS_POSES_MARKUPS] = {"markups", pose_markups_parse},
+    [CONUS_POSE_FORMAT_AUTO] = {"auto", NULL},
+    [CONUS_POSE_FORMAT_TABLE] = {"table", NULL},
+    [CONUS_POSE_FORMAT_MATRIX] = {"matrix", parse_matrix},
+    [CONUS_POSE_FORMAT_POINTS] = {"points", NULL},
+    [CONUS_POSE_FORMAT_BRAINSIGHT] = {"brainsight", pose_brainsight_parse},
+    [CONUS_POSE_FORMAT_LOCALITE] = {"localite", pose_localite_parse},
+    [CONUS_POSE_FORMAT_ELECTRODES] = {"electrodes", pose_electrodes_parse},
+    [CONUS_POSE_FORMAT_MARKUPS] = {"markups", pose_markups_parse},
 };
 
 enum { FORMATS = sizeof formats / sizeof formats[0] };
@@ -228,14 +229,14 @@ static conus_status keep_electrodes(conus_pose_list *list, struct text text)
 static conus_status read_whole(conus_pose_stream *stream)
 {
     struct bytes bytes = {0};
-    conus_status status = stream->format == CONUS_POSES_ELECTRODES && stream->path
+    conus_status status = stream->format == CONUS_POSE_FORMAT_ELECTRODES && stream->path
                               ? pose_coordsystem_find(&stream->whole, stream->path)
                               : CONUS_OK;
     uint64_t limit = stream->options.max_memory ? stream->options.max_memory : DEFAULT_MEMORY;
     status = status ? status : pose_lines_rest(&bytes, &stream->lines, limit);
     const struct text text = {(const char *)bytes.data, bytes.size};
     status = status ? status : formats[stream->format].parse(&stream->whole, text, &stream->options);
-    if (!status && stream->format == CONUS_POSES_ELECTRODES) {
+    if (!status && stream->format == CONUS_POSE_FORMAT_ELECTRODES) {
         status = keep_electrodes(&stream->whole, text);
     }
     bytes_finish(&bytes);
@@ -257,12 +258,12 @@ static conus_status begin_text(conus_pose_stream *stream)
     if (status) {
         return status;
     }
-    if (stream->options.along_shafts && stream->format != CONUS_POSES_ELECTRODES) {
+    if (stream->options.along_shafts && stream->format != CONUS_POSE_FORMAT_ELECTRODES) {
         return fail(CONUS_ERROR_DATA, "shafts are of electrodes (BIDS), not of %s", formats[stream->format].name);
     }
-    return is_whole(stream)                      ? read_whole(stream)
-           : stream->format == CONUS_POSES_TABLE ? read_header(stream)
-                                                 : check_no_axis(stream);
+    return is_whole(stream)                            ? read_whole(stream)
+           : stream->format == CONUS_POSE_FORMAT_TABLE ? read_header(stream)
+                                                       : check_no_axis(stream);
 }
 
 static conus_status fail_errno(const char *action)
@@ -315,7 +316,7 @@ static conus_status open_path(conus_pose_stream *stream, const char *path)
 
 static conus_status check_options(const conus_pose_options *options)
 {
-    bool fine = (unsigned)options->space <= CONUS_LPS && (unsigned)options->axis <= CONUS_AXIS_MINUS_Z &&
+    bool fine = (unsigned)options->space <= CONUS_SPACE_LPS && (unsigned)options->axis <= CONUS_AXIS_MINUS_Z &&
                 (unsigned)options->format < FORMATS;
     return fine ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "options of poses: space, axis or format is none of its names");
 }
@@ -389,7 +390,7 @@ static conus_status row_from_line(conus_pose_row *row, struct pose_name *name, c
     if (line->too_long) {
         return fail(CONUS_ERROR_DATA, "a line of more than %d bytes", POSE_LINE_LIMIT);
     }
-    return stream->format == CONUS_POSES_POINTS
+    return stream->format == CONUS_POSE_FORMAT_POINTS
                ? pose_point_row(row, name, line->text, &stream->options)
                : pose_table_row(row, name, &stream->table, line->text, &stream->options);
 }
@@ -429,7 +430,7 @@ static void read_kept(conus_pose_row *out, const conus_pose_stream *stream, bool
     }
 }
 
-conus_status conus_pose_stream_read(conus_pose_stream *stream, conus_pose_row *rows, size_t capacity, size_t *count)
+conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_pose_stream *stream, size_t capacity)
 {
     size_t got = 0;
     bool found = true;
@@ -494,7 +495,7 @@ static conus_status count_again(uint64_t *count, const conus_pose_stream *stream
     return status;
 }
 
-conus_status conus_pose_stream_count(conus_pose_stream *stream, uint64_t *count)
+conus_status conus_pose_stream_count(uint64_t *count, conus_pose_stream *stream)
 {
     if (is_whole(stream)) {
         *count = stream->whole.count;
@@ -505,7 +506,7 @@ conus_status conus_pose_stream_count(conus_pose_stream *stream, uint64_t *count)
     if (status) {
         return fail_of(stream, status);
     }
-    *count = lines - (stream->format == CONUS_POSES_TABLE); /* without the header */
+    *count = lines - (stream->format == CONUS_POSE_FORMAT_TABLE); /* without the header */
     return CONUS_OK;
 }
 
@@ -538,7 +539,7 @@ void conus_pose_stream_stop(conus_pose_stream *stream)
 bool conus_pose_stream_has_times(const conus_pose_stream *stream)
 {
     if (!is_whole(stream)) {
-        return stream->format == CONUS_POSES_TABLE && pose_table_has_times(&stream->table);
+        return stream->format == CONUS_POSE_FORMAT_TABLE && pose_table_has_times(&stream->table);
     }
     bool found = stream->whole.count == 0;
     for (size_t i = 0; i < stream->whole.count && !found; i++) {

@@ -301,7 +301,7 @@ static conus_status pose_from_values(conus_pose *out, const struct pose_table *t
     for (int i = 0; i < 16; i++) {
         m[i] = v[M00 + 4 * (i % 4) + i / 4];
     }
-    if (options->space == CONUS_LPS) { /* turning by pi about z takes a rotation's LPS form to its RAS form:
+    if (options->space == CONUS_SPACE_LPS) { /* turning by pi about z takes a rotation's LPS form to its RAS form:
                                           (w, x, y, z) -> (-z, -y, x, w) */
         pose_flip_point(v + X);
         pose_flip_point(v + TX);
@@ -474,7 +474,7 @@ conus_status pose_point_row(conus_pose_row *row, struct pose_name *name, struct 
     if (status || !read_point(point, &name->text, line)) {
         return CONUS_ERROR_DATA;
     }
-    if (options->space == CONUS_LPS) {
+    if (options->space == CONUS_SPACE_LPS) {
         pose_flip_point(point);
     }
     row->is_point = true;

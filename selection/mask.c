@@ -56,31 +56,31 @@ static conus_status find_volume(const struct volume **out, const conus_atlas *at
     if (conus_atlas_is_hidden(atlas, options->object)) {
         return fail(CONUS_ERROR_ARGUMENT, "object: %s is hidden", object->name);
     }
-    if (object && object->kind == CONUS_PATHWAY) {
+    if (object && object->kind == CONUS_KIND_PATHWAY) {
         *out = atlas_object_volume(atlas, options->object);
-        return options->content == CONUS_MAP_OF_LABELS
+        return options->content == CONUS_GRID_MAP_OF_LABELS
                    ? fail(CONUS_ERROR_ARGUMENT, "map of labels: %s is a pathway, an area is needed", object->name)
                    : CONUS_OK;
     }
-    if (options->content == CONUS_MAP_OF_VALUES) {
+    if (options->content == CONUS_GRID_MAP_OF_VALUES) {
         return object ? fail(CONUS_ERROR_ARGUMENT, "map of values: %s is an area, a pathway is needed", object->name)
                       : find_pathway(out, atlas, "map of values", false);
     }
-    if (object && options->content == CONUS_MASK_OF_REGION) {
+    if (object && options->content == CONUS_GRID_MASK_OF_REGION) {
         return fail(CONUS_ERROR_ARGUMENT, "mask of everything: %s is an area, which changes nothing", object->name);
     }
     *out = atlas_parcellation(atlas);
-    if (!*out && options->content == CONUS_MAP_OF_LABELS) {
+    if (!*out && options->content == CONUS_GRID_MAP_OF_LABELS) {
         return fail(CONUS_ERROR_ARGUMENT, "map of labels: the atlas has no labelled voxels");
     }
     return *out ? CONUS_OK
                 : find_pathway(out, atlas, "mask of an atlas without labelled voxels",
-                               options->content == CONUS_MASK_OF_REGION);
+                               options->content == CONUS_GRID_MASK_OF_REGION);
 }
 
 static conus_status choose_objects(struct mask *mask, uint32_t object)
 {
-    bool found = mask->content == CONUS_MASK_OF_REGION;
+    bool found = mask->content == CONUS_GRID_MASK_OF_REGION;
     mask->wanted = memory_zeroed(mask->atlas->object_count + 1, sizeof *mask->wanted);
     if (!mask->wanted) {
         return CONUS_ERROR_MEMORY;
@@ -107,16 +107,16 @@ static conus_number number_of_labels(const struct mask *mask)
     for (uint32_t number = 1; number <= mask->atlas->object_count; number++) {
         most = mask->wanted[number] && label_of(mask, number) > most ? label_of(mask, number) : most;
     }
-    return most <= UINT8_MAX ? CONUS_UINT8 : most <= UINT16_MAX ? CONUS_UINT16 : CONUS_UINT32;
+    return most <= UINT8_MAX ? CONUS_NUMBER_UINT8 : most <= UINT16_MAX ? CONUS_NUMBER_UINT16 : CONUS_NUMBER_UINT32;
 }
 
 static void put_label(conus_grid *grid, size_t voxel, uint32_t label)
 {
     switch (grid->view.number) {
-    case CONUS_UINT8:
+    case CONUS_NUMBER_UINT8:
         ((uint8_t *)grid->data)[voxel] = (uint8_t)label;
         break;
-    case CONUS_UINT16:
+    case CONUS_NUMBER_UINT16:
         ((uint16_t *)grid->data)[voxel] = (uint16_t)label;
         break;
     default:
@@ -131,12 +131,12 @@ static void fill_row(void *user, const struct volume *volume, const size_t at[3]
     size_t first = at[0] + dim[0] * (at[1] + dim[1] * at[2]);
     for (size_t voxel = first; voxel < first + count; voxel++) {
         uint32_t number = volume_object(volume, voxel);
-        if (mask->content == CONUS_MASK_OF_REGION) {
+        if (mask->content == CONUS_GRID_MASK_OF_REGION) {
             put_label(mask->grid, voxel, 1);
-        } else if (mask->wanted[number] && mask->content == CONUS_MAP_OF_VALUES) {
+        } else if (mask->wanted[number] && mask->content == CONUS_GRID_MAP_OF_VALUES) {
             ((float *)mask->grid->data)[voxel] = volume->values[voxel];
         } else if (mask->wanted[number]) {
-            bool labels = mask->content == CONUS_MAP_OF_LABELS;
+            bool labels = mask->content == CONUS_GRID_MAP_OF_LABELS;
             put_label(mask->grid, voxel, labels ? label_of(mask, number) : 1);
         }
     }
@@ -149,16 +149,16 @@ static conus_status start_grid(struct mask *mask, const struct region *region)
     static const char *const shapes[] = {"cone", "cylinder", "ball"};
     static const char *const square_shapes[] = {"square pyramid", "square rod", "ball"};
     char words[80];
-    bool of_pathway = mask->volume->values && mask->content == CONUS_MASK_OF_AREAS;
+    bool of_pathway = mask->volume->values && mask->content == CONUS_GRID_MASK_OF_AREAS;
     snprintf(words, sizeof words, "conus " CONUS_VERSION ": %s in a %s",
              of_pathway ? "mask of a pathway" : contents[mask->content],
              (region->square ? square_shapes : shapes)[region->shape]);
-    conus_number number = mask->content == CONUS_MAP_OF_VALUES   ? CONUS_FLOAT32
-                          : mask->content == CONUS_MAP_OF_LABELS ? number_of_labels(mask)
-                                                                 : CONUS_UINT8;
+    conus_number number = mask->content == CONUS_GRID_MAP_OF_VALUES   ? CONUS_NUMBER_FLOAT32
+                          : mask->content == CONUS_GRID_MAP_OF_LABELS ? number_of_labels(mask)
+                                                                      : CONUS_NUMBER_UINT8;
     conus_status status = grid_create(&mask->grid, &mask->volume->info, number, words);
     if (!status) {
-        mask->grid->labels = mask->content == CONUS_MAP_OF_LABELS;
+        mask->grid->labels = mask->content == CONUS_GRID_MAP_OF_LABELS;
     }
     return status;
 }

@@ -23,10 +23,10 @@ conus_status selector_prepare_ranking(conus_selector *selector)
     if (status) {
         return status;
     }
-    if (selector->ranking.info.needs_layers && selector->options.layers != CONUS_ALL_LAYERS) {
+    if (selector->ranking.info.needs_layers && selector->options.layers != CONUS_LAYERS_ALL) {
         return fail(CONUS_ERROR_ARGUMENT, "score: %s needs all layers", selector->ranking.formula.text);
     }
-    if (selector->ranking.needs_box && conus_atlas_bounds(selector->atlas, selector->box[0], selector->box[1])) {
+    if (selector->ranking.needs_box && conus_atlas_bounds(selector->box[0], selector->box[1], selector->atlas)) {
         memset(selector->box, 0, sizeof selector->box); /* an empty atlas: nothing is hit */
     }
     return selector_prepare_border(selector);

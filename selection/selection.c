@@ -24,7 +24,7 @@ void selection_set_kinds(conus_selection *selection)
 
     for (size_t i = 0; i < statistics->count; i++) {
         const conus_object *object = conus_atlas_object(selection->atlas, statistics->results[i].object);
-        statistics->results[i].kind = object ? object->kind : CONUS_UNASSIGNED;
+        statistics->results[i].kind = object ? object->kind : CONUS_KIND_UNASSIGNED;
     }
 }
 
@@ -216,7 +216,7 @@ conus_status selection_begin(conus_selection **out, conus_selector *selector, co
     }
     selection->atlas = selector->atlas;
     selection->sampling = options->sampling;
-    selection->has_layers = options->layers == CONUS_ALL_LAYERS;
+    selection->has_layers = options->layers == CONUS_LAYERS_ALL;
     selection->cone = cone;
     region_from_cone(&selection->region, &cone);
     memcpy(selection->engine, selector->engine->name, sizeof selection->engine);
@@ -318,14 +318,14 @@ conus_evidence conus_selection_evidence(const conus_selection *selection)
                             selection->evidence.voxel, selection->in_cone};
 }
 
-const conus_span *conus_selection_spans(const conus_selection *selection, size_t *count)
+const conus_span *conus_selection_spans(size_t *count, const conus_selection *selection)
 {
     bool has_layers = selection && selection->has_layers;
     *count = has_layers ? selection->layers.count : 0;
     return has_layers ? selection->layers.spans : NULL;
 }
 
-void conus_selection_position(const conus_selection *selection, size_t pixel, double out[3])
+void conus_selection_position(double out[3], const conus_selection *selection, size_t pixel)
 {
     uint32_t n = selection ? selection->cone.resolution : 0;
     if (pixel >= (size_t)n * n) {

@@ -18,11 +18,11 @@ static conus_status check_options(const conus_selector_options *options)
                         .radius = options->radius,
                         .range = {options->range[0], options->range[1]}};
     conus_status status = cone_check(&cone);
-    if (!status && options->sampling == CONUS_SLICES && (options->layers || cone_has_range(&cone))) {
+    if (!status && options->sampling == CONUS_SAMPLING_SLICES && (options->layers || cone_has_range(&cone))) {
         status = fail(CONUS_ERROR_ARGUMENT, "%s: needs exact sampling, slices see only what is first",
                       options->layers ? "layers" : "range");
     }
-    if (!status && options->slices && options->sampling != CONUS_SLICES) {
+    if (!status && options->slices && options->sampling != CONUS_SAMPLING_SLICES) {
         status = fail(CONUS_ERROR_ARGUMENT, "slices: %u with exact sampling, which has none", options->slices);
     }
     return status;

@@ -106,7 +106,7 @@ int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas
     size_t size = 0;
     struct sha256_ctx context;
     char line[64];
-    conus_status status = conus_batch_sidecar(batch, &text, &size);
+    conus_status status = conus_batch_sidecar(&text, &size, batch);
     if (status) {
         return print_status(status);
     }

@@ -116,13 +116,14 @@ const struct option_group batch_groups[] = {
 
 bool batch_format(conus_format *out, const struct batch_settings *settings, const struct arguments *arguments)
 {
-    static const conus_format named[] = {CONUS_TSV,  CONUS_CSV,      CONUS_NDJSON,    CONUS_AFNI,
-                                         CONUS_BIDS, CONUS_SPIKEGLX, CONUS_OPEN_EPHYS};
+    static const conus_format named[] = {CONUS_FORMAT_TSV,       CONUS_FORMAT_CSV,  CONUS_FORMAT_NDJSON,
+                                         CONUS_FORMAT_AFNI,      CONUS_FORMAT_BIDS, CONUS_FORMAT_SPIKEGLX,
+                                         CONUS_FORMAT_OPEN_EPHYS};
     *out = named[settings->format];
     if (option_given(arguments, "format") || output_is_no_file(settings->output)) {
         return true;
     }
-    bool known = output_format(out, settings->output) && *out != CONUS_TABLE && *out != CONUS_JSON;
+    bool known = output_format(out, settings->output) && *out != CONUS_FORMAT_TABLE && *out != CONUS_FORMAT_JSON;
     return known ||
            (print_error_line("%s: --output ends in none of .tsv, .csv, .ndjson and .jsonl; --format says what else is "
                              "written",

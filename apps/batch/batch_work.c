@@ -30,11 +30,11 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
     if (!batch_format(format, settings, arguments)) {
         return false;
     }
-    if (settings->summary && *format > CONUS_NDJSON) {
+    if (settings->summary && *format > CONUS_FORMAT_NDJSON) {
         print_error_line("--summary: other programs' formats have none, tsv, csv and ndjson do");
         return false;
     }
-    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
+    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SAMPLING_SLICES) {
         print_error_line("--slices has no effect without --sampling slices");
         return false;
     }
@@ -57,7 +57,7 @@ static int choose_poses(struct work *work)
     if (work->shard.count == 1) {
         return EXIT_DONE;
     }
-    conus_status status = conus_pose_stream_count(work->poses, &total);
+    conus_status status = conus_pose_stream_count(&total, work->poses);
     if (status) {
         return print_status(status);
     }
@@ -80,7 +80,7 @@ static int open_poses(struct work *work)
     if (code) {
         return code;
     }
-    if (work->shard.count > 1 && (work->format == CONUS_SPIKEGLX || work->format == CONUS_OPEN_EPHYS)) {
+    if (work->shard.count > 1 && (work->format == CONUS_FORMAT_SPIKEGLX || work->format == CONUS_FORMAT_OPEN_EPHYS)) {
         return print_usage_error("--shard: a probe's string is one whole; --jobs answers many probes");
     }
     work->piped = work_is_pipe(settings->poses);
@@ -148,10 +148,10 @@ int work_build(struct work *work)
         .threads = settings->threads,
         .block = settings->block,
         .angle = settings_angle(&settings->aim, &settings->engine),
-        .report = {.rows = settings->summary ? CONUS_SUMMARIES : CONUS_ANSWERS,
+        .report = {.rows = settings->summary ? CONUS_ROWS_SUMMARIES : CONUS_ROWS_ANSWERS,
                    .format = work->format,
                    .space = (conus_space)settings->aim.space,
-                   .electrodes = work->format == CONUS_BIDS ? conus_pose_stream_electrodes(work->poses) : NULL},
+                   .electrodes = work->format == CONUS_FORMAT_BIDS ? conus_pose_stream_electrodes(work->poses) : NULL},
     };
     conus_status status = conus_selector_create(&work->selector, work->atlas, &engine);
     status = status ? status : conus_batch_create(&work->batch, work->selector, &options);
@@ -200,7 +200,7 @@ int work_open(struct work *work)
 static const char *file_in_rows(const struct work *work)
 {
     const conus_volume_info *info = conus_atlas_volume(work->atlas, 0);
-    const char *path = info && work->format == CONUS_AFNI ? info->path : "";
+    const char *path = info && work->format == CONUS_FORMAT_AFNI ? info->path : "";
     const char *slash = strrchr(path, '/');
     return slash ? slash + 1 : path;
 }
@@ -253,6 +253,6 @@ int work_write_sidecar(struct work *work, struct batch_record *record)
     record->coordsystem_hash = conus_pose_stream_coordsystem_sha256(work->poses);
     record->angle = angle * (180 / M_PI);
     memcpy(record->fingerprint, work->fingerprint, sizeof record->fingerprint);
-    conus_status status = conus_batch_sidecar(work->batch, &text, &size);
+    conus_status status = conus_batch_sidecar(&text, &size, work->batch);
     return status ? print_status(status) : batch_record_write(work->sidecar, text, record, work->command_line);
 }

@@ -61,7 +61,7 @@ bool answer_format(conus_format *out, const struct arguments *arguments, const s
 bool answer_sidecar(char **out, conus_format format, const char *output)
 {
     char *path = NULL;
-    bool has_columns = format == CONUS_TSV || format == CONUS_CSV || format == CONUS_BIDS;
+    bool has_columns = format == CONUS_FORMAT_TSV || format == CONUS_FORMAT_CSV || format == CONUS_FORMAT_BIDS;
     if (!output_is_stdout(output) && has_columns && (path_ends(output, ".tsv") || path_ends(output, ".csv"))) {
         int stem = (int)(strlen(output) - strlen(".tsv"));
         if (asprintf(&path, "%.*s.json", stem, output) < 0) {
@@ -79,7 +79,7 @@ int answer_write_sidecar(conus_report *report, const char *path)
     if (!path) {
         return EXIT_DONE;
     }
-    conus_status status = conus_report_sidecar(report, &text, &size);
+    conus_status status = conus_report_sidecar(&text, &size, report);
     return status ? print_status(status) : output_write(path, text, size);
 }
 
@@ -87,6 +87,6 @@ int answer_write(conus_report *report, const char *path)
 {
     const char *text = NULL;
     size_t size = 0;
-    conus_status status = conus_report_text(report, &text, &size);
+    conus_status status = conus_report_text(&text, &size, report);
     return status ? print_status(status) : output_write(path, text, size);
 }

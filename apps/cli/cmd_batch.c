@@ -62,7 +62,7 @@ static void start_progress(struct run *run)
     run->progress.before = run->done;
     if (progress_is_shown(&run->progress)) {
         uint64_t total = work->count;
-        bool known = total != UINT64_MAX || conus_pose_stream_count(work->poses, &total) == CONUS_OK;
+        bool known = total != UINT64_MAX || conus_pose_stream_count(&total, work->poses) == CONUS_OK;
         run->progress.total = known ? total : 0;
     }
 }

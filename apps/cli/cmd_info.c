@@ -93,7 +93,7 @@ static const char *pathway_name(const conus_atlas *atlas, size_t ordinal)
 {
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
         const conus_object *object = conus_atlas_object(atlas, i);
-        if (object->kind == CONUS_PATHWAY && --ordinal == 0) {
+        if (object->kind == CONUS_KIND_PATHWAY && --ordinal == 0) {
             return object->name;
         }
     }
@@ -106,11 +106,11 @@ static void put_volumes(FILE *out, const conus_atlas *atlas)
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
         const conus_volume_info *info = conus_atlas_volume(atlas, i);
         fputs(i ? "\n" : "", out);
-        if (info->role == CONUS_PARCELLATION) {
+        if (info->role == CONUS_ROLE_PARCELLATION) {
             fputs("Atlas\n", out);
             put_volume(out, info);
             fprintf(out, "  labels       %s\n", conus_atlas_label_source(atlas));
-        } else if (info->role == CONUS_SCALAR) {
+        } else if (info->role == CONUS_ROLE_SCALAR) {
             pathway++;
             fprintf(out, "Pathway %zu: %s\n", pathway, pathway_name(atlas, pathway));
             put_volume(out, info);
@@ -161,7 +161,7 @@ struct column {
 static void put_kind(FILE *out, const conus_atlas *atlas, const conus_object *object)
 {
     (void)atlas;
-    fputs(object->kind == CONUS_AREA ? "area" : "pathway", out);
+    fputs(object->kind == CONUS_KIND_AREA ? "area" : "pathway", out);
 }
 
 static void put_index(FILE *out, const conus_atlas *atlas, const conus_object *object)
@@ -345,7 +345,7 @@ static size_t count_objects(const conus_atlas *atlas, bool (*which)(const conus_
 
 static bool is_area(const conus_object *object)
 {
-    return object->kind == CONUS_AREA;
+    return object->kind == CONUS_KIND_AREA;
 }
 
 static bool is_nameless(const conus_object *object)

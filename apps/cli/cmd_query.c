@@ -89,7 +89,8 @@ static void query_finish(struct query *query)
 static bool check_outputs(const struct query_settings *settings, const struct arguments *arguments)
 {
     conus_format format;
-    if (settings->voxels && output_format(&format, settings->voxels) && format != CONUS_TSV && format != CONUS_TABLE) {
+    if (settings->voxels && output_format(&format, settings->voxels) && format != CONUS_FORMAT_TSV &&
+        format != CONUS_FORMAT_TABLE) {
         print_error_line("--voxels: %s ends as what it will not be: TSV is written", settings->voxels);
         return false;
     }
@@ -100,7 +101,7 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
         !path_check_ending("deep", settings->deep, ".exr", NULL)) {
         return false;
     }
-    if (settings->deep && settings->inquiry.engine.layers != CONUS_ALL_LAYERS) {
+    if (settings->deep && settings->inquiry.engine.layers != CONUS_LAYERS_ALL) {
         print_error_line("--deep needs --layers all");
         return false;
     }
@@ -111,7 +112,8 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
 static bool check_format(const struct inquiry *inquiry)
 {
     conus_format format = inquiry->format;
-    bool of_contacts = format == CONUS_BIDS || format == CONUS_SPIKEGLX || format == CONUS_OPEN_EPHYS;
+    bool of_contacts =
+        format == CONUS_FORMAT_BIDS || format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS;
     if (of_contacts && !inquiry->settings->aim.pose) {
         print_error_line("--format: this one is of contacts, --pose FILE names them");
         return false;
@@ -235,7 +237,7 @@ static conus_status start_query(struct query *query)
     conus_selector_options engine = settings_engine(&settings->inquiry.engine, &settings->inquiry.common);
     if (option_given(inquiry->arguments, "point")) {
         engine.radius = 0; /* of the ball */
-        engine.layers = CONUS_ALL_LAYERS;
+        engine.layers = CONUS_LAYERS_ALL;
     }
     conus_status status = inquiry_start(inquiry, &engine);
     if (status) {
@@ -244,7 +246,7 @@ static conus_status start_query(struct query *query)
     conus_report_options report = inquiry_report_options(inquiry);
     report.all_voxels = settings->voxels_of == 1;
     report.no_voxels = !settings->voxels;
-    report.electrodes = inquiry->format == CONUS_BIDS ? conus_pose_list_electrodes(inquiry->poses) : NULL;
+    report.electrodes = inquiry->format == CONUS_FORMAT_BIDS ? conus_pose_list_electrodes(inquiry->poses) : NULL;
     return conus_report_create(&inquiry->report, inquiry->selector, &report);
 }
 
@@ -260,7 +262,7 @@ static int write_voxels(struct query *query)
     if (!query->settings->voxels) {
         return EXIT_DONE;
     }
-    conus_status status = conus_report_voxels(query->inquiry.report, &text, &size);
+    conus_status status = conus_report_voxels(&text, &size, query->inquiry.report);
     return status ? print_status(status) : output_write(query->settings->voxels, text, size);
 }
 
@@ -311,7 +313,7 @@ static bool check_voxels(const struct query *query)
 {
     size_t count = conus_atlas_object_count(query->inquiry.atlas);
     const conus_object *last = conus_atlas_object(query->inquiry.atlas, count); /* pathways come last */
-    if (query->settings->voxels && !query->settings->voxels_of && !(last && last->kind == CONUS_PATHWAY)) {
+    if (query->settings->voxels && !query->settings->voxels_of && !(last && last->kind == CONUS_KIND_PATHWAY)) {
         print_error_line(
             "--voxels lists the voxels of pathways, and there is none; --pathway adds one, --voxels-of all the areas'");
         return false;

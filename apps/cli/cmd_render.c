@@ -294,7 +294,7 @@ static int aim_cone(struct picture *picture)
         return code;
     }
     struct engine_settings engine = settings->engine;
-    engine.slices = engine.sampling == CONUS_SLICES ? settings->slices : 0;
+    engine.slices = engine.sampling == CONUS_SAMPLING_SLICES ? settings->slices : 0;
     const conus_selector_options options = settings_engine(&engine, &settings->common);
     conus_status status = conus_selector_create(&picture->selector, picture->atlas, &options);
     if (!status) {

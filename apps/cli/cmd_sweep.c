@@ -203,11 +203,11 @@ static bool check_kind(const struct sweep *sweep, const struct arguments *argume
         print_error_line("--samples: %u is no power of two", samples);
         return false;
     }
-    if (sweep->rows != CONUS_CHANCES && settings->inquiry.engine.radius > 0) {
+    if (sweep->rows != CONUS_ROWS_CHANCES && settings->inquiry.engine.radius > 0) {
         print_error_line("--radius makes a cylinder, which has no angle to sweep; it goes with --jitter");
         return false;
     }
-    return sweep->rows != CONUS_ADMISSIONS || check_admission(arguments);
+    return sweep->rows != CONUS_ROWS_ADMISSIONS || check_admission(arguments);
 }
 
 static bool check_sweep(struct sweep *sweep, const struct arguments *arguments)
@@ -266,7 +266,7 @@ static conus_status add_chances(struct sweep *sweep, const conus_pose_row *row, 
 /* Of those that --angles gives, else the row's. */
 static double widest_angle(const struct sweep *sweep, double angle)
 {
-    double widest = sweep->rows == CONUS_SHARES ? 0 : angle;
+    double widest = sweep->rows == CONUS_ROWS_SHARES ? 0 : angle;
     for (size_t i = 0; i < sweep->angle_count; i++) {
         widest = fmax(widest, sweep->angles[i]);
     }
@@ -278,13 +278,13 @@ static conus_status add_answer(struct sweep *sweep, const conus_pose_row *row)
     double angle = inquiry_angle(&sweep->inquiry, row);
     conus_aims_add(sweep->inquiry.aims, row->line, &row->pose, widest_angle(sweep, angle));
     switch (sweep->rows) {
-    case CONUS_SHARES:
+    case CONUS_ROWS_SHARES:
         return add_shares(sweep, row->id, &row->pose);
-    case CONUS_CHANCES:
+    case CONUS_ROWS_CHANCES:
         return add_chances(sweep, row, angle);
-    case CONUS_ANSWERS:
-    case CONUS_SUMMARIES:
-    case CONUS_ADMISSIONS:
+    case CONUS_ROWS_ANSWERS:
+    case CONUS_ROWS_SUMMARIES:
+    case CONUS_ROWS_ADMISSIONS:
         break;
     }
     return add_admissions(sweep, row->id, &row->pose, angle);
@@ -307,7 +307,7 @@ static int answer_row(void *user, const conus_pose_row *row)
 /* Errors in the file that --jitter on the command line overrides. */
 static void say_unused_errors(const struct sweep *sweep)
 {
-    bool said = sweep->settings->inquiry.common.quiet || sweep->rows != CONUS_CHANCES || sweep->jitter_of_rows;
+    bool said = sweep->settings->inquiry.common.quiet || sweep->rows != CONUS_ROWS_CHANCES || sweep->jitter_of_rows;
     for (size_t i = 0; !said && i < conus_pose_list_count(sweep->inquiry.poses); i++) {
         said = has_errors(conus_pose_list_row(sweep->inquiry.poses, i));
         if (said) {
@@ -365,9 +365,9 @@ static int run_sweep(const void *given, const struct arguments *arguments)
 {
     const struct sweep_settings *settings = given;
     struct sweep sweep = {.settings = settings,
-                          .rows = settings->angles   ? CONUS_SHARES
-                                  : settings->jitter ? CONUS_CHANCES
-                                                     : CONUS_ADMISSIONS};
+                          .rows = settings->angles   ? CONUS_ROWS_SHARES
+                                  : settings->jitter ? CONUS_ROWS_CHANCES
+                                                     : CONUS_ROWS_ADMISSIONS};
     int code = EXIT_USAGE;
     if (check_sweep(&sweep, arguments)) {
         code = inquiry_init(&sweep.inquiry, &settings->inquiry, arguments);

@@ -180,10 +180,10 @@ static int write_steps(struct track *track)
 {
     const char *text = NULL;
     size_t size = 0;
-    if (track->inquiry.format == CONUS_JSON) {
+    if (track->inquiry.format == CONUS_FORMAT_JSON) {
         return EXIT_DONE;
     }
-    conus_status status = conus_report_take(track->inquiry.report, &text, &size);
+    conus_status status = conus_report_take(&text, &size, track->inquiry.report);
     if (status) {
         return print_status(status);
     }
@@ -271,7 +271,7 @@ static int answer_all(struct track *track)
     int code = EXIT_DONE;
     do {
         conus_pose_row row;
-        conus_status status = conus_pose_stream_read(track->inquiry.stream, &row, 1, &count);
+        conus_status status = conus_pose_stream_read(&row, &count, track->inquiry.stream, 1);
         code = status ? print_status(status) : count ? answer_row(track, &row) : EXIT_DONE;
         rows += count;
     } while (!code && count);
@@ -307,7 +307,7 @@ static int write_rest(struct track *track)
     const struct inquiry *inquiry = &track->inquiry;
     const char *output = inquiry->settings->answer.output;
     int code = answer_write_sidecar(inquiry->report, inquiry->sidecar);
-    if (!code && inquiry->format == CONUS_JSON) {
+    if (!code && inquiry->format == CONUS_FORMAT_JSON) {
         return answer_write(inquiry->report, output);
     }
     if (code || !track->held) {
@@ -367,7 +367,7 @@ static int answer_track(struct track *track)
 /* A file appears whole or not at all: what goes to one is held. */
 static bool hold_steps(struct track *track)
 {
-    if (!output_is_stdout(track->inquiry.settings->answer.output) && track->inquiry.format != CONUS_JSON) {
+    if (!output_is_stdout(track->inquiry.settings->answer.output) && track->inquiry.format != CONUS_FORMAT_JSON) {
         track->held = open_memstream(&track->held_text, &track->held_size);
         return track->held || (print_error_line("not enough memory"), false);
     }

@@ -63,7 +63,7 @@ static json_t *value(double number)
 static json_t *volume(const conus_volume_info *info)
 {
     static const char *const roles[] = {
-        [CONUS_PARCELLATION] = "parcellation", [CONUS_SCALAR] = "pathway", [CONUS_CONTEXT] = "context"};
+        [CONUS_ROLE_PARCELLATION] = "parcellation", [CONUS_ROLE_SCALAR] = "pathway", [CONUS_ROLE_CONTEXT] = "context"};
     json_t *json = json_pack(
         "{s:s,s:o,s:s,s:s,s:s,s:o,s:I,s:I,s:o,s:[f,f,f],s:s,s:s,s:f,s:f,s:o,s:o}", "role", roles[info->role], "path",
         text_of_bytes(info->path), "sha256", info->sha256, "format", info->format, "datatype", info->datatype, "dim",
@@ -71,7 +71,7 @@ static json_t *volume(const conus_volume_info *info)
         "world_from_voxel", matrix(info->world_from_voxel), "spacing_mm", info->spacing[0], info->spacing[1],
         info->spacing[2], "orientation", info->orientation, "transform", info->transform, "slope", info->slope,
         "intercept", info->intercept, "minimum", value(info->minimum), "maximum", value(info->maximum));
-    if (info->role == CONUS_SCALAR || info->threshold != 0) {
+    if (info->role == CONUS_ROLE_SCALAR || info->threshold != 0) {
         json_object_set_new(json, "threshold", json_real(info->threshold));
     }
     return json;
@@ -105,7 +105,7 @@ static json_t *object(const conus_atlas *atlas, size_t number)
     char color[8];
     snprintf(color, sizeof color, "#%02x%02x%02x", object->rgb[0], object->rgb[1], object->rgb[2]);
     return json_pack("{s:s,s:I,s:s,s:b,s:o,s:o,s:o,s:I,s:s,s:I,s:o,s:o,s:o}", "kind",
-                     object->kind == CONUS_AREA ? "area" : "pathway", "index", (json_int_t)object->label, "name",
+                     object->kind == CONUS_KIND_AREA ? "area" : "pathway", "index", (json_int_t)object->label, "name",
                      object->name, "named", object->named, "abbreviation", text_or_null(object->abbreviation),
                      "hemisphere", hemisphere(object->hemisphere), "parent", parent(atlas, object), "depth",
                      (json_int_t)conus_atlas_depth(atlas, number), "color", color, "voxels", (json_int_t)object->voxels,

@@ -36,7 +36,7 @@ static void add_volume(struct node *nodes, const conus_atlas *atlas, size_t numb
 static void link_areas(struct node *nodes, const conus_atlas *atlas)
 {
     const conus_object *object;
-    for (size_t number = 1; (object = conus_atlas_object(atlas, number)) && object->kind == CONUS_AREA; number++) {
+    for (size_t number = 1; (object = conus_atlas_object(atlas, number)) && object->kind == CONUS_KIND_AREA; number++) {
         struct node *parent = &nodes[object->parent];
         if (parent->last) {
             nodes[parent->last].next = number;

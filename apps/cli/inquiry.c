@@ -12,7 +12,7 @@
 
 bool inquiry_check(const struct inquiry_settings *settings, const struct arguments *arguments, bool has_history)
 {
-    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SLICES) {
+    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SAMPLING_SLICES) {
         print_error_line("--slices has no effect without --sampling slices");
         return false;
     }

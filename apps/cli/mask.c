@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const contents[] = {[CONUS_MASK_OF_AREAS] = "areas",
-                                       [CONUS_MASK_OF_REGION] = "all",
-                                       [CONUS_MAP_OF_LABELS] = "labels",
-                                       [CONUS_MAP_OF_VALUES] = "values",
+static const char *const contents[] = {[CONUS_GRID_MASK_OF_AREAS] = "areas",
+                                       [CONUS_GRID_MASK_OF_REGION] = "all",
+                                       [CONUS_GRID_MAP_OF_LABELS] = "labels",
+                                       [CONUS_GRID_MAP_OF_VALUES] = "values",
                                        NULL};
 
 const struct option mask_options[] = {
@@ -63,9 +63,9 @@ static bool stem_ends(const char *path, const char *ending)
 static conus_grid_content content_of(const struct mask_settings *settings, const struct arguments *arguments)
 {
     return option_given(arguments, "mask-of")      ? (conus_grid_content)settings->content
-           : stem_ends(settings->path, "_dseg")    ? CONUS_MAP_OF_LABELS
-           : stem_ends(settings->path, "_probseg") ? CONUS_MAP_OF_VALUES
-                                                   : CONUS_MASK_OF_AREAS;
+           : stem_ends(settings->path, "_dseg")    ? CONUS_GRID_MAP_OF_LABELS
+           : stem_ends(settings->path, "_probseg") ? CONUS_GRID_MAP_OF_VALUES
+                                                   : CONUS_GRID_MASK_OF_AREAS;
 }
 
 bool mask_init(struct mask *out, const struct mask_settings *settings, const struct arguments *arguments)
@@ -112,7 +112,7 @@ int mask_write(const struct mask *mask, conus_report *report)
     if (!mask->grid) {
         return EXIT_DONE;
     }
-    conus_status status = conus_report_grid_sidecar(report, mask->grid, &text, &size);
+    conus_status status = conus_report_grid_sidecar(&text, &size, report, mask->grid);
     int code = status ? print_status(status) : output_write(mask->sidecar, text, size);
     if (code) {
         return code;

@@ -208,8 +208,9 @@ static bool is_label_table(const conus_atlas *atlas, const char *path)
 
 const char *settings_input(const conus_atlas *atlas, const struct input *inputs, const char *path)
 {
-    static const char *const roles[] = {
-        [CONUS_PARCELLATION] = "the atlas", [CONUS_SCALAR] = "a pathway", [CONUS_CONTEXT] = "the context"};
+    static const char *const roles[] = {[CONUS_ROLE_PARCELLATION] = "the atlas",
+                                        [CONUS_ROLE_SCALAR] = "a pathway",
+                                        [CONUS_ROLE_CONTEXT] = "the context"};
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
         const conus_volume_info *info = conus_atlas_volume(atlas, i);
         if (paths_equal(info->path, path)) {
@@ -242,13 +243,13 @@ void settings_say_open(const conus_atlas *atlas, const struct engine_settings *e
         open += object->triangles > 0 && !object->closed;
         odd += object->closed && object->volume_mm3 == 0;
     }
-    if (odd && engine->layers == CONUS_ALL_LAYERS && !settings->quiet) {
+    if (odd && engine->layers == CONUS_LAYERS_ALL && !settings->quiet) {
         print_error_line(
             "note: %zu of %zu surfaces overlap themselves, or have parts that face inwards and are no cavities: there "
             "is no fraction",
             odd, surfaces);
     }
-    if (open && engine->layers == CONUS_ALL_LAYERS && !settings->quiet) {
+    if (open && engine->layers == CONUS_LAYERS_ALL && !settings->quiet) {
         print_error_line(
             "note: %zu of %zu surfaces are not closed: paths count only where a ray goes in and comes out, and "
             "there is no fraction",

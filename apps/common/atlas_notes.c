@@ -21,7 +21,7 @@ static const char *said_of_pathway(const conus_atlas *atlas, const char *note)
         const conus_object *object = conus_atlas_object(atlas, k);
         const char *behind = note + strlen(start);
         size_t length = strlen(object->name);
-        if (object->kind == CONUS_PATHWAY && strncmp(behind, object->name, length) == 0 &&
+        if (object->kind == CONUS_KIND_PATHWAY && strncmp(behind, object->name, length) == 0 &&
             strncmp(behind + length, ": ", 2) == 0) {
             return behind + length + 2;
         }

@@ -92,8 +92,8 @@ bool output_format(conus_format *out, const char *path)
     static const struct {
         const char *ending;
         conus_format format;
-    } endings[] = {{".tsv", CONUS_TSV},       {".csv", CONUS_CSV},      {".json", CONUS_JSON},
-                   {".ndjson", CONUS_NDJSON}, {".jsonl", CONUS_NDJSON}, {".txt", CONUS_TABLE}};
+    } endings[] = {{".tsv", CONUS_FORMAT_TSV},       {".csv", CONUS_FORMAT_CSV},      {".json", CONUS_FORMAT_JSON},
+                   {".ndjson", CONUS_FORMAT_NDJSON}, {".jsonl", CONUS_FORMAT_NDJSON}, {".txt", CONUS_FORMAT_TABLE}};
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
         if (path_ends(path, endings[i].ending)) {
             *out = endings[i].format;

@@ -65,7 +65,7 @@ const char *settings_poses_name(const char *path)
 
 int settings_check_electrodes(conus_format format, const char *electrodes, const char *path)
 {
-    if (format != CONUS_BIDS || electrodes) {
+    if (format != CONUS_FORMAT_BIDS || electrodes) {
         return EXIT_DONE;
     }
     print_error_line("%s: --format bids adds to a table of electrodes, with the columns name, x, y and z",

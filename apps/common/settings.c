@@ -264,7 +264,7 @@ bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
 
 void settings_point(double out[3], const double in[3], size_t space)
 {
-    bool lps = space == CONUS_LPS; /* 0 - x makes no "-0" of 0 */
+    bool lps = space == CONUS_SPACE_LPS; /* 0 - x makes no "-0" of 0 */
     out[0] = lps ? 0 - in[0] : in[0];
     out[1] = lps ? 0 - in[1] : in[1];
     out[2] = in[2];
@@ -350,7 +350,7 @@ bool settings_check_score(const struct engine_settings *settings, bool has_histo
         print_error_line("--score: %s needs a history, which single poses have not; conus track has one", score.name);
         return false;
     }
-    if (score.needs_layers && settings->layers != CONUS_ALL_LAYERS) {
+    if (score.needs_layers && settings->layers != CONUS_LAYERS_ALL) {
         print_error_line("--score: %s needs --layers all", score.name);
         return false;
     }

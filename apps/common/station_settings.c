@@ -145,7 +145,7 @@ static bool split_address(char address[ADDRESS_SIZE], uint16_t *port, const char
 static int read_matrix(double out[16], const char *path)
 {
     conus_pose_list *list = NULL;
-    const conus_pose_options options = {.format = CONUS_POSES_MATRIX};
+    const conus_pose_options options = {.format = CONUS_POSE_FORMAT_MATRIX};
     conus_status status = conus_pose_list_load(&list, path, &options);
     if (status) {
         return print_status(status);

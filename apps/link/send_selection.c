@@ -29,12 +29,12 @@ void station_send_selection(struct station *station, const conus_selector *selec
 {
     struct igtl_point points[POINTS_SENT];
     conus_report *report = NULL;
-    const conus_report_options options = {.format = CONUS_NDJSON};
+    const conus_report_options options = {.format = CONUS_FORMAT_NDJSON};
     const char *text;
     size_t size;
     conus_status status = conus_report_create(&report, selector, &options);
     status = status ? status : conus_report_add(report, "tracker", selection);
-    status = status ? status : conus_report_text(report, &text, &size);
+    status = status ? status : conus_report_text(&text, &size, report);
     if (!status) {
         station_send(station, text, points, list_points(points, atlas, selection));
     }

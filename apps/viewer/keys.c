@@ -71,7 +71,7 @@ static void narrow(struct window *window)
 static void toggle_layers(struct window *window)
 {
     conus_selector_options *options = &window->viewer->cone.options;
-    options->layers = options->layers ? CONUS_VISIBLE : CONUS_ALL_LAYERS;
+    options->layers = options->layers ? CONUS_LAYERS_VISIBLE : CONUS_LAYERS_ALL;
     viewer_reselect(window->viewer);
 }
 

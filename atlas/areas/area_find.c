@@ -20,7 +20,7 @@ static bool is_called(const conus_object *object, struct text text)
 {
     uint64_t label;
     return text_equal(text, object->name) || text_equal(text, object->abbreviation) ||
-           (object->kind == CONUS_AREA && text_to_uint(text, UINT32_MAX, &label) && label == object->label);
+           (object->kind == CONUS_KIND_AREA && text_to_uint(text, UINT32_MAX, &label) && label == object->label);
 }
 
 static bool is_called_ignoring_case(const conus_object *object, struct text text)

@@ -145,7 +145,7 @@ static conus_status add_pair(struct merging *merging, const struct pair *pair)
     const conus_object *right = &merging->atlas->objects[pair->right - 1];
     struct buffer name = {0};
     struct buffer abbreviation = {0};
-    conus_object area = {.kind = CONUS_AREA, .hemisphere = 'B', .named = left->named};
+    conus_object area = {.kind = CONUS_KIND_AREA, .hemisphere = 'B', .named = left->named};
     write_name(&name, merging, pair);
     write_abbreviation(&abbreviation, left->abbreviation, right->abbreviation);
     conus_status status = buffer_status(&name);

@@ -225,7 +225,7 @@ static conus_status make_grid(conus_volume_info *out, const char *name, const co
                               double edge)
 {
     conus_volume_info grid = {
-        .role = CONUS_PARCELLATION, .path = name, .volume_count = 1, .slope = 1, .space_code = SPACE_SCANNER};
+        .role = CONUS_ROLE_PARCELLATION, .path = name, .volume_count = 1, .slope = 1, .space_code = SPACE_SCANNER};
     double m[16];
     double middle[3];
     rotate_about_diagonal(m, options->oblique);

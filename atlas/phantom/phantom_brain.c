@@ -164,7 +164,7 @@ conus_status phantom_brain_mesh(struct mesh *out, size_t index)
 conus_status phantom_brain_grid(conus_volume_info *out)
 {
     conus_volume_info grid = {
-        .role = CONUS_SCALAR, .path = "brain", .dim = {151, 188, 154}, .volume_count = 1, .slope = 1};
+        .role = CONUS_ROLE_SCALAR, .path = "brain", .dim = {151, 188, 154}, .volume_count = 1, .slope = 1};
     double world_from_voxel[16];
     mat4_identity(world_from_voxel);
     for (int i = 0; i < 3; i++) {

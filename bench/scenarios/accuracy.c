@@ -46,8 +46,8 @@ static conus_status make_engines(struct scene *scene)
 {
     uint32_t slices = slices_default(scene->atlas->volumes[0].info.dim);
     const struct engine_options how[WAYS] = {[EXACT] = {0},
-                                             [ALL_SLICES] = {.sampling = CONUS_SLICES, .slices = 5 * slices},
-                                             [FIFTH] = {.sampling = CONUS_SLICES, .slices = slices}};
+                                             [ALL_SLICES] = {.sampling = CONUS_SAMPLING_SLICES, .slices = 5 * slices},
+                                             [FIFTH] = {.sampling = CONUS_SAMPLING_SLICES, .slices = slices}};
     conus_status status = CONUS_OK;
     for (int way = 0; way < WAYS && !status; way++) {
         status = engine_rays_create(&scene->engines[way], scene->atlas, &how[way]);

@@ -123,7 +123,7 @@ static conus_status contender_init(struct contender *out, const struct scene *sc
     const conus_batch_options options = {.threads = threads,
                                          .block = one_by_one,
                                          .angle = scene->angle,
-                                         .report = {.format = CONUS_TSV, .no_voxels = true}};
+                                         .report = {.format = CONUS_FORMAT_TSV, .no_voxels = true}};
     out->scene = scene;
     return selector ? conus_batch_create(&out->batch, selector, &options)
                     : conus_pose_list_load(&out->list, scene->path, NULL);

@@ -250,13 +250,14 @@ static conus_status make_engines(struct scene *scene, const struct bench_options
     status = status ? status : aim_cones(scene, options->angle);
     for (int e = 0; e < ENGINES && !status; e++) {
         bool is_gl = e == GL_SLICES || e == GL_EXACT;
-        const struct engine_options how = {.sampling = e == GL_SLICES || e == RAYS_SLICES ? CONUS_SLICES : CONUS_EXACT,
+        const struct engine_options how = {.sampling = e == GL_SLICES || e == RAYS_SLICES ? CONUS_SAMPLING_SLICES
+                                                                                          : CONUS_SAMPLING_EXACT,
                                            .slices = (uint32_t)options->slices};
         status = is_gl ? engine_gl_create(&scene->engines[e], scene->atlas, &how)
                        : engine_rays_create(&scene->engines[e], scene->atlas, &how);
         status = status ? status : look_init(&scene->looks[e], scene->engines[e], scene->cones, CONES);
         snprintf(scene->looks[e].name, sizeof scene->looks[e].name, "%zu copies, %s%s", scene->copies, names[e],
-                 how.sampling == CONUS_SLICES ? planes : "");
+                 how.sampling == CONUS_SAMPLING_SLICES ? planes : "");
     }
     return status;
 }

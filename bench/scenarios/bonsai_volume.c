@@ -158,7 +158,7 @@ void bonsai_finish(struct bonsai *bonsai)
 
 void bonsai_info(conus_volume_info *out, const struct bonsai *bonsai, const double centre[3], double threshold)
 {
-    *out = (conus_volume_info){.role = threshold > 0 ? CONUS_SCALAR : CONUS_CONTEXT,
+    *out = (conus_volume_info){.role = threshold > 0 ? CONUS_ROLE_SCALAR : CONUS_ROLE_CONTEXT,
                                .path = "bonsai",
                                .minimum = 0,
                                .maximum = 255,

@@ -58,10 +58,10 @@ static conus_status add_looks(struct scene *scene)
     status = status ? status : add_look(scene, plain);
     for (size_t k = 0; traverse_kernel(k) && !status; k++) {
         if (traverse_kernel(k)->is_supported()) {
-            status = add_rays(scene, traverse_kernel(k), CONUS_EXACT);
+            status = add_rays(scene, traverse_kernel(k), CONUS_SAMPLING_EXACT);
         }
     }
-    status = status ? status : add_rays(scene, traverse_best_kernel(), CONUS_SLICES);
+    status = status ? status : add_rays(scene, traverse_best_kernel(), CONUS_SAMPLING_SLICES);
     struct look *slices = &scene->looks[scene->count - 1];
     snprintf(slices->name, sizeof slices->name, "%s, slices", slices->engine ? slices->engine->name : "");
     return status;

@@ -211,7 +211,7 @@ struct scene {
 static conus_status create_engines(struct scene *scene)
 {
     const struct engine_options exact = {0};
-    const struct engine_options slices = {.sampling = CONUS_SLICES, .slices = 5 * PLANES};
+    const struct engine_options slices = {.sampling = CONUS_SAMPLING_SLICES, .slices = 5 * PLANES};
     conus_status status = create_slicing(&scene->engines[SLICES_DRAWN], &scene->atlas->volumes[0]);
     status = status ? status : engine_gl_create(&scene->engines[SLICES_SAMPLED], scene->atlas, &slices);
     status = status ? status : engine_gl_create(&scene->engines[EXACT], scene->atlas, &exact);

@@ -20,7 +20,7 @@ conus_status layer_way_init(struct layer_round *round, size_t way, struct engine
         status = evidence_init(&out->visible[i], TORUS_RESOLUTION);
     }
     if (!status && !engine) {
-        const conus_selector_options options = {.layers = layers ? CONUS_ALL_LAYERS : CONUS_VISIBLE};
+        const conus_selector_options options = {.layers = layers ? CONUS_LAYERS_ALL : CONUS_LAYERS_VISIBLE};
         status = conus_selector_create(&out->selector, round->atlas, &options);
     }
     return status;

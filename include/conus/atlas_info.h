@@ -18,14 +18,14 @@ extern "C" {
 
 /** What an object or a result is. */
 typedef enum conus_kind {
-    CONUS_AREA = 1,  /**< An area of a parcellation, a mesh, or a group of areas. */
-    CONUS_PATHWAY,   /**< A scalar volume from a threshold on. */
-    CONUS_UNASSIGNED /**< Only of a result: the pixels that hit no object, or first a context that blocks. */
+    CONUS_KIND_AREA = 1,  /**< An area of a parcellation, a mesh, or a group of areas. */
+    CONUS_KIND_PATHWAY,   /**< A scalar volume from a threshold on. */
+    CONUS_KIND_UNASSIGNED /**< Only of a result: the pixels that hit no object, or first a context that blocks. */
 } conus_kind;
 
 /** An area or a pathway. */
 typedef struct conus_object {
-    conus_kind kind;          /**< #CONUS_AREA or #CONUS_PATHWAY. */
+    conus_kind kind;          /**< #CONUS_KIND_AREA or #CONUS_KIND_PATHWAY. */
     uint32_t label;           /**< The atlas's own number of the area; a pathway's ordinal, from 1. */
     const char *name;         /**< UTF-8, one line. An area that no table names has its number here. */
     const char *abbreviation; /**< UTF-8; "" if the table gives none. */
@@ -84,9 +84,9 @@ CONUS_CHECKED conus_status conus_atlas_find(uint32_t *out, const conus_atlas *at
 
 /** What a volume is for. */
 typedef enum conus_role {
-    CONUS_PARCELLATION = 1, /**< Its values are labels of areas. */
-    CONUS_SCALAR,           /**< Its values make a pathway. */
-    CONUS_CONTEXT           /**< It is drawn around the areas. */
+    CONUS_ROLE_PARCELLATION = 1, /**< Its values are labels of areas. */
+    CONUS_ROLE_SCALAR,           /**< Its values make a pathway. */
+    CONUS_ROLE_CONTEXT           /**< It is drawn around the areas. */
 } conus_role;
 
 /** A volume of an atlas. */
@@ -152,14 +152,14 @@ CONUS_API const char *conus_atlas_file(const conus_atlas *atlas, size_t index);
 
 /**
  * Finds the box around all voxels and triangles of areas and pathways that are not hidden.
- * @param atlas The atlas.
  * @param[out] low Its lowest x, y, z, world mm.
  * @param[out] high Its highest x, y, z, world mm.
+ * @param atlas The atlas.
  * @return #CONUS_OK; #CONUS_ERROR_DATA if there are none.
  * @threads Any, while none changes the atlas.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_atlas_bounds(const conus_atlas *atlas, double low[3], double high[3]);
+CONUS_CHECKED conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas *atlas);
 
 /**
  * Finds the mean position of the voxels or triangles of an object and of those below it in the area tree, hidden or

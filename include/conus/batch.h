@@ -26,9 +26,9 @@ typedef struct conus_batch_options {
                            gl engine there is one, the caller's. */
     uint32_t block;     /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
     double angle;       /**< Of poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
-    conus_report_options
-        report; /**< Its format is neither #CONUS_TABLE nor #CONUS_JSON. A probe, #CONUS_SPIKEGLX or #CONUS_OPEN_EPHYS,
-                   is one block of up to 65535 contacts, whatever block says, and must be all that is in the stream. */
+    conus_report_options report; /**< Its format is neither #CONUS_FORMAT_TABLE nor #CONUS_FORMAT_JSON. A probe,
+                                    #CONUS_FORMAT_SPIKEGLX or #CONUS_FORMAT_OPEN_EPHYS, is one block of up to 65535
+                                    contacts, whatever block says, and must be all that is in the stream. */
 } conus_batch_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -116,14 +116,14 @@ CONUS_API const char *conus_batch_heading(const conus_batch *batch);
 
 /**
  * Writes the sidecar as of conus_report_sidecar(), without the queries.
- * @param batch The batch.
  * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the batch.
  * @param[out] size Bytes, without the NUL.
+ * @param batch The batch.
  * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
  * @threads One at a time for each @p batch.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_batch_sidecar(conus_batch *batch, const char **text, size_t *size);
+CONUS_CHECKED conus_status conus_batch_sidecar(const char **text, size_t *size, conus_batch *batch);
 
 #ifdef __cplusplus
 }

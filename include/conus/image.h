@@ -37,7 +37,7 @@ CONUS_CHECKED conus_status conus_image_of_selection(conus_image **out, const con
  * appears whole or not at all.
  * @param selection The selection. Its atlas must still be there.
  * @param path The file.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT without #CONUS_ALL_LAYERS; #CONUS_ERROR_IO where the system refuses.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT without #CONUS_LAYERS_ALL; #CONUS_ERROR_IO where the system refuses.
  * @threads Any, while none changes the atlas.
  * @since 0.1
  */

@@ -32,13 +32,13 @@ typedef struct conus_jitter_options {
 /** The chances of one object. */
 typedef struct conus_chance {
     conus_kind kind; /**< What it is. */
-    uint32_t object; /**< Number in the atlas; 0 for #CONUS_UNASSIGNED. */
-    uint32_t rank;   /**< From 1, by hit; 0 for #CONUS_UNASSIGNED. */
+    uint32_t object; /**< Number in the atlas; 0 for #CONUS_KIND_UNASSIGNED. */
+    uint32_t rank;   /**< From 1, by hit; 0 for #CONUS_KIND_UNASSIGNED. */
     double hit; /**< Probability that it is the one hit: of the objects that pixels hit first, the one that the selector
-                   ranks best; #CONUS_UNASSIGNED where no pixel hits any. They sum to 1. */
+                   ranks best; #CONUS_KIND_UNASSIGNED where no pixel hits any. They sum to 1. */
     double hit_error;       /**< Standard error of that number, from 16 independent sets of samples. */
     double seen;            /**< Probability that some pixel hits it first. */
-    double in_cone;         /**< Probability that it is in the cone at all; NaN without #CONUS_ALL_LAYERS. */
+    double in_cone;         /**< Probability that it is in the cone at all; NaN without #CONUS_LAYERS_ALL. */
     double share;           /**< Mean share (Eq. 4); they sum to 1. */
     double share_deviation; /**< Standard deviation of the share from sample to sample. */
 } conus_chance;

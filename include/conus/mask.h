@@ -19,10 +19,10 @@ typedef struct conus_grid conus_grid; /**< Numbers on an atlas's voxel grid, to 
 
 /** What the numbers on a grid are. */
 typedef enum conus_grid_content {
-    CONUS_MASK_OF_AREAS = 0, /**< 1 in every area's voxels in the region. */
-    CONUS_MASK_OF_REGION,    /**< 1 in all voxels in the region, background too. */
-    CONUS_MAP_OF_LABELS,     /**< The labels of the areas as which these voxels are reported. */
-    CONUS_MAP_OF_VALUES      /**< A pathway's values in the region, on the pathway's grid. */
+    CONUS_GRID_MASK_OF_AREAS = 0, /**< 1 in every area's voxels in the region. */
+    CONUS_GRID_MASK_OF_REGION,    /**< 1 in all voxels in the region, background too. */
+    CONUS_GRID_MAP_OF_LABELS,     /**< The labels of the areas as which these voxels are reported. */
+    CONUS_GRID_MAP_OF_VALUES      /**< A pathway's values in the region, on the pathway's grid. */
 } conus_grid_content;
 
 /** How conus_selection_grid() fills a grid. */
@@ -52,10 +52,10 @@ CONUS_CHECKED conus_status conus_selection_grid(conus_grid **out, const conus_se
 
 /** The type of the numbers on a grid. */
 typedef enum conus_number {
-    CONUS_UINT8 = 0, /**< uint8_t. */
-    CONUS_UINT16,    /**< uint16_t. */
-    CONUS_UINT32,    /**< uint32_t. */
-    CONUS_FLOAT32    /**< float. */
+    CONUS_NUMBER_UINT8 = 0, /**< uint8_t. */
+    CONUS_NUMBER_UINT16,    /**< uint16_t. */
+    CONUS_NUMBER_UINT32,    /**< uint32_t. */
+    CONUS_NUMBER_FLOAT32    /**< float. */
 } conus_number;
 
 /** What is on a grid. */

@@ -18,11 +18,11 @@ extern "C" {
 
 /** The format of a surface. */
 typedef enum conus_mesh_format {
-    CONUS_GIFTI = 0, /**< GIFTI, .gii. */
-    CONUS_VTP,       /**< VTK's XML poly data, .vtp. */
-    CONUS_OBJ,       /**< Wavefront, .obj. */
-    CONUS_PLY,       /**< Stanford, .ply. */
-    CONUS_STL        /**< Stereolithography, .stl. */
+    CONUS_MESH_GIFTI = 0, /**< GIFTI, .gii. */
+    CONUS_MESH_VTP,       /**< VTK's XML poly data, .vtp. */
+    CONUS_MESH_OBJ,       /**< Wavefront, .obj. */
+    CONUS_MESH_PLY,       /**< Stanford, .ply. */
+    CONUS_MESH_STL        /**< Stereolithography, .stl. */
 } conus_mesh_format;
 
 /** How conus_atlas_write_meshes() makes surfaces. */

@@ -83,13 +83,13 @@ CONUS_API const char *conus_renderer_device(const conus_renderer *renderer);
 
 /**
  * Gives the transfer function of the context.
- * @param renderer The renderer.
  * @param[out] count How many points; 0 where there is no context.
+ * @param renderer The renderer.
  * @return [count] Borrowed until it is changed.
  * @threads The one that made the renderer.
  * @since 0.1
  */
-CONUS_API const conus_transfer_point *conus_renderer_transfer(const conus_renderer *renderer, size_t *count);
+CONUS_API const conus_transfer_point *conus_renderer_transfer(size_t *count, const conus_renderer *renderer);
 
 /**
  * Changes the transfer function of the context.
@@ -136,7 +136,7 @@ typedef struct conus_view {
 
 /**
  * Draws the atlas over a light background: its areas, or its pathways where it has any (all areas would hide them), and
- * then of the areas those that the selection hits, or with #CONUS_ALL_LAYERS passes. A draft has those of the picture
+ * then of the areas those that the selection hits, or with #CONUS_LAYERS_ALL passes. A draft has those of the picture
  * before.
  * @param[out] out Channels R, G, B, A: float, linear light, premultiplied; A is 1. End it with conus_image_destroy().
  * @param renderer The renderer.

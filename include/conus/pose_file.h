@@ -22,8 +22,8 @@ typedef struct conus_pose_stream conus_pose_stream; /**< Poses being read. */
 
 /** The world space of the numbers in a file. */
 typedef enum conus_space {
-    CONUS_RAS = 0, /**< +x right, +y anterior, +z superior. */
-    CONUS_LPS      /**< +x left, +y posterior, +z superior. */
+    CONUS_SPACE_RAS = 0, /**< +x right, +y anterior, +z superior. */
+    CONUS_SPACE_LPS      /**< +x left, +y posterior, +z superior. */
 } conus_space;
 
 /** The axis of a device along which it looks. */
@@ -39,14 +39,14 @@ typedef enum conus_axis {
 
 /** The format of a file of poses; docs/formats.md describes each. */
 typedef enum conus_pose_format {
-    CONUS_POSES_AUTO = 0,   /**< The content decides. */
-    CONUS_POSES_TABLE,      /**< A table (TSV or CSV) whose header row names the columns. */
-    CONUS_POSES_MATRIX,     /**< Sixteen numbers, a row-major world_from_device. */
-    CONUS_POSES_POINTS,     /**< Lines of x y z and perhaps a name: points. */
-    CONUS_POSES_BRAINSIGHT, /**< Brainsight's export: targets, samples, electrodes. */
-    CONUS_POSES_LOCALITE,   /**< Localite's InstrumentMarker*.xml and TriggerMarkers*.xml. */
-    CONUS_POSES_ELECTRODES, /**< BIDS *_electrodes.tsv, with the *_coordsystem.json beside it: points. */
-    CONUS_POSES_MARKUPS     /**< 3D Slicer's .mrk.json: lines, and points. */
+    CONUS_POSE_FORMAT_AUTO = 0,   /**< The content decides. */
+    CONUS_POSE_FORMAT_TABLE,      /**< A table (TSV or CSV) whose header row names the columns. */
+    CONUS_POSE_FORMAT_MATRIX,     /**< Sixteen numbers, a row-major world_from_device. */
+    CONUS_POSE_FORMAT_POINTS,     /**< Lines of x y z and perhaps a name: points. */
+    CONUS_POSE_FORMAT_BRAINSIGHT, /**< Brainsight's export: targets, samples, electrodes. */
+    CONUS_POSE_FORMAT_LOCALITE,   /**< Localite's InstrumentMarker*.xml and TriggerMarkers*.xml. */
+    CONUS_POSE_FORMAT_ELECTRODES, /**< BIDS *_electrodes.tsv, with the *_coordsystem.json beside it: points. */
+    CONUS_POSE_FORMAT_MARKUPS     /**< 3D Slicer's .mrk.json: lines, and points. */
 } conus_pose_format;
 
 /**
@@ -64,8 +64,8 @@ typedef struct conus_pose_options {
     conus_space space;        /**< Of the numbers in the file, where it does not say so itself. */
     conus_axis axis;          /**< Where the file gives rotations. */
     conus_pose_format format; /**< The format. */
-    bool along_shafts; /**< #CONUS_POSES_ELECTRODES: not points, but poses at the contacts that look along their shafts,
-                          each to the contact with the next higher number. */
+    bool along_shafts;   /**< #CONUS_POSE_FORMAT_ELECTRODES: not points, but poses at the contacts that look along their
+                            shafts,   each to the contact with the next higher number. */
     uint64_t max_memory; /**< Largest file of a format that is read whole, in bytes; 0 = 1 GiB. */
 } conus_pose_options;
 
@@ -75,7 +75,7 @@ typedef struct conus_pose_options {
 /** One row of a pose file. */
 typedef struct conus_pose_row {
     const char *id;    /**< Column query_id, or the row's number from 1. Ids may repeat. */
-    size_t line;       /**< Line in the file, from 1; of #CONUS_POSES_MARKUPS the markup. */
+    size_t line;       /**< Line in the file, from 1; of #CONUS_POSE_FORMAT_MARKUPS the markup. */
     conus_pose pose;   /**< Where the device is and looks. */
     bool is_point;     /**< The row has only a position, no direction: the pose is not turned. */
     bool trigger;      /**< Column trigger; false if absent. */
@@ -107,17 +107,17 @@ CONUS_CHECKED conus_status conus_pose_stream_open(conus_pose_stream **out, const
 
 /**
  * Reads the next rows. A bad row is given with its error.
- * @param stream The stream.
  * @param[out] rows [capacity] The first @p count of them are filled. Their strings live until the next call on the
  * stream.
- * @param capacity At least 1.
  * @param[out] count Rows read: fewer than @p capacity only at the end, 0 when there are no more.
+ * @param stream The stream.
+ * @param capacity At least 1.
  * @return #CONUS_OK; #CONUS_ERROR_IO also where the file changes before all of it is read.
  * @threads One at a time for each @p stream.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_pose_stream_read(conus_pose_stream *stream, conus_pose_row *rows, size_t capacity,
-                                                  size_t *count);
+CONUS_CHECKED conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_pose_stream *stream,
+                                                  size_t capacity);
 
 /**
  * Passes over rows without parsing them, which is much faster.
@@ -131,13 +131,13 @@ CONUS_CHECKED conus_status conus_pose_stream_skip(conus_pose_stream *stream, uin
 
 /**
  * Counts all rows, those already read included.
- * @param stream The stream.
  * @param[out] count How many rows there are.
+ * @param stream The stream.
  * @return #CONUS_OK; #CONUS_ERROR_UNSUPPORTED for a live stream.
  * @threads One at a time for each @p stream.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_pose_stream_count(conus_pose_stream *stream, uint64_t *count);
+CONUS_CHECKED conus_status conus_pose_stream_count(uint64_t *count, conus_pose_stream *stream);
 
 /**
  * Tells whether the stream is live: it reads rows from a pipe as they come.
@@ -160,7 +160,7 @@ CONUS_API void conus_pose_stream_stop(conus_pose_stream *stream);
 /**
  * Tells the format of the poses.
  * @param stream The stream.
- * @return Never #CONUS_POSES_AUTO.
+ * @return Never #CONUS_POSE_FORMAT_AUTO.
  * @threads One at a time for each @p stream.
  * @since 0.1
  */

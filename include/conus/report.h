@@ -21,29 +21,29 @@ extern "C" {
 
 typedef struct conus_report conus_report; /**< Answers collected for writing. */
 
-/** The format of a report. From #CONUS_AFNI on they are read by other programs, of #CONUS_ANSWERS, as a whole
- * (docs/formats.md). */
+/** The format of a report. From #CONUS_FORMAT_AFNI on they are read by other programs, of #CONUS_ROWS_ANSWERS, as a
+ * whole (docs/formats.md). */
 typedef enum conus_format {
-    CONUS_TABLE = 0, /**< A table for people. */
-    CONUS_TSV,       /**< Tab-separated values. */
-    CONUS_CSV,       /**< The columns of #CONUS_TSV between commas (RFC 4180). */
-    CONUS_JSON,      /**< One JSON array. */
-    CONUS_NDJSON,    /**< One JSON object per line. */
-    CONUS_AFNI,      /**< The tables of AFNI's whereami -tab, of each query. */
-    CONUS_BIDS,      /**< A BIDS table of electrodes, with columns added. */
-    CONUS_SPIKEGLX,  /**< The areas along the shanks of a probe, in micrometres from the first contact. */
-    CONUS_OPEN_EPHYS /**< The areas of a probe's channels, from 0. */
+    CONUS_FORMAT_TABLE = 0, /**< A table for people. */
+    CONUS_FORMAT_TSV,       /**< Tab-separated values. */
+    CONUS_FORMAT_CSV,       /**< The columns of #CONUS_FORMAT_TSV between commas (RFC 4180). */
+    CONUS_FORMAT_JSON,      /**< One JSON array. */
+    CONUS_FORMAT_NDJSON,    /**< One JSON object per line. */
+    CONUS_FORMAT_AFNI,      /**< The tables of AFNI's whereami -tab, of each query. */
+    CONUS_FORMAT_BIDS,      /**< A BIDS table of electrodes, with columns added. */
+    CONUS_FORMAT_SPIKEGLX,  /**< The areas along the shanks of a probe, in micrometres from the first contact. */
+    CONUS_FORMAT_OPEN_EPHYS /**< The areas of a probe's channels, from 0. */
 } conus_format;
 
 /** What a report has rows of; each with its own columns. */
 typedef enum conus_rows {
-    CONUS_ANSWERS = 0, /**< Of conus_report_add(). */
-    CONUS_SHARES, /**< The same with the angle, and for people a table of shares by angle; answers in a row that have
-                     one id belong together. */
-    CONUS_ADMISSIONS, /**< Of conus_report_add_sweep(). */
-    CONUS_CHANCES,    /**< Of conus_report_add_jitter(). */
-    CONUS_SUMMARIES   /**< Of conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
-                         #CONUS_TABLE. */
+    CONUS_ROWS_ANSWERS = 0, /**< Of conus_report_add(). */
+    CONUS_ROWS_SHARES, /**< The same with the angle, and for people a table of shares by angle; answers in a row that
+                     have one id belong together. */
+    CONUS_ROWS_ADMISSIONS, /**< Of conus_report_add_sweep(). */
+    CONUS_ROWS_CHANCES,    /**< Of conus_report_add_jitter(). */
+    CONUS_ROWS_SUMMARIES   /**< Of conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
+                         #CONUS_FORMAT_TABLE. */
 } conus_rows;
 
 /** What a report holds and how it is written. */
@@ -58,8 +58,8 @@ typedef struct conus_report_options {
     const conus_tracker *tracker; /**< Of a report on its steps, with the columns time_s, selected and confirmed; it
                                      must outlive the report. NULL = none. */
     bool selected_only;     /**< Of a step only what is selected or confirmed; or, if nothing is, what is unassigned. */
-    const char *electrodes; /**< For #CONUS_BIDS: the text of the table of which each row is a query, errors among them.
-                               NULL = none. */
+    const char *electrodes; /**< For #CONUS_FORMAT_BIDS: the text of the table of which each row is a query, errors
+                               among them. NULL = none. */
 } conus_report_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -127,63 +127,63 @@ CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const ch
 
 /**
  * Writes the whole text in the report's format.
- * @param report The report.
  * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the report.
  * @param[out] size Bytes, without the NUL.
+ * @param report The report.
  * @return #CONUS_OK; #CONUS_ERROR_DATA for answers that the format cannot hold.
  * @threads One at a time for each @p report.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_report_text(conus_report *report, const char **text, size_t *size);
+CONUS_CHECKED conus_status conus_report_text(const char **text, size_t *size, conus_report *report);
 
 /**
  * Writes the text of the answers since the last call and forgets them, for a report that goes on. The header row of
- * TSV, CSV and #CONUS_BIDS, or of a track's table, comes once, with the first call. Not for #CONUS_JSON and the formats
- * of probes, which are one whole.
- * @param report The report.
+ * TSV, CSV and #CONUS_FORMAT_BIDS, or of a track's table, comes once, with the first call. Not for #CONUS_FORMAT_JSON
+ * and the formats of probes, which are one whole.
  * @param[out] text As of conus_report_text().
  * @param[out] size Bytes, without the NUL.
+ * @param report The report.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a format that is one whole.
  * @threads One at a time for each @p report.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_report_take(conus_report *report, const char **text, size_t *size);
+CONUS_CHECKED conus_status conus_report_take(const char **text, size_t *size, conus_report *report);
 
 /**
  * Writes the voxels hit first (with all layers, and of a ball, all with their centre in it), nearest first, as TSV:
  * query pathway i j k x y z value distance_mm kind index.
- * @param report The report.
  * @param[out] text As of conus_report_text().
  * @param[out] size Bytes, without the NUL.
+ * @param report The report.
  * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
  * @threads One at a time for each @p report.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_report_voxels(conus_report *report, const char **text, size_t *size);
+CONUS_CHECKED conus_status conus_report_voxels(const char **text, size_t *size, conus_report *report);
 
 /**
  * Writes the JSON sidecar: columns, units, space, atlas files with SHA-256, settings, version.
- * @param report The report.
  * @param[out] text As of conus_report_text().
  * @param[out] size Bytes, without the NUL.
+ * @param report The report.
  * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
  * @threads One at a time for each @p report.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_report_sidecar(conus_report *report, const char **text, size_t *size);
+CONUS_CHECKED conus_status conus_report_sidecar(const char **text, size_t *size, conus_report *report);
 
 /**
  * Writes the JSON sidecar of a mask of one of the answers (docs/formats.md).
- * @param report The report.
- * @param grid The mask.
  * @param[out] text As of conus_report_text().
  * @param[out] size Bytes, without the NUL.
+ * @param report The report.
+ * @param grid The mask.
  * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
  * @threads One at a time for each @p report.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_report_grid_sidecar(conus_report *report, const conus_grid *grid, const char **text,
-                                                     size_t *size);
+CONUS_CHECKED conus_status conus_report_grid_sidecar(const char **text, size_t *size, conus_report *report,
+                                                     const conus_grid *grid);
 
 /**
  * Ends a report.

@@ -20,7 +20,7 @@ typedef struct conus_score_info {
     const char *name;        /**< For conus_selector_options.score. */
     const char *description; /**< One line. */
     bool needs_history;      /**< Only a conus_tracker has it. */
-    bool needs_layers;       /**< Only with CONUS_ALL_LAYERS. */
+    bool needs_layers;       /**< Only with CONUS_LAYERS_ALL. */
 } conus_score_info;
 
 /**

@@ -29,20 +29,20 @@ typedef enum conus_engine {
 
 /** Which pixels count as the cone (Eq. 3). */
 typedef enum conus_aperture {
-    CONUS_CIRCLE = 0, /**< Those in the circle: a round cone. */
-    CONUS_SQUARE      /**< All: a pyramid. */
+    CONUS_APERTURE_CIRCLE = 0, /**< Those in the circle: a round cone. */
+    CONUS_APERTURE_SQUARE      /**< All: a pyramid. */
 } conus_aperture;
 
 /** How a ray is followed through voxels. */
 typedef enum conus_sampling {
-    CONUS_EXACT = 0, /**< Cell by cell (Eq. 5). */
-    CONUS_SLICES     /**< At the paper's slices (Eq. 7). */
+    CONUS_SAMPLING_EXACT = 0, /**< Cell by cell (Eq. 5). */
+    CONUS_SAMPLING_SLICES     /**< At the paper's slices (Eq. 7). */
 } conus_sampling;
 
 /** What of a ray counts. */
 typedef enum conus_layers {
-    CONUS_VISIBLE = 0, /**< The first hit of each pixel. */
-    CONUS_ALL_LAYERS   /**< Also all intervals behind it (Eq. 10). */
+    CONUS_LAYERS_VISIBLE = 0, /**< The first hit of each pixel. */
+    CONUS_LAYERS_ALL          /**< Also all intervals behind it (Eq. 10). */
 } conus_layers;
 
 /** How a selector answers. */
@@ -138,8 +138,8 @@ CONUS_API void conus_selection_destroy(conus_selection *selection);
 /** One object in the cone. */
 typedef struct conus_result {
     conus_kind kind;   /**< What it is. */
-    uint32_t object;   /**< Number in the atlas, as what it is reported (level); 0 for #CONUS_UNASSIGNED. */
-    uint32_t rank;     /**< From 1; 0 for #CONUS_UNASSIGNED. */
+    uint32_t object;   /**< Number in the atlas, as what it is reported (level); 0 for #CONUS_KIND_UNASSIGNED. */
+    uint32_t rank;     /**< From 1; 0 for #CONUS_KIND_UNASSIGNED. */
     double score;      /**< By the selector's score; higher is better. */
     uint32_t pixels;   /**< Pixels of the cone that hit it first. */
     double share;      /**< Its part of the cone's solid angle (Eq. 4); all shares sum to 1. */
@@ -148,7 +148,7 @@ typedef struct conus_result {
     double distance;   /**< Nearest first hit of any of its pixels, mm from the apex. */
     double contact[3]; /**< World position of its contact (Eq. 11), mm; NaN if no pixel hits it first. */
 
-    /* With CONUS_ALL_LAYERS (Eq. 10); else 0, and NaN where 0 would say something. */
+    /* With CONUS_LAYERS_ALL (Eq. 10); else 0, and NaN where 0 would say something. */
     uint32_t pierced;     /**< Pixels of the cone whose ray passes it, occluded or not. */
     double entry;         /**< Nearest entry of any of these rays, mm from the apex. */
     double exit;          /**< Farthest exit of any of these rays, mm from the apex. */
@@ -165,7 +165,7 @@ typedef struct conus_result {
 
 /**
  * Counts the results. They are ordered by rank, with unassigned last (there even if nothing is unassigned). With
- * #CONUS_ALL_LAYERS an object that is occluded, or too thin for any ray but with a voxel's centre in the cone, has a
+ * #CONUS_LAYERS_ALL an object that is occluded, or too thin for any ray but with a voxel's centre in the cone, has a
  * result of 0 pixels.
  * @param selection NULL counts 0.
  * @return How many results there are.
@@ -206,13 +206,13 @@ CONUS_API conus_evidence conus_selection_evidence(const conus_selection *selecti
 
 /**
  * Computes where the ray of a pixel hits.
+ * @param[out] out World mm; NaN where it hit nothing, or there is no such pixel.
  * @param selection The selection.
  * @param pixel Row-major index.
- * @param[out] out World mm; NaN where it hit nothing, or there is no such pixel.
  * @threads Any: the object does not change.
  * @since 0.1
  */
-CONUS_API void conus_selection_position(const conus_selection *selection, size_t pixel, double out[3]);
+CONUS_API void conus_selection_position(double out[3], const conus_selection *selection, size_t pixel);
 
 /** An interval of a pixel's ray inside one object. */
 typedef struct conus_span {
@@ -224,14 +224,14 @@ typedef struct conus_span {
 } conus_span;
 
 /**
- * Gives all intervals of all rays, with #CONUS_ALL_LAYERS: by pixel, then entry, then object.
+ * Gives all intervals of all rays, with #CONUS_LAYERS_ALL: by pixel, then entry, then object.
+ * @param[out] count How many; 0 without #CONUS_LAYERS_ALL.
  * @param selection The selection.
- * @param[out] count How many; 0 without #CONUS_ALL_LAYERS.
- * @return [count]; NULL without #CONUS_ALL_LAYERS. Borrowed from the selection.
+ * @return [count]; NULL without #CONUS_LAYERS_ALL. Borrowed from the selection.
  * @threads Any: the object does not change.
  * @since 0.1
  */
-CONUS_API const conus_span *conus_selection_spans(const conus_selection *selection, size_t *count);
+CONUS_API const conus_span *conus_selection_spans(size_t *count, const conus_selection *selection);
 
 #ifdef __cplusplus
 }

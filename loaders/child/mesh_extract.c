@@ -25,7 +25,7 @@ struct extraction {
 static const struct volume *parcellation_of(const conus_atlas *atlas)
 {
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (atlas->volumes[i].info.role == CONUS_PARCELLATION) {
+        if (atlas->volumes[i].info.role == CONUS_ROLE_PARCELLATION) {
             return &atlas->volumes[i];
         }
     }

@@ -30,7 +30,7 @@ static conus_status write_surface(const char *folder, size_t index)
     palette_colour(title.rgb, index);
     surface_name(name, index);
     conus_status status = phantom_brain_mesh(&mesh, index);
-    status = status ? status : mesh_format(&file, &mesh, &title, CONUS_GIFTI);
+    status = status ? status : mesh_format(&file, &mesh, &title, CONUS_MESH_GIFTI);
     status = status ? status : file_write_in(folder, name, &file);
     buffer_finish(&file);
     mesh_finish(&mesh);

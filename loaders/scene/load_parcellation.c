@@ -174,7 +174,7 @@ conus_status parcellation_read(struct parcellation *out, const char *path, const
                                  : volume_file_open_as(&out->file, path, options->max_memory, needed, &out->notes);
     status = status || markup ? status : volume_file_labels(&out->labels, &out->file);
     status = status ? status : read_names(out, options->labels, markup);
-    out->file.info.role = CONUS_PARCELLATION;
+    out->file.info.role = CONUS_ROLE_PARCELLATION;
     return status || options->labels_anyway ? status : refuse_grey(out, markup);
 }
 

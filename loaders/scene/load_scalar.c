@@ -153,7 +153,7 @@ conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, double th
     size_t note_count = atlas->notes.count;
     conus_status status = volume_file_values(&values, file, notes);
     if (!status) {
-        file->info.role = CONUS_SCALAR;
+        file->info.role = CONUS_ROLE_SCALAR;
         status = choose_name(&name, wanted, &file->info, notes);
     }
     const char *words = name.data;
@@ -208,7 +208,7 @@ conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const
     conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
     status = status ? status : volume_file_values(&values, &file, &notes);
     if (!status) {
-        file.info.role = CONUS_CONTEXT;
+        file.info.role = CONUS_ROLE_CONTEXT;
         status = choose_block(&file.info, options->block_threshold);
     }
     status = status ? status : notes_move(&atlas->notes, &notes);

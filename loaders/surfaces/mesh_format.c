@@ -334,8 +334,9 @@ static const struct {
     const char *ending;
     conus_status (*append)(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title);
 } formats[] = {
-    [CONUS_GIFTI] = {"gii", append_gifti}, [CONUS_VTP] = {"vtp", append_vtp}, [CONUS_OBJ] = {"obj", append_obj},
-    [CONUS_PLY] = {"ply", append_ply},     [CONUS_STL] = {"stl", append_stl},
+    [CONUS_MESH_GIFTI] = {"gii", append_gifti}, [CONUS_MESH_VTP] = {"vtp", append_vtp},
+    [CONUS_MESH_OBJ] = {"obj", append_obj},     [CONUS_MESH_PLY] = {"ply", append_ply},
+    [CONUS_MESH_STL] = {"stl", append_stl},
 };
 
 const char *mesh_format_ending(conus_mesh_format format)

@@ -29,7 +29,7 @@ static const char *space_of(const conus_atlas *atlas)
                                         "NIFTI_XFORM_MNI_152"};
     static const char mark[] = "code ";
     const conus_volume_info *info = conus_atlas_volume(atlas, 0);
-    const char *code = info && info->role == CONUS_PARCELLATION ? strstr(info->transform, mark) : NULL;
+    const char *code = info && info->role == CONUS_ROLE_PARCELLATION ? strstr(info->transform, mark) : NULL;
     size_t index = code ? (size_t)(unsigned char)code[sizeof mark - 1] - '1' : SIZE_MAX;
     return index < sizeof words / sizeof words[0] ? words[index] : "NIFTI_XFORM_UNKNOWN";
 }
@@ -119,7 +119,7 @@ static conus_status check_arguments(const conus_atlas *atlas, const char *folder
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_write_meshes: an atlas and a folder are needed");
     }
     if (!mesh_format_ending(options->format)) {
-        return fail(CONUS_ERROR_ARGUMENT, "format: %d, allowed are 0 to %d", (int)options->format, CONUS_STL);
+        return fail(CONUS_ERROR_ARGUMENT, "format: %d, allowed are 0 to %d", (int)options->format, CONUS_MESH_STL);
     }
     if (options->smooth > SMOOTH_LIMIT) {
         return fail(CONUS_ERROR_ARGUMENT, "smooth: %u iterations, allowed are 1 to %d", options->smooth, SMOOTH_LIMIT);

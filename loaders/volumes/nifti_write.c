@@ -19,10 +19,10 @@ struct datatype {
     int code;
 };
 
-static const struct datatype datatypes[] = {[CONUS_UINT8] = {UINT8_MAX, 1, 2},
-                                            [CONUS_UINT16] = {UINT16_MAX, 2, 512},
-                                            [CONUS_UINT32] = {UINT32_MAX, 4, 768},
-                                            [CONUS_FLOAT32] = {0, 4, 16}};
+static const struct datatype datatypes[] = {[CONUS_NUMBER_UINT8] = {UINT8_MAX, 1, 2},
+                                            [CONUS_NUMBER_UINT16] = {UINT16_MAX, 2, 512},
+                                            [CONUS_NUMBER_UINT32] = {UINT32_MAX, 4, 768},
+                                            [CONUS_NUMBER_FLOAT32] = {0, 4, 16}};
 
 /* What the header is made of. */
 struct header_values {

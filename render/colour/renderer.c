@@ -101,7 +101,7 @@ conus_status renderer_include(conus_renderer *renderer, const uint8_t *emphasis)
     return status;
 }
 
-const conus_transfer_point *conus_renderer_transfer(const conus_renderer *renderer, size_t *count)
+const conus_transfer_point *conus_renderer_transfer(size_t *count, const conus_renderer *renderer)
 {
     bool used = renderer && atlas_context(renderer->atlas);
     *count = used ? renderer->transfer.count : 0;

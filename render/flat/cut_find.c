@@ -315,9 +315,9 @@ static void find_volumes(struct cut *cut, const struct cut_view *view, conus_rol
 void cut_find_objects(struct cut *cut, const struct cut_view *view)
 {
     memset(cut->objects, 0, (size_t)view->place.width * view->place.height * sizeof *cut->objects);
-    find_volumes(cut, view, CONUS_PARCELLATION);
+    find_volumes(cut, view, CONUS_ROLE_PARCELLATION);
     if (cut->contours) {
         find_surfaces(cut, view);
     }
-    find_volumes(cut, view, CONUS_SCALAR);
+    find_volumes(cut, view, CONUS_ROLE_SCALAR);
 }

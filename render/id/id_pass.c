@@ -49,10 +49,14 @@ struct id_pass {
 static conus_status create_program(struct id_program *out, conus_sampling sampling, enum id_kind kind)
 {
     const struct program_define defines[] = {
-        {"SLICES", sampling == CONUS_SLICES}, {"MERGE", kind == LATER},
-        {"PIERCE", kind == PIERCE},           {"GROUP", GROUP},
-        {"OBJECTS_UNIT", OBJECTS_UNIT},       {"LEAP_UNIT", LEAP_UNIT},
-        {"IDENTIFIER_UNIT", IDENTIFIER_UNIT}, {"RAY_UNIT", RAY_UNIT},
+        {"SLICES", sampling == CONUS_SAMPLING_SLICES},
+        {"MERGE", kind == LATER},
+        {"PIERCE", kind == PIERCE},
+        {"GROUP", GROUP},
+        {"OBJECTS_UNIT", OBJECTS_UNIT},
+        {"LEAP_UNIT", LEAP_UNIT},
+        {"IDENTIFIER_UNIT", IDENTIFIER_UNIT},
+        {"RAY_UNIT", RAY_UNIT},
         {"OUT_BUFFER", OUT_BUFFER},
     };
     const struct program_source source = {.compute = {"id.comp.glsl", shader_id_comp},
@@ -61,7 +65,7 @@ static conus_status create_program(struct id_program *out, conus_sampling sampli
     GLuint program = 0;
     conus_status status = program_create(&program, &source);
     if (!status) {
-        bool leaps = sampling == CONUS_EXACT;
+        bool leaps = sampling == CONUS_SAMPLING_EXACT;
         *out = (struct id_program){program, program_uniform(program, "range"),
                                    leaps ? program_uniform(program, "first_cell") : -1,
                                    leaps ? program_uniform(program, "last_cell") : -1};
@@ -145,7 +149,7 @@ static conus_status upload_volume(struct id_volume *out, const struct volume *vo
     enum volume_texture_kind kind = volume->objects16 ? VOLUME_TEXTURE_UINT16 : VOLUME_TEXTURE_UINT32;
     const void *objects = volume->objects16 ? (const void *)volume->objects16 : volume->objects32;
     conus_status status = volume_texture_create(&made.objects, kind, dim, objects, memory_left);
-    if (!status && sampling == CONUS_EXACT) {
+    if (!status && sampling == CONUS_SAMPLING_EXACT) {
         status = volume_texture_create(&made.leaps, VOLUME_TEXTURE_UINT8, dim, leaps->codes, memory_left);
         memcpy(made.first, leaps->first, sizeof made.first);
         memcpy(made.last, leaps->last, sizeof made.last);
@@ -289,7 +293,7 @@ static conus_status take_intervals(void *user, const void *records, uint32_t cou
 
 conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take take, void *user)
 {
-    assert(volume < pass->volume_count && pass->ray_count && pass->sampling == CONUS_EXACT);
+    assert(volume < pass->volume_count && pass->ray_count && pass->sampling == CONUS_SAMPLING_EXACT);
     static_assert(sizeof(struct id_interval) == 40, "the shader's Interval");
     struct piercing piercing = {pass, volume, take, user};
     conus_status status = need_program(pass, PIERCE);

@@ -22,7 +22,7 @@ struct id_ray {
         struct {
             double start, spacing, count; /**< Its cone's struct slices.              */
             double per_depth;             /**< 1 / cosine to the view axis: mm along the ray per mm of depth. */
-        } planes;                         /**< CONUS_SLICES.                                      */
+        } planes;                         /**< CONUS_SAMPLING_SLICES.                                      */
     };
 };
 
@@ -65,8 +65,8 @@ conus_status id_pass_begin(struct id_pass *pass, uint32_t rays);
 /** The rays, to be filled in before each volume. */
 struct id_ray *id_pass_rays(struct id_pass *pass);
 
-/** Traces the rays through volume number @p volume: its cells (Eq. 5) or, with CONUS_SLICES, on the rays' planes (Eq.
- * 7). What lies nearer stays; of equally near objects the one with the lower identifier. */
+/** Traces the rays through volume number @p volume: its cells (Eq. 5) or, with CONUS_SAMPLING_SLICES, on the rays'
+ * planes (Eq. 7). What lies nearer stays; of equally near objects the one with the lower identifier. */
 conus_status id_pass_trace(struct id_pass *pass, size_t volume);
 
 /** The first hit of each ray, after at least one id_pass_trace(); borrowed until the next id_pass_begin(). */
@@ -76,7 +76,7 @@ conus_status id_pass_read(struct id_pass *pass, const struct id_hit **out);
 typedef conus_status (*id_pass_take)(void *user, const struct id_interval *intervals, uint32_t count);
 
 /** Hands to @p take, in portions, all intervals of the rays in volume number @p volume, whatever hides them. Not for
- * CONUS_SLICES. */
+ * CONUS_SAMPLING_SLICES. */
 conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take take, void *user);
 
 #endif

@@ -25,12 +25,12 @@ static uint32_t count_processors(void)
 /* One string of all contacts. */
 static bool is_of_probes(conus_format format)
 {
-    return format == CONUS_SPIKEGLX || format == CONUS_OPEN_EPHYS;
+    return format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS;
 }
 
 static conus_status fill_in(conus_batch_options *options, const conus_selector *selector)
 {
-    if (options->report.format == CONUS_TABLE || options->report.format == CONUS_JSON) {
+    if (options->report.format == CONUS_FORMAT_TABLE || options->report.format == CONUS_FORMAT_JSON) {
         return fail(CONUS_ERROR_ARGUMENT, "format: tables for people and JSON hold all answers at once, no batch");
     }
     if (options->threads > THREAD_LIMIT || options->block > BLOCK_LIMIT) {
@@ -155,9 +155,9 @@ const char *conus_batch_heading(const conus_batch *batch)
     return batch && batch->heading.data ? batch->heading.data : "";
 }
 
-conus_status conus_batch_sidecar(conus_batch *batch, const char **text, size_t *size)
+conus_status conus_batch_sidecar(const char **text, size_t *size, conus_batch *batch)
 {
-    return conus_report_sidecar(batch->workers[0].report, text, size);
+    return conus_report_sidecar(text, size, batch->workers[0].report);
 }
 
 bool batch_run_deliver(const struct batch_run *run, const struct batch_block *block)

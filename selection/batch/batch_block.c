@@ -61,7 +61,7 @@ static conus_status read_rows(struct batch_block *block, conus_pose_stream *pose
         size_t missing = wanted - block->count;
         size_t count = 0;
         conus_status status =
-            conus_pose_stream_read(poses, rows, missing < ROWS_AT_ONCE ? missing : ROWS_AT_ONCE, &count);
+            conus_pose_stream_read(rows, &count, poses, missing < ROWS_AT_ONCE ? missing : ROWS_AT_ONCE);
         if (status || count == 0) {
             return status;
         }

@@ -65,7 +65,7 @@ static void aim_rays(struct aperture *aperture, const struct cone *cone)
 /* Then the angle, too, decides which pixels are in it. */
 static bool is_wide_square(const struct cone *cone)
 {
-    return cone->aperture == CONUS_SQUARE && cone_is_wide(cone);
+    return cone->aperture == CONUS_APERTURE_SQUARE && cone_is_wide(cone);
 }
 
 /* What the resolution and the shape decide. */

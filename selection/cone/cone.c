@@ -154,7 +154,7 @@ double cone_per_depth(const struct cone *cone, uint32_t i, uint32_t j)
 
 double cone_cross_section(const struct cone *cone)
 {
-    bool square = cone->aperture == CONUS_SQUARE;
+    bool square = cone->aperture == CONUS_APERTURE_SQUARE;
     double sine = sin(cone->angle / 2);
     if (cone->radius > 0) {
         return (square ? 4 : MATH3_PI) * cone->radius * cone->radius;
@@ -179,7 +179,7 @@ static bool is_in_pyramid(const struct cone *cone, double u, double v)
 
 bool cone_has_pixel(const struct cone *cone, uint32_t i, uint32_t j)
 {
-    if (cone->aperture == CONUS_SQUARE) {
+    if (cone->aperture == CONUS_APERTURE_SQUARE) {
         return !cone_is_wide(cone) ||
                is_in_pyramid(cone, cone_coordinate(i, cone->resolution), cone_coordinate(j, cone->resolution));
     }

@@ -164,14 +164,14 @@ static void prepare_rays(struct gl_engine *gl, const struct volume *volume, cons
         double direction[3];
         mat4_point(origin, volume->voxel_from_world, gl->origins[gl->walked[r]]);
         mat4_direction(direction, volume->voxel_from_world, gl->directions[gl->walked[r]]);
-        if (gl->sampling == CONUS_EXACT) {
+        if (gl->sampling == CONUS_SAMPLING_EXACT) {
             prepare_exact(&rays[r], origin, direction);
         } else {
             memcpy(rays[r].origin, origin, sizeof origin);
             memcpy(rays[r].direction, direction, sizeof direction);
         }
     }
-    for (uint32_t first = 0, end; first < gl->ray_count && gl->sampling == CONUS_SLICES; first = end) {
+    for (uint32_t first = 0, end; first < gl->ray_count && gl->sampling == CONUS_SAMPLING_SLICES; first = end) {
         uint32_t c = gl->walked[first] / view->pixels;
         for (end = first; end < gl->ray_count && gl->walked[end] / view->pixels == c;) {
             end++;
@@ -406,7 +406,7 @@ static conus_status upload_volume(struct gl_engine *gl, const struct volume *vol
     struct id_leaps leaps = {0};
     uint8_t *codes = NULL;
     conus_status status = CONUS_OK;
-    if (gl->sampling == CONUS_EXACT) {
+    if (gl->sampling == CONUS_SAMPLING_EXACT) {
         status = distance_map_init(&map, volume);
         status = status ? status : make_codes(&codes, &map);
         leaps.codes = codes;

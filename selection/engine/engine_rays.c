@@ -164,7 +164,7 @@ static void trace_volumes(const struct rays_engine *engine, struct evidence *out
         for (size_t ray = 0; ray < bundle->count; ray++) {
             bundle->limit[ray] = i ? out->distance[block->pixel[ray]] : INFINITY;
         }
-        if (engine->sampling == CONUS_SLICES) {
+        if (engine->sampling == CONUS_SAMPLING_SLICES) {
             walk_slices(target, bundle, cone);
         } else {
             traverse_bundle_walk(engine->kernel, &target->map, target->volume, bundle);
@@ -316,7 +316,7 @@ static conus_status add_target(struct rays_engine *engine, const struct volume *
     struct target *target = &engine->targets[engine->target_count];
     *target = (struct target){.volume = volume};
     target->slices = slices_of_id_pass(slices, volume->info.dim);
-    conus_status status = engine->sampling == CONUS_EXACT ? distance_map_init(&target->map, volume) : CONUS_OK;
+    conus_status status = engine->sampling == CONUS_SAMPLING_EXACT ? distance_map_init(&target->map, volume) : CONUS_OK;
     engine->target_count += !status;
     return status;
 }

@@ -225,7 +225,7 @@ void near_take(struct near *near, const conus_atlas *atlas, const struct region 
     }
     near->touched_count = 0;
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (atlas->volumes[i].info.role != CONUS_CONTEXT && volume_is_met(&atlas->volumes[i])) {
+        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_is_met(&atlas->volumes[i])) {
             search_volume(near, &atlas->volumes[i], ball);
         }
     }

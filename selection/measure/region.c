@@ -13,7 +13,7 @@ void region_from_cone(struct region *out, const struct cone *cone)
 {
     const double *m = cone->pose.world_from_device;
     *out = (struct region){.shape = cone->radius > 0 ? REGION_CYLINDER : REGION_CONE,
-                           .square = cone->aperture == CONUS_SQUARE,
+                           .square = cone->aperture == CONUS_APERTURE_SQUARE,
                            .radius = cone->radius,
                            .near = cone->range[0],
                            .far = cone_has_range(cone) ? cone->range[1] : INFINITY};

@@ -42,7 +42,7 @@ conus_status ranking_parse(struct ranking *out, const char *text);
 double score_contribution(const conus_result *result, const struct cone *cone, double exponent);
 
 /** Fills score and rank and sorts by rank, the highest score first and what has none last; ties go to the larger
- * share, then the nearer, then the lower object number. CONUS_UNASSIGNED stays last. */
+ * share, then the nearer, then the lower object number. CONUS_KIND_UNASSIGNED stays last. */
 void score_rank(struct statistics *statistics, const struct ranking *ranking, const struct score_view *view);
 
 #endif

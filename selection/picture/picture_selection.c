@@ -66,7 +66,7 @@ static conus_status add_channels(conus_image *image, const conus_selection *sele
             size_t from = evidence_pixel(n, x, y);
             size_t to = (size_t)y * n + x;
             double position[3];
-            conus_selection_position(selection, from, position);
+            conus_selection_position(position, selection, from);
             uints[0][to] = label_of(selection->atlas, evidence->object[from]);
             uints[1][to] = evidence->object[from];
             for (int c = 0; c < 3; c++) {
@@ -94,8 +94,8 @@ static conus_status add_any_volume(conus_image *image, const conus_atlas *atlas,
 {
     char name[40];
     const conus_volume_info *info = conus_atlas_volume(atlas, index);
-    bool is_atlas = info->role == CONUS_PARCELLATION && strcmp(info->path, atlas_path(atlas)) == 0;
-    if (info->role == CONUS_PARCELLATION) {
+    bool is_atlas = info->role == CONUS_ROLE_PARCELLATION && strcmp(info->path, atlas_path(atlas)) == 0;
+    if (info->role == CONUS_ROLE_PARCELLATION) {
         return add_volume(image, info, is_atlas ? "conus:atlas" : "conus:parcellation", is_atlas);
     }
     snprintf(name, sizeof name, "conus:volume%zu", index);
@@ -134,7 +134,7 @@ conus_status picture_add_volumes(conus_image *image, const conus_atlas *atlas, b
     const char *path = atlas_path(atlas);
     conus_status status = path[0] ? image_add_text(image, "conus:atlas", path) : CONUS_OK;
     for (size_t i = 0; !status && i < conus_atlas_volume_count(atlas); i++) {
-        if (conus_atlas_volume(atlas, i)->role != CONUS_CONTEXT || context) {
+        if (conus_atlas_volume(atlas, i)->role != CONUS_ROLE_CONTEXT || context) {
             status = add_any_volume(image, atlas, i);
         }
     }
@@ -152,7 +152,7 @@ static conus_status add_names(conus_image *image, const conus_selection *selecti
         const conus_object *object = conus_atlas_object(selection->atlas, number);
         if (object) {
             buffer_format(&text, "%u\t%u\t%s\t%s\n", number, object->label,
-                          object->kind == CONUS_PATHWAY ? "pathway" : "area", object->name);
+                          object->kind == CONUS_KIND_PATHWAY ? "pathway" : "area", object->name);
         }
     }
     conus_status status = buffer_status(&text);
@@ -178,9 +178,9 @@ conus_status picture_add_selection(conus_image *image, const conus_selection *se
         {"conus:angleDegrees", angle},
         {"conus:radiusMm", cone->radius > 0 ? radius : NULL},
         {"conus:rangeMm", cone_has_range(cone) ? range : NULL},
-        {"conus:aperture", cone->aperture == CONUS_SQUARE ? "square" : "circle"},
+        {"conus:aperture", cone->aperture == CONUS_APERTURE_SQUARE ? "square" : "circle"},
         {"conus:spread", cone_is_wide(cone) ? "even" : NULL},
-        {"conus:sampling", selection->sampling == CONUS_SLICES ? "slices" : "exact"},
+        {"conus:sampling", selection->sampling == CONUS_SAMPLING_SLICES ? "slices" : "exact"},
         {"conus:engine", selection->engine},
     };
     conus_status status = CONUS_OK;

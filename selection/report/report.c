@@ -23,14 +23,14 @@ static conus_status keep_level(conus_report *report, const conus_selector *selec
 
 static conus_status check_options(const conus_report_options *options)
 {
-    bool foreign = options->format > CONUS_NDJSON;
-    if (options->rows == CONUS_SUMMARIES && options->format == CONUS_TABLE) {
+    bool foreign = options->format > CONUS_FORMAT_NDJSON;
+    if (options->rows == CONUS_ROWS_SUMMARIES && options->format == CONUS_FORMAT_TABLE) {
         return fail(CONUS_ERROR_ARGUMENT, "format: summaries are not written as a table for people");
     }
-    if (foreign && (options->rows != CONUS_ANSWERS || options->tracker)) {
+    if (foreign && (options->rows != CONUS_ROWS_ANSWERS || options->tracker)) {
         return fail(CONUS_ERROR_ARGUMENT, "format: other programs' are only of answers, and not of a track");
     }
-    if ((options->format == CONUS_BIDS) != (options->electrodes != NULL)) {
+    if ((options->format == CONUS_FORMAT_BIDS) != (options->electrodes != NULL)) {
         return fail(CONUS_ERROR_ARGUMENT, "electrodes: BIDS needs the table, and no other format does");
     }
     return CONUS_OK;
@@ -106,7 +106,7 @@ static conus_status append_query(conus_report *report, const char *id, const str
     return CONUS_OK;
 }
 
-/* Whether a result belongs into the report. CONUS_UNASSIGNED comes after all others of its query. */
+/* Whether a result belongs into the report. CONUS_KIND_UNASSIGNED comes after all others of its query. */
 static bool is_wanted(const conus_report *report, const struct report_row *row)
 {
     const conus_step *step = &report->queries[row->query].step;
@@ -162,7 +162,7 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
     bool is_ball = selection->region.shape == REGION_BALL;
     struct report_query query = {
         .cone = selection->cone, .step = selection->step, .ball = is_ball ? selection->region.radius : 0};
-    if (report->options.rows == CONUS_ADMISSIONS || report->options.rows == CONUS_CHANCES) {
+    if (report->options.rows == CONUS_ROWS_ADMISSIONS || report->options.rows == CONUS_ROWS_CHANCES) {
         return refuse_rows("an answer");
     }
     for (size_t i = 0; i < statistics->count; i++) {
@@ -179,7 +179,7 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
 conus_status conus_report_add_sweep(conus_report *report, const char *query_id, const conus_sweep *sweep)
 {
     struct report_row *rows;
-    if (report->options.rows != CONUS_ADMISSIONS) {
+    if (report->options.rows != CONUS_ROWS_ADMISSIONS) {
         return refuse_rows("a sweep");
     }
     conus_status status =
@@ -194,7 +194,7 @@ conus_status conus_report_add_jitter(conus_report *report, const char *query_id,
 {
     struct report_row *rows;
     const struct report_query query = {.cone = jitter->cone, .jitter = jitter->options};
-    if (report->options.rows != CONUS_CHANCES) {
+    if (report->options.rows != CONUS_ROWS_CHANCES) {
         return refuse_rows("an answer under errors of the pose");
     }
     conus_status status = report_append(&rows, report, query_id, &query, jitter->count);
@@ -228,7 +228,7 @@ conus_status conus_report_add_error(conus_report *report, const char *query_id, 
     }
     status = append_rows(&row, report, 1);
     if (!status) {
-        row->result.kind = CONUS_UNASSIGNED;
+        row->result.kind = CONUS_KIND_UNASSIGNED;
     }
     return status;
 }

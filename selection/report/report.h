@@ -43,7 +43,7 @@ struct conus_report {
     size_t query_count, query_capacity;
     struct report_row *rows;
     size_t row_count, row_capacity;
-    struct text *electrode_lines; /**< Of CONUS_BIDS: the header without what is added, then the rows. */
+    struct text *electrode_lines; /**< Of CONUS_FORMAT_BIDS: the header without what is added, then the rows. */
     size_t electrode_line_count, electrode_line_capacity, electrode_field_count;
     size_t taken;         /**< Queries that were handed out before. */
     struct buffer voxels; /**< TSV rows of conus_report_voxels(), without its header. */
@@ -61,7 +61,7 @@ void report_clear(conus_report *report);
 /** Whether the text has this row: of summaries only the first of each query is written. */
 static inline bool report_is_shown(const conus_report *report, size_t row)
 {
-    return report->options.rows != CONUS_SUMMARIES || row == 0 ||
+    return report->options.rows != CONUS_ROWS_SUMMARIES || row == 0 ||
            report->rows[row].query != report->rows[row - 1].query;
 }
 

@@ -32,8 +32,8 @@ static void write_focus(struct buffer *out, const conus_report *report, const st
 static struct text atlas_name(const conus_report *report, const conus_object *object)
 {
     const conus_volume_info *info = conus_atlas_volume(report->atlas, 0);
-    if (object->kind == CONUS_PATHWAY || !info) {
-        return text_from(object->kind == CONUS_PATHWAY ? "pathway" : "atlas");
+    if (object->kind == CONUS_KIND_PATHWAY || !info) {
+        return text_from(object->kind == CONUS_KIND_PATHWAY ? "pathway" : "atlas");
     }
     const char *slash = strrchr(info->path, '/');
     struct text name = text_from(slash ? slash + 1 : info->path);

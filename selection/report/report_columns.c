@@ -46,7 +46,7 @@ static struct cell get_query(const conus_report *report, const struct report_row
 
 const char *report_kind(conus_kind kind)
 {
-    return kind == CONUS_AREA ? "area" : kind == CONUS_PATHWAY ? "pathway" : "unassigned";
+    return kind == CONUS_KIND_AREA ? "area" : kind == CONUS_KIND_PATHWAY ? "pathway" : "unassigned";
 }
 
 static struct cell get_kind(const conus_report *report, const struct report_row *row)
@@ -317,26 +317,26 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
 {
     out->count = 0;
     switch (report->options.rows) {
-    case CONUS_ANSWERS:
-        if (report->options.format == CONUS_BIDS) {
+    case CONUS_ROWS_ANSWERS:
+        if (report->options.format == CONUS_FORMAT_BIDS) {
             list_table(out, electrode_columns, COUNT_OF(electrode_columns), true);
         } else {
             list_answers(out, report);
         }
         break;
-    case CONUS_SUMMARIES:
+    case CONUS_ROWS_SUMMARIES:
         list_named(out, summary_common, COUNT_OF(summary_common));
         list_table(out, summary_columns, COUNT_OF(summary_columns), true);
         break;
-    case CONUS_SHARES:
+    case CONUS_ROWS_SHARES:
         list_answers(out, report);
         list_table(out, share_columns, COUNT_OF(share_columns), true);
         break;
-    case CONUS_ADMISSIONS:
+    case CONUS_ROWS_ADMISSIONS:
         list_named(out, study_common, COUNT_OF(study_common));
         list_table(out, admission_columns, COUNT_OF(admission_columns), true);
         break;
-    case CONUS_CHANCES:
+    case CONUS_ROWS_CHANCES:
         list_named(out, study_common, COUNT_OF(study_common));
         list_table(out, chance_columns, COUNT_OF(chance_columns), true);
         break;
@@ -347,7 +347,7 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
 
 void report_point(const conus_report *report, double point[3])
 {
-    if (report->options.space == CONUS_LPS) {
+    if (report->options.space == CONUS_SPACE_LPS) {
         point[0] = 0 - point[0]; /* which makes no "-0" of 0 */
         point[1] = 0 - point[1];
     }
@@ -407,9 +407,9 @@ struct cell report_cell(const conus_report *report, const struct report_column *
     if (!query->error) {
         return answered_cell(report, column, row);
     }
-    const char *reason = report->options.rows == CONUS_SUMMARIES ? "error"
-                         : report->options.format == CONUS_BIDS  ? "area_error"
-                                                                 : "name";
+    const char *reason = report->options.rows == CONUS_ROWS_SUMMARIES  ? "error"
+                         : report->options.format == CONUS_FORMAT_BIDS ? "area_error"
+                                                                       : "name";
     const char *text = !strcmp(column->name, "query")  ? query->id
                        : !strcmp(column->name, "kind") ? "error"
                        : !strcmp(column->name, reason) ? query->error

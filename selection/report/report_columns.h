@@ -30,7 +30,7 @@ enum column_type {
 enum column_needs {
     NEEDS_RAYS = 1,   /**< The query is a cone: a ball has no pixels and no rays. */
     NEEDS_CENSUS = 2, /**< Voxels were counted: with all layers, or in a ball.    */
-    NEEDS_OBJECT = 4, /**< The row is not CONUS_UNASSIGNED.                       */
+    NEEDS_OBJECT = 4, /**< The row is not CONUS_KIND_UNASSIGNED.                       */
     NEEDS_LAYERS = NEEDS_CENSUS | NEEDS_OBJECT
 };
 

@@ -130,7 +130,7 @@ static json_t *json_from_volume(const conus_volume_info *info)
                                json_from_text(info->path), "sha256", info->sha256, "format", info->format, "volume",
                                (json_int_t)info->volume, "orientation", info->orientation, "transform", info->transform,
                                "world_from_voxel", json_from_matrix(info->world_from_voxel));
-    bool has_none = info->role != CONUS_SCALAR && info->threshold == 0;
+    bool has_none = info->role != CONUS_ROLE_SCALAR && info->threshold == 0;
     bool whole = has_none || put_value(volume, "threshold", json_real(info->threshold));
     return whole_or_null(volume, whole);
 }
@@ -206,11 +206,11 @@ static json_t *json_from_level_areas(const conus_report *report)
 static json_t *json_from_settings(const conus_report *report)
 {
     const conus_selector_options *options = &report->selector;
-    json_t *settings =
-        json_pack("{s: s, s: s, s: i, s: s, s: s}", "engine", report->engine, "sampling",
-                  options->sampling == CONUS_SLICES ? "slices" : "exact", "resolution", (int)options->resolution,
-                  "aperture", options->aperture == CONUS_SQUARE ? "square" : "circle", "score", report->score);
-    bool whole = options->sampling != CONUS_SLICES ||
+    json_t *settings = json_pack(
+        "{s: s, s: s, s: i, s: s, s: s}", "engine", report->engine, "sampling",
+        options->sampling == CONUS_SAMPLING_SLICES ? "slices" : "exact", "resolution", (int)options->resolution,
+        "aperture", options->aperture == CONUS_APERTURE_SQUARE ? "square" : "circle", "score", report->score);
+    bool whole = options->sampling != CONUS_SAMPLING_SLICES ||
                  put_value(settings, "slices", options->slices ? json_integer(options->slices) : json_string("auto"));
     whole = whole && put_value(settings, "layers", json_string(options->layers ? "all" : "visible")) &&
             (options->radius == 0 || put_value(settings, "radius_mm", json_real(options->radius))) &&
@@ -242,7 +242,7 @@ static bool add_sources(json_t *root, const conus_report *report)
 /* What both the report and the sidecar say about where the rows come from. */
 static bool add_provenance(json_t *root, const conus_report *report)
 {
-    bool lps = report->options.space == CONUS_LPS;
+    bool lps = report->options.space == CONUS_SPACE_LPS;
     return put_value(root, "Space", json_pack("{s: s, s: s}", "orientation", lps ? "LPS" : "RAS", "units", "mm")) &&
            add_sources(root, report);
 }
@@ -268,7 +268,7 @@ conus_status report_write_sidecar(struct buffer *out, const conus_report *report
 {
     json_t *root = json_object();
     bool whole = true;
-    bool has_columns = report->options.format <= CONUS_NDJSON || report->options.format == CONUS_BIDS;
+    bool has_columns = report->options.format <= CONUS_FORMAT_NDJSON || report->options.format == CONUS_FORMAT_BIDS;
     struct report_columns columns;
     report_list_columns(&columns, report);
     for (size_t i = 0; has_columns && i < columns.count; i++) {
@@ -317,7 +317,7 @@ static json_int_t voxels_in(const conus_grid *grid)
 conus_status report_write_grid_sidecar(struct buffer *out, const conus_report *report, const conus_grid *grid)
 {
     json_t *root = json_object();
-    bool mask = !grid->labels && grid->view.number != CONUS_FLOAT32;
+    bool mask = !grid->labels && grid->view.number != CONUS_NUMBER_FLOAT32;
     bool whole = put_value(root, "Description", json_string(grid->view.description)) &&
                  (!mask || put_value(root, "Type", json_string("ROI"))) && put_value(root, "Manual", json_false()) &&
                  put_value(root, "Sources", json_from_paths(report->atlas)) &&

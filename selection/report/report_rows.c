@@ -36,7 +36,7 @@ static struct table_marks marks_of(const conus_report *report)
 {
     static const struct table_marks tsv = {"\t", "\n"};
     static const struct table_marks csv = {",", "\r\n"}; /* RFC 4180, section 2 */
-    return report->options.format == CONUS_CSV ? csv : tsv;
+    return report->options.format == CONUS_FORMAT_CSV ? csv : tsv;
 }
 
 void report_write_names(struct buffer *out, const conus_report *report)
@@ -75,7 +75,7 @@ static void write_table_row(struct buffer *out, const conus_report *report, cons
     const struct table_marks marks = marks_of(report);
     for (size_t i = 0; i < columns->count; i++) {
         struct cell cell = report_cell(report, columns->at[i], row);
-        if (cell.type == CELL_TEXT && report->options.format == CONUS_CSV) {
+        if (cell.type == CELL_TEXT && report->options.format == CONUS_FORMAT_CSV) {
             write_csv_text(out, cell.text);
         } else {
             report_write_cell(out, cell);
@@ -134,7 +134,7 @@ void report_write_rows(struct buffer *out, const conus_report *report)
         if (!report_is_shown(report, i)) {
             continue;
         }
-        if (report->options.format == CONUS_NDJSON) {
+        if (report->options.format == CONUS_FORMAT_NDJSON) {
             write_json_row(out, report, &columns, &report->rows[i]);
         } else {
             write_table_row(out, report, &columns, &report->rows[i]);

@@ -65,7 +65,7 @@ static void write_chance_header(struct buffer *out, const conus_report *report, 
 static void write_rows_of(struct buffer *out, const conus_report *report, size_t index, int width)
 {
     const struct report_query *query = &report->queries[index];
-    bool chances = report->options.rows == CONUS_CHANCES;
+    bool chances = report->options.rows == CONUS_ROWS_CHANCES;
     if (chances) {
         write_chance_header(out, report, width);
     } else {
@@ -195,7 +195,7 @@ void report_write_sweep(struct buffer *out, const conus_report *report)
             continue;
         }
         table_write_query(out, report, &report->queries[i]);
-        if (report->options.rows == CONUS_SHARES) {
+        if (report->options.rows == CONUS_ROWS_SHARES) {
             block = block_at(report, i);
             write_shares(out, report, block, width);
         } else {

@@ -63,7 +63,7 @@ void table_write_name(struct buffer *out, const char *name, int width)
 
 static void write_shape(struct buffer *out, const struct cone *cone)
 {
-    bool square = cone->aperture == CONUS_SQUARE;
+    bool square = cone->aperture == CONUS_APERTURE_SQUARE;
     if (cone->radius > 0) {
         buffer_format(out, "%s %.4g mm", square ? "square rod of half width" : "cylinder of radius", cone->radius);
     } else {
@@ -80,7 +80,7 @@ static bool has_several(const conus_report *report)
 {
     size_t count = report->query_count;
     bool same =
-        report->options.rows == CONUS_SHARES && strcmp(report->queries[0].id, report->queries[count - 1].id) == 0;
+        report->options.rows == CONUS_ROWS_SHARES && strcmp(report->queries[0].id, report->queries[count - 1].id) == 0;
     return count > 1 && !same;
 }
 
@@ -96,16 +96,16 @@ void table_write_query(struct buffer *out, const conus_report *report, const str
     }
     if (query->ball > 0) {
         buffer_format(out, "ball of radius %.4g mm around (%.2f, %.2f, %.2f), %s mm\n", query->ball, origin[0],
-                      origin[1], origin[2], report->options.space == CONUS_LPS ? "LPS" : "RAS");
+                      origin[1], origin[2], report->options.space == CONUS_SPACE_LPS ? "LPS" : "RAS");
         return;
     }
-    if (report->options.rows == CONUS_SHARES) {
-        buffer_text(out, query->cone.aperture == CONUS_SQUARE ? "square pyramids" : "cones");
+    if (report->options.rows == CONUS_ROWS_SHARES) {
+        buffer_text(out, query->cone.aperture == CONUS_APERTURE_SQUARE ? "square pyramids" : "cones");
     } else {
         write_shape(out, &query->cone);
     }
     buffer_format(out, " from (%.2f, %.2f, %.2f) along (%.4f, %.4f, %.4f), %s mm\n", origin[0], origin[1], origin[2],
-                  axis[0], axis[1], axis[2], report->options.space == CONUS_LPS ? "LPS" : "RAS");
+                  axis[0], axis[1], axis[2], report->options.space == CONUS_SPACE_LPS ? "LPS" : "RAS");
 }
 
 static void write_rank(struct buffer *out, const conus_report *report, const conus_result *result, int width)
@@ -239,7 +239,7 @@ static void write_summary(struct buffer *out, const conus_report *report, const 
     }
     buffer_format(out, "%u pixels in the cone (%u x %u buffer); ranked by %s; engine %s, %s\n", query->cone_pixels,
                   query->cone.resolution, query->cone.resolution, report->score, report->engine,
-                  report->selector.sampling == CONUS_SLICES ? "slices" : "exact");
+                  report->selector.sampling == CONUS_SAMPLING_SLICES ? "slices" : "exact");
 }
 
 /* The last part of a path; a folder's may end in '/'. A file's name may hold anything. */

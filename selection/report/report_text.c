@@ -22,30 +22,30 @@ static table_writer *table_of(const conus_report *report)
     if (report->options.tracker) {
         return report_write_track;
     }
-    return report->options.rows == CONUS_ANSWERS ? report_write_table : report_write_sweep;
+    return report->options.rows == CONUS_ROWS_ANSWERS ? report_write_table : report_write_sweep;
 }
 
 conus_status report_write_part(struct buffer *out, const conus_report *report)
 {
     switch (report->options.format) {
-    case CONUS_TABLE:
+    case CONUS_FORMAT_TABLE:
         table_of(report)(out, report);
         break;
-    case CONUS_TSV:
-    case CONUS_CSV:
-    case CONUS_NDJSON:
+    case CONUS_FORMAT_TSV:
+    case CONUS_FORMAT_CSV:
+    case CONUS_FORMAT_NDJSON:
         report_write_rows(out, report);
         break;
-    case CONUS_AFNI:
+    case CONUS_FORMAT_AFNI:
         report_write_afni(out, report);
         break;
-    case CONUS_BIDS:
+    case CONUS_FORMAT_BIDS:
         return report_write_electrodes(out, report);
-    case CONUS_SPIKEGLX:
+    case CONUS_FORMAT_SPIKEGLX:
         return report_write_spikeglx(out, report);
-    case CONUS_OPEN_EPHYS:
+    case CONUS_FORMAT_OPEN_EPHYS:
         return report_write_open_ephys(out, report);
-    case CONUS_JSON:
+    case CONUS_FORMAT_JSON:
         break;
     }
     return CONUS_OK;
@@ -53,9 +53,9 @@ conus_status report_write_part(struct buffer *out, const conus_report *report)
 
 void report_write_header(struct buffer *out, const conus_report *report)
 {
-    if (report->options.format == CONUS_BIDS) {
+    if (report->options.format == CONUS_FORMAT_BIDS) {
         report_write_electrodes_header(out, report);
-    } else if (report->options.format == CONUS_TSV || report->options.format == CONUS_CSV) {
+    } else if (report->options.format == CONUS_FORMAT_TSV || report->options.format == CONUS_FORMAT_CSV) {
         report_write_names(out, report);
     }
 }
@@ -63,7 +63,7 @@ void report_write_header(struct buffer *out, const conus_report *report)
 static conus_status write_text(conus_report *report)
 {
     buffer_finish(&report->text);
-    if (report->options.format == CONUS_JSON) {
+    if (report->options.format == CONUS_FORMAT_JSON) {
         return report_write_json(&report->text, report);
     }
     if (!report->is_begun) {
@@ -72,7 +72,7 @@ static conus_status write_text(conus_report *report)
     return report_write_part(&report->text, report);
 }
 
-conus_status conus_report_text(conus_report *report, const char **text, size_t *size)
+conus_status conus_report_text(const char **text, size_t *size, conus_report *report)
 {
     conus_status status = write_text(report);
     size_t rows = report->electrode_line_count ? report->electrode_line_count - 1 : 0;
@@ -82,10 +82,10 @@ conus_status conus_report_text(conus_report *report, const char **text, size_t *
     return hand_out(report, status, text, size);
 }
 
-conus_status conus_report_take(conus_report *report, const char **text, size_t *size)
+conus_status conus_report_take(const char **text, size_t *size, conus_report *report)
 {
     conus_format format = report->options.format;
-    if (format == CONUS_JSON || format == CONUS_SPIKEGLX || format == CONUS_OPEN_EPHYS) {
+    if (format == CONUS_FORMAT_JSON || format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS) {
         return fail(CONUS_ERROR_ARGUMENT, "format: this one is one whole, NDJSON can be taken in parts");
     }
     conus_status status = hand_out(report, write_text(report), text, size);
@@ -97,7 +97,7 @@ conus_status conus_report_take(conus_report *report, const char **text, size_t *
     return status;
 }
 
-conus_status conus_report_voxels(conus_report *report, const char **text, size_t *size)
+conus_status conus_report_voxels(const char **text, size_t *size, conus_report *report)
 {
     buffer_finish(&report->text);
     buffer_text(&report->text, "query\tpathway\ti\tj\tk\tx\ty\tz\tvalue\tdistance_mm\tkind\tindex\n");
@@ -105,13 +105,13 @@ conus_status conus_report_voxels(conus_report *report, const char **text, size_t
     return hand_out(report, buffer_status(&report->voxels), text, size);
 }
 
-conus_status conus_report_sidecar(conus_report *report, const char **text, size_t *size)
+conus_status conus_report_sidecar(const char **text, size_t *size, conus_report *report)
 {
     buffer_finish(&report->text);
     return hand_out(report, report_write_sidecar(&report->text, report), text, size);
 }
 
-conus_status conus_report_grid_sidecar(conus_report *report, const conus_grid *grid, const char **text, size_t *size)
+conus_status conus_report_grid_sidecar(const char **text, size_t *size, conus_report *report, const conus_grid *grid)
 {
     buffer_finish(&report->text);
     return hand_out(report, report_write_grid_sidecar(&report->text, report, grid), text, size);

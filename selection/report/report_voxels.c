@@ -36,7 +36,7 @@ static int by_distance(const void *a, const void *b)
 static bool is_listed(const conus_report *report, uint32_t number)
 {
     const conus_object *object = conus_atlas_object(report->atlas, number);
-    return object && (object->kind == CONUS_PATHWAY || report->options.all_voxels);
+    return object && (object->kind == CONUS_KIND_PATHWAY || report->options.all_voxels);
 }
 
 static size_t collect_hits(struct listed_voxel *hits, const conus_report *report, const conus_selection *selection)
@@ -135,7 +135,7 @@ static void list_voxels(struct listing *listing, const conus_selection *selectio
     const conus_atlas *atlas = selection->atlas;
     listing->count = 0;
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (atlas->volumes[i].info.role != CONUS_CONTEXT && volume_is_met(&atlas->volumes[i])) {
+        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_is_met(&atlas->volumes[i])) {
             census_walk(&selection->region, &atlas->volumes[i], list_row, listing);
         }
     }

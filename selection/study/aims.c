@@ -88,7 +88,7 @@ static double least_square_slope(const double m[16], const double low[3], const 
 bool aims_past(const struct cone *cone, const double low[3], const double high[3])
 {
     const double *m = cone->pose.world_from_device;
-    double around = cone->aperture == CONUS_SQUARE ? sqrt(2) : 1;
+    double around = cone->aperture == CONUS_APERTURE_SQUARE ? sqrt(2) : 1;
     if (axis_meets(m, low, high, cone->radius * around * (1 + margin))) {
         return false;
     }
@@ -101,8 +101,8 @@ static uint32_t object_at(const conus_atlas *atlas, const double point[3])
     for (size_t i = 0; i < atlas->volume_count; i++) {
         const struct volume *volume = &atlas->volumes[i];
         size_t voxel;
-        if (volume->info.role != CONUS_CONTEXT && volume_is_met(volume) && volume_find_voxel(&voxel, volume, point) &&
-            volume_object(volume, voxel)) {
+        if (volume->info.role != CONUS_ROLE_CONTEXT && volume_is_met(volume) &&
+            volume_find_voxel(&voxel, volume, point) && volume_object(volume, voxel)) {
             return volume_object(volume, voxel);
         }
     }
@@ -144,7 +144,8 @@ static uint32_t object_around(const conus_selector *selector, const struct cone 
     struct layers layers = {0};
     uint32_t found = 0;
     double least = INFINITY;
-    if (selector->options.sampling != CONUS_EXACT || !may_be_enclosed(atlas, cone->pose.world_from_device + 12) ||
+    if (selector->options.sampling != CONUS_SAMPLING_EXACT ||
+        !may_be_enclosed(atlas, cone->pose.world_from_device + 12) ||
         engine->functions->pierce(engine, &layers, cone)) {
         layers_finish(&layers);
         return 0;
@@ -171,7 +172,7 @@ static uint32_t object_of_apex(const conus_selector *selector, const struct cone
 void aims_init(struct conus_aims *out, const conus_selector *selector)
 {
     *out = (struct conus_aims){.selector = selector};
-    out->has_box = conus_atlas_bounds(selector->atlas, out->low, out->high) == CONUS_OK;
+    out->has_box = conus_atlas_bounds(out->low, out->high, selector->atlas) == CONUS_OK;
 }
 
 conus_status conus_aims_create(conus_aims **out, const conus_selector *selector)

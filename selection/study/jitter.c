@@ -207,7 +207,7 @@ static conus_chance describe(const struct count *count, const conus_selector *se
                              uint32_t samples)
 {
     const conus_object *object = conus_atlas_object(selector->atlas, number);
-    conus_chance row = {.kind = object ? object->kind : CONUS_UNASSIGNED, .object = number};
+    conus_chance row = {.kind = object ? object->kind : CONUS_KIND_UNASSIGNED, .object = number};
     double hit[2];
     estimate_probability(hit, count->hits, samples / (double)JITTER_SETS);
     row.hit = hit[0];

@@ -18,7 +18,7 @@ static conus_status check_selector(const conus_selector *selector)
         return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, but a cylinder has no angle to sweep",
                     selector->options.radius);
     }
-    if (selector->options.aperture == CONUS_SQUARE) {
+    if (selector->options.aperture == CONUS_APERTURE_SQUARE) {
         return fail(CONUS_ERROR_ARGUMENT, "aperture: square, but a sweep over the angle is of round cones");
     }
     return CONUS_OK;

@@ -141,7 +141,7 @@ static conus_status check_time(const conus_tracker *tracker, double time)
 /* One sample for each object in the cone. */
 static size_t take_samples(conus_tracker *tracker, const conus_selection *selection)
 {
-    size_t count = selection->statistics.count - 1; /* the last is CONUS_UNASSIGNED */
+    size_t count = selection->statistics.count - 1; /* the last is CONUS_KIND_UNASSIGNED */
     for (size_t i = 0; i < count; i++) {
         const conus_result *result = &selection->statistics.results[i];
         double contribution = score_contribution(result, &selection->cone, tracker->options.exponent);
@@ -199,7 +199,7 @@ static bool stays_in_ranking(const conus_tracker *tracker, const struct memory *
     return !memory->last.inside && (counts(tracker, memory) || can_be_confirmed);
 }
 
-/* Puts them in front of the last result, CONUS_UNASSIGNED. */
+/* Puts them in front of the last result, CONUS_KIND_UNASSIGNED. */
 static void add_absent(conus_selection *selection, const conus_tracker *tracker)
 {
     struct statistics *statistics = &selection->statistics;
@@ -255,7 +255,7 @@ uint32_t conus_tracker_selected(const conus_tracker *tracker, double ago)
 /* The first that counts and has a score. */
 static uint32_t first_of(const conus_tracker *tracker, const conus_selection *selection)
 {
-    for (size_t i = 0; i + 1 < selection->statistics.count; i++) { /* the last is CONUS_UNASSIGNED */
+    for (size_t i = 0; i + 1 < selection->statistics.count; i++) { /* the last is CONUS_KIND_UNASSIGNED */
         const conus_result *result = &selection->statistics.results[i];
         if (!isnan(result->score) && counts(tracker, history_find(&tracker->history, result->object))) {
             return result->object;

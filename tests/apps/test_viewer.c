@@ -111,7 +111,7 @@ static void a_pathway_has_a_value(void **state)
     (void)state;
     load(&viewer, "brain", "brain.atlas.json");
     uint32_t pathway = (uint32_t)viewer.object_count;
-    assert_int_equal(conus_atlas_object(viewer.atlas, pathway)->kind, CONUS_PATHWAY);
+    assert_int_equal(conus_atlas_object(viewer.atlas, pathway)->kind, CONUS_KIND_PATHWAY);
     assert_ok(conus_atlas_centre(middle, viewer.atlas, pathway));
     viewer_isolate(&viewer, pathway);
     bool found = false;

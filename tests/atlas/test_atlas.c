@@ -9,7 +9,7 @@
 
 static conus_volume_info grid_info(size_t n)
 {
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "test", .dim = {n, 1, 1}, .slope = 1};
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "test", .dim = {n, 1, 1}, .slope = 1};
     double m[16];
     mat4_identity(m);
     m[0] = 2;
@@ -104,14 +104,14 @@ static conus_status make_with_pathway(void *data)
     if (!status) {
         values[1] = 0.25F;
         values[2] = 0.2499F;
-        info.role = CONUS_SCALAR;
+        info.role = CONUS_ROLE_SCALAR;
         info.threshold = 0.25;
         status = atlas_add_pathway(atlas, &info, values, "tract");
         values = status ? values : NULL;
     }
     if (!status) {
         const conus_object *pathway = conus_atlas_object(atlas, 5);
-        assert_int_equal(pathway->kind, CONUS_PATHWAY);
+        assert_int_equal(pathway->kind, CONUS_KIND_PATHWAY);
         assert_int_equal(pathway->label, 1);
         assert_int_equal(pathway->voxels, 1); /* Eq. 6: at or above the threshold */
         assert_int_equal(volume_object(atlas_object_volume(atlas, 5), 1), 5);
@@ -149,7 +149,7 @@ static conus_status make_of_meshes(void *data)
     }
     if (!status) {
         const conus_object *object = conus_atlas_object(atlas, 1);
-        assert_int_equal(object->kind, CONUS_AREA);
+        assert_int_equal(object->kind, CONUS_KIND_AREA);
         assert_int_equal(object->triangles, 4);
         assert_near(object->volume_mm3, 1.0 / 6, 1e-12);
         assert_null(atlas_parcellation(atlas));

@@ -169,7 +169,7 @@ static const char *reported(const conus_atlas *atlas, const char *spec)
         snprintf(text + used, sizeof text - used, "%s%s", i ? "|" : "", area ? area->name : "-");
     }
     size_t last = conus_atlas_object_count(atlas);
-    if (conus_atlas_object(atlas, last)->kind == CONUS_PATHWAY) {
+    if (conus_atlas_object(atlas, last)->kind == CONUS_KIND_PATHWAY) {
         assert_int_equal(level_group(level)[last], last);
     }
     level_destroy(level);

@@ -206,7 +206,7 @@ static void a_deep_tree_is_quick(void **state)
     assert_ok(atlas_create_empty(&deep, "deep"));
     for (uint32_t i = 1; i <= DEEP; i++) {
         const conus_object area = {
-            .kind = CONUS_AREA, .label = i, .name = "n", .abbreviation = "", .parent = i < DEEP ? i + 1 : 0};
+            .kind = CONUS_KIND_AREA, .label = i, .name = "n", .abbreviation = "", .parent = i < DEEP ? i + 1 : 0};
         assert_ok(atlas_add_group(deep, &area));
     }
     assert_ok(level_create(&level, deep, "100000"));

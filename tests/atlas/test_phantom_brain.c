@@ -123,7 +123,7 @@ static void the_files_are_one_scene(void **state)
         triangles += area->triangles;
     }
     assert_int_equal(triangles, PHANTOM_BRAIN_TRIANGLES);
-    assert_int_equal(conus_atlas_object(atlas, 12)->kind, CONUS_PATHWAY);
+    assert_int_equal(conus_atlas_object(atlas, 12)->kind, CONUS_KIND_PATHWAY);
     assert_string_equal(conus_atlas_object(atlas, 12)->name, "Arc");
     double arc = MATH3_PI * 25 * 49 * (200 * MATH3_PI / 180) + 4.0 / 3 * MATH3_PI * 125;
     assert_near(conus_atlas_object(atlas, 12)->volume_mm3, arc, 0.02 * arc);

@@ -26,7 +26,7 @@ static void add_tetrahedron(conus_atlas *atlas)
 {
     static const float positions[] = {0, 0, 0, 9, 0, 0, 0, 9, 0, 0, 0, 9};
     static const uint32_t triangles[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
-    const conus_object area = {.kind = CONUS_AREA, .name = "Mesh", .abbreviation = "M", .label = 9};
+    const conus_object area = {.kind = CONUS_KIND_AREA, .name = "Mesh", .abbreviation = "M", .label = 9};
     struct mesh mesh;
     must(mesh_init(&mesh, 4, 4));
     memcpy(mesh.positions, positions, sizeof positions);
@@ -38,7 +38,7 @@ static void add_tetrahedron(conus_atlas *atlas)
 static conus_atlas *make_atlas(void)
 {
     static const uint32_t labels[12] = {0, 1, 1, 2, 2, 0, 0, 3, 3, 1, 0, 0};
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "v.nii", .dim = {3, 2, 2}, .slope = 1};
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "v.nii", .dim = {3, 2, 2}, .slope = 1};
     struct label_table table = {0};
     struct notes notes = {0};
     conus_atlas *atlas = NULL;
@@ -49,7 +49,7 @@ static conus_atlas *make_atlas(void)
     notes_finish(&notes);
     add_tetrahedron(atlas);
     float *values = memory_zeroed(12, sizeof *values);
-    info.role = CONUS_SCALAR;
+    info.role = CONUS_ROLE_SCALAR;
     info.threshold = 0.5;
     must(values ? atlas_add_pathway(atlas, &info, values, "tract") : CONUS_ERROR_MEMORY);
     must(notes_add(&atlas->notes, "a note"));

@@ -27,7 +27,7 @@ static conus_atlas *make_atlas(unsigned kind)
     conus_atlas *atlas = NULL;
     need(atlas_create_empty(&atlas, "here"));
     for (uint32_t i = 0; i < sizeof areas / sizeof areas[0]; i++) {
-        const conus_object area = {.kind = CONUS_AREA,
+        const conus_object area = {.kind = CONUS_KIND_AREA,
                                    .label = i + 11,
                                    .name = areas[i].name,
                                    .abbreviation = areas[i].abbreviation,

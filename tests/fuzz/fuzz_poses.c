@@ -35,15 +35,15 @@ static size_t read_rows(struct text text, const conus_pose_options *options)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     const struct text text = {(const char *)data, size};
-    const conus_pose_options axes = {.space = CONUS_LPS, .axis = (conus_axis)(size % 7)};
-    const conus_pose_options shafts = {.format = CONUS_POSES_ELECTRODES, .along_shafts = true};
+    const conus_pose_options axes = {.space = CONUS_SPACE_LPS, .axis = (conus_axis)(size % 7)};
+    const conus_pose_options shafts = {.format = CONUS_POSE_FORMAT_ELECTRODES, .along_shafts = true};
     size_t count = read_rows(text, NULL);
     (void)read_rows(text, &axes);
     (void)read_rows(text, &shafts);
     conus_pose_stream *stream = NULL;
     uint64_t passed = 0;
     if (count && pose_stream_parse(&stream, text, NULL) == CONUS_OK) {
-        check(conus_pose_stream_count(stream, &passed) == CONUS_OK && passed == count);
+        check(conus_pose_stream_count(&passed, stream) == CONUS_OK && passed == count);
     }
     conus_pose_stream_destroy(stream);
     return 0;

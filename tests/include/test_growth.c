@@ -67,7 +67,7 @@ static void library_reads_a_smaller_struct(void **state)
     conus_pose_options options;
     memset(&options, 0x77, sizeof options);
     options.struct_size = offsetof(conus_pose_options, axis);
-    options.space = CONUS_LPS;
+    options.space = CONUS_SPACE_LPS;
     assert_ok(conus_write_file("growth.txt", "1 2 3\n", 6));
     assert_ok(conus_pose_list_load(&list, "growth.txt", &options));
     assert_true(conus_pose_list_row(list, 0)->pose.world_from_device[12] == -1);

@@ -120,7 +120,7 @@ static void every_way_gives_the_same_pose(void **state)
     conus_pose wanted;
     assert_ok(conus_pose_along(&wanted, origin, (double[]){0, 1, 0}, NULL));
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
-        conus_pose_list *list = parse(texts[i], CONUS_RAS);
+        conus_pose_list *list = parse(texts[i], CONUS_SPACE_RAS);
         assert_int_equal(conus_pose_list_count(list), 1);
         const conus_pose_row *row = conus_pose_list_row(list, 0);
         assert_null(row->error);
@@ -140,8 +140,8 @@ static void lps_negates_x_and_y(void **state)
                                       "x,y,z,dx,dy,dz,ux,uy,uz\n-1,-2,3,-3,-4,6,-1,-1,0\n",
                                       "x,y,z,qw,qx,qy,qz\n-1,-2,3,-0.5,0.5,0.5,0.5\n"};
     for (size_t i = 0; i < 3; i++) {
-        conus_pose_list *a = parse(ras[i], CONUS_RAS);
-        conus_pose_list *b = parse(lps[i], CONUS_LPS);
+        conus_pose_list *a = parse(ras[i], CONUS_SPACE_RAS);
+        conus_pose_list *b = parse(lps[i], CONUS_SPACE_LPS);
         assert_same_pose(&conus_pose_list_row(a, 0)->pose, &conus_pose_list_row(b, 0)->pose);
         conus_pose_list_destroy(a);
         conus_pose_list_destroy(b);
@@ -162,7 +162,7 @@ static void bad_rows_keep_their_place(void **state)
                                   "hex\t0\t0\t0\t0\t0x1p2\t0\t5\t1\n"
                                   "never\t0\t0\t0\t0\t1\t0\t5\tnan\n"
                                   "line\t0\t0\t0\t0\t1\t0\t0\t1\n",
-                                  CONUS_RAS);
+                                  CONUS_SPACE_RAS);
     assert_int_equal(conus_pose_list_count(list), 9);
     assert_null(conus_pose_list_row(list, 0)->error);
     assert_near(conus_pose_list_row(list, 0)->angle, radians_from_degrees(5), 1e-15);

@@ -296,10 +296,10 @@ static void coordinate_systems_are_found(void **state)
         if (i < 3) {
             write_text(test_scratch(systems[i]), json);
         }
-        assert_ok(conus_pose_stream_open(&stream, table, &(conus_pose_options){.space = CONUS_LPS}));
+        assert_ok(conus_pose_stream_open(&stream, table, &(conus_pose_options){.space = CONUS_SPACE_LPS}));
         assert_string_equal(conus_pose_stream_space(stream), "MNI152Lin");
         assert_string_equal(conus_pose_stream_coordsystem(stream), i < 3 ? test_scratch(systems[i]) : "");
-        assert_ok(conus_pose_stream_read(stream, &row, 1, &count));
+        assert_ok(conus_pose_stream_read(&row, &count, stream, 1));
         assert_near(row.pose.world_from_device[12], i < 3 ? -20 : -2, 1e-12); /* a named space is RAS */
         assert_non_null(strstr(conus_pose_stream_note(stream, i == 3), "positions are RAS"));
         conus_pose_stream_destroy(stream);
@@ -340,7 +340,7 @@ static void a_named_space_wins(void **state)
 {
     (void)state;
     conus_pose_list *list =
-        parse("{\"markups\":[" RAS_LINE "," RAS_LINE "]}", &(conus_pose_options){.space = CONUS_LPS});
+        parse("{\"markups\":[" RAS_LINE "," RAS_LINE "]}", &(conus_pose_options){.space = CONUS_SPACE_LPS});
     assert_true(has_note(list, "positions are RAS"));
     assert_null(conus_pose_list_note(list, 1));
     conus_pose_list_destroy(list);

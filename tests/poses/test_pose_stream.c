@@ -26,7 +26,7 @@ static conus_pose_row read_one(conus_pose_stream *stream)
 {
     conus_pose_row row = {0};
     size_t count = 9;
-    assert_ok(conus_pose_stream_read(stream, &row, 1, &count));
+    assert_ok(conus_pose_stream_read(&row, &count, stream, 1));
     assert_int_equal(count, 1);
     return row;
 }
@@ -35,7 +35,7 @@ static void assert_ended(conus_pose_stream *stream)
 {
     conus_pose_row row;
     size_t count = 9;
-    assert_ok(conus_pose_stream_read(stream, &row, 1, &count));
+    assert_ok(conus_pose_stream_read(&row, &count, stream, 1));
     assert_int_equal(count, 0);
 }
 
@@ -73,7 +73,7 @@ static void blocks_join_without_a_seam(void **state)
         size_t seen = 0;
         size_t count = 0;
         do {
-            assert_ok(conus_pose_stream_read(stream, rows, capacities[k / 3], &count));
+            assert_ok(conus_pose_stream_read(rows, &count, stream, capacities[k / 3]));
             assert_true(count == capacities[k / 3] || seen + count == ROWS || count == 0);
             for (size_t i = 0; i < count; i++) {
                 char id[32];
@@ -97,13 +97,13 @@ static void rows_can_be_passed_over(void **state)
     uint64_t count = 0;
     conus_pose_stream *stream = NULL;
     assert_ok(conus_pose_stream_open(&stream, write_table(ROWS, "\r\n"), NULL));
-    assert_ok(conus_pose_stream_count(stream, &count));
+    assert_ok(conus_pose_stream_count(&count, stream));
     assert_int_equal(count, ROWS);
     assert_ok(conus_pose_stream_skip(stream, 20000));
     conus_pose_row row = read_one(stream);
     assert_string_equal(row.id, "row 20001");
     assert_int_equal(row.line, 2 + 20001 + 4000);
-    assert_ok(conus_pose_stream_count(stream, &count)); /* wherever it stands */
+    assert_ok(conus_pose_stream_count(&count, stream)); /* wherever it stands */
     assert_int_equal(count, ROWS);
     assert_string_equal(read_one(stream).id, "row 20002");
     assert_ok(conus_pose_stream_skip(stream, UINT64_MAX));
@@ -121,7 +121,7 @@ static void numbers_count_all_rows(void **state)
     assert_string_equal(read_one(stream).id, "2");
     assert_ok(conus_pose_stream_skip(stream, 1));
     assert_string_equal(read_one(stream).id, "4");
-    assert_ok(conus_pose_stream_count(stream, &count));
+    assert_ok(conus_pose_stream_count(&count, stream));
     assert_int_equal(count, 4);
     conus_pose_stream_destroy(stream);
 }
@@ -140,7 +140,7 @@ static void pipes_are_read_as_they_fill(void **state)
     assert_true(file_write_fully(ends[1], first, sizeof first - 1));
     assert_ok(conus_pose_stream_open(&stream, path, NULL));
     assert_string_equal(read_one(stream).id, "first");
-    assert_fails(conus_pose_stream_count(stream, &count), CONUS_ERROR_UNSUPPORTED);
+    assert_fails(conus_pose_stream_count(&count, stream), CONUS_ERROR_UNSUPPORTED);
     const char second[] = "ond\t1\t2\t3\t0\t1\t0"; /* no line feed at the end */
     assert_true(file_write_fully(ends[1], second, sizeof second - 1));
     close(ends[1]);
@@ -283,7 +283,7 @@ static void points_are_points(void **state)
         parse("# MNI\n-40.5 -20 55 hand knob\n1,2,3\n\n 4\t5\t6\tSTN, left\n1 2\n1 2 3 4\n", NULL);
     static const double wanted[3][3] = {{-40.5, -20, 55}, {1, 2, 3}, {4, 5, 6}};
     static const char *const ids[] = {"hand knob", "2", "STN, left"};
-    assert_int_equal(conus_pose_stream_format(stream), CONUS_POSES_POINTS);
+    assert_int_equal(conus_pose_stream_format(stream), CONUS_POSE_FORMAT_POINTS);
     for (size_t k = 0; k < 3; k++) {
         conus_pose_row row = read_one(stream);
         assert_null(row.error);
@@ -297,7 +297,7 @@ static void points_are_points(void **state)
     assert_non_null(strstr(read_one(stream).error, "a number after x y z"));
     assert_ended(stream);
     conus_pose_stream_destroy(stream);
-    stream = parse("1 2 3\n", &(conus_pose_options){.space = CONUS_LPS});
+    stream = parse("1 2 3\n", &(conus_pose_options){.space = CONUS_SPACE_LPS});
     assert_near(read_one(stream).pose.world_from_device[12], -1, 0);
     conus_pose_stream_destroy(stream);
 }
@@ -313,8 +313,8 @@ static void what_does_not_fit_is_refused(void **state)
         {"x,y,z,dx,dy,dz\n0,0,0,0,1,0\n", {.axis = CONUS_AXIS_PLUS_X}, "no axis (+x)"},
         {"1 2 3\n", {.axis = CONUS_AXIS_MINUS_Y}, "no axis (-y)"},
         {"1 2 3 4\n5 6 7 8\n", {0}, "neither the 16"},
-        {"1 2 3\n", {.format = CONUS_POSES_MATRIX}, "neither the 16"},
-        {"1 2 3\n", {.format = CONUS_POSES_TABLE}, "header"},
+        {"1 2 3\n", {.format = CONUS_POSE_FORMAT_MATRIX}, "neither the 16"},
+        {"1 2 3\n", {.format = CONUS_POSE_FORMAT_TABLE}, "header"},
         {"1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", {.max_memory = 20}, "more than 20 bytes"},
         {"\xff\xfe"
          "1\t2\t3\n",
@@ -336,7 +336,7 @@ static void what_does_not_fit_is_refused(void **state)
     stream = parse("1 2 3", NULL);
     conus_pose_row row;
     size_t count;
-    assert_fails(conus_pose_stream_read(stream, &row, 0, &count), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_pose_stream_read(&row, &count, stream, 0), CONUS_ERROR_ARGUMENT);
     conus_pose_stream_destroy(stream);
 }
 
@@ -372,7 +372,7 @@ static void long_lines_are_one_bad_row(void **state)
     assert_int_equal(row.line, 6);
     assert_string_equal(read_one(stream).error, "a line of more than 65535 bytes");
     assert_ended(stream);
-    assert_ok(conus_pose_stream_count(stream, &count));
+    assert_ok(conus_pose_stream_count(&count, stream));
     assert_int_equal(count, 5);
     conus_pose_stream_destroy(stream);
     buffer_finish(&text);
@@ -387,9 +387,9 @@ static conus_status read_through(void *data)
     uint64_t all = 0;
     conus_status status = conus_pose_stream_open(&stream, data, NULL);
     do {
-        status = status ? status : conus_pose_stream_read(stream, &row, 1, &count);
+        status = status ? status : conus_pose_stream_read(&row, &count, stream, 1);
     } while (!status && count);
-    status = status ? status : conus_pose_stream_count(stream, &all);
+    status = status ? status : conus_pose_stream_count(&all, stream);
     conus_pose_stream_destroy(stream);
     return status;
 }
@@ -411,7 +411,7 @@ static void what_is_read_has_its_sha256(void **state)
         uint64_t count = 0;
         assert_ok(conus_pose_stream_open(&stream, path, NULL));
         (void)read_one(stream);
-        assert_ok(conus_pose_stream_count(stream, &count)); /* reads all of it, and is not in the sum */
+        assert_ok(conus_pose_stream_count(&count, stream)); /* reads all of it, and is not in the sum */
         assert_ok(conus_pose_stream_skip(stream, skipped[i]));
         assert_ok(conus_pose_stream_sha256(got, stream));
         assert_string_equal(got, wanted);
@@ -445,7 +445,7 @@ static void a_file_that_changes_is_an_error(void **state)
     assert_non_null(file);
     fputs("row more\t1\t0\t0\t0\t1\t0\n", file);
     assert_int_equal(fclose(file), 0);
-    assert_fails(conus_pose_stream_count(stream, &count), CONUS_ERROR_IO);
+    assert_fails(conus_pose_stream_count(&count, stream), CONUS_ERROR_IO);
     assert_fails(conus_pose_stream_skip(stream, UINT64_MAX), CONUS_ERROR_IO);
     assert_non_null(strstr(conus_message(), "poses.tsv: changed while it was read"));
     assert_fails(conus_pose_stream_sha256(hash, stream), CONUS_ERROR_IO);

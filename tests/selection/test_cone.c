@@ -20,9 +20,9 @@ static void circle_has_208_of_256_pixels(void **state)
     int square = 0;
     for (uint32_t j = 0; j < 16; j++) {
         for (uint32_t i = 0; i < 16; i++) {
-            cone.aperture = CONUS_CIRCLE;
+            cone.aperture = CONUS_APERTURE_CIRCLE;
             round += cone_has_pixel(&cone, i, j);
-            cone.aperture = CONUS_SQUARE;
+            cone.aperture = CONUS_APERTURE_SQUARE;
             square += cone_has_pixel(&cone, i, j);
         }
     }
@@ -118,7 +118,7 @@ static void apertures_follow_their_cones(void **state)
     static const double angles[] = {20, 20, 35, 0, 20, 170};
     for (size_t i = 0; i < 4 * sizeof angles / sizeof angles[0]; i++) {
         struct cone cone = looking_down(angles[i / 4], i % 3 == 0 ? 7 : i % 3 == 1 ? 16 : 37);
-        cone.aperture = i % 4 == 3 ? CONUS_SQUARE : CONUS_CIRCLE;
+        cone.aperture = i % 4 == 3 ? CONUS_APERTURE_SQUARE : CONUS_APERTURE_CIRCLE;
         check_aperture(&aperture, &cone);
         cone.slope = tan(cone.angle / 2);
         check_aperture(&aperture, &cone);

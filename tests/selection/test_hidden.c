@@ -57,11 +57,11 @@ static void forget(conus_atlas *atlas, const bool *hidden)
     forget_voxels(&atlas->volumes[0], hidden);
     for (size_t i = 0; i < atlas->object_count; i++) {
         struct object_place *place = &atlas->places[i];
-        if (hidden[i + 1] && atlas->objects[i].kind == CONUS_PATHWAY) {
+        if (hidden[i + 1] && atlas->objects[i].kind == CONUS_KIND_PATHWAY) {
             struct volume *volume = &atlas->volumes[place->index];
             memory_free(volume->objects16);
             volume->objects16 = NULL;
-            volume->info.role = CONUS_CONTEXT; /* which blocks nothing */
+            volume->info.role = CONUS_ROLE_CONTEXT; /* which blocks nothing */
         } else if (hidden[i + 1] && place->is_mesh) {
             mesh_finish(&atlas->meshes[place->index]);
             *place = (struct object_place){.index = SIZE_MAX};
@@ -114,8 +114,8 @@ static void assert_same_answer(const conus_selection *a, const conus_selection *
 {
     size_t spans = 0;
     size_t other_spans = 0;
-    const conus_span *span = conus_selection_spans(a, &spans);
-    const conus_span *other = conus_selection_spans(b, &other_spans);
+    const conus_span *span = conus_selection_spans(&spans, a);
+    const conus_span *other = conus_selection_spans(&other_spans, b);
     conus_evidence mine = conus_selection_evidence(a);
     conus_evidence theirs = conus_selection_evidence(b);
     size_t pixels = mine.object ? (size_t)mine.resolution * mine.resolution : 0;
@@ -185,7 +185,7 @@ static void assert_same_ball(conus_selector *const selectors[2], const conus_atl
         assert_ok(conus_select_ball(&balls[k], selectors[k], centre, 6));
     }
     assert_same_answer(balls[0], balls[1]);
-    assert_same_grid(balls[0], balls[1], CONUS_MASK_OF_AREAS, 0);
+    assert_same_grid(balls[0], balls[1], CONUS_GRID_MASK_OF_AREAS, 0);
     conus_selection_destroy(balls[0]);
     conus_selection_destroy(balls[1]);
 }
@@ -202,12 +202,12 @@ static size_t compare_one(conus_atlas *const atlases[2], const conus_selector_op
     }
     size_t count = conus_selection_count(answers[0]);
     assert_same_answer(answers[0], answers[1]);
-    assert_same_grid(answers[0], answers[1], CONUS_MASK_OF_AREAS, 0);
-    assert_same_grid(answers[0], answers[1], CONUS_MAP_OF_LABELS, 0);
+    assert_same_grid(answers[0], answers[1], CONUS_GRID_MASK_OF_AREAS, 0);
+    assert_same_grid(answers[0], answers[1], CONUS_GRID_MAP_OF_LABELS, 0);
     if (!conus_atlas_is_hidden(atlases[0], atlases[0]->object_count)) {
-        assert_same_grid(answers[0], answers[1], CONUS_MAP_OF_VALUES, (uint32_t)atlases[0]->object_count);
+        assert_same_grid(answers[0], answers[1], CONUS_GRID_MAP_OF_VALUES, (uint32_t)atlases[0]->object_count);
     }
-    if (options->radius == 0 && options->aperture == CONUS_CIRCLE) {
+    if (options->radius == 0 && options->aperture == CONUS_APERTURE_CIRCLE) {
         assert_same_sweep(selectors[0], selectors[1], &pose);
     }
     if (options->range[1] == 0) {
@@ -235,12 +235,12 @@ static void compare(conus_engine engine, size_t scenes)
     static const conus_selector_options variants[] = {
         {0},
         {.score = "nearness"},
-        {.layers = CONUS_ALL_LAYERS, .score = "smallest"},
-        {.layers = CONUS_ALL_LAYERS, .range = {2, 30}},
-        {.range = {2, 30}, .aperture = CONUS_SQUARE},
-        {.layers = CONUS_ALL_LAYERS, .radius = 5},
-        {.layers = CONUS_ALL_LAYERS, .level = "1"},
-        {.sampling = CONUS_SLICES},
+        {.layers = CONUS_LAYERS_ALL, .score = "smallest"},
+        {.layers = CONUS_LAYERS_ALL, .range = {2, 30}},
+        {.range = {2, 30}, .aperture = CONUS_APERTURE_SQUARE},
+        {.layers = CONUS_LAYERS_ALL, .radius = 5},
+        {.layers = CONUS_LAYERS_ALL, .level = "1"},
+        {.sampling = CONUS_SAMPLING_SLICES},
     };
     size_t results = 0;
     for (uint64_t seed = 1; seed <= scenes; seed++) {
@@ -287,8 +287,8 @@ static void bounds_are_those_of_what_is_shown(void **state)
         choose(hidden, atlases[0]->object_count, seed);
         assert_ok(conus_atlas_set_hidden(atlases[0], hidden));
         forget(atlases[1], hidden);
-        assert_int_equal(conus_atlas_bounds(atlases[0], low[0], high[0]),
-                         conus_atlas_bounds(atlases[1], low[1], high[1]));
+        assert_int_equal(conus_atlas_bounds(low[0], high[0], atlases[0]),
+                         conus_atlas_bounds(low[1], high[1], atlases[1]));
         assert_same_doubles(low[0], low[1], 3);
         assert_same_doubles(high[0], high[1], 3);
         conus_atlas_destroy(atlases[0]);
@@ -302,7 +302,7 @@ static void assert_answers_as(const conus_atlas *atlas, const conus_atlas *wante
 {
     conus_atlas *const atlases[2] = {(conus_atlas *)atlas, (conus_atlas *)wanted};
     uint64_t state = seed;
-    compare_one(atlases, &(conus_selector_options){.layers = CONUS_ALL_LAYERS}, &state);
+    compare_one(atlases, &(conus_selector_options){.layers = CONUS_LAYERS_ALL}, &state);
 }
 
 static void what_is_shown_again_is_as_before(void **state)
@@ -425,7 +425,7 @@ static conus_atlas *named_atlas(void)
 {
     static const char *const names[] = {"Cortex", "V1, left", "V2", "Thalamus"};
     static const char *const abbreviations[] = {"CTX", "V1", "", "TH"};
-    const conus_volume_info info = {.role = CONUS_PARCELLATION,
+    const conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION,
                                     .path = "named",
                                     .dim = {8, 1, 1},
                                     .volume_count = 1,
@@ -446,7 +446,7 @@ static conus_atlas *named_atlas(void)
     }
     atlas->objects[1].parent = atlas->objects[2].parent = 1;
     conus_volume_info scalar = info;
-    scalar.role = CONUS_SCALAR;
+    scalar.role = CONUS_ROLE_SCALAR;
     scalar.threshold = 0.5;
     float *values = memory_zeroed(8, sizeof *values);
     values[7] = 1;
@@ -525,7 +525,7 @@ static void long_lists_are_cut_for_people(void **state)
     (void)state;
     conus_atlas *atlas = NULL;
     struct buffer sentence = {0};
-    conus_volume_info info = {.role = CONUS_PARCELLATION,
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION,
                               .path = "row",
                               .dim = {12, 1, 1},
                               .volume_count = 1,

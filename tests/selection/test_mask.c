@@ -20,7 +20,7 @@ struct fixture {
 static void add_pathway(conus_atlas *atlas, conus_volume_info info, const char *name)
 {
     size_t count = info.dim[0] * info.dim[1] * info.dim[2];
-    info.role = CONUS_SCALAR;
+    info.role = CONUS_ROLE_SCALAR;
     info.threshold = 8;
     float *values = memory_raw(count, sizeof *values);
     assert_non_null(values);
@@ -42,7 +42,7 @@ static int set_up(void **state)
     assert_ok(phantom_drawing_atlas(&fixture.atlas, &drawing));
     phantom_drawing_finish(&drawing);
     add_pathway(fixture.atlas, fixture.atlas->volumes[0].info, "tract");
-    const conus_selector_options layers = {.layers = CONUS_ALL_LAYERS};
+    const conus_selector_options layers = {.layers = CONUS_LAYERS_ALL};
     assert_ok(conus_selector_create(&fixture.selector, fixture.atlas, &layers));
     assert_ok(conus_pose_toward(&pose, (double[]){-70, 20, 15}, (double[]){1, 2, 3}, NULL));
     assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, 0.3));
@@ -62,13 +62,13 @@ static int tear_down(void **state)
 static double at(const conus_grid_view *view, size_t voxel)
 {
     switch (view->number) {
-    case CONUS_UINT8:
+    case CONUS_NUMBER_UINT8:
         return ((const uint8_t *)view->data)[voxel];
-    case CONUS_UINT16:
+    case CONUS_NUMBER_UINT16:
         return ((const uint16_t *)view->data)[voxel];
-    case CONUS_UINT32:
+    case CONUS_NUMBER_UINT32:
         return ((const uint32_t *)view->data)[voxel];
-    case CONUS_FLOAT32:
+    case CONUS_NUMBER_FLOAT32:
         return (double)((const float *)view->data)[voxel];
     }
     return NAN;
@@ -94,9 +94,10 @@ static void grids_hold_what_is_in_the_cone(void **state)
     const struct fixture *fixture = *state;
     const struct volume *areas = &fixture->atlas->volumes[0];
     uint32_t pathway = (uint32_t)fixture->atlas->object_count;
-    conus_grid *grids[] = {grid_of(fixture, CONUS_MASK_OF_AREAS, 0), grid_of(fixture, CONUS_MASK_OF_REGION, 0),
-                           grid_of(fixture, CONUS_MAP_OF_LABELS, 0), grid_of(fixture, CONUS_MAP_OF_VALUES, 0),
-                           grid_of(fixture, CONUS_MASK_OF_AREAS, 1), grid_of(fixture, CONUS_MASK_OF_AREAS, pathway)};
+    conus_grid *grids[] = {
+        grid_of(fixture, CONUS_GRID_MASK_OF_AREAS, 0), grid_of(fixture, CONUS_GRID_MASK_OF_REGION, 0),
+        grid_of(fixture, CONUS_GRID_MAP_OF_LABELS, 0), grid_of(fixture, CONUS_GRID_MAP_OF_VALUES, 0),
+        grid_of(fixture, CONUS_GRID_MASK_OF_AREAS, 1), grid_of(fixture, CONUS_GRID_MASK_OF_AREAS, pathway)};
     size_t counts[6] = {0};
     for (size_t voxel = 0; voxel < areas->voxel_count; voxel++) {
         uint32_t object = volume_object(areas, voxel);
@@ -135,7 +136,7 @@ static void files_hold_what_the_census_counts(void **state)
 {
     const struct fixture *fixture = *state;
     static const char *const names[] = {"labels_dseg.nii.gz", "labels_dseg.nii"};
-    conus_grid *grid = grid_of(fixture, CONUS_MAP_OF_LABELS, 0);
+    conus_grid *grid = grid_of(fixture, CONUS_GRID_MAP_OF_LABELS, 0);
     for (size_t n = 0; n < 2; n++) {
         conus_atlas *atlas = NULL;
         uint64_t voxels = 0;
@@ -148,7 +149,7 @@ static void files_hold_what_the_census_counts(void **state)
         for (size_t number = 1; number <= conus_atlas_object_count(atlas); number++) {
             voxels += conus_atlas_object(atlas, number)->voxels;
         }
-        assert_int_equal(voxels, counted(fixture, CONUS_AREA));
+        assert_int_equal(voxels, counted(fixture, CONUS_KIND_AREA));
         conus_atlas_destroy(atlas);
     }
     conus_grid_destroy(grid);
@@ -159,7 +160,7 @@ static void the_same_grid_is_the_same_bytes(void **state)
     const struct fixture *fixture = *state;
     struct bytes files[2];
     for (size_t i = 0; i < 2; i++) {
-        conus_grid *grid = grid_of(fixture, CONUS_MAP_OF_VALUES, 0);
+        conus_grid *grid = grid_of(fixture, CONUS_GRID_MAP_OF_VALUES, 0);
         const char *path = test_scratch(i ? "b.nii.gz" : "a.nii.gz");
         assert_ok(conus_grid_write(grid, path));
         assert_ok(file_read(&files[i], path, 1 << 24));
@@ -186,19 +187,19 @@ static void what_has_no_voxels_is_refused(void **state)
     const struct fixture *fixture = *state;
     conus_selection alone = *fixture->selection;
     conus_atlas *empty = NULL;
-    assert_refused(fixture, CONUS_MASK_OF_AREAS, 99, "object: 99, allowed is up to 4");
-    assert_refused(fixture, CONUS_MAP_OF_VALUES, 1, "map of values: Shell outer is an area, a pathway is needed");
-    assert_refused(fixture, CONUS_MAP_OF_LABELS, 4, "map of labels: tract is a pathway, an area is needed");
-    assert_refused(fixture, CONUS_MASK_OF_REGION, 1,
+    assert_refused(fixture, CONUS_GRID_MASK_OF_AREAS, 99, "object: 99, allowed is up to 4");
+    assert_refused(fixture, CONUS_GRID_MAP_OF_VALUES, 1, "map of values: Shell outer is an area, a pathway is needed");
+    assert_refused(fixture, CONUS_GRID_MAP_OF_LABELS, 4, "map of labels: tract is a pathway, an area is needed");
+    assert_refused(fixture, CONUS_GRID_MASK_OF_REGION, 1,
                    "mask of everything: Shell outer is an area, which changes nothing");
     assert_ok(atlas_create_empty(&empty, "none"));
     alone.atlas = empty;
-    assert_refused(&(struct fixture){.selection = &alone}, CONUS_MASK_OF_AREAS, 0,
+    assert_refused(&(struct fixture){.selection = &alone}, CONUS_GRID_MASK_OF_AREAS, 0,
                    "mask of an atlas without labelled voxels: there is no pathway");
-    assert_refused(&(struct fixture){.selection = &alone}, CONUS_MAP_OF_LABELS, 0,
+    assert_refused(&(struct fixture){.selection = &alone}, CONUS_GRID_MAP_OF_LABELS, 0,
                    "map of labels: the atlas has no labelled voxels");
     conus_atlas_destroy(empty);
-    conus_grid *grid = grid_of(fixture, CONUS_MASK_OF_AREAS, 0);
+    conus_grid *grid = grid_of(fixture, CONUS_GRID_MASK_OF_AREAS, 0);
     assert_fails(conus_grid_write(grid, "mask.png"), CONUS_ERROR_ARGUMENT);
     assert_string_equal(conus_message(), "mask.png: a volume's name ends in .nii or .nii.gz");
     assert_fails(conus_grid_write(grid, test_scratch("missing/mask.nii")), CONUS_ERROR_IO);
@@ -209,7 +210,7 @@ static conus_status make_and_write(void *data)
 {
     const struct fixture *fixture = data;
     conus_grid *grid = NULL;
-    const conus_grid_options options = {.content = CONUS_MAP_OF_LABELS};
+    const conus_grid_options options = {.content = CONUS_GRID_MAP_OF_LABELS};
     conus_status status = conus_selection_grid(&grid, fixture->selection, &options);
     status = status ? status : conus_grid_write(grid, test_scratch("memory.nii.gz"));
     conus_grid_destroy(grid);
@@ -221,7 +222,7 @@ static void everything_needs_no_name_on_one_grid(void **state)
 {
     const struct fixture *fixture = *state;
     conus_volume_info info = fixture->atlas->volumes[0].info;
-    const conus_grid_options everything = {.content = CONUS_MASK_OF_REGION};
+    const conus_grid_options everything = {.content = CONUS_GRID_MASK_OF_REGION};
     for (int moved = 0; moved < 2; moved++) {
         conus_atlas *atlas = NULL;
         conus_selector *selector = NULL;
@@ -233,7 +234,7 @@ static void everything_needs_no_name_on_one_grid(void **state)
         add_pathway(atlas, info, "two");
         info.world_from_voxel[12] += moved;
         add_pathway(atlas, info, "three");
-        assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.layers = CONUS_ALL_LAYERS}));
+        assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.layers = CONUS_LAYERS_ALL}));
         assert_ok(conus_pose_toward(&pose, (double[]){-70, 20, 15}, (double[]){1, 2, 3}, NULL));
         assert_ok(conus_select(&selection, selector, &pose, 0.3));
         conus_status status = conus_selection_grid(&grid, selection, &everything);

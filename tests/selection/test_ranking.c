@@ -72,7 +72,8 @@ static void what_has_no_distance_comes_behind(void **state)
 
 static conus_volume_info grid_at(const size_t dim[3], const double corner[3])
 {
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "grid", .dim = {dim[0], dim[1], dim[2]}, .slope = 1};
+    conus_volume_info info = {
+        .role = CONUS_ROLE_PARCELLATION, .path = "grid", .dim = {dim[0], dim[1], dim[2]}, .slope = 1};
     double m[16];
     mat4_identity(m);
     memcpy(m + 12, corner, 3 * sizeof *m);
@@ -161,7 +162,7 @@ static void add_scalar(conus_atlas *atlas, conus_role role, const size_t dim[3],
     values[voxel] = 1;
     info.role = role;
     info.threshold = 0.5;
-    if (role == CONUS_CONTEXT) {
+    if (role == CONUS_ROLE_CONTEXT) {
         assert_ok(atlas_set_context(atlas, &info, values));
     } else {
         assert_ok(atlas_add_pathway(atlas, &info, values, "tract"));
@@ -190,11 +191,11 @@ static void nearness_goes_by_areas_and_pathways(void **state)
     assert_near(score_of(atlas, &options, &pose, 5, 1), 1, 1e-15); /* the axis meets it where the box begins */
     const conus_pose raised = looking_down(0.25, 0.25, 112);       /* and another grid's edge does not matter */
     assert_near(score_of(atlas, &options, &raised, 5, 1), 1, 1e-15);
-    add_scalar(atlas, CONUS_SCALAR, (size_t[]){61, 61, 61}, (double[]){-30, -30, -30}, 34 + 61 * (30 + 61 * 31));
-    add_scalar(atlas, CONUS_CONTEXT, (size_t[]){3, 3, 3}, (double[]){-1, -1, -90}, 13);
+    add_scalar(atlas, CONUS_ROLE_SCALAR, (size_t[]){61, 61, 61}, (double[]){-30, -30, -30}, 34 + 61 * (30 + 61 * 31));
+    add_scalar(atlas, CONUS_ROLE_CONTEXT, (size_t[]){3, 3, 3}, (double[]){-1, -1, -90}, 13);
     double low[3];
     double high[3];
-    assert_ok(conus_atlas_bounds(atlas, low, high));
+    assert_ok(conus_atlas_bounds(low, high, atlas));
     const double wanted[2][3] = {{-2, -2, -2}, {4.5, 2, 2}};
     for (int a = 0; a < 3; a++) {
         assert_near(low[a], wanted[0][a], 1e-12);
@@ -293,7 +294,7 @@ static void empty_borders_change_nothing(void **state)
         conus_atlas *atlas = scene_atlas(&seed, 20, i % 3);
         double low[2][3];
         double high[2][3];
-        if (!conus_atlas_bounds(atlas, low[0], high[0])) {
+        if (!conus_atlas_bounds(low[0], high[0], atlas)) {
             try_every_cell(low[1], high[1], atlas);
             for (int a = 0; a < 3; a++) {
                 assert_near(low[0][a], low[1][a], 1e-9);
@@ -329,14 +330,14 @@ static void meshes_count_by_their_triangles(void **state)
     assert_ok(atlas_add_mesh(atlas, &area, &mesh));
     double low[3];
     double high[3];
-    assert_ok(conus_atlas_bounds(atlas, low, high));
+    assert_ok(conus_atlas_bounds(low, high, atlas));
     for (int a = 0; a < 3; a++) {
         assert_near(low[a], a == 2 ? -5 : 0, 0);
         assert_near(high[a], a == 0 ? 3 : a == 1 ? 4 : 0, 0);
     }
     conus_atlas_destroy(atlas);
     assert_ok(atlas_create_empty(&atlas, "nothing"));
-    assert_fails(conus_atlas_bounds(atlas, low, high), CONUS_ERROR_DATA);
+    assert_fails(conus_atlas_bounds(low, high, atlas), CONUS_ERROR_DATA);
     conus_atlas_destroy(atlas);
 }
 

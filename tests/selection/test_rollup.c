@@ -115,8 +115,8 @@ static void assert_same_answer(const conus_selection *a, const conus_selection *
 {
     size_t spans = 0;
     size_t other_spans = 0;
-    const conus_span *span = conus_selection_spans(a, &spans);
-    const conus_span *other = conus_selection_spans(b, &other_spans);
+    const conus_span *span = conus_selection_spans(&spans, a);
+    const conus_span *other = conus_selection_spans(&other_spans, b);
     conus_evidence mine = conus_selection_evidence(a);
     conus_evidence theirs = conus_selection_evidence(b);
     assert_int_equal(conus_selection_count(a), conus_selection_count(b));
@@ -166,15 +166,15 @@ static void what_is_met_first_is_as_if_relabelled(void **state)
 {
     (void)state;
     compare(&(conus_selector_options){0});
-    compare(&(conus_selector_options){.sampling = CONUS_SLICES, .score = "centre"});
+    compare(&(conus_selector_options){.sampling = CONUS_SAMPLING_SLICES, .score = "centre"});
 }
 
 static void all_layers_are_as_if_relabelled(void **state)
 {
     (void)state;
-    compare(&(conus_selector_options){.layers = CONUS_ALL_LAYERS});
-    compare(&(conus_selector_options){.layers = CONUS_ALL_LAYERS, .range = {5, 30}, .score = "distance"});
-    compare(&(conus_selector_options){.layers = CONUS_ALL_LAYERS, .radius = 5});
+    compare(&(conus_selector_options){.layers = CONUS_LAYERS_ALL});
+    compare(&(conus_selector_options){.layers = CONUS_LAYERS_ALL, .range = {5, 30}, .score = "distance"});
+    compare(&(conus_selector_options){.layers = CONUS_LAYERS_ALL, .radius = 5});
 }
 
 /* The share of a parent is the sum of the shares of its disjoint parts. */
@@ -232,7 +232,7 @@ static void merging_undoes_splitting(void **state)
 {
     (void)state;
     size_t compared = 0;
-    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS};
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL};
     for (uint64_t seed = 1; seed <= SCENES; seed++) {
         uint64_t one = seed;
         uint64_t two = seed;
@@ -320,7 +320,7 @@ static void nested_meshes_count_once(void **state)
     conus_atlas *atlas = sphere_atlas();
     conus_pose pose;
     assert_ok(conus_pose_toward(&pose, (double[]){0, 3, 200}, (double[]){0, 3, 0}, NULL));
-    const conus_selector_options plain = {.layers = CONUS_ALL_LAYERS, .radius = 30};
+    const conus_selector_options plain = {.layers = CONUS_LAYERS_ALL, .radius = 30};
     conus_selector_options rolled = plain;
     rolled.level = "1";
     conus_selection *parts = look(atlas, &plain, &pose);
@@ -347,7 +347,7 @@ static void meshes_apart_add_up(void **state)
     conus_pose pose;
     atlas->objects[1].parent = atlas->objects[2].parent = 4; /* far from it */
     assert_ok(conus_pose_toward(&pose, (double[]){0, 3, 200}, (double[]){0, 3, 0}, NULL));
-    const conus_selector_options plain = {.layers = CONUS_ALL_LAYERS, .radius = 12};
+    const conus_selector_options plain = {.layers = CONUS_LAYERS_ALL, .radius = 12};
     conus_selector_options rolled = plain;
     rolled.level = "1";
     conus_selection *parts = look(atlas, &plain, &pose);
@@ -376,7 +376,7 @@ struct attempt {
 static conus_status select_rolled(void *data)
 {
     const struct attempt *attempt = data;
-    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .level = "1"};
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .level = "1"};
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
     conus_report *report = NULL;

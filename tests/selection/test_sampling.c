@@ -27,7 +27,7 @@ static struct engines make_engines(const conus_atlas *atlas, uint32_t planes)
 {
     struct engines engines = {0};
     const struct engine_options exact = {0};
-    const struct engine_options slices = {.sampling = CONUS_SLICES, .slices = 5 * planes};
+    const struct engine_options slices = {.sampling = CONUS_SAMPLING_SLICES, .slices = 5 * planes};
     assert_ok(engine_rays_create(&engines.exact, atlas, &exact));
     assert_ok(engine_rays_create(&engines.slices, atlas, &slices));
     return engines;

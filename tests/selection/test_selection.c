@@ -53,7 +53,7 @@ static int set_up(void **state)
 {
     static struct fixture fixture;
     static const uint32_t labels[4] = {0, 10, 20, 4000000000U};
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "a.nii", .dim = {4, 1, 1}};
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "a.nii", .dim = {4, 1, 1}};
     struct label_table table = {0};
     struct notes notes = {0};
     fixture = (struct fixture){.engine = {&script_functions, "script"}};
@@ -97,7 +97,7 @@ static void results_follow_from_the_pixels(void **state)
     assert_int_equal(conus_selection_count(fixture->selection), 3);
     const conus_result *one = conus_selection_result(fixture->selection, 0);
     assert_int_equal(one->object, 1);
-    assert_int_equal(one->kind, CONUS_AREA);
+    assert_int_equal(one->kind, CONUS_KIND_AREA);
     assert_int_equal(one->rank, 1);
     assert_int_equal(one->pixels, 2);
     assert_near(one->share, 2 * inner / total, 1e-12);
@@ -115,7 +115,7 @@ static void results_follow_from_the_pixels(void **state)
     assert_int_equal(two->pixels, 1); /* its corner is outside the circle */
     assert_near(two->distance, 99, 0);
     const conus_result *nothing = conus_selection_result(fixture->selection, 2);
-    assert_int_equal(nothing->kind, CONUS_UNASSIGNED);
+    assert_int_equal(nothing->kind, CONUS_KIND_UNASSIGNED);
     assert_int_equal(nothing->pixels, 9);
     assert_near(one->share + two->share + nothing->share, 1, 1e-12);
 }
@@ -150,7 +150,7 @@ static const char *text_in(conus_report *report)
 {
     const char *text;
     size_t size;
-    assert_ok(conus_report_text(report, &text, &size));
+    assert_ok(conus_report_text(&text, &size, report));
     assert_int_equal(strlen(text), size);
     return text;
 }
@@ -166,7 +166,7 @@ static conus_report *report_in(struct fixture *fixture, conus_format format, con
 
 static void tsv_has_the_contract_s_columns(void **state)
 {
-    conus_report *report = report_in(*state, CONUS_TSV, CONUS_RAS);
+    conus_report *report = report_in(*state, CONUS_FORMAT_TSV, CONUS_SPACE_RAS);
     const char *text = text_in(report);
     const char *header = "query\tkind\tindex\tname\tabbreviation\trank\tscore\tpixels\tshare\tpierced\tcenter_px\t"
                          "offset_deg\tdistance_mm\tcontact_x\tcontact_y\tcontact_z\tentry_mm\texit_mm\tpath_mm\t"
@@ -197,8 +197,8 @@ static double contact_x_of_first_row(const char *tsv)
 
 static void lps_reports_negate_x_and_y(void **state)
 {
-    conus_report *ras = report_in(*state, CONUS_TSV, CONUS_RAS);
-    conus_report *lps = report_in(*state, CONUS_TSV, CONUS_LPS);
+    conus_report *ras = report_in(*state, CONUS_FORMAT_TSV, CONUS_SPACE_RAS);
+    conus_report *lps = report_in(*state, CONUS_FORMAT_TSV, CONUS_SPACE_LPS);
     double x = contact_x_of_first_row(text_in(ras));
     assert_true(x > 1);
     assert_near(contact_x_of_first_row(text_in(lps)), -x, 0);
@@ -208,7 +208,7 @@ static void lps_reports_negate_x_and_y(void **state)
 
 static void json_has_the_same_keys_and_provenance(void **state)
 {
-    conus_report *report = report_in(*state, CONUS_JSON, CONUS_RAS);
+    conus_report *report = report_in(*state, CONUS_FORMAT_JSON, CONUS_SPACE_RAS);
     const char *text = text_in(report);
     const char *const parts[] = {"\"name\": \"ten\"",        "\"pierced\": null",   "\"CommandLine\": \"conus x\"",
                                  "\"orientation\": \"RAS\"", "\"angle_deg\": 60.0", "\"cone_pixels\": 12"};
@@ -216,7 +216,7 @@ static void json_has_the_same_keys_and_provenance(void **state)
         assert_non_null(strstr(text, parts[i]));
     }
     conus_report_destroy(report);
-    report = report_in(*state, CONUS_NDJSON, CONUS_RAS);
+    report = report_in(*state, CONUS_FORMAT_NDJSON, CONUS_SPACE_RAS);
     text = text_in(report);
     assert_ptr_equal(strstr(text, "{\"query\":\"q1\",\"kind\":\"area\",\"index\":10,"), text);
     conus_report_destroy(report);
@@ -224,10 +224,10 @@ static void json_has_the_same_keys_and_provenance(void **state)
 
 static void sidecar_describes_every_column(void **state)
 {
-    conus_report *report = report_in(*state, CONUS_TSV, CONUS_RAS);
+    conus_report *report = report_in(*state, CONUS_FORMAT_TSV, CONUS_SPACE_RAS);
     const char *text;
     size_t size;
-    assert_ok(conus_report_sidecar(report, &text, &size));
+    assert_ok(conus_report_sidecar(&text, &size, report));
     struct report_columns columns;
     report_list_columns(&columns, report);
     for (size_t i = 0; i < columns.count; i++) {
@@ -240,10 +240,10 @@ static void sidecar_describes_every_column(void **state)
 
 static void voxels_are_listed_once(void **state)
 {
-    conus_report *report = report_in(*state, CONUS_TSV, CONUS_RAS);
+    conus_report *report = report_in(*state, CONUS_FORMAT_TSV, CONUS_SPACE_RAS);
     const char *text;
     size_t size;
-    assert_ok(conus_report_voxels(report, &text, &size));
+    assert_ok(conus_report_voxels(&text, &size, report));
     assert_string_equal(text, "query\tpathway\ti\tj\tk\tx\ty\tz\tvalue\tdistance_mm\tkind\tindex\n"
                               "q1\tten\t1\t0\t0\t1\t0\t0\t10\t90\tarea\t10\n"
                               "q1\t20\t3\t0\t0\t3\t0\t0\t20\t99\tarea\t20\n");
@@ -252,7 +252,7 @@ static void voxels_are_listed_once(void **state)
 
 static void table_reads_well(void **state)
 {
-    conus_report *report = report_in(*state, CONUS_TABLE, CONUS_RAS);
+    conus_report *report = report_in(*state, CONUS_FORMAT_TABLE, CONUS_SPACE_RAS);
     const char *text = text_in(report);
     const char *const parts[] = {
         "cone of 60 degrees from (0.00, 0.00, 50.00)", "ten",           "(nothing met)",
@@ -266,7 +266,8 @@ static void table_reads_well(void **state)
 static conus_status select_and_report(void *data)
 {
     struct fixture *fixture = data;
-    static const conus_format formats[] = {CONUS_TABLE, CONUS_TSV, CONUS_JSON, CONUS_NDJSON};
+    static const conus_format formats[] = {CONUS_FORMAT_TABLE, CONUS_FORMAT_TSV, CONUS_FORMAT_JSON,
+                                           CONUS_FORMAT_NDJSON};
     conus_selection *selection = NULL;
     conus_status status = conus_select(&selection, &fixture->selector, &fixture->selection->cone.pose, 1);
     for (size_t i = 0; !status && i < sizeof formats / sizeof formats[0]; i++) {
@@ -276,9 +277,9 @@ static conus_status select_and_report(void *data)
         size_t size;
         status = conus_report_create(&report, &fixture->selector, &options);
         status = status ? status : conus_report_add(report, "1", selection);
-        status = status ? status : conus_report_text(report, &text, &size);
-        status = status ? status : conus_report_voxels(report, &text, &size);
-        status = status ? status : conus_report_sidecar(report, &text, &size);
+        status = status ? status : conus_report_text(&text, &size, report);
+        status = status ? status : conus_report_voxels(&text, &size, report);
+        status = status ? status : conus_report_sidecar(&text, &size, report);
         conus_report_destroy(report);
     }
     conus_selection_destroy(selection);
@@ -309,9 +310,9 @@ static void nothing_has_no_results(void **state)
     assert_int_equal(conus_selection_count(NULL), 0);
     assert_null(conus_selection_result(NULL, 0));
     assert_int_equal(conus_selection_evidence(NULL).resolution, 0);
-    conus_selection_position(NULL, 0, position);
+    conus_selection_position(position, NULL, 0);
     assert_true(isnan(position[0]));
-    conus_selection_position(fixture->selection, 16, position); /* behind the last pixel */
+    conus_selection_position(position, fixture->selection, 16); /* behind the last pixel */
     assert_true(isnan(position[2]));
     assert_string_equal(conus_selector_engine(NULL), "");
     assert_null(conus_score(1000));

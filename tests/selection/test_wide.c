@@ -122,7 +122,7 @@ static void weights_sum_to_the_solid_angle(void **state)
         struct cone cone = looking_down(degrees, 400);
         double half = cone.angle / 2;
         assert_near(solid_angle(&cone) / (2 * MATH3_PI * (1 - cos(half))), 1, 1e-3);
-        cone.aperture = CONUS_SQUARE;
+        cone.aperture = CONUS_APERTURE_SQUARE;
         assert_near(solid_angle(&cone) / (4 * asin(sin(half) * sin(half))), 1, 1e-3);
     }
 }
@@ -136,7 +136,7 @@ static void pixels_in_it_are_those_whose_rays_are(void **state)
             struct cone cone = looking_down(degrees, 37);
             struct region region;
             uint32_t inside = 0;
-            cone.aperture = square ? CONUS_SQUARE : CONUS_CIRCLE;
+            cone.aperture = square ? CONUS_APERTURE_SQUARE : CONUS_APERTURE_CIRCLE;
             region_from_cone(&region, &cone);
             for (uint32_t pixel = 0; pixel < 37 * 37; pixel++) {
                 double ray[3];
@@ -161,7 +161,7 @@ static void apertures_follow_the_angle(void **state)
         struct cone cone = looking_down(angles[a], 20);
         double total = 0;
         size_t count = 0;
-        cone.aperture = CONUS_SQUARE;
+        cone.aperture = CONUS_APERTURE_SQUARE;
         assert_ok(aperture_prepare(&aperture, &cone));
         for (uint32_t pixel = 0; pixel < 400; pixel++) {
             bool has = cone_has_pixel(&cone, pixel % 20, pixel / 20);
@@ -271,7 +271,7 @@ static void a_ball_in_a_pyramid_too(void **state)
     add(atlas, mesh_scene_sphere((double[]){0, 0, 0}, 20, 90, 180));
     for (int degrees = 125; degrees < 180; degrees += 18) {
         const struct cone cone = mesh_scene_cone((double[]){8, 24, 0}, (double[]){0, 0, 0}, degrees, 128);
-        const conus_selector_options options = {.resolution = 128, .aperture = CONUS_SQUARE};
+        const conus_selector_options options = {.resolution = 128, .aperture = CONUS_APERTURE_SQUARE};
         conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
         double cosine = sqrt(1 - 20.0 * 20 / (8 * 8 + 24 * 24));
         double sine = sin(cone.angle / 2);
@@ -289,7 +289,7 @@ static void volumes_and_scores_follow(void **state)
     conus_atlas *atlas = mesh_scene_atlas();
     add(atlas, mesh_scene_sphere((double[]){0, 0, 0}, 20, 90, 180));
     const double whole = 4 * MATH3_PI / 3 * 8000;
-    const conus_selector_options options = {.resolution = 128, .layers = CONUS_ALL_LAYERS, .score = "centre"};
+    const conus_selector_options options = {.resolution = 128, .layers = CONUS_LAYERS_ALL, .score = "centre"};
     struct cone cone = mesh_scene_cone((double[]){0, 0, 60}, (double[]){40, 0, 0}, 165, 128);
     conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
     const conus_result *ball = result_of(selection, 1);
@@ -316,7 +316,7 @@ static void a_range_cuts_at_planes(void **state)
 {
     (void)state;
     uint32_t labels[8] = {1, 1, 1, 1, 1, 1, 1, 1};
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "block", .dim = {2, 2, 2}, .slope = 1};
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "block", .dim = {2, 2, 2}, .slope = 1};
     const double m[16] = {1000, 0, 0, 0, 0, 1000, 0, 0, 0, 0, 1000, 0, -500, -500, -500, 1};
     struct label_table table = {0};
     struct notes notes = {0};
@@ -326,12 +326,12 @@ static void a_range_cuts_at_planes(void **state)
     const struct cone cone = mesh_scene_cone((double[]){1, 2, 3}, (double[]){4, 7, 9}, 160, 24);
     for (int square = 0; square < 2; square++) {
         const conus_selector_options options = {.resolution = 24,
-                                                .layers = CONUS_ALL_LAYERS,
+                                                .layers = CONUS_LAYERS_ALL,
                                                 .range = {12, 15},
-                                                .aperture = square ? CONUS_SQUARE : CONUS_CIRCLE};
+                                                .aperture = square ? CONUS_APERTURE_SQUARE : CONUS_APERTURE_CIRCLE};
         conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
         size_t count;
-        const conus_span *spans = conus_selection_spans(selection, &count);
+        const conus_span *spans = conus_selection_spans(&count, selection);
         const conus_evidence evidence = conus_selection_evidence(selection);
         for (size_t s = 0; s < count; s++) {
             double ray[3];
@@ -410,7 +410,7 @@ static void both_engines_say_the_same(void **state)
             mesh_scene_add_soups(atlas, &random);
             add(atlas, mesh_scene_torus(9, 4, 24, 12));
         }
-        conus_sampling sampling = i % 6 == 2 ? CONUS_SLICES : CONUS_EXACT;
+        conus_sampling sampling = i % 6 == 2 ? CONUS_SAMPLING_SLICES : CONUS_SAMPLING_EXACT;
         struct gl_pair pair = gl_pair_create(atlas, sampling);
         struct cone cones[CONES];
         bool wanted[N * N];
@@ -424,7 +424,7 @@ static void both_engines_say_the_same(void **state)
         }
         cones[1].wanted = cones[3].wanted = wanted;
         assert_same_looks(&pair, cones, meshes);
-        if (sampling == CONUS_EXACT) {
+        if (sampling == CONUS_SAMPLING_EXACT) {
             assert_same_layers(&pair, &cones[1]);
             assert_same_layers(&pair, &cones[5]);
         }
@@ -439,12 +439,12 @@ static void nothing_is_met_outside_the_aperture(void **state)
     (void)state;
     conus_atlas *atlas = mesh_scene_atlas();
     add(atlas, mesh_scene_sphere((double[]){0, 0, 0}, 20, 20, 40));
-    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS};
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL};
     const struct cone cone = mesh_scene_cone((double[]){0, 0, 0}, (double[]){1, 1, 0}, 178, 16);
     conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
     const conus_evidence evidence = conus_selection_evidence(selection);
     size_t count;
-    const conus_span *spans = conus_selection_spans(selection, &count);
+    const conus_span *spans = conus_selection_spans(&count, selection);
     for (size_t pixel = 0; pixel < 256; pixel++) {
         assert_int_equal(evidence.object[pixel], evidence.in_cone[pixel]);
     }

@@ -24,7 +24,7 @@ static conus_status add_row(struct label_table *table, const struct area_row *ro
 static conus_status describe(conus_volume_info *info, const size_t dim[3])
 {
     double m[16];
-    *info = (conus_volume_info){.role = CONUS_PARCELLATION, .path = "rows", .slope = 1};
+    *info = (conus_volume_info){.role = CONUS_ROLE_PARCELLATION, .path = "rows", .slope = 1};
     mat4_identity(m);
     for (size_t axis = 0; axis < 3; axis++) {
         info->dim[axis] = dim[axis];
@@ -71,7 +71,7 @@ conus_status area_rows_add_pathway(conus_atlas *atlas, const char *name)
     for (size_t i = 0; i < count; i++) {
         values[i] = 1;
     }
-    info.role = CONUS_SCALAR;
+    info.role = CONUS_ROLE_SCALAR;
     info.threshold = 0.5;
     conus_status status = atlas_add_pathway(atlas, &info, values, name);
     memory_free(status ? values : NULL);

@@ -16,7 +16,7 @@ void blockers_add(conus_atlas *atlas, uint64_t *random, const size_t dim[3], dou
     for (size_t v = 0; v < count; v++) {
         values[v] = (float)test_random(random, 0, 1);
     }
-    info.role = CONUS_CONTEXT;
+    info.role = CONUS_ROLE_CONTEXT;
     info.threshold = 1 - share;
     assert_ok(atlas_set_context(atlas, &info, values));
 }

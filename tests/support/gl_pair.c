@@ -149,7 +149,7 @@ static conus_status create_answer_destroy(void *data)
 void gl_pair_every_allocation(const conus_atlas *atlas, const struct cone *cone, bool layers)
 {
     struct attempt attempt = {atlas, cone, layers};
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT); /* or skips */
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT); /* or skips */
     gl_pair_destroy(&pair);
     test_every_allocation(create_answer_destroy, &attempt);
 }

@@ -103,7 +103,7 @@ static bool choose_area(struct trial *trial, double target[3], const conus_selec
     size_t count = 0;
     for (size_t i = 0; i < conus_selection_count(look) && count < SAMPLE_LIMIT; i++) {
         const conus_result *result = conus_selection_result(look, i);
-        if (result->kind == CONUS_AREA && result->pixels >= LEAST_PIXELS) {
+        if (result->kind == CONUS_KIND_AREA && result->pixels >= LEAST_PIXELS) {
             areas[count++] = result->object;
         }
     }
@@ -112,7 +112,7 @@ static bool choose_area(struct trial *trial, double target[3], const conus_selec
     }
     trial->area = areas[(size_t)uniform(source, 0, (double)count)];
     const conus_evidence seen = conus_selection_evidence(look);
-    conus_selection_position(look, middle_pixel(&seen, trial->area), target);
+    conus_selection_position(target, look, middle_pixel(&seen, trial->area));
     return true;
 }
 
@@ -287,7 +287,7 @@ static conus_status hire(struct crew *crew, const conus_atlas *atlas)
     conus_status status = conus_selector_create(&crew->looker, atlas,
                                                 &(conus_selector_options){.engine = CONUS_ENGINE_RAYS,
                                                                           .resolution = LOOK_RESOLUTION,
-                                                                          .aperture = CONUS_SQUARE});
+                                                                          .aperture = CONUS_APERTURE_SQUARE});
     for (size_t i = 0; !status && i < HAND_METHODS; i++) {
         const struct hand_method *method = &hand_methods[i];
         const conus_selector_options options = {

@@ -296,7 +296,7 @@ conus_atlas *mesh_scene_brain(void)
     }
     conus_volume_info info;
     assert_ok(phantom_brain_grid(&info));
-    info.role = CONUS_SCALAR;
+    info.role = CONUS_ROLE_SCALAR;
     info.threshold = 16384;
     size_t count = info.dim[0] * info.dim[1] * info.dim[2];
     float *values = memory_raw(count, sizeof *values);

@@ -154,7 +154,7 @@ void oracle_look(struct evidence *out, const conus_atlas *atlas, const struct co
 {
     evidence_clear(out);
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        for (uint32_t j = 0; j < cone->resolution && atlas->volumes[i].info.role != CONUS_CONTEXT; j++) {
+        for (uint32_t j = 0; j < cone->resolution && atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT; j++) {
             look_along_row(out, &atlas->volumes[i], cone, j);
         }
     }

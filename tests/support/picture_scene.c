@@ -29,7 +29,7 @@ double picture_ball_of_20(const double world[3])
 
 conus_volume_info picture_grid(const size_t dim[3], const double spacing[3], const double world_from_grid[16])
 {
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "scene.nii", .dim = {dim[0], dim[1], dim[2]}};
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "scene.nii", .dim = {dim[0], dim[1], dim[2]}};
     double grid_from_voxel[16], m[16];
     mat4_identity(grid_from_voxel);
     for (int a = 0; a < 3; a++) {
@@ -55,7 +55,7 @@ static double sample(const conus_volume_info *grid, picture_function function, s
 static void add_context(conus_atlas *atlas, const conus_volume_info *grid, picture_function function)
 {
     conus_volume_info info = *grid;
-    info.role = CONUS_CONTEXT;
+    info.role = CONUS_ROLE_CONTEXT;
     info.minimum = INFINITY;
     info.maximum = -INFINITY;
     size_t count = info.dim[0] * info.dim[1] * info.dim[2];

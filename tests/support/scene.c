@@ -35,7 +35,8 @@ static void random_linear(uint64_t *state, double m[16])
 
 conus_volume_info scene_grid(uint64_t *state, const size_t dim[3])
 {
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "scene", .dim = {dim[0], dim[1], dim[2]}, .slope = 1};
+    conus_volume_info info = {
+        .role = CONUS_ROLE_PARCELLATION, .path = "scene", .dim = {dim[0], dim[1], dim[2]}, .slope = 1};
     double m[16];
     random_linear(state, m);
     double centre[3] = {0.5 * (double)(dim[0] - 1), 0.5 * (double)(dim[1] - 1), 0.5 * (double)(dim[2] - 1)};
@@ -89,7 +90,7 @@ static void add_pathway(uint64_t *state, conus_atlas *atlas, size_t dim_limit)
     random_dim(state, dim, dim_limit);
     bool same = test_random(state, 0, 1) < 0.5; /* on the parcellation's own grid: contacts at equal distances */
     conus_volume_info info = same ? atlas->volumes[0].info : scene_grid(state, dim);
-    info.role = CONUS_SCALAR;
+    info.role = CONUS_ROLE_SCALAR;
     info.threshold = test_random(state, 0.5, 0.999);
     size_t count = voxels_of(info.dim);
     float *values = memory_raw(count, sizeof *values);

@@ -158,7 +158,7 @@ static bool paint(struct painter *painter, conus_renderer *renderer, const struc
 static void note_transfer(struct painter *painter, const conus_renderer *renderer)
 {
     size_t count;
-    const conus_transfer_point *points = conus_renderer_transfer(renderer, &count);
+    const conus_transfer_point *points = conus_renderer_transfer(&count, renderer);
     count = count < TRANSFER_POINTS ? count : 0; /* a long table is not for editing by hand */
     pthread_mutex_lock(&painter->lock);
     if (!painter->used_count) { /* else another one was set meanwhile */

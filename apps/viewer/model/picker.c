@@ -8,7 +8,7 @@ static const double ray_angle = 1e-3; /* the one pixel's ray is the axis, whatev
 
 static conus_status make_picker(struct viewer *viewer)
 {
-    const conus_selector_options options = {.resolution = 1, .layers = CONUS_ALL_LAYERS};
+    const conus_selector_options options = {.resolution = 1, .layers = CONUS_LAYERS_ALL};
     return viewer->picker ? CONUS_OK : conus_selector_create(&viewer->picker, viewer->atlas, &options);
 }
 
@@ -78,7 +78,7 @@ static double depth_of_surface(const struct viewer *viewer, const double origin[
 static bool has_pathways(const struct viewer *viewer)
 {
     for (size_t number = viewer->object_count; number > 0; number--) { /* pathways come last */
-        if (conus_atlas_object(viewer->atlas, number)->kind != CONUS_PATHWAY) {
+        if (conus_atlas_object(viewer->atlas, number)->kind != CONUS_KIND_PATHWAY) {
             return false;
         }
         if (!viewer->shown.hidden[number]) {
@@ -104,7 +104,8 @@ static bool is_hit(const struct viewer *viewer, uint32_t number)
 static bool is_drawn(const struct viewer *viewer, uint32_t number)
 {
     const conus_object *object = conus_atlas_object(viewer->atlas, number);
-    return object->kind == CONUS_PATHWAY || object->triangles > 0 || !has_pathways(viewer) || is_hit(viewer, number);
+    return object->kind == CONUS_KIND_PATHWAY || object->triangles > 0 || !has_pathways(viewer) ||
+           is_hit(viewer, number);
 }
 
 /* How far it is to the first that is drawn; INFINITY and 0 where there is none. */
@@ -117,7 +118,7 @@ static double find_first(uint32_t *object, struct viewer *viewer, const conus_po
     if (make_picker(viewer) || conus_select(&selection, viewer->picker, pose, ray_angle)) {
         return INFINITY;
     }
-    const conus_span *spans = conus_selection_spans(selection, &count);
+    const conus_span *spans = conus_selection_spans(&count, selection);
     for (size_t i = 0; i < count && !*object; i++) {
         if (is_drawn(viewer, spans[i].object)) {
             *object = spans[i].object;
@@ -159,7 +160,7 @@ static double reach_of(const conus_atlas *atlas, uint32_t ordinal)
 {
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
         const conus_volume_info *info = conus_atlas_volume(atlas, i);
-        if (info->role == CONUS_SCALAR && --ordinal == 0) {
+        if (info->role == CONUS_ROLE_SCALAR && --ordinal == 0) {
             const double *s = info->spacing;
             return 0.51 * sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
         }
@@ -172,7 +173,7 @@ double viewer_value(struct viewer *viewer, uint32_t object, const double place[3
     const conus_object *info = conus_atlas_object(viewer->atlas, object);
     conus_selection *selection = NULL;
     double value = NAN;
-    if (!info || info->kind != CONUS_PATHWAY || make_picker(viewer) ||
+    if (!info || info->kind != CONUS_KIND_PATHWAY || make_picker(viewer) ||
         conus_select_ball(&selection, viewer->picker, place, reach_of(viewer->atlas, info->label))) {
         return NAN;
     }

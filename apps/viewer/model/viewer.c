@@ -27,7 +27,7 @@ static void find_ball(struct viewer *viewer)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY};
     double high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    if (conus_atlas_bounds(viewer->atlas, low, high)) {
+    if (conus_atlas_bounds(low, high, viewer->atlas)) {
         memset(low, 0, sizeof low);
         memset(high, 0, sizeof high);
     }
@@ -42,7 +42,8 @@ static void find_ball(struct viewer *viewer)
 size_t viewer_context(const struct viewer *viewer)
 {
     size_t i = 0;
-    while (i < conus_atlas_volume_count(viewer->atlas) && conus_atlas_volume(viewer->atlas, i)->role != CONUS_CONTEXT) {
+    while (i < conus_atlas_volume_count(viewer->atlas) &&
+           conus_atlas_volume(viewer->atlas, i)->role != CONUS_ROLE_CONTEXT) {
         i++;
     }
     return i;
@@ -220,11 +221,11 @@ char *viewer_pins_text(const struct viewer *viewer)
 /* Of what was selected; the report is the caller's to destroy, also on failure. */
 static conus_status make_report(conus_report **report, struct viewer *viewer, const char **text, size_t *size)
 {
-    const conus_report_options options = {.format = CONUS_TSV};
+    const conus_report_options options = {.format = CONUS_FORMAT_TSV};
     conus_status status = make_selector(viewer);
     status = status ? status : conus_report_create(report, viewer->cone.selector, &options);
     status = status || !viewer->cone.answer ? status : conus_report_add(*report, "1", viewer_selection(viewer));
-    return status ? status : conus_report_text(*report, text, size);
+    return status ? status : conus_report_text(text, size, *report);
 }
 
 char *viewer_results_text(struct viewer *viewer)

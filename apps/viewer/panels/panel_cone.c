@@ -57,7 +57,7 @@ static bool choose_look(struct viewer *viewer)
     changed = ui_choose("aperture", &aperture, apertures, 2) || changed;
     changed = ui_choose("sampling", &sampling, samplings, 2) || changed;
     changed = ui_choose("engine", &engine, engines, 2) || changed;
-    options->layers = sampling == CONUS_SLICES ? CONUS_VISIBLE : (conus_layers)layer;
+    options->layers = sampling == CONUS_SAMPLING_SLICES ? CONUS_LAYERS_VISIBLE : (conus_layers)layer;
     options->resolution = resolution;
     options->aperture = (conus_aperture)aperture;
     options->sampling = (conus_sampling)sampling;

@@ -62,7 +62,7 @@ static void draw_result(struct window *window, const conus_result *result)
         draw_number("%.3f", result->score);
     }
     draw_number("%.1f", result->distance);
-    if (viewer->cone.options.layers == CONUS_ALL_LAYERS) {
+    if (viewer->cone.options.layers == CONUS_LAYERS_ALL) {
         draw_number("%.1f", result->path);
     }
     ui_id_end();
@@ -78,7 +78,7 @@ static void draw_results(struct window *window)
         columns[shown++] = "score";
     }
     columns[shown++] = "mm";
-    if (window->viewer->cone.options.layers == CONUS_ALL_LAYERS) {
+    if (window->viewer->cone.options.layers == CONUS_LAYERS_ALL) {
         columns[shown++] = "inside";
     }
     if (ui_table("results", columns, shown, 14 * ui_line())) {

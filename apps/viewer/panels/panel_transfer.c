@@ -159,7 +159,7 @@ void panel_transfer(struct window *window)
     if (make_ready(viewer) && ui_section("Context", false)) {
         edit_transfer(viewer);
     }
-    if (last && last->kind == CONUS_PATHWAY && ui_section("Pathways", true)) {
+    if (last && last->kind == CONUS_KIND_PATHWAY && ui_section("Pathways", true)) {
         edit_thresholds(viewer);
     }
 }

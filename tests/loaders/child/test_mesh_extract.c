@@ -81,7 +81,7 @@ static void a_ball_is_one_wherever_the_voxels_point(void **state)
 static conus_atlas *one_sided(bool flip, double voxels_on_the_right)
 {
     enum { EDGE = 16, COUNT = EDGE * EDGE * EDGE };
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "made", .dim = {EDGE, EDGE, EDGE}};
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "made", .dim = {EDGE, EDGE, EDGE}};
     struct notes notes = {0};
     struct label_table table = {0};
     conus_atlas *atlas;

@@ -198,7 +198,7 @@ static void what_we_write_vtk_reads(void **state)
     uint32_t triangles[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
     const struct mesh mesh = {.positions = positions, .vertex_count = 4, .triangles = triangles, .triangle_count = 4};
     const struct mesh_title title = {.label = 5, .name = "A & <B> \"C\"", .space = "NIFTI_XFORM_MNI_152"};
-    for (int format = CONUS_VTP; format <= CONUS_STL; format++) {
+    for (int format = CONUS_MESH_VTP; format <= CONUS_MESH_STL; format++) {
         char name[32];
         struct buffer bytes = {0};
         struct mesh back;

@@ -76,7 +76,7 @@ static void the_aal_atlas_has_its_names_and_colours(void **state)
     assert_int_equal(first->rgb[0], 204);
     assert_string_equal(conus_atlas_label_source(atlas), "MRIcron text in aal.nii.txt, colours in aal.nii.lut");
     const conus_volume_info *info = conus_atlas_volume(atlas, 0);
-    assert_int_equal(info->role, CONUS_PARCELLATION);
+    assert_int_equal(info->role, CONUS_ROLE_PARCELLATION);
     assert_int_equal(strlen(info->sha256), 64);
     conus_atlas_destroy(atlas);
 }
@@ -330,7 +330,7 @@ static void pathways_know_their_scale(void **state)
     assert_int_equal(conus_atlas_note_count(atlas), notes);
     assert_int_equal(conus_atlas_volume_count(atlas), 3);
     assert_ok(conus_atlas_set_context(atlas, test_in("v.nii"), NULL));
-    assert_int_equal(conus_atlas_volume(atlas, 3)->role, CONUS_CONTEXT);
+    assert_int_equal(conus_atlas_volume(atlas, 3)->role, CONUS_ROLE_CONTEXT);
     conus_atlas_destroy(atlas);
 }
 

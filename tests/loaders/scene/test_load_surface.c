@@ -43,7 +43,7 @@ static void a_surface_is_an_area(void **state)
     assert_ok(conus_atlas_load(&atlas, write_surface("lh.pial.surf.gii.gz", 0), NULL));
     assert_int_equal(conus_atlas_object_count(atlas), 1);
     const conus_object *area = conus_atlas_object(atlas, 1);
-    assert_int_equal(area->kind, CONUS_AREA);
+    assert_int_equal(area->kind, CONUS_KIND_AREA);
     assert_int_equal(area->label, 1);
     assert_string_equal(area->name, "lh.pial");
     assert_int_equal(area->hemisphere, 'L');

@@ -227,13 +227,13 @@ static void a_scene_is_loaded_in_one_piece(void **state)
     assert_ok(conus_atlas_load(&atlas, path, NULL));
     assert_int_equal(conus_atlas_object_count(atlas), 4);
     assert_string_equal(conus_atlas_object(atlas, 1)->name, "Slab anterior");
-    assert_int_equal(conus_atlas_object(atlas, 3)->kind, CONUS_PATHWAY);
+    assert_int_equal(conus_atlas_object(atlas, 3)->kind, CONUS_KIND_PATHWAY);
     assert_string_equal(conus_atlas_object(atlas, 3)->name, "Ball");
     assert_int_equal(conus_atlas_object(atlas, 3)->label, 1);
     assert_string_equal(conus_atlas_object(atlas, 4)->name, "sphere");
     assert_int_equal(conus_atlas_volume_count(atlas), 4);
     assert_near(conus_atlas_volume(atlas, 1)->threshold, 0.5, 0);
-    assert_int_equal(conus_atlas_volume(atlas, 3)->role, CONUS_CONTEXT);
+    assert_int_equal(conus_atlas_volume(atlas, 3)->role, CONUS_ROLE_CONTEXT);
     assert_near(conus_atlas_volume(atlas, 3)->threshold, 0.5, 0);
     conus_atlas_destroy(atlas);
 }

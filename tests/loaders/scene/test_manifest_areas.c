@@ -24,7 +24,7 @@ static conus_status write_tetrahedron(const char *name, float x)
     struct mesh mesh = {.positions = positions, .vertex_count = 4, .triangles = triangles, .triangle_count = 4};
     struct mesh_title title = {.label = 1, .name = "In the file", .space = "NIFTI_XFORM_SCANNER_ANAT"};
     struct buffer file = {0};
-    conus_status status = mesh_format(&file, &mesh, &title, CONUS_GIFTI);
+    conus_status status = mesh_format(&file, &mesh, &title, CONUS_MESH_GIFTI);
     status = status ? status : conus_write_file(test_in(name), file.data, file.size);
     buffer_finish(&file);
     return status;
@@ -223,7 +223,7 @@ static void the_tree_groups_areas(void **state)
     assert_int_equal(conus_atlas_object(atlas, 4)->parent, 3);
     assert_null(atlas_object_mesh(atlas, 3));
     assert_null(atlas_object_volume(atlas, 3));
-    assert_int_equal(conus_atlas_object(atlas, 5)->kind, CONUS_PATHWAY);
+    assert_int_equal(conus_atlas_object(atlas, 5)->kind, CONUS_KIND_PATHWAY);
     conus_atlas_destroy(atlas);
 
     atlas = loaded("\"parcellation\": \"slabs.nii.gz\", \"tree\": [{\"label\": 300, \"parent\": 1}]");

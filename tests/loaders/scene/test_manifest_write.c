@@ -126,7 +126,7 @@ static void what_is_written_loads(void **state)
     assert_ok(conus_atlas_load(&atlas, test_in("scene.atlas.json"), NULL));
     assert_int_equal(conus_atlas_object_count(atlas), 4);
     assert_string_equal(conus_atlas_object(atlas, 4)->name, "spot");
-    assert_int_equal(conus_atlas_volume(atlas, 2)->role, CONUS_CONTEXT);
+    assert_int_equal(conus_atlas_volume(atlas, 2)->role, CONUS_ROLE_CONTEXT);
     conus_atlas_destroy(atlas);
     assert_fails(conus_manifest_write(test_in("scene.atlas.json"), NULL), CONUS_ERROR_IO);
     assert_non_null(strstr(conus_message(), "there is a file already, which is not replaced"));

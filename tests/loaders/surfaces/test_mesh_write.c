@@ -21,7 +21,7 @@
 static conus_atlas *make_atlas(void)
 {
     static const uint32_t labels[4] = {0, 3, 70000, 3};
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "made", .dim = {4, 1, 1}, .spacing = {1, 1, 1}};
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "made", .dim = {4, 1, 1}, .spacing = {1, 1, 1}};
     struct notes notes = {0};
     struct label_table table = {0};
     conus_atlas *atlas;
@@ -170,7 +170,7 @@ static void obj_is_text_to_the_nanometre(void **state)
 {
     (void)state;
     struct buffer bytes = {0};
-    assert_ok(mesh_format(&bytes, &sample, &title, CONUS_OBJ));
+    assert_ok(mesh_format(&bytes, &sample, &title, CONUS_MESH_OBJ));
     assert_string_equal(bytes.data, "# SPACE=RAS\n# label 7 color #ff0080\no A & B\n"
                                     "v 0.000000 0.000000 0.000000\nv -1.500000 0.000000 0.000000\n"
                                     "v 0.000000 0.000000 123456.789063\nv 2000000000 0.000000 0.250000\n"
@@ -183,11 +183,11 @@ static void binary_formats_have_their_sizes(void **state)
     (void)state;
     struct buffer stl = {0};
     struct buffer ply = {0};
-    assert_ok(mesh_format(&stl, &sample, &title, CONUS_STL));
+    assert_ok(mesh_format(&stl, &sample, &title, CONUS_MESH_STL));
     assert_int_equal(stl.size, 80 + 4 + 2 * 50);
     assert_memory_equal(stl.data, "SPACE=RAS label 7 A & B\0", 24);
     assert_memory_equal(stl.data + 80, "\2\0\0\0", 4);
-    assert_ok(mesh_format(&ply, &sample, &title, CONUS_PLY));
+    assert_ok(mesh_format(&ply, &sample, &title, CONUS_MESH_PLY));
     const char *end = strstr(ply.data, "end_header\n");
     assert_non_null(end);
     assert_int_equal(ply.size - (size_t)(end - ply.data), strlen("end_header\n") + 4 * 12 + 2 * 13);
@@ -207,7 +207,7 @@ static void gifti_says_what_it_shows(void **state)
         "<Data>AAAAAAIAAAABAAAAAAAAAAEAAAADAAAA</Data>", /* 0 2 1 0 1 3 */
     };
     struct buffer bytes = {0};
-    assert_ok(mesh_format(&bytes, &sample, &title, CONUS_GIFTI));
+    assert_ok(mesh_format(&bytes, &sample, &title, CONUS_MESH_GIFTI));
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
         if (!strstr(bytes.data, parts[i])) {
             fail_msg("no %s in %s", parts[i], bytes.data);
@@ -234,7 +234,7 @@ static void every_failing_allocation(void **state)
     (void)state;
     struct buffer bytes = {0};
     conus_atlas *atlas = make_atlas();
-    for (int format = CONUS_GIFTI; format <= CONUS_STL; format++) {
+    for (int format = CONUS_MESH_GIFTI; format <= CONUS_MESH_STL; format++) {
         conus_mesh_format chosen = (conus_mesh_format)format;
         test_every_allocation(attempt_format, &chosen);
     }

@@ -324,7 +324,7 @@ static void pathways_are_drawn_in_place_of_areas(void **state)
     picture_rigid(turned, 0.7, (double[]){0, 0, 0});
     conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, picture_identity);
     conus_volume_info other = picture_grid((size_t[]){30, 70, 40}, (double[]){1.5, 0.7, 1}, turned);
-    other.role = CONUS_SCALAR;
+    other.role = CONUS_ROLE_SCALAR;
     other.threshold = 0.5;
     conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, NULL);
     float *values = memory_raw((size_t)30 * 70 * 40, sizeof *values);

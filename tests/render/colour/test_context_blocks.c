@@ -45,7 +45,7 @@ static conus_volume_info ball_at(conus_role role, const double centre[3], uint32
 static void add_pathway(conus_atlas *atlas)
 {
     static uint32_t labels[EDGE * EDGE * EDGE];
-    conus_volume_info info = ball_at(CONUS_SCALAR, (double[]){0, 10, 12}, labels);
+    conus_volume_info info = ball_at(CONUS_ROLE_SCALAR, (double[]){0, 10, 12}, labels);
     float *values = memory_zeroed(EDGE * EDGE * EDGE, sizeof *values);
     assert_non_null(values);
     for (size_t v = 0; v < EDGE * EDGE * EDGE; v++) {
@@ -59,7 +59,7 @@ static void add_pathway(conus_atlas *atlas)
 static conus_atlas *two_balls(void)
 {
     static uint32_t labels[EDGE * EDGE * EDGE];
-    conus_volume_info info = ball_at(CONUS_PARCELLATION, (double[]){-8, 0, 0}, labels);
+    conus_volume_info info = ball_at(CONUS_ROLE_PARCELLATION, (double[]){-8, 0, 0}, labels);
     struct label_table table = {0};
     struct notes notes = {0};
     conus_atlas *atlas = NULL;
@@ -74,7 +74,7 @@ static conus_atlas *two_balls(void)
 static void set_slab(conus_atlas *atlas, double y, float left, float right, double threshold)
 {
     conus_volume_info info =
-        grid_at(CONUS_CONTEXT, (size_t[]){2, 1, 1}, (double[]){100, 2, 100}, (double[]){-50, y, 0});
+        grid_at(CONUS_ROLE_CONTEXT, (size_t[]){2, 1, 1}, (double[]){100, 2, 100}, (double[]){-50, y, 0});
     float *values = memory_zeroed(2, sizeof *values);
     assert_non_null(values);
     values[0] = left;
@@ -152,14 +152,14 @@ static void rays_are_stopped(void **state)
 {
     (void)state;
     check_engine((conus_selector_options){.engine = CONUS_ENGINE_RAYS});
-    check_engine((conus_selector_options){.engine = CONUS_ENGINE_RAYS, .sampling = CONUS_SLICES});
+    check_engine((conus_selector_options){.engine = CONUS_ENGINE_RAYS, .sampling = CONUS_SAMPLING_SLICES});
 }
 
 static void gl_is_stopped(void **state)
 {
     (void)state;
     check_engine((conus_selector_options){.engine = CONUS_ENGINE_GL});
-    check_engine((conus_selector_options){.engine = CONUS_ENGINE_GL, .sampling = CONUS_SLICES});
+    check_engine((conus_selector_options){.engine = CONUS_ENGINE_GL, .sampling = CONUS_SAMPLING_SLICES});
 }
 
 static void what_is_blocked_is_unassigned(void **state)
@@ -170,10 +170,10 @@ static void what_is_blocked_is_unassigned(void **state)
     conus_selection *none = select_from_eye(atlas, (conus_selector_options){0});
     assert_int_equal(conus_selection_count(none), 1);
     const conus_result *result = conus_selection_result(none, 0);
-    assert_int_equal(result->kind, CONUS_UNASSIGNED);
+    assert_int_equal(result->kind, CONUS_KIND_UNASSIGNED);
     assert_near(result->share, 1, 1e-12);
     double position[3];
-    conus_selection_position(none, RESOLUTION * RESOLUTION / 2, position);
+    conus_selection_position(position, none, RESOLUTION * RESOLUTION / 2);
     assert_true(isnan(position[0]));
     conus_selection_destroy(none);
 
@@ -212,7 +212,7 @@ static void what_is_equally_near_comes_first(void **state)
     static uint32_t labels[EDGE * EDGE * EDGE];
     conus_atlas *atlas = two_balls();
     conus_selection *open = select_from_eye(atlas, (conus_selector_options){0});
-    conus_volume_info info = ball_at(CONUS_CONTEXT, (double[]){-8, 0, 0}, labels);
+    conus_volume_info info = ball_at(CONUS_ROLE_CONTEXT, (double[]){-8, 0, 0}, labels);
     float *values = memory_zeroed(EDGE * EDGE * EDGE, sizeof *values);
     assert_non_null(values);
     for (size_t v = 0; v < EDGE * EDGE * EDGE; v++) {
@@ -230,7 +230,7 @@ static void what_is_equally_near_comes_first(void **state)
 static conus_status set_context(void *data)
 {
     conus_atlas *atlas = data;
-    conus_volume_info info = grid_at(CONUS_CONTEXT, (size_t[]){1, 1, 1}, (double[]){1, 1, 1}, (double[]){0, 0, 0});
+    conus_volume_info info = grid_at(CONUS_ROLE_CONTEXT, (size_t[]){1, 1, 1}, (double[]){1, 1, 1}, (double[]){0, 0, 0});
     float *values = memory_zeroed(1, sizeof *values);
     info.threshold = 1;
     conus_status status = values ? atlas_set_context(atlas, &info, values) : CONUS_ERROR_MEMORY;

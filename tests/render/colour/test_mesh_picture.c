@@ -175,7 +175,7 @@ static void a_pathway_shows_among_meshes(void **state)
     for (size_t v = 0; v < (size_t)EDGE * EDGE * EDGE; v++) {
         values[v] = v / EDGE % EDGE < EDGE / 2 ? 1 : 0; /* the half at negative y */
     }
-    grid.role = CONUS_SCALAR;
+    grid.role = CONUS_ROLE_SCALAR;
     grid.threshold = 0.5;
     assert_ok(atlas_add_pathway(atlas, &grid, values, "tract"));
     memcpy(atlas->objects[1].rgb, blue, 3);

@@ -147,7 +147,7 @@ static void the_same_transfer_function_is_the_same_picture(void **state)
     conus_atlas *atlas = boxes(picture_ball_of_20);
     conus_renderer *renderer = picture_renderer(atlas, NULL);
     size_t count;
-    const conus_transfer_point *points = conus_renderer_transfer(renderer, &count);
+    const conus_transfer_point *points = conus_renderer_transfer(&count, renderer);
     assert_true(count > 1);
     conus_transfer_point copy[16];
     assert_true(count <= 16);
@@ -210,7 +210,7 @@ static void add_rod(conus_atlas *atlas)
 {
     conus_volume_info grid = picture_grid((size_t[]){60, 20, 10}, (double[]){1, 1, 1}, picture_identity);
     float *values = memory_zeroed((size_t)60 * 20 * 10, sizeof *values);
-    grid.role = CONUS_SCALAR;
+    grid.role = CONUS_ROLE_SCALAR;
     grid.threshold = 0.5;
     for (size_t v = 0; v < (size_t)60 * 20 * 10; v++) {
         size_t j = v / 60 % 20;

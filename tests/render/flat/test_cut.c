@@ -143,7 +143,7 @@ static void values_are_linear_between_voxels(void **state)
     const conus_volume_info grid = picture_grid((size_t[]){20, 20, 20}, (double[]){2, 2, 2}, picture_identity);
     conus_atlas *atlas = picture_atlas(&grid, picture_nothing, NULL, grey_of);
     size_t context = 0;
-    while (conus_atlas_volume(atlas, context)->role != CONUS_CONTEXT) {
+    while (conus_atlas_volume(atlas, context)->role != CONUS_ROLE_CONTEXT) {
         assert_true(isnan(conus_atlas_value(atlas, context++, (double[]){0, 0, 0})));
     }
     for (int step = 0; step < 52; step++) {
@@ -192,7 +192,7 @@ static void hidden_areas_in_the_cone_are_hatched(void **state)
     (void)state;
     static struct picture picture;
     conus_atlas *atlas = open_phantom("slabs");
-    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .radius = 3};
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .radius = 3};
     conus_selection *selection = select_in(atlas, &options, 0);
     conus_cut_view view = whole;
     view.fill = 0.5;
@@ -306,7 +306,7 @@ static void change(conus_cut_view *view, conus_selection *const selections[2], u
 static void check_cutter(conus_atlas *atlas, uint64_t *state)
 {
     enum { CHANGES = 60 };
-    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS};
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL};
     conus_selection *selections[] = {select_in(atlas, &options, 20), select_in(atlas, NULL, 60)};
     conus_cut_view view = {.width = SIDE, .height = SIDE, .fill = 0.4, .window = {-5, 90}};
     conus_cutter *cutter = NULL;

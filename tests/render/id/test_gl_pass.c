@@ -23,7 +23,7 @@ static void aim_from_above(struct id_pass *pass, double height, conus_sampling s
     struct id_ray *rays = id_pass_rays(pass);
     for (int i = 0; i < RAYS; i++) {
         rays[i] = (struct id_ray){.origin = {i, 0, height}, .direction = {0, 0, -1}};
-        if (sampling == CONUS_SLICES) {
+        if (sampling == CONUS_SAMPLING_SLICES) {
             rays[i].planes.start = 9.5;
             rays[i].planes.spacing = 1;
             rays[i].planes.count = planes;
@@ -84,10 +84,10 @@ static void identifiers_keep_every_bit(void **state)
     (void)state;
     struct test_gl gl;
     test_gl_enter(&gl);
-    const conus_sampling samplings[] = {CONUS_EXACT, CONUS_SLICES};
+    const conus_sampling samplings[] = {CONUS_SAMPLING_EXACT, CONUS_SAMPLING_SLICES};
     for (size_t i = 0; i < 2; i++) {
         struct id_pass *pass = row_pass(samplings[i], hard_identifiers);
-        assert_row(look_at_row(pass, samplings[i], 10), samplings[i] == CONUS_EXACT ? 9.5 : 10);
+        assert_row(look_at_row(pass, samplings[i], 10), samplings[i] == CONUS_SAMPLING_EXACT ? 9.5 : 10);
         id_pass_destroy(pass);
     }
     id_pass_destroy(NULL);
@@ -100,7 +100,7 @@ static void state_left_behind_changes_nothing(void **state)
     (void)state;
     struct test_gl gl;
     test_gl_enter(&gl);
-    struct id_pass *pass = row_pass(CONUS_EXACT, hard_identifiers);
+    struct id_pass *pass = row_pass(CONUS_SAMPLING_EXACT, hard_identifiers);
     static const GLenum left_on[] = {GL_BLEND,        GL_DITHER,     GL_CULL_FACE,         GL_MULTISAMPLE,
                                      GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_RASTERIZER_DISCARD};
     for (size_t i = 0; i < sizeof left_on / sizeof left_on[0]; i++) {
@@ -112,7 +112,7 @@ static void state_left_behind_changes_nothing(void **state)
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     glDepthFunc(GL_NEVER);
-    assert_row(look_at_row(pass, CONUS_EXACT, 10), 9.5);
+    assert_row(look_at_row(pass, CONUS_SAMPLING_EXACT, 10), 9.5);
     id_pass_destroy(pass);
     test_gl_leave(&gl);
 }
@@ -123,14 +123,14 @@ static void looks_start_from_nothing(void **state)
     (void)state;
     struct test_gl gl;
     test_gl_enter(&gl);
-    struct id_pass *pass = row_pass(CONUS_EXACT, hard_identifiers);
-    assert_int_equal(look_at_row(pass, CONUS_EXACT, 10)[1].identifier, 7);
-    const struct id_hit *hits = look_at_row(pass, CONUS_EXACT, -10); /* looking away */
+    struct id_pass *pass = row_pass(CONUS_SAMPLING_EXACT, hard_identifiers);
+    assert_int_equal(look_at_row(pass, CONUS_SAMPLING_EXACT, 10)[1].identifier, 7);
+    const struct id_hit *hits = look_at_row(pass, CONUS_SAMPLING_EXACT, -10); /* looking away */
     for (int i = 0; i < RAYS; i++) {
         assert_int_equal(hits[i].identifier, 0);
     }
     assert_ok(id_pass_begin(pass, 100000));
-    assert_row(look_at_row(pass, CONUS_EXACT, 10), 9.5);
+    assert_row(look_at_row(pass, CONUS_SAMPLING_EXACT, 10), 9.5);
     id_pass_destroy(pass);
     test_gl_leave(&gl);
 }
@@ -141,14 +141,14 @@ static void the_nearer_volume_stays(void **state)
     (void)state;
     struct test_gl gl;
     test_gl_enter(&gl);
-    struct id_pass *pass = row_pass(CONUS_EXACT, hard_identifiers);
+    struct id_pass *pass = row_pass(CONUS_SAMPLING_EXACT, hard_identifiers);
     const double second[] = {4, 30, 10};
     for (int i = 0; i < 3; i++) {
         const struct id_hit *hits;
         assert_ok(id_pass_begin(pass, RAYS));
-        aim_from_above(pass, 10, CONUS_EXACT, 0);
+        aim_from_above(pass, 10, CONUS_SAMPLING_EXACT, 0);
         assert_ok(id_pass_trace(pass, 0));
-        aim_from_above(pass, second[i], CONUS_EXACT, 0);
+        aim_from_above(pass, second[i], CONUS_SAMPLING_EXACT, 0);
         assert_ok(id_pass_trace(pass, 1));
         assert_ok(id_pass_read(pass, &hits));
         assert_row(hits, fmin(10, second[i]) - 0.5);
@@ -163,16 +163,16 @@ static void rays_without_planes_meet_nothing(void **state)
     (void)state;
     struct test_gl gl;
     test_gl_enter(&gl);
-    struct id_pass *pass = row_pass(CONUS_SLICES, hard_identifiers);
+    struct id_pass *pass = row_pass(CONUS_SAMPLING_SLICES, hard_identifiers);
     const struct id_hit *hits;
     assert_ok(id_pass_begin(pass, RAYS));
-    aim_from_above(pass, 10, CONUS_SLICES, 0);
+    aim_from_above(pass, 10, CONUS_SAMPLING_SLICES, 0);
     assert_ok(id_pass_trace(pass, 0));
     assert_ok(id_pass_read(pass, &hits));
     for (int i = 0; i < RAYS; i++) {
         assert_int_equal(hits[i].identifier, 0);
     }
-    aim_from_above(pass, 10, CONUS_SLICES, 3);
+    aim_from_above(pass, 10, CONUS_SAMPLING_SLICES, 3);
     assert_ok(id_pass_trace(pass, 1));
     assert_ok(id_pass_read(pass, &hits));
     assert_row(hits, 10);
@@ -187,7 +187,7 @@ static void textures_beyond_the_allowed_memory_are_refused(void **state)
     test_gl_enter(&gl);
     struct id_pass *pass = NULL;
     uint64_t memory = sizeof row_objects; /* the codes find no room */
-    assert_ok(id_pass_create(&pass, CONUS_EXACT, hard_identifiers, OBJECTS + 1));
+    assert_ok(id_pass_create(&pass, CONUS_SAMPLING_EXACT, hard_identifiers, OBJECTS + 1));
     assert_fails(id_pass_add_volume(pass, &row, &row_leaps, &memory), CONUS_ERROR_MEMORY);
     assert_non_null(strstr(conus_message(), "allowed memory"));
     id_pass_destroy(pass);

@@ -250,7 +250,7 @@ static void an_attached_atlas_can_grow(void **state)
     for (int i = 0; i < 20; i++) {
         float *values[2] = {memory_zeroed(8, sizeof(float)), memory_zeroed(8, sizeof(float))};
         conus_volume_info info = scene_grid(&random, (const size_t[]){2, 2, 2});
-        info.role = CONUS_SCALAR;
+        info.role = CONUS_ROLE_SCALAR;
         info.threshold = 0.5;
         values[0][i % 8] = values[1][i % 8] = 1;
         assert_ok(atlas_add_pathway(atlas, &info, values[0], "more"));

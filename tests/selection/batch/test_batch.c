@@ -63,7 +63,7 @@ static void make_reference(struct fixture *fixture)
     const char *text = NULL;
     size_t size = 0;
     assert_ok(conus_pose_list_load(&list, fixture->path, NULL));
-    assert_ok(conus_report_create(&report, fixture->selector, &(conus_report_options){.format = CONUS_NDJSON}));
+    assert_ok(conus_report_create(&report, fixture->selector, &(conus_report_options){.format = CONUS_FORMAT_NDJSON}));
     for (size_t i = 0; i < conus_pose_list_count(list); i++) {
         const conus_pose_row *row = conus_pose_list_row(list, i);
         conus_selection *selection = NULL;
@@ -75,7 +75,7 @@ static void make_reference(struct fixture *fixture)
         }
         conus_selection_destroy(selection);
     }
-    assert_ok(conus_report_text(report, &text, &size));
+    assert_ok(conus_report_text(&text, &size, report));
     buffer_append(&fixture->reference, text, size);
     conus_report_destroy(report);
     conus_pose_list_destroy(list);
@@ -106,7 +106,7 @@ static int tear_down(void **state)
 static conus_batch *batch_of(struct fixture *fixture, uint32_t threads, uint32_t block)
 {
     conus_batch *batch = NULL;
-    const conus_batch_options options = {.threads = threads, .block = block, .report = {.format = CONUS_NDJSON}};
+    const conus_batch_options options = {.threads = threads, .block = block, .report = {.format = CONUS_FORMAT_NDJSON}};
     assert_ok(conus_batch_create(&batch, fixture->selector, &options));
     assert_int_equal(conus_batch_threads(batch), threads);
     return batch;
@@ -188,11 +188,11 @@ static void what_is_no_batch_is_refused(void **state)
     struct fixture *fixture = *state;
     conus_batch *batch = NULL;
     static const conus_batch_options wrong[] = {
-        {.report = {.format = CONUS_TABLE}},
-        {.report = {.format = CONUS_JSON}},
-        {.report = {.rows = CONUS_SUMMARIES}},
-        {.threads = 1025, .report = {.format = CONUS_TSV}},
-        {.block = 65537, .report = {.format = CONUS_TSV}},
+        {.report = {.format = CONUS_FORMAT_TABLE}},
+        {.report = {.format = CONUS_FORMAT_JSON}},
+        {.report = {.rows = CONUS_ROWS_SUMMARIES}},
+        {.threads = 1025, .report = {.format = CONUS_FORMAT_TSV}},
+        {.block = 65537, .report = {.format = CONUS_FORMAT_TSV}},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         assert_fails(conus_batch_create(&batch, fixture->selector, &wrong[i]), CONUS_ERROR_ARGUMENT);
@@ -210,10 +210,10 @@ static void the_heading_is_the_report_s(void **state)
     const char *text = NULL;
     size_t size = 0;
     assert_string_equal(conus_batch_heading(batch), "");
-    assert_ok(conus_batch_sidecar(batch, &text, &size));
+    assert_ok(conus_batch_sidecar(&text, &size, batch));
     assert_non_null(strstr(text, "\"offset_deg\""));
     conus_batch_destroy(batch);
-    const conus_batch_options options = {.report = {.format = CONUS_TSV}};
+    const conus_batch_options options = {.report = {.format = CONUS_FORMAT_TSV}};
     assert_ok(conus_batch_create(&batch, fixture->selector, &options));
     assert_true(conus_batch_threads(batch) >= 1);
     assert_memory_equal(conus_batch_heading(batch), "query\tkind\tindex\t", 17);
@@ -227,7 +227,7 @@ static void summaries_are_the_best_of_each(void **state)
     struct buffer first = {0};
     for (uint32_t threads = 1; threads <= 3; threads++) {
         const conus_batch_options options = {
-            .threads = threads, .block = 9, .report = {.rows = CONUS_SUMMARIES, .format = CONUS_TSV}};
+            .threads = threads, .block = 9, .report = {.rows = CONUS_ROWS_SUMMARIES, .format = CONUS_FORMAT_TSV}};
         struct received received = {0};
         conus_batch *batch = NULL;
         conus_pose_stream *poses = poses_of(fixture);
@@ -258,11 +258,11 @@ static conus_status run_once(void *data)
     conus_pose_stream *poses = NULL;
     const char *text = NULL;
     size_t size = 0;
-    const conus_batch_options options = {.threads = 1, .block = 16, .report = {.format = CONUS_TSV}};
+    const conus_batch_options options = {.threads = 1, .block = 16, .report = {.format = CONUS_FORMAT_TSV}};
     conus_status status = conus_batch_create(&batch, fixture->selector, &options);
     status = status ? status : conus_pose_stream_open(&poses, fixture->path, NULL);
     status = status ? status : conus_batch_run(batch, poses, 20, receive, &received);
-    status = status ? status : conus_batch_sidecar(batch, &text, &size);
+    status = status ? status : conus_batch_sidecar(&text, &size, batch);
     buffer_finish(&received.text);
     conus_pose_stream_destroy(poses);
     conus_batch_destroy(batch);

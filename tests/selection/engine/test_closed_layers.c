@@ -37,7 +37,7 @@ static void close_view(struct view *view)
 
 static conus_selection *look(const struct view *view, const struct cone *cone)
 {
-    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS,
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL,
                                             .resolution = cone->resolution,
                                             .radius = cone->radius,
                                             .range = {cone->range[0], cone->range[1]}};
@@ -60,7 +60,7 @@ static struct cone cone_along(const double origin[3], const double direction[3],
 static double length_in(const conus_selection *selection, uint32_t pixel, uint32_t object, unsigned *pieces)
 {
     size_t count;
-    const conus_span *spans = conus_selection_spans(selection, &count);
+    const conus_span *spans = conus_selection_spans(&count, selection);
     double length = 0;
     *pieces = 0;
     for (size_t i = 0; i < count; i++) {

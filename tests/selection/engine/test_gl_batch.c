@@ -73,7 +73,7 @@ static conus_status run_batch(struct rows *out, conus_selector *selector, const 
 {
     conus_batch *batch = NULL;
     conus_pose_stream *poses = NULL;
-    const conus_batch_options options = {.threads = 1, .block = block, .report = {.format = CONUS_NDJSON}};
+    const conus_batch_options options = {.threads = 1, .block = block, .report = {.format = CONUS_FORMAT_NDJSON}};
     buffer_clear(&out->text);
     out->errors = 0;
     conus_status status = conus_batch_create(&batch, selector, &options);
@@ -122,8 +122,8 @@ static void blocks_of_cones_give_the_rows_of_the_rays(void **state)
     blockers_add(atlas, &random, (size_t[]){9, 9, 9}, 0.05);
     static const conus_selector_options settings[] = {
         {.resolution = 16},
-        {.resolution = 5, .aperture = CONUS_SQUARE, .sampling = CONUS_SLICES, .slices = 120},
-        {.resolution = 9, .layers = CONUS_ALL_LAYERS},
+        {.resolution = 5, .aperture = CONUS_APERTURE_SQUARE, .sampling = CONUS_SAMPLING_SLICES, .slices = 120},
+        {.resolution = 9, .layers = CONUS_LAYERS_ALL},
         {.resolution = 12, .range = {5, 25}},
         {.resolution = 8, .radius = 3},
         {.resolution = 50, .score = "distance"}, /* some hundred cones are too many at once */
@@ -159,7 +159,7 @@ static void blocks_do_not_move_the_edges_of_meshes(void **state)
     uint64_t random = 62;
     conus_atlas *atlas = mixed_atlas(&random);
     const char *path = write_poses(5, atlas, false);
-    static const conus_selector_options settings[] = {{0}, {.resolution = 50}, {.layers = CONUS_ALL_LAYERS}};
+    static const conus_selector_options settings[] = {{0}, {.resolution = 50}, {.layers = CONUS_LAYERS_ALL}};
     for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
         conus_selector *selector = gl_selector(atlas, settings[i]);
         struct rows reference = {0};
@@ -182,7 +182,7 @@ static void many_looks_are_what_they_are_alone(void **state)
         struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 10, 8, 16);
         mesh_scene_add(atlas, &sphere);
     }
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     static struct evidence together[LOOKS];
     static struct cone cones[LOOKS];
     struct evidence *out[LOOKS];
@@ -213,7 +213,7 @@ static void many_looks_are_what_they_are_alone(void **state)
 /* Pixels that are not wanted are nobody's, and the others are as they are among them. */
 static void compare_wanted(uint64_t *random, const conus_atlas *atlas)
 {
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     for (int round = 0; round < 20; round++) {
         struct cone cone = scene_cone(random, atlas);
         static bool wanted[64 * 64];

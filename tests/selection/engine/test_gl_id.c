@@ -18,7 +18,7 @@ static size_t compare_scenes(uint64_t random, int scenes, conus_sampling samplin
     size_t hits = 0;
     for (int scene = 0; scene < scenes; scene++) {
         conus_atlas *atlas = scene_atlas(&random, scene % 10 ? 24 : 70, scene % 4);
-        uint32_t slices = sampling == CONUS_SLICES ? (uint32_t)test_random(&random, 0, 200) : 0;
+        uint32_t slices = sampling == CONUS_SAMPLING_SLICES ? (uint32_t)test_random(&random, 0, 200) : 0;
         struct gl_pair pair = gl_pair_create_slices(atlas, sampling, slices);
         for (int pose = 0; pose < 12; pose++) {
             struct cone cone = scene_cone(&random, atlas);
@@ -35,14 +35,14 @@ static size_t compare_scenes(uint64_t random, int scenes, conus_sampling samplin
 static void exact_equals_rays(void **state)
 {
     (void)state;
-    assert_true(compare_scenes(11, 150, CONUS_EXACT) > 25000);
+    assert_true(compare_scenes(11, 150, CONUS_SAMPLING_EXACT) > 25000);
 }
 
 /* Eq. 7: on the same planes, the same voxels. */
 static void slices_equal_the_cpus_slices(void **state)
 {
     (void)state;
-    assert_true(compare_scenes(12, 100, CONUS_SLICES) > 5000);
+    assert_true(compare_scenes(12, 100, CONUS_SAMPLING_SLICES) > 5000);
 }
 
 /* Rays of many pixels and volumes do not fit the ray buffer at once. */
@@ -51,7 +51,7 @@ static void big_buffers_take_turns(void **state)
     (void)state;
     uint64_t random = 13;
     conus_atlas *atlas = scene_atlas(&random, 30, 3);
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     for (int pose = 0; pose < 3; pose++) {
         struct cone cone = {.pose = scene_pose(&random, atlas), .angle = 0.5, .resolution = pose ? 500 : 300};
         gl_pair_same_look(&pair, &cone);
@@ -64,7 +64,7 @@ static void big_buffers_take_turns(void **state)
 
 static conus_volume_info plain_grid(size_t ni, size_t nj, size_t nk)
 {
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "grid", .dim = {ni, nj, nk}, .slope = 1};
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "grid", .dim = {ni, nj, nk}, .slope = 1};
     double world_from_voxel[16];
     mat4_identity(world_from_voxel);
     assert_ok(space_describe(&info, world_from_voxel, "a test"));
@@ -100,7 +100,7 @@ static void more_objects_than_16_bits_hold(void **state)
     conus_volume_info info = plain_grid(EDGE, EDGE, EDGE);
     conus_atlas *atlas = atlas_of(&info, labels);
     assert_non_null(atlas->volumes[0].objects32);
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = cone_from(-60, 20.3, 21.1, 40, 64);
     assert_true(gl_pair_same_look(&pair, &cone) > 64 * 64 / 2);
     gl_pair_destroy(&pair);
@@ -117,7 +117,7 @@ static void distances_are_those_of_the_closed_form(void **state)
     }
     conus_volume_info info = plain_grid(8, 64, 64);
     conus_atlas *atlas = atlas_of(&info, labels);
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     const struct cone cones[] = {cone_from(-1e5, 31.25, 32.125, 0.03, 16), cone_from(0, 31.25, 32.125, 120, 15),
                                  cone_from(5, 31.25, 32.125, 60, 16)};
     for (int c = 0; c < 3; c++) {
@@ -146,9 +146,9 @@ static void the_context_is_never_met(void **state)
     float *values = memory_zeroed(27, sizeof *values);
     assert_non_null(values);
     values[13] = 1000;
-    info.role = CONUS_CONTEXT;
+    info.role = CONUS_ROLE_CONTEXT;
     assert_ok(atlas_set_context(atlas, &info, values));
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = cone_from(-10, 1, 1, 40, 16);
     assert_true(gl_pair_same_look(&pair, &cone) > 0);
     gl_pair_destroy(&pair);
@@ -173,7 +173,7 @@ static void what_blocks_is_seen_alike(void **state)
     size_t blocked = 0;
     size_t hits = 0;
     for (int scene = 0; scene < 20; scene++) {
-        conus_sampling sampling = scene % 2 ? CONUS_SLICES : CONUS_EXACT;
+        conus_sampling sampling = scene % 2 ? CONUS_SAMPLING_SLICES : CONUS_SAMPLING_EXACT;
         conus_atlas *atlas = scene_atlas(&random, 24, scene % 3);
         blockers_add(atlas, &random, (size_t[]){9, 7, 8}, 0.1);
         struct gl_pair pair = gl_pair_create(atlas, sampling);
@@ -208,7 +208,7 @@ static void a_volume_too_long_for_the_driver_is_refused(void **state)
     (void)state;
     conus_volume_info small = plain_grid(1, 1, 1);
     conus_atlas *atlas = atlas_of(&small, (uint32_t[]){1});
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT); /* or skips */
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT); /* or skips */
     gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
     size_t length = (size_t)longest_texture() + 1;
@@ -242,7 +242,7 @@ static void the_callers_context_stays_current(void **state)
     (void)state;
     uint64_t random = 15;
     conus_atlas *atlas = scene_atlas(&random, 20, 1);
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct gl_context *own = NULL;
     struct gl_current previous;
     assert_ok(gl_context_create(&own, NULL, NULL));
@@ -251,7 +251,7 @@ static void the_callers_context_stays_current(void **state)
     struct cone cone = scene_cone(&random, atlas);
     gl_pair_same_look(&pair, &cone);
     assert_ptr_equal(eglGetCurrentContext(), is);
-    struct gl_pair another = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair another = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     gl_pair_destroy(&another);
     assert_ptr_equal(eglGetCurrentContext(), is);
     gl_pair_destroy(&pair);
@@ -267,8 +267,8 @@ static void compare_on(const char *name, uint64_t random, int poses)
 {
     conus_atlas *atlas = NULL;
     assert_ok(conus_atlas_load(&atlas, test_mricron(name), NULL));
-    struct gl_pair exact = gl_pair_create(atlas, CONUS_EXACT);
-    struct gl_pair slices = gl_pair_create(atlas, CONUS_SLICES);
+    struct gl_pair exact = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
+    struct gl_pair slices = gl_pair_create(atlas, CONUS_SAMPLING_SLICES);
     size_t hits = 0;
     for (int pose = 0; pose < poses; pose++) {
         struct cone cone = scene_cone(&random, atlas);

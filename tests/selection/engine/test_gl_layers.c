@@ -35,7 +35,7 @@ static void assert_same_pieces(struct gl_pair *pair, const struct cone *cone)
 
 static conus_atlas *grid_atlas(size_t edge, const uint32_t *labels)
 {
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "grid", .dim = {edge, edge, edge}, .slope = 1};
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "grid", .dim = {edge, edge, edge}, .slope = 1};
     struct label_table table = {0};
     struct notes notes = {0};
     conus_atlas *atlas = NULL;
@@ -58,7 +58,7 @@ static size_t compare_scenes(uint64_t random, int scenes, bool cylinders)
     size_t spans = 0;
     for (int scene = 0; scene < scenes; scene++) {
         conus_atlas *atlas = scene_atlas(&random, scene % 10 ? 24 : 70, scene % 4);
-        struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+        struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
         for (int pose = 0; pose < 8; pose++) {
             struct cone cone = scene_cone(&random, atlas);
             if (cylinders) {
@@ -94,7 +94,7 @@ static void looks_through_cylinders_are_those_of_rays(void **state)
     size_t hits = 0;
     for (int scene = 0; scene < 40; scene++) {
         conus_atlas *atlas = scene_atlas(&random, 24, scene % 3);
-        struct gl_pair pair = gl_pair_create(atlas, scene % 2 ? CONUS_SLICES : CONUS_EXACT);
+        struct gl_pair pair = gl_pair_create(atlas, scene % 2 ? CONUS_SAMPLING_SLICES : CONUS_SAMPLING_EXACT);
         for (int pose = 0; pose < 8; pose++) {
             struct cone cone = scene_cone(&random, atlas);
             make_cylinder(&cone, test_random(&random, 0.01, 30));
@@ -114,7 +114,7 @@ static void what_blocks_has_pieces_too(void **state)
     for (int scene = 0; scene < 10; scene++) {
         conus_atlas *atlas = scene_atlas(&random, 24, scene % 3);
         blockers_add(atlas, &random, (size_t[]){9, 7, 8}, 0.1);
-        struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+        struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
         for (int pose = 0; pose < 8; pose++) {
             struct cone cone = scene_cone(&random, atlas);
             assert_same_pieces(&pair, &cone);
@@ -136,7 +136,7 @@ static void a_million_pieces_come_in_portions(void **state)
         labels[i] = 1 + i; /* every cell is a piece */
     }
     conus_atlas *atlas = grid_atlas(EDGE, labels);
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = {.angle = radians_from_degrees(30), .resolution = 160};
     assert_ok(conus_pose_toward(&cone.pose, (double[]){-60, 17, 25}, (double[]){19, 20, 21}, NULL));
     assert_same_pieces(&pair, &cone);
@@ -152,7 +152,7 @@ static void pieces_of_a_real_atlas_are_those_of_rays(void **state)
     uint64_t random = 75;
     conus_atlas *atlas = NULL;
     assert_ok(conus_atlas_load(&atlas, test_mricron("aal.nii.gz"), NULL));
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     for (int pose = 0; pose < 100; pose++) {
         struct cone cone = {.pose = scene_pose(&random, atlas), .resolution = pose % 10 ? 16 : 64};
         cone.angle = radians_from_degrees(test_random(&random, 1, 40));
@@ -169,8 +169,8 @@ static void pieces_of_a_real_atlas_are_those_of_rays(void **state)
 static void assert_same_results(const conus_selection *got, const conus_selection *wanted)
 {
     size_t count = 0, wanted_count = 0;
-    const conus_span *spans = conus_selection_spans(got, &count);
-    const conus_span *wanted_spans = conus_selection_spans(wanted, &wanted_count);
+    const conus_span *spans = conus_selection_spans(&count, got);
+    const conus_span *wanted_spans = conus_selection_spans(&wanted_count, wanted);
     assert_int_equal(count, wanted_count);
     assert_memory_equal(spans, wanted_spans, count * sizeof *spans);
     assert_int_equal(conus_selection_count(got), conus_selection_count(wanted));
@@ -193,10 +193,10 @@ static void answers_with_a_range_are_those_of_rays(void **state)
     uint64_t random = 76;
     for (int scene = 0; scene < 30; scene++) {
         conus_atlas *atlas = scene_atlas(&random, 24, scene % 3);
-        struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT); /* or skips */
+        struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT); /* or skips */
         gl_pair_destroy(&pair);
         struct cone cone = scene_cone(&random, atlas);
-        conus_selector_options options = {.layers = scene % 3 ? CONUS_ALL_LAYERS : CONUS_VISIBLE,
+        conus_selector_options options = {.layers = scene % 3 ? CONUS_LAYERS_ALL : CONUS_LAYERS_VISIBLE,
                                           .range = {test_random(&random, 0, 20), test_random(&random, 20, 200)},
                                           .resolution = cone.resolution};
         if (scene % 2) {

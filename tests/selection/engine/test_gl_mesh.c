@@ -72,7 +72,7 @@ static void assert_agreement(const struct gl_counts *counts, double hit_part)
 
 static void compare_100_poses(uint64_t *random, const conus_atlas *atlas, double size)
 {
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     for (int pose = 0; pose < 100; pose++) {
         struct cone cone = mesh_scene_random_cone(random, size);
         if (pose % 5 == 4) { /* Eq. 3: parallel rays */
@@ -93,7 +93,7 @@ static void one_sphere(void **state)
     conus_atlas *atlas = mesh_scene_atlas();
     struct mesh sphere = mesh_scene_sphere((double[]){1, 2, 3}, 20, 24, 48);
     mesh_scene_add(atlas, &sphere);
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = mesh_scene_cone((double[]){-80, 10, 5}, (double[]){1, 2, 3}, 40, 64);
     compare_looks(&pair, &cone);
     assert_agreement(&pair.counts, 0.3);
@@ -115,7 +115,7 @@ static void random_triangles(void **state)
                                                size, size * test_random(&random, 0.05, 0.6));
             mesh_scene_add(atlas, &soup);
         }
-        struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+        struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
         for (int pose = 0; pose < 10; pose++) {
             struct cone cone = mesh_scene_random_cone(&random, size);
             compare_looks(&pair, &cone);
@@ -207,7 +207,7 @@ static void far_from_the_origin(void **state)
         struct mesh sphere = mesh_scene_sphere(centre, 20, 12, 20);
         mesh_scene_add(atlas, &sphere);
     }
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     for (int pose = 0; pose < 40; pose++) {
         struct cone cone = mesh_scene_random_cone(&random, 40);
         for (int a = 0; a < 3; a++) {
@@ -229,7 +229,7 @@ static void meshes_among_voxels(void **state)
     for (int scene = 0; scene < 20; scene++) {
         conus_atlas *atlas = scene_atlas(&random, 20, 0);
         mesh_scene_add_soups(atlas, &random);
-        struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+        struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
         for (int pose = 0; pose < 10; pose++) {
             struct cone cone = {.pose = scene_pose(&random, atlas), .resolution = 16};
             cone.angle = radians_from_degrees(test_random(&random, 1, 90));
@@ -270,7 +270,7 @@ static void more_meshes_than_16_bits_hold(void **state)
         struct mesh mesh = one_triangle(0, column, row, 0.45);
         mesh_scene_add(atlas, &mesh);
     }
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = mesh_scene_cone((double[]){-300, 240, 255}, (double[]){0, 240, 255}, 4, 128);
     compare_looks(&pair, &cone);
     assert_agreement(&pair.counts, 0.2);
@@ -295,7 +295,7 @@ static void the_lower_of_equals_wins(void **state)
         struct mesh plate = one_triangle(i < 5 ? 1 : 0, 0, 0, 50); /* the first five behind the others */
         mesh_scene_add(atlas, &plate);
     }
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = mesh_scene_cone((double[]){-20, 0, 1}, (double[]){0, 1, 0}, 30, 16);
     compare_looks(&pair, &cone);
     struct evidence evidence = gl_pair_look(pair.gl, &cone);
@@ -319,7 +319,7 @@ static void nothing_before_the_apex_is_clipped(void **state)
     }
     struct mesh around = mesh_scene_sphere((double[]){0, 0, 0}, 3, 6, 8);
     mesh_scene_add(atlas, &around);
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     const struct {
         double from[3], to[3];
         uint32_t hit;

@@ -186,7 +186,7 @@ static void nested_spheres(void **state)
         struct mesh sphere = mesh_scene_sphere((double[]){3, -2, 1}, 50 - i * pow(10, -i), 30, 60);
         mesh_scene_add(atlas, &sphere);
     }
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     compare_poses(&pair, &random, 50, 100);
     assert_agreement(&pair.counts, 80000);
     gl_pair_destroy(&pair);
@@ -207,7 +207,7 @@ static void random_triangles(void **state)
             struct mesh soup = mesh_scene_soup(&random, triangles, size, size * test_random(&random, 0.05, 0.6));
             mesh_scene_add(atlas, &soup);
         }
-        struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+        struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
         compare_poses(&pair, &random, size, 10);
         gl_counts_add(&sum, &pair.counts);
         gl_pair_destroy(&pair);
@@ -237,7 +237,7 @@ static void tori_in_rows(void **state)
         mesh_transform(&torus, pose.world_from_device);
         mesh_scene_add(atlas, &torus);
     }
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     compare_poses(&pair, &random, 44, 100);
     assert_agreement(&pair.counts, 50000);
     gl_pair_destroy(&pair);
@@ -249,7 +249,7 @@ static void one_hundred_poses_of_the_brain(void **state)
     (void)state;
     uint64_t random = 84;
     conus_atlas *atlas = mesh_scene_brain();
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     compare_poses(&pair, &random, 60, 100);
     assert_agreement(&pair.counts, 80000);
     gl_pair_destroy(&pair);
@@ -264,7 +264,7 @@ static void meshes_among_voxels(void **state)
     for (int scene = 0; scene < 10; scene++) {
         conus_atlas *atlas = scene_atlas(&random, 20, 0);
         mesh_scene_add_soups(atlas, &random);
-        struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+        struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
         for (int pose = 0; pose < 10; pose++) {
             struct cone cone = {.pose = scene_pose(&random, atlas), .resolution = 16};
             cone.angle = radians_from_degrees(test_random(&random, 1, 90));
@@ -291,7 +291,7 @@ static void one_hundred_poses_of_julich_brain(void **state)
     fprintf(file, "\"areas\": [{\"files\": \"%s/*.gii\"}]}\n", shared);
     assert_int_equal(fclose(file), 0);
     assert_ok(conus_atlas_load(&atlas, path, NULL));
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     compare_poses(&pair, &random, 60, 100);
     assert_agreement(&pair.counts, 20000);
     gl_pair_destroy(&pair);
@@ -307,7 +307,7 @@ static void what_lies_behind_a_cylinder_is_not_in_it(void **state)
         struct mesh sphere = mesh_scene_sphere((double[]){20 * i, 0, 0}, 8, 20, 40);
         mesh_scene_add(atlas, &sphere);
     }
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = mesh_scene_cone((double[]){0, 0.123, 0.045}, (double[]){1, 0.123, 0.045}, 10, 16);
     cone.angle = 0;
     cone.radius = 1.5;
@@ -335,7 +335,7 @@ static void a_thousand_layers(void **state)
         struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 10 + 0.01 * i, 6, 8);
         mesh_scene_add(atlas, &sphere);
     }
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_EXACT);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = mesh_scene_cone((double[]){-50, 1.234, 2.345}, (double[]){0, 0.321, 0.123}, 6, N);
     compare_layers(&pair, &cone);
     assert_int_equal(pair.counts.hits, (size_t)LAYERS * N * N);

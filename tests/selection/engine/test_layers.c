@@ -103,7 +103,7 @@ static void the_first_piece_is_what_is_visible(void **state)
     for (int k = 0; k < 60; k++) {
         conus_atlas *atlas = scene_atlas(&random, 12, 1);
         struct cone cone = scene_cone(&random, atlas);
-        const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .resolution = cone.resolution};
+        const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .resolution = cone.resolution};
         conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
         struct evidence first;
         size_t pixels = (size_t)cone.resolution * cone.resolution;
@@ -130,7 +130,7 @@ static void ranges_that_meet_add_up(void **state)
         double length[3] = {0};
         for (int r = 0; r < 3; r++) {
             const conus_selector_options options = {
-                .layers = CONUS_ALL_LAYERS, .range = {ranges[r][0], ranges[r][1]}, .resolution = cone.resolution};
+                .layers = CONUS_LAYERS_ALL, .range = {ranges[r][0], ranges[r][1]}, .resolution = cone.resolution};
             conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
             for (size_t i = 0; i + 1 < conus_selection_count(selection); i++) {
                 const conus_result *result = conus_selection_result(selection, i);
@@ -149,7 +149,8 @@ static void a_cylinder_has_parallel_rays(void **state)
     (void)state;
     conus_atlas *atlas = NULL;
     static uint32_t labels[10 * 10 * 10];
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "box.nii", .dim = {10, 10, 10}, .spacing = {1, 1, 1}};
+    conus_volume_info info = {
+        .role = CONUS_ROLE_PARCELLATION, .path = "box.nii", .dim = {10, 10, 10}, .spacing = {1, 1, 1}};
     struct label_table table = {0};
     struct notes notes = {0};
     struct cone cone = {.resolution = 16};
@@ -160,7 +161,7 @@ static void a_cylinder_has_parallel_rays(void **state)
     assert_ok(atlas_create(&atlas, &info, labels, &table, "here", &notes));
     label_table_finish(&table);
     assert_ok(conus_pose_along(&cone.pose, (double[]){4.5, 4.5, 50}, (double[]){0, 0, -1}, NULL));
-    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .radius = 4};
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .radius = 4};
     conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
     const conus_result *box = conus_selection_result(selection, 0);
     assert_int_equal(box->pixels, 208);
@@ -173,7 +174,7 @@ static void a_cylinder_has_parallel_rays(void **state)
     double lowest = 4.5;
     for (size_t pixel = 0; pixel < 256; pixel++) {
         double point[3];
-        conus_selection_position(selection, pixel, point);
+        conus_selection_position(point, selection, pixel);
         lowest = fmin(lowest, point[0]);
     }
     assert_near(lowest, 4.5 - 4 * 15.0 / 16, 1e-12);
@@ -197,8 +198,8 @@ static void shapes_out_of_range_are_refused(void **state)
         {.range = {NAN, 2}},
         {.range = {0, NAN}},
         {.range = {0, INFINITY}},
-        {.layers = CONUS_ALL_LAYERS, .sampling = CONUS_SLICES},
-        {.range = {1, 2}, .sampling = CONUS_SLICES},
+        {.layers = CONUS_LAYERS_ALL, .sampling = CONUS_SAMPLING_SLICES},
+        {.range = {1, 2}, .sampling = CONUS_SAMPLING_SLICES},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         assert_fails(conus_selector_create(&selector, atlas, &bad[i]), CONUS_ERROR_ARGUMENT);
@@ -220,7 +221,7 @@ struct attempt {
 static conus_status select_all(void *data)
 {
     const struct attempt *attempt = data;
-    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .range = {1, 100}};
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .range = {1, 100}};
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
     conus_status status = conus_selector_create(&selector, attempt->atlas, &options);

@@ -8,7 +8,7 @@
 
 #define CENTRE ((double[]){0, 0, 0})
 
-static const conus_selector_options all_layers = {.layers = CONUS_ALL_LAYERS};
+static const conus_selector_options all_layers = {.layers = CONUS_LAYERS_ALL};
 
 static conus_atlas *atlas_of(struct mesh mesh)
 {
@@ -48,7 +48,7 @@ static conus_result measure(const conus_atlas *atlas, const conus_selector_optio
 static conus_span span_of(const conus_selection *selection, size_t index, size_t count)
 {
     size_t got;
-    const conus_span *spans = conus_selection_spans(selection, &got);
+    const conus_span *spans = conus_selection_spans(&got, selection);
     assert_int_equal(got, count);
     return spans[index];
 }
@@ -63,7 +63,7 @@ static double chord_error(unsigned rings)
     conus_selection *selection = select_n(atlas, &cone);
     double apex = sqrt(70 * 70 + 40 * 40 + 30 * 30), worst = 0;
     size_t count;
-    const conus_span *spans = conus_selection_spans(selection, &count);
+    const conus_span *spans = conus_selection_spans(&count, selection);
     assert_true(count > 300);
     for (size_t s = 0; s < count; s++) {
         double ray[3], away[3];
@@ -99,7 +99,7 @@ static void volumes_of_rays_converge_to_the_mesh_s(void **state)
             struct cone cone = mesh_scene_cone((double[]){70, 50, 30}, CENTRE, 60, sizes[i]);
             conus_selector_options options = all_layers;
             options.resolution = sizes[i];
-            options.aperture = aperture ? CONUS_SQUARE : CONUS_CIRCLE;
+            options.aperture = aperture ? CONUS_APERTURE_SQUARE : CONUS_APERTURE_CIRCLE;
             conus_result row = measure(atlas, &options, &cone);
             assert_near(row.volume, conus_atlas_object(atlas, 1)->volume_mm3, allowed[i] * row.volume);
             assert_near(row.fraction, 1, allowed[i]);
@@ -210,7 +210,7 @@ static void the_volume_of_a_torus(void **state)
         struct cone cone = mesh_scene_cone(origins[i], i == 3 ? (double[]){90, 0, 0} : CENTRE, i == 3 ? 100 : 60, 160);
         conus_selector_options options = all_layers;
         options.resolution = 160;
-        options.aperture = i == 3 ? CONUS_SQUARE : CONUS_CIRCLE;
+        options.aperture = i == 3 ? CONUS_APERTURE_SQUARE : CONUS_APERTURE_CIRCLE;
         conus_result row = measure(atlas, &options, &cone);
         double part = i == 3 ? 100.0 / 360 : 1; /* from its middle: a wedge between the sides of the square */
         assert_near(row.volume, part * volume, 2e-3 * volume);

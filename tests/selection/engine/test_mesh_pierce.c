@@ -17,7 +17,7 @@ enum { CROSSINGS = 1000 };
 static conus_selection *select_all(const conus_atlas *atlas, const struct cone *cone)
 {
     const conus_selector_options options = {
-        .layers = CONUS_ALL_LAYERS, .resolution = cone->resolution, .radius = cone->radius};
+        .layers = CONUS_LAYERS_ALL, .resolution = cone->resolution, .radius = cone->radius};
     return mesh_scene_select(atlas, &options, cone);
 }
 
@@ -495,7 +495,7 @@ static conus_status create_and_pierce(void *data)
     const conus_atlas *atlas = data;
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
-    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS};
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL};
     struct cone cone = mesh_scene_cone((double[]){1, 2, 300}, (double[]){0, 0, 0}, 10, 16);
     conus_status status = conus_selector_create(&selector, atlas, &options);
     status = status ? status : conus_select(&selection, selector, &cone.pose, cone.angle);

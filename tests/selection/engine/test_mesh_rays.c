@@ -313,7 +313,7 @@ static conus_atlas *slab_of_voxels(void)
 {
     static const uint32_t labels[8] = {7, 7, 7, 7, 7, 7, 7, 7};
     const double size = 10;
-    conus_volume_info info = {.role = CONUS_PARCELLATION,
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION,
                               .path = "slab",
                               .dim = {2, 2, 2},
                               .slope = 1,

@@ -184,7 +184,7 @@ static void moving_everything_changes_nothing(void **state)
     (void)state;
     uint64_t random = 4;
     for (int scene = 0; scene < 60; scene++) {
-        const struct engine_options options = {.sampling = scene % 2 ? CONUS_SLICES : CONUS_EXACT};
+        const struct engine_options options = {.sampling = scene % 2 ? CONUS_SAMPLING_SLICES : CONUS_SAMPLING_EXACT};
         conus_atlas *atlas = scene_atlas(&random, 24, 0);
         struct cone cone = {.angle = 0.5, .resolution = 16, .pose = scene_generic_pose(&random, atlas)};
         struct evidence still, moved;
@@ -336,7 +336,8 @@ static void slices_meet_what_lies_on_their_planes(void **state)
     uint64_t random = 9;
     size_t hits = 0;
     for (int scene = 0; scene < 60; scene++) {
-        const struct engine_options options = {.sampling = CONUS_SLICES, .slices = 3 + 11 * (uint32_t)(scene % 7)};
+        const struct engine_options options = {.sampling = CONUS_SAMPLING_SLICES,
+                                               .slices = 3 + 11 * (uint32_t)(scene % 7)};
         conus_atlas *atlas = scene_atlas(&random, 24, 0);
         struct cone cone = {.angle = 0.5, .resolution = 12, .pose = scene_generic_pose(&random, atlas)};
         struct evidence evidence;

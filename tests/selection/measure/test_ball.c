@@ -134,7 +134,7 @@ static int set_up(void **state)
 {
     static struct fixture fixture;
     uint32_t labels[16 * 16 * 16] = {0};
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "cube.nii", .dim = {16, 16, 16}};
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "cube.nii", .dim = {16, 16, 16}};
     struct label_table table = {0};
     struct notes notes = {0};
     mat4_identity(info.world_from_voxel);

@@ -164,7 +164,7 @@ static void check_result(const conus_result *result, const struct sums *sum, con
     for (int a = 0; a < 3 && sum->voxels; a++) {
         assert_near(result->centroid[a], sum->moment[a] / sum->weight, 1e-9);
     }
-    if (object->kind == CONUS_PATHWAY) {
+    if (object->kind == CONUS_KIND_PATHWAY) {
         check_pathway(result, sum);
     } else {
         assert_true(isnan(result->sum_value) && isnan(result->mean_value) && isnan(result->max_value));
@@ -198,7 +198,7 @@ static void test_results_are_sums_over_voxels(void **unused)
     for (int scene = 0; scene < 60; scene++) {
         conus_atlas *atlas = scene_atlas(&state, 16, scene % 3);
         conus_selector *selector = NULL;
-        const conus_selector_options options = {.layers = CONUS_ALL_LAYERS,
+        const conus_selector_options options = {.layers = CONUS_LAYERS_ALL,
                                                 .resolution = 4,
                                                 .aperture = (conus_aperture)(scene % 2),
                                                 .radius = scene % 5 ? 0 : 3,
@@ -223,7 +223,8 @@ enum { MANY = 72783, MANY_EDGE = 42 };
 /* As many areas as an atlas of cells may have, a voxel each. */
 static conus_atlas *many_areas(void)
 {
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "many.nii", .dim = {MANY_EDGE, MANY_EDGE, MANY_EDGE}};
+    conus_volume_info info = {
+        .role = CONUS_ROLE_PARCELLATION, .path = "many.nii", .dim = {MANY_EDGE, MANY_EDGE, MANY_EDGE}};
     uint32_t *labels = memory_zeroed((size_t)MANY_EDGE * MANY_EDGE * MANY_EDGE, sizeof *labels);
     struct label_table table = {0};
     struct notes notes = {0};
@@ -244,7 +245,7 @@ static void test_many_areas(void **unused)
     (void)unused;
     conus_atlas *atlas = many_areas();
     conus_selector *selector = NULL;
-    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .resolution = 1};
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .resolution = 1};
     uint64_t state = 4;
     assert_int_equal(conus_atlas_object_count(atlas), MANY);
     assert_ok(conus_selector_create(&selector, atlas, &options));
@@ -262,7 +263,7 @@ static void test_many_areas(void **unused)
 static conus_status select_all_layers(void *data)
 {
     const conus_atlas *atlas = data;
-    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .resolution = 2};
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .resolution = 2};
     const conus_report_options listing = {.all_voxels = true};
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;

@@ -69,7 +69,7 @@ static conus_atlas *painted(const struct question *question, double spacing, dou
 
 static double counted(const struct question *question, const conus_atlas *atlas)
 {
-    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS,
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL,
                                             .resolution = 1,
                                             .radius = question->radius,
                                             .range = {question->range[0], question->range[1]}};

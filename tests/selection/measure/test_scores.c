@@ -142,7 +142,7 @@ static conus_pose pose_above(double height)
 static double score_of(struct view *view, const char *score, uint32_t label)
 {
     const conus_pose pose = pose_above(60);
-    const conus_selector_options options = {.score = score, .layers = CONUS_ALL_LAYERS};
+    const conus_selector_options options = {.score = score, .layers = CONUS_LAYERS_ALL};
     look(view, &options, &pose, 50);
     return result_of(view, label)->score;
 }
@@ -198,8 +198,8 @@ static void senseshapes_are_from_0_to_1(void **state)
         double degrees = test_random(&seed, 1, 170);
         for (size_t s = 0; s < sizeof scores / sizeof scores[0]; s++) {
             const conus_selector_options options = {.score = scores[s],
-                                                    .layers = CONUS_ALL_LAYERS,
-                                                    .aperture = i % 3 ? CONUS_CIRCLE : CONUS_SQUARE,
+                                                    .layers = CONUS_LAYERS_ALL,
+                                                    .aperture = i % 3 ? CONUS_APERTURE_CIRCLE : CONUS_APERTURE_SQUARE,
                                                     .resolution = 1 + (uint32_t)i};
             look(&view, &options, &pose, degrees);
             for (size_t r = 0; r + 1 < conus_selection_count(view.selection); r++) {
@@ -242,7 +242,7 @@ static void what_has_no_value_ranks_last(void **state)
     assert_int_equal(conus_selection_result(view.selection, 1)->object, most);
     assert_true(isnan(conus_selection_result(view.selection, 1)->score));
     assert_int_equal(conus_selection_result(view.selection, 1)->rank, 2);
-    assert_int_equal(conus_selection_result(view.selection, 2)->kind, CONUS_UNASSIGNED);
+    assert_int_equal(conus_selection_result(view.selection, 2)->kind, CONUS_KIND_UNASSIGNED);
     close_view(&view);
 }
 

@@ -43,7 +43,7 @@ static struct fixture make_fixture(uint32_t resolution, uint64_t seed)
     conus_atlas *atlas = scene_atlas(&seed, 20, 1);
     const conus_volume_info *info = conus_atlas_volume(atlas, 0);
     const double dim[3] = {(double)info->dim[0], (double)info->dim[1], (double)info->dim[2]};
-    const conus_selector_options options = {.resolution = resolution, .layers = CONUS_ALL_LAYERS};
+    const conus_selector_options options = {.resolution = resolution, .layers = CONUS_LAYERS_ALL};
     double corner[3];
     double centre[3];
     conus_pose pose;
@@ -93,7 +93,7 @@ static uint32_t check_samples(const struct exr_deep *deep, const struct fixture 
     size_t next = 0;
     uint32_t empty = 0;
     uint32_t n = conus_selection_evidence(fixture->selection).resolution;
-    const conus_span *spans = conus_selection_spans(fixture->selection, &count);
+    const conus_span *spans = conus_selection_spans(&count, fixture->selection);
     assert_int_equal(exr_deep_side(deep, 0), n);
     assert_int_equal(exr_deep_side(deep, 1), n);
     for (uint32_t pixel = 0; pixel < n * n; pixel++) {
@@ -116,7 +116,7 @@ static size_t check_names(const struct exr_deep *deep, const struct fixture *fix
 {
     size_t spans_count = 0;
     size_t objects = 0;
-    const conus_span *spans = conus_selection_spans(fixture->selection, &spans_count);
+    const conus_span *spans = conus_selection_spans(&spans_count, fixture->selection);
     bool *present = calloc(conus_atlas_object_count(fixture->atlas) + 1, sizeof *present);
     for (size_t i = 0; i < spans_count; i++) {
         objects += !present[spans[i].object];
@@ -133,7 +133,7 @@ static size_t check_names(const struct exr_deep *deep, const struct fixture *fix
         assert_string_equal(exr_deep_name(deep, "object", number, "name"), object->name);
         assert_string_equal(exr_deep_name(deep, "object", number, "label"), label);
         assert_string_equal(exr_deep_name(deep, "object", number, "kind"),
-                            object->kind == CONUS_PATHWAY ? "pathway" : "area");
+                            object->kind == CONUS_KIND_PATHWAY ? "pathway" : "area");
         assert_non_null(strstr(exr_deep_name(deep, "id", object->label, "name"), object->name));
     }
     assert_int_equal(exr_deep_names(deep, "object"), objects);
@@ -200,7 +200,7 @@ static void a_cylinder_with_a_range(void **state)
     uint64_t seed = 8;
     conus_atlas *atlas = scene_atlas(&seed, 20, 1);
     const conus_selector_options options = {
-        .layers = CONUS_ALL_LAYERS, .resolution = 9, .radius = 12.5, .range = {40, 55.25}};
+        .layers = CONUS_LAYERS_ALL, .resolution = 9, .radius = 12.5, .range = {40, 55.25}};
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (double[]){-50, 0, 0}, (double[]){1, 0, 0}, NULL));
     struct fixture fixture = look(atlas, &options, &pose, 0);
@@ -248,7 +248,7 @@ static void any_name_is_kept(void **state)
 static conus_atlas *plate(void)
 {
     enum { SIDE = 270, AREAS = 72783 };
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "plate", .dim = {SIDE, SIDE, 1}, .slope = 1};
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "plate", .dim = {SIDE, SIDE, 1}, .slope = 1};
     const double centred[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -134.5, -134.5, 0, 1};
     struct label_table table = {0};
     struct notes notes = {0};
@@ -267,7 +267,8 @@ static conus_atlas *plate(void)
 static void as_many_areas_as_there_are(void **state)
 {
     (void)state;
-    const conus_selector_options options = {.resolution = 540, .layers = CONUS_ALL_LAYERS, .aperture = CONUS_SQUARE};
+    const conus_selector_options options = {
+        .resolution = 540, .layers = CONUS_LAYERS_ALL, .aperture = CONUS_APERTURE_SQUARE};
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (double[]){0, 0, 10000}, (double[]){0, 0, -1}, NULL));
     struct fixture fixture = look(plate(), &options, &pose, 2 * atan2(135, 10000));

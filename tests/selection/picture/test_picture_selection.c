@@ -51,7 +51,7 @@ static void check_pixel(const conus_image *image, const struct fixture *fixture,
     size_t wanted = (size_t)(n - 1 - y) * n + x;
     uint32_t number = evidence.object[wanted];
     double position[3];
-    conus_selection_position(fixture->selection, wanted, position);
+    conus_selection_position(position, fixture->selection, wanted);
     assert_int_equal(conus_image_uints(image, "object")[got], number);
     assert_int_equal(conus_image_uints(image, "id")[got],
                      number ? conus_atlas_object(fixture->atlas, number)->label : 0);
@@ -66,7 +66,7 @@ static void check_pixel(const conus_image *image, const struct fixture *fixture,
 static void image_is_the_evidence_from_the_top(void **state)
 {
     (void)state;
-    struct fixture fixture = make_fixture(17, CONUS_CIRCLE);
+    struct fixture fixture = make_fixture(17, CONUS_APERTURE_CIRCLE);
     conus_image *image = NULL;
     size_t hits = 0;
     assert_ok(conus_image_of_selection(&image, fixture.selection));
@@ -94,7 +94,7 @@ static const char *text_of(const conus_image *image, const char *name)
 static void attributes_say_where_it_comes_from(void **state)
 {
     (void)state;
-    struct fixture fixture = make_fixture(8, CONUS_SQUARE);
+    struct fixture fixture = make_fixture(8, CONUS_APERTURE_SQUARE);
     conus_image *made = NULL;
     conus_image *image = NULL;
     assert_ok(conus_image_of_selection(&made, fixture.selection));
@@ -148,7 +148,7 @@ static void picture_is_in_the_areas_colours(void **state)
 {
     (void)state;
     for (uint32_t n = 1; n <= 1024; n = 3 * n + 1) {
-        struct fixture fixture = make_fixture(n, CONUS_CIRCLE);
+        struct fixture fixture = make_fixture(n, CONUS_APERTURE_CIRCLE);
         conus_image *image = NULL;
         assert_ok(conus_image_of_selection(&image, fixture.selection));
         assert_true(image->png_height >= 512 && image->png_height % n == 0 && image->png_width >= image->png_height);
@@ -171,7 +171,7 @@ static conus_status make_image(void *data)
 static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
-    struct fixture fixture = make_fixture(4, CONUS_CIRCLE);
+    struct fixture fixture = make_fixture(4, CONUS_APERTURE_CIRCLE);
     test_every_allocation(make_image, fixture.selection);
     finish(&fixture);
 }

@@ -38,7 +38,7 @@ static void finish(struct fixture *fixture)
 
 static conus_report_options options_of(conus_format format)
 {
-    return (conus_report_options){.format = format, .electrodes = format == CONUS_BIDS ? table : NULL};
+    return (conus_report_options){.format = format, .electrodes = format == CONUS_FORMAT_BIDS ? table : NULL};
 }
 
 /* Two contacts with an answer, and one without between them. */
@@ -52,13 +52,13 @@ static conus_status report_all(void *data)
     status = status ? status : conus_report_add(report, "A1", fixture->selection);
     status = status ? status : conus_report_add_error(report, "A2", 3, "is no pose");
     status = status ? status : conus_report_add(report, "A3", fixture->apart);
-    status = status ? status : conus_report_text(report, &text, &size);
+    status = status ? status : conus_report_text(&text, &size, report);
     if (!status) {
         assert_int_equal(strlen(text), size);
-        bool says_errors = fixture->options.format == CONUS_AFNI || fixture->options.format == CONUS_BIDS;
+        bool says_errors = fixture->options.format == CONUS_FORMAT_AFNI || fixture->options.format == CONUS_FORMAT_BIDS;
         assert_int_equal(strstr(text, "line 3: is no pose") != NULL, says_errors);
     }
-    status = status ? status : conus_report_sidecar(report, &text, &size);
+    status = status ? status : conus_report_sidecar(&text, &size, report);
     conus_report_destroy(report);
     return status;
 }
@@ -67,7 +67,7 @@ static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
     struct fixture fixture = make_fixture();
-    for (conus_format format = CONUS_AFNI; format <= CONUS_OPEN_EPHYS; format++) {
+    for (conus_format format = CONUS_FORMAT_AFNI; format <= CONUS_FORMAT_OPEN_EPHYS; format++) {
         fixture.options = options_of(format);
         test_every_allocation(report_all, &fixture);
     }
@@ -81,17 +81,17 @@ static void only_answers_are_written_in_them(void **state)
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
-    for (conus_format format = CONUS_AFNI; format <= CONUS_OPEN_EPHYS; format++) {
+    for (conus_format format = CONUS_FORMAT_AFNI; format <= CONUS_FORMAT_OPEN_EPHYS; format++) {
         conus_report_options options = options_of(format);
-        options.rows = CONUS_SUMMARIES;
+        options.rows = CONUS_ROWS_SUMMARIES;
         assert_fails(conus_report_create(&report, fixture.selector, &options), CONUS_ERROR_ARGUMENT);
         options = options_of(format);
-        options.electrodes = format == CONUS_BIDS ? NULL : table;
+        options.electrodes = format == CONUS_FORMAT_BIDS ? NULL : table;
         assert_fails(conus_report_create(&report, fixture.selector, &options), CONUS_ERROR_ARGUMENT);
         options = options_of(format);
         assert_ok(conus_report_create(&report, fixture.selector, &options));
-        if (format == CONUS_SPIKEGLX || format == CONUS_OPEN_EPHYS) {
-            assert_fails(conus_report_take(report, &text, &size), CONUS_ERROR_ARGUMENT);
+        if (format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS) {
+            assert_fails(conus_report_take(&text, &size, report), CONUS_ERROR_ARGUMENT);
         }
         conus_report_destroy(report);
     }
@@ -102,7 +102,7 @@ static void a_table_has_a_row_for_each_answer(void **state)
 {
     (void)state;
     struct fixture fixture = make_fixture();
-    const conus_report_options options = options_of(CONUS_BIDS);
+    const conus_report_options options = options_of(CONUS_FORMAT_BIDS);
     for (size_t answers = 0; answers < 6; answers++) {
         conus_report *report = NULL;
         const char *text = NULL;
@@ -111,7 +111,7 @@ static void a_table_has_a_row_for_each_answer(void **state)
         for (size_t i = 0; i < answers; i++) {
             assert_ok(conus_report_add(report, "same", fixture.selection));
         }
-        conus_status status = conus_report_text(report, &text, &size);
+        conus_status status = conus_report_text(&text, &size, report);
         assert_int_equal(status, answers == 3 ? CONUS_OK : CONUS_ERROR_DATA);
         conus_report_destroy(report);
     }
@@ -123,7 +123,7 @@ static void parts_join_without_a_seam(void **state)
 {
     (void)state;
     struct fixture fixture = make_fixture();
-    for (conus_format format = CONUS_AFNI; format <= CONUS_BIDS; format++) {
+    for (conus_format format = CONUS_FORMAT_AFNI; format <= CONUS_FORMAT_BIDS; format++) {
         const conus_report_options options = options_of(format);
         conus_report *whole = NULL;
         conus_report *parts = NULL;
@@ -135,14 +135,15 @@ static void parts_join_without_a_seam(void **state)
         for (int i = 0; i < 3; i++) {
             assert_ok(conus_report_add(whole, "same", fixture.selection));
             assert_ok(conus_report_add(parts, "same", fixture.selection));
-            assert_ok(conus_report_take(parts, &text, &size));
+            assert_ok(conus_report_take(&text, &size, parts));
             buffer_append(&joined, text, size);
         }
-        assert_ok(conus_report_text(whole, &text, &size));
+        assert_ok(conus_report_text(&text, &size, whole));
         assert_int_equal(size, joined.size);
         assert_memory_equal(text, joined.data, size);
         assert_ok(conus_report_add(parts, "one too many", fixture.selection));
-        assert_int_equal(conus_report_take(parts, &text, &size), format == CONUS_BIDS ? CONUS_ERROR_DATA : CONUS_OK);
+        assert_int_equal(conus_report_take(&text, &size, parts),
+                         format == CONUS_FORMAT_BIDS ? CONUS_ERROR_DATA : CONUS_OK);
         buffer_finish(&joined);
         conus_report_destroy(whole);
         conus_report_destroy(parts);

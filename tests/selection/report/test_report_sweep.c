@@ -39,20 +39,20 @@ static void finish(struct fixture *fixture)
 
 static conus_status add(conus_report *report, const struct fixture *fixture, conus_rows rows, const char *id)
 {
-    return rows == CONUS_ADMISSIONS ? conus_report_add_sweep(report, id, fixture->sweep)
-           : rows == CONUS_CHANCES  ? conus_report_add_jitter(report, id, fixture->jitter)
-                                    : conus_report_add(report, id, fixture->selection);
+    return rows == CONUS_ROWS_ADMISSIONS ? conus_report_add_sweep(report, id, fixture->sweep)
+           : rows == CONUS_ROWS_CHANCES  ? conus_report_add_jitter(report, id, fixture->jitter)
+                                         : conus_report_add(report, id, fixture->selection);
 }
 
 static void only_what_it_is_for_is_taken(void **state)
 {
     (void)state;
     struct fixture fixture = make_fixture();
-    for (conus_rows rows = CONUS_ANSWERS; rows <= CONUS_CHANCES; rows++) {
+    for (conus_rows rows = CONUS_ROWS_ANSWERS; rows <= CONUS_ROWS_CHANCES; rows++) {
         conus_report *report = NULL;
         assert_ok(conus_report_create(&report, fixture.selector, &(conus_report_options){.rows = rows}));
-        for (conus_rows other = CONUS_SHARES; other <= CONUS_CHANCES; other++) {
-            bool fits = other == rows || (other == CONUS_SHARES && rows == CONUS_ANSWERS);
+        for (conus_rows other = CONUS_ROWS_SHARES; other <= CONUS_ROWS_CHANCES; other++) {
+            bool fits = other == rows || (other == CONUS_ROWS_SHARES && rows == CONUS_ROWS_ANSWERS);
             assert_int_equal(add(report, &fixture, other, "a"), fits ? CONUS_OK : CONUS_ERROR_ARGUMENT);
         }
         conus_report_destroy(report);
@@ -72,13 +72,13 @@ static conus_status report_all(void *data)
     status = status ? status : add(report, fixture, fixture->options.rows, "two");
     status = status ? status : conus_report_add_error(report, "three", 0, "is no pose");
     status = status ? status : add(report, fixture, fixture->options.rows, "two");
-    status = status ? status : conus_report_text(report, &text, &size);
+    status = status ? status : conus_report_text(&text, &size, report);
     if (!status) {
         assert_int_equal(strlen(text), size);
         assert_non_null(strstr(text, "is no pose"));
         assert_non_null(strstr(text, "tract"));
     }
-    status = status ? status : conus_report_sidecar(report, &text, &size);
+    status = status ? status : conus_report_sidecar(&text, &size, report);
     conus_report_destroy(report);
     return status;
 }
@@ -87,8 +87,8 @@ static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
     struct fixture fixture = make_fixture();
-    for (conus_rows rows = CONUS_SHARES; rows <= CONUS_CHANCES; rows++) {
-        for (conus_format format = CONUS_TABLE; format <= CONUS_NDJSON; format++) {
+    for (conus_rows rows = CONUS_ROWS_SHARES; rows <= CONUS_ROWS_CHANCES; rows++) {
+        for (conus_format format = CONUS_FORMAT_TABLE; format <= CONUS_FORMAT_NDJSON; format++) {
             fixture.options = (conus_report_options){.rows = rows, .format = format};
             test_every_allocation(report_all, &fixture);
         }
@@ -113,11 +113,11 @@ static void shares_are_a_table_by_angle(void **state)
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
-    assert_ok(conus_report_create(&report, fixture.selector, &(conus_report_options){.rows = CONUS_SHARES}));
+    assert_ok(conus_report_create(&report, fixture.selector, &(conus_report_options){.rows = CONUS_ROWS_SHARES}));
     for (int i = 0; i < 12; i++) {
         assert_ok(conus_report_add(report, "same", fixture.selection));
     }
-    assert_ok(conus_report_text(report, &text, &size));
+    assert_ok(conus_report_text(&text, &size, report));
     assert_int_equal(count(text, "share of cone"), 2);
     assert_int_equal(count(text, "(nothing met)"), 2);
     assert_int_equal(count(text, "57.3"), 12);

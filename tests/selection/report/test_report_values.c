@@ -15,10 +15,20 @@ enum { A = 1, B, C, D };
 static conus_atlas *make_areas(void)
 {
     static const conus_object areas[] = {
-        {.kind = CONUS_AREA, .label = 10, .named = true, .name = "Alpha", .abbreviation = "", .rgb = {1, 2, 3}},
-        {.kind = CONUS_AREA, .label = 20, .named = true, .name = "Beta (b)", .abbreviation = "", .rgb = {255, 0, 16}},
-        {.kind = CONUS_AREA, .label = 30, .named = true, .name = "Gamma", .abbreviation = "G,1", .rgb = {4, 5, 6}},
-        {.kind = CONUS_AREA, .label = 40, .named = true, .name = "Delta, \"d\"", .abbreviation = "D", .rgb = {7, 8, 9}},
+        {.kind = CONUS_KIND_AREA, .label = 10, .named = true, .name = "Alpha", .abbreviation = "", .rgb = {1, 2, 3}},
+        {.kind = CONUS_KIND_AREA,
+         .label = 20,
+         .named = true,
+         .name = "Beta (b)",
+         .abbreviation = "",
+         .rgb = {255, 0, 16}},
+        {.kind = CONUS_KIND_AREA, .label = 30, .named = true, .name = "Gamma", .abbreviation = "G,1", .rgb = {4, 5, 6}},
+        {.kind = CONUS_KIND_AREA,
+         .label = 40,
+         .named = true,
+         .name = "Delta, \"d\"",
+         .abbreviation = "D",
+         .rgb = {7, 8, 9}},
     };
     conus_atlas *atlas = NULL;
     assert_ok(atlas_create_empty(&atlas, "made up"));
@@ -51,7 +61,7 @@ static void finish(struct made *made)
 
 static conus_result result_of(uint32_t object, double score, double share, double distance)
 {
-    return (conus_result){.kind = object ? CONUS_AREA : CONUS_UNASSIGNED,
+    return (conus_result){.kind = object ? CONUS_KIND_AREA : CONUS_KIND_UNASSIGNED,
                           .object = object,
                           .score = object ? score : NAN,
                           .share = share,
@@ -78,7 +88,7 @@ static void assert_text(struct made *made, const char *wanted)
 {
     const char *text = NULL;
     size_t size = 0;
-    assert_ok(conus_report_text(made->report, &text, &size));
+    assert_ok(conus_report_text(&text, &size, made->report));
     assert_string_equal(text, wanted);
 }
 
@@ -88,7 +98,8 @@ static const double nowhere[3] = {0, 0, 0};
 static void summaries_tell_by_how_much(void **state)
 {
     (void)state;
-    struct made made = make(&(conus_report_options){.rows = CONUS_SUMMARIES, .format = CONUS_TSV}, CONUS_VISIBLE);
+    struct made made =
+        make(&(conus_report_options){.rows = CONUS_ROWS_SUMMARIES, .format = CONUS_FORMAT_TSV}, CONUS_LAYERS_VISIBLE);
     const conus_result three[] = {result_of(B, 0.75, 0.5, 12), result_of(A, 0.25, 0.125, 8),
                                   result_of(0, 0, 0.375, NAN)};
     add(&made, "two met", nowhere, 0, three, 3);
@@ -108,7 +119,7 @@ static void summaries_tell_by_how_much(void **state)
 static void afni_lists_all_by_distance(void **state)
 {
     (void)state;
-    struct made made = make(&(conus_report_options){.format = CONUS_AFNI}, CONUS_VISIBLE);
+    struct made made = make(&(conus_report_options){.format = CONUS_FORMAT_AFNI}, CONUS_LAYERS_VISIBLE);
     const conus_result five[] = {result_of(A, 0.9, 0.4, 5), result_of(B, 0.8, 0.3, 5), result_of(C, 0.7, 0.2, 2.25),
                                  result_of(D, 0.6, 0.1, NAN), result_of(0, 0, 0, NAN)};
     add(&made, "1", (const double[]){-12.4, 7.6, -0.4}, 0, five, 5);
@@ -122,7 +133,7 @@ static void afni_lists_all_by_distance(void **state)
                                          "***** Not near any region stored in databases *****\n\n"};
     const char *text = NULL;
     size_t size = 0;
-    assert_ok(conus_report_text(made.report, &text, &size));
+    assert_ok(conus_report_text(&text, &size, made.report));
     for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
         text = strstr(text, wanted[i]);
         if (!text) {
@@ -146,7 +157,7 @@ static void add_contact(struct made *made, const char *id, double micrometres, u
 static void areas_border_halfway_between_contacts(void **state)
 {
     (void)state;
-    struct made made = make(&(conus_report_options){.format = CONUS_SPIKEGLX}, CONUS_VISIBLE);
+    struct made made = make(&(conus_report_options){.format = CONUS_FORMAT_SPIKEGLX}, CONUS_LAYERS_VISIBLE);
     add_contact(&made, "p1", 0, A);
     add_contact(&made, "p2", 20, A);
     add_contact(&made, "p3", 50, 0);
@@ -164,7 +175,7 @@ static void areas_border_halfway_between_contacts(void **state)
 static void borders_never_go_back(void **state)
 {
     (void)state;
-    struct made made = make(&(conus_report_options){.format = CONUS_SPIKEGLX}, CONUS_VISIBLE);
+    struct made made = make(&(conus_report_options){.format = CONUS_FORMAT_SPIKEGLX}, CONUS_LAYERS_VISIBLE);
     add_contact(&made, "1", 0, A);
     add_contact(&made, "2", 60, B);
     add_contact(&made, "3", -20, C);
@@ -176,7 +187,7 @@ static void borders_never_go_back(void **state)
 static void channels_count_from_0_and_skip_nothing(void **state)
 {
     (void)state;
-    struct made made = make(&(conus_report_options){.format = CONUS_OPEN_EPHYS}, CONUS_VISIBLE);
+    struct made made = make(&(conus_report_options){.format = CONUS_FORMAT_OPEN_EPHYS}, CONUS_LAYERS_VISIBLE);
     add_contact(&made, "p1", 0, A);
     add_contact(&made, "p2", 20, A);
     add_contact(&made, "p3", 40, 0);
@@ -190,24 +201,24 @@ static void channels_count_from_0_and_skip_nothing(void **state)
 static void what_is_no_probe_is_refused(void **state)
 {
     (void)state;
-    static const conus_format formats[] = {CONUS_SPIKEGLX, CONUS_OPEN_EPHYS};
+    static const conus_format formats[] = {CONUS_FORMAT_SPIKEGLX, CONUS_FORMAT_OPEN_EPHYS};
     const conus_result met = result_of(A, 1, 1, 3);
     const char *text = NULL;
     size_t size = 0;
     for (size_t i = 0; i < 2; i++) {
-        struct made made = make(&(conus_report_options){.format = formats[i]}, CONUS_VISIBLE);
+        struct made made = make(&(conus_report_options){.format = formats[i]}, CONUS_LAYERS_VISIBLE);
         add_contact(&made, "p1", 0, A);
         add(&made, "p2", nowhere, 0, &met, 1);
-        assert_fails(conus_report_text(made.report, &text, &size), CONUS_ERROR_ARGUMENT);
+        assert_fails(conus_report_text(&text, &size, made.report), CONUS_ERROR_ARGUMENT);
         assert_non_null(strstr(conus_message(), "\"p2\" looks along a direction"));
         finish(&made);
     }
-    struct made made = make(&(conus_report_options){.format = CONUS_SPIKEGLX}, CONUS_VISIBLE);
+    struct made made = make(&(conus_report_options){.format = CONUS_FORMAT_SPIKEGLX}, CONUS_LAYERS_VISIBLE);
     add_contact(&made, "p1", 0, A);
     add_contact(&made, "p2", 10, A);
     add_contact(&made, "left", 20, B);
     add_contact(&made, "right", 30, B);
-    assert_fails(conus_report_text(made.report, &text, &size), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_report_text(&text, &size, made.report), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "the shank of contact \"left\" has no length"));
     finish(&made);
 }
@@ -216,7 +227,8 @@ static void a_contact_has_its_best_answer(void **state)
 {
     (void)state;
     static const char table[] = "name\tx\ty\tz\tgroup\nA1\t0\t0\t0\tleft\nA2\tn/a\t0\t0\tleft\nA3\t1\t1\t1\n";
-    struct made made = make(&(conus_report_options){.format = CONUS_BIDS, .electrodes = table}, CONUS_VISIBLE);
+    struct made made =
+        make(&(conus_report_options){.format = CONUS_FORMAT_BIDS, .electrodes = table}, CONUS_LAYERS_VISIBLE);
     const conus_result three[] = {result_of(C, 0.75, 0.5, 1.25), result_of(A, 0.25, 0.125, 8),
                                   result_of(0, 0, 0.375, NAN)};
     add(&made, "A1", nowhere, 2, three, 3);
@@ -235,7 +247,7 @@ static void cell_of(char out[64], struct made *made, const char *name)
 {
     const char *text = NULL;
     size_t size = 0;
-    assert_ok(conus_report_text(made->report, &text, &size));
+    assert_ok(conus_report_text(&text, &size, made->report));
     struct text rest = text_from(text);
     struct text header;
     struct text row;
@@ -256,7 +268,8 @@ static void lps_turns_every_position(void **state)
     (void)state;
     for (int lps = 0; lps < 2; lps++) {
         struct made made =
-            make(&(conus_report_options){.format = CONUS_TSV, .space = lps ? CONUS_LPS : CONUS_RAS}, CONUS_ALL_LAYERS);
+            make(&(conus_report_options){.format = CONUS_FORMAT_TSV, .space = lps ? CONUS_SPACE_LPS : CONUS_SPACE_RAS},
+                 CONUS_LAYERS_ALL);
         conus_result result = result_of(A, 1, 1, 3);
         memcpy(result.contact, (const double[]){7.5, 8.5, 9.5}, sizeof result.contact);
         add(&made, "1", nowhere, 0, &result, 1);
@@ -277,7 +290,8 @@ static void lps_turns_every_position(void **state)
 static void csv_quotes_what_needs_it(void **state)
 {
     (void)state;
-    struct made made = make(&(conus_report_options){.rows = CONUS_SUMMARIES, .format = CONUS_CSV}, CONUS_VISIBLE);
+    struct made made =
+        make(&(conus_report_options){.rows = CONUS_ROWS_SUMMARIES, .format = CONUS_FORMAT_CSV}, CONUS_LAYERS_VISIBLE);
     const conus_result met = result_of(D, 0.5, 1, 3);
     add(&made, "one, two", nowhere, 0, &met, 1);
     add(&made, "=1+1", nowhere, 0, &met, 1);

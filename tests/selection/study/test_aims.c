@@ -87,10 +87,10 @@ static void the_border_is_sharp(void **state)
     assert_false(aims_past(&cone, low, high));
     cone.angle = 2 * radians_from_degrees(19.9999);
     assert_true(aims_past(&cone, low, high));
-    cone.aperture = CONUS_SQUARE; /* the cone around the pyramid reaches sqrt(2) tan 20 degrees */
+    cone.aperture = CONUS_APERTURE_SQUARE; /* the cone around the pyramid reaches sqrt(2) tan 20 degrees */
     assert_false(aims_past(&cone, low, high));
     assert_ok(conus_pose_along(&cone.pose, (double[]){3, 0, 10}, (double[]){0, 0, -1}, NULL));
-    cone.aperture = CONUS_CIRCLE;
+    cone.aperture = CONUS_APERTURE_CIRCLE;
     cone.angle = 0;
     cone.radius = 2.001;
     assert_false(aims_past(&cone, low, high));
@@ -114,14 +114,14 @@ static void what_is_met_is_not_missed(void **state)
         conus_aims *aims = NULL;
         double low[3];
         double high[3];
-        const conus_selector_options options = {.aperture = i % 2 ? CONUS_SQUARE : CONUS_CIRCLE};
+        const conus_selector_options options = {.aperture = i % 2 ? CONUS_APERTURE_SQUARE : CONUS_APERTURE_CIRCLE};
         assert_ok(conus_selector_create(&selector, atlas, &options));
         assert_ok(conus_select(&selection, selector, &cone.pose, cone.angle));
         assert_ok(conus_aims_create(&aims, selector));
         conus_aims_add(aims, 1, &cone.pose, cone.angle);
         const conus_astray *found = conus_aims_found(aims);
         const conus_result *first = conus_selection_result(selection, 0);
-        assert_int_equal(found->poses, conus_atlas_bounds(atlas, low, high) == CONUS_OK);
+        assert_int_equal(found->poses, conus_atlas_bounds(low, high, atlas) == CONUS_OK);
         assert_true(!first->object || found->away.count == 0);
         away += (int)found->away.count;
         if (found->inside.count) {
@@ -140,7 +140,7 @@ static void what_is_met_is_not_missed(void **state)
 static conus_atlas *block(void)
 {
     uint32_t labels[8] = {1, 1, 1, 1, 2, 2, 2, 2}; /* 1 below, 2 above z = 0; each voxel 10 mm */
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "block", .dim = {2, 2, 2}, .slope = 1};
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "block", .dim = {2, 2, 2}, .slope = 1};
     const double m[16] = {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -5, -5, -5, 1};
     struct label_table table = {0};
     struct notes notes = {0};
@@ -286,7 +286,7 @@ static void the_box_of_a_surface_is_not_its_inside(void **state)
     assert_int_equal(inside_first(atlas, &plain, none, 3, &object), 0);
     assert_int_equal(inside_first(atlas, &plain, last, 3, &object), 3);
     assert_int_equal(object, 1);
-    const conus_selector_options sliced = {.sampling = CONUS_SLICES};
+    const conus_selector_options sliced = {.sampling = CONUS_SAMPLING_SLICES};
     assert_int_equal(inside_first(atlas, &sliced, last, 3, &object), 0); /* which have no inside */
     conus_atlas_destroy(atlas);
 }

@@ -25,7 +25,7 @@ static conus_pose down_from(double x, double y, double z)
  * at (middle, 0) and its top at z = 0. */
 static conus_atlas *tiles(const size_t dim[2], const double edge[2], double middle)
 {
-    conus_volume_info info = {.role = CONUS_PARCELLATION, .path = "tiles", .dim = {dim[0], dim[1], 1}, .slope = 1};
+    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "tiles", .dim = {dim[0], dim[1], 1}, .slope = 1};
     double m[16] = {edge[0], 0, 0, 0, 0, edge[1], 0, 0, 0, 0, 10, 0, 0, 0, -5, 1};
     struct label_table table = {0};
     struct notes notes = {0};
@@ -471,7 +471,7 @@ static void all_layers_know_what_is_hidden(void **state)
     for (int i = 0; i < 20; i++) {
         conus_atlas *atlas = scene_atlas(&seed, 14, 1);
         conus_pose pose = scene_generic_pose(&seed, atlas);
-        const conus_selector_options all = {.layers = CONUS_ALL_LAYERS, .resolution = 4};
+        const conus_selector_options all = {.layers = CONUS_LAYERS_ALL, .resolution = 4};
         const conus_jitter_options options = {.tilt = 0.2, .shift = 1, .samples = 32};
         conus_jitter *jitter = jitter_of(atlas, &all, &pose, 30, &options);
         check_rows(jitter, true);

@@ -136,7 +136,7 @@ static void a_little_less_is_too_narrow(void **state)
     (void)state;
     uint64_t seed = 7;
     size_t checked = 0;
-    const conus_selector_options options = {.layers = CONUS_ALL_LAYERS, .resolution = 1};
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .resolution = 1};
     for (int i = 0; i < 40; i++) {
         conus_atlas *atlas = scene_atlas(&seed, 14, 1);
         conus_pose pose = scene_generic_pose(&seed, atlas);
@@ -331,7 +331,7 @@ static void limits_are_named(void **state)
     uint64_t seed = 2;
     conus_atlas *atlas = scene_atlas(&seed, 10, 0);
     conus_pose pose = scene_pose(&seed, atlas);
-    const conus_selector_options wrong[] = {{.aperture = CONUS_SQUARE}, {.radius = 5}};
+    const conus_selector_options wrong[] = {{.aperture = CONUS_APERTURE_SQUARE}, {.radius = 5}};
     conus_selector *selector = NULL;
     conus_sweep *sweep = NULL;
     for (int i = 0; i < 2; i++) {

@@ -137,10 +137,10 @@ static void what_left_stays_until_its_score_is_gone(void **state)
     assert_near(ball->share, 0, 0);
     assert_true(isnan(ball->distance) && isnan(ball->contact[2]) && isnan(ball->offset));
     assert_int_equal(ball->rank, 1);
-    assert_int_equal(ball->kind, CONUS_AREA);
+    assert_int_equal(ball->kind, CONUS_KIND_AREA);
     assert_true(ball->score < before && ball->score > before * exp(-0.5));
     assert_int_equal(conus_selection_step(track.selection)->selected, BALL);
-    assert_int_equal(conus_selection_result(track.selection, 1)->kind, CONUS_UNASSIGNED);
+    assert_int_equal(conus_selection_result(track.selection, 1)->kind, CONUS_KIND_UNASSIGNED);
     assert_near(conus_selection_result(track.selection, 1)->share, 1, 1e-12);
     for (int i = 12; i < 60; i++) {
         step(&track, i / 10.0, AT_NOTHING, false);
@@ -391,7 +391,7 @@ static conus_status follow(void *data)
     struct track *track = data;
     conus_tracker *tracker = NULL;
     conus_report *report = NULL;
-    const conus_report_options options = {.format = CONUS_TSV};
+    const conus_report_options options = {.format = CONUS_FORMAT_TSV};
     conus_status status = conus_tracker_create(&tracker, track->selector, NULL);
     conus_report_options of_tracker = options;
     of_tracker.tracker = tracker;
@@ -404,7 +404,7 @@ static conus_status follow(void *data)
         (void)!conus_pose_along(&pose, (double[]){20 * sin(i), 0, 150}, (double[]){0, 0, -1}, NULL);
         status = conus_tracker_step(&selection, tracker, i * 0.1, &pose, 0.1, i == 5);
         status = status ? status : conus_report_add(report, "1", selection);
-        status = status ? status : conus_report_take(report, &text, &size);
+        status = status ? status : conus_report_take(&text, &size, report);
         conus_selection_destroy(selection);
     }
     conus_report_destroy(report);
@@ -457,24 +457,24 @@ static void steps_are_reported_as_they_come(void **state)
     conus_report *report = NULL;
     const char *text;
     size_t size;
-    const conus_report_options options = {.format = CONUS_TSV, .tracker = track.tracker, .selected_only = true};
+    const conus_report_options options = {.format = CONUS_FORMAT_TSV, .tracker = track.tracker, .selected_only = true};
     assert_ok(conus_report_create(&report, track.selector, &options));
     step(&track, 1700000000.125, AT_BALL, false);
     assert_ok(conus_report_add(report, "a", track.selection));
-    assert_ok(conus_report_take(report, &text, &size));
+    assert_ok(conus_report_take(&text, &size, report));
     assert_int_equal(strncmp(text, "query\tkind\t", 11), 0);
     assert_non_null(strstr(text, "\tmax_value\ttime_s\tselected\tconfirmed\na\tarea\t2\t"));
     assert_non_null(strstr(text, "\t1700000000.125\t1\t0\n"));
     assert_null(strstr(text, "unassigned"));
     step(&track, 1700000000.5, AT_ARM, true);
     assert_ok(conus_report_add(report, "b", track.selection));
-    assert_ok(conus_report_take(report, &text, &size));
+    assert_ok(conus_report_take(&text, &size, report));
     assert_int_equal(strncmp(text, "b\tarea\t1\t", 9), 0); /* no heading again, and a is not there any more */
     assert_non_null(strstr(text, "\t1700000000.5\t1\t0\nb\tarea\t2\t"));
     assert_non_null(strstr(text, "\t1700000000.5\t0\t1\n"));
-    assert_ok(conus_report_take(report, &text, &size));
+    assert_ok(conus_report_take(&text, &size, report));
     assert_int_equal(size, 0);
-    assert_ok(conus_report_sidecar(report, &text, &size));
+    assert_ok(conus_report_sidecar(&text, &size, report));
     assert_non_null(strstr(text, "\"score\": \"share\""));
     assert_non_null(strstr(text, "\"window_s\": 2.0"));
     assert_non_null(strstr(text, "\"delay_s\": 0.15"));
