@@ -43,6 +43,9 @@ FNR == 1 {
     lines = FNR
     text = code($0)
 }
+FNR == 2 && FILENAME ~ /[.](c|cpp)$/ && FILENAME !~ /^examples\// && !/^\/[*\/]/ {
+    report(FNR, "the file does not open with a comment that says what it is")
+}
 /^[{]/ || /^[a-z].*[)] [{]$/ { start = FNR }
 /^[}]/ && start {
     if (FNR - start > function_limit)

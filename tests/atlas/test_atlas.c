@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Atlases built in memory: dense areas, pathways, notes on oddities. */
 #include "atlas/atlas.h"
 #include "atlas/space.h"
 #include "base/math3.h"

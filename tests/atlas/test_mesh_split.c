@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* A surface is cut into areas by the labels of its vertices. */
 #include "atlas/surface/mesh_split.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Text, numbers, arrays, files and 3-D maths of base/. */
 #include "base/buffer.h"
 #include "base/clock.h"
 #include "base/file.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Manifests: any bytes parse or are refused. */
 #include "loaders/scene/manifest.h"
 
 #include <stdint.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Poses read block by block, from files and pipes. */
 #include "base/buffer.h"
 #include "base/file.h"
 #include "base/math3.h"

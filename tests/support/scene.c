@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Random small atlases and poses. */
 #include "scene.h"
 
 #include "atlas/space.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The cache of meshes: what is kept is found; what is damaged or open to others is not read. */
 #include "base/memory.h"
 #include "loaders/child/mesh_cache.h"
 #include "test.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* The stream of meshes from conus-mesh, whole and cut off. */
 #include "loaders/child/mesh_stream.h"
 #include "mesh_builder.h"
 #include "test.h"

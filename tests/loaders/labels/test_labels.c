@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Label tables that are text: the format is detected, and bad cells are named with their line. */
 #include "loaders/labels/label_file.h"
 #include "parsed_labels.h"
 #include "test.h"

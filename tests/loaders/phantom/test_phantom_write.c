@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Written phantoms: the same bytes each time, and what numpy and nibabel read in them. */
 #include "atlas/phantom/phantom.h"
 #include "base/buffer.h"
 #include "base/file.h"

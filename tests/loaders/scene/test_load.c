@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Atlases from files: where names come from, FSL atlases, pathways and contexts. */
 #include "base/file.h"
 #include "test.h"
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* FreeSurfer's surfaces and annotations. */
 #include "loaders/surfaces/freesurfer_annot.h"
 #include "loaders/surfaces/freesurfer_surface.h"
 

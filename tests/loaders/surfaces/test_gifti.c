@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* GIFTI: every encoding, order and byte order, placement, and what is refused. */
 #include "loaders/surfaces/gifti.h"
 
 #include "base/file.h"

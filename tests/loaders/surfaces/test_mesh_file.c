@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Surfaces of any format: the content decides, and labels of vertices fit. */
 #include "loaders/surfaces/mesh_file.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* MGH volumes against the closed form of FreeSurfer's placement. */
 #include "loaders/volumes/mgh.h"
 
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* Gzip files: members, ranges, bombs, flipped bits. */
 #include "base/gzip.h"
 
 #include "nifti_builder.h"
