@@ -2,11 +2,11 @@
 /* The table of formats that conus knows by their first bytes or by the ending of the name. */
 #include "loaders/file_kind.h"
 
-#include "base/gzip.h"
+#include "base/formats/gzip.h"
+#include "base/formats/xml.h"
 #include "base/text.h"
-#include "base/xml.h"
-#include "loaders/labels/label_bytes.h"
 #include "loaders/surfaces/freesurfer_surface.h"
+#include "loaders/tables/label_bytes.h"
 #include "loaders/volumes/mgh.h"
 #include "loaders/volumes/nifti.h"
 

@@ -3,7 +3,7 @@
 #ifndef CONUS_POSES_POSE_LOAD_H
 #define CONUS_POSES_POSE_LOAD_H
 
-#include "poses/pose_list.h"
+#include "poses/rows/pose_list.h"
 
 /** Parses @p text (docs/formats.md). A row that is no pose is kept with its error; CONUS_ERROR_DATA is for a text in
  * which no row can be read: an unknown or missing column, nothing at all, not text. @p options NULL = the default. */

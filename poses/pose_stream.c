@@ -4,16 +4,16 @@
 
 #include "base/memory.h"
 #include "base/options.h"
-#include "poses/pose_brainsight.h"
-#include "poses/pose_coordsystem.h"
-#include "poses/pose_electrodes.h"
-#include "poses/pose_lines.h"
-#include "poses/pose_list.h"
-#include "poses/pose_localite.h"
-#include "poses/pose_markups.h"
-#include "poses/pose_row.h"
-#include "poses/pose_strings.h"
 #include "poses/pose_table.h"
+#include "poses/programs/pose_brainsight.h"
+#include "poses/programs/pose_coordsystem.h"
+#include "poses/programs/pose_electrodes.h"
+#include "poses/programs/pose_localite.h"
+#include "poses/programs/pose_markups.h"
+#include "poses/rows/pose_lines.h"
+#include "poses/rows/pose_list.h"
+#include "poses/rows/pose_row.h"
+#include "poses/rows/pose_strings.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -6,7 +6,7 @@
 #include "base/math3.h"
 #include "base/notes.h"
 #include "base/status.h"
-#include "poses/pose_row.h"
+#include "poses/rows/pose_row.h"
 
 #include <stdio.h>
 #include <string.h>

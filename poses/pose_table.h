@@ -5,7 +5,7 @@
 
 #include "base/text.h"
 #include "conus/conus.h"
-#include "poses/pose_row.h"
+#include "poses/rows/pose_row.h"
 
 enum {
     POSE_COLUMNS = 38,

@@ -4,8 +4,8 @@
 
 #include "common/input_file.h"
 #include "common/messages.h"
-#include "common/option_values.h"
-#include "common/options.h"
+#include "settings/option_values.h"
+#include "settings/options.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -3,9 +3,9 @@
 #include "batch/batch_settings.h"
 
 #include "common/messages.h"
-#include "common/option_values.h"
 #include "common/output.h"
 #include "common/progress.h"
+#include "settings/option_values.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_BATCH_BATCH_SETTINGS_H
 #define CONUS_BATCH_BATCH_SETTINGS_H
 
-#include "common/pose_settings.h"
+#include "settings/pose_settings.h"
 
 struct batch_settings {
     struct atlas_settings atlas;

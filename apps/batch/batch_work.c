@@ -2,10 +2,10 @@
 /* The steps of a batch that conus batch and conus-mpi share: checks, loading, fingerprint, selector. */
 #include "batch/batch_work.h"
 
-#include "common/atlas_input.h"
-#include "common/atlas_notes.h"
 #include "common/messages.h"
 #include "common/output.h"
+#include "settings/atlas_input.h"
+#include "settings/atlas_notes.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_CLI_ANSWER_FORMAT_H
 #define CONUS_CLI_ANSWER_FORMAT_H
 
-#include "common/settings.h"
+#include "settings/settings.h"
 
 struct answer_settings {
     size_t format; /* conus_format */

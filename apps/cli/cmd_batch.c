@@ -3,11 +3,11 @@
 #include "batch/batch_jobs.h"
 #include "batch/batch_output.h"
 #include "cli/commands.h"
-#include "common/aim_notes.h"
 #include "common/interrupt.h"
 #include "common/messages.h"
 #include "common/output.h"
 #include "common/progress.h"
+#include "settings/aim_notes.h"
 
 #include <string.h>
 

@@ -3,9 +3,9 @@
 #include "cli/commands.h"
 #include "cli/results_file.h"
 #include "common/messages.h"
-#include "common/option_values.h"
 #include "common/output.h"
-#include "common/settings.h"
+#include "settings/option_values.h"
+#include "settings/settings.h"
 
 #include <math.h>
 #include <stdlib.h>

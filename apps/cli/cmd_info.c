@@ -3,10 +3,10 @@
 #include "cli/commands.h"
 #include "cli/info_json.h"
 #include "cli/info_tree.h"
-#include "common/atlas_input.h"
 #include "common/messages.h"
 #include "common/output.h"
-#include "common/settings.h"
+#include "settings/atlas_input.h"
+#include "settings/settings.h"
 
 #include <math.h>
 #include <stdlib.h>

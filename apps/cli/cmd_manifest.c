@@ -2,7 +2,7 @@
 /* conus manifest: writes the first manifest of a folder. */
 #include "cli/commands.h"
 #include "common/messages.h"
-#include "common/settings.h"
+#include "settings/settings.h"
 
 #include <stdlib.h>
 #include <string.h>

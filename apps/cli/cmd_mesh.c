@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus mesh: writes a surface mesh of each area. */
 #include "cli/commands.h"
-#include "common/atlas_input.h"
-#include "common/atlas_notes.h"
 #include "common/messages.h"
-#include "common/settings.h"
+#include "settings/atlas_input.h"
+#include "settings/atlas_notes.h"
+#include "settings/settings.h"
 
 #include <unistd.h>
 

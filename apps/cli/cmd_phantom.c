@@ -2,7 +2,7 @@
 /* conus phantom: writes synthetic atlases. */
 #include "cli/commands.h"
 #include "common/messages.h"
-#include "common/settings.h"
+#include "settings/settings.h"
 
 #include <string.h>
 

@@ -3,9 +3,9 @@
 #include "cli/commands.h"
 #include "cli/inquiry.h"
 #include "cli/mask.h"
-#include "common/atlas_input.h"
 #include "common/messages.h"
 #include "common/output.h"
+#include "settings/atlas_input.h"
 
 #include <stdio.h>
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus render: draws an atlas, with or without a cone, into a picture file. */
 #include "cli/commands.h"
-#include "common/aim_notes.h"
-#include "common/atlas_input.h"
-#include "common/atlas_notes.h"
 #include "common/messages.h"
 #include "common/output.h"
-#include "common/pose_settings.h"
+#include "settings/aim_notes.h"
+#include "settings/atlas_input.h"
+#include "settings/atlas_notes.h"
+#include "settings/pose_settings.h"
 
 #include <string.h>
 

@@ -5,9 +5,9 @@
 #include "common/interrupt.h"
 #include "common/messages.h"
 #include "common/output.h"
-#include "common/station_settings.h"
 #include "link/clock.h"
 #include "link/send_selection.h"
+#include "settings/station_settings.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_CLI_COMMANDS_H
 #define CONUS_CLI_COMMANDS_H
 
-#include "common/options.h"
+#include "settings/options.h"
 
 extern const struct command cmd_info;
 extern const struct command cmd_query;

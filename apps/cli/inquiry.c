@@ -2,11 +2,11 @@
 /* The steps that query, sweep and track share: checks, loading, matching, rows without an answer, notes. */
 #include "cli/inquiry.h"
 
-#include "common/aim_notes.h"
-#include "common/atlas_input.h"
-#include "common/atlas_notes.h"
 #include "common/messages.h"
 #include "common/output.h"
+#include "settings/aim_notes.h"
+#include "settings/atlas_input.h"
+#include "settings/atlas_notes.h"
 
 #include <stdlib.h>
 

@@ -6,7 +6,7 @@
 #define CONUS_CLI_INQUIRY_H
 
 #include "cli/answer_format.h"
-#include "common/pose_settings.h"
+#include "settings/pose_settings.h"
 
 struct inquiry_settings {
     struct atlas_settings atlas;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The program conus: finds the command and runs it. */
 #include "cli/commands.h"
-#include "common/help.h"
 #include "common/messages.h"
 #include "common/output.h"
+#include "settings/help.h"
 
 #include <conus/conus.h>
 

@@ -3,7 +3,7 @@
 #ifndef CONUS_CLI_MASK_H
 #define CONUS_CLI_MASK_H
 
-#include "common/options.h"
+#include "settings/options.h"
 
 #include <conus/conus.h>
 

@@ -4,7 +4,6 @@
  * Every rank reads the poses' file by itself, and passes over the poses that are others'. */
 #include "batch/batch_jobs.h"
 #include "batch/batch_output.h"
-#include "common/aim_notes.h"
 #include "common/interrupt.h"
 #include "common/messages.h"
 #include "common/output.h"
@@ -12,6 +11,7 @@
 #include "mpi/announcement.h"
 #include "mpi/node_atlas.h"
 #include "mpi/ordered_file.h"
+#include "settings/aim_notes.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 /* The thread that loads the atlas, and its progress. */
 #include "viewer/loader.h"
 
-#include "common/atlas_input.h"
+#include "settings/atlas_input.h"
 
 #include <pthread.h>
 #include <stdio.h>

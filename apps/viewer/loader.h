@@ -3,7 +3,7 @@
 #ifndef CONUS_VIEWER_LOADER_H
 #define CONUS_VIEWER_LOADER_H
 
-#include "common/settings.h"
+#include "settings/settings.h"
 
 struct loader;
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus-view: the window. Its options are read and explained by the same tables as those of conus. */
-#include "common/atlas_notes.h"
 #include "common/messages.h"
-#include "common/settings.h"
-#include "common/station_settings.h"
+#include "settings/atlas_notes.h"
+#include "settings/settings.h"
+#include "settings/station_settings.h"
 #include "viewer/keys.h"
 #include "viewer/loader.h"
 #include "viewer/loop.h"

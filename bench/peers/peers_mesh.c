@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/peers/peers.h"
-#include "bench/scenarios/look.h"
+#include "bench/support/look.h"
 #include "bench/torus/torus_scene.h"
 
 #include <stdio.h>

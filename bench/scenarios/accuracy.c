@@ -3,7 +3,7 @@
  * and what that costs. */
 #include "base/memory.h"
 #include "bench/bench.h"
-#include "bench/scenarios/look.h"
+#include "bench/support/look.h"
 #include "render/id/slices.h"
 
 #include <stdio.h>

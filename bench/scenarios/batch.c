@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whole batches: poses as text in, rows as text out. */
 #include "bench/bench.h"
-#include "bench/scenarios/look.h"
+#include "bench/support/look.h"
 
 #include "base/buffer.h"
 #include "base/file.h"

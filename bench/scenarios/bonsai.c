@@ -4,10 +4,10 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "bench/bench.h"
-#include "bench/scenarios/bonsai_volume.h"
-#include "bench/scenarios/look.h"
-#include "bench/scenarios/picture.h"
-#include "bench/scenarios/slicing.h"
+#include "bench/support/bonsai_volume.h"
+#include "bench/support/look.h"
+#include "bench/support/picture.h"
+#include "bench/support/slicing.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -2,8 +2,8 @@
 /* The paper's third experiment: frames of a brain of eleven surfaces (234,444 triangles), a pathway and a context, as
  * pictures show it, without and with a selection in each. */
 #include "bench/bench.h"
-#include "bench/scenarios/look.h"
-#include "bench/scenarios/picture.h"
+#include "bench/support/look.h"
+#include "bench/support/picture.h"
 
 #include <stdio.h>
 

@@ -2,8 +2,8 @@
 /* A picture of an atlas in its context: the paper's blending of view-aligned textured slices against the colour pass,
  * which casts rays onto the same planes, without and with skipping of empty bricks. */
 #include "bench/bench.h"
-#include "bench/scenarios/picture.h"
-#include "bench/scenarios/slicing.h"
+#include "bench/support/picture.h"
+#include "bench/support/slicing.h"
 
 #include "base/memory.h"
 #include "render/gl/shaders.h"

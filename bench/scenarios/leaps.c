@@ -3,7 +3,7 @@
  * the next voxel. */
 #include "base/memory.h"
 #include "bench/bench.h"
-#include "bench/scenarios/look.h"
+#include "bench/support/look.h"
 #include "selection/engine/distance_map.h"
 
 #include <stdio.h>

@@ -2,7 +2,7 @@
 /* 256 rays at the surfaces of an atlas, or of the brain phantom, 1 to 16 rays at once. */
 #include "base/memory.h"
 #include "bench/bench.h"
-#include "bench/scenarios/look.h"
+#include "bench/support/look.h"
 
 #include <stdio.h>
 

@@ -3,7 +3,7 @@
 #include "bench/bench.h"
 
 #include "base/memory.h"
-#include "bench/scenarios/look.h"
+#include "bench/support/look.h"
 #include "selection/engine/engine_rays.h"
 
 #include <stdio.h>

@@ -2,7 +2,7 @@
 /* What each step of the gl engine's mesh pass is worth: 20,000 tori with all of them, and without one at a time. */
 #include "base/memory.h"
 #include "bench/bench.h"
-#include "bench/scenarios/look.h"
+#include "bench/support/look.h"
 #include "bench/torus/torus_scene.h"
 #include "render/gl/context.h"
 #include "render/id/mesh_pass.h"

@@ -2,7 +2,7 @@
 /* Rays through 1,000 to 200,000 tori: how the time grows with the number of objects. */
 #include "base/memory.h"
 #include "bench/bench.h"
-#include "bench/scenarios/look.h"
+#include "bench/support/look.h"
 #include "bench/torus/torus_scene.h"
 
 #include <stdio.h>

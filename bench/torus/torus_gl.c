@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The torus scene by OpenGL: the paper's pass, which draws everything, against the engines, over cones' angles. */
 #include "bench/bench.h"
-#include "bench/scenarios/look.h"
+#include "bench/support/look.h"
 #include "bench/torus/torus_pass.h"
 
 #include <stdio.h>

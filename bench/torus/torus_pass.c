@@ -4,8 +4,8 @@
 
 #include "base/math3.h"
 #include "base/memory.h"
-#include "bench/scenarios/frame.h"
-#include "bench/scenarios/look.h"
+#include "bench/support/frame.h"
+#include "bench/support/look.h"
 #include "render/gl/context.h"
 #include "render/gl/program.h"
 #include "render/gl/target.h"

@@ -5,7 +5,7 @@
 #include "base/folder.h"
 #include "base/memory.h"
 #include "loaders/file_kind.h"
-#include "loaders/labels/label_bytes.h"
+#include "loaders/tables/label_bytes.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 
 #include "atlas/labels.h"
 #include "base/file.h"
-#include "loaders/labels/label_use.h"
+#include "loaders/tables/label_use.h"
 
 /** Reads the label table @p path (and, for a table without colours, X.lut beside it). @p use may be NULL. */
 conus_status label_file_read(struct label_table *out, const char **format, const char *path,

@@ -4,8 +4,8 @@
 
 #include "base/file.h"
 #include "base/folder.h"
-#include "loaders/labels/label_bytes.h"
 #include "loaders/labels/label_file.h"
+#include "loaders/tables/label_bytes.h"
 
 #include <string.h>
 #include <strings.h>

@@ -5,12 +5,12 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "loaders/file_kind.h"
+#include "loaders/manifest/manifest.h"
+#include "loaders/manifest/manifest_surfaces.h"
+#include "loaders/plan/load_parcellation.h"
 #include "loaders/scene/load_manifest.h"
-#include "loaders/scene/load_parcellation.h"
 #include "loaders/scene/load_progress.h"
 #include "loaders/scene/load_surface.h"
-#include "loaders/scene/manifest.h"
-#include "loaders/scene/manifest_surfaces.h"
 #include "loaders/surfaces/mesh_file.h"
 
 #include <string.h>

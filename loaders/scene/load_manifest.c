@@ -5,12 +5,12 @@
 #include "base/buffer.h"
 #include "base/folder.h"
 #include "base/memory.h"
-#include "loaders/labels/fsl_find.h"
+#include "loaders/plan/load_parcellation.h"
+#include "loaders/plan/load_plan.h"
+#include "loaders/plan/plan_settle.h"
 #include "loaders/scene/load_areas.h"
-#include "loaders/scene/load_parcellation.h"
-#include "loaders/scene/load_plan.h"
 #include "loaders/scene/load_scalar.h"
-#include "loaders/scene/plan_settle.h"
+#include "loaders/tables/fsl_find.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -6,7 +6,7 @@
 #include "base/folder.h"
 #include "base/memory.h"
 #include "base/options.h"
-#include "loaders/labels/fsl_find.h"
+#include "loaders/tables/fsl_find.h"
 #include "loaders/volumes/volume_values.h"
 
 #include <string.h>

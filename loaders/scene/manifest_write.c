@@ -4,14 +4,14 @@
 #include "base/buffer.h"
 #include "base/file.h"
 #include "base/folder.h"
+#include "base/formats/xml.h"
 #include "base/memory.h"
 #include "base/options.h"
-#include "base/xml.h"
-#include "loaders/labels/fsl_number.h"
+#include "loaders/manifest/manifest.h"
+#include "loaders/manifest/manifest_scan.h"
+#include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/scene/load_manifest.h"
-#include "loaders/scene/manifest.h"
-#include "loaders/scene/manifest_scan.h"
-#include "loaders/scene/manifest_surfaces.h"
+#include "loaders/tables/fsl_number.h"
 
 #include <string.h>
 

@@ -4,11 +4,11 @@
 
 #include "base/byte_order.h"
 #include "base/file.h"
+#include "base/formats/xml.h"
 #include "base/math3.h"
 #include "base/memory.h"
-#include "base/xml.h"
-#include "loaders/labels/label_cells.h"
 #include "loaders/surfaces/gifti_data.h"
+#include "loaders/tables/label_cells.h"
 
 #include <stdio.h>
 #include <string.h>

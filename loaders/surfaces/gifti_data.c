@@ -4,7 +4,7 @@
 
 #include "base/byte_order.h"
 #include "base/file.h"
-#include "base/gzip.h"
+#include "base/formats/gzip.h"
 #include "base/math3.h"
 #include "base/memory.h"
 

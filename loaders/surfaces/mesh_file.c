@@ -4,11 +4,11 @@
 
 #include "base/file.h"
 #include "base/folder.h"
-#include "base/gzip.h"
+#include "base/formats/gzip.h"
+#include "base/formats/xml.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "base/xml.h"
 #include "loaders/child/mesh_foreign.h"
 #include "loaders/file_kind.h"
 #include "loaders/surfaces/freesurfer_annot.h"

@@ -3,7 +3,7 @@
 #include "loaders/volumes/volume_file.h"
 
 #include "base/byte_order.h"
-#include "base/gzip.h"
+#include "base/formats/gzip.h"
 #include "base/memory.h"
 #include "loaders/file_kind.h"
 #include "loaders/volumes/mgh.h"

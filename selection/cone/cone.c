@@ -3,7 +3,7 @@
 #include "selection/cone/cone.h"
 
 #include "base/math3.h"
-#include "poses/pose_row.h"
+#include "poses/rows/pose_row.h"
 
 #include <string.h>
 

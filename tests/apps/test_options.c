@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The values of options, and names that were meant. */
 #include "common/messages.h"
-#include "common/option_values.h"
-#include "common/options.h"
+#include "settings/option_values.h"
+#include "settings/options.h"
 #include "test.h"
 
 #include <math.h>

@@ -17,49 +17,59 @@ PUBLIC = "include/conus"
 APPS = {
     "apps/link": "",
     "apps/common": "apps/link",
-    "apps/batch": "apps/common",
-    "apps/cli": "apps/common apps/batch apps/link",
-    "apps/mpi": "apps/common apps/batch",
+    "apps/settings": "apps/link apps/common",
+    "apps/batch": "apps/common apps/settings",
+    "apps/cli": "apps/link apps/common apps/settings apps/batch",
+    "apps/mpi": "apps/common apps/settings apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/model": "apps/link",
     "apps/viewer/window": "apps/common apps/viewer/model",
-    "apps/viewer/panes": "apps/viewer/window apps/viewer/model",
-    "apps/viewer/panels": "apps/common apps/viewer/window",
+    "apps/viewer/panes": "apps/viewer/model apps/viewer/window",
+    "apps/viewer/panels": "apps/settings apps/viewer/window",
     "apps/viewer/session": "apps/common apps/viewer/window",
     # draw.c joins the panes and panels; the window itself knows neither.
-    "apps/viewer": "apps/common apps/link apps/viewer/session apps/viewer/window apps/viewer/panes apps/viewer/panels",
+    "apps/viewer": "apps/link apps/common apps/settings apps/viewer/window apps/viewer/panes apps/viewer/panels"
+    " apps/viewer/session",
 }
 LIBRARY = {
     "base": "",
+    "base/formats": "base",
     "atlas/surface": "base",
     "atlas": "base atlas/surface",
     "atlas/areas": "base atlas",
-    "atlas/phantom": "base atlas atlas/surface",
-    "poses": "base",
+    "atlas/phantom": "base atlas/surface atlas",
+    "poses/rows": "base",
+    "poses/programs": "base base/formats poses/rows",
+    "poses": "base poses/rows poses/programs",
     # file_kind.c asks the readers what a file is; they ask it for the words of their errors.
-    "loaders": "base loaders/volumes loaders/labels loaders/surfaces",
-    "loaders/volumes": "base atlas loaders",
-    "loaders/labels": "base atlas loaders loaders/volumes",
-    "loaders/child": "base atlas atlas/surface loaders",
-    "loaders/surfaces": "base atlas atlas/surface loaders loaders/labels loaders/child",
+    "loaders": "base base/formats loaders/volumes loaders/tables loaders/surfaces",
+    "loaders/volumes": "base base/formats atlas loaders",
+    "loaders/tables": "base base/formats atlas loaders/volumes",
+    "loaders/labels": "base atlas loaders loaders/volumes loaders/tables",
+    "loaders/child": "base atlas/surface atlas loaders",
+    "loaders/surfaces": "base base/formats atlas/surface atlas loaders loaders/tables loaders/child",
     "loaders/phantom": "base atlas atlas/phantom loaders/volumes loaders/surfaces",
-    "loaders/scene": "base atlas atlas/surface loaders loaders/volumes loaders/labels loaders/surfaces loaders/child",
+    "loaders/manifest": "base base/formats atlas loaders/volumes loaders/tables loaders/labels loaders/child",
+    "loaders/plan": "base base/formats atlas loaders loaders/volumes loaders/tables loaders/labels"
+    " loaders/surfaces loaders/manifest",
+    "loaders/scene": "base base/formats atlas/surface atlas loaders loaders/volumes loaders/tables"
+    " loaders/child loaders/surfaces loaders/manifest loaders/plan",
     "render/gl": "base",
-    "render/id": "base atlas atlas/surface render/gl",
+    "render/id": "base atlas/surface atlas render/gl",
     "render/image": "base",
     "render/colour": "base atlas render/gl render/id render/image",
-    "render/flat": "base atlas render/colour render/image",
-    "selection/cone": "base poses",
-    "selection/engine": "base atlas atlas/surface render/gl render/id selection/cone",
-    "selection/measure": "base atlas atlas/surface selection/cone selection/engine",
+    "render/flat": "base atlas render/image render/colour",
+    "selection/cone": "base poses/rows",
+    "selection/engine": "base atlas/surface atlas render/gl render/id selection/cone",
+    "selection/measure": "base atlas/surface atlas selection/cone selection/engine",
     "selection": "base atlas atlas/areas selection/engine selection/measure",
-    "selection/study": "base atlas selection selection/cone selection/measure",
-    "selection/picture": "base render/colour render/flat render/image selection",
-    "selection/report": "base atlas poses selection selection/study",
-    "selection/batch": "base atlas poses selection selection/engine selection/report selection/study",
+    "selection/study": "base atlas selection/cone selection/measure selection",
+    "selection/picture": "base render/image render/colour render/flat selection",
+    "selection/report": "base atlas poses/programs selection selection/study",
+    "selection/batch": "base atlas poses selection/engine selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}
-CIRCLES = {frozenset(("loaders", wing)) for wing in ("loaders/volumes", "loaders/labels", "loaders/surfaces")}
+CIRCLES = {frozenset(("loaders", wing)) for wing in ("loaders/volumes", "loaders/surfaces")}
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 

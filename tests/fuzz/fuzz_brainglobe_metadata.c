@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as BrainGlobe's metadata.json. */
-#include "loaders/scene/plan_brainglobe.h"
+#include "loaders/plan/plan_brainglobe.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Manifests: any bytes parse or are refused. */
-#include "loaders/scene/manifest.h"
+#include "loaders/manifest/manifest.h"
 
 #include <stdint.h>
 

@@ -3,9 +3,9 @@
  * and look at it. */
 #include "base/file.h"
 #include "base/math3.h"
-#include "poses/pose_coordsystem.h"
 #include "poses/pose_load.h"
 #include "poses/pose_stream.h"
+#include "poses/programs/pose_coordsystem.h"
 #include "test.h"
 
 #include <stdio.h>

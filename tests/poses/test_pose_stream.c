@@ -3,8 +3,8 @@
 #include "base/buffer.h"
 #include "base/file.h"
 #include "base/math3.h"
-#include "poses/pose_lines.h"
 #include "poses/pose_stream.h"
+#include "poses/rows/pose_lines.h"
 #include "test.h"
 
 #include <pthread.h>

@@ -2,7 +2,7 @@
 /* Where poses come from: the replay's time line, the tracker's state. */
 #include "viewer/panels/panels.h"
 
-#include "common/station_settings.h"
+#include "settings/station_settings.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>

@@ -2,7 +2,7 @@
 /* Which number a name belongs to: the points of FSL atlas XMLs, and tables that contradict each other. */
 #include "base/buffer.h"
 #include "base/file.h"
-#include "loaders/labels/label_cells.h"
+#include "loaders/tables/label_cells.h"
 #include "nifti_builder.h"
 #include "test.h"
 

@@ -2,7 +2,7 @@
 /* conus_manifest_write(): what it takes files for, and that what it writes loads. */
 #include "base/buffer.h"
 #include "base/file.h"
-#include "loaders/scene/manifest_scan.h"
+#include "loaders/manifest/manifest_scan.h"
 #include "loaders/volumes/nifti_write.h"
 #include "test.h"
 

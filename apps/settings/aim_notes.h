@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Notes about poses that lie or look where they hardly should. */
+#ifndef CONUS_SETTINGS_AIM_NOTES_H
+#define CONUS_SETTINGS_AIM_NOTES_H
+
+#include "settings/settings.h"
+
+/** Says on stderr, a line for each kind, unless --quiet, what is odd about the poses; and what one of them would hit
+ * in another space or unit, if @p selector finds that it would. @p file is theirs, NULL = there is one pose. */
+void aim_notes_say(const conus_astray *found, conus_selector *selector, const conus_atlas *atlas, const char *file,
+                   const struct common_settings *settings);
+
+/** The same for one pose. */
+void aim_notes_of(const conus_pose *pose, double angle, conus_selector *selector, const conus_atlas *atlas,
+                  const struct common_settings *settings);
+
+#endif

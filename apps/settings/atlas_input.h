@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Loads the atlas, its pathways and its context as the options say, and keeps outputs off their files. */
+#ifndef CONUS_SETTINGS_ATLAS_INPUT_H
+#define CONUS_SETTINGS_ATLAS_INPUT_H
+
+#include "settings/settings.h"
+
+/** Loads the atlas and adds its pathways. Returns the exit code and prints an error unless it is 0. */
+int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings);
+
+/** Sets the context, unless @p path is NULL; @p blocks 0 = it does not block. Gives the exit code likewise. */
+int settings_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings);
+
+/** A file that the command line names. */
+struct input {
+    const char *what; /**< "the atlas"; NULL ends a list. */
+    const char *path; /**< NULL = not given. */
+};
+
+/** What the file @p path is among @p inputs and the files that @p atlas was read from, so that no output overwrites it;
+ * NULL if it is none of them. */
+const char *settings_input(const conus_atlas *atlas, const struct input *inputs, const char *path);
+
+/** Says on stderr, unless --quiet, where all layers are asked for, how many surfaces are not closed and what that means
+ * for them. */
+void settings_say_open(const conus_atlas *atlas, const struct engine_settings *engine,
+                       const struct common_settings *settings);
+
+#endif

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The text of --help, from a command's table of options. */
+#include "settings/help.h"
+
+#include "settings/option_values.h"
+
+#include <string.h>
+
+enum { HELP_COLUMN = 30, HELP_WIDTH = 100 };
+
+void help_usage(FILE *out, const struct command *command)
+{
+    fprintf(out, "%s %s", command->program ? command->program : "conus", command->name);
+    for (size_t i = 0; i < OPERAND_LIMIT && command->operands[i]; i++) {
+        fprintf(out, " %s%s", command->operands[i], command->repeats ? "..." : "");
+    }
+    fprintf(out, "%s%s [options]", command->form ? " " : "", command->form ? command->form : "");
+}
+
+/* Writes words from `column` on, wrapped so that every line begins at HELP_COLUMN. */
+static size_t put_wrapped(FILE *out, const char *text, size_t column)
+{
+    while (*text) {
+        size_t length = strcspn(text, " ");
+        if (column > HELP_COLUMN && column + 1 + length > HELP_WIDTH) {
+            fprintf(out, "\n%*s", HELP_COLUMN, "");
+            column = HELP_COLUMN;
+        } else if (column > HELP_COLUMN) {
+            fputc(' ', out);
+            column++;
+        }
+        fwrite(text, 1, length, out);
+        column += length;
+        text += length + strspn(text + length, " ");
+    }
+    return column;
+}
+
+/* Lists what an option may be; the first is the default. */
+static void put_choices(FILE *out, const struct option *option, size_t column)
+{
+    const char *choice;
+    for (size_t i = 0; (choice = option_choice(option, i)); i++) {
+        char words[64];
+        snprintf(words, sizeof words, "%s%s%s", choice, i ? "" : " (default)", option_choice(option, i + 1) ? "," : "");
+        column = put_wrapped(out, words, column);
+    }
+}
+
+static void put_option(FILE *out, const struct option *option)
+{
+    char head[64];
+    char letter[8] = "    ";
+    if (option->letter) {
+        snprintf(letter, sizeof letter, "-%c, ", option->letter);
+    }
+    snprintf(head, sizeof head, "  %s--%s%s%s", letter, option->name, option->value ? " " : "",
+             option->value ? option->value : "");
+    fputs(head, out);
+    size_t column = strlen(head);
+    if (column + 2 > HELP_COLUMN) {
+        fputc('\n', out);
+        column = 0;
+    }
+    fprintf(out, "%*s", (int)(HELP_COLUMN - column), "");
+    column = put_wrapped(out, option->help, HELP_COLUMN);
+    if (option->type == OPTION_CHOICE) {
+        put_choices(out, option, column);
+    }
+    fputc('\n', out);
+}
+
+void help_command(FILE *out, const struct command *command)
+{
+    fputs("usage: ", out);
+    help_usage(out, command);
+    fprintf(out, "\n\n%s\n", command->description);
+    for (const struct option_group *group = command->groups; group->title; group++) {
+        if (*group->title) {
+            fprintf(out, "\n%s\n", group->title);
+        }
+        for (const struct option *option = group->options; option->name; option++) {
+            put_option(out, option);
+        }
+    }
+    if (command->more_help) {
+        fputc('\n', out);
+        command->more_help(out);
+    }
+    fprintf(out, "\nExamples\n%s", command->examples);
+}

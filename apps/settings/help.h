@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The texts of --help. */
+#ifndef CONUS_SETTINGS_HELP_H
+#define CONUS_SETTINGS_HELP_H
+
+#include "settings/options.h"
+
+/** --help of one command. */
+void help_command(FILE *out, const struct command *command);
+/** One line that shows a command's form: "conus query ATLAS [options]". */
+void help_usage(FILE *out, const struct command *command);
+
+#endif

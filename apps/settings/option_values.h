@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The values of options: numbers, choices, lists. */
+#ifndef CONUS_SETTINGS_OPTION_VALUES_H
+#define CONUS_SETTINGS_OPTION_VALUES_H
+
+#include "settings/options.h"
+
+/** Choice @p index of an option, NULL past the last. */
+const char *option_choice(const struct option *option, size_t index);
+
+/** Reads @p text into the option's field at @p field. Prints an error and returns false when it is not what is allowed.
+ */
+bool option_read(const struct option *option, void *field, const char *text);
+
+/** The whole of @p text as a finite decimal number, whatever the locale; no hexadecimal, no spaces. */
+bool number_parse(const char *text, double *out);
+/** The whole of @p text as a decimal whole number up to @p limit. */
+bool count_parse(const char *text, uint64_t limit, uint64_t *out);
+
+#endif

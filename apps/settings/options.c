@@ -1,0 +1,300 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses a command line by a command's table of options. */
+#include "settings/options.h"
+
+#include "common/messages.h"
+#include "settings/help.h"
+#include "settings/option_values.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CONTINUE = -1 };
+
+/** An option of a command, with its place in the command's settings. */
+struct found {
+    const struct option *option; /* NULL if there is none */
+    void *field;
+    unsigned ordinal;
+};
+
+/** The words still to be read. */
+struct cursor {
+    struct arguments *arguments;
+    void *settings;
+    int next;
+    bool operands_only; /* after "--" */
+};
+
+/* Option number `ordinal` of the command. */
+static struct found option_at(const struct command *command, void *settings, size_t ordinal)
+{
+    size_t n = 0;
+    for (const struct option_group *group = command->groups; group->title; group++) {
+        for (const struct option *option = group->options; option->name; option++) {
+            if (n++ == ordinal) {
+                char *field = settings ? (char *)settings + group->offset + option->offset : NULL;
+                return (struct found){option, field, (unsigned)ordinal};
+            }
+        }
+    }
+    return (struct found){0};
+}
+
+static const char *name_at(const void *command, size_t index)
+{
+    const struct option *option = option_at(command, NULL, index).option;
+    return option ? option->name : NULL;
+}
+
+static struct found find_name(const struct command *command, void *settings, const char *name, size_t length)
+{
+    struct found found;
+    for (size_t i = 0; (found = option_at(command, settings, i)).option; i++) {
+        if (strlen(found.option->name) == length && memcmp(found.option->name, name, length) == 0) {
+            break;
+        }
+    }
+    return found;
+}
+
+static struct found find_letter(const struct command *command, void *settings, char letter)
+{
+    struct found found;
+    for (size_t i = 0; (found = option_at(command, settings, i)).option; i++) {
+        if (found.option->letter == letter) {
+            break;
+        }
+    }
+    return found;
+}
+
+bool option_given(const struct arguments *arguments, const char *name)
+{
+    struct found found = find_name(arguments->command, NULL, name, strlen(name));
+    assert(found.option);
+    return arguments->given >> found.ordinal & 1;
+}
+
+bool option_needs(const struct arguments *arguments, const char *name, const char *needed)
+{
+    if (option_given(arguments, name) && !option_given(arguments, needed)) {
+        print_error_line("--%s has no effect without --%s", name, needed);
+        return false;
+    }
+    return true;
+}
+
+bool options_exclude(const struct arguments *arguments, const char *a, const char *b)
+{
+    if (option_given(arguments, a) && option_given(arguments, b)) {
+        print_error_line("--%s and --%s exclude each other", a, b);
+        return false;
+    }
+    return true;
+}
+
+/* Takes the value of an option: what follows "=", or the next word. Vectors and numbers may begin with one dash. */
+static const char *take_value(struct cursor *cursor, const struct option *option, const char *attached)
+{
+    struct arguments *arguments = cursor->arguments;
+    if (attached) {
+        return attached;
+    }
+    const char *word = cursor->next < arguments->count ? arguments->words[cursor->next] : NULL;
+    if (!word) {
+        print_error_line("--%s needs a value: --%s %s", option->name, option->name, option->value);
+        return NULL;
+    }
+    if (strncmp(word, "--", 2) == 0) {
+        print_error_line("--%s needs a value before %s: --%s %s", option->name, word, option->name, option->value);
+        return NULL;
+    }
+    cursor->next++;
+    return word;
+}
+
+static int take_option(struct cursor *cursor, struct found found, const char *attached)
+{
+    struct arguments *arguments = cursor->arguments;
+    const struct option *option = found.option;
+    const char *value = NULL;
+    if (option->type == OPTION_FLAG && attached) {
+        return print_usage_error("--%s takes no value, found \"%s\"", option->name, attached);
+    }
+    if (arguments->given >> found.ordinal & 1 && option->type != OPTION_LIST) {
+        return print_usage_error("--%s is given twice", option->name);
+    }
+    if (option->type != OPTION_FLAG && !(value = take_value(cursor, option, attached))) {
+        return EXIT_USAGE;
+    }
+    arguments->given |= UINT64_C(1) << found.ordinal;
+    return option_read(option, found.field, value) ? CONTINUE : EXIT_USAGE;
+}
+
+static int print_unknown_option(const struct command *command, const char *word, const char *name)
+{
+    const char *near = closest_name(name, name_at, command);
+    return near ? print_usage_error("unknown option %s; did you mean --%s?", word, near)
+                : print_usage_error("unknown option %s; conus %s --help lists them", word, command->name);
+}
+
+static int take_long(struct cursor *cursor, const char *word)
+{
+    const struct command *command = cursor->arguments->command;
+    const char *name = word + 2;
+    size_t length = strcspn(name, "=");
+    struct found found = find_name(command, cursor->settings, name, length);
+    if (!found.option) {
+        char bare[OPTION_LIMIT];
+        snprintf(bare, sizeof bare, "%.*s", (int)(length < sizeof bare ? length : 0), name);
+        return print_unknown_option(command, word, bare);
+    }
+    return take_option(cursor, found, name[length] ? name + length + 1 : NULL);
+}
+
+static int take_short(struct cursor *cursor, const char *word)
+{
+    struct found found = find_letter(cursor->arguments->command, cursor->settings, word[1]);
+    if (!found.option) {
+        return print_unknown_option(cursor->arguments->command, word, word + 1);
+    }
+    return take_option(cursor, found, word[2] ? word + 2 : NULL);
+}
+
+static int take_another(struct option_list *list, const char *word)
+{
+    const char **items = realloc(list->items, (list->count + 1) * sizeof *items);
+    if (!items) {
+        print_error_line("not enough memory");
+        return EXIT_DATA;
+    }
+    list->items = items;
+    list->items[list->count++] = word;
+    return CONTINUE;
+}
+
+static int take_operand(struct cursor *cursor, const char *word)
+{
+    struct arguments *arguments = cursor->arguments;
+    const struct command *command = arguments->command;
+    if (command->repeats && arguments->operand_count && !command->operands[arguments->operand_count]) {
+        return *word ? take_another(&arguments->more, word)
+                     : print_usage_error("%s is empty", command->operands[arguments->operand_count - 1]);
+    }
+    if (arguments->operand_count == OPERAND_LIMIT || !arguments->command->operands[arguments->operand_count]) {
+        return print_usage_error("unexpected argument \"%s\"%s", word,
+                                 strchr(word, ',') || strspn(word, "+-.0123456789") == strlen(word)
+                                     ? "; a vector is one word: X,Y,Z without spaces"
+                                     : "");
+    }
+    arguments->operands[arguments->operand_count++] = word;
+    return *word ? CONTINUE
+                 : print_usage_error("%s is empty", arguments->command->operands[arguments->operand_count - 1]);
+}
+
+static int take_word(struct cursor *cursor, const char *word)
+{
+    if (cursor->operands_only || word[0] != '-' || word[1] == '\0') {
+        return take_operand(cursor, word);
+    }
+    if (word[1] != '-') {
+        return take_short(cursor, word);
+    }
+    cursor->operands_only = word[2] == '\0';
+    return cursor->operands_only ? CONTINUE : take_long(cursor, word);
+}
+
+static int answer_help(const struct arguments *arguments)
+{
+    if (option_given(arguments, "help")) {
+        help_command(stdout, arguments->command);
+        return EXIT_DONE;
+    }
+    if (option_given(arguments, "version")) {
+        printf("conus %s\n", conus_version());
+        return EXIT_DONE;
+    }
+    return CONTINUE;
+}
+
+/* All operands and all options that must be given. */
+static int check_complete(const struct arguments *arguments)
+{
+    const struct command *command = arguments->command;
+    struct found found;
+    if (arguments->operand_count < OPERAND_LIMIT && command->operands[arguments->operand_count] && !command->optional) {
+        return print_usage_error("%s is missing; conus %s --help shows how",
+                                 command->operands[arguments->operand_count], command->name);
+    }
+    for (size_t i = 0; (found = option_at(command, NULL, i)).option; i++) {
+        if (found.option->required && !(arguments->given >> i & 1)) {
+            return print_usage_error("--%s %s is missing", found.option->name, found.option->value);
+        }
+    }
+    return CONTINUE;
+}
+
+int options_parse(struct arguments *out, void *settings, const struct command *command, int count, char **words,
+                  int first)
+{
+    *out = (struct arguments){.command = command, .count = count, .words = words};
+    struct cursor cursor = {.arguments = out, .settings = settings, .next = first};
+    while (cursor.next < count) {
+        int code = take_word(&cursor, words[cursor.next++]);
+        if (code != CONTINUE || (code = answer_help(out)) != CONTINUE) {
+            return code;
+        }
+    }
+    return check_complete(out);
+}
+
+void options_finish(void *settings, struct arguments *arguments)
+{
+    const struct command *command = arguments->command;
+    struct found found;
+    for (size_t i = 0; (found = option_at(command, settings, i)).option; i++) {
+        struct option_list *list = found.field;
+        if (list && found.option->type == OPTION_LIST) {
+            free(list->items);
+        }
+    }
+    free(arguments->more.items);
+    arguments->more = (struct option_list){0};
+}
+
+/* Writes a word in single quotes unless it is made of harmless characters. */
+static void put_word(FILE *out, const char *word)
+{
+    static const char harmless[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+.,/:@%";
+    if (*word && strspn(word, harmless) == strlen(word)) {
+        fputs(word, out);
+        return;
+    }
+    fputc('\'', out);
+    for (; *word; word++) {
+        fputs(*word == '\'' ? "'\\''" : (char[]){*word, '\0'}, out);
+    }
+    fputc('\'', out);
+}
+
+char *arguments_text(const struct arguments *arguments)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) {
+        return NULL;
+    }
+    fputs(arguments->command->program ? arguments->command->program : "conus", out);
+    for (int i = 1; i < arguments->count; i++) {
+        fputc(' ', out);
+        put_word(out, arguments->words[i]);
+    }
+    if (fclose(out)) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * Commands and their options as tables. One table feeds the parser, its messages and --help. */
+#ifndef CONUS_SETTINGS_OPTIONS_H
+#define CONUS_SETTINGS_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+/** What an option's value is, and the C type of the field that receives it. */
+enum option_type {
+    OPTION_FLAG,   /**< No value; bool.                                          */
+    OPTION_NUMBER, /**< double                                                   */
+    OPTION_COUNT,  /**< Whole number; uint32_t.                                  */
+    OPTION_VECTOR, /**< X,Y,Z; double[3].                                        */
+    OPTION_RANGE,  /**< LOW,HIGH, the first below the second; double[2].         */
+    OPTION_EDGES,  /**< LEFT,RIGHT,LOWER,UPPER, each pair ascending; double[4].  */
+    OPTION_SIZE,   /**< WxH; uint32_t[2].                                        */
+    OPTION_BYTES,  /**< Whole number with K, M, G or T after it; uint64_t.       */
+    OPTION_CHOICE, /**< One of the option's choices; size_t, its index.          */
+    OPTION_TEXT,   /**< const char *                                             */
+    OPTION_LIST,   /**< Text, may be repeated; struct option_list.               */
+};
+
+struct option_list {
+    const char **items;
+    size_t count;
+};
+
+struct option {
+    const char *name; /**< Without dashes; NULL ends a table. */
+    char letter;      /**< 0 if it has none. */
+    enum option_type type;
+    size_t offset;     /**< Of the field, in its group's settings. */
+    const char *value; /**< What stands for the value in the help. */
+    const char *help;
+    double low, high; /**< Range of numbers; both 0 = any. */
+    bool open;        /**< The range's ends are outside of it. */
+    bool required;
+    const char *const *choices;             /**< NULL-terminated, or: */
+    const char *(*choice_at)(size_t index); /**< NULL past the last. */
+};
+
+struct option_group {
+    const char *title; /**< NULL ends a list of groups. */
+    const struct option *options;
+    size_t offset; /**< Of the group's settings, in the command's. */
+};
+
+enum { OPTION_LIMIT = 64, OPERAND_LIMIT = 2 };
+
+/** What was on the command line. */
+struct arguments {
+    const struct command *command;
+    const char *operands[OPERAND_LIMIT];
+    size_t operand_count;
+    struct option_list more; /**< Operands behind those, of a command that repeats the last one. */
+    uint64_t given;          /**< Bit n: the command's n-th option. */
+    int count;               /**< The whole command line, for the provenance. */
+    char **words;
+};
+
+struct command {
+    const char *program; /**< That has it; NULL = conus. */
+    const char *name;
+    const char *summary;                 /**< One line, no final period. */
+    const char *operands[OPERAND_LIMIT]; /**< "ATLAS"; NULL where there are fewer. */
+    bool optional;                       /**< The operands may be missing. */
+    bool repeats;                        /**< The last operand may stand any number of times. */
+    const char *form;                    /**< What must follow the operands; NULL if nothing. */
+    const char *description;             /**< Paragraphs for --help. */
+    const char *examples;                /**< Lines for --help. */
+    const struct option_group *groups;   /**< Ends with a NULL title. */
+    size_t settings_size;                /**< Of what @p run gets, zeroed before parsing. */
+    void (*more_help)(FILE *out);        /**< Ends --help; may be NULL. */
+    int (*run)(const void *settings, const struct arguments *arguments); /**< Gives the exit code. */
+    int (*hand_over)(char **words); /**< Of another program's command, instead of all but name and summary: becomes that
+                                         program. Gives the exit code where that fails. */
+};
+
+/** Fills @p settings (zeroed, command->settings_size bytes) and @p out from words[first..count). Returns -1, or the
+ * exit code where that ends the program: a mistake (said on stderr) or --help and --version (answered on stdout).
+ * settings and @p out are the caller's to options_finish() in every case. */
+int options_parse(struct arguments *out, void *settings, const struct command *command, int count, char **words,
+                  int first);
+void options_finish(void *settings, struct arguments *arguments);
+
+/** Whether the option @p name of the command was on the command line. */
+bool option_given(const struct arguments *arguments, const char *name);
+
+/** Prints an error and returns false when option @p name was given without option @p needed. */
+bool option_needs(const struct arguments *arguments, const char *name, const char *needed);
+/** Prints an error and returns false when both were given. */
+bool options_exclude(const struct arguments *arguments, const char *a, const char *b);
+
+/** The command line as a shell would take it, "conus" in front. NULL without memory; the caller frees it. */
+char *arguments_text(const struct arguments *arguments);
+
+#endif

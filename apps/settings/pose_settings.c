@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The options of files of poses, and the check that poses and atlas share a space. */
+#include "settings/pose_settings.h"
+
+#include "common/messages.h"
+#include "common/output.h"
+
+/* In the order of conus_axis. */
+static const char *const axes[] = {"format", "+x", "-x", "+y", "-y", "+z", "-z", NULL};
+
+const struct option pose_file_options[] = {
+    {.name = "poses-format",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct pose_file_settings, format),
+     .value = "FORMAT",
+     .help = "of the file of poses; auto tells by its content:",
+     .choice_at = conus_pose_format_name},
+    {.name = "axis",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct pose_file_settings, axis),
+     .value = "AXIS",
+     .help = "of the device in that file, along which it looks; each format has its own, -z the tables and matrices:",
+     .choices = axes},
+    {.name = "along-shafts",
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct pose_file_settings, along_shafts),
+     .help = "contacts of electrodes (BIDS) look along their shafts, each to the next"},
+    {.name = "any-space",
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct pose_file_settings, any_space),
+     .help = "take the positions even if the file names another space than the atlas"},
+    {0},
+};
+
+bool settings_check_pose_file(const struct arguments *arguments, const char *file, const char *other)
+{
+    bool given = option_given(arguments, file) || (other && option_given(arguments, other));
+    for (const struct option *option = pose_file_options; !given && option->name; option++) {
+        if (!option_needs(arguments, option->name, file)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+conus_pose_options settings_pose_options(const struct pose_file_settings *settings, size_t space, uint64_t max_memory)
+{
+    return (conus_pose_options){.space = (conus_space)space,
+                                .axis = (conus_axis)settings->axis,
+                                .format = (conus_pose_format)settings->format,
+                                .along_shafts = settings->along_shafts,
+                                .max_memory = max_memory};
+}
+
+void settings_pose_text(char out[64], const struct pose_file_settings *settings)
+{
+    snprintf(out, 64, "%s %s%s%s", conus_pose_format_name(settings->format), axes[settings->axis],
+             settings->along_shafts ? " along-shafts" : "", settings->any_space ? " any-space" : "");
+}
+
+const char *settings_poses_name(const char *path)
+{
+    return output_is_stdout(path) ? "standard input" : path;
+}
+
+int settings_check_electrodes(conus_format format, const char *electrodes, const char *path)
+{
+    if (format != CONUS_FORMAT_BIDS || electrodes) {
+        return EXIT_DONE;
+    }
+    print_error_line("%s: --format bids adds to a table of electrodes, with the columns name, x, y and z",
+                     settings_poses_name(path));
+    return EXIT_DATA;
+}
+
+void settings_say_no_poses(const char *path, const struct common_settings *common)
+{
+    if (!common->quiet) {
+        print_error_line("note: %s: no poses in it", settings_poses_name(path));
+    }
+}
+
+static int print_match_error(const char *path)
+{
+    print_error_line("%s: %s; --any-space takes them nevertheless", settings_poses_name(path), conus_message());
+    return EXIT_DATA;
+}
+
+static void say_note(const char *path, const char *note)
+{
+    print_error_line("note: %s: %s", settings_poses_name(path), note);
+}
+
+int settings_match_poses(conus_pose_list *poses, const char *path, const conus_atlas *atlas,
+                         const struct pose_file_settings *settings, const struct common_settings *common)
+{
+    const char *note;
+    if (!settings->any_space && conus_pose_list_match(poses, atlas)) {
+        return print_match_error(path);
+    }
+    for (size_t i = 0; !common->quiet && (note = conus_pose_list_note(poses, i)); i++) {
+        say_note(path, note);
+    }
+    return EXIT_DONE;
+}
+
+int settings_match_stream(conus_pose_stream *poses, const char *path, const conus_atlas *atlas,
+                          const struct pose_file_settings *settings, const struct common_settings *common)
+{
+    const char *note;
+    if (!settings->any_space && conus_pose_stream_match(poses, atlas)) {
+        return print_match_error(path);
+    }
+    for (size_t i = 0; !common->quiet && (note = conus_pose_stream_note(poses, i)); i++) {
+        say_note(path, note);
+    }
+    return EXIT_DONE;
+}

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Options of commands that read a file of poses. */
+#ifndef CONUS_SETTINGS_POSE_SETTINGS_H
+#define CONUS_SETTINGS_POSE_SETTINGS_H
+
+#include "settings/settings.h"
+
+struct pose_file_settings {
+    size_t axis;   /* conus_axis */
+    size_t format; /* conus_pose_format */
+    bool along_shafts;
+    bool any_space;
+};
+
+extern const struct option pose_file_options[]; /**< pose_file_settings */
+
+/** Whether none of these options stands without one of the two options (@p other may be NULL) that name a file of
+ * poses; prints an error if not. */
+bool settings_check_pose_file(const struct arguments *arguments, const char *file, const char *other);
+
+/** What the library is told about the file; @p space is a conus_space, @p max_memory 0 the default. */
+conus_pose_options settings_pose_options(const struct pose_file_settings *settings, size_t space, uint64_t max_memory);
+
+/** Writes what of @p settings the answers depend on: two runs with the same text read the same poses from one file. */
+void settings_pose_text(char out[64], const struct pose_file_settings *settings);
+
+/** What messages call the file of poses @p path: itself, or "standard input". */
+const char *settings_poses_name(const char *path);
+
+/** Whether @p electrodes, the table that the poses came from (NULL = another format), is there for a @p format that
+ * adds columns to it. Returns the exit code and prints an error unless it is 0. */
+int settings_check_electrodes(conus_format format, const char *electrodes, const char *path);
+
+/** Says, unless --quiet, that there is no pose in the file. */
+void settings_say_no_poses(const char *path, const struct common_settings *common);
+
+/** Whether the poses' space can be the atlas's, and says the notes about them. Returns the exit code and prints an
+ * error unless it is 0. */
+int settings_match_stream(conus_pose_stream *poses, const char *path, const conus_atlas *atlas,
+                          const struct pose_file_settings *settings, const struct common_settings *common);
+/** The same for a list. */
+int settings_match_poses(conus_pose_list *poses, const char *path, const conus_atlas *atlas,
+                         const struct pose_file_settings *settings, const struct common_settings *common);
+
+#endif

@@ -1,0 +1,385 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The tables of options that several commands share, and what they mean for the library. */
+#include "settings/settings.h"
+
+#include "common/messages.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#define FIELD(type, member) offsetof(struct type, member)
+
+static const char *const spaces[] = {"ras", "lps", NULL};
+static const char *const apertures[] = {"circle", "square", NULL};
+static const char *const engines[] = {"auto", "rays", "gl", NULL};
+static const char *const samplings[] = {"exact", "slices", NULL};
+static const char *const hemispheres[] = {"as-is", "split", "merged", NULL};
+static const char *const layers[] = {"visible", "all", NULL};
+
+const struct option plain_options[] = {
+    {.name = "help", .letter = 'h', .type = OPTION_FLAG, .offset = FIELD(common_settings, help), .help = "this text"},
+    {.name = "version", .type = OPTION_FLAG, .offset = FIELD(common_settings, version), .help = "the version"},
+    {0},
+};
+
+const struct option quiet_options[] = {
+    {.name = "quiet",
+     .letter = 'q',
+     .type = OPTION_FLAG,
+     .offset = FIELD(common_settings, quiet),
+     .help = "no notes on stderr, only errors"},
+    {.name = "verbose",
+     .letter = 'v',
+     .type = OPTION_FLAG,
+     .offset = FIELD(common_settings, verbose),
+     .help = "also the engine's and the GL driver's messages on stderr"},
+    {.name = "help", .letter = 'h', .type = OPTION_FLAG, .offset = FIELD(common_settings, help), .help = "this text"},
+    {.name = "version", .type = OPTION_FLAG, .offset = FIELD(common_settings, version), .help = "the version"},
+    {0},
+};
+
+const struct option atlas_options[] = {
+    {.name = "labels",
+     .type = OPTION_TEXT,
+     .offset = FIELD(atlas_settings, labels),
+     .value = "FILE",
+     .help = "label table, instead of the one found beside or inside the atlas"},
+    {.name = "labels-anyway",
+     .type = OPTION_FLAG,
+     .offset = FIELD(atlas_settings, labels_anyway),
+     .help = "take every value for an area, even where the volume looks like an image"},
+    {.name = "pathway",
+     .type = OPTION_LIST,
+     .offset = FIELD(atlas_settings, pathways),
+     .value = "FILE[,KEY=VALUE]...",
+     .help = "add a probability volume as a pathway; keys: threshold=T (values from T on belong to it; default a "
+             "quarter of the file's scale), name=S, volume=K (of a 4-D file, from 0); may be repeated"},
+    {.name = "hemispheres",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(atlas_settings, hemispheres),
+     .value = "HOW",
+     .help = "areas of both sides cut in two at x = 0, or left and right areas of one name reported as one:",
+     .choices = hemispheres},
+    {.name = "max-memory",
+     .type = OPTION_BYTES,
+     .offset = FIELD(atlas_settings, max_memory),
+     .value = "SIZE",
+     .help = "largest file or volume to accept, like 512M or 2G (default 8G; 1G of poses that are read whole)"},
+    {0},
+};
+
+const struct option shown_options[] = {
+    {.name = "only",
+     .type = OPTION_LIST,
+     .offset = FIELD(atlas_settings, only),
+     .value = "NAME,...",
+     .help = "only these areas and pathways, by name, abbreviation or label, with what is below them in the area tree; "
+             "all others are as if they were not there; a name with a comma in double quotes, @FILE for a file with "
+             "one name per line; may be repeated"},
+    {.name = "hide",
+     .type = OPTION_LIST,
+     .offset = FIELD(atlas_settings, hide),
+     .value = "NAME,...",
+     .help = "without these areas and pathways, named likewise: not hit, not drawn, and they block nothing; may be "
+             "repeated"},
+    {0},
+};
+
+const struct option context_options[] = {
+    {.name = "context",
+     .type = OPTION_TEXT,
+     .offset = FIELD(context_settings, path),
+     .value = "FILE",
+     .help = "a volume that blocks the view, a skull, say"},
+    {.name = "context-blocks",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(context_settings, blocks),
+     .value = "T",
+     .help = "its values from T on block",
+     .low = 0,
+     .high = FLT_MAX,
+     .open = true},
+    {0},
+};
+
+const struct option aim_options[] = {
+    {.name = "origin",
+     .type = OPTION_VECTOR,
+     .offset = FIELD(aim_settings, origin),
+     .value = "X,Y,Z",
+     .help = "where the device is: the cone's apex, mm"},
+    {.name = "toward",
+     .type = OPTION_VECTOR,
+     .offset = FIELD(aim_settings, toward),
+     .value = "X,Y,Z",
+     .help = "the point that it points at, mm"},
+    {.name = "direction",
+     .type = OPTION_VECTOR,
+     .offset = FIELD(aim_settings, direction),
+     .value = "X,Y,Z",
+     .help = "or the direction in which it points, of any length but 0"},
+    {.name = "up",
+     .type = OPTION_VECTOR,
+     .offset = FIELD(aim_settings, up),
+     .value = "X,Y,Z",
+     .help = "which way is up for the device (default superior; anterior when it points up or down)"},
+    {.name = "pose",
+     .type = OPTION_TEXT,
+     .offset = FIELD(aim_settings, pose),
+     .value = "FILE",
+     .help =
+         "poses from a file instead, - for standard input: a table with a header, a 4x4 matrix, or what Brainsight, "
+         "Localite, 3D Slicer or BIDS write (docs/formats.md)"},
+    {0},
+};
+
+const struct option angle_options[] = {
+    {.name = "angle",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(aim_settings, angle),
+     .value = "DEGREES",
+     .help = "full opening angle of the cone, more than 0 and less than 180 (default 10)"},
+    {.name = "space",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(aim_settings, space),
+     .value = "NAME",
+     .help = "where x, y and z of all positions, given and reported, grow: right, anterior, superior or left, "
+             "posterior, superior:",
+     .choices = spaces},
+    {0},
+};
+
+const struct option engine_options[] = {
+    {.name = "resolution",
+     .type = OPTION_COUNT,
+     .offset = FIELD(engine_settings, resolution),
+     .value = "N",
+     .help = "look through N x N pixels, 1 to 1024 (default 16)",
+     .low = 1,
+     .high = 1024},
+    {.name = "aperture",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(engine_settings, aperture),
+     .value = "SHAPE",
+     .help = "which of them count: in the circle, or all:",
+     .choices = apertures},
+    {.name = "engine",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(engine_settings, engine),
+     .value = "NAME",
+     .help = "rays on the CPU or an OpenGL pass, which give the same pixels; auto is rays in this program:",
+     .choices = engines},
+    {.name = "sampling",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(engine_settings, sampling),
+     .value = "KIND",
+     .help = "every voxel on the way, or slices across the view, which can miss thin objects:",
+     .choices = samplings},
+    {.name = "level",
+     .type = OPTION_TEXT,
+     .offset = FIELD(engine_settings, level),
+     .value = "N|AREA,...",
+     .help =
+         "report areas rolled up the area tree: to depth N (roots have 1), or to the nearest of these areas, by name, "
+         "abbreviation or label; a name with a comma in double quotes, @FILE for a file with one area per line"},
+    {.name = "score",
+     .type = OPTION_TEXT,
+     .offset = FIELD(engine_settings, score),
+     .value = "FORMULA",
+     .help = "what ranks the objects: a name below (default share), or a formula like 0.5*share+0.5*centre"},
+    {0},
+};
+
+const struct option shape_options[] = {
+    {.name = "layers",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(engine_settings, layers),
+     .value = "WHICH",
+     .help = "what is met first, or everything in the cone, with path lengths, volumes and values:",
+     .choices = layers},
+    {.name = "range",
+     .type = OPTION_RANGE,
+     .offset = FIELD(engine_settings, range),
+     .value = "NEAR,FAR",
+     .help = "only between these depths along the axis, mm from the apex: a focal spot, the length of a probe",
+     .low = 0,
+     .high = 1e9},
+    {.name = "radius",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(engine_settings, radius),
+     .value = "MM",
+     .help = "a cylinder about the axis in place of the cone: a needle, a probe; more than 0",
+     .low = 0,
+     .high = 1e9,
+     .open = true},
+    {0},
+};
+
+const struct option slices_options[] = {
+    {.name = "slices",
+     .type = OPTION_COUNT,
+     .offset = FIELD(engine_settings, slices),
+     .value = "N",
+     .help = "with --sampling slices: slices of the picture, of which the selection takes a fifth "
+             "(default sqrt(2) times the longest edge of the volume)",
+     .low = 1,
+     .high = 65536},
+    {0},
+};
+
+/* A cone comes from a file, or from an apex and one of two ways to say where it points. */
+static bool check_source(const struct arguments *arguments)
+{
+    if (!options_exclude(arguments, "toward", "direction")) {
+        return false;
+    }
+    if (option_given(arguments, "toward") || option_given(arguments, "direction")) {
+        return true;
+    }
+    print_error_line("--origin needs --toward X,Y,Z or --direction X,Y,Z with it");
+    return false;
+}
+
+bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
+{
+    static const char *const of_origin[] = {"toward", "direction", "up"};
+    for (size_t i = 0; i < 3; i++) {
+        if (!option_needs(arguments, of_origin[i], "origin")) {
+            return false;
+        }
+    }
+    if (!options_exclude(arguments, "origin", "pose")) {
+        return false;
+    }
+    if (option_given(arguments, "origin")) {
+        return check_source(arguments);
+    }
+    if (aim_needed && !option_given(arguments, "pose")) {
+        print_error_line("no cone given: --origin X,Y,Z with --toward X,Y,Z or --direction X,Y,Z, or --pose FILE");
+        return false;
+    }
+    return true;
+}
+
+void settings_point(double out[3], const double in[3], size_t space)
+{
+    bool lps = space == CONUS_SPACE_LPS; /* 0 - x makes no "-0" of 0 */
+    out[0] = lps ? 0 - in[0] : in[0];
+    out[1] = lps ? 0 - in[1] : in[1];
+    out[2] = in[2];
+}
+
+bool settings_check_context(const struct arguments *arguments)
+{
+    return option_needs(arguments, "context", "context-blocks") && option_needs(arguments, "context-blocks", "context");
+}
+
+int settings_look(conus_pose *out, const double origin[3], const double toward[3], const double up[3], size_t space)
+{
+    double from[3];
+    double to[3];
+    double above[3];
+    settings_point(from, origin, space);
+    settings_point(to, toward, space);
+    if (up) {
+        settings_point(above, up, space);
+    }
+    conus_status status = conus_pose_toward(out, from, to, up ? above : NULL);
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+int settings_pose(conus_pose *out, const struct aim_settings *settings, const struct arguments *arguments)
+{
+    const double *given_up = option_given(arguments, "up") ? settings->up : NULL;
+    if (option_given(arguments, "toward")) {
+        return settings_look(out, settings->origin, settings->toward, given_up, settings->space);
+    }
+    double from[3];
+    double along[3];
+    double above[3];
+    settings_point(from, settings->origin, settings->space);
+    settings_point(along, settings->direction, settings->space);
+    settings_point(above, settings->up, settings->space);
+    conus_status status = conus_pose_along(out, from, along, given_up ? above : NULL);
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+const char *settings_level_file(const struct engine_settings *settings)
+{
+    const char *level = settings->level;
+    return level && level[0] == '@' && !strchr(level, ',') ? level + 1 : NULL;
+}
+
+double radians(double degrees)
+{
+    return degrees * (M_PI / 180);
+}
+
+double settings_angle(const struct aim_settings *settings, const struct engine_settings *engine)
+{
+    return engine->radius > 0 ? 0 : radians(settings->angle != 0 ? settings->angle : DEFAULT_ANGLE);
+}
+
+bool settings_check_shape(const struct aim_settings *settings, const struct engine_settings *engine,
+                          const struct arguments *arguments)
+{
+    if (!option_given(arguments, "angle")) {
+        return true;
+    }
+    if (engine->radius > 0 && settings->angle != 0) {
+        print_error_line("--radius makes a cylinder, whose --angle is 0");
+        return false;
+    }
+    if (engine->radius == 0 && !(settings->angle > 0 && settings->angle < 180)) {
+        print_error_line("--angle: %.10g is out of range, allowed is more than 0 and less than 180%s", settings->angle,
+                         settings->angle == 0 ? "; 0 goes with --radius" : "");
+        return false;
+    }
+    return true;
+}
+
+bool settings_check_score(const struct engine_settings *settings, bool has_history)
+{
+    conus_score_info score;
+    if (conus_score_parse(&score, settings->score)) {
+        print_error_line("--%s", conus_message());
+        return false;
+    }
+    if (score.needs_history && !has_history) {
+        print_error_line("--score: %s needs a history, which single poses have not; conus track has one", score.name);
+        return false;
+    }
+    if (score.needs_layers && settings->layers != CONUS_LAYERS_ALL) {
+        print_error_line("--score: %s needs --layers all", score.name);
+        return false;
+    }
+    return true;
+}
+
+conus_selector_options settings_engine(const struct engine_settings *settings, const struct common_settings *common)
+{
+    return (conus_selector_options){
+        .engine = (conus_engine)settings->engine,
+        .aperture = (conus_aperture)settings->aperture,
+        .sampling = (conus_sampling)settings->sampling,
+        .resolution = settings->resolution,
+        .slices = settings->slices,
+        .layers = (conus_layers)settings->layers,
+        .range = {settings->range[0], settings->range[1]},
+        .radius = settings->radius,
+        .level = settings->level,
+        .score = settings->score,
+        .log = common->verbose ? log_line : NULL,
+    };
+}
+
+void help_scores(FILE *out)
+{
+    const conus_score_info *score;
+    fputs("Scores, the higher the better; a formula joins them with numbers, + - * / and parentheses\n", out);
+    for (size_t i = 0; (score = conus_score(i)); i++) {
+        fprintf(out, "  %-26s  %s%s%s\n", score->name, score->description, score->needs_history ? " (conus track)" : "",
+                score->needs_layers ? " (--layers all)" : "");
+    }
+}

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Options that several commands share, and what they ask the library for. */
+#ifndef CONUS_SETTINGS_SETTINGS_H
+#define CONUS_SETTINGS_SETTINGS_H
+
+#include "settings/options.h"
+
+#include <conus/conus.h>
+
+struct common_settings {
+    bool help, version, quiet, verbose;
+};
+
+struct atlas_settings {
+    const char *labels;
+    bool labels_anyway;
+    struct option_list pathways;
+    size_t hemispheres; /* conus_hemispheres */
+    struct option_list only, hide;
+    uint64_t max_memory;
+    conus_load_progress progress; /* no option: of programs that show it */
+    void *progress_user;
+};
+
+struct aim_settings {
+    double origin[3], toward[3], direction[3], up[3];
+    const char *pose;
+    double angle; /* degrees */
+    size_t space; /* conus_space */
+};
+
+struct engine_settings {
+    uint32_t resolution, slices;
+    size_t aperture, engine, sampling; /* conus_aperture, conus_engine, conus_sampling */
+    const char *score;                 /* a name or formula; NULL = the default */
+    size_t layers;                     /* conus_layers */
+    const char *level;
+    double range[2], radius; /* mm */
+};
+
+/** A volume that blocks the view. */
+struct context_settings {
+    const char *path; /* NULL = none */
+    double blocks;
+};
+
+extern const struct option context_options[]; /**< context_settings: --context, --context-blocks */
+extern const struct option quiet_options[];   /**< common_settings: --help, --version, --quiet, --verbose */
+extern const struct option plain_options[];   /**< common_settings: --help, --version */
+extern const struct option atlas_options[];   /**< atlas_settings */
+extern const struct option shown_options[];   /**< atlas_settings: --only, --hide */
+extern const struct option aim_options[];     /**< aim_settings: where from and where to */
+extern const struct option angle_options[];   /**< aim_settings: --angle, --space */
+extern const struct option engine_options[];  /**< engine_settings, without --slices */
+extern const struct option shape_options[];   /**< engine_settings: --layers, --range, --radius */
+extern const struct option slices_options[];  /**< engine_settings: --slices of the ID pass */
+
+enum { DEFAULT_ANGLE = 10 };
+
+/** What is wrong with a pose that is only a point, where a cone is wanted. */
+#define POINT_LOOKS_NOWHERE "a point, without the direction that a cone needs"
+
+/** Whether neither of the context's options stands without the other; prints an error if not. */
+bool settings_check_context(const struct arguments *arguments);
+
+/** Whether the options that aim a cone go together; prints an error if not. @p aim_needed: there must be a cone. */
+bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
+
+/** A point or direction given in @p space, in the library's. */
+void settings_point(double out[3], const double in[3], size_t space);
+
+/** The pose at @p origin looking toward a point, all in @p space; @p up may be NULL. Returns the exit code and prints
+ * an error unless it is 0. */
+int settings_look(conus_pose *out, const double origin[3], const double toward[3], const double up[3], size_t space);
+
+/** The pose of --origin with --toward or --direction. Returns the exit code and prints an error unless it is 0. */
+int settings_pose(conus_pose *out, const struct aim_settings *settings, const struct arguments *arguments);
+
+/** The file of areas that --level consists of; NULL if it is none. */
+const char *settings_level_file(const struct engine_settings *settings);
+
+/** A number of degrees in radians. */
+double radians(double degrees);
+
+/** --angle in radians, or its default; of a cylinder 0. */
+double settings_angle(const struct aim_settings *settings, const struct engine_settings *engine);
+
+/** Whether angle and radius go together; prints an error if not. */
+bool settings_check_shape(const struct aim_settings *settings, const struct engine_settings *engine,
+                          const struct arguments *arguments);
+
+/** Whether there is such a score, and what it needs; prints an error if not. */
+bool settings_check_score(const struct engine_settings *settings, bool has_history);
+
+/** What the library is told about the engine; @p common chooses whether it logs. */
+conus_selector_options settings_engine(const struct engine_settings *settings, const struct common_settings *common);
+
+/** Lists the scores and what they mean, for --help. */
+void help_scores(FILE *out);
+
+#endif

@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The options of trackers and of a tracked screen, and the start of a station. */
+#include "settings/station_settings.h"
+
+#include "common/messages.h"
+#include "settings/option_values.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FIELD(member) offsetof(struct station_settings, member)
+
+enum { ADDRESS_SIZE = 256 };
+
+/* In the order of conus_axis, whose first is -z here. */
+static const char *const axes[] = {"-z", "+x", "-x", "+y", "-y", "+z", NULL};
+
+const struct option station_options_table[] = {
+    {.name = "listen",
+     .type = OPTION_TEXT,
+     .offset = FIELD(listen),
+     .value = "[ADDRESS:]PORT",
+     .help =
+         "wait for a tracker that sends OpenIGTLink, as a server; its usual port is 18944, and without an address only "
+         "this machine may connect"},
+    {.name = "connect",
+     .type = OPTION_TEXT,
+     .offset = FIELD(connect),
+     .value = "HOST[:PORT]",
+     .help = "or connect to one, as a client (port 18944), again and again until it is there"},
+    {.name = "tool",
+     .type = OPTION_TEXT,
+     .offset = FIELD(tool),
+     .value = "NAME",
+     .help =
+         "the tool that points, as the tracker calls it (Pointer, or PointerToTracker); default the first that comes"},
+    {.name = "reference",
+     .type = OPTION_TEXT,
+     .offset = FIELD(reference),
+     .value = "NAME",
+     .help = "poses are meant in the frame of this tool, the one on the head, say"},
+    {.name = "tool-axis",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(axis),
+     .value = "AXIS",
+     .help = "of the tool, along which it points:",
+     .choices = axes},
+    {.name = "world-from-tracker",
+     .type = OPTION_TEXT,
+     .offset = FIELD(world_from_tracker),
+     .value = "FILE",
+     .help = "4x4 matrix, rows of four numbers, that takes the tracker's (or the reference's) mm to the atlas's"},
+    {.name = "tracker-lps",
+     .type = OPTION_FLAG,
+     .offset = FIELD(lps),
+     .help = "the tracker's x and y grow to the left and to the back"},
+    {.name = "enlarge",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(enlarged),
+     .value = "FACTOR",
+     .help =
+         "the brain is shown so many times as large as it is, about the atlas's origin: poses are brought nearer to "
+         "it by as much",
+     .low = 0.001,
+     .high = 1000},
+    {0},
+};
+
+const struct option screen_options_table[] = {
+    {.name = "head",
+     .type = OPTION_TEXT,
+     .offset = FIELD(head),
+     .value = "NAME",
+     .help = "the tool on the head of who looks: the 3-D pane shows what this eye sees through the screen"},
+    {.name = "screen-mm",
+     .type = OPTION_SIZE,
+     .offset = FIELD(screen_mm),
+     .value = "WxH",
+     .help = "size of the whole screen, mm",
+     .low = 1,
+     .high = 1000000},
+    {.name = "screen-pose",
+     .type = OPTION_TEXT,
+     .offset = FIELD(screen_pose),
+     .value = "FILE",
+     .help = "4x4 matrix that takes the screen's mm (from its middle, x to the right, y up, z to the viewer) to the "
+             "tracker's; default the identity"},
+    {.name = "eye",
+     .type = OPTION_VECTOR,
+     .offset = FIELD(eye),
+     .value = "X,Y,Z",
+     .help = "where the eye is in the head tool's frame, mm (default 0,0,0)"},
+    {0},
+};
+
+bool settings_check_station(const struct arguments *arguments)
+{
+    bool given = option_given(arguments, "listen") || option_given(arguments, "connect");
+    if (!options_exclude(arguments, "listen", "connect")) {
+        return false;
+    }
+    for (const struct option *option = station_options_table; !given && option->name; option++) {
+        if (option_given(arguments, option->name)) {
+            print_error_line("--%s needs --listen or --connect with it", option->name);
+            return false;
+        }
+    }
+    return true;
+}
+
+bool settings_check_screen(const struct station_settings *settings, const struct arguments *arguments)
+{
+    const char *others[] = {settings->tool, settings->reference};
+    for (size_t i = 0; settings->head && i < 2; i++) {
+        if (others[i] && strcmp(settings->head, others[i]) == 0) {
+            print_error_line("--head: %s is the --%s", settings->head, i ? "reference" : "tool");
+            return false;
+        }
+    }
+    if (settings->head && !option_given(arguments, "listen") && !option_given(arguments, "connect")) {
+        print_error_line("--head needs --listen or --connect with it");
+        return false;
+    }
+    return option_needs(arguments, "head", "screen-mm") && option_needs(arguments, "screen-mm", "head") &&
+           option_needs(arguments, "screen-pose", "head") && option_needs(arguments, "eye", "head");
+}
+
+/* Cuts "address:port" in two; a port alone is one where @p port_alone. */
+static bool split_address(char address[ADDRESS_SIZE], uint16_t *port, const char *text, bool port_alone)
+{
+    uint64_t number = STATION_PORT;
+    const char *colon = strrchr(text, ':');
+    const char *digits = colon ? colon + 1 : port_alone ? text : NULL;
+    size_t length = colon ? (size_t)(colon - text) : port_alone ? 0 : strlen(text);
+    if (length >= ADDRESS_SIZE || (digits && (!count_parse(digits, UINT16_MAX, &number) || number == 0))) {
+        return false;
+    }
+    memcpy(address, text, length);
+    address[length] = '\0';
+    *port = (uint16_t)number;
+    return true;
+}
+
+static int read_matrix(double out[16], const char *path)
+{
+    conus_pose_list *list = NULL;
+    const conus_pose_options options = {.format = CONUS_POSE_FORMAT_MATRIX};
+    conus_status status = conus_pose_list_load(&list, path, &options);
+    if (status) {
+        return print_status(status);
+    }
+    const conus_pose_row *row = conus_pose_list_row(list, 0);
+    int code = EXIT_DONE;
+    if (row->error) {
+        print_error_line("%s: %s", path, row->error);
+        code = EXIT_DATA;
+    }
+    memcpy(out, row->pose.world_from_device, sizeof row->pose.world_from_device);
+    conus_pose_list_destroy(list);
+    return code;
+}
+
+int settings_start_station(struct station **out, const struct station_settings *settings)
+{
+    char address[ADDRESS_SIZE];
+    char why[256];
+    const char *given = settings->listen ? settings->listen : settings->connect;
+    struct station_options options = {.tool = settings->tool,
+                                      .reference = settings->reference,
+                                      .enlarged = settings->enlarged,
+                                      .head = settings->head,
+                                      .eye = {settings->eye[0], settings->eye[1], settings->eye[2]},
+                                      .lps = settings->lps,
+                                      .axis = (conus_axis)settings->axis};
+    if (!given) {
+        return EXIT_DONE;
+    }
+    if (!split_address(address, &options.port, given, settings->listen)) {
+        return print_usage_error("--%s: \"%s\" is no address and port", settings->listen ? "listen" : "connect", given);
+    }
+    options.listen = settings->listen && address[0] ? address : NULL;
+    options.host = settings->connect ? address : NULL;
+    int code = settings->world_from_tracker ? read_matrix(options.world_from_tracker, settings->world_from_tracker)
+                                            : EXIT_DONE;
+    if (!code && settings->screen_pose) {
+        code = read_matrix(options.tracker_from_screen, settings->screen_pose);
+    }
+    if (!code && !station_start(out, &options, why, sizeof why)) {
+        print_error_line("%s", why);
+        code = EXIT_DATA;
+    }
+    return code;
+}
+
+void settings_station_text(char *out, size_t size, struct station *station, const struct station_news *news)
+{
+    static const char *const states[] = {"waiting for a connection", "connected, no pose of the tool yet",
+                                         "the tool is lost", "no pose for half a second", "tracking"};
+    int used = snprintf(out, size, "%s on port %u", states[news->state], station_port(station));
+    unsigned long long bad = news->counts.broken + news->counts.refused + news->dropped;
+    if (bad && used > 0 && (size_t)used < size) {
+        snprintf(out + used, size - (size_t)used, "; %llu messages or poses dropped", bad);
+    }
+}

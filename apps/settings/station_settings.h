@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Options of programs that hear from a tracker by OpenIGTLink. */
+#ifndef CONUS_SETTINGS_STATION_SETTINGS_H
+#define CONUS_SETTINGS_STATION_SETTINGS_H
+
+#include "link/station.h"
+#include "settings/options.h"
+
+struct station_settings {
+    const char *listen, *connect, *tool, *reference, *world_from_tracker;
+    size_t axis; /* conus_axis */
+    bool lps;
+    double enlarged;
+    const char *head, *screen_pose;
+    double eye[3];
+    uint32_t screen_mm[2];
+};
+
+extern const struct option station_options_table[]; /**< station_settings */
+extern const struct option screen_options_table[];  /**< station_settings, too: who looks at which screen */
+
+/** Whether the options go together; prints an error if not. */
+bool settings_check_station(const struct arguments *arguments);
+
+/** The same for those of the screen, of a command that has them. */
+bool settings_check_screen(const struct station_settings *settings, const struct arguments *arguments);
+
+/** Starts a station where --listen or --connect was given, else leaves *out NULL. Returns the exit code and prints an
+ * error unless it is 0. */
+int settings_start_station(struct station **out, const struct station_settings *settings);
+
+/** "waiting for a connection on port 18944", "Pointer is lost", ... */
+void settings_station_text(char *out, size_t size, struct station *station, const struct station_news *news);
+
+#endif

@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Unpacks and packs gzip, through zlib. */
+#include "base/formats/gzip.h"
+
+#include "base/memory.h"
+
+#include <libdeflate.h>
+#include <limits.h>
+#include <string.h>
+#include <zlib.h>
+
+enum { SCRATCH_SIZE = 1 << 16, INFLATE_RATIO = 1032 /* a match of 258 bytes takes at least 2 bits */ };
+
+/* Streams through all members; of the unpacked bytes those in [from, from + count) land in `kept`. */
+struct stream {
+    z_stream z;
+    const uint8_t *rest; /* packed bytes that zlib has not seen */
+    size_t rest_size;
+    uint64_t position; /* unpacked so far */
+    uint64_t from;
+    size_t count;
+    uint8_t *kept;
+    bool ended; /* after the last member */
+    uint8_t scratch[SCRATCH_SIZE];
+};
+
+bool gzip_is(const uint8_t *data, size_t size)
+{
+    return size >= 3 && data[0] == 0x1f && data[1] == 0x8b && data[2] == 8; /* 8: deflate, the only method there is */
+}
+
+static size_t smaller_of(uint64_t a, uint64_t b)
+{
+    return (size_t)(a < b ? a : b);
+}
+
+/* Points zlib at where the next unpacked bytes belong, at most `limit` of them. */
+static size_t aim_output(struct stream *stream, uint64_t limit)
+{
+    uint64_t end = stream->from + stream->count;
+    size_t space_left;
+    if (stream->position >= stream->from && stream->position < end) {
+        stream->z.next_out = stream->kept + (stream->position - stream->from);
+        space_left = smaller_of(end - stream->position, limit);
+    } else {
+        stream->z.next_out = stream->scratch;
+        space_left = smaller_of(SCRATCH_SIZE, limit);
+        space_left =
+            stream->position < stream->from ? smaller_of(space_left, stream->from - stream->position) : space_left;
+    }
+    space_left = smaller_of(space_left, INT_MAX);
+    stream->z.avail_out = (uInt)space_left;
+    return space_left;
+}
+
+static void feed_input(struct stream *stream)
+{
+    if (!stream->z.avail_in) {
+        size_t size = smaller_of(stream->rest_size, INT_MAX);
+        stream->z.next_in = (z_const Bytef *)stream->rest;
+        stream->z.avail_in = (uInt)size;
+        stream->rest += size;
+        stream->rest_size -= size;
+    }
+}
+
+/* At the end of a member: goes on with the next one, if there is one. */
+static void next_member(struct stream *stream)
+{
+    const uint8_t *next = stream->z.next_in;
+    size_t size = stream->z.avail_in + stream->rest_size; /* both lie in the same file, one behind the other */
+    stream->rest = next;
+    stream->rest_size = size;
+    stream->z.avail_in = 0;
+    stream->ended = !gzip_is(next, size) || inflateReset(&stream->z) != Z_OK;
+}
+
+/* Inflates until `until` bytes are unpacked, the stream ends or the packed bytes are used up. */
+static conus_status inflate_until(struct stream *stream, uint64_t until)
+{
+    while (!stream->ended && stream->position < until) {
+        feed_input(stream);
+        size_t space_left = aim_output(stream, until - stream->position);
+        int code = inflate(&stream->z, Z_NO_FLUSH);
+        size_t got = space_left - stream->z.avail_out;
+        stream->position += got;
+        if (code == Z_STREAM_END) {
+            next_member(stream);
+        } else if (code == Z_MEM_ERROR) {
+            return fail(CONUS_ERROR_MEMORY, "gzip: no memory to unpack");
+        } else if (code == Z_BUF_ERROR && !got) {
+            return CONUS_OK;
+        } else if (code != Z_OK && code != Z_BUF_ERROR) {
+            return fail(CONUS_ERROR_DATA, "gzip: damaged near unpacked byte %llu (%s), an intact file is needed",
+                        (unsigned long long)stream->position, stream->z.msg ? stream->z.msg : "preset dictionary");
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status stream_open(struct stream **out, const uint8_t *data, size_t size)
+{
+    struct stream *stream = memory_zeroed(1, sizeof *stream);
+    if (!stream) {
+        return CONUS_ERROR_MEMORY;
+    }
+    stream->rest = data;
+    stream->rest_size = size;
+    if (inflateInit2(&stream->z, 16 + MAX_WBITS) != Z_OK) {
+        memory_free(stream);
+        return fail(CONUS_ERROR_MEMORY, "gzip: no memory to unpack");
+    }
+    *out = stream;
+    return CONUS_OK;
+}
+
+static void stream_close(struct stream *stream)
+{
+    inflateEnd(&stream->z);
+    memory_free(stream);
+}
+
+conus_status gzip_head(struct bytes *out, const uint8_t *data, size_t size, size_t limit)
+{
+    struct stream *stream = NULL;
+    limit = smaller_of(limit, INFLATE_RATIO * ((uint64_t)size + 1));
+    uint8_t *kept = memory_raw(limit, 1);
+    conus_status status = kept ? stream_open(&stream, data, size) : CONUS_ERROR_MEMORY;
+    if (status) {
+        memory_free(kept);
+        return status;
+    }
+    stream->kept = kept;
+    stream->count = limit;
+    status = inflate_until(stream, limit);
+    if (status) {
+        memory_free(kept);
+    } else {
+        *out = (struct bytes){kept, (size_t)stream->position};
+    }
+    stream_close(stream);
+    return status;
+}
+
+/* The usual case, one intact member of just the right size, in one fast call. Not where the gzip header has a checksum
+ * of its own, which libdeflate does not verify. */
+static bool unpack_at_once(uint8_t *out, size_t total, const uint8_t *data, size_t size)
+{
+    enum { FLAGS = 3, FLAG_HEADER_CHECKSUM = 2 };
+    if (size <= FLAGS || data[FLAGS] & FLAG_HEADER_CHECKSUM) {
+        return false;
+    }
+    struct libdeflate_decompressor *decompressor = libdeflate_alloc_decompressor();
+    size_t used = 0;
+    size_t got = 0;
+    bool done =
+        decompressor &&
+        libdeflate_gzip_decompress_ex(decompressor, data, size, out, total, &used, &got) == LIBDEFLATE_SUCCESS &&
+        used == size && got == total;
+    libdeflate_free_decompressor(decompressor);
+    return done;
+}
+
+static size_t count_junk(const uint8_t *data, size_t size)
+{
+    while (size && data[size - 1] == 0) { /* tapes and disks pad with zeros */
+        size--;
+    }
+    return size;
+}
+
+static conus_status unpack_in_pieces(uint8_t *kept, struct gzip_range *range, const uint8_t *data, size_t size)
+{
+    struct stream *stream = NULL;
+    conus_status status = stream_open(&stream, data, size);
+    if (status) {
+        return status;
+    }
+    stream->kept = kept;
+    stream->from = range->from;
+    stream->count = range->count;
+    status = inflate_until(stream, range->total + GZIP_EXTRA_LIMIT + 1);
+    if (!status && stream->position > range->total + GZIP_EXTRA_LIMIT) {
+        status = fail(CONUS_ERROR_DATA, "gzip: unpacks to more than the %llu bytes that the header asks for",
+                      (unsigned long long)range->total);
+    } else if (!status && (!stream->ended || stream->position < range->total)) {
+        status = fail(CONUS_ERROR_DATA, "gzip: %s after %llu unpacked bytes, the header asks for %llu",
+                      stream->ended ? "ends" : "cut off", (unsigned long long)stream->position,
+                      (unsigned long long)range->total);
+    }
+    range->extra = status ? 0 : stream->position - range->total;
+    range->junk = status ? 0 : count_junk(stream->rest, stream->rest_size);
+    stream_close(stream);
+    return status;
+}
+
+conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint8_t *data, size_t size)
+{
+    range->extra = range->junk = 0;
+    if (range->total / INFLATE_RATIO > size) {
+        return fail(CONUS_ERROR_DATA, "gzip: %zu bytes cannot unpack to the %llu that the header asks for", size,
+                    (unsigned long long)range->total);
+    }
+    bool whole = range->from + range->count == range->total && range->from <= SCRATCH_SIZE;
+    size_t needed = whole ? (size_t)range->total : range->count;
+    struct bytes bytes = {memory_raw(needed, 1), range->count};
+    if (!bytes.data) {
+        return CONUS_ERROR_MEMORY;
+    }
+    if (whole && unpack_at_once(bytes.data, needed, data, size)) {
+        memmove(bytes.data, bytes.data + range->from, range->count);
+    } else {
+        conus_status status = unpack_in_pieces(bytes.data, range, data, size);
+        if (status) {
+            bytes_finish(&bytes);
+            return status;
+        }
+    }
+    *out = bytes;
+    return CONUS_OK;
+}
+
+static conus_status grow_output(struct stream *stream, uint64_t limit)
+{
+    size_t count = smaller_of(limit, 2 * (uint64_t)stream->count);
+    uint8_t *kept = memory_resize(stream->kept, count, 1);
+    if (!kept) {
+        return CONUS_ERROR_MEMORY;
+    }
+    stream->kept = kept;
+    stream->count = count;
+    return CONUS_OK;
+}
+
+/* Unpacks into stream->kept, which grows and is the caller's to free. */
+static conus_status unpack_growing(struct stream *stream, uint64_t limit)
+{
+    conus_status status = CONUS_OK;
+    while (!status && !stream->ended) {
+        if (stream->position == stream->count && stream->position == limit) {
+            return fail(CONUS_ERROR_MEMORY, "gzip: unpacks to more than the %llu bytes that are allowed",
+                        (unsigned long long)limit);
+        }
+        status = stream->position == stream->count ? grow_output(stream, limit) : CONUS_OK;
+        uint64_t before = stream->position;
+        status = status ? status : inflate_until(stream, stream->count);
+        if (!status && !stream->ended && stream->position == before) {
+            return fail(CONUS_ERROR_DATA, "gzip: cut off after %llu unpacked bytes", (unsigned long long)before);
+        }
+    }
+    if (!status && count_junk(stream->rest, stream->rest_size)) {
+        status = fail(CONUS_ERROR_DATA, "gzip: %zu bytes after the end of the packed data", stream->rest_size);
+    }
+    return status;
+}
+
+conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit)
+{
+    struct stream *stream = NULL;
+    conus_status status = stream_open(&stream, data, size);
+    if (status) {
+        return status;
+    }
+    stream->count = smaller_of(limit, 4 * (uint64_t)size + SCRATCH_SIZE);
+    stream->kept = memory_raw(stream->count, 1);
+    status = stream->kept ? unpack_growing(stream, limit) : CONUS_ERROR_MEMORY;
+    if (status) {
+        memory_free(stream->kept);
+    } else {
+        *out = (struct bytes){stream->kept, (size_t)stream->position};
+    }
+    stream_close(stream);
+    return status;
+}

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * Unpacking gzip without trusting it: nothing is allocated beyond what the caller says it needs, every checksum is
+ * verified, and a stream that holds much more than it should is refused instead of unpacked. */
+#ifndef CONUS_BASE_FORMATS_GZIP_H
+#define CONUS_BASE_FORMATS_GZIP_H
+
+#include "base/file.h"
+
+/** True where @p data begins like a gzip file. */
+bool gzip_is(const uint8_t *data, size_t size);
+
+/** Unpacks the first @p limit bytes, or fewer where the stream ends earlier. No checksum is looked at. */
+conus_status gzip_head(struct bytes *out, const uint8_t *data, size_t size, size_t limit);
+
+/** Unpacks the whole of @p data, whose size is not known, verifying every checksum. More than @p limit bytes are
+ * CONUS_ERROR_MEMORY; anything but zeros after the last member is CONUS_ERROR_DATA. */
+conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit);
+
+/** Which unpacked bytes to keep, and what was found behind them. */
+struct gzip_range {
+    uint64_t from;  /**< First byte to keep.                                                        */
+    size_t count;   /**< Bytes to keep.                                                             */
+    uint64_t total; /**< Bytes that the stream must hold at least; from + count or more.            */
+    uint64_t extra; /**< Out: bytes after `total`.                                                  */
+    size_t junk;    /**< Out: bytes after the last gzip member, other than zeros at the very end.   */
+};
+
+enum { GZIP_EXTRA_LIMIT = 1 << 20 }; /**< More bytes than this after `total` are refused. */
+
+/** Unpacks the whole of @p data (one member or several) and keeps the bytes of @p range. */
+conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint8_t *data, size_t size);
+
+#endif

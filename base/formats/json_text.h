@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file JSON from untrusted text, through jansson. */
+#ifndef CONUS_BASE_FORMATS_JSON_TEXT_H
+#define CONUS_BASE_FORMATS_JSON_TEXT_H
+
+#include "base/status.h"
+#include "base/text.h"
+
+#include <jansson.h>
+
+enum { JSON_TEXT_MEMORY = 1 << 28 }; /**< Bytes that a text may become. */
+
+/** Parses @p text, in which no key may stand twice in an object; CONUS_ERROR_DATA with line and column,
+ * CONUS_ERROR_MEMORY if it has so many entries that it could take more than JSON_TEXT_MEMORY. *out is the caller's to
+ * json_decref(). */
+conus_status json_text_load(json_t **out, struct text text);
+
+#endif

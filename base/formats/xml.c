@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses XML through expat. */
+#include "base/formats/xml.h"
+
+#include "base/buffer.h"
+#include "base/memory.h"
+
+#include <expat.h>
+#include <limits.h>
+#include <string.h>
+
+enum { DEPTH_LIMIT = 64 };
+
+struct parsing {
+    const struct xml_handler *handler;
+    XML_Parser parser;
+    struct buffer text; /* characters behind the last tag */
+    int depth;
+    conus_status status;
+};
+
+static void stop_parser(struct parsing *parsing, conus_status status)
+{
+    if (status && !parsing->status) {
+        parsing->status = status;
+        XML_StopParser(parsing->parser, XML_FALSE);
+    }
+}
+
+static size_t line_of(const struct parsing *parsing)
+{
+    return XML_GetCurrentLineNumber(parsing->parser);
+}
+
+static void on_start(void *user, const char *name, const char **attributes)
+{
+    struct parsing *parsing = user;
+    struct xml_event event = {.name = name, .attributes = attributes, .line = line_of(parsing)};
+    parsing->text.size = 0;
+    if (parsing->status) {
+        return;
+    }
+    if (++parsing->depth > DEPTH_LIMIT) {
+        stop_parser(parsing,
+                    fail(CONUS_ERROR_DATA, "line %zu: elements nested deeper than %d", event.line, DEPTH_LIMIT));
+        return;
+    }
+    stop_parser(parsing, parsing->handler->start(parsing->handler->user, &event));
+}
+
+static void on_end(void *user, const char *name)
+{
+    struct parsing *parsing = user;
+    struct xml_event event = {.name = name, .line = line_of(parsing)};
+    if (parsing->status) {
+        return;
+    }
+    stop_parser(parsing, buffer_status(&parsing->text));
+    parsing->depth--;
+    if (!parsing->status) {
+        event.text = (struct text){parsing->text.data, parsing->text.size};
+        stop_parser(parsing, parsing->handler->end(parsing->handler->user, &event));
+    }
+    parsing->text.size = 0;
+}
+
+static void on_text(void *user, const char *text, int length)
+{
+    struct parsing *parsing = user;
+    buffer_append(&parsing->text, text, (size_t)length);
+}
+
+static void on_doctype(void *user, const char *name, const char *system_id, const char *public_id, int has_subset)
+{
+    (void)name, (void)system_id, (void)public_id;
+    struct parsing *parsing = user;
+    if (has_subset || !parsing->handler->doctype) {
+        stop_parser(parsing, fail(CONUS_ERROR_DATA, "line %zu: a document type (<!DOCTYPE)%s, which is not read",
+                                  line_of(parsing), has_subset ? " with declarations" : ""));
+    }
+}
+
+/* What a definition that was passed over might have declared. */
+static void on_skipped_entity(void *user, const char *name, int is_parameter)
+{
+    (void)is_parameter;
+    struct parsing *parsing = user;
+    stop_parser(parsing, fail(CONUS_ERROR_DATA, "line %zu: unknown entity &%.40s;", line_of(parsing), name));
+}
+
+static conus_status run_parser(struct parsing *parsing, struct text text)
+{
+    XML_SetUserData(parsing->parser, parsing);
+    XML_SetElementHandler(parsing->parser, on_start, on_end);
+    XML_SetCharacterDataHandler(parsing->parser, on_text);
+    XML_SetStartDoctypeDeclHandler(parsing->parser, on_doctype);
+    XML_SetSkippedEntityHandler(parsing->parser, on_skipped_entity);
+    if (XML_Parse(parsing->parser, text.data, (int)text.size, XML_TRUE) == XML_STATUS_OK || parsing->status) {
+        return parsing->status;
+    }
+    enum XML_Error error = XML_GetErrorCode(parsing->parser);
+    return error == XML_ERROR_NO_MEMORY
+               ? fail(CONUS_ERROR_MEMORY, "no memory to read XML")
+               : fail(CONUS_ERROR_DATA, "line %zu: not well-formed XML: %s", line_of(parsing), XML_ErrorString(error));
+}
+
+static void *allocate_block(size_t size)
+{
+    return memory_raw(size, 1);
+}
+
+static void *reallocate_block(void *block, size_t size)
+{
+    return memory_resize(block, size, 1);
+}
+
+static bool declares_encoding(struct text text)
+{
+    const char *end = memmem(text.data, text.size, "?>", 2);
+    size_t length = end ? (size_t)(end - text.data) : 0;
+    return text_starts(text, "<?xml") && memmem(text.data, length, "encoding", strlen("encoding"));
+}
+
+conus_status xml_parse(const struct xml_handler *handler, struct text text)
+{
+    static const XML_Memory_Handling_Suite memory = {allocate_block, reallocate_block, memory_free};
+    const char *encoding = text_is_utf8(text) || declares_encoding(text) ? NULL : "ISO-8859-1";
+    struct parsing parsing = {.handler = handler};
+    text = text_trim(text); /* a declaration must be the very first thing */
+    if (text.size > INT_MAX) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "%zu bytes of XML, at most %d are read", text.size, INT_MAX);
+    }
+    parsing.parser = XML_ParserCreate_MM(encoding, &memory, NULL);
+    if (!parsing.parser) {
+        return fail(CONUS_ERROR_MEMORY, "no memory to read XML");
+    }
+    conus_status status = run_parser(&parsing, text);
+    XML_ParserFree(parsing.parser);
+    buffer_finish(&parsing.text);
+    return status;
+}
+
+const char *xml_attribute(const struct xml_event *event, const char *name)
+{
+    for (const char **at = event->attributes; at && at[0]; at += 2) {
+        if (strcmp(at[0], name) == 0) {
+            return at[1];
+        }
+    }
+    return NULL;
+}
+
+/* How a declaration, a comment or a document type at the start of `text` ends. */
+static const char *ending_of(struct text text)
+{
+    const char *close = memchr(text.data, '>', text.size);
+    bool has_subset = close && memchr(text.data, '[', (size_t)(close - text.data));
+    return text_starts(text, "<?") ? "?>" : text_starts(text, "<!--") ? "-->" : has_subset ? "]>" : ">";
+}
+
+static bool skip_prologue(struct text *text)
+{
+    const char *ending = ending_of(*text);
+    const char *end = memmem(text->data, text->size, ending, strlen(ending));
+    if (!end) {
+        return false;
+    }
+    size_t length = (size_t)(end - text->data) + strlen(ending);
+    *text = text_trim((struct text){text->data + length, text->size - length});
+    return true;
+}
+
+struct text xml_root(struct text text)
+{
+    text = text_trim(text);
+    while (text_starts(text, "<?") || text_starts(text, "<!")) {
+        if (!skip_prologue(&text)) {
+            return (struct text){0};
+        }
+    }
+    size_t length = 0;
+    while (text_starts(text, "<") && 1 + length < text.size && !strchr(" \t\r\n/>", text.data[1 + length])) {
+        length++;
+    }
+    return (struct text){text.data + (length > 0), length};
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file XML from untrusted files: expat with our memory functions, without entities of their own; nothing else
+ * is ever opened. */
+#ifndef CONUS_BASE_FORMATS_XML_H
+#define CONUS_BASE_FORMATS_XML_H
+
+#include "base/status.h"
+#include "base/text.h"
+
+struct xml_event {
+    const char *name;        /**< Of the element.                                               */
+    const char **attributes; /**< At its start: name, value, ..., NULL. NULL at its end.        */
+    struct text text;        /**< At its end: the characters behind the last tag, in UTF-8.     */
+    size_t line;             /**< From 1.                                                       */
+};
+
+/** What to do at the start and the end of each element. A failure stops the parser and is passed on. */
+struct xml_handler {
+    conus_status (*start)(void *user, const struct xml_event *event);
+    conus_status (*end)(void *user, const struct xml_event *event);
+    void *user;
+    bool doctype; /**< A <!DOCTYPE> that only points to a definition is passed over instead of refused. */
+};
+
+/** Parses the document @p text. Bytes that are not UTF-8 and of no declared encoding are taken as ISO-8859-1. Errors
+ * of the document itself are CONUS_ERROR_DATA with their line. */
+conus_status xml_parse(const struct xml_handler *handler, struct text text);
+
+/** Value of attribute @p name, or NULL. */
+const char *xml_attribute(const struct xml_event *event, const char *name);
+
+/** Name of the outermost element of @p text, found without parsing; empty if there is none. */
+struct text xml_root(struct text text);
+
+#endif

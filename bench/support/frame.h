@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A frame as screens have it: 8 bits a channel, and a depth. Needs a current context throughout. */
+#ifndef CONUS_BENCH_SUPPORT_FRAME_H
+#define CONUS_BENCH_SUPPORT_FRAME_H
+
+#include "base/status.h"
+
+#include <epoxy/gl.h>
+
+enum { FRAME_WIDTH = 1400, FRAME_HEIGHT = 1050 }; /* the paper's */
+
+struct frame {
+    GLuint framebuffer, colour, depth;
+    uint32_t width, height;
+};
+
+/** The paper's size, or in a check a tenth of its edges. */
+void frame_size(uint32_t size[2], bool check);
+
+/** Gives it that size, if it has another. Zeroed is a frame without any. */
+conus_status frame_resize(struct frame *frame, const uint32_t size[2]);
+void frame_finish(struct frame *frame);
+
+/** Lets drawing go to it, whatever state was left behind, and clears it. */
+void frame_begin(const struct frame *frame, bool depth_test);
+
+/** Bottom row first, RGBA, 0 to 1. @p pixels [width * height][4]. */
+conus_status frame_read(const struct frame *frame, float *pixels);
+
+/** Part of its pixels that show something. */
+conus_status frame_coverage(double *out, const struct frame *frame);
+
+/** Least part that the subject of a frame must cover, or something is wrong with it. */
+#define FRAME_COVERAGE 0.05
+
+#endif

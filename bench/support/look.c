@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Answers many cones with one engine, compares the answers, and makes the cones. */
+#include "bench/support/look.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+#include "bench/bench.h"
+#include "bench/support/edges.h"
+#include "tests/support/oracle_traversal.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { RESOLUTION = 16 }; /* of the cones made here */
+
+/* ---- Answers --------------------------------------------------------------------------------------------------- */
+
+conus_status look_init(struct look *out, struct engine *engine, const struct cone *cones, size_t count)
+{
+    *out = (struct look){.engine = engine, .cones = cones, .count = count};
+    snprintf(out->name, sizeof out->name, "%s", engine->name);
+    out->answers = memory_zeroed(count, sizeof *out->answers);
+    conus_status status = out->answers ? CONUS_OK : CONUS_ERROR_MEMORY;
+    status = status || !count ? status : evidence_init(&out->scratch, cones[0].resolution);
+    for (size_t i = 0; i < count && !status; i++) {
+        status = evidence_init(&out->answers[i], cones[i].resolution);
+        status = status ? status : engine->functions->trace(engine, &out->answers[i], &cones[i]);
+    }
+    return status;
+}
+
+void look_finish(struct look *look)
+{
+    for (size_t i = 0; look->answers && i < look->count; i++) {
+        evidence_finish(&look->answers[i]);
+    }
+    evidence_finish(&look->scratch);
+    memory_free(look->answers);
+    *look = (struct look){0};
+}
+
+void look_all(void *data)
+{
+    struct look *look = data;
+    for (size_t i = 0; i < look->count; i++) {
+        conus_status status = look->engine->functions->trace(look->engine, &look->scratch, &look->cones[i]);
+        look->status = look->status ? look->status : status;
+    }
+}
+
+static size_t pixels_of(const struct evidence *answer)
+{
+    return (size_t)answer->resolution * answer->resolution;
+}
+
+size_t look_pixels(const struct look *look)
+{
+    size_t pixels = 0;
+    for (size_t i = 0; i < look->count; i++) {
+        pixels += pixels_of(&look->answers[i]);
+    }
+    return pixels;
+}
+
+bool look_same(const struct look *a, const struct look *b)
+{
+    bool same = !a->status && !b->status;
+    for (size_t i = 0; i < a->count && same; i++) {
+        const struct evidence *x = &a->answers[i];
+        const struct evidence *y = &b->answers[i];
+        size_t pixels = pixels_of(x);
+        same = memcmp(x->object, y->object, pixels * sizeof *x->object) == 0 &&
+               memcmp(x->voxel, y->voxel, pixels * sizeof *x->voxel) == 0 &&
+               memcmp(x->distance, y->distance, pixels * sizeof *x->distance) == 0;
+    }
+    return same;
+}
+
+size_t look_differences(const struct look *a, const struct look *b)
+{
+    size_t differences = 0;
+    for (size_t i = 0; i < a->count; i++) {
+        for (size_t pixel = 0; pixel < pixels_of(&a->answers[i]); pixel++) {
+            differences += a->answers[i].object[pixel] != b->answers[i].object[pixel];
+        }
+    }
+    return differences;
+}
+
+bool look_same_but_edges(const struct look *look, const struct look *rays)
+{
+    struct bench_differences differences = {0};
+    for (size_t i = 0; i < look->count; i++) {
+        bench_compare_pixels(&differences, rays->engine, &look->cones[i], look->answers[i].object,
+                             rays->answers[i].object);
+    }
+    return bench_differences_pass(&differences, look->name, look_pixels(look)) && !look->status;
+}
+
+void shoot(void *data)
+{
+    struct shot *shot = data;
+    struct look *look = shot->look;
+    conus_status status = shot->draw(shot->scene, shot->way);
+    if (look && !status) {
+        status = look->engine->functions->trace(look->engine, &look->scratch, &look->cones[shot->next++ % look->count]);
+    }
+    status = status ? status : shot->wait(shot->scene);
+    shot->status = shot->status ? shot->status : status;
+}
+
+/* ---- Engines --------------------------------------------------------------------------------------------------- */
+
+struct plain_engine {
+    struct engine base;
+    const conus_atlas *atlas;
+};
+
+static conus_status look_plainly(struct engine *engine, struct evidence *out, const struct cone *cone)
+{
+    oracle_look(out, ((struct plain_engine *)engine)->atlas, cone);
+    return CONUS_OK;
+}
+
+static void destroy(struct engine *engine)
+{
+    memory_free(engine);
+}
+
+conus_status plain_engine_create(struct engine **out, const conus_atlas *atlas)
+{
+    static const struct engine_functions functions = {.trace = look_plainly, .destroy = destroy};
+    struct plain_engine *engine = memory_zeroed(1, sizeof *engine);
+    if (!engine) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *engine = (struct plain_engine){{&functions, "plain scalar traversal"}, atlas};
+    *out = &engine->base;
+    return CONUS_OK;
+}
+
+struct mesh_engine {
+    struct engine base;
+    struct mesh_rays *rays;
+    unsigned width;
+};
+
+/* Pixels in tiles of 4 x 4, as the rays engine takes them, where the resolution allows it. */
+static uint32_t pixel_of(uint32_t ray, uint32_t n)
+{
+    uint32_t tile = ray / 16, tiles = n / 4;
+    uint32_t row = tile / (tiles ? tiles : 1) * 4 + ray % 16 / 4, column = tile % (tiles ? tiles : 1) * 4 + ray % 4;
+    return n % 4 ? ray : row * n + column;
+}
+
+static conus_status look_at_meshes(struct engine *engine, struct evidence *out, const struct cone *cone)
+{
+    struct mesh_engine *own = (struct mesh_engine *)engine;
+    double u[MESH_RAYS_LIMIT], v[MESH_RAYS_LIMIT], direction[3][MESH_RAYS_LIMIT];
+    uint32_t n = cone->resolution;
+    struct mesh_bundle bundle = {.count = (size_t)n * n, .origin = cone->pose.world_from_device + 12};
+    assert(bundle.count <= MESH_RAYS_LIMIT);
+    bundle.direction = (const double(*)[MESH_RAYS_LIMIT])direction;
+    for (uint32_t ray = 0; ray < bundle.count; ray++) {
+        u[ray] = cone_coordinate(pixel_of(ray, n) % n, n);
+        v[ray] = cone_coordinate(pixel_of(ray, n) / n, n);
+        bundle.t[ray] = INFINITY;
+    }
+    double *const axes[3] = {direction[0], direction[1], direction[2]};
+    cone_rays(axes, cone, u, v, bundle.count);
+    unsigned width = own->width ? own->width : mesh_rays_width(own->rays, bundle.origin, cone->angle / n);
+    conus_status status = mesh_rays_walk(own->rays, &bundle, width);
+    for (uint32_t ray = 0; ray < bundle.count; ray++) {
+        uint32_t pixel = pixel_of(ray, n);
+        out->object[pixel] = bundle.object[ray];
+        out->distance[pixel] = bundle.t[ray];
+        out->voxel[pixel] = bundle.triangle[ray];
+    }
+    return status;
+}
+
+conus_status mesh_engine_create(struct engine **out, struct mesh_rays *rays, unsigned width)
+{
+    static const struct engine_functions functions = {.trace = look_at_meshes, .destroy = destroy};
+    struct mesh_engine *engine = memory_zeroed(1, sizeof *engine);
+    if (!engine) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *engine = (struct mesh_engine){{&functions, ""}, rays, width};
+    if (width) {
+        snprintf(engine->base.name, sizeof engine->base.name, "%u ray%s at once", width, width > 1 ? "s" : "");
+    } else {
+        snprintf(engine->base.name, sizeof engine->base.name, "1 or 16 by rule");
+    }
+    *out = &engine->base;
+    return CONUS_OK;
+}
+
+/* ---- Cones ----------------------------------------------------------------------------------------------------- */
+
+/* What cones go round: a point in the middle, three edges, and from how far. */
+struct block {
+    double middle[3], edge[3][3];
+    double from, to; /* mm */
+};
+
+static void make_cone(struct cone *out, const struct block *block, double angle_deg, uint64_t *random)
+{
+    double from[3], target[3];
+    memcpy(target, block->middle, sizeof target);
+    for (int a = 0; a < 3; a++) {
+        vec3_add_scaled(target, target, bench_random(random, -0.25, 0.25), block->edge[a]);
+    }
+    double z = bench_random(random, -1, 1);
+    double turn = bench_random(random, 0, 2 * MATH3_PI);
+    const double outward[3] = {sqrt(1 - z * z) * cos(turn), sqrt(1 - z * z) * sin(turn), z};
+    vec3_add_scaled(from, block->middle, bench_random(random, block->from, block->to), outward);
+    *out = (struct cone){.angle = radians_from_degrees(angle_deg), .resolution = RESOLUTION};
+    conus_status status = conus_pose_toward(&out->pose, from, target, NULL);
+    assert(!status);
+    (void)status;
+}
+
+void cones_round_grid(struct cone *out, size_t count, const conus_volume_info *info, double angle_deg, uint64_t seed)
+{
+    struct block block = {.from = 200, .to = 300};
+    for (int a = 0; a < 3; a++) {
+        block.middle[a] = 0.5 * (double)(info->dim[a] - 1);
+        vec3_scale(block.edge[a], info->world_from_voxel + 4 * a, (double)info->dim[a]);
+    }
+    mat4_point(block.middle, info->world_from_voxel, block.middle);
+    for (size_t i = 0; i < count; i++) {
+        make_cone(&out[i], &block, angle_deg, &seed);
+    }
+}
+
+static void find_bounds(const conus_atlas *atlas, double low[3], double high[3])
+{
+    for (int a = 0; a < 3; a++) {
+        low[a] = INFINITY;
+        high[a] = -INFINITY;
+    }
+    for (size_t m = 0; m < atlas->mesh_count; m++) {
+        for (size_t i = 0; i < 3 * atlas->meshes[m].vertex_count; i++) {
+            double x = (double)atlas->meshes[m].positions[i];
+            low[i % 3] = fmin(low[i % 3], x);
+            high[i % 3] = fmax(high[i % 3], x);
+        }
+    }
+}
+
+void cones_round_meshes(struct cone *out, size_t count, const conus_atlas *atlas, double angle_deg, uint64_t seed)
+{
+    struct block block = {0};
+    double low[3], high[3];
+    find_bounds(atlas, low, high);
+    for (int a = 0; a < 3; a++) {
+        block.middle[a] = 0.5 * (low[a] + high[a]);
+        block.edge[a][a] = high[a] - low[a];
+        block.from = fmax(block.from, block.edge[a][a]);
+    }
+    block.to = 1.5 * block.from;
+    for (size_t i = 0; i < count; i++) {
+        make_cone(&out[i], &block, angle_deg, &seed);
+    }
+}

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Ways to answer cones: an engine, many cones, and whether another way gives the same answers. */
+#ifndef CONUS_BENCH_SUPPORT_LOOK_H
+#define CONUS_BENCH_SUPPORT_LOOK_H
+
+#include "selection/engine/engine.h"
+#include "selection/engine/mesh_rays.h"
+
+/** An engine that answers cones; cones of one resolution. */
+struct look {
+    char name[112];
+    struct engine *engine;    /**< Borrowed, as the cones are. */
+    const struct cone *cones; /**< [count]                      */
+    size_t count;
+    struct evidence *answers; /**< [count] Of look_init().                                 */
+    struct evidence scratch;  /**< What is timed goes here, as a program does that goes on. */
+    conus_status status;      /**< Of the first cone that could not be answered. */
+};
+
+/** Answers all once. End it with look_finish() even if this fails. */
+conus_status look_init(struct look *out, struct engine *engine, const struct cone *cones, size_t count);
+void look_finish(struct look *look);
+
+/** Answers all again, into the scratch: the `run` of a variant whose data is a look. */
+void look_all(void *look);
+
+/** Whether objects, voxels or triangles, and distances are the same to the bit. */
+bool look_same(const struct look *a, const struct look *b);
+
+/** Pixels, of all cones. */
+size_t look_pixels(const struct look *look);
+
+/** Pixels in which they name different objects. */
+size_t look_differences(const struct look *a, const struct look *b);
+
+/** Whether they name the same objects but for edges (edges.h); prints what differs. */
+bool look_same_but_edges(const struct look *look, const struct look *rays);
+
+/** A frame, and one selection while it is drawn. */
+struct shot {
+    conus_status (*draw)(void *scene, int way); /**< Has a frame drawn in one of its ways, without waiting for it. */
+    conus_status (*wait)(void *scene);          /**< Until it is there. */
+    void *scene;
+    int way;
+    struct look *look; /**< NULL = no selection. */
+    size_t next;       /**< Its next cone.       */
+    conus_status status;
+};
+
+/** The `run` of a variant whose data is a shot. The frame is over when picture and selection are both there. */
+void shoot(void *shot);
+
+/** Engines that need destroying, all on what they are given, which must outlive them. */
+
+/** Plain scalar traversal of the volumes, a voxel at a time (tests/support/oracle_traversal.h). */
+conus_status plain_engine_create(struct engine **out, const conus_atlas *atlas);
+
+/** Surfaces only, so many rays at once; @p width 0 = as the rays engine chooses. Cones of at most 16 x 16 rays. */
+conus_status mesh_engine_create(struct engine **out, struct mesh_rays *rays, unsigned width);
+
+/** Writes cones from 200 to 300 mm around a grid's middle, towards its inner half. */
+void cones_round_grid(struct cone *out, size_t count, const conus_volume_info *info, double angle_deg, uint64_t seed);
+
+/** The same from one to one and a half times the size of the atlas's surfaces. */
+void cones_round_meshes(struct cone *out, size_t count, const conus_atlas *atlas, double angle_deg, uint64_t seed);
+
+#endif

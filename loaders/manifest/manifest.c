@@ -1,0 +1,386 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Tables of the keys that each kind of JSON object may have drive the parser; one function per type of value. */
+#include "loaders/manifest/manifest.h"
+
+#include "base/memory.h"
+#include "loaders/manifest/schema.h"
+#include "loaders/tables/label_cells.h"
+
+#include <string.h>
+
+static conus_status read_version(void *field, const json_t *value, const struct schema_place *place)
+{
+    (void)field;
+    return json_is_integer(value) && json_integer_value(value) == MANIFEST_VERSION
+               ? CONUS_OK
+               : schema_fail(place, value, "1, the version of this format,");
+}
+
+static conus_status read_volume_number(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest_volume *out = field;
+    json_int_t number = json_is_integer(value) ? json_integer_value(value) : -1;
+    if (number < 0 || number > UINT32_MAX) {
+        return schema_fail(place, value, "a whole number from 0");
+    }
+    out->chosen = true;
+    out->volume = (uint32_t)number;
+    return CONUS_OK;
+}
+
+static conus_status read_names(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest_pathway *pathway = field;
+    size_t count = json_array_size(value);
+    if (!count) {
+        return schema_fail(place, value, "a list of names, one per volume,");
+    }
+    pathway->names = memory_zeroed(count, sizeof *pathway->names);
+    pathway->name_count = pathway->names ? count : 0;
+    conus_status status = pathway->names ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < count; i++) {
+        struct schema_place inner = schema_element(place, i);
+        status = schema_text(&pathway->names[i], json_array_get(value, i), &inner);
+    }
+    return status;
+}
+
+static conus_status read_offset(void *field, const json_t *value, const struct schema_place *place)
+{
+    return schema_uint(field, value, place, 0);
+}
+
+/* ---- What is said about an area ---------------------------------------------------------------------------- */
+
+static conus_status read_label_number(void *field, const json_t *value, const struct schema_place *place)
+{
+    return schema_uint(&((struct label *)field)->number, value, place, 1);
+}
+
+static conus_status read_parent(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct label *label = field;
+    label->has_parent = true;
+    return schema_uint(&label->parent, value, place, 1);
+}
+
+static conus_status read_color(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct label *label = field;
+    const char *text = json_string_value(value);
+    label->has_rgb = text && text[0] == '#' && strlen(text) == 7 && strspn(text + 1, "0123456789abcdefABCDEF") == 6;
+    return label->has_rgb ? label_cell_hex(label->rgb, text_from(text), place->key)
+                          : schema_fail(place, value, "\"#rrggbb\"");
+}
+
+static conus_status read_hemisphere(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const char *const words[] = {"L", "R", "B", NULL};
+    unsigned word = 0;
+    conus_status status = schema_word(&word, value, place, words);
+    ((struct label *)field)->hemisphere = status ? 0 : words[word][0];
+    return status;
+}
+
+/* ---- The schema -------------------------------------------------------------------------------------------- */
+
+#define AT(type, member) offsetof(struct type, member)
+
+static conus_status read_transfer_file(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest_context *context = field;
+    context->transfer_is_file = true;
+    return schema_path(&context->transfer, value, place);
+}
+
+static conus_status read_transfer(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest_context *context = field;
+    static const struct schema_field keys[] = {{"file", read_transfer_file, 0, true}, {0}};
+    return json_is_object(value) ? schema_object(context, value, keys, place)
+                                 : schema_text(&context->transfer, value, place);
+}
+
+static conus_status read_parcellation(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const struct schema_field keys[] = {
+        {"file", schema_path, AT(manifest_parcellation, source.file), true},
+        {"volume", read_volume_number, AT(manifest_parcellation, source), false},
+        {"labels", schema_path, AT(manifest_parcellation, labels), false},
+        {0},
+    };
+    struct manifest_parcellation *out = field;
+    return json_is_string(value) ? schema_path(&out->source.file, value, place)
+                                 : schema_object(out, value, keys, place);
+}
+
+static conus_status read_context(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const struct schema_field keys[] = {
+        {"file", schema_path, AT(manifest_context, source.file), true},
+        {"volume", read_volume_number, AT(manifest_context, source), false},
+        {"transfer", read_transfer, 0, false},
+        {"blocks", schema_positive, AT(manifest_context, blocks), false},
+        {0},
+    };
+    struct manifest_context *out = field;
+    return json_is_string(value) ? schema_path(&out->source.file, value, place)
+                                 : schema_object(out, value, keys, place);
+}
+
+static conus_status check_pathway(const struct manifest_pathway *pathway, const struct schema_place *place)
+{
+    const char *one = pathway->name ? "name" : pathway->source.chosen ? "volume" : NULL;
+    const char *many = pathway->fsl ? "fsl" : pathway->names ? "names" : NULL;
+    if (pathway->fsl && pathway->names) {
+        return fail(CONUS_ERROR_DATA, "%s: has fsl and names, one of them is allowed", place->key);
+    }
+    if (one && many) {
+        return fail(CONUS_ERROR_DATA, "%s: has %s for one pathway and %s for several, one of them is allowed",
+                    place->key, one, many);
+    }
+    return pathway->source.file || pathway->fsl ? CONUS_OK
+                                                : fail(CONUS_ERROR_DATA, "%s: file or fsl is missing", place->key);
+}
+
+static conus_status read_pathway(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const struct schema_field keys[] = {
+        {"file", schema_path, AT(manifest_pathway, source.file), false},
+        {"volume", read_volume_number, AT(manifest_pathway, source), false},
+        {"fsl", schema_path, AT(manifest_pathway, fsl), false},
+        {"name", schema_text, AT(manifest_pathway, name), false},
+        {"names", read_names, 0, false},
+        {"threshold", schema_positive, AT(manifest_pathway, threshold), false},
+        {"comment", schema_comment, 0, false},
+        {0},
+    };
+    struct manifest_pathway *out = field;
+    if (json_is_string(value)) {
+        return schema_path(&out->source.file, value, place);
+    }
+    conus_status status = schema_object(out, value, keys, place);
+    return status ? status : check_pathway(out, place);
+}
+
+static conus_status read_area_label(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest_area *area = field;
+    area->has_label = true;
+    return read_label_number(&area->label, value, place);
+}
+
+static conus_status read_structures(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const char *const words[] = {"leaves", "all", NULL};
+    unsigned word = 0;
+    conus_status status = schema_word(&word, value, place, words);
+    ((struct manifest_area *)field)->all_structures = word == 1;
+    return status;
+}
+
+/* Each kind of entry has keys of its own; the key that decides comes first. */
+static const struct schema_field file_keys[] = {
+    {"file", schema_path, AT(manifest_area, file), true},
+    {"label", read_area_label, 0, false},
+    {"name", schema_text, AT(manifest_area, label.name), false},
+    {"abbreviation", schema_text, AT(manifest_area, label.abbreviation), false},
+    {"color", read_color, AT(manifest_area, label), false},
+    {"parent", read_parent, AT(manifest_area, label), false},
+    {"hemisphere", read_hemisphere, AT(manifest_area, label), false},
+    {"vertex_labels", schema_path, AT(manifest_area, vertex_labels), false},
+    {"label_offset", read_offset, AT(manifest_area, label_offset), false},
+    {"comment", schema_comment, 0, false},
+    {0},
+};
+static const struct schema_field files_keys[] = {
+    {"files", schema_path, AT(manifest_area, files), true},
+    {"labels", schema_path, AT(manifest_area, labels), false},
+    {"label_offset", read_offset, AT(manifest_area, label_offset), false},
+    {"parent", read_parent, AT(manifest_area, label), false},
+    {"hemisphere", read_hemisphere, AT(manifest_area, label), false},
+    {"comment", schema_comment, 0, false},
+    {0},
+};
+static const struct schema_field brainglobe_keys[] = {
+    {"brainglobe", schema_path, AT(manifest_area, brainglobe), true},
+    {"structures", read_structures, 0, false},
+    {"scale", schema_positive, AT(manifest_area, scale), false},
+    {"orientation", schema_text, AT(manifest_area, orientation), false},
+    {"comment", schema_comment, 0, false},
+    {0},
+};
+
+/* A surface that is cut into areas says nothing of a single one. */
+static conus_status check_area(const struct manifest_area *area, const struct schema_place *place)
+{
+    bool single = area->has_label || area->label.name || area->label.abbreviation || area->label.has_rgb;
+    if (area->vertex_labels && single) {
+        return fail(CONUS_ERROR_DATA,
+                    "%s: has vertex_labels for several areas and label, name, abbreviation or color of one",
+                    place->key);
+    }
+    if (area->file && area->label_offset && !area->vertex_labels) {
+        return fail(CONUS_ERROR_DATA, "%s.label_offset: without vertex_labels, give label", place->key);
+    }
+    return CONUS_OK;
+}
+
+static conus_status read_area(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const struct schema_field *const kinds[] = {file_keys, files_keys, brainglobe_keys};
+    const struct schema_field *keys = NULL;
+    struct manifest_area *out = field;
+    if (json_is_string(value)) {
+        return schema_path(&out->file, value, place);
+    }
+    for (size_t i = 0; !keys && i < sizeof kinds / sizeof kinds[0]; i++) {
+        keys = json_object_get(value, kinds[i]->key) ? kinds[i] : NULL;
+    }
+    if (json_is_object(value) && !keys) {
+        return fail(CONUS_ERROR_DATA, "%s: file, files or brainglobe is missing", place->key);
+    }
+    conus_status status = schema_object(out, value, keys, place);
+    return status ? status : check_area(out, place);
+}
+
+static conus_status read_node(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const struct schema_field keys[] = {
+        {"label", read_label_number, 0, true},
+        {"parent", read_parent, 0, false},
+        {"name", schema_text, AT(label, name), false},
+        {"abbreviation", schema_text, AT(label, abbreviation), false},
+        {"color", read_color, 0, false},
+        {"comment", schema_comment, 0, false},
+        {0},
+    };
+    return schema_object(field, value, keys, place);
+}
+
+static conus_status read_pathways(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest *out = field;
+    return schema_list((void **)&out->pathways, &out->pathway_count, sizeof *out->pathways, value, read_pathway, place);
+}
+
+static conus_status read_areas(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest *out = field;
+    return schema_list((void **)&out->areas, &out->area_count, sizeof *out->areas, value, read_area, place);
+}
+
+static conus_status read_tree(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest *out = field;
+    return schema_list((void **)&out->tree, &out->tree_count, sizeof *out->tree, value, read_node, place);
+}
+
+static conus_status read_space(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const char *const words[] = {"ras", "lps", NULL};
+    unsigned word = 0;
+    conus_status status = schema_word(&word, value, place, words);
+    ((struct manifest *)field)->space = word ? MESH_SPACE_LPS : MESH_SPACE_RAS;
+    return status;
+}
+
+static conus_status read_prefer(void *field, const json_t *value, const struct schema_place *place)
+{
+    static const char *const words[] = {"areas", "parcellation", NULL};
+    unsigned word = 0;
+    conus_status status = schema_word(&word, value, place, words);
+    ((struct manifest *)field)->prefer = word ? MANIFEST_PREFER_PARCELLATION : MANIFEST_PREFER_AREAS;
+    return status;
+}
+
+static const struct schema_field manifest_keys[] = {
+    {"conus_atlas", read_version, 0, true},
+    {"comment", schema_comment, 0, false},
+    {"allow_outside", schema_flag, AT(manifest, allow_outside), false},
+    {"parcellation", read_parcellation, AT(manifest, parcellation), false},
+    {"areas", read_areas, 0, false},
+    {"space", read_space, 0, false},
+    {"prefer", read_prefer, 0, false},
+    {"tree", read_tree, 0, false},
+    {"pathways", read_pathways, 0, false},
+    {"threshold", schema_positive, AT(manifest, threshold), false},
+    {"context", read_context, AT(manifest, context), false},
+    {0},
+};
+
+static conus_status check_manifest(const struct manifest *manifest)
+{
+    if (!manifest->parcellation.source.file && !manifest->area_count && !manifest->pathway_count) {
+        return fail(CONUS_ERROR_DATA, "nothing to select: parcellation, areas or pathways is needed");
+    }
+    return CONUS_OK;
+}
+
+/* ---- The file ---------------------------------------------------------------------------------------------- */
+
+bool manifest_is(struct text text)
+{
+    struct text start = text_trim(text);
+    return start.size && start.data[0] == '{' && text_mentions(start, "\"conus_atlas\"");
+}
+
+conus_status manifest_parse(struct manifest *out, struct text text)
+{
+    json_t *root = NULL;
+    struct manifest manifest = {0};
+    conus_status status = json_text_load(&root, text);
+    struct schema_place place = {.allow_outside = json_is_true(json_object_get(root, "allow_outside"))};
+    status = status ? status : schema_object(&manifest, root, manifest_keys, &place);
+    status = status ? status : check_manifest(&manifest);
+    json_decref(root);
+    if (status) {
+        manifest_finish(&manifest);
+        return status;
+    }
+    *out = manifest;
+    return CONUS_OK;
+}
+
+static void pathway_finish(struct manifest_pathway *pathway)
+{
+    for (size_t i = 0; i < pathway->name_count; i++) {
+        memory_free(pathway->names[i]);
+    }
+    memory_free(pathway->names);
+    memory_free(pathway->name);
+    memory_free(pathway->fsl);
+    memory_free(pathway->source.file);
+}
+
+static void area_finish(struct manifest_area *area)
+{
+    memory_free(area->file);
+    memory_free(area->files);
+    memory_free(area->brainglobe);
+    label_finish(&area->label);
+    memory_free(area->vertex_labels);
+    memory_free(area->labels);
+    memory_free(area->orientation);
+}
+
+void manifest_finish(struct manifest *manifest)
+{
+    for (size_t i = 0; i < manifest->area_count; i++) {
+        area_finish(&manifest->areas[i]);
+    }
+    for (size_t i = 0; i < manifest->tree_count; i++) {
+        label_finish(&manifest->tree[i]);
+    }
+    memory_free(manifest->areas);
+    memory_free(manifest->tree);
+    for (size_t i = 0; i < manifest->pathway_count; i++) {
+        pathway_finish(&manifest->pathways[i]);
+    }
+    memory_free(manifest->pathways);
+    memory_free(manifest->parcellation.source.file);
+    memory_free(manifest->parcellation.labels);
+    memory_free(manifest->context.source.file);
+    memory_free(manifest->context.transfer);
+    *manifest = (struct manifest){0};
+}

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The atlas manifest NAME.atlas.json: which files make up one scene (docs/formats.md, "Atlas manifest"). Parsing opens
+ * none of them. Strict: what the schema does not know is an error, with the key's path ("pathways[2].threshold"). */
+#ifndef CONUS_LOADERS_MANIFEST_MANIFEST_H
+#define CONUS_LOADERS_MANIFEST_MANIFEST_H
+
+#include "atlas/labels.h"
+#include "loaders/child/mesh_protocol.h"
+
+enum { MANIFEST_VERSION = 1 };
+
+/** One volume of a file. */
+struct manifest_volume {
+    char *file; /**< As written; NULL if the manifest names none.            */
+    bool chosen;
+    uint32_t volume; /**< Which of a 4-D file's, from 0, if chosen.               */
+};
+
+struct manifest_parcellation {
+    struct manifest_volume source;
+    char *labels; /**< NULL: as conus_atlas_load() finds them.                 */
+};
+
+struct manifest_context {
+    struct manifest_volume source;
+    char *transfer; /**< A preset's name or a file; NULL if none.                */
+    bool transfer_is_file;
+    double blocks; /**< Threshold from which on it stops rays; 0 if it does not.  */
+};
+
+/** Surfaces that are areas: one file, the files that match a pattern, or a BrainGlobe folder. */
+struct manifest_area {
+    char *file;
+    char *files;           /**< Pattern: * and ? in the last part of the path.                                      */
+    char *brainglobe;      /**< Folder of structures.json and meshes/ID.obj.                                        */
+    bool has_label;        /**< file: label.number is given, else the first number in the file's name.              */
+    struct label label;    /**< file: what is said about it; files: hemisphere and parent of all.                   */
+    char *vertex_labels;   /**< file: labels of its vertices, which cut it into areas; NULL if none.                */
+    char *labels;          /**< files: table that names them; NULL if none.                                         */
+    uint32_t label_offset; /**< files: added to the numbers in their names, or to 1, 2, ... where there are none.   */
+    double scale;          /**< brainglobe: mm per unit; 0 = 0.001.                                                 */
+    char *orientation;     /**< brainglobe: three letters, where the axes start; NULL = as metadata.json says.      */
+    bool all_structures;   /**< brainglobe: not only those that contain no other with a surface.                    */
+};
+
+/** Which one is the area where a label is a surface's and has voxels in the parcellation. */
+enum manifest_preference { MANIFEST_PREFER_NONE, MANIFEST_PREFER_AREAS, MANIFEST_PREFER_PARCELLATION };
+
+/** One pathway, or with `names` or `fsl` one for each volume of a 4-D file. */
+struct manifest_pathway {
+    struct manifest_volume source;
+    char *fsl; /**< An FSL atlas XML that names the volumes of source.file, or of its own finest image.       */
+    char *name;
+    char **names;
+    size_t name_count;
+    double threshold; /**< 0 = the manifest's, else the default.                                              */
+};
+
+struct manifest {
+    bool allow_outside; /**< Paths may leave the manifest's folder.                                           */
+    struct manifest_parcellation parcellation;
+    struct manifest_context context;
+    enum mesh_space space; /**< Of the surfaces' coordinates; unstated = as each file says.                       */
+    enum manifest_preference prefer;
+    struct manifest_area *areas;
+    size_t area_count;
+    struct label *tree; /**< Parents, and areas without a shape that group others.                                */
+    size_t tree_count;
+    struct manifest_pathway *pathways;
+    size_t pathway_count;
+    double threshold; /**< Of pathways that give none; 0 = the default.                                       */
+};
+
+/** True where @p text looks like a manifest: a JSON object with the key "conus_atlas". */
+bool manifest_is(struct text text);
+
+/** Parses @p text. CONUS_ERROR_DATA with the key, or line and column where it is no JSON. */
+conus_status manifest_parse(struct manifest *out, struct text text);
+void manifest_finish(struct manifest *manifest);
+
+#endif

@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Guesses from its values what a volume is good for, and from names whether surfaces have labels. */
+#include "loaders/manifest/manifest_scan.h"
+
+#include "base/buffer.h"
+#include "base/memory.h"
+#include "loaders/labels/label_find.h"
+#include "loaders/volumes/grey.h"
+#include "loaders/volumes/volume_values.h"
+
+#include <string.h>
+
+static const double sparse_share = 0.2; /* of voxels that are not zero: a pathway */
+static const double half = 0.5;         /* of neighbours equal, where there are too few to tell: labels */
+
+static conus_status has_table(bool *out, struct label_table *table, const struct volume_file *file,
+                              const uint32_t *labels)
+{
+    struct notes notes = {0};
+    char *source = NULL;
+    *out = false;
+    conus_status status = label_table_of_volume(table, &source, file, labels, NULL, &notes);
+    for (size_t i = 0; !status && i < table->count; i++) {
+        *out = *out || table->entries[i].name;
+    }
+    notes_finish(&notes);
+    memory_free(source);
+    return status;
+}
+
+/* Whether more than one value, besides 0, is there: a mask is no parcellation. */
+static bool has_several(const uint32_t *labels, size_t count)
+{
+    uint32_t first = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (labels[i] && first && labels[i] != first) {
+            return true;
+        }
+        first = first ? first : labels[i];
+    }
+    return false;
+}
+
+static conus_status judge_labels(struct volume_guess *out, const struct volume_file *file, const uint32_t *labels)
+{
+    struct label_table table = {0};
+    struct grey_verdict verdict = {0};
+    bool named = false;
+    size_t voxels = file->info.dim[0] * file->info.dim[1] * file->info.dim[2];
+    conus_status status = has_table(&named, &table, file, labels);
+    status = status ? status : grey_judge_file(&verdict, file, labels, &table, false);
+    bool pieces = has_several(labels, voxels) && (verdict.telling || verdict.equal > half);
+    if (!status && !verdict.grey && (named || pieces)) {
+        *out =
+            (struct volume_guess){VOLUME_LABELS, 1, named ? "named by a label table" : "areas of equal whole numbers"};
+    }
+    label_table_finish(&table);
+    return status;
+}
+
+/* What is no parcellation: `filled` voxels of it are not 0. */
+static conus_status judge_filled(struct volume_guess *out, const struct volume_file *file, struct notes *notes)
+{
+    float *values = NULL;
+    struct volume_file copy = *file; /* whose range is set */
+    size_t voxels = file->info.dim[0] * file->info.dim[1] * file->info.dim[2];
+    size_t filled = 0;
+    conus_status status = volume_file_values(&values, &copy, notes);
+    for (size_t i = 0; !status && i < voxels; i++) {
+        filled += values[i] != 0;
+    }
+    memory_free(values);
+    if (!status && !filled) {
+        return fail(CONUS_ERROR_DATA, "%s: all of its values are 0", file->path);
+    }
+    bool sparse = (double)filled < sparse_share * (double)voxels;
+    *out = (struct volume_guess){sparse ? VOLUME_PATHWAY : VOLUME_CONTEXT, 1,
+                                 sparse ? "mostly zero" : "values almost everywhere"};
+    return status;
+}
+
+static conus_status judge_volume(struct volume_guess *out, struct volume_file *file, struct notes *notes)
+{
+    uint32_t *labels = NULL;
+    conus_status status = judge_filled(out, file, notes);
+    if (status) {
+        return status;
+    }
+    status = volume_file_labels(&labels, file);
+    status = status ? status : judge_labels(out, file, labels);
+    memory_free(labels);
+    return status == CONUS_ERROR_DATA ? CONUS_OK : status; /* fractions, or a damaged table */
+}
+
+/* A 4-D file is refused without a choice: then volume 0 stands for all. */
+static conus_status open_any(struct volume_file *file, const char *path, uint64_t max_memory)
+{
+    struct buffer first = {0};
+    struct notes notes = {0};
+    buffer_format(&first, "%s,volume=0", path);
+    conus_status status = buffer_status(&first);
+    status = status ? status : volume_file_open(file, first.data, max_memory, &notes);
+    buffer_finish(&first);
+    notes_finish(&notes);
+    return status;
+}
+
+conus_status volume_guess_make(struct volume_guess *out, const char *path, uint64_t max_memory)
+{
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    conus_status status = open_any(&file, path, max_memory);
+    if (!status && file.info.volume_count > 1) {
+        *out = (struct volume_guess){VOLUME_SERIES, file.info.volume_count, "several volumes"};
+    } else if (!status) {
+        status = judge_volume(out, &file, &notes);
+    }
+    notes_finish(&notes);
+    volume_file_finish(&file);
+    return status;
+}
+
+/* The first number in a name as text, without zeros in front; empty if there is none. */
+static struct text first_number(const char *name)
+{
+    size_t start = strcspn(name, "0123456789");
+    size_t length = strspn(name + start, "0123456789");
+    while (length > 1 && name[start] == '0') {
+        start++;
+        length--;
+    }
+    return (struct text){name + start, length};
+}
+
+bool surface_names_give_labels(const struct names *names)
+{
+    size_t numbered = 0;
+    for (size_t i = 0; i < names->count; i++) {
+        struct text number = first_number(names->names[i]);
+        numbered += number.size > 0;
+        if (number.size > 9 || text_equal(number, "0")) {
+            return false;
+        }
+        for (size_t k = 0; k < i && number.size; k++) {
+            struct text other = first_number(names->names[k]);
+            if (other.size == number.size && memcmp(other.data, number.data, number.size) == 0) {
+                return false;
+            }
+        }
+    }
+    return numbered == 0 || numbered == names->count;
+}

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What a file in a folder may be good for in a scene: guesses for a first manifest. */
+#ifndef CONUS_LOADERS_MANIFEST_MANIFEST_SCAN_H
+#define CONUS_LOADERS_MANIFEST_MANIFEST_SCAN_H
+
+#include "base/folder.h"
+
+enum volume_use { VOLUME_LABELS, VOLUME_PATHWAY, VOLUME_SERIES, VOLUME_CONTEXT };
+
+struct volume_guess {
+    enum volume_use use;
+    size_t count;      /**< Volumes in the file.              */
+    const char *words; /**< What the guess rests on; static.  */
+};
+
+/** Reads the volume @p path and guesses: several volumes are pathways; what grey_judge_file() takes for labels is
+ * labels, if a table names it or if there are several values in pieces; else what is mostly zero is a pathway, and what
+ * is not is the context. All values 0 are CONUS_ERROR_DATA. */
+conus_status volume_guess_make(struct volume_guess *out, const char *path, uint64_t max_memory);
+
+/** Whether labels follow from the names of surfaces: each holds a number, and no two the same first one; or none does.
+ */
+bool surface_names_give_labels(const struct names *names);
+
+#endif

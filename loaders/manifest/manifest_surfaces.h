@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Entries of a manifest for the surfaces in a folder. */
+#ifndef CONUS_LOADERS_MANIFEST_MANIFEST_SURFACES_H
+#define CONUS_LOADERS_MANIFEST_MANIFEST_SURFACES_H
+
+#include "loaders/manifest/manifest_draft.h"
+
+enum { MANIFEST_LABEL_STEP = 10000 }; /**< Between the labels of two groups of surfaces. */
+
+/** Adds the surfaces in the folder @p name of the draft's ("" for that itself), or the BrainGlobe atlas that it is. */
+conus_status manifest_surfaces_add(struct manifest_draft *draft, const char *name);
+
+/** Appends to @p out a manifest of the surfaces in @p folder (ending in '/'), or of the BrainGlobe atlas that it is. */
+conus_status manifest_of_surfaces(struct buffer *out, const char *folder);
+
+#endif

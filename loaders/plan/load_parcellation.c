@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A parcellation: a labelled volume, or an FSL atlas XML that names some, and the table of its labels. */
+#include "loaders/plan/load_parcellation.h"
+
+#include "atlas/space.h"
+#include "base/buffer.h"
+#include "base/folder.h"
+#include "base/formats/xml.h"
+#include "base/memory.h"
+#include "loaders/file_kind.h"
+#include "loaders/labels/label_file.h"
+#include "loaders/labels/label_find.h"
+#include "loaders/tables/fsl_find.h"
+#include "loaders/tables/fsl_number.h"
+#include "loaders/volumes/grey.h"
+#include "loaders/volumes/volume_values.h"
+
+void parcellation_finish(struct parcellation *parts)
+{
+    volume_file_finish(&parts->file);
+    memory_free(parts->labels);
+    label_table_finish(&parts->table);
+    memory_free(parts->source);
+    file_sums_finish(&parts->read);
+    notes_finish(&parts->notes);
+}
+
+static conus_status set_source(struct parcellation *parts, const char *format, const char *where)
+{
+    struct buffer source = {0};
+    buffer_format(&source, "%s in %s", format, where);
+    conus_status status = buffer_status(&source);
+    if (status) {
+        buffer_finish(&source);
+        return status;
+    }
+    memory_free(parts->source);
+    parts->source = source.data;
+    return CONUS_OK;
+}
+
+static conus_status read_override(struct parcellation *parts, const char *path)
+{
+    const char *format = NULL;
+    struct label_table table = {0};
+    const struct label_use use = {&parts->file.info, parts->labels, NULL, parts->file.max_memory, &parts->read};
+    conus_status status = label_file_read(&table, &format, path, &use, &parts->notes);
+    status = status ? status : set_source(parts, format, path);
+    if (status) {
+        label_table_finish(&table);
+        return status;
+    }
+    label_table_finish(&parts->table);
+    parts->table = table;
+    return CONUS_OK;
+}
+
+/* Opens `image` of the atlas and keeps it if its voxels are smaller than those of what is there. */
+static conus_status consider_image(struct parcellation *parts, const char *xml_path, const char *image,
+                                   uint64_t max_memory)
+{
+    char *path = NULL;
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    conus_status status = fsl_image_find(&path, xml_path, image);
+    if (!status && !path) {
+        status = notes_add(&parts->notes, "image %s of the FSL atlas is not there", image);
+    } else if (!status) {
+        status = volume_file_open(&file, path, max_memory, &notes);
+    }
+    if (!status && path && (!parts->file.path || space_voxel_mm3(&file.info) < space_voxel_mm3(&parts->file.info))) {
+        struct volume_file other = parts->file;
+        parts->file = file;
+        file = other;
+        status = notes_move(&parts->notes, &notes);
+    }
+    memory_free(path);
+    volume_file_finish(&file);
+    notes_finish(&notes);
+    return status;
+}
+
+static conus_status open_finest(struct parcellation *parts, const struct fsl_atlas *atlas, const char *path,
+                                uint64_t max_memory)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < atlas->image_count; i++) {
+        const char *image = atlas->images[i].image;
+        status = image ? consider_image(parts, path, image, max_memory) : CONUS_OK;
+    }
+    if (!status && !parts->file.path) {
+        return fail(CONUS_ERROR_DATA, "%s: none of its %zu images is there (<imagefile> is relative to the XML)", path,
+                    atlas->image_count);
+    }
+    if (!status && atlas->image_count > 1) {
+        const double *s = parts->file.info.spacing;
+        status = notes_add(&parts->notes, "of the %zu images of %s the finest is used: %s (%g x %g x %g mm)",
+                           atlas->image_count, path_base(path), path_base(parts->file.path), s[0], s[1], s[2]);
+    }
+    return status;
+}
+
+static conus_status load_fsl(struct parcellation *parts, const char *path, struct text text, uint64_t max_memory)
+{
+    struct fsl_atlas atlas = {0};
+    conus_status status = fsl_atlas_parse(&atlas, text);
+    if (status) {
+        return fail_in(status, path);
+    }
+    if (!atlas.is_label) {
+        status = fail(CONUS_ERROR_UNSUPPORTED,
+                      "%s: an FSL atlas of type %s, Label is needed; load one of its summary "
+                      "images instead, and its volumes as pathways (--pathway FILE,volume=K)",
+                      path, atlas.type);
+    }
+    status = status ? status : open_finest(parts, &atlas, path, max_memory);
+    status = status ? status : volume_file_labels(&parts->labels, &parts->file);
+    if (!status) {
+        const struct label_use use = {&parts->file.info, parts->labels, path, max_memory, NULL};
+        status = fsl_atlas_number(&atlas, &use, &parts->notes);
+    }
+    status = status ? status : set_source(parts, "FSL atlas XML", path_base(path));
+    if (!status) {
+        parts->table = atlas.labels;
+        atlas.labels = (struct label_table){0};
+    }
+    fsl_atlas_finish(&atlas);
+    return status;
+}
+
+static conus_status load_markup(struct parcellation *parts, const char *path, uint64_t max_memory, const char *needed)
+{
+    struct bytes bytes = {0};
+    conus_status status = file_read(&bytes, path, FSL_ATLAS_LIMIT);
+    struct text text = text_from_bytes(bytes.data, bytes.size);
+    if (!status && !text_equal(xml_root(text), "atlas")) {
+        status = file_kind_refuse(path, needed);
+    }
+    status = status ? status : load_fsl(parts, path, text, max_memory);
+    status = status ? status : file_sums_add(&parts->read, path, &bytes);
+    bytes_finish(&bytes);
+    return status;
+}
+
+static conus_status read_names(struct parcellation *parts, const char *override, bool markup)
+{
+    if (override) {
+        return read_override(parts, override);
+    }
+    return markup ? CONUS_OK
+                  : label_table_of_volume(&parts->table, &parts->source, &parts->file, parts->labels, &parts->read,
+                                          &parts->notes);
+}
+
+static conus_status refuse_grey(const struct parcellation *parts, bool stated)
+{
+    struct grey_verdict verdict;
+    conus_status status = grey_judge_file(&verdict, &parts->file, parts->labels, &parts->table, stated);
+    return status || !verdict.grey
+               ? status
+               : fail(
+                     CONUS_ERROR_DATA,
+                     "%s: looks like an image, not like labels: %.0f %% of its neighbouring voxels are equal, of areas "
+                     "%.0f %% would be; --context draws it, --pathway selects what is bright in it, --labels-anyway "
+                     "takes every value for an area",
+                     parts->file.path, 100 * verdict.equal, 100 * verdict.needed);
+}
+
+conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options,
+                               const char *needed)
+{
+    bool markup = file_first_character(path) == '<';
+    conus_status status = markup ? load_markup(out, path, options->max_memory, needed)
+                                 : volume_file_open_as(&out->file, path, options->max_memory, needed, &out->notes);
+    status = status || markup ? status : volume_file_labels(&out->labels, &out->file);
+    status = status ? status : read_names(out, options->labels, markup);
+    out->file.info.role = CONUS_ROLE_PARCELLATION;
+    return status || options->labels_anyway ? status : refuse_grey(out, markup);
+}
+
+conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts)
+{
+    return atlas_create(out, &parts->file.info, parts->labels, &parts->table, parts->source, &parts->notes);
+}

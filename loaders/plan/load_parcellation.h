@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A parcellation before it is an atlas: voxels with labels, and their table. */
+#ifndef CONUS_LOADERS_PLAN_LOAD_PARCELLATION_H
+#define CONUS_LOADERS_PLAN_LOAD_PARCELLATION_H
+
+#include "atlas/atlas.h"
+#include "loaders/volumes/volume_file.h"
+
+/** What a parcellation is made of, until atlas_create() has it. */
+struct parcellation {
+    struct volume_file file;
+    uint32_t *labels;
+    struct label_table table;
+    char *source;          /**< Where the names come from, in words. */
+    struct file_sums read; /**< What else than the volume was read. */
+    struct notes notes;
+};
+
+/** Reads a labelled volume or an FSL atlas XML; @p needed says in words what may stand here. @p out (zeroed) is the
+ * caller's to finish, also on failure. */
+conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options,
+                               const char *needed);
+void parcellation_finish(struct parcellation *parts);
+
+/** An atlas of it; the notes go there. */
+conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts);
+
+#endif

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Areas of a manifest that are the structures of a BrainGlobe folder: structures.json, metadata.json and
+ * meshes/ID.obj. */
+#include "loaders/plan/plan_brainglobe.h"
+
+#include "base/buffer.h"
+#include "base/folder.h"
+#include "base/formats/json_text.h"
+#include "base/memory.h"
+#include "loaders/labels/label_file.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { METADATA_LIMIT = 1 << 20 };
+
+static const double micrometres = 0.001; /* BrainGlobe's unit, in mm */
+
+/* ---- The orientation --------------------------------------------------------------------------------------------- */
+
+conus_status brainglobe_metadata_parse(char out[BRAINGLOBE_ORIENTATION], struct text text)
+{
+    json_t *root = NULL;
+    conus_status status = json_text_load(&root, text);
+    const json_t *orientation = json_object_get(root, "orientation");
+    if (!status && !json_is_object(root)) {
+        status = fail(CONUS_ERROR_DATA, "not a JSON object");
+    }
+    if (!status && orientation && !json_is_string(orientation)) {
+        status = fail(CONUS_ERROR_DATA, "orientation: a text of three letters is needed");
+    }
+    if (!status && orientation) {
+        snprintf(out, BRAINGLOBE_ORIENTATION, "%s", json_string_value(orientation));
+    }
+    json_decref(root);
+    return status;
+}
+
+/* Row and sign of the world axis that grows away from `corner`: BrainGlobe's letters name where an array axis starts.
+ */
+static bool read_corner(int *row, double *sign, char corner)
+{
+    static const char letters[] = "LRPAIS"; /* starts there: grows along +x, -x, +y, -y, +z, -z */
+    const char *at = corner ? strchr(letters, corner >= 'a' ? corner - 'a' + 'A' : corner) : NULL;
+    if (!at) {
+        return false;
+    }
+    *row = (int)(at - letters) / 2;
+    *sign = (at - letters) % 2 ? -1 : 1;
+    return true;
+}
+
+static conus_status orient_mesh(double world_from_mesh[16], const char *orientation, double scale)
+{
+    bool used[3] = {false, false, false};
+    memset(world_from_mesh, 0, 16 * sizeof *world_from_mesh);
+    world_from_mesh[15] = 1;
+    for (int axis = 0; axis < 3; axis++) {
+        int row = 0;
+        double sign = 0;
+        if (strlen(orientation) != 3 || !read_corner(&row, &sign, orientation[axis]) || used[row]) {
+            return fail(CONUS_ERROR_DATA,
+                        "orientation: found \"%.8s\", one letter each of R or L, A or P, S or I is needed",
+                        orientation);
+        }
+        used[row] = true;
+        world_from_mesh[4 * axis + row] = sign * scale;
+    }
+    return CONUS_OK;
+}
+
+/* The orientation in metadata.json, "asr" without one. */
+static conus_status read_orientation(char out[BRAINGLOBE_ORIENTATION], const char *folder, struct file_sums *read)
+{
+    struct bytes bytes = {0};
+    struct buffer path = {0};
+    buffer_format(&path, "%s/metadata.json", folder);
+    conus_status status = buffer_status(&path);
+    snprintf(out, BRAINGLOBE_ORIENTATION, "asr");
+    if (!status && file_exists(path.data) && !(status = file_read(&bytes, path.data, METADATA_LIMIT))) {
+        status = brainglobe_metadata_parse(out, (struct text){(const char *)bytes.data, bytes.size});
+        status = status ? fail_in(status, path.data) : file_sums_add(read, path.data, &bytes);
+    }
+    bytes_finish(&bytes);
+    buffer_finish(&path);
+    return status;
+}
+
+/* A BrainGlobe folder while it is looked through. */
+struct brainglobe {
+    /* ---- The structures
+     * ---------------------------------------------------------------------------------------------- */
+
+    char *folder;
+    struct label_table structures;
+    char **meshes;  /* [structures.count] paths, NULL where there is no file */
+    bool *contains; /* [structures.count] another one with a mesh */
+};
+
+static void brainglobe_finish(struct brainglobe *brainglobe)
+{
+    for (size_t i = 0; brainglobe->meshes && i < brainglobe->structures.count; i++) {
+        memory_free(brainglobe->meshes[i]);
+    }
+    memory_free(brainglobe->meshes);
+    memory_free(brainglobe->contains);
+    memory_free(brainglobe->folder);
+    label_table_finish(&brainglobe->structures);
+}
+
+static conus_status find_meshes(struct brainglobe *brainglobe)
+{
+    struct label_table *table = &brainglobe->structures;
+    brainglobe->meshes = memory_zeroed(table->count, sizeof *brainglobe->meshes);
+    brainglobe->contains = memory_zeroed(table->count, sizeof *brainglobe->contains);
+    conus_status status = brainglobe->meshes && brainglobe->contains ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < table->count; i++) {
+        struct buffer path = {0};
+        buffer_format(&path, "%s/meshes/%u.obj", brainglobe->folder, table->entries[i].number);
+        status = buffer_status(&path);
+        if (status || !file_exists(path.data)) {
+            buffer_finish(&path);
+        }
+        brainglobe->meshes[i] = path.data;
+    }
+    return status;
+}
+
+/* Marks everything above each structure that has a mesh. */
+static void mark_containers(struct brainglobe *brainglobe)
+{
+    struct label_table *table = &brainglobe->structures;
+    for (size_t i = 0; i < table->count; i++) {
+        const struct label *at = &table->entries[i];
+        for (size_t steps = 0; brainglobe->meshes[i] && at && at->has_parent && steps < table->count; steps++) {
+            at = label_table_find(table, at->parent);
+            if (at) {
+                brainglobe->contains[at - table->entries] = true;
+            }
+        }
+    }
+}
+
+static conus_status open_brainglobe(struct brainglobe *brainglobe, struct area_plan *plan,
+                                    const struct manifest_area *area, const char *path, struct notes *notes)
+{
+    const struct label_use use = {.max_memory = plan->max_memory, .read = &plan->read};
+    const char *format;
+    struct buffer table = {0};
+    brainglobe->folder = file_beside(path, area->brainglobe);
+    conus_status status = brainglobe->folder ? CONUS_OK : CONUS_ERROR_MEMORY;
+    buffer_format(&table, "%s/structures.json", status ? "" : brainglobe->folder);
+    status = status ? status : buffer_status(&table);
+    status = status ? status : label_file_read(&brainglobe->structures, &format, table.data, &use, notes);
+    status = status ? status : find_meshes(brainglobe);
+    buffer_finish(&table);
+    if (!status) {
+        mark_containers(brainglobe);
+    }
+    return status;
+}
+
+static conus_status plan_structures(struct area_plan *plan, size_t entry, struct brainglobe *brainglobe, bool all,
+                                    const double world_from_mesh[16])
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < brainglobe->structures.count; i++) {
+        const struct label *label = &brainglobe->structures.entries[i];
+        if (brainglobe->meshes[i] && (all || !brainglobe->contains[i])) {
+            status = area_plan_add(plan, entry, brainglobe->meshes[i], label);
+            brainglobe->meshes[i] = NULL;
+            if (!status) {
+                struct planned_area *area = &plan->areas[plan->count - 1];
+                area->placed = true;
+                memcpy(area->world_from_mesh, world_from_mesh, sizeof area->world_from_mesh);
+            }
+        } else if (brainglobe->contains[i]) {
+            status = area_plan_add_group(plan, label);
+        }
+    }
+    return status;
+}
+
+conus_status plan_brainglobe(struct area_plan *plan, size_t entry, const struct manifest_area *area, const char *path,
+                             struct notes *notes)
+{
+    struct brainglobe brainglobe = {0};
+    char orientation[BRAINGLOBE_ORIENTATION];
+    double world_from_mesh[16];
+    double scale = area->scale > 0 ? area->scale : micrometres;
+    size_t before = plan->count;
+    conus_status status = open_brainglobe(&brainglobe, plan, area, path, notes);
+    if (!status && area->orientation) {
+        snprintf(orientation, sizeof orientation, "%s", area->orientation);
+    } else {
+        status = status ? status : read_orientation(orientation, brainglobe.folder, &plan->read);
+    }
+    status = status ? status : orient_mesh(world_from_mesh, orientation, scale);
+    status = status ? status : plan_structures(plan, entry, &brainglobe, area->all_structures, world_from_mesh);
+    if (!status && plan->count == before) {
+        status = fail(CONUS_ERROR_DATA, "brainglobe: %s/meshes holds no ID.obj of structures.json", area->brainglobe);
+    }
+    if (!status) {
+        status = notes_add(notes,
+                           "%s: %zu surfaces, stored times %g is mm, axes start at \"%s\"; the world's origin is that "
+                           "corner",
+                           brainglobe.folder, plan->count - before, scale, orientation);
+    }
+    brainglobe_finish(&brainglobe);
+    return status;
+}

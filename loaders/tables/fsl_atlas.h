@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file FSL's atlas specification: one XML that names images (in several resolutions) and their labels. */
+#ifndef CONUS_LOADERS_TABLES_FSL_ATLAS_H
+#define CONUS_LOADERS_TABLES_FSL_ATLAS_H
+
+#include "atlas/labels.h"
+
+enum { FSL_ATLAS_LIMIT = 4 << 20 }; /**< Bytes of an atlas XML. */
+
+/** Paths as written: relative to the XML's folder although they begin with '/', and without ending. */
+struct fsl_image {
+    char *image;   /**< Type Label: labels; else one volume per label. */
+    char *summary; /**< Type Label: the same; else labels.             */
+};
+
+/** The x y z of a label: a voxel of the first image. */
+struct fsl_point {
+    bool given;
+    double at[3];
+};
+
+struct fsl_atlas {
+    char *type;    /**< As written.                                                                 */
+    bool is_label; /**< Type Label: index should be the voxel value. Else the number of a volume.   */
+    struct fsl_image *images;
+    size_t image_count;
+    struct label_table labels; /**< By index + 1, as in the file, until fsl_atlas_number().         */
+    struct fsl_point *points;  /**< Of labels.entries, until fsl_atlas_number().                    */
+    bool proved;               /**< fsl_atlas_number() found the x y z of the labels in the volume. */
+};
+
+/** Parses the bytes of an atlas XML. */
+conus_status fsl_atlas_parse(struct fsl_atlas *out, struct text text);
+void fsl_atlas_finish(struct fsl_atlas *atlas);
+
+#endif

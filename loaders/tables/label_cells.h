@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Entries of label tables and their cells, for all formats. */
+#ifndef CONUS_LOADERS_TABLES_LABEL_CELLS_H
+#define CONUS_LOADERS_TABLES_LABEL_CELLS_H
+
+#include "atlas/labels.h"
+#include "base/formats/xml.h"
+
+/** Appends @p label, if filling it gave @p status CONUS_OK; else returns @p status. Its strings are taken over in any
+ * case. Label 0 is background and dropped, with a note where its name does not say so: a table that counts from 0
+ * names every area wrongly. */
+conus_status label_keep(struct label_table *table, struct label *label, conus_status status, struct notes *notes);
+
+/** Whether @p name says that what is called so is no area: "unknown", "Air", "*.*.*". */
+bool label_is_background(struct text name);
+
+/** Number and colour of Workbench's and GIFTI's <Label Key= Red= Green= Blue=>; its name is the element's text. */
+conus_status label_element(struct label *out, const struct xml_event *event);
+
+/** Values of cells. @p where ("line 7", "entry 3") starts the message. */
+conus_status label_cell_number(uint32_t *out, struct text cell, const char *where);
+conus_status label_cell_channel(uint8_t *out, struct text cell, const char *channel, const char *where);
+conus_status label_cell_fraction(uint8_t *out, struct text cell, const char *channel, const char *where);
+/** "#rrggbb" or "rrggbb". */
+conus_status label_cell_hex(uint8_t out[3], struct text cell, const char *where);
+/** 'L', 'R', 'B' from the usual words for them, 0 from any other. */
+char label_hemisphere_of(struct text cell);
+/** Red, green, blue by @p parse_channel (one of the two above). */
+conus_status label_cell_rgb(struct label *label, const struct text cells[3],
+                            conus_status (*parse_channel)(uint8_t *, struct text, const char *, const char *),
+                            const char *where);
+
+#endif

@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Label tables with a header row: BIDS dseg.tsv, Slicer's CSV, and others. The names of the columns decide what they
+ * mean; unknown columns are allowed. */
+#include "loaders/tables/label_columns.h"
+
+#include "base/memory.h"
+#include "loaders/tables/label_cells.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum column { INDEX, NAME, ABBREVIATION, COLOUR, RED, GREEN, BLUE, HEMISPHERE, PARENT, RIVAL, COLUMN_COUNT };
+enum { NO_COLUMN = -1, SYNONYM_COUNT = 5, FIELD_LIMIT = 1024 };
+
+/* What a column may be called, the preferred word first. A rival is a second column that could be the index. */
+static const char *const names[COLUMN_COUNT][SYNONYM_COUNT] = {
+    [INDEX] = {"index", "LabelValue", "id", "key", "label"},
+    [NAME] = {"name", "region", "structure", "label"},
+    [ABBREVIATION] = {"abbreviation", "acronym", "abbr"},
+    [COLOUR] = {"color", "colour", "color_hex_triplet", "hex"},
+    [RED] = {"Color_R", "red", "r"},
+    [GREEN] = {"Color_G", "green", "g"},
+    [BLUE] = {"Color_B", "blue", "b"},
+    [HEMISPHERE] = {"hemisphere", "hemi"},
+    [PARENT] = {"parent_structure_id", "parent_id"},
+};
+
+struct header {
+    char separator;
+    int at[COLUMN_COUNT]; /* field of each column, or NO_COLUMN */
+    int count;
+    const char *twice; /* a column that two fields claim, or NULL */
+    bool disputed;     /* a rival has been noted */
+};
+
+static bool next_line(struct text *rest, size_t *number, struct text *line)
+{
+    while (text_line(rest, line)) {
+        ++*number;
+        struct text trimmed = text_trim(*line);
+        if (trimmed.size && trimmed.data[0] != '#') {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void match_column(struct header *header, int ranks[COLUMN_COUNT], struct text field, int at)
+{
+    for (int column = 0; column < COLUMN_COUNT; column++) {
+        for (int rank = 0; rank < SYNONYM_COUNT && names[column][rank]; rank++) {
+            bool named = text_equal_ignoring_case(field, names[column][rank]);
+            header->twice = named && rank == ranks[column] ? names[column][rank] : header->twice;
+            if (named && column == INDEX) {
+                header->at[RIVAL] = rank < ranks[INDEX] ? header->at[INDEX] : at;
+            }
+            if (named && rank < ranks[column]) {
+                ranks[column] = rank;
+                header->at[column] = at;
+            }
+        }
+    }
+}
+
+/* Reads the header row; false if `line` is none, which takes a number and a name. */
+static bool read_header(struct header *header, struct text line)
+{
+    int ranks[COLUMN_COUNT];
+    *header = (struct header){.separator = memchr(line.data, '\t', line.size)  ? '\t'
+                                           : memchr(line.data, ',', line.size) ? ','
+                                                                               : ';'};
+    for (int column = 0; column < COLUMN_COUNT; column++) {
+        header->at[column] = NO_COLUMN;
+        ranks[column] = SYNONYM_COUNT;
+    }
+    struct text field;
+    enum text_quotes quotes;
+    for (bool more = true; text_quoted_field(&line, header->separator, &more, &field, &quotes);) {
+        if (header->count < FIELD_LIMIT) {
+            match_column(header, ranks, field, header->count++);
+        }
+    }
+    return header->at[INDEX] != NO_COLUMN && header->at[NAME] != NO_COLUMN && header->at[INDEX] != header->at[NAME];
+}
+
+/* The cells of one row that have a meaning; empty where there are none. */
+static conus_status read_cells(struct text cells[COLUMN_COUNT], const struct header *header, struct text line,
+                               const char *where)
+{
+    bool more = true;
+    bool closed = true;
+    enum text_quotes quotes;
+    struct text field;
+    int count = 0;
+    for (; text_quoted_field(&line, header->separator, &more, &field, &quotes); count++) {
+        closed = closed && quotes != TEXT_UNCLOSED;
+        bool absent = text_equal(field, "n/a");
+        for (int column = 0; column < COLUMN_COUNT; column++) {
+            if (header->at[column] == count && !absent) {
+                cells[column] = field;
+            }
+        }
+    }
+    if (!closed) {
+        return fail(CONUS_ERROR_DATA, "%s: a quotation mark is not closed", where);
+    }
+    if (count > header->count) {
+        return fail(CONUS_ERROR_DATA, "%s: %d columns, the header has %d", where, count, header->count);
+    }
+    return CONUS_OK;
+}
+
+static conus_status set_text(char **field, struct text cell)
+{
+    conus_status status = label_set_text(field, cell);
+    char *to = *field;
+    for (const char *from = to; !status && from && *from; from++) {
+        *to++ = *from;
+        from += from[0] == '"' && from[1] == '"'; /* marks are doubled inside marks */
+    }
+    if (to) {
+        *to = '\0';
+    }
+    return status;
+}
+
+static conus_status set_colour(struct label *label, const struct text cells[COLUMN_COUNT], const char *where)
+{
+    if (cells[COLOUR].size) {
+        label->has_rgb = true;
+        return label_cell_hex(label->rgb, cells[COLOUR], where);
+    }
+    if (cells[RED].size || cells[GREEN].size || cells[BLUE].size) {
+        return label_cell_rgb(label, &cells[RED], label_cell_channel, where);
+    }
+    return CONUS_OK;
+}
+
+static conus_status set_hemisphere(struct label *label, struct text cell, const char *where, struct notes *notes)
+{
+    label->hemisphere = label_hemisphere_of(cell);
+    if (!cell.size || label->hemisphere) {
+        return CONUS_OK;
+    }
+    return notes_add(notes, "label table, %s: hemisphere \"%.*s\" is none of L, R, B: taken as not given", where,
+                     cell.size < 40 ? (int)cell.size : 40, cell.data);
+}
+
+static conus_status fill_label(struct label *label, const struct text cells[COLUMN_COUNT], const char *where,
+                               struct notes *notes)
+{
+    conus_status status = label_cell_number(&label->number, cells[INDEX], where);
+    status = status ? status : set_colour(label, cells, where);
+    status = status ? status : set_hemisphere(label, cells[HEMISPHERE], where, notes);
+    if (!status && cells[PARENT].size) {
+        status = label_cell_number(&label->parent, cells[PARENT], where);
+        label->has_parent = label->parent != 0;
+    }
+    status = status ? status : set_text(&label->name, cells[NAME]);
+    return status ? status : set_text(&label->abbreviation, cells[ABBREVIATION]);
+}
+
+/* "index label name" may count rows in one column and give the voxels' value in the other. */
+static conus_status note_rival(struct header *header, uint32_t number, struct text rival, const char *where,
+                               struct notes *notes)
+{
+    uint64_t other;
+    if (header->disputed || !text_to_uint(rival, UINT32_MAX, &other) || other == number) {
+        return CONUS_OK;
+    }
+    header->disputed = true;
+    return notes_add(notes,
+                     "label table, %s: two columns could be the label's number, %u and %llu: %u is used, by the order "
+                     "index, LabelValue, id, key, label",
+                     where, number, (unsigned long long)other, number);
+}
+
+static conus_status parse_row(struct label_table *out, struct header *header, struct text line, const char *where,
+                              struct notes *notes)
+{
+    struct text cells[COLUMN_COUNT] = {{0}};
+    struct label label = {0};
+    conus_status status = read_cells(cells, header, line, where);
+    status = status ? status : fill_label(&label, cells, where, notes);
+    status = status ? status : note_rival(header, label.number, cells[RIVAL], where, notes);
+    return label_keep(out, &label, status, notes);
+}
+
+static conus_status parse_table(struct label_table *out, struct text text, struct notes *notes)
+{
+    struct header header;
+    struct text line;
+    size_t number = 0;
+    if (!next_line(&text, &number, &line) || !read_header(&header, line)) {
+        return fail(CONUS_ERROR_DATA, "no header with an index and a name");
+    }
+    if (header.twice) {
+        return fail(CONUS_ERROR_DATA, "line %zu: two columns are called %s", number, header.twice);
+    }
+    conus_status status = CONUS_OK;
+    while (!status && next_line(&text, &number, &line)) {
+        char where[32];
+        snprintf(where, sizeof where, "line %zu", number);
+        status = parse_row(out, &header, line, where, notes);
+    }
+    return status;
+}
+
+const struct label_format *label_format_of_columns(struct text text)
+{
+    static const struct label_format tsv = {"BIDS label table", parse_table};
+    static const struct label_format slicer = {"Slicer colour table", parse_table};
+    static const struct label_format csv = {"CSV label table", parse_table};
+    struct header header;
+    struct text line;
+    size_t number = 0;
+    if (!next_line(&text, &number, &line) || !read_header(&header, line)) {
+        return NULL;
+    }
+    bool is_slicer = text_mentions(line, "LabelValue");
+    return header.separator == '\t' ? &tsv : is_slicer ? &slicer : &csv;
+}

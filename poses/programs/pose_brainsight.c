@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses Brainsight's export, section by section. */
+#include "poses/programs/pose_brainsight.h"
+
+#include "base/math3.h"
+#include "poses/rows/pose.h"
+#include "poses/rows/pose_row.h"
+
+#include <stdio.h>
+
+/* Columns that are read. */
+enum column { X, Y, Z, M00, M22 = M00 + 8, DATE, CLOCK, COLUMNS };
+
+static const char *const names[COLUMNS] = {"Loc. X", "Loc. Y", "Loc. Z", "m0n0", "m0n1", "m0n2", "m1n0",
+                                           "m1n1",   "m1n2",   "m2n0",   "m2n1", "m2n2", "Date", "Time"};
+
+enum kind { TARGETS, SAMPLES, ELECTRODES, KINDS };
+
+static const struct {
+    const char *column; /* the first, by which a section is detected */
+    const char *prefix;
+} kinds[KINDS] = {{"Target Name", "target"}, {"Sample Name", "sample"}, {"Electrode Name", "electrode"}};
+
+enum { NO_COLUMN = SIZE_MAX, FIELD_LIMIT = 64 };
+
+/* Digits are rounded to three places at worst: products of rows are off by up to 0.0005 (|a| + |b| + |c|) each. */
+static const double ROUNDED = 2e-3;
+
+struct reading {
+    conus_pose_list *list;
+    const conus_pose_options *options;
+    bool lps;
+    bool has_space;
+    enum kind kind;     /* of the section; KINDS if its rows are passed over */
+    size_t at[COLUMNS]; /* field of each column, SIZE_MAX if there is none */
+    size_t rows[KINDS]; /* of each kind, in the whole file */
+    size_t passed_over; /* rows of other sections */
+    size_t line;
+    bool counting; /* only `rows` is wanted */
+};
+
+static bool is_null(struct text field)
+{
+    return !field.size || text_equal(field, "(null)");
+}
+
+static bool has_prefix(struct text text, const char *prefix, struct text *rest)
+{
+    if (!text_starts(text, prefix)) {
+        return false;
+    }
+    size_t size = text_from(prefix).size;
+    *rest = text_trim((struct text){text.data + size, text.size - size});
+    return true;
+}
+
+bool pose_brainsight_line(struct text line)
+{
+    struct text rest;
+    bool found = has_prefix(line, "# Coordinate system:", &rest);
+    for (size_t i = 0; i < KINDS && has_prefix(line, "#", &rest); i++) {
+        found = found || text_starts(rest, kinds[i].column);
+    }
+    return found;
+}
+
+/* NIfTI:Scanner, NIfTI:S:Scanner (of the sform), World: the image's world in mm. */
+static conus_status read_space(struct reading *reading, struct text name)
+{
+    struct text rest;
+    bool nifti = has_prefix(name, "NIfTI:", &rest);
+    if (nifti && !has_prefix(rest, "S:", &rest)) {
+        (void)has_prefix(rest, "Q:", &rest);
+    }
+    enum pose_brain brain = !nifti                          ? POSE_BRAIN_SUBJECT
+                            : text_equal(rest, "Scanner")   ? POSE_BRAIN_SUBJECT
+                            : text_equal(rest, "MNI-152")   ? POSE_BRAIN_MNI152
+                            : text_equal(rest, "Talairach") ? POSE_BRAIN_TALAIRACH
+                                                            : POSE_BRAIN_UNKNOWN;
+    if (!nifti && !text_equal(name, "World")) {
+        return fail(CONUS_ERROR_DATA,
+                    "line %zu: coordinate system \"%.*s\" is not the world of an image; export as NIfTI:Scanner, "
+                    "NIfTI:Aligned, NIfTI:MNI-152, NIfTI:Talairach or World",
+                    reading->line, pose_quote(name), name.data);
+    }
+    reading->lps = !nifti;
+    reading->has_space = true;
+    reading->list->space = pose_space_named(name, brain);
+    return CONUS_OK;
+}
+
+static conus_status check_units(const struct reading *reading, struct text units)
+{
+    return text_starts(units, "millimetres") || text_starts(units, "millimeters") || text_starts(units, "mm")
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "line %zu: units \"%.*s\", millimetres are needed", reading->line,
+                      pose_quote(units), units.data);
+}
+
+static conus_status check_columns(const struct reading *reading)
+{
+    size_t found = 0;
+    for (int i = X; i <= M22; i++) {
+        found += reading->at[i] != NO_COLUMN;
+        if (i == Z && found < 3) {
+            return fail(CONUS_ERROR_DATA, "line %zu: no columns Loc. X, Loc. Y, Loc. Z", reading->line);
+        }
+    }
+    return found == 3 || found == 12
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "line %zu: only some of the columns m0n0...m2n2", reading->line);
+}
+
+/* "# Target Name, Loc. X, ...", separated by tabs. */
+static conus_status begin_section(struct reading *reading, struct text header)
+{
+    struct text field;
+    size_t index = 0;
+    const char *twice = NULL;
+    reading->kind = KINDS;
+    for (int i = 0; i < COLUMNS; i++) {
+        reading->at[i] = NO_COLUMN;
+    }
+    for (bool more = true; text_field(&header, '\t', &more, &field); index++) {
+        field = text_trim(field);
+        for (int i = 0; index == 0 && i < KINDS; i++) {
+            reading->kind = text_equal(field, kinds[i].column) ? (enum kind)i : reading->kind;
+        }
+        for (int i = 0; i < COLUMNS; i++) {
+            if (text_equal(field, names[i])) {
+                twice = reading->at[i] == NO_COLUMN ? twice : names[i];
+                reading->at[i] = index;
+            }
+        }
+    }
+    if (reading->kind != KINDS && twice) {
+        return fail(CONUS_ERROR_DATA, "line %zu: a column %s twice", reading->line, twice);
+    }
+    return reading->kind == KINDS ? CONUS_OK : check_columns(reading);
+}
+
+static conus_status read_comment(struct reading *reading, struct text line)
+{
+    struct text rest = {line.data + 1, line.size - 1};
+    struct text value;
+    rest = text_trim(rest);
+    if (has_prefix(rest, "Coordinate system:", &value)) {
+        return read_space(reading, value);
+    }
+    if (has_prefix(rest, "Units:", &value) || has_prefix(rest, "units:", &value)) {
+        return check_units(reading, value);
+    }
+    return memchr(rest.data, '\t', rest.size) ? begin_section(reading, rest) : CONUS_OK;
+}
+
+/* The fields that are read, by column. */
+static conus_status split_row(struct text fields[COLUMNS], struct text *name, const struct reading *reading,
+                              struct text line)
+{
+    struct text field;
+    size_t index = 0;
+    for (int i = 0; i < COLUMNS; i++) {
+        fields[i] = (struct text){"", 0};
+    }
+    for (bool more = true; text_field(&line, '\t', &more, &field); index++) {
+        field = text_trim(field);
+        *name = index ? *name : field;
+        for (int i = 0; i < COLUMNS; i++) {
+            fields[i] = reading->at[i] == index ? field : fields[i];
+        }
+    }
+    for (int i = 0; i <= M22; i++) {
+        if (reading->at[i] != NO_COLUMN && reading->at[i] >= index) {
+            return fail(CONUS_ERROR_DATA, "%zu fields, %s is number %zu", index, names[i], reading->at[i] + 1);
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status read_numbers(double *out, const struct text *fields, int first, int count)
+{
+    for (int i = first; i < first + count; i++) {
+        if (!text_to_double(fields[i], &out[i - first]) || !isfinite(out[i - first])) {
+            return pose_no_number(names[i], fields[i]);
+        }
+    }
+    return CONUS_OK;
+}
+
+/* m0n0 m0n1 m0n2 is where the device's x points, and so on. */
+static conus_status read_matrix(conus_pose *out, const struct reading *reading, const struct text *fields,
+                                const double position[3])
+{
+    double axes[9];
+    conus_status status = read_numbers(axes, fields, M00, 9);
+    if (status) {
+        return status;
+    }
+    double m[16] = {[15] = 1};
+    for (int i = 0; i < 3; i++) {
+        memcpy(m + 4 * i, axes + 3 * i, 3 * sizeof *m);
+    }
+    memcpy(m + 12, position, 3 * sizeof *m);
+    if (reading->lps) {
+        pose_flip_matrix(m);
+    }
+    status = pose_from_matrix_within(out, m, ROUNDED);
+    if (!status) {
+        pose_turn(out, reading->options->axis);
+    }
+    return status;
+}
+
+static bool has_matrix(const struct reading *reading, const struct text *fields)
+{
+    bool any = false;
+    for (int i = M00; i <= M22; i++) {
+        any = any || (reading->at[i] != NO_COLUMN && !is_null(fields[i]));
+    }
+    return any;
+}
+
+static conus_status read_pose(conus_pose_row *row, const struct reading *reading, const struct text *fields)
+{
+    double position[3];
+    conus_status status = read_numbers(position, fields, X, 3);
+    row->time_s = pose_clock(fields[DATE], fields[CLOCK]);
+    if (status) {
+        return status;
+    }
+    row->is_point = !has_matrix(reading, fields);
+    if (!row->is_point) {
+        return read_matrix(&row->pose, reading, fields, position);
+    }
+    if (reading->lps) {
+        pose_flip_point(position);
+    }
+    return pose_of_point(&row->pose, position);
+}
+
+/* Targets, samples and electrodes may have the same names: where there are several kinds, names say which. */
+static struct text full_name(char out[POSE_ID_LIMIT + 1], const struct reading *reading, struct text name)
+{
+    size_t count = 0;
+    for (int i = 0; i < KINDS; i++) {
+        count += reading->rows[i] > 0;
+    }
+    int size = count > 1 && name.size <= POSE_ID_LIMIT
+                   ? snprintf(out, POSE_ID_LIMIT + 1, "%s/%.*s", kinds[reading->kind].prefix, (int)name.size, name.data)
+                   : 0;
+    return size > 0 && size <= POSE_ID_LIMIT ? (struct text){out, (size_t)size} : name;
+}
+
+static conus_status read_row(struct reading *reading, struct text line)
+{
+    if (reading->kind == KINDS) {
+        reading->passed_over++;
+        return CONUS_OK;
+    }
+    if (reading->counting) {
+        reading->rows[reading->kind]++;
+        return CONUS_OK;
+    }
+    if (!reading->has_space) {
+        return fail(CONUS_ERROR_DATA, "line %zu: a pose, but no coordinate system was named before", reading->line);
+    }
+    struct text fields[COLUMNS];
+    struct text name = {"", 0};
+    char buffer[POSE_ID_LIMIT + 1];
+    conus_pose_row row = pose_row_at(reading->line);
+    conus_status bad = split_row(fields, &name, reading, line);
+    bad = bad ? bad : read_pose(&row, reading, fields);
+    return pose_list_add(reading->list, &row, full_name(buffer, reading, name), bad ? conus_message() : NULL);
+}
+
+static conus_status read_lines(struct reading *reading, struct text text)
+{
+    struct text line;
+    conus_status status = CONUS_OK;
+    reading->kind = KINDS;
+    reading->passed_over = 0;
+    for (reading->line = 1; !status && text_line(&text, &line); reading->line++) {
+        if (text_trim(line).size) {
+            status = line.data[0] == '#' ? read_comment(reading, line) : read_row(reading, line);
+        }
+    }
+    return status;
+}
+
+static conus_status add_notes(struct reading *reading)
+{
+    conus_status status = CONUS_OK;
+    struct notes *notes = &reading->list->notes;
+    if (reading->passed_over) {
+        status = notes_add(notes, "%zu rows of landmarks and other sections were passed over", reading->passed_over);
+    }
+    return status ? status : pose_note_space(notes, reading->options, reading->lps);
+}
+
+conus_status pose_brainsight_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
+{
+    struct reading reading = {.list = list, .options = options, .counting = true};
+    conus_status status = read_lines(&reading, text);
+    reading.counting = false;
+    reading.has_space = false;
+    status = status ? status : read_lines(&reading, text);
+    return status ? status : add_notes(&reading);
+}

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds and parses the *_coordsystem.json of a table of electrodes. */
+#include "poses/programs/pose_coordsystem.h"
+
+#include "base/buffer.h"
+#include "base/file.h"
+#include "base/formats/json_text.h"
+#include "base/memory.h"
+#include "poses/rows/pose_row.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char table_ending[] = "electrodes.tsv";
+static const char system_ending[] = "coordsystem.json";
+
+enum { FILE_LIMIT = 1 << 20 };
+
+/* BIDS, appendix on coordinate systems. */
+static const struct {
+    const char *prefix; /* of the name */
+    enum pose_brain brain;
+} spaces[] = {
+    {"MNI152", POSE_BRAIN_MNI152},       {"Talairach", POSE_BRAIN_TALAIRACH}, {"MNI305", POSE_BRAIN_TEMPLATE},
+    {"MNIColin27", POSE_BRAIN_TEMPLATE}, {"fsaverage", POSE_BRAIN_TEMPLATE},  {"fsLR", POSE_BRAIN_TEMPLATE},
+    {"ICBM452", POSE_BRAIN_TEMPLATE},    {"IXI549", POSE_BRAIN_TEMPLATE},     {"NIHPD", POSE_BRAIN_TEMPLATE},
+    {"OASIS30", POSE_BRAIN_TEMPLATE},    {"UNCInfant", POSE_BRAIN_TEMPLATE},  {"ScanRAS", POSE_BRAIN_SUBJECT},
+    {"scanner", POSE_BRAIN_SUBJECT},     {"individual", POSE_BRAIN_SUBJECT},  {"ACPC", POSE_BRAIN_SUBJECT},
+    {"fsnative", POSE_BRAIN_SUBJECT},
+};
+
+/* Systems of a head or a helmet, with origins and axes of their own, and pixels: no image's world. */
+static const char *const others[] = {"Pixels",     "CTF",     "ElektaNeuromag", "4DBti",    "KitYokogawa",
+                                     "ChietiItab", "CapTrak", "EEGLAB",         "EEGLAB-HJ"};
+
+static conus_status set_space(struct pose_space *out, struct text name)
+{
+    *out = pose_space_named(name, POSE_BRAIN_UNKNOWN);
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        if (text_equal_ignoring_case(name, others[i])) {
+            return fail(CONUS_ERROR_DATA, "CoordinateSystem \"%s\" is not the world of an image", others[i]);
+        }
+    }
+    for (size_t i = 0; i < sizeof spaces / sizeof spaces[0]; i++) {
+        out->brain = text_starts(name, spaces[i].prefix) ? spaces[i].brain : out->brain;
+    }
+    return CONUS_OK;
+}
+
+static conus_status set_scale(struct pose_space *out, struct text units)
+{
+    static const struct {
+        const char *name;
+        double scale;
+    } scales[] = {{"mm", 1}, {"cm", 10}, {"m", 1000}};
+    for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
+        if (text_equal(units, scales[i].name)) {
+            out->scale = scales[i].scale;
+            return CONUS_OK;
+        }
+    }
+    return fail(CONUS_ERROR_DATA, "CoordinateUnits \"%.*s\", allowed are mm, cm and m", pose_quote(units), units.data);
+}
+
+/* The key of intracranial electrodes, or else that of EEG's. */
+static struct text find_text(const json_t *root, const char *key)
+{
+    static const char *const modalities[] = {"iEEG", "EEG"};
+    char name[64];
+    for (size_t i = 0; i < sizeof modalities / sizeof modalities[0]; i++) {
+        snprintf(name, sizeof name, "%s%s", modalities[i], key);
+        const json_t *value = json_object_get(root, name);
+        if (json_is_string(value)) {
+            return (struct text){json_string_value(value), json_string_length(value)};
+        }
+    }
+    return (struct text){"", 0};
+}
+
+conus_status pose_coordsystem_parse(struct pose_space *out, struct text text)
+{
+    json_t *root = NULL;
+    struct pose_space space = {.scale = 1};
+    conus_status status = json_text_load(&root, text);
+    struct text name = find_text(root, "CoordinateSystem");
+    if (!status && !name.size) {
+        status = fail(CONUS_ERROR_DATA, "no iEEGCoordinateSystem");
+    }
+    status = status ? status : set_space(&space, name);
+    status = status ? status : set_scale(&space, find_text(root, "CoordinateUnits"));
+    json_decref(root);
+    *out = status ? *out : space;
+    return status;
+}
+
+static struct text file_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return text_from(slash ? slash + 1 : path);
+}
+
+static bool is_kept(struct text entity, int candidate)
+{
+    bool of_person = text_starts(entity, "sub-") || text_starts(entity, "ses-");
+    return candidate == 0 || of_person || (candidate == 1 && text_starts(entity, "space-"));
+}
+
+/* The table's name with all entities (candidate 0), those of person and space (1), or of the person only (2): files
+ * that hold for several tables lack the rest. NULL without memory. */
+static char *system_path(const char *path, int candidate)
+{
+    struct text rest = file_name(path);
+    struct buffer name = {0};
+    struct text entity;
+    for (bool more = true; text_field(&rest, '_', &more, &entity);) {
+        if (more && is_kept(entity, candidate)) {
+            buffer_format(&name, "%.*s_", (int)entity.size, entity.data);
+        }
+    }
+    buffer_text(&name, system_ending);
+    char *found = buffer_status(&name) ? NULL : file_beside(path, name.data);
+    buffer_finish(&name);
+    return found;
+}
+
+static conus_status load_system(conus_pose_list *list, const char *path)
+{
+    struct bytes bytes = {0};
+    conus_status status = file_read(&bytes, path, FILE_LIMIT);
+    if (!status) {
+        file_sha256(list->coordsystem_sha256, &bytes);
+        status = pose_coordsystem_parse(&list->space, (struct text){(const char *)bytes.data, bytes.size});
+        status = status ? fail_in(status, path) : CONUS_OK;
+    }
+    bytes_finish(&bytes);
+    return status;
+}
+
+/* Without a file: what the table's own name says after "space-", if anything. */
+static conus_status space_of_name(conus_pose_list *list, const char *path)
+{
+    struct text rest = file_name(path);
+    struct text entity;
+    for (bool more = true; text_field(&rest, '_', &more, &entity);) {
+        if (text_starts(entity, "space-")) {
+            enum { SKIPPED = sizeof "space-" - 1 };
+            return set_space(&list->space, (struct text){entity.data + SKIPPED, entity.size - SKIPPED});
+        }
+    }
+    return CONUS_OK;
+}
+
+conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
+{
+    size_t size = text_from(path).size;
+    size_t ending = sizeof table_ending - 1;
+    bool is_bids = size > ending && strcmp(path + size - ending, table_ending) == 0;
+    for (int candidate = 0; is_bids && candidate < 3; candidate++) {
+        char *beside = system_path(path, candidate);
+        if (!beside) {
+            return CONUS_ERROR_MEMORY;
+        }
+        if (file_exists(beside)) {
+            list->coordsystem = beside;
+            return load_system(list, beside);
+        }
+        memory_free(beside);
+    }
+    conus_status status = space_of_name(list, path);
+    return status ? status
+                  : notes_add(&list->notes, "no *_%s beside it: contacts are taken as mm, and no space is known",
+                              system_ending);
+}

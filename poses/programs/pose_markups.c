@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses 3D Slicer's JSON. */
+#include "poses/programs/pose_markups.h"
+
+#include "base/formats/json_text.h"
+#include "base/math3.h"
+#include "base/memory.h"
+#include "poses/rows/pose_row.h"
+
+#include <stdio.h>
+
+/* One markup: a line, or a list of points. */
+struct markup {
+    conus_pose_list *list;
+    const conus_pose_options *options;
+    size_t number; /* in the file, from 1 */
+    const json_t *json;
+    struct text name;
+    double scale; /* mm per unit */
+    bool lps;
+};
+
+static struct text text_of(const json_t *value)
+{
+    return json_is_string(value) ? (struct text){json_string_value(value), json_string_length(value)}
+                                 : (struct text){"", 0};
+}
+
+/* Absent keys have the schema's defaults. */
+static conus_status read_space(struct markup *markup)
+{
+    const json_t *value = json_object_get(markup->json, "coordinateSystem");
+    struct text space = value ? text_of(value) : text_from("LPS");
+    markup->lps = text_equal(space, "LPS");
+    return markup->lps || text_equal(space, "RAS")
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "markups[%zu]: coordinateSystem \"%.*s\", allowed are LPS and RAS",
+                      markup->number - 1, pose_quote(space), space.data);
+}
+
+static conus_status read_units(struct markup *markup)
+{
+    const json_t *value = json_object_get(markup->json, "coordinateUnits");
+    value = json_is_array(value) ? json_array_get(value, 0) : value;
+    struct text units = value ? text_of(value) : text_from("mm");
+    markup->scale = text_equal(units, "um") ? 1e-3 : 1;
+    return text_equal(units, "um") || text_equal(units, "mm")
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "markups[%zu]: coordinateUnits \"%.*s\", allowed are mm and um",
+                      markup->number - 1, pose_quote(units), units.data);
+}
+
+/* The file has no lines that matter: a row has the number of its markup. */
+static conus_status add_row(const struct markup *markup, const conus_pose_row *row, struct text id, conus_status bad)
+{
+    return pose_list_add(markup->list, row, id, bad ? conus_message() : NULL);
+}
+
+static conus_status read_position(double out[3], const struct markup *markup, const json_t *point)
+{
+    const json_t *position = json_object_get(point, "position");
+    struct text status = text_of(json_object_get(point, "positionStatus"));
+    if (status.size && !text_equal(status, "defined")) {
+        return fail(CONUS_ERROR_DATA, "positionStatus \"%.*s\": the point was not placed", pose_quote(status),
+                    status.data);
+    }
+    if (json_array_size(position) != 3) {
+        return fail(CONUS_ERROR_DATA, "position: three numbers are needed");
+    }
+    for (size_t i = 0; i < 3; i++) {
+        const json_t *value = json_array_get(position, i);
+        if (!json_is_number(value)) {
+            return fail(CONUS_ERROR_DATA, "position: entry %zu is not a number", i);
+        }
+        out[i] = json_number_value(value) * markup->scale;
+    }
+    if (markup->lps) {
+        pose_flip_point(out);
+    }
+    return CONUS_OK;
+}
+
+static conus_status point_pose(conus_pose_row *row, const struct markup *markup, const json_t *point)
+{
+    double position[3];
+    row->is_point = true;
+    conus_status status = read_position(position, markup, point);
+    return status ? status : pose_of_point(&row->pose, position);
+}
+
+static conus_status read_points(const struct markup *markup, const json_t *points)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < json_array_size(points); i++) {
+        const json_t *point = json_array_get(points, i);
+        conus_pose_row row = pose_row_at(markup->number);
+        conus_status bad = point_pose(&row, markup, point);
+        status = add_row(markup, &row, text_of(json_object_get(point, "label")), bad);
+    }
+    return status;
+}
+
+/* From the first point to the second; -z looks the other way, from the second. */
+static conus_status line_pose(conus_pose_row *row, const struct markup *markup, const json_t *points)
+{
+    double ends[2][3];
+    if (json_array_size(points) != 2) {
+        return fail(CONUS_ERROR_DATA, "a line of %zu points, 2 are needed", json_array_size(points));
+    }
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < 2; i++) {
+        status = read_position(ends[i], markup, json_array_get(points, i));
+    }
+    bool back = markup->options->axis == CONUS_AXIS_MINUS_Z;
+    return status ? status : conus_pose_toward(&row->pose, ends[back], ends[!back], NULL);
+}
+
+static conus_status read_line(const struct markup *markup, const json_t *points)
+{
+    conus_axis axis = markup->options->axis;
+    if (axis != CONUS_AXIS_OF_FORMAT && axis != CONUS_AXIS_PLUS_Z && axis != CONUS_AXIS_MINUS_Z) {
+        return fail(CONUS_ERROR_DATA, "markups[%zu]: a line is looked along, by axis +z or -z, not %s",
+                    markup->number - 1, pose_axis_name(axis));
+    }
+    conus_pose_row row = pose_row_at(markup->number);
+    conus_status bad = line_pose(&row, markup, points);
+    struct text label = text_of(json_object_get(json_array_get(points, 0), "label"));
+    return add_row(markup, &row, markup->name.size ? markup->name : label, bad);
+}
+
+static conus_status read_markup(struct markup *markup)
+{
+    struct text type = text_of(json_object_get(markup->json, "type"));
+    const json_t *points = json_object_get(markup->json, "controlPoints");
+    markup->name = text_of(json_object_get(markup->json, "name"));
+    conus_status status = read_space(markup);
+    status = status ? status : read_units(markup);
+    status = status ? status : pose_note_space(&markup->list->notes, markup->options, markup->lps);
+    if (status) {
+        return status;
+    }
+    if (text_equal(type, "Fiducial")) {
+        return read_points(markup, points);
+    }
+    if (text_equal(type, "Line")) {
+        return read_line(markup, points);
+    }
+    const conus_pose_row row = pose_row_at(markup->number);
+    return add_row(markup, &row, markup->name,
+                   fail(CONUS_ERROR_DATA, "a markup of type \"%.*s\", allowed are Line and Fiducial", pose_quote(type),
+                        type.data));
+}
+
+/* An axis is for lines. */
+static conus_status check_axis(const json_t *markups, conus_axis axis)
+{
+    bool used = axis == CONUS_AXIS_OF_FORMAT;
+    for (size_t i = 0; !used && i < json_array_size(markups); i++) {
+        used = text_equal(text_of(json_object_get(json_array_get(markups, i), "type")), "Line");
+    }
+    return used ? CONUS_OK
+                : fail(CONUS_ERROR_DATA, "no markup is a line, so that no axis (%s) is to be chosen",
+                       pose_axis_name(axis));
+}
+
+conus_status pose_markups_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
+{
+    json_t *root = NULL;
+    conus_status status = json_text_load(&root, text);
+    const json_t *markups = json_object_get(root, "markups");
+    if (!status && !json_is_array(markups)) {
+        status = fail(CONUS_ERROR_DATA, "no list \"markups\": not a file of 3D Slicer's markups");
+    }
+    status = status ? status : check_axis(markups, options->axis);
+    for (size_t i = 0; !status && i < json_array_size(markups); i++) {
+        struct markup markup = {.list = list, .options = options, .number = i + 1, .json = json_array_get(markups, i)};
+        status = read_markup(&markup);
+    }
+    json_decref(root);
+    return status;
+}

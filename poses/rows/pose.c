@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Poses from a direction, a target, a matrix or a quaternion (Eq. 1, 2). */
+#include "poses/rows/pose.h"
+
+#include "base/math3.h"
+#include "base/status.h"
+#include "poses/rows/pose_row.h"
+
+/* Below this, two directions count as parallel, and a length as zero beside the numbers that made it. */
+static const double NEARLY_ZERO = 1e-9;
+
+static void default_up(double up[3], const double d[3])
+{
+    bool along_z = fabs(d[2]) > 0.999; /* Eq. 2 */
+    up[0] = 0;
+    up[1] = along_z;
+    up[2] = !along_z;
+}
+
+static conus_status check_direction(const double d[3], const char *what)
+{
+    if (!vec3_is_finite(d) || (d[0] == 0 && d[1] == 0 && d[2] == 0)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: %g,%g,%g, allowed are finite numbers that are not all 0", what, d[0],
+                    d[1], d[2]);
+    }
+    return CONUS_OK;
+}
+
+static conus_status check_point(const double p[3], const char *what)
+{
+    return vec3_is_finite(p)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "%s: %g,%g,%g, allowed are finite numbers", what, p[0], p[1], p[2]);
+}
+
+/* Eq. 2: z = -d, x = normalise(up x z), y = z x x. */
+static conus_status make_frame(conus_pose *out, const double origin[3], const double d[3], const double up[3])
+{
+    double x[3];
+    double y[3];
+    double z[3];
+    double unit_up[3];
+    vec3_scale(z, d, -1);
+    if (!vec3_normalise(unit_up, up)) {
+        return fail(CONUS_ERROR_ARGUMENT, "up: too long or too short a vector");
+    }
+    vec3_cross(x, unit_up, z);
+    if (vec3_length(x) < NEARLY_ZERO) {
+        return fail(CONUS_ERROR_ARGUMENT, "up: %g,%g,%g is parallel to the direction, another vector is needed", up[0],
+                    up[1], up[2]);
+    }
+    vec3_normalise(x, x);
+    vec3_cross(y, z, x);
+    *out = (conus_pose){
+        {x[0], x[1], x[2], 0, y[0], y[1], y[2], 0, z[0], z[1], z[2], 0, origin[0], origin[1], origin[2], 1}};
+    return CONUS_OK;
+}
+
+conus_status conus_pose_along(conus_pose *out, const double origin[3], const double direction[3], const double up[3])
+{
+    double d[3];
+    double fallback[3];
+    conus_status status = check_point(origin, "origin");
+    status = status ? status : check_direction(direction, "direction");
+    status = status || !up ? status : check_direction(up, "up");
+    if (status) {
+        return status;
+    }
+    if (!vec3_normalise(d, direction)) {
+        return fail(CONUS_ERROR_ARGUMENT, "direction: too long or too short a vector");
+    }
+    default_up(fallback, d);
+    return make_frame(out, origin, d, up ? up : fallback);
+}
+
+conus_status conus_pose_toward(conus_pose *out, const double origin[3], const double target[3], const double up[3])
+{
+    double d[3];
+    conus_status status = check_point(origin, "origin");
+    status = status ? status : check_point(target, "toward");
+    if (status) {
+        return status;
+    }
+    vec3_sub(d, target, origin);
+    if (!(vec3_length(d) > NEARLY_ZERO)) {
+        return fail(CONUS_ERROR_ARGUMENT, "toward: is the origin itself, another point is needed");
+    }
+    return conus_pose_along(out, origin, d, up);
+}
+
+/* Gram-Schmidt on the columns, z first: the beam's axis is kept as given. */
+static void make_rigid(double out[16], const double m[16])
+{
+    double x[3];
+    double y[3];
+    double z[3];
+    vec3_scale(z, m + 8, 1 / vec3_length(m + 8));
+    vec3_cross(x, m + 4, z);
+    vec3_normalise(x, x);
+    vec3_cross(y, z, x);
+    const double rigid[16] = {x[0], x[1], x[2], 0, y[0], y[1], y[2], 0, z[0], z[1], z[2], 0, m[12], m[13], m[14], 1};
+    memcpy(out, rigid, sizeof rigid);
+}
+
+conus_status conus_pose_from_matrix(conus_pose *out, const double world_from_device[16])
+{
+    return pose_from_matrix_within(out, world_from_device, 1e-3);
+}
+
+conus_status pose_from_matrix_within(conus_pose *out, const double world_from_device[16], double tolerance)
+{
+    const double *m = world_from_device;
+    for (int i = 0; i < 16; i++) {
+        if (!isfinite(m[i])) {
+            return fail(CONUS_ERROR_ARGUMENT, "pose matrix: %g in row %d, column %d, allowed are finite numbers", m[i],
+                        i % 4, i / 4);
+        }
+    }
+    if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) {
+        return fail(CONUS_ERROR_ARGUMENT, "pose matrix: last row %g %g %g %g, allowed is 0 0 0 1", m[3], m[7], m[11],
+                    m[15]);
+    }
+    for (int a = 0; a < 3; a++) {
+        for (int b = 0; b <= a; b++) {
+            if (fabs(vec3_dot(m + 4 * a, m + 4 * b) - (a == b)) > tolerance) {
+                return fail(CONUS_ERROR_ARGUMENT,
+                            "pose matrix: columns %d and %d are not orthonormal within %g, a "
+                            "rigid matrix (rotation and position) is needed",
+                            b, a, tolerance);
+            }
+        }
+    }
+    if (mat4_determinant3(m) < 0) {
+        return fail(CONUS_ERROR_ARGUMENT, "pose matrix: left-handed (determinant -1), a rotation is needed");
+    }
+    make_rigid(out->world_from_device, m);
+    return CONUS_OK;
+}
+
+conus_status conus_pose_from_quaternion(conus_pose *out, const double origin[3], const double wxyz[4])
+{
+    double length = sqrt(wxyz[0] * wxyz[0] + vec3_dot(wxyz + 1, wxyz + 1));
+    conus_status status = check_point(origin, "origin");
+    if (status) {
+        return status;
+    }
+    if (!(length > NEARLY_ZERO) || !isfinite(length)) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "quaternion: %g,%g,%g,%g, allowed are finite numbers of a length from 1e-9 to 1e154", wxyz[0],
+                    wxyz[1], wxyz[2], wxyz[3]);
+    }
+    double w = wxyz[0] / length;
+    double x = wxyz[1] / length;
+    double y = wxyz[2] / length;
+    double z = wxyz[3] / length;
+    const double m[16] = {1 - 2 * (y * y + z * z),
+                          2 * (x * y + w * z),
+                          2 * (x * z - w * y),
+                          0,
+                          2 * (x * y - w * z),
+                          1 - 2 * (x * x + z * z),
+                          2 * (y * z + w * x),
+                          0,
+                          2 * (x * z + w * y),
+                          2 * (y * z - w * x),
+                          1 - 2 * (x * x + y * y),
+                          0,
+                          origin[0],
+                          origin[1],
+                          origin[2],
+                          1};
+    memcpy(out->world_from_device, m, sizeof m);
+    return CONUS_OK;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file All poses of a file at once. */
+#ifndef CONUS_POSES_ROWS_POSE_LIST_H
+#define CONUS_POSES_ROWS_POSE_LIST_H
+
+#include "base/notes.h"
+#include "base/text.h"
+#include "poses/rows/pose_space.h"
+
+struct conus_pose_list {
+    conus_pose_row *rows; /**< Strings are owned. */
+    size_t count;
+    size_t capacity;
+    struct notes notes;
+    struct pose_space space;
+    char *electrodes;  /**< The text of a table of electrodes; owned, NULL of other formats. */
+    char *coordsystem; /**< Path of the file that says what the space is; owned, NULL if there is none. */
+    char coordsystem_sha256[65];
+};
+
+/** Adds a row with copies of its strings. An @p id that is empty becomes the row's number; one that is too long or not
+ * UTF-8, too, and then the row has an error. @p error NULL: none. */
+conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, struct text id, const char *error);
+
+/** Frees what is in it. */
+void pose_list_finish(conus_pose_list *list);
+
+#endif

@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Checks and turns what a row gives: ids, angles, points, axes, times. */
+#include "poses/rows/pose_row.h"
+
+#include "base/math3.h"
+#include "base/status.h"
+
+#include <stdio.h>
+#include <string.h>
+
+conus_pose_row pose_row_at(size_t line)
+{
+    return (conus_pose_row){.line = line, .time_s = NAN, .error_deg = NAN, .error_mm = NAN};
+}
+
+const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint64_t number)
+{
+    const char *bad = id->size > POSE_ID_LIMIT                       ? "the name is longer than 255 bytes"
+                      : id->size && memchr(id->data, '\0', id->size) ? "the name has a zero byte"
+                      : id->size && !text_is_utf8(*id)               ? "the name is not UTF-8 text"
+                                                                     : NULL;
+    if (bad || !id->size) {
+        snprintf(ordinal, POSE_ORDINAL_SIZE, "%llu", (unsigned long long)number);
+        *id = text_from(ordinal);
+    }
+    return bad;
+}
+
+conus_status pose_no_number(const char *what, struct text field)
+{
+    bool has_comma = field.size && memchr(field.data, ',', field.size);
+    return fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is not a finite number%s", what, pose_quote(field), field.data,
+                has_comma ? "; decimals are written with a point" : "");
+}
+
+conus_status pose_check_angle(double angle)
+{
+    return angle > 0 && angle < MATH3_PI
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "angle: %g degrees, allowed is more than 0 and less than 180%s",
+                      degrees_from_radians(angle), angle == 0 ? "; 0 needs a radius" : "");
+}
+
+void pose_flip_point(double p[3])
+{
+    p[0] = 0 - p[0]; /* makes no "-0" of 0 */
+    p[1] = 0 - p[1];
+}
+
+void pose_flip_matrix(double m[16])
+{
+    for (int column = 0; column < 4; column++) {
+        pose_flip_point(m + 4 * column);
+    }
+}
+
+void pose_turn(conus_pose *pose, conus_axis axis)
+{
+    /* Columns: where the turned device's x, y, z point in the one given; -z is the axis that looks. */
+    static const double turns[][9] = {
+        [CONUS_AXIS_PLUS_X] = {0, 0, 1, 0, 1, 0, -1, 0, 0},  [CONUS_AXIS_MINUS_X] = {0, 0, -1, 0, 1, 0, 1, 0, 0},
+        [CONUS_AXIS_PLUS_Y] = {1, 0, 0, 0, 0, 1, 0, -1, 0},  [CONUS_AXIS_MINUS_Y] = {-1, 0, 0, 0, 0, 1, 0, 1, 0},
+        [CONUS_AXIS_PLUS_Z] = {-1, 0, 0, 0, 1, 0, 0, 0, -1},
+    };
+    if (axis == CONUS_AXIS_OF_FORMAT || axis == CONUS_AXIS_MINUS_Z) {
+        return;
+    }
+    const double *turn = turns[axis];
+    double *m = pose->world_from_device;
+    double columns[3][3];
+    for (int i = 0; i < 3; i++) {
+        mat4_direction(columns[i], m, turn + 3 * i);
+    }
+    for (int i = 0; i < 3; i++) {
+        memcpy(m + 4 * i, columns[i], sizeof columns[i]);
+    }
+}
+
+const char *pose_axis_name(conus_axis axis)
+{
+    static const char *const names[] = {"", "+x", "-x", "+y", "-y", "+z", "-z"};
+    return names[axis];
+}
+
+conus_status pose_of_point(conus_pose *out, const double point[3])
+{
+    if (!vec3_is_finite(point)) {
+        return fail(CONUS_ERROR_ARGUMENT, "position: %g,%g,%g, allowed are finite numbers", point[0], point[1],
+                    point[2]);
+    }
+    *out = (conus_pose){{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, point[0], point[1], point[2], 1}};
+    return CONUS_OK;
+}
+
+static bool read_parts(double parts[3], struct text text, char separator)
+{
+    struct text field;
+    bool more = true;
+    for (int i = 0; i < 3; i++) {
+        if (!text_field(&text, separator, &more, &field) || !text_to_double(field, &parts[i]) ||
+            !(parts[i] >= 0 && parts[i] < 1e4)) {
+            return false;
+        }
+    }
+    return !more;
+}
+
+/* Days from 1970-01-01 in the Gregorian calendar, whose year begins in March here (H. Hinnant, chrono-compatible
+ * low-level date algorithms). */
+static double days_of_date(double year, double month, double day)
+{
+    double y = month <= 2 ? year - 1 : year;
+    double era = floor(y / 400);
+    double year_of_era = y - era * 400;
+    double day_of_year = floor((153 * (month + (month > 2 ? -3 : 9)) + 2) / 5) + day - 1;
+    return era * 146097 + year_of_era * 365 + floor(year_of_era / 4) - floor(year_of_era / 100) + day_of_year - 719468;
+}
+
+double pose_clock(struct text date, struct text time)
+{
+    double d[3];
+    double t[3];
+    if (!read_parts(d, date, '-') || !read_parts(t, time, ':') || !(d[1] >= 1 && d[1] <= 12)) {
+        return NAN;
+    }
+    return days_of_date(d[0], d[1], d[2]) * 86400 + t[0] * 3600 + t[1] * 60 + t[2];
+}
+
+conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps)
+{
+    static const char text[] = "the file says that its positions are RAS, and as such they are taken";
+    bool said = notes->count && strcmp(notes->lines[notes->count - 1], text) == 0;
+    return options->space == CONUS_SPACE_LPS && !lps && !said ? notes_add(notes, "%s", text) : CONUS_OK;
+}
+
+int pose_quote(struct text field)
+{
+    return (int)(field.size < POSE_QUOTE_LIMIT ? field.size : POSE_QUOTE_LIMIT);
+}

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What the readers of poses share: rows, spaces and axes. */
+#ifndef CONUS_POSES_ROWS_POSE_ROW_H
+#define CONUS_POSES_ROWS_POSE_ROW_H
+
+#include "base/notes.h"
+#include "base/text.h"
+
+enum {
+    POSE_ID_LIMIT = 255,    /**< Longest id, in bytes.                  */
+    POSE_QUOTE_LIMIT = 40,  /**< How much of a field a message quotes.  */
+    POSE_ORDINAL_SIZE = 24, /**< A row's number as text.                */
+};
+
+/** What a text of poses may be, for messages. */
+#define POSE_FORMATS                                                                                                   \
+    "a header line and one line per pose, a 4 x 4 matrix, lines of x y z, or another program's file (docs/formats.md)"
+
+/** A row that says nothing yet: no times, no errors, no angle. */
+conus_pose_row pose_row_at(size_t line);
+
+/** Lets @p id be the number of the row, written into @p ordinal, unless it is a name that can be used. Says what is
+ * wrong with it, NULL if nothing is; not to have one is fine. */
+const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint64_t number);
+
+/** CONUS_ERROR_ARGUMENT with what is allowed, unless @p angle, in radians, is a cone's full opening angle. */
+conus_status pose_check_angle(double angle);
+
+/** LPS to RAS and back: x and y change sign. */
+void pose_flip_point(double p[3]);
+/** The same for a matrix that maps into that space. */
+void pose_flip_matrix(double m[16]);
+
+/** Turns @p pose, whose device looks along its @p axis, so that it looks along its -z (Eq. 2): by a half turn about y
+ * for +z and quarter turns about y for +-x, so that +y stays up, and with +z up for +-y. */
+void pose_turn(conus_pose *pose, conus_axis axis);
+
+/** Seconds since 1970-01-01 on the clock that wrote "2019-03-22" and "14:08:40.658"; NaN if that is not what they are.
+ */
+double pose_clock(struct text date, struct text time);
+
+/** A note where the caller asked for LPS and the file says itself that it is RAS, by @p lps. */
+conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps);
+
+/** "+x" and so on; "" for CONUS_AXIS_OF_FORMAT. */
+const char *pose_axis_name(conus_axis axis);
+
+/** A pose that is only a position. */
+conus_status pose_of_point(conus_pose *out, const double point[3]);
+
+/** CONUS_ERROR_DATA: @p what, "column x" say, holds @p field, which is no number. */
+conus_status pose_no_number(const char *what, struct text field);
+
+/** @p size for a message: at most POSE_QUOTE_LIMIT. */
+int pose_quote(struct text field);
+
+#endif

@@ -1,0 +1,449 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The manifest's parser, and what loading one gives and refuses. */
+#include "base/file.h"
+#include "loaders/manifest/manifest.h"
+#include "loaders/volumes/volume_header.h"
+#include "nifti_builder.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const char whole[] =
+    "{\n"
+    "  \"conus_atlas\": 1,\n"
+    "  \"comment\": \"everything that the schema has\",\n"
+    "  \"allow_outside\": true,\n"
+    "  \"parcellation\": {\"file\": \"/data/aal.nii\", \"volume\": 2, \"labels\": \"../aal.txt\"},\n"
+    "  \"areas\": [\"1.gii\", {\"file\": \"b.ply\", \"label\": 7, \"name\": \"B\", \"abbreviation\": \"b\", \"color\":"
+    "    \"#0a0B0c\", \"parent\": 9, \"hemisphere\": \"R\", \"comment\": \"c\"},\n"
+    "    {\"files\": \"lh/*.gii\", \"labels\": \"lh.tsv\", \"label_offset\": 1000, \"hemisphere\": \"L\"},\n"
+    "    {\"brainglobe\": \"mouse\", \"structures\": \"all\", \"scale\": 1, \"orientation\": \"ras\"}],\n"
+    "  \"space\": \"lps\", \"prefer\": \"areas\",\n"
+    "  \"tree\": [{\"label\": 9, \"name\": \"Nine\"}, {\"label\": 7, \"parent\": 9}],\n"
+    "  \"threshold\": 0.3,\n"
+    "  \"pathways\": [\"fornix.nii.gz\",\n"
+    "    {\"file\": \"tracts.nii.gz\", \"volume\": 1, \"name\": \"Cingulum\", \"threshold\": 12.5, \"comment\": "
+    "\"c\"},\n"
+    "    {\"file\": \"four.nii\", \"names\": [\"a\", \"b\"]},\n"
+    "    {\"fsl\": \"JHU.xml\", \"file\": \"JHU/prob.nii.gz\"}],\n"
+    "  \"context\": {\"file\": \"t1.nii\", \"volume\": 0, \"transfer\": {\"file\": \"t1.tf\"}, \"blocks\": 80}\n"
+    "}\n";
+
+static void every_key_is_kept(void **state)
+{
+    (void)state;
+    struct manifest m;
+    assert_true(manifest_is(text_from(whole)));
+    assert_ok(manifest_parse(&m, text_from(whole)));
+    assert_true(m.allow_outside);
+    assert_string_equal(m.parcellation.source.file, "/data/aal.nii");
+    assert_true(m.parcellation.source.chosen);
+    assert_int_equal(m.parcellation.source.volume, 2);
+    assert_string_equal(m.parcellation.labels, "../aal.txt");
+    assert_int_equal(m.area_count, 4);
+    assert_string_equal(m.areas[0].file, "1.gii");
+    assert_true(m.areas[1].has_label);
+    assert_int_equal(m.areas[1].label.number, 7);
+    assert_string_equal(m.areas[1].label.name, "B");
+    assert_int_equal(m.areas[1].label.rgb[1], 11);
+    assert_int_equal(m.areas[1].label.parent, 9);
+    assert_int_equal(m.areas[1].label.hemisphere, 'R');
+    assert_string_equal(m.areas[2].files, "lh/*.gii");
+    assert_string_equal(m.areas[2].labels, "lh.tsv");
+    assert_int_equal(m.areas[2].label_offset, 1000);
+    assert_string_equal(m.areas[3].brainglobe, "mouse");
+    assert_true(m.areas[3].all_structures);
+    assert_near(m.areas[3].scale, 1, 0);
+    assert_string_equal(m.areas[3].orientation, "ras");
+    assert_int_equal(m.space, MESH_SPACE_LPS);
+    assert_int_equal(m.prefer, MANIFEST_PREFER_AREAS);
+    assert_int_equal(m.tree_count, 2);
+    assert_string_equal(m.tree[0].name, "Nine");
+    assert_near(m.threshold, 0.3, 0);
+    assert_int_equal(m.pathway_count, 4);
+    assert_string_equal(m.pathways[0].source.file, "fornix.nii.gz");
+    assert_false(m.pathways[0].source.chosen);
+    assert_string_equal(m.pathways[1].name, "Cingulum");
+    assert_near(m.pathways[1].threshold, 12.5, 0);
+    assert_int_equal(m.pathways[2].name_count, 2);
+    assert_string_equal(m.pathways[2].names[1], "b");
+    assert_string_equal(m.pathways[3].fsl, "JHU.xml");
+    assert_string_equal(m.context.source.file, "t1.nii");
+    assert_true(m.context.source.chosen && m.context.transfer_is_file);
+    assert_string_equal(m.context.transfer, "t1.tf");
+    assert_near(m.context.blocks, 80, 0);
+    manifest_finish(&m);
+}
+
+static const struct {
+    const char *text, *message;
+} refused[] = {
+    {"{\"conus_atlas\": 2}", "conus_atlas: found 2, 1, the version of this format, is needed"},
+    {"[]", "content: found a list, an object is needed"},
+    {"{\"conus_atlas\": 1}", "nothing to select: parcellation, areas or pathways is needed"},
+    {"{\"pathways\": [\"a\"]}", "conus_atlas is missing"},
+    {"{\"conus_atlas\": 1,\n \"pathways\": [,]}", "line 2, column 15: unexpected token near ','"},
+    {"{\"conus_atlas\": 1, \"conus_atlas\": 1}", "line 1, column 32: duplicate object key near '\"conus_atlas\"'"},
+    {"{\"conus_atlas\": 1, \"pathway\": []}", "pathway: unknown key, allowed are conus_atlas, comment, "
+                                              "allow_outside, parcellation, areas, space, prefer, tree, "
+                                              "pathways, threshold, context"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"name\": \"a\"}]}", "areas[0]: file, files or brainglobe is missing"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"files\": \"a\", \"label\": 1}]}",
+     "areas[0].label: unknown key, allowed are files, labels, label_offset, parent, hemisphere, comment"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"file\": \"a\", \"label\": 0}]}",
+     "areas[0].label: found 0, a whole number from 1 to 4294967295 is needed"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"file\": \"a\", \"color\": \"red\"}]}",
+     "areas[0].color: found \"red\", \"#rrggbb\" is needed"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"file\": \"a\", \"hemisphere\": \"left\"}]}",
+     "areas[0].hemisphere: found \"left\", \"L\" or \"R\" or \"B\" is needed"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"file\": \"a\", \"vertex_labels\": \"b\", \"name\": \"x\"}]}",
+     "areas[0]: has vertex_labels for several areas and label, name, abbreviation or color of one"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"file\": \"a\", \"label_offset\": 5}]}",
+     "areas[0].label_offset: without vertex_labels, give label"},
+    {"{\"conus_atlas\": 1, \"areas\": [{\"brainglobe\": \"../a\"}]}",
+     "areas[0].brainglobe: found \"../a\", a path inside the manifest's folder (or \"allow_outside\": true) is "
+     "needed"},
+    {"{\"conus_atlas\": 1, \"space\": \"mni\"}", "space: found \"mni\", \"ras\" or \"lps\" is needed"},
+    {"{\"conus_atlas\": 1, \"tree\": [{\"parent\": 4}]}", "tree[0].label is missing"},
+    {"{\"conus_atlas\": 1, \"pathways\": \"a\"}", "pathways: found \"a\", a list is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [1.5]}", "pathways[0]: found 1.5, an object is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"treshold\": 1}]}",
+     "pathways[0].treshold: unknown key, allowed are file, volume, fsl, name, names, threshold, comment"},
+    {"{\"conus_atlas\": 1, \"pathways\": [\"a\", {\"name\": \"x\"}]}", "pathways[1]: file or fsl is missing"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"threshold\": -1}]}",
+     "pathways[0].threshold: found -1, a number above 0 is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"threshold\": \"0.5\"}]}",
+     "pathways[0].threshold: found \"0.5\", a number above 0 is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"names\": []}]}",
+     "pathways[0].names: found a list, a list of names, one per volume, is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"names\": [\"x\", null]}]}",
+     "pathways[0].names[1]: found null, a text of one line that is not empty is needed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"names\": [\"x\"], \"name\": \"y\"}]}",
+     "pathways[0]: has name for one pathway and names for several, one of them is allowed"},
+    {"{\"conus_atlas\": 1, \"pathways\": [{\"fsl\": \"a\", \"volume\": 1}]}",
+     "pathways[0]: has volume for one pathway and fsl for several, one of them is allowed"},
+    {"{\"conus_atlas\": 1, \"parcellation\": {\"labels\": \"x\"}}", "parcellation.file is missing"},
+    {"{\"conus_atlas\": 1, \"parcellation\": {\"file\": \"a\", \"volume\": 0.5}}",
+     "parcellation.volume: found 0.5, a whole number from 0 is needed"},
+    {"{\"conus_atlas\": 1, \"parcellation\": \"a\\nb\"}",
+     "parcellation: found \"a?b\", a text of one line that is not empty is needed"},
+    {"{\"conus_atlas\": 1, \"allow_outside\": \"yes\"}", "allow_outside: found \"yes\", true or false is needed"},
+};
+
+static void what_the_schema_does_not_know_is_refused(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+        struct manifest m;
+        assert_fails(manifest_parse(&m, text_from(refused[i].text)), CONUS_ERROR_DATA);
+        assert_string_equal(conus_message(), refused[i].message);
+    }
+}
+
+static conus_status parse_with_path(const char *path, bool allow)
+{
+    char text[256];
+    struct manifest m;
+    snprintf(text, sizeof text, "{\"conus_atlas\": 1, \"parcellation\": \"%s\"%s}", path,
+             allow ? ", \"allow_outside\": true" : "");
+    conus_status status = manifest_parse(&m, text_from(text));
+    if (!status) {
+        manifest_finish(&m);
+    }
+    return status;
+}
+
+static void paths_stay_in_the_folder_unless_allowed(void **state)
+{
+    (void)state;
+    static const char *const inside[] = {"a", "a/b", "./a", "a/../b", "a/b/../../c", "..a/b", "a//b"};
+    static const char *const outside[] = {"/a", "../a", "a/../../b", "./../a", "..", "a/../..", "//a"};
+    for (size_t i = 0; i < sizeof inside / sizeof inside[0]; i++) {
+        assert_ok(parse_with_path(inside[i], false));
+    }
+    for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++) {
+        assert_fails(parse_with_path(outside[i], false), CONUS_ERROR_DATA);
+        assert_ok(parse_with_path(outside[i], true));
+    }
+    assert_fails(parse_with_path("../a", false), CONUS_ERROR_DATA);
+    assert_string_equal(conus_message(), "parcellation: found \"../a\", a path inside the manifest's folder (or "
+                                         "\"allow_outside\": true) is needed");
+}
+
+static void every_prefix_is_refused(void **state)
+{
+    (void)state;
+    for (size_t size = 0; size < strlen(whole) - 2; size++) {
+        struct manifest m;
+        assert_fails(manifest_parse(&m, (struct text){whole, size}), CONUS_ERROR_DATA);
+    }
+}
+
+static conus_status parse_whole(void *data)
+{
+    (void)data;
+    struct manifest m;
+    conus_status status = manifest_parse(&m, text_from(whole));
+    if (!status) {
+        manifest_finish(&m);
+    }
+    return status;
+}
+
+static void every_failing_allocation_is_reported(void **state)
+{
+    (void)state;
+    test_every_allocation(parse_whole, NULL);
+}
+
+/* ---- Loading ------------------------------------------------------------------------------------------------ */
+
+static const char *write_manifest(const char *text)
+{
+    const char *path = test_in("test.atlas.json");
+    assert_ok(conus_write_file(path, text, strlen(text)));
+    return path;
+}
+
+/* Two atlases of shapes; a labelled ball of ones serves as a pathway, too. */
+static int write_volumes(void **state)
+{
+    (void)state;
+    test_folder("scene");
+    conus_status status = conus_phantom_write("slabs", test_in(""), &(conus_phantom_options){.size = 16});
+    return status || conus_phantom_write("sphere", test_in(""), &(conus_phantom_options){.size = 16});
+}
+
+static void a_scene_is_loaded_in_one_piece(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    const char *path =
+        write_manifest("\xef\xbb\xbf \n{\"conus_atlas\": 1, \"parcellation\": \"slabs.nii.gz\", \"threshold\": 0.5,"
+                       "\"pathways\": [{\"file\": \"sphere.nii.gz\", \"name\": \"Ball\"}, \"sphere.nii.gz\"],"
+                       "\"context\": {\"file\": \"sphere.nii.gz\", \"transfer\": \"grey\", \"blocks\": 0.5}}");
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_int_equal(conus_atlas_object_count(atlas), 4);
+    assert_string_equal(conus_atlas_object(atlas, 1)->name, "Slab anterior");
+    assert_int_equal(conus_atlas_object(atlas, 3)->kind, CONUS_KIND_PATHWAY);
+    assert_string_equal(conus_atlas_object(atlas, 3)->name, "Ball");
+    assert_int_equal(conus_atlas_object(atlas, 3)->label, 1);
+    assert_string_equal(conus_atlas_object(atlas, 4)->name, "sphere");
+    assert_int_equal(conus_atlas_volume_count(atlas), 4);
+    assert_near(conus_atlas_volume(atlas, 1)->threshold, 0.5, 0);
+    assert_int_equal(conus_atlas_volume(atlas, 3)->role, CONUS_ROLE_CONTEXT);
+    assert_near(conus_atlas_volume(atlas, 3)->threshold, 0.5, 0);
+    conus_atlas_destroy(atlas);
+}
+
+/* What is heard while an atlas loads. */
+struct heard {
+    char files[16][64];
+    size_t count, done, total;
+};
+
+static void hear(void *user, const char *path, size_t done, size_t total)
+{
+    struct heard *heard = user;
+    assert_true(heard->count < 16);
+    assert_true(done >= heard->done && done < total);
+    snprintf(heard->files[heard->count++], sizeof heard->files[0], "%s", strrchr(path, '/') + 1);
+    heard->done = done;
+    heard->total = total;
+}
+
+static void progress_is_told_file_by_file(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    struct heard heard = {.count = 0};
+    const conus_load_options options = {.progress = hear, .progress_user = &heard};
+    const char *path =
+        write_manifest("{\"conus_atlas\": 1, \"parcellation\": \"slabs.nii.gz\","
+                       "\"pathways\": [{\"file\": \"sphere.nii.gz\", \"name\": \"Ball\"}, \"sphere.nii.gz\"],"
+                       "\"context\": \"slabs.nii.gz\"}");
+    assert_ok(conus_atlas_load(&atlas, path, &options));
+    assert_int_equal(heard.count, 4);
+    assert_int_equal(heard.total, 4);
+    assert_int_equal(heard.done, 3);
+    assert_string_equal(heard.files[0], "slabs.nii.gz");
+    assert_string_equal(heard.files[1], "sphere.nii.gz");
+    conus_atlas_destroy(atlas);
+    heard = (struct heard){.count = 0};
+    assert_ok(conus_atlas_load(&atlas, test_in("sphere.nii.gz"), &options));
+    assert_int_equal(heard.count, 1);
+    assert_int_equal(heard.total, 1);
+    conus_atlas_destroy(atlas);
+    heard = (struct heard){.count = 0};
+    assert_ok(conus_phantom_write("brain", test_in("brain"), NULL));
+    assert_ok(
+        conus_atlas_load(&atlas, test_in("brain/brain.atlas.json"), &options)); /* surfaces, a pathway, a context */
+    assert_int_equal(heard.count, 13);
+    assert_int_equal(heard.done + 1, heard.total);
+    conus_atlas_destroy(atlas);
+}
+
+static void labels_of_the_command_line_come_first(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    static const char table[] = "1 One\n300 Three hundred\n";
+    static const char other[] = "1 Uno\n300 Trecento\n";
+    assert_ok(conus_write_file(test_in("names.txt"), table, strlen(table)));
+    assert_ok(conus_write_file(test_in("other.txt"), other, strlen(other)));
+    const char *path = write_manifest("{\"conus_atlas\": 1, \"parcellation\": {\"file\": \"slabs.nii.gz\", "
+                                      "\"labels\": \"names.txt\"}}");
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    assert_string_equal(conus_atlas_object(atlas, 1)->name, "One");
+    conus_atlas_destroy(atlas);
+    assert_ok(conus_atlas_load(&atlas, path, &(conus_load_options){.labels = test_in("other.txt")}));
+    assert_string_equal(conus_atlas_object(atlas, 1)->name, "Uno");
+    conus_atlas_destroy(atlas);
+    path = write_manifest("{\"conus_atlas\": 1, \"pathways\": [\"sphere.nii.gz\"]}");
+    assert_fails(conus_atlas_load(&atlas, path, &(conus_load_options){.labels = test_in("other.txt")}),
+                 CONUS_ERROR_ARGUMENT);
+}
+
+static void a_failure_names_manifest_and_key(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *part;
+        conus_status status;
+    } cases[] = {
+        {"{\"conus_atlas\": 1, \"parcellation\": \"no.nii\"}", "test.atlas.json: parcellation: ", CONUS_ERROR_IO},
+        {"{\"conus_atlas\": 1, \"pathways\": [\"sphere.nii.gz\", \"no.nii\"]}",
+         "test.atlas.json: pathways[1]: ", CONUS_ERROR_IO},
+        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"sphere.nii.gz\", \"threshold\": 2}]}",
+         "test.atlas.json: pathways[0]: ", CONUS_ERROR_DATA},
+        {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"sphere.nii.gz\", \"names\": [\"a\", \"b\"]}]}",
+         "names: has 2 entries, sphere.nii.gz has 1 volumes: they must be as many", CONUS_ERROR_DATA},
+        {"{\"conus_atlas\": 1, \"pathways\": [{\"fsl\": \"no.xml\"}]}",
+         "test.atlas.json: pathways[0]: ", CONUS_ERROR_IO},
+        {"{\"conus_atlas\": 1, \"pathways\": [\"sphere.nii.gz\"], \"context\": \"no.nii\"}",
+         "test.atlas.json: context: ", CONUS_ERROR_IO},
+        {"{\"conus_atlas\": 1, \"pathways\": [\"sphere.nii.gz\"], \"context\": {\"file\": \"sphere.nii.gz\", "
+         "\"transfer\": {\"file\": \"no.tf\"}}}",
+         "context: transfer.file: ", CONUS_ERROR_IO},
+        {"{\"conus_atlas\": 1, \"parcellation\": \"test.atlas.json\"}",
+         "test.atlas.json: parcellation: ", CONUS_ERROR_DATA},
+        {"{\"conus_atlas\": true}", "test.atlas.json: conus_atlas: found true", CONUS_ERROR_DATA},
+        {"{\"areas\": 1}", "this is JSON of another kind; needed is a labelled volume", CONUS_ERROR_DATA},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_atlas *atlas = NULL;
+        assert_fails(conus_atlas_load(&atlas, write_manifest(cases[i].text), NULL), cases[i].status);
+        assert_non_null(strstr(conus_message(), cases[i].part));
+        assert_null(atlas);
+    }
+}
+
+/* FSL's thalamic connectivity: seven volumes of percent. */
+static void an_fsl_atlas_gives_one_pathway_per_label(void **state)
+{
+    (void)state;
+    char text[1024];
+    conus_atlas *atlas = NULL;
+    const char *xml = test_shared("prob/fsl/atlases/Thalamus.xml");
+    snprintf(text, sizeof text, "{\"conus_atlas\": 1, \"allow_outside\": true, \"pathways\": [{\"fsl\": \"%s\"}]}",
+             xml);
+    assert_ok(conus_atlas_load(&atlas, write_manifest(text), NULL));
+    assert_int_equal(conus_atlas_object_count(atlas), 7);
+    assert_string_equal(conus_atlas_object(atlas, 1)->name, "Primary motor");
+    assert_string_equal(conus_atlas_object(atlas, 7)->name, "Temporal");
+    assert_near(conus_atlas_volume(atlas, 6)->threshold, 25, 0);
+    assert_int_equal(conus_atlas_volume(atlas, 6)->volume, 6);
+    conus_atlas_destroy(atlas);
+}
+
+/* Three volumes without an sform, which is noted; volume t has t + 1 voxels of 1. */
+static void write_four(void)
+{
+    struct nifti_builder b;
+    nifti_begin(&b, 1, false, VOLUME_UINT8, (const int64_t[]){3, 2, 2});
+    nifti_set(&b, "dim", 0, 4);
+    nifti_set(&b, "dim", 4, 3);
+    nifti_set(&b, "sform_code", 0, 0);
+    for (size_t v = 0; v < 36; v++) {
+        nifti_voxel(&b, v % 12 <= v / 12);
+    }
+    write_packed("scene/four.nii.gz", &b.bytes);
+    buffer_finish(&b.bytes);
+}
+
+static const char *const series_manifests[] = {
+    "{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"four.nii.gz\", \"names\": [\"a\", \"b\", \"c\"]}]}",
+    "{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"four.nii.gz\", \"volume\": 0, \"name\": \"a\"}, "
+    "{\"file\": \"four.nii.gz\", \"volume\": 1, \"name\": \"b\"}, "
+    "{\"file\": \"four.nii.gz\", \"volume\": 2, \"name\": \"c\"}]}"};
+
+static void volumes_of_one_file_are_pathways_of_their_own(void **state)
+{
+    (void)state;
+    write_four();
+    for (size_t i = 0; i < 2; i++) {
+        conus_atlas *atlas = NULL;
+        size_t told = 0;
+        assert_ok(conus_atlas_load(&atlas, write_manifest(series_manifests[i]), NULL));
+        assert_int_equal(conus_atlas_object_count(atlas), 3);
+        for (size_t k = 0; k < 3; k++) {
+            assert_int_equal(conus_atlas_object(atlas, k + 1)->name[0], 'a' + k);
+            assert_int_equal(conus_atlas_object(atlas, k + 1)->voxels, k + 1);
+            assert_int_equal(conus_atlas_volume(atlas, k)->volume, k);
+        }
+        for (size_t k = 0; k < conus_atlas_note_count(atlas); k++) {
+            told += strstr(conus_atlas_note(atlas, k), "four.nii.gz: ") != NULL;
+        }
+        assert_int_equal(told, 1); /* once, not for each volume */
+        conus_atlas_destroy(atlas);
+    }
+    conus_atlas *atlas = NULL;
+    const char *beyond =
+        write_manifest("{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"four.nii.gz\", \"volume\": 2}, "
+                       "{\"file\": \"four.nii.gz\", \"volume\": 3}]}");
+    assert_fails(conus_atlas_load(&atlas, beyond, NULL), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "pathways[1]: "));
+    assert_non_null(strstr(conus_message(), "volume: found 3, allowed are 0 to 2"));
+}
+
+static conus_status load_scene(void *data)
+{
+    conus_atlas *atlas = NULL;
+    conus_status status = conus_atlas_load(&atlas, data, NULL);
+    conus_atlas_destroy(atlas);
+    return status;
+}
+
+static void every_failing_allocation_of_a_scene_is_reported(void **state)
+{
+    (void)state;
+    const char *path = write_manifest("{\"conus_atlas\": 1, \"parcellation\": \"slabs.nii.gz\", \"threshold\": 0.5,"
+                                      "\"pathways\": [{\"file\": \"sphere.nii.gz\", \"names\": [\"Ball\"]}],"
+                                      "\"context\": {\"file\": \"sphere.nii.gz\", \"transfer\": \"grey\"}}");
+    test_every_allocation(load_scene, (void *)path);
+    write_four();
+    for (size_t i = 0; i < 2; i++) {
+        test_every_allocation(load_scene, (void *)write_manifest(series_manifests[i]));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_key_is_kept),
+        cmocka_unit_test(what_the_schema_does_not_know_is_refused),
+        cmocka_unit_test(paths_stay_in_the_folder_unless_allowed),
+        cmocka_unit_test(every_prefix_is_refused),
+        cmocka_unit_test(every_failing_allocation_is_reported),
+        cmocka_unit_test(a_scene_is_loaded_in_one_piece),
+        cmocka_unit_test(progress_is_told_file_by_file),
+        cmocka_unit_test(labels_of_the_command_line_come_first),
+        cmocka_unit_test(a_failure_names_manifest_and_key),
+        cmocka_unit_test(volumes_of_one_file_are_pathways_of_their_own),
+        cmocka_unit_test(an_fsl_atlas_gives_one_pathway_per_label),
+        cmocka_unit_test(every_failing_allocation_of_a_scene_is_reported),
+    };
+    return cmocka_run_group_tests(tests, write_volumes, NULL);
+}
