@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus diff: compares two results row by row, or two pictures. */
+#include "cli/answers/results_file.h"
 #include "cli/commands.h"
-#include "cli/results_file.h"
 #include "common/messages.h"
 #include "common/output.h"
 #include "settings/option_values.h"

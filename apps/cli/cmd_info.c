@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus info: lists the contents of an atlas as a table, a tree or JSON. */
+#include "cli/answers/info_json.h"
+#include "cli/answers/info_tree.h"
 #include "cli/commands.h"
-#include "cli/info_json.h"
-#include "cli/info_tree.h"
 #include "common/messages.h"
 #include "common/output.h"
 #include "settings/atlas_input.h"

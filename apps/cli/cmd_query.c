@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus query: the areas and pathways in a cone or ball, with the tables, pictures and masks that belong to them. */
+#include "cli/answers/mask.h"
 #include "cli/commands.h"
 #include "cli/inquiry.h"
-#include "cli/mask.h"
 #include "common/messages.h"
 #include "common/output.h"
 #include "settings/atlas_input.h"

@@ -5,7 +5,7 @@
 #ifndef CONUS_CLI_INQUIRY_H
 #define CONUS_CLI_INQUIRY_H
 
-#include "cli/answer_format.h"
+#include "cli/answers/answer_format.h"
 #include "settings/pose_settings.h"
 
 struct inquiry_settings {

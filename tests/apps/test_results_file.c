@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What `conus diff` reads. */
-#include "cli/results_file.h"
+#include "cli/answers/results_file.h"
 #include "common/messages.h"
 #include "test.h"
 

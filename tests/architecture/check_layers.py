@@ -19,7 +19,8 @@ APPS = {
     "apps/common": "apps/link",
     "apps/settings": "apps/link apps/common",
     "apps/batch": "apps/common apps/settings",
-    "apps/cli": "apps/link apps/common apps/settings apps/batch",
+    "apps/cli/answers": "apps/common apps/settings",
+    "apps/cli": "apps/link apps/common apps/settings apps/batch apps/cli/answers",
     "apps/mpi": "apps/common apps/settings apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/model": "apps/link",

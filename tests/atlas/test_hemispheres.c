@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Left and right areas: what names say, pairs, merging and splitting (Eq. 10). */
-#include "area_rows.h"
 #include "atlas/areas/level.h"
 #include "atlas/areas/pairs.h"
 #include "atlas/areas/sides.h"
 #include "base/memory.h"
+#include "builders/area_rows.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The part of Eq. 10 that rolls areas up the tree. */
-#include "area_rows.h"
 #include "atlas/areas/level.h"
+#include "builders/area_rows.h"
 #include "test.h"
 
 #include <stdio.h>

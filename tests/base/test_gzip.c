@@ -2,7 +2,7 @@
 /* Gzip files: members, ranges, bombs, flipped bits. */
 #include "base/formats/gzip.h"
 
-#include "nifti_builder.h"
+#include "builders/nifti_builder.h"
 #include "test.h"
 
 #include <stdlib.h>

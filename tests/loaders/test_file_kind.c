@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a message says that a file is. Each sample begins as the format's specification says, or as its usual writer. */
+#include "builders/nifti_builder.h"
 #include "loaders/file_kind.h"
-#include "nifti_builder.h"
 #include "test.h"
 
 #include <stdio.h>

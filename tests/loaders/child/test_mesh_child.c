@@ -2,8 +2,8 @@
 /* The process of conus-mesh, played by shell scripts: what it may do, and what becomes of it. */
 #include "base/file.h"
 #include "base/memory.h"
+#include "builders/mesh_builder.h"
 #include "loaders/child/mesh_child.h"
-#include "mesh_builder.h"
 #include "test.h"
 
 #include <stdio.h>

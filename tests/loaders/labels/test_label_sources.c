@@ -2,8 +2,8 @@
 /* Which number a name belongs to: the points of FSL atlas XMLs, and tables that contradict each other. */
 #include "base/buffer.h"
 #include "base/file.h"
+#include "builders/nifti_builder.h"
 #include "loaders/tables/label_cells.h"
-#include "nifti_builder.h"
 #include "test.h"
 
 #include <stdio.h>

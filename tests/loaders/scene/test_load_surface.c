@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A surface as ATLAS. */
 #include "base/memory.h"
-#include "gifti_builder.h"
-#include "nifti_builder.h"
+#include "builders/gifti_builder.h"
+#include "builders/nifti_builder.h"
 #include "test.h"
 
 #include <stdio.h>

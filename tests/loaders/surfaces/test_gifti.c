@@ -4,7 +4,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
-#include "gifti_builder.h"
+#include "builders/gifti_builder.h"
 #include "loaders/surfaces/gifti_mesh.h"
 #include "test.h"
 

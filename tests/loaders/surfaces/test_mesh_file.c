@@ -3,9 +3,9 @@
 #include "loaders/surfaces/mesh_file.h"
 
 #include "base/memory.h"
-#include "gifti_builder.h"
+#include "builders/gifti_builder.h"
+#include "builders/nifti_builder.h"
 #include "loaders/child/mesh_child.h"
-#include "nifti_builder.h"
 #include "test.h"
 
 #include <stdio.h>

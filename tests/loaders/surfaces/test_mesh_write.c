@@ -5,10 +5,10 @@
 #include "base/file.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "builders/mesh_builder.h"
 #include "loaders/child/mesh_stream.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/surfaces/mesh_format.h"
-#include "mesh_builder.h"
 #include "test.h"
 
 #include <stdio.h>

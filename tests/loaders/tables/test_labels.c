@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables that are text: the format is detected, and bad cells are named with their line. */
+#include "builders/parsed_labels.h"
 #include "loaders/labels/label_file.h"
-#include "parsed_labels.h"
 #include "test.h"
 
 #include <string.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables in XML, and in AFNI's NIML, which looks like it. */
 #include "base/buffer.h"
+#include "builders/parsed_labels.h"
 #include "loaders/tables/fsl_number.h"
 #include "loaders/tables/label_bytes.h"
-#include "parsed_labels.h"
 #include "test.h"
 
 #include <string.h>

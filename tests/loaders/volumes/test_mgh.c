@@ -3,9 +3,9 @@
 #include "loaders/volumes/mgh.h"
 
 #include "base/memory.h"
+#include "builders/nifti_builder.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_values.h"
-#include "nifti_builder.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -4,7 +4,7 @@
 
 #include "base/math3.h"
 #include "base/memory.h"
-#include "nifti_builder.h"
+#include "builders/nifti_builder.h"
 #include "test.h"
 
 #include <stdlib.h>

@@ -4,9 +4,9 @@
 
 #include "base/math3.h"
 #include "base/memory.h"
+#include "builders/nifti_builder.h"
 #include "loaders/volumes/volume_header.h"
 #include "loaders/volumes/volume_values.h"
-#include "nifti_builder.h"
 #include "test.h"
 
 #include <errno.h>

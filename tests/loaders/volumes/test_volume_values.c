@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Stored voxels into labels and values. */
 #include "base/memory.h"
+#include "builders/nifti_builder.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_header.h"
 #include "loaders/volumes/volume_values.h"
-#include "nifti_builder.h"
 #include "test.h"
 
 #include <math.h>

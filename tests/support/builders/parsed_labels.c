@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses a literal and prints the table. */
-#include "parsed_labels.h"
+#include "builders/parsed_labels.h"
 
 #include "base/buffer.h"
 #include "base/memory.h"

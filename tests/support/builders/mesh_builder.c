@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Builds streams of conus-mesh. */
-#include "mesh_builder.h"
+#include "builders/mesh_builder.h"
 
 #include <string.h>
 

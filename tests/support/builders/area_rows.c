@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Small atlases with an area tree. */
-#include "area_rows.h"
+#include "builders/area_rows.h"
 
 #include "atlas/space.h"
 #include "base/math3.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* --mask: takes the grid of a selection and writes it with its sidecar. */
-#include "cli/mask.h"
+#include "cli/answers/mask.h"
 
 #include "common/messages.h"
 #include "common/output.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes GIFTI documents field by field. */
-#include "gifti_builder.h"
+#include "builders/gifti_builder.h"
 
 #include "base/memory.h"
 

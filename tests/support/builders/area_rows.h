@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Small atlases with an area tree, written down in tests. */
-#ifndef CONUS_TESTS_SUPPORT_AREA_ROWS_H
-#define CONUS_TESTS_SUPPORT_AREA_ROWS_H
+#ifndef CONUS_TESTS_SUPPORT_BUILDERS_AREA_ROWS_H
+#define CONUS_TESTS_SUPPORT_BUILDERS_AREA_ROWS_H
 
 #include "atlas/atlas.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses a TSV or CSV result and finds its rows by their keys. */
-#include "cli/results_file.h"
+#include "cli/answers/results_file.h"
 
 #include "common/input_file.h"
 #include "common/messages.h"

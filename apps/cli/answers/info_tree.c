@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The tree of areas of conus info. */
-#include "cli/info_tree.h"
+#include "cli/answers/info_tree.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The options --format and --output, and the writing of a report and its sidecar. */
-#include "cli/answer_format.h"
+#include "cli/answers/answer_format.h"
 
 #include "common/messages.h"
 #include "common/output.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file What `conus info --format tree` writes. */
-#ifndef CONUS_CLI_INFO_TREE_H
-#define CONUS_CLI_INFO_TREE_H
+#ifndef CONUS_CLI_ANSWERS_INFO_TREE_H
+#define CONUS_CLI_ANSWERS_INFO_TREE_H
 
 #include <conus/conus.h>
 

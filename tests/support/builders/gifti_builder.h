@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Writes GIFTI documents for tests, right or wrong ones. */
-#ifndef CONUS_TESTS_SUPPORT_GIFTI_BUILDER_H
-#define CONUS_TESTS_SUPPORT_GIFTI_BUILDER_H
+#ifndef CONUS_TESTS_SUPPORT_BUILDERS_GIFTI_BUILDER_H
+#define CONUS_TESTS_SUPPORT_BUILDERS_GIFTI_BUILDER_H
 
 #include "base/buffer.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file A label table parsed from a literal, and shown as one. */
-#ifndef CONUS_TESTS_SUPPORT_PARSED_LABELS_H
-#define CONUS_TESTS_SUPPORT_PARSED_LABELS_H
+#ifndef CONUS_TESTS_SUPPORT_BUILDERS_PARSED_LABELS_H
+#define CONUS_TESTS_SUPPORT_BUILDERS_PARSED_LABELS_H
 
 #include "loaders/tables/label_bytes.h"
 

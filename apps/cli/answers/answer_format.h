@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The format of an answer, the file it goes to, and the sidecar beside that file. */
-#ifndef CONUS_CLI_ANSWER_FORMAT_H
-#define CONUS_CLI_ANSWER_FORMAT_H
+#ifndef CONUS_CLI_ANSWERS_ANSWER_FORMAT_H
+#define CONUS_CLI_ANSWERS_ANSWER_FORMAT_H
 
 #include "settings/settings.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Streams as conus-mesh writes them, made by hand. */
-#ifndef CONUS_TESTS_SUPPORT_MESH_BUILDER_H
-#define CONUS_TESTS_SUPPORT_MESH_BUILDER_H
+#ifndef CONUS_TESTS_SUPPORT_BUILDERS_MESH_BUILDER_H
+#define CONUS_TESTS_SUPPORT_BUILDERS_MESH_BUILDER_H
 
 #include "base/buffer.h"
 #include "loaders/child/mesh_protocol.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Files for the volume tests, built in memory so that every field can be bent. */
-#ifndef CONUS_TESTS_SUPPORT_NIFTI_BUILDER_H
-#define CONUS_TESTS_SUPPORT_NIFTI_BUILDER_H
+#ifndef CONUS_TESTS_SUPPORT_BUILDERS_NIFTI_BUILDER_H
+#define CONUS_TESTS_SUPPORT_BUILDERS_NIFTI_BUILDER_H
 
 #include "base/buffer.h"
 

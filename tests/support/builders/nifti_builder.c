@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Builds NIfTI files in memory. */
-#include "nifti_builder.h"
+#include "builders/nifti_builder.h"
 
 #include "loaders/volumes/volume_header.h"
 #include "test.h"

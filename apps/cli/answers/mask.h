@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file --mask: the voxels in the cone as a NIfTI volume, with its sidecar. */
-#ifndef CONUS_CLI_MASK_H
-#define CONUS_CLI_MASK_H
+#ifndef CONUS_CLI_ANSWERS_MASK_H
+#define CONUS_CLI_ANSWERS_MASK_H
 
 #include "settings/options.h"
 
