@@ -286,6 +286,16 @@ struct cone mesh_scene_random_cone(uint64_t *state, double size)
     return mesh_scene_cone(origin, target, degrees, 1 + (uint32_t)test_random(state, 0, kind < 0.8 ? 17 : 60));
 }
 
+conus_atlas *mesh_scene_nested(void)
+{
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = 0; i < 5; i++) {
+        struct mesh sphere = mesh_scene_sphere((double[]){3, -2, 1}, 50 - i * pow(10, -i), 30, 60);
+        mesh_scene_add(atlas, &sphere);
+    }
+    return atlas;
+}
+
 conus_atlas *mesh_scene_brain(void)
 {
     conus_atlas *atlas = mesh_scene_atlas();
