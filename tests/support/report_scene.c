@@ -33,3 +33,28 @@ void report_scene_destroy(struct report_scene *scene)
     conus_selector_destroy(scene->selector);
     conus_atlas_destroy(scene->atlas);
 }
+
+static conus_status select_and_report(void *data)
+{
+    const struct report_attempt *attempt = data;
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_report *report = NULL;
+    conus_status status = conus_selector_create(&selector, attempt->atlas, &attempt->options);
+    if (!status) {
+        status = attempt->radius > 0 ? conus_select_ball(&selection, selector, attempt->centre, attempt->radius)
+                                     : conus_select(&selection, selector, &attempt->pose, attempt->angle);
+    }
+    status = status ? status : conus_report_create(&report, selector, &attempt->report);
+    status = status ? status : conus_report_add(report, "1", selection);
+    conus_report_destroy(report);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    return status;
+}
+
+void report_every_allocation(const struct report_attempt *attempt)
+{
+    struct report_attempt copy = *attempt;
+    test_every_allocation(select_and_report, &copy);
+}
