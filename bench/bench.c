@@ -30,6 +30,11 @@ static double now_ms(const struct bench *bench)
     return clock_ms(bench->one_thread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC);
 }
 
+void bench_draw_on_this_thread(void)
+{
+    setenv("LP_NUM_THREADS", "0", 0);
+}
+
 double bench_wall(void)
 {
     return clock_ms(CLOCK_MONOTONIC) / 1e3;

@@ -70,6 +70,9 @@ conus_status bench_value(struct bench *bench, const char *key, double value, boo
 /** Notes that @p what is left out, because of conus_message(). */
 conus_status bench_leave_out(struct bench *bench, const char *what);
 
+/** Mesa's llvmpipe stays on the calling thread, whose time is taken. Call it before anything draws. */
+void bench_draw_on_this_thread(void);
+
 /** Seconds of the wall clock. */
 double bench_wall(void);
 

@@ -11,7 +11,6 @@
 #include "render/gl/target.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { WIDTH = 1400, HEIGHT = 1050, MARGIN = 40, CHECK_PART = 10, ENTRIES = 256, WAYS = 5 };
@@ -268,7 +267,7 @@ static conus_status run_transfer(struct bench *bench, const char *transfer, cons
 
 conus_status bench_peers_colour(struct bench *bench)
 {
-    setenv("LP_NUM_THREADS", "0", 0); /* Mesa's llvmpipe stays on this thread, whose time is taken */
+    bench_draw_on_this_thread();
     conus_status status = peer_check_display();
     status = status ? status : run_transfer(bench, "brain", "");
     status = status ? status : run_transfer(bench, "surface", "_surface");

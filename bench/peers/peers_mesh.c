@@ -8,7 +8,6 @@
 #include "bench/torus/torus_scene.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 
 enum { TORI = 20000, CONES = 4, WAYS_LIMIT = 10, LARGE_WIDTH = 1400, LARGE_HEIGHT = 1050 };
 
@@ -349,7 +348,7 @@ static conus_status measure_narrow(struct bench *bench, struct scene *scene)
 conus_status bench_peers_mesh(struct bench *bench)
 {
     struct scene scene = {0};
-    setenv("LP_NUM_THREADS", "0", 0); /* Mesa's llvmpipe stays on this thread, whose time is taken */
+    bench_draw_on_this_thread();
     bench->one_thread = true;
     conus_status status = scene_init(bench, &scene);
     if (!status) {

@@ -7,7 +7,6 @@
 #include "bench/support/look.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 
 enum { PIXELS = PEER_RESOLUTION * PEER_RESOLUTION, WAYS = 5, SEED = 2010 };
 
@@ -176,7 +175,7 @@ static conus_status run_scene(struct bench *bench, struct scene *scene)
 conus_status bench_peers_volume(struct bench *bench)
 {
     struct scene scene = {0};
-    setenv("LP_NUM_THREADS", "0", 0); /* Mesa's llvmpipe stays on this thread, whose time is taken */
+    bench_draw_on_this_thread();
     bench->one_thread = true;
     conus_status status = scene_init(bench, &scene);
     if (!status) {

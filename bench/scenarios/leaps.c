@@ -7,7 +7,6 @@
 #include "selection/engine/distance_map.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { SEED = 2010 };
@@ -91,7 +90,7 @@ conus_status bench_leaps(struct bench *bench)
 {
     struct scene scene = {0};
     struct bench_variant variants[WAYS];
-    setenv("LP_NUM_THREADS", "0", 0); /* Mesa's llvmpipe stays on this thread, whose time is taken */
+    bench_draw_on_this_thread();
     conus_status status = scene_init(&scene, &bench->options);
     if (status == CONUS_ERROR_GL) {
         status = bench_leave_out(bench, "leaps by OpenGL");

@@ -12,7 +12,6 @@
 #include "render/id/slices.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { RESOLUTION = 16, PIXELS = RESOLUTION * RESOLUTION, SEED = 2010, PLANES = 72 };
@@ -314,7 +313,7 @@ static conus_status measure_ways(struct bench *bench, struct scene *scene)
 conus_status bench_volume_gl(struct bench *bench)
 {
     struct scene scene = {0};
-    setenv("LP_NUM_THREADS", "0", 0); /* Mesa's llvmpipe stays on this thread, whose time is taken */
+    bench_draw_on_this_thread();
     conus_status status = scene_init(&scene, &bench->options);
     if (status == CONUS_ERROR_GL) {
         status = bench_leave_out(bench, "volumes by OpenGL");

@@ -9,7 +9,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { TORI = 20000, CONES = 4, PIXELS = TORUS_RESOLUTION * TORUS_RESOLUTION };
@@ -143,7 +142,7 @@ conus_status bench_steps(struct bench *bench)
 {
     struct scene *scene = memory_zeroed(1, sizeof *scene);
     struct bench_variant variants[KINDS];
-    setenv("LP_NUM_THREADS", "0", 0); /* Mesa's llvmpipe stays on this thread, whose time is taken */
+    bench_draw_on_this_thread();
     conus_status status = scene ? scene_init(scene, &bench->options) : CONUS_ERROR_MEMORY;
     if (!status) {
         const char *device = gl_context_renderer(scene->pass.context);

@@ -5,7 +5,6 @@
 #include "bench/torus/torus_pass.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { TORI = 20000, CONES = 4 };
@@ -51,7 +50,7 @@ static conus_status measure_angles(struct bench *bench, struct torus_round *roun
 conus_status bench_torus_gl(struct bench *bench)
 {
     struct torus_round round;
-    setenv("LP_NUM_THREADS", "0", 0); /* Mesa's llvmpipe stays on this thread, whose time is taken */
+    bench_draw_on_this_thread();
     conus_status status = torus_round_init(&round, bench_size(&bench->options, TORI), false);
     if (status == CONUS_ERROR_GL) {
         status = bench_leave_out(bench, "torus by OpenGL");

@@ -5,7 +5,6 @@
 #include "tests/support/gl_edge.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- Is it right? ------------------------------------------------------------------------------------------- */
@@ -85,7 +84,7 @@ static conus_status measure_layers(struct bench *bench, struct layer_round *roun
 conus_status bench_gl_layers(struct bench *bench)
 {
     struct layer_round round;
-    setenv("LP_NUM_THREADS", "0", 0); /* Mesa's llvmpipe stays on this thread, whose time is taken */
+    bench_draw_on_this_thread();
     conus_status status = layer_round_init(&round, &bench->options, true);
     if (!status) {
         bench->one_thread = strstr(round.gl->name, "llvmpipe") != NULL;

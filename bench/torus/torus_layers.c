@@ -3,6 +3,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "bench/torus/torus_ways.h"
+#include "tests/support/oracle_triangle.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -25,31 +26,6 @@ static size_t count_other_firsts(const struct layer_way *layers, const struct la
     return count;
 }
 
-static void corner(double out[3], const struct mesh *mesh, size_t triangle, size_t k)
-{
-    const float *p = &mesh->positions[3 * (size_t)mesh->triangles[3 * triangle + k]];
-    for (int a = 0; a < 3; a++) {
-        out[a] = (double)p[a];
-    }
-}
-
-/* Moeller and Trumbore. */
-static bool hits_triangle(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3])
-{
-    double p[3][3], across[3], from[3], turned[3];
-    for (size_t k = 0; k < 3; k++) {
-        corner(p[k], mesh, triangle, k);
-    }
-    vec3_sub(p[1], p[1], p[0]);
-    vec3_sub(p[2], p[2], p[0]);
-    vec3_cross(across, direction, p[2]);
-    vec3_sub(from, origin, p[0]);
-    vec3_cross(turned, from, p[1]);
-    double scale = 1 / vec3_dot(p[1], across);
-    double u = vec3_dot(from, across) * scale, v = vec3_dot(direction, turned) * scale;
-    return u >= 0 && v >= 0 && u + v <= 1 && vec3_dot(p[2], turned) * scale >= 0;
-}
-
 /* All triangles of a torus, if the ray passes the ball around it. */
 static bool pierces(const struct mesh *mesh, const double centre[3], const double origin[3], const double direction[3])
 {
@@ -57,9 +33,10 @@ static bool pierces(const struct mesh *mesh, const double centre[3], const doubl
     vec3_sub(away, centre, origin);
     double along = vec3_dot(away, direction);
     bool found = false;
+    int side;
     if (vec3_dot(away, away) - along * along <= 1.01 * TORUS_RADIUS * TORUS_RADIUS) {
         for (size_t i = 0; i < mesh->triangle_count && !found; i++) {
-            found = hits_triangle(mesh, i, origin, direction);
+            found = oracle_triangle(&side, mesh, i, origin, direction) < INFINITY;
         }
     }
     return found;

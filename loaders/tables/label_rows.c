@@ -183,6 +183,17 @@ static conus_status words_differ(bool *out, struct text text, size_t rows, struc
 
 typedef conus_status parse_row(struct label *label, const struct row *row, const char *where, const void *data);
 
+static conus_status keep_row(struct label_table *out, struct notes *notes, const struct row *row, struct text number,
+                             parse_row *parse, const void *data)
+{
+    char where[32];
+    struct label label = {0};
+    snprintf(where, sizeof where, "line %zu", row->line);
+    conus_status status = label_cell_number(&label.number, number, where);
+    status = status ? status : parse(&label, row, where, data);
+    return label_keep(out, &label, status, notes);
+}
+
 static conus_status parse_rows(struct label_table *out, struct text text, struct notes *notes, parse_row *parse,
                                const void *data)
 {
@@ -190,12 +201,7 @@ static conus_status parse_rows(struct label_table *out, struct text text, struct
     struct row row;
     conus_status status = CONUS_OK;
     while (!status && next_row(&reader, &row)) {
-        char where[32];
-        struct label label = {0};
-        snprintf(where, sizeof where, "line %zu", row.line);
-        status = label_cell_number(&label.number, row.first, where);
-        status = status ? status : parse(&label, &row, where, data);
-        status = label_keep(out, &label, status, notes);
+        status = keep_row(out, notes, &row, row.first, parse, data);
     }
     return status;
 }
@@ -347,25 +353,41 @@ static conus_status parse_itk_snap(struct label_table *out, struct text text, st
     return parse_rows(out, text, notes, parse_itk_snap_row, NULL);
 }
 
-/* "HIPL Hippocampus_L 4101" or "Hippocampus_L 4101": turned round, it is a row like the others. */
+/* What is left of "HIPL Hippocampus_L 4101" or "Hippocampus_L 4101" without the number. */
+static conus_status parse_names_row(struct label *label, const struct row *row, const char *where, const void *data)
+{
+    (void)where;
+    (void)data;
+    struct text rest = row->rest;
+    struct text name = take_last_word(&rest);
+    conus_status status = label_set_text(&label->name, name);
+    return status ? status : label_set_text(&label->abbreviation, rest);
+}
+
 static conus_status parse_number_last(struct label_table *out, struct text text, struct notes *notes)
 {
     struct reader reader = {.rest = text};
     struct row row;
     conus_status status = CONUS_OK;
     while (!status && next_row(&reader, &row)) {
-        char where[32];
-        struct label label = {0};
-        struct text rest = row.all;
-        struct text number = take_last_word(&rest);
-        struct text name = take_last_word(&rest);
-        snprintf(where, sizeof where, "line %zu", row.line);
-        status = label_cell_number(&label.number, number, where);
-        status = status ? status : label_set_text(&label.name, name);
-        status = status ? status : label_set_text(&label.abbreviation, rest);
-        status = label_keep(out, &label, status, notes);
+        row.rest = row.all;
+        struct text number = take_last_word(&row.rest);
+        status = keep_row(out, notes, &row, number, parse_names_row, NULL);
     }
     return status;
+}
+
+/* "KEY R G B A"; the data is the text of the name. */
+static conus_status parse_pair_row(struct label *label, const struct row *row, const char *where, const void *data)
+{
+    const struct text *name = data;
+    struct text rest = row->rest;
+    struct text cells[4] = {{0}};
+    uint8_t opacity;
+    take_words(&rest, cells, 4);
+    conus_status status = label_cell_rgb(label, cells, label_cell_channel, where);
+    status = status ? status : label_cell_channel(&opacity, cells[3], "opacity", where);
+    return status ? status : label_set_text(&label->name, *name);
 }
 
 /* Workbench's text: a line with the name, a line "KEY R G B A". */
@@ -376,17 +398,7 @@ static conus_status parse_pairs(struct label_table *out, struct text text, struc
     struct row numbers;
     conus_status status = CONUS_OK;
     while (!status && next_row(&reader, &name) && next_row(&reader, &numbers)) {
-        char where[32];
-        struct label label = {0};
-        struct text cells[4] = {{0}};
-        uint8_t opacity;
-        take_words(&numbers.rest, cells, 4);
-        snprintf(where, sizeof where, "line %zu", numbers.line);
-        status = label_cell_number(&label.number, numbers.first, where);
-        status = status ? status : label_cell_rgb(&label, cells, label_cell_channel, where);
-        status = status ? status : label_cell_channel(&opacity, cells[3], "opacity", where);
-        status = status ? status : label_set_text(&label.name, name.all);
-        status = label_keep(out, &label, status, notes);
+        status = keep_row(out, notes, &numbers, numbers.first, parse_pair_row, &name.all);
     }
     return status;
 }

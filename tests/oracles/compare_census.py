@@ -27,7 +27,7 @@ except ImportError:
     print("skipped: no python3-nibabel")
     sys.exit(77)
 
-from compare_query import device_frame, random_pose
+from compare_query import box_corners, device_frame, random_pose
 
 CONTENTS = ["all", "areas", "labels", "values"]
 
@@ -195,8 +195,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         mask = os.path.join(folder, "mask.nii.gz")
         for volume, pathway in cases(conus, shared, templates, folder):
-            corners = np.array([[i, j, k] for i in (0, volume.data.shape[0]) for j in (0, volume.data.shape[1])
-                                for k in (0, volume.data.shape[2])]) @ volume.m[:3, :3].T + volume.m[:3, 3]
+            corners = box_corners(volume.data.shape, volume.m)
             for i in range(count):
                 region = random_region(generator, i, corners)
                 content = CONTENTS[i // 4 % (4 if pathway else 3)]

@@ -12,19 +12,13 @@ usage: compare_layers.py CONUS POSES_PER_CASE [TEMPLATE_FOLDER]; exit 77 = skipp
 import csv
 import io
 import math
-import os
 import random
 import subprocess
 import sys
 
-try:
-    import nibabel
-    import numpy as np
-except ImportError:
-    print("skipped: no python3-nibabel")
-    sys.exit(77)
+from compare_query import device_frame, labelled_volumes, pieces, random_pose  # or skips
 
-from compare_query import device_frame, random_pose
+import numpy as np
 
 VOLUMES = ["aal", "brodmann", "inia19-NeuroMaps", "JHU-WhiteMatter-labels-2mm"]
 RESOLUTION = 16
@@ -45,26 +39,6 @@ def rays(pose, radius):
     directions = u * slope * x + v * slope * y - z
     lengths = np.linalg.norm(directions, axis=1)
     return np.broadcast_to(origin, directions.shape), directions / lengths[:, None], lengths
-
-
-def pieces(labels, voxel_from_world, origin, ray, near, far):
-    """(labels, entries, exits) of the ray's intervals inside cells with a label, between two distances."""
-    o = voxel_from_world[:3, :3] @ origin + voxel_from_world[:3, 3]
-    d = voxel_from_world[:3, :3] @ ray
-    crossings = []
-    for axis, size in enumerate(labels.shape):
-        t = (np.arange(size + 1) - 0.5 - o[axis]) / d[axis]
-        near, far = max(near, t.min()), min(far, t.max())
-        crossings.append(t)
-    if near >= far:
-        return np.zeros(0, int), np.zeros(0), np.zeros(0)
-    t = np.concatenate(crossings)
-    t = np.concatenate([[near], np.sort(t[(t > near) & (t < far)]), [far]])
-    cell = np.floor(o[:, None] + d[:, None] * (t[1:] + t[:-1]) / 2 + 0.5).astype(int)
-    cell = np.clip(cell, 0, np.array(labels.shape)[:, None] - 1)
-    hit = labels[cell[0], cell[1], cell[2]]
-    met = (hit != 0) & (t[1:] > t[:-1])
-    return hit[met], t[:-1][met], t[1:][met]
 
 
 def reference(labels, voxel_from_world, pose, radius, depths):
@@ -105,29 +79,20 @@ def check(where, got, wanted):
 def main():
     conus, count = sys.argv[1], int(sys.argv[2])
     folder = sys.argv[3] if len(sys.argv) > 3 else "/usr/share/mricron/templates"
-    paths = [os.path.join(folder, name + ".nii.gz") for name in VOLUMES]
-    paths = [path for path in paths if os.path.exists(path)]
-    if not paths:
-        print("skipped: no mricron-data")
-        sys.exit(77)
-    areas = 0
-    for path in paths:
-        image = nibabel.load(path)
-        labels = np.asanyarray(image.dataobj).reshape(image.shape[:3]).astype(np.int64)
-        corners = np.array([[i, j, k] for i in (0, labels.shape[0]) for j in (0, labels.shape[1])
-                            for k in (0, labels.shape[2])]) @ image.affine[:3, :3].T + image.affine[:3, 3]
-        voxel_from_world = np.linalg.inv(image.affine)
-        generator = random.Random("layers " + os.path.basename(path))
+    volumes = areas = 0
+    for name, path, labels, voxel_from_world, corners in labelled_volumes(VOLUMES, folder):
+        generator = random.Random("layers " + name)
+        volumes += 1
         for i in range(count):
             pose = random_pose(generator, corners)
             radius = round(generator.uniform(0.5, 20), 3) if i % 4 == 3 else 0
             near = round(generator.uniform(0, 100), 3)
             depths = (near, near + round(generator.uniform(1, 100), 3)) if i % 2 else None
             wanted = reference(labels, voxel_from_world, pose, radius, depths)
-            check(f"{os.path.basename(path)}, pose {pose}, radius {radius}, depths {depths}",
+            check(f"{name}, pose {pose}, radius {radius}, depths {depths}",
                   query(conus, path, pose, radius, depths), wanted)
             areas += len(wanted)
-    print(f"{len(paths)} volumes, {count} poses each, {areas} rows: pierced equal, lengths within 1e-4 mm")
+    print(f"{volumes} volumes, {count} poses each, {areas} rows: pierced equal, lengths within 1e-4 mm")
 
 
 if __name__ == "__main__":

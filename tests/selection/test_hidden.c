@@ -2,9 +2,9 @@
 /* What is hidden is as if it had never been loaded, to the last bit: every answer equals that of a twin whose hidden
  * voxels are background, whose hidden pathways are volumes that nobody meets, and whose hidden meshes are no meshes. */
 #include "atlas/atlas.h"
-#include "base/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
+#include "same_answer.h"
 #include "scene.h"
 #include "selection/selection.h"
 #include "test.h"
@@ -83,61 +83,6 @@ static void choose(bool hidden[LIMIT], size_t objects, uint64_t seed)
 
 /* ---- Same answers ----------------------------------------------------------------------------------------------- */
 
-/* Bit by bit, but for the sign of NaN. */
-static void assert_same_doubles(const double *a, const double *b, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        assert_true(a[i] == b[i] || (isnan(a[i]) && isnan(b[i])));
-    }
-}
-
-static void assert_same_result(const conus_result *a, const conus_result *b)
-{
-    const double mine[] = {a->score,         a->share,     a->center_px,  a->offset,   a->distance,
-                           a->entry,         a->exit,      a->path,       a->volume,   a->fraction,
-                           a->cone_fraction, a->sum_value, a->mean_value, a->max_value};
-    const double other[] = {b->score,         b->share,     b->center_px,  b->offset,   b->distance,
-                            b->entry,         b->exit,      b->path,       b->volume,   b->fraction,
-                            b->cone_fraction, b->sum_value, b->mean_value, b->max_value};
-    assert_int_equal(a->kind, b->kind);
-    assert_int_equal(a->object, b->object);
-    assert_int_equal(a->rank, b->rank);
-    assert_int_equal(a->pixels, b->pixels);
-    assert_int_equal(a->pierced, b->pierced);
-    assert_int_equal(a->voxels, b->voxels);
-    assert_same_doubles(mine, other, sizeof mine / sizeof mine[0]);
-    assert_same_doubles(a->contact, b->contact, 3);
-    assert_same_doubles(a->centroid, b->centroid, 3);
-}
-
-static void assert_same_answer(const conus_selection *a, const conus_selection *b)
-{
-    size_t spans = 0;
-    size_t other_spans = 0;
-    const conus_span *span = conus_selection_spans(&spans, a);
-    const conus_span *other = conus_selection_spans(&other_spans, b);
-    conus_evidence mine = conus_selection_evidence(a);
-    conus_evidence theirs = conus_selection_evidence(b);
-    size_t pixels = mine.object ? (size_t)mine.resolution * mine.resolution : 0;
-    assert_int_equal(conus_selection_count(a), conus_selection_count(b));
-    for (size_t i = 0; i < conus_selection_count(a); i++) {
-        assert_same_result(conus_selection_result(a, i), conus_selection_result(b, i));
-    }
-    for (size_t p = 0; p < pixels; p++) {
-        assert_int_equal(mine.object[p], theirs.object[p]);
-        assert_int_equal(mine.voxel[p], theirs.voxel[p]);
-    }
-    assert_same_doubles(mine.distance, theirs.distance, pixels);
-    assert_int_equal(spans, other_spans);
-    for (size_t i = 0; i < spans; i++) {
-        assert_int_equal(span[i].pixel, other[i].pixel);
-        assert_int_equal(span[i].object, other[i].object);
-        assert_int_equal(span[i].voxel, other[i].voxel);
-        assert_same_doubles(&span[i].entry, &other[i].entry, 1);
-        assert_same_doubles(&span[i].exit, &other[i].exit, 1);
-    }
-}
-
 static void assert_same_sweep(const conus_selector *a, const conus_selector *b, const conus_pose *pose)
 {
     conus_sweep *mine = NULL;
@@ -184,7 +129,7 @@ static void assert_same_ball(conus_selector *const selectors[2], const conus_atl
     for (int k = 0; k < 2; k++) {
         assert_ok(conus_select_ball(&balls[k], selectors[k], centre, 6));
     }
-    assert_same_answer(balls[0], balls[1]);
+    assert_same_answer(balls[0], balls[1], 0);
     assert_same_grid(balls[0], balls[1], CONUS_GRID_MASK_OF_AREAS, 0);
     conus_selection_destroy(balls[0]);
     conus_selection_destroy(balls[1]);
@@ -201,7 +146,7 @@ static size_t compare_one(conus_atlas *const atlases[2], const conus_selector_op
         assert_ok(conus_select(&answers[k], selectors[k], &pose, options->radius > 0 ? 0 : 0.8));
     }
     size_t count = conus_selection_count(answers[0]);
-    assert_same_answer(answers[0], answers[1]);
+    assert_same_answer(answers[0], answers[1], 0);
     assert_same_grid(answers[0], answers[1], CONUS_GRID_MASK_OF_AREAS, 0);
     assert_same_grid(answers[0], answers[1], CONUS_GRID_MAP_OF_LABELS, 0);
     if (!conus_atlas_is_hidden(atlases[0], atlases[0]->object_count)) {
@@ -425,19 +370,8 @@ static conus_atlas *named_atlas(void)
 {
     static const char *const names[] = {"Cortex", "V1, left", "V2", "Thalamus"};
     static const char *const abbreviations[] = {"CTX", "V1", "", "TH"};
-    const conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION,
-                                    .path = "named",
-                                    .dim = {8, 1, 1},
-                                    .volume_count = 1,
-                                    .slope = 1,
-                                    .world_from_voxel = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
-                                    .spacing = {1, 1, 1}};
-    const uint32_t labels[8] = {10, 11, 12, 13};
-    struct label_table table = {0};
-    struct notes notes = {0};
-    conus_atlas *atlas = NULL;
-    assert_ok(atlas_create(&atlas, &info, labels, &table, "none", &notes));
-    notes_finish(&notes);
+    const conus_volume_info grid = scene_plain_grid((size_t[]){8, 1, 1}, NULL);
+    conus_atlas *atlas = scene_parcellation(&grid, (const uint32_t[8]){10, 11, 12, 13});
     for (size_t i = 0; i < 4; i++) {
         memory_free((char *)atlas->objects[i].name);
         memory_free((char *)atlas->objects[i].abbreviation);
@@ -445,7 +379,7 @@ static conus_atlas *named_atlas(void)
         atlas->objects[i].abbreviation = memory_text(abbreviations[i], strlen(abbreviations[i]));
     }
     atlas->objects[1].parent = atlas->objects[2].parent = 1;
-    conus_volume_info scalar = info;
+    conus_volume_info scalar = grid;
     scalar.role = CONUS_ROLE_SCALAR;
     scalar.threshold = 0.5;
     float *values = memory_zeroed(8, sizeof *values);
@@ -523,20 +457,10 @@ static void an_area_without_voxels_is_nothing_to_show(void **state)
 static void long_lists_are_cut_for_people(void **state)
 {
     (void)state;
-    conus_atlas *atlas = NULL;
     struct buffer sentence = {0};
-    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION,
-                              .path = "row",
-                              .dim = {12, 1, 1},
-                              .volume_count = 1,
-                              .slope = 1,
-                              .world_from_voxel = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
-                              .spacing = {1, 1, 1}};
+    const conus_volume_info grid = scene_plain_grid((size_t[]){12, 1, 1}, NULL);
     const uint32_t labels[12] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
-    struct label_table table = {0};
-    struct notes notes = {0};
-    assert_ok(atlas_create(&atlas, &info, labels, &table, "none", &notes));
-    notes_finish(&notes);
+    conus_atlas *atlas = scene_parcellation(&grid, labels);
     assert_ok(conus_atlas_show(atlas, NULL, "1,2,3,4,5,6"));
     atlas_describe_shown(&sentence, atlas);
     assert_string_equal(sentence.data, "all but 1, 2, 3, 4 and 2 more");

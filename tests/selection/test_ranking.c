@@ -72,23 +72,10 @@ static void what_has_no_distance_comes_behind(void **state)
 
 static conus_volume_info grid_at(const size_t dim[3], const double corner[3])
 {
-    conus_volume_info info = {
-        .role = CONUS_ROLE_PARCELLATION, .path = "grid", .dim = {dim[0], dim[1], dim[2]}, .slope = 1};
     double m[16];
     mat4_identity(m);
     memcpy(m + 12, corner, 3 * sizeof *m);
-    assert_ok(space_describe(&info, m, "here"));
-    return info;
-}
-
-static conus_atlas *atlas_of(const conus_volume_info *info, const uint32_t *labels)
-{
-    conus_atlas *atlas = NULL;
-    struct label_table table = {0};
-    struct notes notes = {0};
-    assert_ok(atlas_create(&atlas, info, labels, &table, "here", &notes));
-    notes_finish(&notes);
-    return atlas;
+    return scene_plain_grid(dim, m);
 }
 
 static double score_of(const conus_atlas *atlas, const conus_selector_options *options, const conus_pose *pose,
@@ -142,7 +129,7 @@ static void the_rim_is_every_pixel_with_a_neighbour_outside(void **state)
         for (int v = 0; v < N * N; v++) {
             labels[v] = v == pixel ? 1 : 2;
         }
-        conus_atlas *atlas = atlas_of(&info, labels);
+        conus_atlas *atlas = scene_parcellation(&info, labels);
         bool inner = is_round(i - 1, j) && is_round(i + 1, j) && is_round(i, j - 1) && is_round(i, j + 1);
         rim += !inner;
         assert_near(score_of(atlas, &(conus_selector_options){.score = "smallest", .radius = 8}, &pose, 0, 1),
@@ -185,7 +172,7 @@ static void nearness_goes_by_areas_and_pathways(void **state)
         labels[v] = inside;
     }
     const conus_volume_info info = grid_at((size_t[]){20, 20, 20}, (double[]){-9.5, -9.5, -9.5});
-    conus_atlas *atlas = atlas_of(&info, labels);
+    conus_atlas *atlas = scene_parcellation(&info, labels);
     const conus_pose pose = looking_down(1, 0, 12);
     const conus_selector_options options = {.score = "nearness", .resolution = 1};
     assert_near(score_of(atlas, &options, &pose, 5, 1), 1, 1e-15); /* the axis meets it where the box begins */
@@ -267,7 +254,7 @@ static conus_atlas *padded(const conus_atlas *atlas, size_t by)
         labels[v % dim[0] + by + info.dim[0] * (v / dim[0] % dim[1] + by + info.dim[1] * (v / dim[0] / dim[1] + by))] =
             object ? atlas->objects[object - 1].label : 0;
     }
-    conus_atlas *out = atlas_of(&info, labels);
+    conus_atlas *out = scene_parcellation(&info, labels);
     memory_free(labels);
     return out;
 }

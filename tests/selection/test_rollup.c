@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rolled up areas (Eq. 10) are exactly what they would be had their voxels been relabelled beforehand. */
-#include "base/memory.h"
 #include "mesh_scene.h"
+#include "report_scene.h"
+#include "same_answer.h"
 #include "scene.h"
 #include "selection/selection.h"
 #include "test.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 enum { SCENES = 60, DIM = 12 };
+
+/* Of sums over voxels, whose order differs. */
+#define SUMS 1e-9
 
 /* Gives areas random parents, and some no shape of their own to be met. */
 static void grow_tree(conus_atlas *atlas, uint64_t *state)
@@ -73,70 +76,6 @@ static conus_selection *look(const conus_atlas *atlas, const conus_selector_opti
     return selection;
 }
 
-static void assert_same_number(double a, double b)
-{
-    if (isnan(a) || isnan(b)) {
-        assert_true(isnan(a) && isnan(b));
-    } else {
-        assert_near(a, b, 0);
-    }
-}
-
-/* To the last bit, but for sums over voxels, whose order may differ. */
-static void assert_same_result(const conus_result *a, const conus_result *b)
-{
-    assert_int_equal(a->kind, b->kind);
-    assert_int_equal(a->object, b->object);
-    assert_int_equal(a->rank, b->rank);
-    assert_int_equal(a->pixels, b->pixels);
-    assert_int_equal(a->pierced, b->pierced);
-    assert_int_equal(a->voxels, b->voxels);
-    const double mine[] = {a->score,      a->share,      a->center_px, a->offset, a->distance, a->contact[0],
-                           a->contact[1], a->contact[2], a->entry,     a->exit,   a->path};
-    const double other[] = {b->score,      b->share,      b->center_px, b->offset, b->distance, b->contact[0],
-                            b->contact[1], b->contact[2], b->entry,     b->exit,   b->path};
-    for (size_t i = 0; i < sizeof mine / sizeof mine[0]; i++) {
-        assert_same_number(mine[i], other[i]);
-    }
-    const double sums[] = {a->volume,    a->fraction,    a->cone_fraction, a->sum_value,  a->mean_value,
-                           a->max_value, a->centroid[0], a->centroid[1],   a->centroid[2]};
-    const double wanted[] = {b->volume,    b->fraction,    b->cone_fraction, b->sum_value,  b->mean_value,
-                             b->max_value, b->centroid[0], b->centroid[1],   b->centroid[2]};
-    for (size_t i = 0; i < sizeof sums / sizeof sums[0]; i++) {
-        if (isnan(wanted[i])) {
-            assert_true(isnan(sums[i]));
-        } else {
-            assert_near(sums[i], wanted[i], 1e-9 * (1 + fabs(wanted[i])));
-        }
-    }
-}
-
-static void assert_same_answer(const conus_selection *a, const conus_selection *b)
-{
-    size_t spans = 0;
-    size_t other_spans = 0;
-    const conus_span *span = conus_selection_spans(&spans, a);
-    const conus_span *other = conus_selection_spans(&other_spans, b);
-    conus_evidence mine = conus_selection_evidence(a);
-    conus_evidence theirs = conus_selection_evidence(b);
-    assert_int_equal(conus_selection_count(a), conus_selection_count(b));
-    for (size_t i = 0; i < conus_selection_count(a); i++) {
-        assert_same_result(conus_selection_result(a, i), conus_selection_result(b, i));
-    }
-    for (size_t p = 0; p < (size_t)mine.resolution * mine.resolution; p++) {
-        assert_int_equal(mine.object[p], theirs.object[p]);
-        assert_int_equal(mine.voxel[p], theirs.voxel[p]);
-    }
-    assert_int_equal(spans, other_spans);
-    for (size_t i = 0; i < spans; i++) {
-        assert_int_equal(span[i].pixel, other[i].pixel);
-        assert_int_equal(span[i].object, other[i].object);
-        assert_int_equal(span[i].voxel, other[i].voxel);
-        assert_near(span[i].entry, other[i].entry, 0);
-        assert_near(span[i].exit, other[i].exit, 0);
-    }
-}
-
 static void compare(const conus_selector_options *base)
 {
     size_t compared = 0;
@@ -151,7 +90,7 @@ static void compare(const conus_selector_options *base)
             options.level = spec;
             conus_selection *rolled = look(atlases[0], &options, &from);
             conus_selection *relabelled = look(atlases[1], base, &from);
-            assert_same_answer(rolled, relabelled);
+            assert_same_answer(rolled, relabelled, SUMS);
             compared += conus_selection_count(rolled) > 1;
             conus_selection_destroy(rolled);
             conus_selection_destroy(relabelled);
@@ -250,7 +189,7 @@ static void merging_undoes_splitting(void **state)
                 const conus_result *same = find_result(wanted, plain, area);
                 result.object = same->object;
                 result.rank = same->rank;
-                assert_same_result(&result, same);
+                assert_same_result(&result, same, SUMS);
                 compared++;
             }
             conus_selection_destroy(wanted);
@@ -286,18 +225,16 @@ static void spans_of_a_group_become_one(void **state)
     layers_finish(&layers);
 }
 
-/* Areas that are spheres: 1 holds 2 and 3, which do not touch; 4 lies beside. */
+/* Areas that are spheres: 2 and 3, which do not touch, lie in 1; 4 lies beside. */
 static conus_atlas *sphere_atlas(void)
 {
     static const struct {
         double centre[3], radius;
-        uint32_t parent;
-    } spheres[] = {{{0, 0, 0}, 20, 0}, {{-8, 0, 0}, 5, 1}, {{8, 0, 0}, 6, 1}, {{0, 40, 0}, 10, 0}};
+    } spheres[] = {{{0, 0, 0}, 20}, {{-8, 0, 0}, 5}, {{8, 0, 0}, 6}, {{0, 40, 0}, 10}};
     conus_atlas *atlas = mesh_scene_atlas();
     for (size_t i = 0; i < 4; i++) {
         struct mesh mesh = mesh_scene_sphere(spheres[i].centre, spheres[i].radius, 40, 80);
         mesh_scene_add(atlas, &mesh);
-        atlas->objects[i].parent = spheres[i].parent;
     }
     return atlas;
 }
@@ -313,81 +250,67 @@ static const conus_result *result_of(const conus_selection *selection, uint32_t 
     return NULL;
 }
 
+/* What the spheres are one by one, and rolled up to the topmost areas. */
+struct spheres {
+    conus_atlas *atlas;
+    conus_selection *parts, *whole;
+};
+
+/* Seen from above by a cylinder; `parent` is that of the two small ones. */
+static struct spheres look_at_spheres(uint32_t parent, double radius)
+{
+    struct spheres spheres = {.atlas = sphere_atlas()};
+    conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .radius = radius};
+    conus_pose pose;
+    spheres.atlas->objects[1].parent = spheres.atlas->objects[2].parent = parent;
+    assert_ok(conus_pose_toward(&pose, (double[]){0, 3, 200}, (double[]){0, 3, 0}, NULL));
+    spheres.parts = look(spheres.atlas, &options, &pose);
+    options.level = "1";
+    spheres.whole = look(spheres.atlas, &options, &pose);
+    return spheres;
+}
+
+static void finish(struct spheres *spheres)
+{
+    conus_selection_destroy(spheres->parts);
+    conus_selection_destroy(spheres->whole);
+    conus_atlas_destroy(spheres->atlas);
+}
+
 /* A mesh lies in that of the area above it, so the union is that of the parent: nothing counts twice. */
 static void nested_meshes_count_once(void **state)
 {
     (void)state;
-    conus_atlas *atlas = sphere_atlas();
-    conus_pose pose;
-    assert_ok(conus_pose_toward(&pose, (double[]){0, 3, 200}, (double[]){0, 3, 0}, NULL));
-    const conus_selector_options plain = {.layers = CONUS_LAYERS_ALL, .radius = 30};
-    conus_selector_options rolled = plain;
-    rolled.level = "1";
-    conus_selection *parts = look(atlas, &plain, &pose);
-    conus_selection *whole = look(atlas, &rolled, &pose);
-    const conus_result *own = result_of(parts, 1);
-    const conus_result *group = result_of(whole, 1);
-    assert_int_equal(conus_selection_count(parts), 5);
-    assert_int_equal(conus_selection_count(whole), 3);
+    struct spheres spheres = look_at_spheres(1, 30);
+    const conus_result *own = result_of(spheres.parts, 1);
+    const conus_result *group = result_of(spheres.whole, 1);
+    assert_int_equal(conus_selection_count(spheres.parts), 5);
+    assert_int_equal(conus_selection_count(spheres.whole), 3);
     assert_int_equal(group->pierced, own->pierced);
     assert_near(group->path, own->path, 1e-9);
     assert_near(group->volume, own->volume, 1e-6);
     assert_near(group->fraction, own->fraction, 1e-9);
     assert_near(group->fraction, 1, 0.05); /* the cylinder holds all of it */
-    conus_selection_destroy(parts);
-    conus_selection_destroy(whole);
-    conus_atlas_destroy(atlas);
+    finish(&spheres);
 }
 
 /* Without a mesh of its own the area above has the sum of its parts, which do not touch. */
 static void meshes_apart_add_up(void **state)
 {
     (void)state;
-    conus_atlas *atlas = sphere_atlas();
-    conus_pose pose;
-    atlas->objects[1].parent = atlas->objects[2].parent = 4; /* far from it */
-    assert_ok(conus_pose_toward(&pose, (double[]){0, 3, 200}, (double[]){0, 3, 0}, NULL));
-    const conus_selector_options plain = {.layers = CONUS_LAYERS_ALL, .radius = 12};
-    conus_selector_options rolled = plain;
-    rolled.level = "1";
-    conus_selection *parts = look(atlas, &plain, &pose);
-    conus_selection *whole = look(atlas, &rolled, &pose);
-    const conus_result *left = result_of(parts, 2);
-    const conus_result *right = result_of(parts, 3);
-    const conus_result *group = result_of(whole, 4);
+    struct spheres spheres = look_at_spheres(4, 12); /* far from both */
+    const conus_result *left = result_of(spheres.parts, 2);
+    const conus_result *right = result_of(spheres.parts, 3);
+    const conus_result *group = result_of(spheres.whole, 4);
     assert_near(group->volume, left->volume + right->volume, 1e-6);
     assert_int_equal(group->pierced, left->pierced + right->pierced);
     double volume = 0; /* of the group: none of the three lies in another */
     for (size_t i = 1; i < 4; i++) {
-        volume += atlas->objects[i].volume_mm3;
+        volume += spheres.atlas->objects[i].volume_mm3;
     }
     assert_near(group->fraction, group->volume / volume, 1e-12);
     assert_near(group->path * group->pierced, left->path * left->pierced + right->path * right->pierced, 1e-6);
-    conus_selection_destroy(parts);
-    conus_selection_destroy(whole);
-    conus_atlas_destroy(atlas);
-}
-
-struct attempt {
-    const conus_atlas *atlas;
-    conus_pose pose;
-};
-
-static conus_status select_rolled(void *data)
-{
-    const struct attempt *attempt = data;
-    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .level = "1"};
-    conus_selector *selector = NULL;
-    conus_selection *selection = NULL;
-    conus_report *report = NULL;
-    conus_status status = conus_selector_create(&selector, attempt->atlas, &options);
-    status = status ? status : conus_select(&selection, selector, &attempt->pose, 1);
-    status = status ? status : conus_report_create(&report, selector, NULL);
-    status = status ? status : conus_report_add(report, "1", selection);
-    conus_report_destroy(report);
-    conus_selection_destroy(selection);
-    conus_selector_destroy(selector);
-    return status;
+    finish(&spheres);
 }
 
 static void every_allocation_may_fail(void **state)
@@ -399,8 +322,11 @@ static void every_allocation_may_fail(void **state)
         atlas->objects[i].parent = 1;
     }
     assert_true(atlas->area_count > 1);
-    struct attempt attempt = {atlas, scene_generic_pose(&random, atlas)};
-    test_every_allocation(select_rolled, &attempt);
+    const struct report_attempt attempt = {.atlas = atlas,
+                                           .options = {.layers = CONUS_LAYERS_ALL, .level = "1"},
+                                           .pose = scene_generic_pose(&random, atlas),
+                                           .angle = 1};
+    report_every_allocation(&attempt);
     conus_atlas_destroy(atlas);
 }
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cones of more than 120 degrees (Eq. 15): rays spread evenly in angle. Against angles, solid angles and volumes that
  * are known in closed form, and coarse buffers against fine ones. */
-#include "atlas/space.h"
 #include "base/math3.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"
@@ -316,13 +315,9 @@ static void a_range_cuts_at_planes(void **state)
 {
     (void)state;
     uint32_t labels[8] = {1, 1, 1, 1, 1, 1, 1, 1};
-    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "block", .dim = {2, 2, 2}, .slope = 1};
     const double m[16] = {1000, 0, 0, 0, 0, 1000, 0, 0, 0, 0, 1000, 0, -500, -500, -500, 1};
-    struct label_table table = {0};
-    struct notes notes = {0};
-    conus_atlas *atlas = NULL;
-    assert_ok(space_describe(&info, m, "here"));
-    assert_ok(atlas_create(&atlas, &info, labels, &table, "here", &notes));
+    const conus_volume_info grid = scene_plain_grid((size_t[]){2, 2, 2}, m);
+    conus_atlas *atlas = scene_parcellation(&grid, labels);
     const struct cone cone = mesh_scene_cone((double[]){1, 2, 3}, (double[]){4, 7, 9}, 160, 24);
     for (int square = 0; square < 2; square++) {
         const conus_selector_options options = {.resolution = 24,
@@ -345,7 +340,6 @@ static void a_range_cuts_at_planes(void **state)
         assert_near(share_of(selection, 1), 1, 1e-12);
         conus_selection_destroy(selection);
     }
-    notes_finish(&notes);
     conus_atlas_destroy(atlas);
 }
 

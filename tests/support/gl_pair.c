@@ -2,6 +2,9 @@
 /* Both engines for one atlas, and comparisons of what they see. */
 #include "gl_pair.h"
 
+#include "base/math3.h"
+#include "mesh_scene.h"
+#include "scene.h"
 #include "selection/engine/engine.h"
 #include "test.h"
 
@@ -51,16 +54,6 @@ void gl_pair_destroy(struct gl_pair *pair)
 {
     engine_destroy(pair->gl);
     engine_destroy(pair->rays);
-}
-
-void gl_counts_add(struct gl_counts *sum, const struct gl_counts *counts)
-{
-    sum->compared += counts->compared;
-    sum->hits += counts->hits;
-    sum->blocked += counts->blocked;
-    sum->at_edges += counts->at_edges;
-    sum->other_object += counts->other_object;
-    sum->other_length += counts->other_length;
 }
 
 struct evidence gl_pair_look(struct engine *engine, const struct cone *cone)
@@ -114,6 +107,59 @@ bool gl_pair_same_piece(const conus_span *a, const conus_span *b)
 {
     return a->pixel == b->pixel && a->object == b->object && a->entry == b->entry && a->exit == b->exit &&
            a->voxel == b->voxel;
+}
+
+/* ---- Scenes of meshes ------------------------------------------------------------------------------------------- */
+
+void gl_pair_compare_poses(struct gl_counts *counts, uint64_t *state, const conus_atlas *atlas, gl_comparison compare,
+                           double size, int poses, int cylinder)
+{
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
+    pair.counts = *counts;
+    for (int pose = 1; pose <= poses; pose++) {
+        struct cone cone = mesh_scene_random_cone(state, size);
+        if (cylinder && pose % cylinder == 0) { /* Eq. 3: parallel rays */
+            cone.angle = 0;
+            cone.radius = size * test_random(state, 0.02, 0.4);
+        }
+        compare(&pair, &cone);
+    }
+    *counts = pair.counts;
+    gl_pair_destroy(&pair);
+}
+
+void gl_pair_compare_triangles(struct gl_counts *counts, uint64_t *state, gl_comparison compare, int scenes,
+                               int cylinder)
+{
+    for (int scene = 0; scene < scenes; scene++) {
+        conus_atlas *atlas = mesh_scene_atlas();
+        double size = pow(10, test_random(state, 0, 3));
+        for (int k = 0; k < 1 + scene % 6; k++) {
+            size_t triangles = 1 + (size_t)test_random(state, 0, scene % 5 ? 60 : 2000);
+            struct mesh soup = mesh_scene_soup(state, triangles, size, size * test_random(state, 0.05, 0.6));
+            mesh_scene_add(atlas, &soup);
+        }
+        gl_pair_compare_poses(counts, state, atlas, compare, size, 10, cylinder);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+void gl_pair_compare_mixed(struct gl_counts *counts, uint64_t *state, gl_comparison compare, int scenes)
+{
+    for (int scene = 0; scene < scenes; scene++) {
+        conus_atlas *atlas = scene_atlas(state, 20, 0);
+        mesh_scene_add_soups(atlas, state);
+        struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
+        pair.counts = *counts;
+        for (int pose = 0; pose < 10; pose++) {
+            struct cone cone = {.pose = scene_pose(state, atlas), .resolution = 16};
+            cone.angle = radians_from_degrees(test_random(state, 1, 90));
+            compare(&pair, &cone);
+        }
+        *counts = pair.counts;
+        gl_pair_destroy(&pair);
+        conus_atlas_destroy(atlas);
+    }
 }
 
 /* ---- Failing allocations ---------------------------------------------------------------------------------------- */

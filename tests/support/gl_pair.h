@@ -28,8 +28,6 @@ struct gl_pair gl_pair_create_slices(const conus_atlas *atlas, conus_sampling sa
 struct gl_pair gl_pair_create(const conus_atlas *atlas, conus_sampling sampling);
 void gl_pair_destroy(struct gl_pair *pair);
 
-void gl_counts_add(struct gl_counts *sum, const struct gl_counts *counts);
-
 /** The log of the engines here: prints and counts what drivers say. Its user data is not used. */
 void gl_pair_log(void *user, const char *line);
 
@@ -52,6 +50,20 @@ void gl_pair_same_evidence(const struct evidence *got, const struct evidence *wa
 
 /** Whether two intervals are equal in every number. */
 bool gl_pair_same_piece(const conus_span *a, const conus_span *b);
+
+/** What a test does with a cone: it compares the engines' answers, and counts. */
+typedef void (*gl_comparison)(struct gl_pair *pair, const struct cone *cone);
+
+/** Compares along @p poses random cones round a scene of @p size mm, every @p cylinder -th a cylinder (0: none). */
+void gl_pair_compare_poses(struct gl_counts *counts, uint64_t *state, const conus_atlas *atlas, gl_comparison compare,
+                           double size, int poses, int cylinder);
+
+/** The same with ten cones in each of @p scenes scenes of triangles that are open, cut each other and themselves. */
+void gl_pair_compare_triangles(struct gl_counts *counts, uint64_t *state, gl_comparison compare, int scenes,
+                               int cylinder);
+
+/** The same where voxels and triangles hide each other. */
+void gl_pair_compare_mixed(struct gl_counts *counts, uint64_t *state, gl_comparison compare, int scenes);
 
 /** Creates a gl engine, answers the cone and destroys the engine, with every allocation failing in turn. */
 void gl_pair_every_allocation(const conus_atlas *atlas, const struct cone *cone, bool layers);

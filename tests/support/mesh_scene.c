@@ -5,6 +5,7 @@
 #include "atlas/phantom/phantom_brain.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "oracle_triangle.h"
 #include "selection/engine/engine.h"
 #include "test.h"
 
@@ -177,32 +178,6 @@ void mesh_scene_add(conus_atlas *atlas, struct mesh *mesh)
     assert_ok(atlas_add_mesh(atlas, &area, mesh));
 }
 
-static void corner(double out[3], const struct mesh *mesh, size_t triangle, size_t k)
-{
-    const float *p = &mesh->positions[3 * (size_t)mesh->triangles[3 * triangle + k % 3]];
-    out[0] = (double)p[0], out[1] = (double)p[1], out[2] = (double)p[2];
-}
-
-/* Eq. 9 for one triangle by Moeller and Trumbore: both faces, edges included; INFINITY if the ray misses. */
-static double hit_triangle(int *side, const struct mesh *mesh, size_t triangle, const double origin[3],
-                           const double direction[3])
-{
-    double p[3][3], across[3], from[3], turned[3];
-    for (size_t k = 0; k < 3; k++) {
-        corner(p[k], mesh, triangle, k);
-    }
-    vec3_sub(p[1], p[1], p[0]);
-    vec3_sub(p[2], p[2], p[0]);
-    vec3_cross(across, direction, p[2]);
-    vec3_sub(from, origin, p[0]);
-    vec3_cross(turned, from, p[1]);
-    double scale = 1 / vec3_dot(p[1], across);
-    double u = vec3_dot(from, across) * scale, v = vec3_dot(direction, turned) * scale;
-    double t = vec3_dot(p[2], turned) * scale;
-    *side = (scale > 0) - (scale < 0);
-    return u >= 0 && v >= 0 && u + v <= 1 && t >= 0 ? t : INFINITY;
-}
-
 struct mesh_hit mesh_scene_first(const conus_atlas *atlas, const double origin[3], const double direction[3])
 {
     struct mesh_hit first = {.t = INFINITY};
@@ -210,7 +185,7 @@ struct mesh_hit mesh_scene_first(const conus_atlas *atlas, const double origin[3
     for (uint32_t object = 1; object <= atlas->object_count; object++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, object);
         for (size_t i = 0; mesh && i < mesh->triangle_count; i++) {
-            double t = hit_triangle(&side, mesh, i, origin, direction);
+            double t = oracle_triangle(&side, mesh, i, origin, direction);
             if (t < first.t) {
                 first = (struct mesh_hit){object, i, t};
             }
@@ -231,7 +206,7 @@ size_t mesh_scene_all(struct crossing *out, size_t limit, const struct mesh *mes
     size_t count = 0;
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         int side;
-        double t = hit_triangle(&side, mesh, i, origin, direction);
+        double t = oracle_triangle(&side, mesh, i, origin, direction);
         if (t < INFINITY) {
             assert_true(count < limit);
             out[count++] = (struct crossing){.triangle = i, .side = side, .t = t};
@@ -257,7 +232,7 @@ double mesh_scene_edge_distance(const struct mesh *mesh, size_t triangle, const 
 {
     double p[3][3];
     for (size_t k = 0; k < 3; k++) { /* as the ray sees them: without what is along it */
-        corner(p[k], mesh, triangle, k);
+        oracle_corner(p[k], mesh, triangle, k);
         vec3_sub(p[k], p[k], origin);
         vec3_add_scaled(p[k], p[k], -vec3_dot(p[k], direction), direction);
     }
@@ -284,6 +259,16 @@ struct cone mesh_scene_random_cone(uint64_t *state, double size)
         degrees = degrees_from_radians(2 * atan(size * test_random(state, 0.1, 1.5) / 1e5));
     }
     return mesh_scene_cone(origin, target, degrees, 1 + (uint32_t)test_random(state, 0, kind < 0.8 ? 17 : 60));
+}
+
+conus_atlas *mesh_scene_nested(void)
+{
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = 0; i < 5; i++) {
+        struct mesh sphere = mesh_scene_sphere((double[]){3, -2, 1}, 50 - i * pow(10, -i), 30, 60);
+        mesh_scene_add(atlas, &sphere);
+    }
+    return atlas;
 }
 
 conus_atlas *mesh_scene_brain(void)

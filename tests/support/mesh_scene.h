@@ -41,6 +41,9 @@ void mesh_scene_add_soups(conus_atlas *atlas, uint64_t *state);
 /** Appends @p mesh (taken over) as an area. */
 void mesh_scene_add(conus_atlas *atlas, struct mesh *mesh);
 
+/** Five spheres of some 50 mm in each other, the inner ones very near to each other. */
+conus_atlas *mesh_scene_nested(void);
+
 /** The paper's mixed scene: eleven areas of 234,444 triangles and a pathway; a ray hits the nearer one first. */
 conus_atlas *mesh_scene_brain(void);
 

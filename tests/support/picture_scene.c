@@ -134,6 +134,27 @@ float *picture_draw(conus_renderer *renderer, const struct camera *camera, const
     return rgba;
 }
 
+void picture_check_haze(conus_atlas *clear, conus_atlas *hazy, double field_of_view)
+{
+    static const char haze[] = "0 0 0 0 0.06\n";
+    const char *path = test_scratch("haze.tf");
+    assert_ok(conus_write_file(path, haze, sizeof haze - 1));
+    conus_renderer *renderers[2] = {picture_renderer(clear, NULL), picture_renderer(hazy, path)};
+    const struct camera camera = picture_camera((double[]){0, 1, 0}, 200, field_of_view);
+    const size_t middle = (size_t)4 * (PICTURE_HEIGHT / 2 * PICTURE_WIDTH + PICTURE_WIDTH / 2);
+    for (uint32_t slices = 23; slices < 300; slices += 31) {
+        float *without = picture_draw(renderers[0], &camera, &(struct colour_view){.slices = slices}, false);
+        float *with = picture_draw(renderers[1], &camera, &(struct colour_view){.slices = slices}, false);
+        assert_near(with[middle] / without[middle], pow(1 - 0.06, 10), 0.01);
+        memory_free(without);
+        memory_free(with);
+    }
+    conus_renderer_destroy(renderers[0]);
+    conus_renderer_destroy(renderers[1]);
+    conus_atlas_destroy(clear);
+    conus_atlas_destroy(hazy);
+}
+
 double picture_difference(const float *a, const float *b)
 {
     double sum = 0;

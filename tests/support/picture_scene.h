@@ -38,6 +38,11 @@ struct camera picture_camera(const double forward[3], double distance, double fi
 float *picture_draw(conus_renderer *renderer, const struct camera *camera, const struct colour_view *extra,
                     bool smooth);
 
+/** Eq. 8: black haze of length L before something lets (1 - a)^L of its light through, wherever the planes lie. Draws
+ * both atlases, which it takes over, from the front: @p hazy is @p clear with a context from 30 mm on before what
+ * begins at 20. */
+void picture_check_haze(conus_atlas *clear, conus_atlas *hazy, double field_of_view);
+
 /** Mean difference of all channels of two pictures. */
 double picture_difference(const float *a, const float *b);
 

@@ -34,10 +34,18 @@ static void random_linear(uint64_t *state, double m[16])
     }
 }
 
-conus_volume_info scene_grid(uint64_t *state, const size_t dim[3])
+conus_volume_info scene_plain_grid(const size_t dim[3], const double world_from_voxel[16])
 {
     conus_volume_info info = {
         .role = CONUS_ROLE_PARCELLATION, .path = "scene", .dim = {dim[0], dim[1], dim[2]}, .slope = 1};
+    double identity[16];
+    mat4_identity(identity);
+    assert_ok(space_describe(&info, world_from_voxel ? world_from_voxel : identity, "scene"));
+    return info;
+}
+
+conus_volume_info scene_grid(uint64_t *state, const size_t dim[3])
+{
     double m[16];
     random_linear(state, m);
     double centre[3] = {0.5 * (double)(dim[0] - 1), 0.5 * (double)(dim[1] - 1), 0.5 * (double)(dim[2] - 1)};
@@ -45,8 +53,17 @@ conus_volume_info scene_grid(uint64_t *state, const size_t dim[3])
     for (int a = 0; a < 3; a++) {
         m[12 + a] = -floor(centre[a]) + (double)random_index(state, 3);
     }
-    assert_ok(space_describe(&info, m, "scene"));
-    return info;
+    return scene_plain_grid(dim, m);
+}
+
+conus_atlas *scene_parcellation(const conus_volume_info *grid, const uint32_t *labels)
+{
+    struct label_table table = {0};
+    struct notes notes = {0};
+    conus_atlas *atlas = NULL;
+    assert_ok(atlas_create(&atlas, grid, labels, &table, "scene", &notes));
+    notes_finish(&notes);
+    return atlas;
 }
 
 static size_t voxels_of(const size_t dim[3])
@@ -85,6 +102,17 @@ static void paint(uint64_t *state, uint32_t *labels, const size_t dim[3])
     }
 }
 
+static float *random_values(uint64_t *state, const size_t dim[3])
+{
+    size_t count = voxels_of(dim);
+    float *values = memory_raw(count, sizeof *values);
+    assert_non_null(values);
+    for (size_t v = 0; v < count; v++) {
+        values[v] = (float)test_random(state, 0, 1);
+    }
+    return values;
+}
+
 static void add_pathway(uint64_t *state, conus_atlas *atlas, size_t dim_limit)
 {
     size_t dim[3];
@@ -93,13 +121,15 @@ static void add_pathway(uint64_t *state, conus_atlas *atlas, size_t dim_limit)
     conus_volume_info info = same ? atlas->volumes[0].info : scene_grid(state, dim);
     info.role = CONUS_ROLE_SCALAR;
     info.threshold = test_random(state, 0.5, 0.999);
-    size_t count = voxels_of(info.dim);
-    float *values = memory_raw(count, sizeof *values);
-    assert_non_null(values);
-    for (size_t v = 0; v < count; v++) {
-        values[v] = (float)test_random(state, 0, 1);
-    }
-    assert_ok(atlas_add_pathway(atlas, &info, values, "tract"));
+    assert_ok(atlas_add_pathway(atlas, &info, random_values(state, info.dim), "tract"));
+}
+
+void scene_add_blockers(conus_atlas *atlas, uint64_t *state, const size_t dim[3], double share)
+{
+    conus_volume_info info = scene_grid(state, dim);
+    info.role = CONUS_ROLE_CONTEXT;
+    info.threshold = 1 - share;
+    assert_ok(atlas_set_context(atlas, &info, random_values(state, dim)));
 }
 
 conus_atlas *scene_atlas(uint64_t *state, size_t dim_limit, int pathways)
@@ -110,11 +140,7 @@ conus_atlas *scene_atlas(uint64_t *state, size_t dim_limit, int pathways)
     uint32_t *labels = memory_zeroed(voxels_of(dim), sizeof *labels);
     assert_non_null(labels);
     paint(state, labels, dim);
-    struct label_table table = {0};
-    struct notes notes = {0};
-    conus_atlas *atlas = NULL;
-    assert_ok(atlas_create(&atlas, &info, labels, &table, "scene", &notes));
-    notes_finish(&notes);
+    conus_atlas *atlas = scene_parcellation(&info, labels);
     memory_free(labels);
     for (int i = 0; i < pathways; i++) {
         add_pathway(state, atlas, dim_limit);

@@ -80,30 +80,12 @@ static void a_slab_obeys_its_closed_form(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Eq. 8: black haze of length L before an area lets (1 - a)^L of its light through, wherever the planes lie. */
 static void haze_before_an_area_obeys_its_closed_form(void **state)
 {
     (void)state;
     conus_volume_info grid = picture_grid((size_t[]){60, 60, 60}, (double[]){1, 1, 1}, picture_identity);
-    conus_atlas *clear = picture_atlas(&grid, picture_ball_of_20, NULL, NULL);
-    conus_atlas *hazy = picture_atlas(&grid, picture_ball_of_20, NULL, picture_ten);
-    conus_renderer *renderers[2] = {picture_renderer(clear, NULL),
-                                    picture_renderer(hazy, transfer_file("0 0 0 0 0.06\n"))};
-    struct camera camera = picture_camera((double[]){0, 1, 0}, 200, radians_from_degrees(15));
-    for (uint32_t slices = 23; slices < 300; slices += 31) {
-        float *without = picture_draw(renderers[0], &camera, &(struct colour_view){.slices = slices}, false);
-        float *with = picture_draw(renderers[1], &camera, &(struct colour_view){.slices = slices}, false);
-        const float *a = pixel(without, WIDTH / 2, HEIGHT / 2);
-        const float *b = pixel(with, WIDTH / 2, HEIGHT / 2);
-        assert_near(b[0] / a[0], pow(1 - 0.06, 10), 0.01); /* from the box at 30 mm to the ball at 20 */
-        memory_free(without);
-        memory_free(with);
-    }
-    for (int i = 0; i < 2; i++) {
-        conus_renderer_destroy(renderers[i]);
-    }
-    conus_atlas_destroy(clear);
-    conus_atlas_destroy(hazy);
+    picture_check_haze(picture_atlas(&grid, picture_ball_of_20, NULL, NULL),
+                       picture_atlas(&grid, picture_ball_of_20, NULL, picture_ten), radians_from_degrees(15));
 }
 
 static void more_planes_change_little(void **state)

@@ -5,6 +5,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
+#include "scene.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -60,11 +61,7 @@ static conus_atlas *two_balls(void)
 {
     static uint32_t labels[EDGE * EDGE * EDGE];
     conus_volume_info info = ball_at(CONUS_ROLE_PARCELLATION, (double[]){-8, 0, 0}, labels);
-    struct label_table table = {0};
-    struct notes notes = {0};
-    conus_atlas *atlas = NULL;
-    assert_ok(atlas_create(&atlas, &info, labels, &table, "a test", &notes));
-    notes_finish(&notes);
+    conus_atlas *atlas = scene_parcellation(&info, labels);
     struct mesh sphere = mesh_scene_sphere((double[]){8, 0, 0}, 10, 20, 40);
     mesh_scene_add(atlas, &sphere);
     return atlas;

@@ -188,29 +188,15 @@ static void a_pathway_shows_among_meshes(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Eq. 8: black haze of length L before a mesh lets (1 - a)^L of its light through, wherever the planes lie. */
 static void haze_before_a_mesh_obeys_its_closed_form(void **state)
 {
     (void)state;
-    const char *black = test_scratch("black.tf");
-    assert_ok(conus_write_file(black, "0 0 0 0 0.06\n", strlen("0 0 0 0 0.06\n")));
     conus_volume_info grid = picture_grid((size_t[]){60, 60, 60}, (double[]){1, 1, 1}, picture_identity);
     conus_atlas *hazy = picture_atlas(&grid, picture_nothing, NULL, picture_ten);
     conus_atlas *clear = mesh_scene_atlas();
     add_ball(hazy, 0, 0, 0, 20, red);
     add_ball(clear, 0, 0, 0, 20, red);
-    float *without = draw_atlas(clear, (double[]){0, 1, 0}, 200);
-    conus_renderer *renderer = picture_renderer(hazy, black);
-    struct camera camera = picture_camera((double[]){0, 1, 0}, 200, FIELD_OF_VIEW);
-    for (uint32_t slices = 23; slices < 300; slices += 31) {
-        float *with = picture_draw(renderer, &camera, &(struct colour_view){.slices = slices}, false);
-        assert_near(middle(with)[0] / middle(without)[0], pow(1 - 0.06, 10), 0.01); /* from 30 mm to the ball at 20 */
-        memory_free(with);
-    }
-    memory_free(without);
-    conus_renderer_destroy(renderer);
-    conus_atlas_destroy(clear);
-    conus_atlas_destroy(hazy);
+    picture_check_haze(clear, hazy, FIELD_OF_VIEW);
 }
 
 /* Markers and the cone's wall before a mesh, without any volume. */

@@ -67,21 +67,21 @@ static void hide(conus_renderer *renderer, conus_atlas *atlas, const bool *hidde
     assert_ok(conus_renderer_update(renderer));
 }
 
-static void hidden_areas_are_gone_until_shown(void **state)
+/* Takes the atlas of two objects over, of which object `number` is in the half of the picture from column `from` on. */
+static void assert_gone_until_shown(conus_atlas *atlas, size_t number, uint32_t from)
 {
-    (void)state;
-    conus_atlas *atlas = boxes(NULL);
     conus_renderer *renderer = picture_renderer(atlas, NULL);
-    const bool hidden[3] = {false, false, true};
-    const bool all[3] = {false, true, true};
+    const uint32_t other = WIDTH / 2 - from; /* where the other one begins */
+    bool hidden[3] = {false};
     conus_image *before = render(renderer, (conus_view){0});
+    hidden[number] = true;
     hide(renderer, atlas, hidden);
     conus_image *without = render(renderer, (conus_view){0});
-    assert_true(differs(before, without, 0, WIDTH / 2));
-    assert_false(differs(before, without, WIDTH / 2, WIDTH));
-    hide(renderer, atlas, all);
+    assert_true(differs(before, without, from, from + WIDTH / 2));
+    assert_false(differs(before, without, other, other + WIDTH / 2));
+    hide(renderer, atlas, (const bool[]){false, true, true});
     conus_image *empty = render(renderer, (conus_view){0});
-    assert_true(differs(without, empty, WIDTH / 2, WIDTH));
+    assert_true(differs(without, empty, other, other + WIDTH / 2));
     hide(renderer, atlas, NULL);
     conus_image *again = render(renderer, (conus_view){0});
     assert_near(difference(before, again), 0, 0);
@@ -93,6 +93,12 @@ static void hidden_areas_are_gone_until_shown(void **state)
     conus_atlas_destroy(atlas);
 }
 
+static void hidden_areas_are_gone_until_shown(void **state)
+{
+    (void)state;
+    assert_gone_until_shown(boxes(NULL), 2, 0);
+}
+
 static void hidden_meshes_are_gone_until_shown(void **state)
 {
     (void)state;
@@ -101,21 +107,7 @@ static void hidden_meshes_are_gone_until_shown(void **state)
     struct mesh right = mesh_scene_sphere((double[]){12, 0, 0}, 8, 24, 48);
     mesh_scene_add(atlas, &left);
     mesh_scene_add(atlas, &right);
-    conus_renderer *renderer = picture_renderer(atlas, NULL);
-    const bool hidden[3] = {false, true, false};
-    conus_image *before = render(renderer, (conus_view){0});
-    hide(renderer, atlas, hidden);
-    conus_image *without = render(renderer, (conus_view){0});
-    assert_true(differs(before, without, WIDTH / 2, WIDTH));
-    assert_false(differs(before, without, 0, WIDTH / 2));
-    hide(renderer, atlas, NULL);
-    conus_image *again = render(renderer, (conus_view){0});
-    assert_near(difference(before, again), 0, 0);
-    conus_image_destroy(before);
-    conus_image_destroy(without);
-    conus_image_destroy(again);
-    conus_renderer_destroy(renderer);
-    conus_atlas_destroy(atlas);
+    assert_gone_until_shown(atlas, 1, WIDTH / 2);
 }
 
 /* Faded away, a context leaves the picture of an atlas whose context shows nothing. */

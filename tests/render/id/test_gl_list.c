@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists that shaders append to: they grow, take turns or refuse. */
-#include "base/memory.h"
 #include "render/gl/program.h"
 #include "render/gl/shader_list.h"
 #include "render/gl/shaders.h"
@@ -8,7 +7,7 @@
 #include "test.h"
 #include "test_gl.h"
 
-enum { EDGE = 40, PIXELS = EDGE * EDGE, BINDING = 3 };
+enum { EDGE = 40, PIXELS = EDGE * EDGE, BINDING = 3, MANY = 100 };
 
 /* Pixel p appends (p, 0), (p, 1), ... : as many as `length(p)` says. */
 static const char fragment[] = "layout(std430, binding = BINDING) restrict buffer List"
@@ -22,24 +21,25 @@ static const char fragment[] = "layout(std430, binding = BINDING) restrict buffe
                                "} }\n";
 
 struct drawing {
+    struct test_gl gl;
     GLuint program, vertices;
     GLint pixels;
     struct target target;
-    uint32_t many;
     uint32_t next[PIXELS]; /* what each pixel has to say next */
     size_t draws, portions;
 };
 
-static uint32_t length(const struct drawing *drawing, uint32_t pixel)
+static uint32_t length(uint32_t pixel)
 {
-    return pixel == 7 ? drawing->many : pixel % 5;
+    return pixel == 7 ? MANY : pixel % 5;
 }
 
-static struct drawing *drawing_create(uint32_t many)
+/* Enters GL, or the running test is skipped. */
+static void drawing_init(struct drawing *drawing)
 {
-    struct drawing *drawing = memory_zeroed(1, sizeof *drawing);
-    assert_non_null(drawing);
-    const struct program_define defines[] = {{"BINDING", BINDING}, {"EDGE", EDGE}, {"MANY", many}};
+    *drawing = (struct drawing){0};
+    test_gl_enter(&drawing->gl);
+    const struct program_define defines[] = {{"BINDING", BINDING}, {"EDGE", EDGE}, {"MANY", MANY}};
     const struct program_source source = {.vertex = {"screen.vert.glsl", shader_screen_vert},
                                           .fragment = {"list.frag.glsl", fragment},
                                           .defines = defines,
@@ -47,17 +47,15 @@ static struct drawing *drawing_create(uint32_t many)
     assert_ok(program_create(&drawing->program, &source));
     assert_ok(target_init(&drawing->target, EDGE, EDGE, NULL, 0));
     drawing->pixels = program_uniform(drawing->program, "pixels");
-    drawing->many = many;
     glCreateVertexArrays(1, &drawing->vertices);
-    return drawing;
 }
 
-static void drawing_destroy(struct drawing *drawing)
+static void drawing_finish(struct drawing *drawing)
 {
     glDeleteProgram(drawing->program);
     glDeleteVertexArrays(1, &drawing->vertices);
     target_finish(&drawing->target);
-    memory_free(drawing);
+    test_gl_leave(&drawing->gl);
 }
 
 static conus_status draw_records(void *user, uint32_t first, uint32_t end)
@@ -92,13 +90,13 @@ static struct shader_list_job job_of(struct drawing *drawing)
                                     .take = take_records,
                                     .user = drawing,
                                     .pixels = PIXELS,
-                                    .per_pixel = drawing->many > 4 ? drawing->many : 4};
+                                    .per_pixel = MANY};
 }
 
 static void assert_complete(struct drawing *drawing)
 {
     for (uint32_t p = 0; p < PIXELS; p++) {
-        assert_int_equal(drawing->next[p], length(drawing, p));
+        assert_int_equal(drawing->next[p], length(p));
         drawing->next[p] = 0;
     }
 }
@@ -106,83 +104,75 @@ static void assert_complete(struct drawing *drawing)
 static void a_list_grows_until_all_fits(void **state)
 {
     (void)state;
-    struct test_gl gl;
     struct shader_list list;
-    test_gl_enter(&gl);
-    struct drawing *drawing = drawing_create(100);
-    const struct shader_list_job job = job_of(drawing);
+    struct drawing drawing;
+    drawing_init(&drawing);
+    const struct shader_list_job job = job_of(&drawing);
     assert_ok(shader_list_init(&list, 8, 1));
     assert_ok(shader_list_collect(&list, &job));
-    assert_complete(drawing);
-    assert_int_equal(drawing->draws, 2);
-    assert_int_equal(drawing->portions, 1);
+    assert_complete(&drawing);
+    assert_int_equal(drawing.draws, 2);
+    assert_int_equal(drawing.portions, 1);
     assert_ok(shader_list_collect(&list, &job)); /* once it has grown, it fits */
-    assert_complete(drawing);
-    assert_int_equal(drawing->draws, 3);
+    assert_complete(&drawing);
+    assert_int_equal(drawing.draws, 3);
     shader_list_finish(&list);
-    drawing_destroy(drawing);
-    test_gl_leave(&gl);
+    drawing_finish(&drawing);
 }
 
 /* No record is lost however little the device can hold. */
 static void a_list_at_its_limit_takes_turns(void **state)
 {
     (void)state;
-    struct test_gl gl;
-    test_gl_enter(&gl);
-    struct drawing *drawing = drawing_create(100);
-    const struct shader_list_job job = job_of(drawing);
+    struct drawing drawing;
+    drawing_init(&drawing);
+    const struct shader_list_job job = job_of(&drawing);
     for (uint32_t limit = 100; limit < 5000; limit *= 2) {
         struct shader_list list;
         assert_ok(shader_list_init(&list, 8, 50));
         list.limit = limit;
-        drawing->portions = 0;
+        drawing.portions = 0;
         assert_ok(shader_list_collect(&list, &job));
-        assert_complete(drawing);
-        assert_in_range(drawing->portions, PIXELS * 2 / limit, PIXELS);
+        assert_complete(&drawing);
+        assert_in_range(drawing.portions, PIXELS * 2 / limit, PIXELS);
         assert_int_equal(list.capacity, limit < 3100 ? limit : list.capacity);
         shader_list_finish(&list);
     }
-    drawing_destroy(drawing);
-    test_gl_leave(&gl);
+    drawing_finish(&drawing);
 }
 
 static void one_pixel_too_many_is_refused(void **state)
 {
     (void)state;
-    struct test_gl gl;
     struct shader_list list;
-    test_gl_enter(&gl);
-    struct drawing *drawing = drawing_create(100);
-    const struct shader_list_job job = job_of(drawing);
+    struct drawing drawing;
+    drawing_init(&drawing);
+    const struct shader_list_job job = job_of(&drawing);
     assert_ok(shader_list_init(&list, 8, 50));
     list.limit = 99;
     assert_fails(shader_list_collect(&list, &job), CONUS_ERROR_UNSUPPORTED);
     shader_list_finish(&list);
-    drawing_destroy(drawing);
-    test_gl_leave(&gl);
+    drawing_finish(&drawing);
 }
 
 /* The counter has 32 bits: what it could count is never more. */
 static void the_counter_cannot_run_over(void **state)
 {
     (void)state;
-    struct test_gl gl;
     struct shader_list list;
-    test_gl_enter(&gl);
-    struct drawing *drawing = drawing_create(100);
-    struct shader_list_job job = job_of(drawing);
+    struct drawing drawing;
+    drawing_init(&drawing);
+    struct shader_list_job job = job_of(&drawing);
     job.per_pixel = UINT32_MAX / 100;
     assert_ok(shader_list_init(&list, 8, 500));
     assert_ok(shader_list_collect(&list, &job));
-    assert_complete(drawing);
-    assert_int_equal(drawing->portions, PIXELS / 100);
+    assert_complete(&drawing);
+    assert_int_equal(drawing.portions, PIXELS / 100);
     job.per_pixel = 0;
     assert_ok(shader_list_collect(&list, &job));
-    assert_int_equal(drawing->portions, PIXELS / 100);
+    assert_int_equal(drawing.portions, PIXELS / 100);
     shader_list_finish(&list);
-    drawing_destroy(drawing);
-    test_gl_leave(&gl);
+    drawing_finish(&drawing);
 }
 
 int main(void)

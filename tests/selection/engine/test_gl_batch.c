@@ -5,7 +5,6 @@
 #include "base/buffer.h"
 #include "base/file.h"
 #include "base/math3.h"
-#include "blockers.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"
 #include "scene.h"
@@ -119,7 +118,7 @@ static void blocks_of_cones_give_the_rows_of_the_rays(void **state)
     (void)state;
     uint64_t random = 61;
     conus_atlas *atlas = scene_atlas(&random, 24, 2);
-    blockers_add(atlas, &random, (size_t[]){9, 9, 9}, 0.05);
+    scene_add_blockers(atlas, &random, (size_t[]){9, 9, 9}, 0.05);
     static const conus_selector_options settings[] = {
         {.resolution = 16},
         {.resolution = 5, .aperture = CONUS_APERTURE_SQUARE, .sampling = CONUS_SAMPLING_SLICES, .slices = 120},

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the gl engine sees first in volumes (Eq. 5 to Eq. 7) against what the rays engine sees. */
-#include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
-#include "blockers.h"
 #include "gl_pair.h"
 #include "render/gl/context.h"
 #include "scene.h"
@@ -62,25 +60,6 @@ static void big_buffers_take_turns(void **state)
 
 /* ---- Made by hand ------------------------------------------------------------------------------------------- */
 
-static conus_volume_info plain_grid(size_t ni, size_t nj, size_t nk)
-{
-    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "grid", .dim = {ni, nj, nk}, .slope = 1};
-    double world_from_voxel[16];
-    mat4_identity(world_from_voxel);
-    assert_ok(space_describe(&info, world_from_voxel, "a test"));
-    return info;
-}
-
-static conus_atlas *atlas_of(const conus_volume_info *info, const uint32_t *labels)
-{
-    struct label_table table = {0};
-    struct notes notes = {0};
-    conus_atlas *atlas = NULL;
-    assert_ok(atlas_create(&atlas, info, labels, &table, "a test", &notes));
-    notes_finish(&notes);
-    return atlas;
-}
-
 static struct cone cone_from(double x, double y, double z, double degrees, uint32_t resolution)
 {
     struct cone cone = {.angle = radians_from_degrees(degrees), .resolution = resolution};
@@ -97,8 +76,8 @@ static void more_objects_than_16_bits_hold(void **state)
     for (uint32_t i = 0; i < COUNT; i++) {
         labels[i] = UINT32_MAX - 50000 * i % 1000003 - i;
     }
-    conus_volume_info info = plain_grid(EDGE, EDGE, EDGE);
-    conus_atlas *atlas = atlas_of(&info, labels);
+    conus_volume_info info = scene_plain_grid((size_t[]){EDGE, EDGE, EDGE}, NULL);
+    conus_atlas *atlas = scene_parcellation(&info, labels);
     assert_non_null(atlas->volumes[0].objects32);
     struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = cone_from(-60, 20.3, 21.1, 40, 64);
@@ -115,8 +94,8 @@ static void distances_are_those_of_the_closed_form(void **state)
     for (size_t i = 0; i < sizeof labels / sizeof labels[0]; i++) {
         labels[i] = i % 8 >= 3 ? 9 : 0; /* from x = 2.5 on */
     }
-    conus_volume_info info = plain_grid(8, 64, 64);
-    conus_atlas *atlas = atlas_of(&info, labels);
+    conus_volume_info info = scene_plain_grid((size_t[]){8, 64, 64}, NULL);
+    conus_atlas *atlas = scene_parcellation(&info, labels);
     struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     const struct cone cones[] = {cone_from(-1e5, 31.25, 32.125, 0.03, 16), cone_from(0, 31.25, 32.125, 120, 15),
                                  cone_from(5, 31.25, 32.125, 60, 16)};
@@ -141,8 +120,8 @@ static void the_context_is_never_met(void **state)
     (void)state;
     uint32_t labels[27] = {0};
     labels[26] = 1;
-    conus_volume_info info = plain_grid(3, 3, 3);
-    conus_atlas *atlas = atlas_of(&info, labels);
+    conus_volume_info info = scene_plain_grid((size_t[]){3, 3, 3}, NULL);
+    conus_atlas *atlas = scene_parcellation(&info, labels);
     float *values = memory_zeroed(27, sizeof *values);
     assert_non_null(values);
     values[13] = 1000;
@@ -175,7 +154,7 @@ static void what_blocks_is_seen_alike(void **state)
     for (int scene = 0; scene < 20; scene++) {
         conus_sampling sampling = scene % 2 ? CONUS_SAMPLING_SLICES : CONUS_SAMPLING_EXACT;
         conus_atlas *atlas = scene_atlas(&random, 24, scene % 3);
-        blockers_add(atlas, &random, (size_t[]){9, 7, 8}, 0.1);
+        scene_add_blockers(atlas, &random, (size_t[]){9, 7, 8}, 0.1);
         struct gl_pair pair = gl_pair_create(atlas, sampling);
         for (int pose = 0; pose < 6; pose++) {
             struct cone cone = scene_cone(&random, atlas);
@@ -206,17 +185,17 @@ static GLint longest_texture(void)
 static void a_volume_too_long_for_the_driver_is_refused(void **state)
 {
     (void)state;
-    conus_volume_info small = plain_grid(1, 1, 1);
-    conus_atlas *atlas = atlas_of(&small, (uint32_t[]){1});
+    conus_volume_info small = scene_plain_grid((size_t[]){1, 1, 1}, NULL);
+    conus_atlas *atlas = scene_parcellation(&small, (uint32_t[]){1});
     struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT); /* or skips */
     gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
     size_t length = (size_t)longest_texture() + 1;
-    conus_volume_info info = plain_grid(1, length, 1);
+    conus_volume_info info = scene_plain_grid((size_t[]){1, length, 1}, NULL);
     uint32_t *labels = memory_zeroed(length, sizeof *labels);
     assert_non_null(labels);
     labels[0] = 1;
-    atlas = atlas_of(&info, labels);
+    atlas = scene_parcellation(&info, labels);
     const struct engine_options options = {0};
     struct engine *engine = NULL;
     assert_fails(engine_gl_create(&engine, atlas, &options), CONUS_ERROR_GL);

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All layers (Eq. 10) of volumes in the gl engine against those in the rays engine. */
-#include "atlas/space.h"
 #include "base/math3.h"
-#include "blockers.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"
+#include "same_answer.h"
 #include "scene.h"
 #include "test.h"
 
@@ -35,16 +34,8 @@ static void assert_same_pieces(struct gl_pair *pair, const struct cone *cone)
 
 static conus_atlas *grid_atlas(size_t edge, const uint32_t *labels)
 {
-    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "grid", .dim = {edge, edge, edge}, .slope = 1};
-    struct label_table table = {0};
-    struct notes notes = {0};
-    conus_atlas *atlas = NULL;
-    double world_from_voxel[16];
-    mat4_identity(world_from_voxel);
-    assert_ok(space_describe(&info, world_from_voxel, "a test"));
-    assert_ok(atlas_create(&atlas, &info, labels, &table, "a test", &notes));
-    notes_finish(&notes);
-    return atlas;
+    const conus_volume_info grid = scene_plain_grid((size_t[]){edge, edge, edge}, NULL);
+    return scene_parcellation(&grid, labels);
 }
 
 static void make_cylinder(struct cone *cone, double radius)
@@ -113,7 +104,7 @@ static void what_blocks_has_pieces_too(void **state)
     size_t blocked = 0;
     for (int scene = 0; scene < 10; scene++) {
         conus_atlas *atlas = scene_atlas(&random, 24, scene % 3);
-        blockers_add(atlas, &random, (size_t[]){9, 7, 8}, 0.1);
+        scene_add_blockers(atlas, &random, (size_t[]){9, 7, 8}, 0.1);
         struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
         for (int pose = 0; pose < 8; pose++) {
             struct cone cone = scene_cone(&random, atlas);
@@ -166,26 +157,6 @@ static void pieces_of_a_real_atlas_are_those_of_rays(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static void assert_same_results(const conus_selection *got, const conus_selection *wanted)
-{
-    size_t count = 0, wanted_count = 0;
-    const conus_span *spans = conus_selection_spans(&count, got);
-    const conus_span *wanted_spans = conus_selection_spans(&wanted_count, wanted);
-    assert_int_equal(count, wanted_count);
-    assert_memory_equal(spans, wanted_spans, count * sizeof *spans);
-    assert_int_equal(conus_selection_count(got), conus_selection_count(wanted));
-    for (size_t i = 0; i < conus_selection_count(got); i++) {
-        const conus_result *a = conus_selection_result(got, i);
-        const conus_result *b = conus_selection_result(wanted, i);
-        assert_int_equal(a->object, b->object);
-        assert_int_equal(a->pixels, b->pixels);
-        assert_int_equal(a->pierced, b->pierced);
-        assert_int_equal(a->voxels, b->voxels);
-        assert_memory_equal(&a->path, &b->path, sizeof a->path);
-        assert_memory_equal(&a->contact, &b->contact, sizeof a->contact);
-    }
-}
-
 /* With a range the visible part, too, comes from the pieces. */
 static void answers_with_a_range_are_those_of_rays(void **state)
 {
@@ -206,7 +177,7 @@ static void answers_with_a_range_are_those_of_rays(void **state)
         conus_selection *wanted = mesh_scene_select(atlas, &options, &cone);
         options.engine = CONUS_ENGINE_GL;
         conus_selection *got = mesh_scene_select(atlas, &options, &cone);
-        assert_same_results(got, wanted);
+        assert_same_answer(got, wanted, 0);
         conus_selection_destroy(got);
         conus_selection_destroy(wanted);
         conus_atlas_destroy(atlas);

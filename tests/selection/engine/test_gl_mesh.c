@@ -72,17 +72,9 @@ static void assert_agreement(const struct gl_counts *counts, double hit_part)
 
 static void compare_100_poses(uint64_t *random, const conus_atlas *atlas, double size)
 {
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
-    for (int pose = 0; pose < 100; pose++) {
-        struct cone cone = mesh_scene_random_cone(random, size);
-        if (pose % 5 == 4) { /* Eq. 3: parallel rays */
-            cone.angle = 0;
-            cone.radius = size * test_random(random, 0.02, 0.4);
-        }
-        compare_looks(&pair, &cone);
-    }
-    assert_agreement(&pair.counts, 0.3);
-    gl_pair_destroy(&pair);
+    struct gl_counts counts = {0};
+    gl_pair_compare_poses(&counts, random, atlas, compare_looks, size, 100, 5);
+    assert_agreement(&counts, 0.3);
 }
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------- */
@@ -106,36 +98,16 @@ static void random_triangles(void **state)
 {
     (void)state;
     uint64_t random = 31;
-    struct gl_counts sum = {0};
-    for (int scene = 0; scene < 40; scene++) {
-        conus_atlas *atlas = mesh_scene_atlas();
-        double size = pow(10, test_random(&random, 0, 3));
-        for (int k = 0; k < 1 + scene % 6; k++) {
-            struct mesh soup = mesh_scene_soup(&random, 1 + (size_t)test_random(&random, 0, scene % 5 ? 60 : 2000),
-                                               size, size * test_random(&random, 0.05, 0.6));
-            mesh_scene_add(atlas, &soup);
-        }
-        struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
-        for (int pose = 0; pose < 10; pose++) {
-            struct cone cone = mesh_scene_random_cone(&random, size);
-            compare_looks(&pair, &cone);
-        }
-        gl_pair_destroy(&pair);
-        conus_atlas_destroy(atlas);
-        gl_counts_add(&sum, &pair.counts);
-    }
-    assert_agreement(&sum, 0.3);
+    struct gl_counts counts = {0};
+    gl_pair_compare_triangles(&counts, &random, compare_looks, 40, 0);
+    assert_agreement(&counts, 0.3);
 }
 
 static void one_hundred_poses_of_nested_spheres(void **state)
 {
     (void)state;
     uint64_t random = 32;
-    conus_atlas *atlas = mesh_scene_atlas();
-    for (int i = 0; i < 5; i++) {
-        struct mesh sphere = mesh_scene_sphere((double[]){3, -2, 1}, 50 - i * pow(10, -i), 30, 60);
-        mesh_scene_add(atlas, &sphere);
-    }
+    conus_atlas *atlas = mesh_scene_nested();
     compare_100_poses(&random, atlas, 50);
     conus_atlas_destroy(atlas);
 }
@@ -225,21 +197,9 @@ static void meshes_among_voxels(void **state)
 {
     (void)state;
     uint64_t random = 34;
-    struct gl_counts sum = {0};
-    for (int scene = 0; scene < 20; scene++) {
-        conus_atlas *atlas = scene_atlas(&random, 20, 0);
-        mesh_scene_add_soups(atlas, &random);
-        struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
-        for (int pose = 0; pose < 10; pose++) {
-            struct cone cone = {.pose = scene_pose(&random, atlas), .resolution = 16};
-            cone.angle = radians_from_degrees(test_random(&random, 1, 90));
-            compare_looks(&pair, &cone);
-        }
-        gl_pair_destroy(&pair);
-        conus_atlas_destroy(atlas);
-        gl_counts_add(&sum, &pair.counts);
-    }
-    assert_agreement(&sum, 0.2);
+    struct gl_counts counts = {0};
+    gl_pair_compare_mixed(&counts, &random, compare_looks, 20);
+    assert_agreement(&counts, 0.2);
 }
 
 /* ---- Traps -------------------------------------------------------------------------------------------------- */

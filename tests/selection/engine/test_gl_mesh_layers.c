@@ -163,16 +163,11 @@ static void compare_layers(struct gl_pair *pair, const struct cone *cone)
     layers_finish(&wanted);
 }
 
-static void compare_poses(struct gl_pair *pair, uint64_t *random, double size, int poses)
+static void compare_100_poses(uint64_t *random, const conus_atlas *atlas, double size, size_t least)
 {
-    for (int pose = 0; pose < poses; pose++) {
-        struct cone cone = mesh_scene_random_cone(random, size);
-        if (pose % 4 == 3) {
-            cone.angle = 0;
-            cone.radius = size * test_random(random, 0.02, 0.4);
-        }
-        compare_layers(pair, &cone);
-    }
+    struct gl_counts counts = {0};
+    gl_pair_compare_poses(&counts, random, atlas, compare_layers, size, 100, 4);
+    assert_agreement(&counts, least);
 }
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------- */
@@ -181,15 +176,8 @@ static void nested_spheres(void **state)
 {
     (void)state;
     uint64_t random = 81;
-    conus_atlas *atlas = mesh_scene_atlas();
-    for (int i = 0; i < 5; i++) {
-        struct mesh sphere = mesh_scene_sphere((double[]){3, -2, 1}, 50 - i * pow(10, -i), 30, 60);
-        mesh_scene_add(atlas, &sphere);
-    }
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
-    compare_poses(&pair, &random, 50, 100);
-    assert_agreement(&pair.counts, 80000);
-    gl_pair_destroy(&pair);
+    conus_atlas *atlas = mesh_scene_nested();
+    compare_100_poses(&random, atlas, 50, 80000);
     conus_atlas_destroy(atlas);
 }
 
@@ -198,22 +186,9 @@ static void random_triangles(void **state)
 {
     (void)state;
     uint64_t random = 82;
-    struct gl_counts sum = {0};
-    for (int scene = 0; scene < 30; scene++) {
-        conus_atlas *atlas = mesh_scene_atlas();
-        double size = pow(10, test_random(&random, 0, 3));
-        for (int k = 0; k < 1 + scene % 6; k++) {
-            size_t triangles = 1 + (size_t)test_random(&random, 0, scene % 5 ? 60 : 2000);
-            struct mesh soup = mesh_scene_soup(&random, triangles, size, size * test_random(&random, 0.05, 0.6));
-            mesh_scene_add(atlas, &soup);
-        }
-        struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
-        compare_poses(&pair, &random, size, 10);
-        gl_counts_add(&sum, &pair.counts);
-        gl_pair_destroy(&pair);
-        conus_atlas_destroy(atlas);
-    }
-    assert_agreement(&sum, 60000);
+    struct gl_counts counts = {0};
+    gl_pair_compare_triangles(&counts, &random, compare_layers, 30, 4);
+    assert_agreement(&counts, 60000);
 }
 
 static void tori_in_rows(void **state)
@@ -237,10 +212,7 @@ static void tori_in_rows(void **state)
         mesh_transform(&torus, pose.world_from_device);
         mesh_scene_add(atlas, &torus);
     }
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
-    compare_poses(&pair, &random, 44, 100);
-    assert_agreement(&pair.counts, 50000);
-    gl_pair_destroy(&pair);
+    compare_100_poses(&random, atlas, 44, 50000);
     conus_atlas_destroy(atlas);
 }
 
@@ -249,10 +221,7 @@ static void one_hundred_poses_of_the_brain(void **state)
     (void)state;
     uint64_t random = 84;
     conus_atlas *atlas = mesh_scene_brain();
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
-    compare_poses(&pair, &random, 60, 100);
-    assert_agreement(&pair.counts, 80000);
-    gl_pair_destroy(&pair);
+    compare_100_poses(&random, atlas, 60, 80000);
     conus_atlas_destroy(atlas);
 }
 
@@ -260,21 +229,9 @@ static void meshes_among_voxels(void **state)
 {
     (void)state;
     uint64_t random = 85;
-    struct gl_counts sum = {0};
-    for (int scene = 0; scene < 10; scene++) {
-        conus_atlas *atlas = scene_atlas(&random, 20, 0);
-        mesh_scene_add_soups(atlas, &random);
-        struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
-        for (int pose = 0; pose < 10; pose++) {
-            struct cone cone = {.pose = scene_pose(&random, atlas), .resolution = 16};
-            cone.angle = radians_from_degrees(test_random(&random, 1, 90));
-            compare_layers(&pair, &cone);
-        }
-        gl_counts_add(&sum, &pair.counts);
-        gl_pair_destroy(&pair);
-        conus_atlas_destroy(atlas);
-    }
-    assert_agreement(&sum, 10000);
+    struct gl_counts counts = {0};
+    gl_pair_compare_mixed(&counts, &random, compare_layers, 10);
+    assert_agreement(&counts, 10000);
 }
 
 /* Julich-Brain's left areas, many of which share borders. */
@@ -291,10 +248,7 @@ static void one_hundred_poses_of_julich_brain(void **state)
     fprintf(file, "\"areas\": [{\"files\": \"%s/*.gii\"}]}\n", shared);
     assert_int_equal(fclose(file), 0);
     assert_ok(conus_atlas_load(&atlas, path, NULL));
-    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
-    compare_poses(&pair, &random, 60, 100);
-    assert_agreement(&pair.counts, 20000);
-    gl_pair_destroy(&pair);
+    compare_100_poses(&random, atlas, 60, 20000);
     conus_atlas_destroy(atlas);
 }
 

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All layers (Eq. 10): the container of the pieces, and what the rays engine puts into it. */
-#include "base/math3.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/selection.h"
 #include "test.h"
+
+#include <math.h>
 
 static conus_span span(uint32_t pixel, uint32_t object, double entry, double exit)
 {
@@ -147,19 +148,13 @@ static void ranges_that_meet_add_up(void **state)
 static void a_cylinder_has_parallel_rays(void **state)
 {
     (void)state;
-    conus_atlas *atlas = NULL;
     static uint32_t labels[10 * 10 * 10];
-    conus_volume_info info = {
-        .role = CONUS_ROLE_PARCELLATION, .path = "box.nii", .dim = {10, 10, 10}, .spacing = {1, 1, 1}};
-    struct label_table table = {0};
-    struct notes notes = {0};
+    const conus_volume_info grid = scene_plain_grid((size_t[]){10, 10, 10}, NULL);
     struct cone cone = {.resolution = 16};
-    mat4_identity(info.world_from_voxel);
     for (size_t i = 0; i < 1000; i++) {
         labels[i] = 1;
     }
-    assert_ok(atlas_create(&atlas, &info, labels, &table, "here", &notes));
-    label_table_finish(&table);
+    conus_atlas *atlas = scene_parcellation(&grid, labels);
     assert_ok(conus_pose_along(&cone.pose, (double[]){4.5, 4.5, 50}, (double[]){0, 0, -1}, NULL));
     const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .radius = 4};
     conus_selection *selection = mesh_scene_select(atlas, &options, &cone);

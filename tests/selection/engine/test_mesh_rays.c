@@ -312,19 +312,9 @@ static void far_contacts_are_exact(void **test)
 static conus_atlas *slab_of_voxels(void)
 {
     static const uint32_t labels[8] = {7, 7, 7, 7, 7, 7, 7, 7};
-    const double size = 10;
-    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION,
-                              .path = "slab",
-                              .dim = {2, 2, 2},
-                              .slope = 1,
-                              .spacing = {size, size, size},
-                              .world_from_voxel = {size, 0, 0, 0, 0, size, 0, 0, 0, 0, size, 0, -5, -5, -5, 1}};
-    struct label_table table = {0};
-    struct notes notes = {0};
-    conus_atlas *atlas = NULL;
-    assert_ok(atlas_create(&atlas, &info, labels, &table, "slab", &notes));
-    notes_finish(&notes);
-    return atlas;
+    const double m[16] = {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -5, -5, -5, 1};
+    const conus_volume_info grid = scene_plain_grid((size_t[]){2, 2, 2}, m);
+    return scene_parcellation(&grid, labels);
 }
 
 /* A block of voxels from -10 to 10 on every axis, and squares before, behind and on its face. */

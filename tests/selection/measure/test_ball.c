@@ -2,8 +2,8 @@
 /* What is within a ball: distances to cells and surfaces against other ways to find them, volumes by Eq. 10. */
 #include "atlas/surface/mesh_near.h"
 #include "base/math3.h"
-#include "base/memory.h"
 #include "mesh_scene.h"
+#include "report_scene.h"
 #include "scene.h"
 #include "selection/selection.h"
 #include "test.h"
@@ -134,16 +134,12 @@ static int set_up(void **state)
 {
     static struct fixture fixture;
     uint32_t labels[16 * 16 * 16] = {0};
-    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "cube.nii", .dim = {16, 16, 16}};
-    struct label_table table = {0};
-    struct notes notes = {0};
-    mat4_identity(info.world_from_voxel);
+    const conus_volume_info grid = scene_plain_grid((size_t[]){16, 16, 16}, NULL);
     for (size_t v = 0; v < 4096; v++) {
         size_t i = v % 16, j = v / 16 % 16, k = v / 256;
         labels[v] = i >= 3 && i < 13 && j >= 3 && j < 13 && k >= 3 && k < 13 ? 7 : 0;
     }
-    assert_ok(atlas_create(&fixture.atlas, &info, labels, &table, "none", &notes));
-    notes_finish(&notes);
+    fixture.atlas = scene_parcellation(&grid, labels);
     double doubled[16];
     struct mesh mesh;
     mat4_identity(doubled);
@@ -264,26 +260,11 @@ static void bad_balls_are_refused(void **state)
     conus_selection_destroy(selection);
 }
 
-static conus_status answer(void *data)
-{
-    const struct fixture *fixture = data;
-    conus_selector *selector = NULL;
-    conus_selection *selection = NULL;
-    conus_report *report = NULL;
-    const conus_report_options options = {.all_voxels = true};
-    conus_status status = conus_selector_create(&selector, fixture->atlas, NULL);
-    status = status ? status : conus_select_ball(&selection, selector, (double[]){4, 4, 4}, 3);
-    status = status ? status : conus_report_create(&report, selector, &options);
-    status = status ? status : conus_report_add(report, "1", selection);
-    conus_report_destroy(report);
-    conus_selection_destroy(selection);
-    conus_selector_destroy(selector);
-    return status;
-}
-
 static void survives_every_failing_allocation(void **state)
 {
-    test_every_allocation(answer, *state);
+    const struct fixture *fixture = *state;
+    report_every_allocation(&(struct report_attempt){
+        .atlas = fixture->atlas, .report = {.all_voxels = true}, .centre = {4, 4, 4}, .radius = 3});
 }
 
 int main(void)

@@ -3,6 +3,7 @@
 #include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
+#include "report_scene.h"
 #include "scene.h"
 #include "selection/selection.h"
 #include "test.h"
@@ -223,19 +224,13 @@ enum { MANY = 72783, MANY_EDGE = 42 };
 /* As many areas as an atlas of cells may have, a voxel each. */
 static conus_atlas *many_areas(void)
 {
-    conus_volume_info info = {
-        .role = CONUS_ROLE_PARCELLATION, .path = "many.nii", .dim = {MANY_EDGE, MANY_EDGE, MANY_EDGE}};
+    const conus_volume_info grid = scene_plain_grid((size_t[]){MANY_EDGE, MANY_EDGE, MANY_EDGE}, NULL);
     uint32_t *labels = memory_zeroed((size_t)MANY_EDGE * MANY_EDGE * MANY_EDGE, sizeof *labels);
-    struct label_table table = {0};
-    struct notes notes = {0};
-    conus_atlas *atlas = NULL;
     assert_non_null(labels);
     for (uint32_t v = 0; v < MANY; v++) {
         labels[v] = 4000000000U + v * 7919U % MANY;
     }
-    mat4_identity(info.world_from_voxel);
-    assert_ok(atlas_create(&atlas, &info, labels, &table, "none", &notes));
-    notes_finish(&notes);
+    conus_atlas *atlas = scene_parcellation(&grid, labels);
     memory_free(labels);
     return atlas;
 }
@@ -260,32 +255,17 @@ static void test_many_areas(void **unused)
     conus_atlas_destroy(atlas);
 }
 
-static conus_status select_all_layers(void *data)
-{
-    const conus_atlas *atlas = data;
-    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .resolution = 2};
-    const conus_report_options listing = {.all_voxels = true};
-    conus_selector *selector = NULL;
-    conus_selection *selection = NULL;
-    conus_report *report = NULL;
-    conus_pose pose;
-    conus_status status = conus_pose_toward(&pose, (double[]){-30, 5, 1}, (double[]){0, 1, 2}, NULL);
-    status = status ? status : conus_selector_create(&selector, atlas, &options);
-    status = status ? status : conus_select(&selection, selector, &pose, 0.5);
-    status = status ? status : conus_report_create(&report, selector, &listing);
-    status = status ? status : conus_report_add(report, "1", selection);
-    conus_report_destroy(report);
-    conus_selection_destroy(selection);
-    conus_selector_destroy(selector);
-    return status;
-}
-
 static void test_memory(void **unused)
 {
     (void)unused;
     uint64_t state = 5;
     conus_atlas *atlas = scene_atlas(&state, 12, 1);
-    test_every_allocation(select_all_layers, atlas);
+    struct report_attempt attempt = {.atlas = atlas,
+                                     .options = {.layers = CONUS_LAYERS_ALL, .resolution = 2},
+                                     .report = {.all_voxels = true},
+                                     .angle = 0.5};
+    assert_ok(conus_pose_toward(&attempt.pose, (double[]){-30, 5, 1}, (double[]){0, 1, 2}, NULL));
+    report_every_allocation(&attempt);
     conus_atlas_destroy(atlas);
 }
 

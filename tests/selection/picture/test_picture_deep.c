@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Deep images, read back with the OpenEXR library. */
-#include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "exr_oracle.h"
@@ -248,18 +247,13 @@ static void any_name_is_kept(void **state)
 static conus_atlas *plate(void)
 {
     enum { SIDE = 270, AREAS = 72783 };
-    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "plate", .dim = {SIDE, SIDE, 1}, .slope = 1};
     const double centred[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -134.5, -134.5, 0, 1};
-    struct label_table table = {0};
-    struct notes notes = {0};
-    conus_atlas *atlas = NULL;
+    const conus_volume_info grid = scene_plain_grid((size_t[]){SIDE, SIDE, 1}, centred);
     uint32_t *labels = memory_zeroed(SIDE * SIDE, sizeof *labels);
     for (uint32_t i = 0; i < AREAS; i++) {
         labels[i] = 50000 * i + 1;
     }
-    assert_ok(space_describe(&info, centred, "plate"));
-    assert_ok(atlas_create(&atlas, &info, labels, &table, "plate", &notes));
-    notes_finish(&notes);
+    conus_atlas *atlas = scene_parcellation(&grid, labels);
     memory_free(labels);
     return atlas;
 }

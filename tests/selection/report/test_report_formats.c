@@ -1,40 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reports in other programs' formats: what they take, and that they survive a lack of memory. */
 #include "base/buffer.h"
-#include "base/math3.h"
-#include "scene.h"
+#include "report_scene.h"
 #include "test.h"
 
 #include <string.h>
 
 static const char table[] = "name\tx\ty\tz\nA1\t0\t0\t0\nA2\tn/a\t0\t0\nA3\t1\t1\t1\n";
-
-struct fixture {
-    conus_atlas *atlas;
-    conus_selector *selector;
-    conus_selection *selection, *apart; /* of two contacts */
-    conus_report_options options;
-};
-
-static struct fixture make_fixture(void)
-{
-    uint64_t seed = 8;
-    struct fixture fixture = {.atlas = scene_atlas(&seed, 14, 1)};
-    conus_pose pose = scene_generic_pose(&seed, fixture.atlas);
-    assert_ok(conus_selector_create(&fixture.selector, fixture.atlas, NULL));
-    assert_ok(conus_select_ball(&fixture.selection, fixture.selector, pose.world_from_device + 12, 9));
-    const double *at = pose.world_from_device + 12;
-    assert_ok(conus_select_ball(&fixture.apart, fixture.selector, (const double[]){at[0], at[1], at[2] + 1}, 9));
-    return fixture;
-}
-
-static void finish(struct fixture *fixture)
-{
-    conus_selection_destroy(fixture->selection);
-    conus_selection_destroy(fixture->apart);
-    conus_selector_destroy(fixture->selector);
-    conus_atlas_destroy(fixture->atlas);
-}
 
 static conus_report_options options_of(conus_format format)
 {
@@ -44,18 +16,18 @@ static conus_report_options options_of(conus_format format)
 /* Two contacts with an answer, and one without between them. */
 static conus_status report_all(void *data)
 {
-    const struct fixture *fixture = data;
+    const struct report_scene *scene = data;
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
-    conus_status status = conus_report_create(&report, fixture->selector, &fixture->options);
-    status = status ? status : conus_report_add(report, "A1", fixture->selection);
+    conus_status status = conus_report_create(&report, scene->selector, &scene->options);
+    status = status ? status : conus_report_add(report, "A1", scene->contacts[0]);
     status = status ? status : conus_report_add_error(report, "A2", 3, "is no pose");
-    status = status ? status : conus_report_add(report, "A3", fixture->apart);
+    status = status ? status : conus_report_add(report, "A3", scene->contacts[1]);
     status = status ? status : conus_report_text(&text, &size, report);
     if (!status) {
         assert_int_equal(strlen(text), size);
-        bool says_errors = fixture->options.format == CONUS_FORMAT_AFNI || fixture->options.format == CONUS_FORMAT_BIDS;
+        bool says_errors = scene->options.format == CONUS_FORMAT_AFNI || scene->options.format == CONUS_FORMAT_BIDS;
         assert_int_equal(strstr(text, "line 3: is no pose") != NULL, says_errors);
     }
     status = status ? status : conus_report_sidecar(&text, &size, report);
@@ -66,63 +38,63 @@ static conus_status report_all(void *data)
 static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
-    struct fixture fixture = make_fixture();
+    struct report_scene scene = report_scene_create();
     for (conus_format format = CONUS_FORMAT_AFNI; format <= CONUS_FORMAT_OPEN_EPHYS; format++) {
-        fixture.options = options_of(format);
-        test_every_allocation(report_all, &fixture);
+        scene.options = options_of(format);
+        test_every_allocation(report_all, &scene);
     }
-    finish(&fixture);
+    report_scene_destroy(&scene);
 }
 
 static void only_answers_are_written_in_them(void **state)
 {
     (void)state;
-    struct fixture fixture = make_fixture();
+    struct report_scene scene = report_scene_create();
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
     for (conus_format format = CONUS_FORMAT_AFNI; format <= CONUS_FORMAT_OPEN_EPHYS; format++) {
         conus_report_options options = options_of(format);
         options.rows = CONUS_ROWS_SUMMARIES;
-        assert_fails(conus_report_create(&report, fixture.selector, &options), CONUS_ERROR_ARGUMENT);
+        assert_fails(conus_report_create(&report, scene.selector, &options), CONUS_ERROR_ARGUMENT);
         options = options_of(format);
         options.electrodes = format == CONUS_FORMAT_BIDS ? NULL : table;
-        assert_fails(conus_report_create(&report, fixture.selector, &options), CONUS_ERROR_ARGUMENT);
+        assert_fails(conus_report_create(&report, scene.selector, &options), CONUS_ERROR_ARGUMENT);
         options = options_of(format);
-        assert_ok(conus_report_create(&report, fixture.selector, &options));
+        assert_ok(conus_report_create(&report, scene.selector, &options));
         if (format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS) {
             assert_fails(conus_report_take(&text, &size, report), CONUS_ERROR_ARGUMENT);
         }
         conus_report_destroy(report);
     }
-    finish(&fixture);
+    report_scene_destroy(&scene);
 }
 
 static void a_table_has_a_row_for_each_answer(void **state)
 {
     (void)state;
-    struct fixture fixture = make_fixture();
+    struct report_scene scene = report_scene_create();
     const conus_report_options options = options_of(CONUS_FORMAT_BIDS);
     for (size_t answers = 0; answers < 6; answers++) {
         conus_report *report = NULL;
         const char *text = NULL;
         size_t size = 0;
-        assert_ok(conus_report_create(&report, fixture.selector, &options));
+        assert_ok(conus_report_create(&report, scene.selector, &options));
         for (size_t i = 0; i < answers; i++) {
-            assert_ok(conus_report_add(report, "same", fixture.selection));
+            assert_ok(conus_report_add(report, "same", scene.contacts[0]));
         }
         conus_status status = conus_report_text(&text, &size, report);
         assert_int_equal(status, answers == 3 ? CONUS_OK : CONUS_ERROR_DATA);
         conus_report_destroy(report);
     }
-    finish(&fixture);
+    report_scene_destroy(&scene);
 }
 
 /* Taken answer by answer, the parts are the whole. */
 static void parts_join_without_a_seam(void **state)
 {
     (void)state;
-    struct fixture fixture = make_fixture();
+    struct report_scene scene = report_scene_create();
     for (conus_format format = CONUS_FORMAT_AFNI; format <= CONUS_FORMAT_BIDS; format++) {
         const conus_report_options options = options_of(format);
         conus_report *whole = NULL;
@@ -130,25 +102,25 @@ static void parts_join_without_a_seam(void **state)
         struct buffer joined = {0};
         const char *text = NULL;
         size_t size = 0;
-        assert_ok(conus_report_create(&whole, fixture.selector, &options));
-        assert_ok(conus_report_create(&parts, fixture.selector, &options));
+        assert_ok(conus_report_create(&whole, scene.selector, &options));
+        assert_ok(conus_report_create(&parts, scene.selector, &options));
         for (int i = 0; i < 3; i++) {
-            assert_ok(conus_report_add(whole, "same", fixture.selection));
-            assert_ok(conus_report_add(parts, "same", fixture.selection));
+            assert_ok(conus_report_add(whole, "same", scene.contacts[0]));
+            assert_ok(conus_report_add(parts, "same", scene.contacts[0]));
             assert_ok(conus_report_take(&text, &size, parts));
             buffer_append(&joined, text, size);
         }
         assert_ok(conus_report_text(&text, &size, whole));
         assert_int_equal(size, joined.size);
         assert_memory_equal(text, joined.data, size);
-        assert_ok(conus_report_add(parts, "one too many", fixture.selection));
+        assert_ok(conus_report_add(parts, "one too many", scene.contacts[0]));
         assert_int_equal(conus_report_take(&text, &size, parts),
                          format == CONUS_FORMAT_BIDS ? CONUS_ERROR_DATA : CONUS_OK);
         buffer_finish(&joined);
         conus_report_destroy(whole);
         conus_report_destroy(parts);
     }
-    finish(&fixture);
+    report_scene_destroy(&scene);
 }
 
 int main(void)

@@ -1,77 +1,45 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reports on sweeps: what they take, and that they survive a lack of memory in every format. */
-#include "base/math3.h"
-#include "scene.h"
+#include "report_scene.h"
 #include "test.h"
 
 #include <string.h>
 
-struct fixture {
-    conus_atlas *atlas;
-    conus_selector *selector;
-    conus_selection *selection;
-    conus_sweep *sweep;
-    conus_jitter *jitter;
-    conus_report_options options;
-};
-
-static struct fixture make_fixture(void)
+static conus_status add(conus_report *report, const struct report_scene *scene, conus_rows rows, const char *id)
 {
-    uint64_t seed = 8;
-    struct fixture fixture = {.atlas = scene_atlas(&seed, 14, 1)};
-    conus_pose pose = scene_generic_pose(&seed, fixture.atlas);
-    assert_ok(conus_selector_create(&fixture.selector, fixture.atlas, NULL));
-    assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, 1));
-    assert_ok(conus_sweep_create(&fixture.sweep, fixture.selector, &pose, 1));
-    const conus_jitter_options errors = {.tilt = 0.1, .shift = 2, .samples = 16};
-    assert_ok(conus_jitter_create(&fixture.jitter, fixture.selector, &pose, 1, &errors));
-    return fixture;
-}
-
-static void finish(struct fixture *fixture)
-{
-    conus_jitter_destroy(fixture->jitter);
-    conus_sweep_destroy(fixture->sweep);
-    conus_selection_destroy(fixture->selection);
-    conus_selector_destroy(fixture->selector);
-    conus_atlas_destroy(fixture->atlas);
-}
-
-static conus_status add(conus_report *report, const struct fixture *fixture, conus_rows rows, const char *id)
-{
-    return rows == CONUS_ROWS_ADMISSIONS ? conus_report_add_sweep(report, id, fixture->sweep)
-           : rows == CONUS_ROWS_CHANCES  ? conus_report_add_jitter(report, id, fixture->jitter)
-                                         : conus_report_add(report, id, fixture->selection);
+    return rows == CONUS_ROWS_ADMISSIONS ? conus_report_add_sweep(report, id, scene->sweep)
+           : rows == CONUS_ROWS_CHANCES  ? conus_report_add_jitter(report, id, scene->jitter)
+                                         : conus_report_add(report, id, scene->cone);
 }
 
 static void only_what_it_is_for_is_taken(void **state)
 {
     (void)state;
-    struct fixture fixture = make_fixture();
+    struct report_scene scene = report_scene_create();
     for (conus_rows rows = CONUS_ROWS_ANSWERS; rows <= CONUS_ROWS_CHANCES; rows++) {
         conus_report *report = NULL;
-        assert_ok(conus_report_create(&report, fixture.selector, &(conus_report_options){.rows = rows}));
+        assert_ok(conus_report_create(&report, scene.selector, &(conus_report_options){.rows = rows}));
         for (conus_rows other = CONUS_ROWS_SHARES; other <= CONUS_ROWS_CHANCES; other++) {
             bool fits = other == rows || (other == CONUS_ROWS_SHARES && rows == CONUS_ROWS_ANSWERS);
-            assert_int_equal(add(report, &fixture, other, "a"), fits ? CONUS_OK : CONUS_ERROR_ARGUMENT);
+            assert_int_equal(add(report, &scene, other, "a"), fits ? CONUS_OK : CONUS_ERROR_ARGUMENT);
         }
         conus_report_destroy(report);
     }
-    finish(&fixture);
+    report_scene_destroy(&scene);
 }
 
 /* Two poses, an error and one of the poses again; then all that can be asked for. */
 static conus_status report_all(void *data)
 {
-    const struct fixture *fixture = data;
+    const struct report_scene *scene = data;
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
-    conus_status status = conus_report_create(&report, fixture->selector, &fixture->options);
-    status = status ? status : add(report, fixture, fixture->options.rows, "one");
-    status = status ? status : add(report, fixture, fixture->options.rows, "two");
+    conus_status status = conus_report_create(&report, scene->selector, &scene->options);
+    status = status ? status : add(report, scene, scene->options.rows, "one");
+    status = status ? status : add(report, scene, scene->options.rows, "two");
     status = status ? status : conus_report_add_error(report, "three", 0, "is no pose");
-    status = status ? status : add(report, fixture, fixture->options.rows, "two");
+    status = status ? status : add(report, scene, scene->options.rows, "two");
     status = status ? status : conus_report_text(&text, &size, report);
     if (!status) {
         assert_int_equal(strlen(text), size);
@@ -86,14 +54,14 @@ static conus_status report_all(void *data)
 static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
-    struct fixture fixture = make_fixture();
+    struct report_scene scene = report_scene_create();
     for (conus_rows rows = CONUS_ROWS_SHARES; rows <= CONUS_ROWS_CHANCES; rows++) {
         for (conus_format format = CONUS_FORMAT_TABLE; format <= CONUS_FORMAT_NDJSON; format++) {
-            fixture.options = (conus_report_options){.rows = rows, .format = format};
-            test_every_allocation(report_all, &fixture);
+            scene.options = (conus_report_options){.rows = rows, .format = format};
+            test_every_allocation(report_all, &scene);
         }
     }
-    finish(&fixture);
+    report_scene_destroy(&scene);
 }
 
 static size_t count(const char *text, const char *word)
@@ -109,20 +77,20 @@ static size_t count(const char *text, const char *word)
 static void shares_are_a_table_by_angle(void **state)
 {
     (void)state;
-    struct fixture fixture = make_fixture();
+    struct report_scene scene = report_scene_create();
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
-    assert_ok(conus_report_create(&report, fixture.selector, &(conus_report_options){.rows = CONUS_ROWS_SHARES}));
+    assert_ok(conus_report_create(&report, scene.selector, &(conus_report_options){.rows = CONUS_ROWS_SHARES}));
     for (int i = 0; i < 12; i++) {
-        assert_ok(conus_report_add(report, "same", fixture.selection));
+        assert_ok(conus_report_add(report, "same", scene.cone));
     }
     assert_ok(conus_report_text(&text, &size, report));
     assert_int_equal(count(text, "share of cone"), 2);
     assert_int_equal(count(text, "(nothing met)"), 2);
     assert_int_equal(count(text, "57.3"), 12);
     conus_report_destroy(report);
-    finish(&fixture);
+    report_scene_destroy(&scene);
 }
 
 int main(void)

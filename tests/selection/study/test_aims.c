@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses that lie or look where they hardly should (conus_aims): cones and boxes against many rays, counts by hand. */
-#include "atlas/space.h"
 #include "base/math3.h"
-#include "base/memory.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/study/aims.h"
@@ -140,15 +138,9 @@ static void what_is_met_is_not_missed(void **state)
 static conus_atlas *block(void)
 {
     uint32_t labels[8] = {1, 1, 1, 1, 2, 2, 2, 2}; /* 1 below, 2 above z = 0; each voxel 10 mm */
-    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "block", .dim = {2, 2, 2}, .slope = 1};
     const double m[16] = {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -5, -5, -5, 1};
-    struct label_table table = {0};
-    struct notes notes = {0};
-    conus_atlas *atlas = NULL;
-    assert_ok(space_describe(&info, m, "here"));
-    assert_ok(atlas_create(&atlas, &info, labels, &table, "here", &notes));
-    notes_finish(&notes);
-    return atlas;
+    const conus_volume_info grid = scene_plain_grid((size_t[]){2, 2, 2}, m);
+    return scene_parcellation(&grid, labels);
 }
 
 static conus_pose looking_up_from(double x, double y, double z)

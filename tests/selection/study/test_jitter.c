@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Eq. 14: probabilities under errors of the pose, against Gaussian integrals. */
-#include "atlas/space.h"
 #include "base/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
@@ -25,21 +24,15 @@ static conus_pose down_from(double x, double y, double z)
  * at (middle, 0) and its top at z = 0. */
 static conus_atlas *tiles(const size_t dim[2], const double edge[2], double middle)
 {
-    conus_volume_info info = {.role = CONUS_ROLE_PARCELLATION, .path = "tiles", .dim = {dim[0], dim[1], 1}, .slope = 1};
     double m[16] = {edge[0], 0, 0, 0, 0, edge[1], 0, 0, 0, 0, 10, 0, 0, 0, -5, 1};
-    struct label_table table = {0};
-    struct notes notes = {0};
-    conus_atlas *atlas = NULL;
     uint32_t labels[64];
     m[12] = middle - edge[0] * (double)(dim[0] - 1) / 2;
     m[13] = -edge[1] * (double)(dim[1] - 1) / 2;
     for (uint32_t i = 0; i < dim[0] * dim[1]; i++) {
         labels[i] = i + 1;
     }
-    assert_ok(space_describe(&info, m, "tiles"));
-    assert_ok(atlas_create(&atlas, &info, labels, &table, "tiles", &notes));
-    notes_finish(&notes);
-    return atlas;
+    const conus_volume_info grid = scene_plain_grid((size_t[]){dim[0], dim[1], 1}, m);
+    return scene_parcellation(&grid, labels);
 }
 
 /* Two half-spaces that meet at x = `edge`, looked at from `height` above their surface. */
