@@ -144,7 +144,8 @@ const struct option angle_options[] = {
      .type = OPTION_CHOICE,
      .offset = FIELD(aim_settings, space),
      .value = "NAME",
-     .help = "where x, y and z of all positions, given and reported, grow: right, anterior, superior or left, "
+     .help = "directions in which x, y and z of all positions, given and reported, grow: right, anterior, superior or "
+             "left, "
              "posterior, superior:",
      .choices = spaces},
     {0},
@@ -155,26 +156,26 @@ const struct option engine_options[] = {
      .type = OPTION_COUNT,
      .offset = FIELD(engine_settings, resolution),
      .value = "N",
-     .help = "look through N x N pixels, 1 to 1024 (default 16)",
+     .help = "trace N x N rays, one per pixel, N from 1 to 1024 (default 16)",
      .low = 1,
      .high = 1024},
     {.name = "aperture",
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, aperture),
      .value = "SHAPE",
-     .help = "which of them count: in the circle, or all:",
+     .help = "pixels that count: those in the circle, or all:",
      .choices = apertures},
     {.name = "engine",
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, engine),
      .value = "NAME",
-     .help = "rays on the CPU or an OpenGL pass, which give the same pixels; auto is rays in this program:",
+     .help = "rays on the CPU or an OpenGL pass, with the same hits; auto is rays in this program:",
      .choices = engines},
     {.name = "sampling",
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, sampling),
      .value = "KIND",
-     .help = "every voxel on the way, or slices across the view, which can miss thin objects:",
+     .help = "visit every voxel along a ray, or only planes across the view, which can miss thin objects:",
      .choices = samplings},
     {.name = "level",
      .type = OPTION_TEXT,
@@ -187,7 +188,7 @@ const struct option engine_options[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(engine_settings, score),
      .value = "FORMULA",
-     .help = "what ranks the objects: a name below (default share), or a formula like 0.5*share+0.5*centre"},
+     .help = "score that ranks the objects: a name below (default share), or a formula like 0.5*share+0.5*centre"},
     {0},
 };
 
@@ -196,20 +197,21 @@ const struct option shape_options[] = {
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, layers),
      .value = "WHICH",
-     .help = "what is met first, or everything in the cone, with path lengths, volumes and values:",
+     .help = "first hits only, or all hits in the cone with path lengths, volumes and values:",
      .choices = layers},
     {.name = "range",
      .type = OPTION_RANGE,
      .offset = FIELD(engine_settings, range),
      .value = "NEAR,FAR",
-     .help = "only between these depths along the axis, mm from the apex: a focal spot, the length of a probe",
+     .help =
+         "count only between these two depths along the axis, mm from the apex: a focal spot, the length of a probe",
      .low = 0,
      .high = 1e9},
     {.name = "radius",
      .type = OPTION_NUMBER,
      .offset = FIELD(engine_settings, radius),
      .value = "MM",
-     .help = "a cylinder about the axis in place of the cone: a needle, a probe; more than 0",
+     .help = "radius of a cylinder that replaces the cone, mm, more than 0: a needle, a probe",
      .low = 0,
      .high = 1e9,
      .open = true},
@@ -275,7 +277,8 @@ bool settings_check_context(const struct arguments *arguments)
     return option_needs(arguments, "context", "context-blocks") && option_needs(arguments, "context-blocks", "context");
 }
 
-int settings_look(conus_pose *out, const double origin[3], const double toward[3], const double up[3], size_t space)
+int settings_pose_toward(conus_pose *out, const double origin[3], const double toward[3], const double up[3],
+                         size_t space)
 {
     double from[3];
     double to[3];
@@ -293,7 +296,7 @@ int settings_pose(conus_pose *out, const struct aim_settings *settings, const st
 {
     const double *given_up = option_given(arguments, "up") ? settings->up : NULL;
     if (option_given(arguments, "toward")) {
-        return settings_look(out, settings->origin, settings->toward, given_up, settings->space);
+        return settings_pose_toward(out, settings->origin, settings->toward, given_up, settings->space);
     }
     double from[3];
     double along[3];

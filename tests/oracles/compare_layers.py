@@ -47,7 +47,7 @@ def rays(pose, radius):
     return np.broadcast_to(origin, directions.shape), directions / lengths[:, None], lengths
 
 
-def pieces(labels, voxel_from_world, origin, ray, near, far):
+def intervals(labels, voxel_from_world, origin, ray, near, far):
     """(labels, entries, exits) of the ray's intervals inside cells with a label, between two distances."""
     o = voxel_from_world[:3, :3] @ origin + voxel_from_world[:3, 3]
     d = voxel_from_world[:3, :3] @ ray
@@ -72,7 +72,7 @@ def reference(labels, voxel_from_world, pose, radius, depths):
     result = {}
     for origin, ray, per_depth in zip(*rays(pose, radius)):
         near, far = (depths[0] * per_depth, depths[1] * per_depth) if depths else (0.0, math.inf)
-        hit, entries, exits = pieces(labels, voxel_from_world, origin, ray, near, far)
+        hit, entries, exits = intervals(labels, voxel_from_world, origin, ray, near, far)
         for label in np.unique(hit):
             mine = hit == label
             row = result.setdefault(int(label), [0, 0.0, math.inf, 0.0])

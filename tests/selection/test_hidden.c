@@ -93,10 +93,10 @@ static void assert_same_doubles(const double *a, const double *b, size_t count)
 
 static void assert_same_result(const conus_result *a, const conus_result *b)
 {
-    const double mine[] = {a->score,         a->share,     a->center_px,  a->offset,   a->distance,
+    const double mine[] = {a->score,         a->share,     a->centre_px,  a->offset,   a->distance,
                            a->entry,         a->exit,      a->path,       a->volume,   a->fraction,
                            a->cone_fraction, a->sum_value, a->mean_value, a->max_value};
-    const double other[] = {b->score,         b->share,     b->center_px,  b->offset,   b->distance,
+    const double other[] = {b->score,         b->share,     b->centre_px,  b->offset,   b->distance,
                             b->entry,         b->exit,      b->path,       b->volume,   b->fraction,
                             b->cone_fraction, b->sum_value, b->mean_value, b->max_value};
     assert_int_equal(a->kind, b->kind);
@@ -112,10 +112,10 @@ static void assert_same_result(const conus_result *a, const conus_result *b)
 
 static void assert_same_answer(const conus_selection *a, const conus_selection *b)
 {
-    size_t spans = 0;
-    size_t other_spans = 0;
-    const conus_span *span = conus_selection_spans(&spans, a);
-    const conus_span *other = conus_selection_spans(&other_spans, b);
+    size_t intervals = 0;
+    size_t other_intervals = 0;
+    const conus_interval *interval = conus_selection_intervals(&intervals, a);
+    const conus_interval *other = conus_selection_intervals(&other_intervals, b);
     conus_evidence mine = conus_selection_evidence(a);
     conus_evidence theirs = conus_selection_evidence(b);
     size_t pixels = mine.object ? (size_t)mine.resolution * mine.resolution : 0;
@@ -128,13 +128,13 @@ static void assert_same_answer(const conus_selection *a, const conus_selection *
         assert_int_equal(mine.voxel[p], theirs.voxel[p]);
     }
     assert_same_doubles(mine.distance, theirs.distance, pixels);
-    assert_int_equal(spans, other_spans);
-    for (size_t i = 0; i < spans; i++) {
-        assert_int_equal(span[i].pixel, other[i].pixel);
-        assert_int_equal(span[i].object, other[i].object);
-        assert_int_equal(span[i].voxel, other[i].voxel);
-        assert_same_doubles(&span[i].entry, &other[i].entry, 1);
-        assert_same_doubles(&span[i].exit, &other[i].exit, 1);
+    assert_int_equal(intervals, other_intervals);
+    for (size_t i = 0; i < intervals; i++) {
+        assert_int_equal(interval[i].pixel, other[i].pixel);
+        assert_int_equal(interval[i].object, other[i].object);
+        assert_int_equal(interval[i].voxel, other[i].voxel);
+        assert_same_doubles(&interval[i].entry, &other[i].entry, 1);
+        assert_same_doubles(&interval[i].exit, &other[i].exit, 1);
     }
 }
 
@@ -166,8 +166,8 @@ static void assert_same_grid(const conus_selection *a, const conus_selection *b,
     conus_status status = conus_selection_grid(&mine, a, &options);
     assert_int_equal(status, conus_selection_grid(&other, b, &options));
     if (!status) {
-        conus_grid_view x = conus_grid_look(mine);
-        conus_grid_view y = conus_grid_look(other);
+        conus_grid_view x = conus_grid_data(mine);
+        conus_grid_view y = conus_grid_data(other);
         assert_int_equal(x.count, y.count);
         assert_memory_equal(x.data, y.data, x.count);
     }

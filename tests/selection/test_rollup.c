@@ -63,7 +63,8 @@ static bool make_pair(conus_atlas *out[2], char spec[16], uint64_t seed)
     return changes;
 }
 
-static conus_selection *look(const conus_atlas *atlas, const conus_selector_options *options, const conus_pose *pose)
+static conus_selection *select_from(const conus_atlas *atlas, const conus_selector_options *options,
+                                    const conus_pose *pose)
 {
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
@@ -91,9 +92,9 @@ static void assert_same_result(const conus_result *a, const conus_result *b)
     assert_int_equal(a->pixels, b->pixels);
     assert_int_equal(a->pierced, b->pierced);
     assert_int_equal(a->voxels, b->voxels);
-    const double mine[] = {a->score,      a->share,      a->center_px, a->offset, a->distance, a->contact[0],
+    const double mine[] = {a->score,      a->share,      a->centre_px, a->offset, a->distance, a->contact[0],
                            a->contact[1], a->contact[2], a->entry,     a->exit,   a->path};
-    const double other[] = {b->score,      b->share,      b->center_px, b->offset, b->distance, b->contact[0],
+    const double other[] = {b->score,      b->share,      b->centre_px, b->offset, b->distance, b->contact[0],
                             b->contact[1], b->contact[2], b->entry,     b->exit,   b->path};
     for (size_t i = 0; i < sizeof mine / sizeof mine[0]; i++) {
         assert_same_number(mine[i], other[i]);
@@ -113,10 +114,10 @@ static void assert_same_result(const conus_result *a, const conus_result *b)
 
 static void assert_same_answer(const conus_selection *a, const conus_selection *b)
 {
-    size_t spans = 0;
-    size_t other_spans = 0;
-    const conus_span *span = conus_selection_spans(&spans, a);
-    const conus_span *other = conus_selection_spans(&other_spans, b);
+    size_t intervals = 0;
+    size_t other_intervals = 0;
+    const conus_interval *interval = conus_selection_intervals(&intervals, a);
+    const conus_interval *other = conus_selection_intervals(&other_intervals, b);
     conus_evidence mine = conus_selection_evidence(a);
     conus_evidence theirs = conus_selection_evidence(b);
     assert_int_equal(conus_selection_count(a), conus_selection_count(b));
@@ -127,13 +128,13 @@ static void assert_same_answer(const conus_selection *a, const conus_selection *
         assert_int_equal(mine.object[p], theirs.object[p]);
         assert_int_equal(mine.voxel[p], theirs.voxel[p]);
     }
-    assert_int_equal(spans, other_spans);
-    for (size_t i = 0; i < spans; i++) {
-        assert_int_equal(span[i].pixel, other[i].pixel);
-        assert_int_equal(span[i].object, other[i].object);
-        assert_int_equal(span[i].voxel, other[i].voxel);
-        assert_near(span[i].entry, other[i].entry, 0);
-        assert_near(span[i].exit, other[i].exit, 0);
+    assert_int_equal(intervals, other_intervals);
+    for (size_t i = 0; i < intervals; i++) {
+        assert_int_equal(interval[i].pixel, other[i].pixel);
+        assert_int_equal(interval[i].object, other[i].object);
+        assert_int_equal(interval[i].voxel, other[i].voxel);
+        assert_near(interval[i].entry, other[i].entry, 0);
+        assert_near(interval[i].exit, other[i].exit, 0);
     }
 }
 
@@ -149,8 +150,8 @@ static void compare(const conus_selector_options *base)
             const conus_pose from = scene_generic_pose(&state, atlases[0]);
             conus_selector_options options = *base;
             options.level = spec;
-            conus_selection *rolled = look(atlases[0], &options, &from);
-            conus_selection *relabelled = look(atlases[1], base, &from);
+            conus_selection *rolled = select_from(atlases[0], &options, &from);
+            conus_selection *relabelled = select_from(atlases[1], base, &from);
             assert_same_answer(rolled, relabelled);
             compared += conus_selection_count(rolled) > 1;
             conus_selection_destroy(rolled);
@@ -190,8 +191,8 @@ static void shares_add_up(void **state)
             struct level *level = NULL;
             uint64_t random = seed;
             const conus_pose pose = scene_generic_pose(&random, atlases[0]);
-            conus_selection *parts = look(atlases[0], &(conus_selector_options){0}, &pose);
-            conus_selection *whole = look(atlases[0], &(conus_selector_options){.level = spec}, &pose);
+            conus_selection *parts = select_from(atlases[0], &(conus_selector_options){0}, &pose);
+            conus_selection *whole = select_from(atlases[0], &(conus_selector_options){.level = spec}, &pose);
             assert_ok(level_create(&level, atlases[0], spec));
             for (size_t i = 0; i < conus_selection_count(parts); i++) {
                 const conus_result *part = conus_selection_result(parts, i);
@@ -241,8 +242,8 @@ static void merging_undoes_splitting(void **state)
         if (!conus_atlas_set_hemispheres(undone, CONUS_HEMISPHERES_SPLIT) &&
             !conus_atlas_set_hemispheres(undone, CONUS_HEMISPHERES_MERGED)) {
             const conus_pose pose = scene_generic_pose(&one, plain);
-            conus_selection *wanted = look(plain, &options, &pose);
-            conus_selection *got = look(undone, &options, &pose);
+            conus_selection *wanted = select_from(plain, &options, &pose);
+            conus_selection *got = select_from(undone, &options, &pose);
             assert_int_equal(conus_selection_count(got), conus_selection_count(wanted));
             for (size_t i = 0; i < conus_selection_count(got); i++) {
                 conus_result result = *conus_selection_result(got, i);
@@ -262,13 +263,13 @@ static void merging_undoes_splitting(void **state)
     assert_true(compared > SCENES);
 }
 
-static void spans_of_a_group_become_one(void **state)
+static void intervals_of_a_group_become_one(void **state)
 {
     (void)state;
     const uint32_t group[] = {0, 4, 2, 4, 4, 2};
-    const conus_span given[] = {{0, 1, 1, 2, 10}, {0, 3, 2, 3, 11},  {0, 2, 2.5, 9, 12}, {0, 4, 4, 5, 13},
-                                {0, 1, 5, 6, 14}, {0, 5, 8, 10, 15}, {3, 3, 0, 1, 16},   {3, 1, 2, 3, 17}};
-    const conus_span wanted[] = {
+    const conus_interval given[] = {{0, 1, 1, 2, 10}, {0, 3, 2, 3, 11},  {0, 2, 2.5, 9, 12}, {0, 4, 4, 5, 13},
+                                    {0, 1, 5, 6, 14}, {0, 5, 8, 10, 15}, {3, 3, 0, 1, 16},   {3, 1, 2, 3, 17}};
+    const conus_interval wanted[] = {
         {0, 4, 1, 3, 10}, {0, 2, 2.5, 10, 12}, {0, 4, 4, 6, 13}, {3, 4, 0, 1, 16}, {3, 4, 2, 3, 17}};
     struct layers layers = {0};
     for (size_t i = 0; i < sizeof given / sizeof given[0]; i++) {
@@ -277,11 +278,11 @@ static void spans_of_a_group_become_one(void **state)
     assert_ok(layers_regroup(&layers, group, 5));
     assert_int_equal(layers.count, sizeof wanted / sizeof wanted[0]);
     for (size_t i = 0; i < layers.count; i++) {
-        assert_int_equal(layers.spans[i].pixel, wanted[i].pixel);
-        assert_int_equal(layers.spans[i].object, wanted[i].object);
-        assert_int_equal(layers.spans[i].voxel, wanted[i].voxel);
-        assert_near(layers.spans[i].entry, wanted[i].entry, 0);
-        assert_near(layers.spans[i].exit, wanted[i].exit, 0);
+        assert_int_equal(layers.intervals[i].pixel, wanted[i].pixel);
+        assert_int_equal(layers.intervals[i].object, wanted[i].object);
+        assert_int_equal(layers.intervals[i].voxel, wanted[i].voxel);
+        assert_near(layers.intervals[i].entry, wanted[i].entry, 0);
+        assert_near(layers.intervals[i].exit, wanted[i].exit, 0);
     }
     layers_finish(&layers);
 }
@@ -323,8 +324,8 @@ static void nested_meshes_count_once(void **state)
     const conus_selector_options plain = {.layers = CONUS_LAYERS_ALL, .radius = 30};
     conus_selector_options rolled = plain;
     rolled.level = "1";
-    conus_selection *parts = look(atlas, &plain, &pose);
-    conus_selection *whole = look(atlas, &rolled, &pose);
+    conus_selection *parts = select_from(atlas, &plain, &pose);
+    conus_selection *whole = select_from(atlas, &rolled, &pose);
     const conus_result *own = result_of(parts, 1);
     const conus_result *group = result_of(whole, 1);
     assert_int_equal(conus_selection_count(parts), 5);
@@ -350,8 +351,8 @@ static void meshes_apart_add_up(void **state)
     const conus_selector_options plain = {.layers = CONUS_LAYERS_ALL, .radius = 12};
     conus_selector_options rolled = plain;
     rolled.level = "1";
-    conus_selection *parts = look(atlas, &plain, &pose);
-    conus_selection *whole = look(atlas, &rolled, &pose);
+    conus_selection *parts = select_from(atlas, &plain, &pose);
+    conus_selection *whole = select_from(atlas, &rolled, &pose);
     const conus_result *left = result_of(parts, 2);
     const conus_result *right = result_of(parts, 3);
     const conus_result *group = result_of(whole, 4);
@@ -411,7 +412,7 @@ int main(void)
         cmocka_unit_test(all_layers_are_as_if_relabelled),
         cmocka_unit_test(merging_undoes_splitting),
         cmocka_unit_test(shares_add_up),
-        cmocka_unit_test(spans_of_a_group_become_one),
+        cmocka_unit_test(intervals_of_a_group_become_one),
         cmocka_unit_test(nested_meshes_count_once),
         cmocka_unit_test(meshes_apart_add_up),
         cmocka_unit_test(every_allocation_may_fail),
