@@ -26,7 +26,7 @@ static const struct option point_options[] = {
      .type = OPTION_VECTOR,
      .offset = offsetof(struct query_settings, point),
      .value = "X,Y,Z",
-     .help = "instead of a cone: the voxels within --radius MM of this point, mm"},
+     .help = "instead of a cone: a ball of --radius MM around this point, mm"},
     {0},
 };
 

@@ -75,8 +75,8 @@ static const struct option picture_options[] = {
      .type = OPTION_EDGES,
      .offset = offsetof(struct render_settings, frustum),
      .value = "L,R,B,T",
-     .help = "or where the camera's picture ends left, right, below and above, at depth 1: off-axis, for a screen that "
-             "the eye is not straight before",
+     .help = "or edges of the camera's picture (left, right, bottom, top) at depth 1: off-axis, for a screen that "
+             "the eye is not centred on",
      .low = -1000,
      .high = 1000},
     {.name = "slices",
@@ -103,7 +103,7 @@ static const struct option picture_options[] = {
     {.name = "no-skipping",
      .type = OPTION_FLAG,
      .offset = offsetof(struct render_settings, no_skipping),
-     .help = "blend empty space as well: the same picture, slower"},
+     .help = "sample empty space, too: the same picture, slower"},
     {0},
 };
 

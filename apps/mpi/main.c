@@ -335,7 +335,7 @@ static int read_command(struct arguments *arguments, struct batch_settings *sett
 {
     if (count < 2 || strcmp(words[1], batch.name) != 0) {
         *arguments = (struct arguments){.command = &batch};
-        return print_usage_error("the one command is conus-mpi batch; conus-mpi batch --help explains it");
+        return print_usage_error("the only command is conus-mpi batch; conus-mpi batch --help explains it");
     }
     return options_parse(arguments, settings, &batch, count, words, 2);
 }

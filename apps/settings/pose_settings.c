@@ -29,7 +29,7 @@ const struct option pose_file_options[] = {
     {.name = "any-space",
      .type = OPTION_FLAG,
      .offset = offsetof(struct pose_file_settings, any_space),
-     .help = "take the positions even if the file names another space than the atlas"},
+     .help = "accept positions even if the file names another space than the atlas"},
     {0},
 };
 

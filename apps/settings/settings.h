@@ -57,7 +57,7 @@ extern const struct option slices_options[];  /**< engine_settings: --slices of 
 
 enum { DEFAULT_ANGLE = 10 };
 
-/** What is wrong with a pose that is only a point, where a cone is wanted. */
+/** Message for a pose that is only a point where a cone is wanted. */
 #define POINT_LOOKS_NOWHERE "a point, without the direction that a cone needs"
 
 /** Whether neither of the context's options stands without the other; prints an error if not. */

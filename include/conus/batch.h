@@ -97,7 +97,7 @@ CONUS_CHECKED conus_status conus_batch_run(conus_batch *batch, conus_pose_stream
                                            conus_batch_sink sink, void *user);
 
 /**
- * Gives what is odd about the poses that were answered so far, by their lines in their file.
+ * Gives the findings about the poses answered so far, by their lines in their file.
  * @param batch The batch.
  * @return A copy.
  * @threads One at a time for each @p batch.

@@ -58,7 +58,7 @@ typedef enum conus_number {
     CONUS_NUMBER_FLOAT32    /**< float. */
 } conus_number;
 
-/** What is on a grid. */
+/** Content of a grid. */
 typedef struct conus_grid_view {
     size_t dim[3];               /**< Voxels along i, j, k. */
     double world_from_voxel[16]; /**< Maps voxel indices to world mm. */
