@@ -96,7 +96,7 @@ conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas
 {
     struct box box = empty_box;
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_is_met(&atlas->volumes[i])) {
+        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_can_be_hit(&atlas->volumes[i])) {
             add_volume(&box, &atlas->volumes[i]);
         }
     }
@@ -108,7 +108,7 @@ conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas
         }
     }
     if (!(box.low[0] <= box.high[0])) {
-        return fail(CONUS_ERROR_DATA, "the atlas has nothing in it");
+        return fail(CONUS_ERROR_DATA, "the atlas is empty");
     }
     memcpy(low, box.low, sizeof box.low);
     memcpy(high, box.high, sizeof box.high);

@@ -31,7 +31,7 @@ conus_status grid_create(conus_grid **out, const conus_volume_info *info, conus_
     return CONUS_OK;
 }
 
-conus_grid_view conus_grid_look(const conus_grid *grid)
+conus_grid_view conus_grid_data(const conus_grid *grid)
 {
     return grid ? grid->view : (conus_grid_view){.description = ""};
 }

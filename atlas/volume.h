@@ -40,7 +40,7 @@ conus_status volume_init(struct volume *out, const conus_volume_info *info);
 conus_status volume_own(struct volume *volume);
 
 /** Whether rays meet anything in it. */
-static inline bool volume_is_met(const struct volume *volume)
+static inline bool volume_can_be_hit(const struct volume *volume)
 {
     return (volume->objects16 || volume->objects32) && !volume->is_hidden;
 }

@@ -24,8 +24,8 @@ static const struct bench_scenario scenarios[] = {
     {"volume", "256 rays through a labelled volume: plain traversal against the rays engine", bench_volume, 64, 31, 10},
     {"volume_gl", "256 rays through a labelled volume by OpenGL: the paper's slices against exact cells",
      bench_volume_gl, 64, 9, 10},
-    {"census", "the voxels in cones of 5, 20 and 60 degrees: every one asked against the walk over rows", bench_census,
-     8, 3, 10},
+    {"census", "the voxels in cones of 5, 20 and 60 degrees: a test of every voxel against the walk over rows",
+     bench_census, 8, 3, 10},
     {"batch", "poses as text in, rows as text out, on one thread and two, against plain traversal", bench_batch, 4000,
      9, 20},
     {"batch_mesh", "the same batch on surfaces that conus mesh makes of the areas", bench_batch_mesh, 1000, 5, 15},
@@ -33,12 +33,12 @@ static const struct bench_scenario scenarios[] = {
      12},
     {"torus_frame", "frames of 1,000 to 200,000 tori, without and with a selection in each, as the paper has it",
      bench_torus_frame, 1, 5, 15},
-    {"layers", "256 rays into 20,000 tori: what is visible and all layers, the engine alone and whole queries",
-     bench_layers, 16, 5, 20},
-    {"gl_layers", "256 rays into 20,000 tori by OpenGL: what is visible and all layers", bench_gl_layers, 16, 5, 20},
+    {"layers", "256 rays into 20,000 tori: first hits and all hits, the engine alone and whole queries", bench_layers,
+     16, 5, 20},
+    {"gl_layers", "256 rays into 20,000 tori by OpenGL: first hits and all hits", bench_gl_layers, 16, 5, 20},
     {"steps", "the gl engine's mesh pass with and without each of its steps, on 20,000 tori", bench_steps, 4, 3, 15},
-    {"leaps", "256 rays through a labelled volume by both engines, with and without leaping over what is empty",
-     bench_leaps, 64, 9, 10},
+    {"skipping", "256 rays through a labelled volume by both engines, with and without empty-space skipping",
+     bench_skipping, 64, 9, 10},
     {"mesh", "256 rays at an atlas's surfaces (else the brain phantom's), one at a time or in packets", bench_mesh, 64,
      9, 10},
     {"colour", "a picture: blended slices against ray casting without and with skipping", bench_colour, 1, 5, 40},
@@ -74,9 +74,9 @@ static void print_help(void)
          "  --angle A      full opening angle in degrees (default 5)\n"
          "  --poses N      cones per round (default 64; all: its own)\n"
          "  --repeats N    rounds in which every variant runs once (default 9; all: its own)\n"
-         "  --seconds S    begin no further round when a measurement has taken so long (all: its own)\n"
+         "  --seconds S    begin no further round once a measurement has taken S seconds (all: its own)\n"
          "  --record FILE  write the poses of the hand, for conus track\n"
-         "  --check        everything small: exit code 1 unless all answers are equal; times mean nothing\n"
+         "  --check        small sizes: exit code 1 unless all answers are equal; the times have no meaning\n"
          "  --json FILE    write everything measured");
 }
 

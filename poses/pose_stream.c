@@ -247,7 +247,7 @@ static conus_status check_no_axis(const conus_pose_stream *stream)
 {
     return stream->options.axis == CONUS_AXIS_OF_FORMAT
                ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "points look nowhere, so that no axis (%s) is to be chosen",
+               : fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
                       pose_axis_name(stream->options.axis));
 }
 

@@ -233,8 +233,8 @@ static conus_status list_passed_over(struct buffer *out, const struct pose_table
 }
 
 /* A column that is missing may be one that is misspelt; what is passed over without need is said once. */
-static conus_status tell_passed_over(struct notes *notes, const struct pose_table *table, struct text line,
-                                     conus_status status)
+static conus_status note_ignored(struct notes *notes, const struct pose_table *table, struct text line,
+                                 conus_status status)
 {
     char reason[256];
     struct buffer list = {0};
@@ -281,7 +281,7 @@ conus_status pose_table_header(struct pose_table *out, struct notes *notes, stru
         status = status ? status : add_column(&header, field);
     }
     if (!status) {
-        status = tell_passed_over(notes, table, whole, check_header(table));
+        status = note_ignored(notes, table, whole, check_header(table));
     }
     status = status ? status : check_axis(table, axis);
     *out = status ? *out : *table;

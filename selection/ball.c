@@ -8,14 +8,14 @@
 
 #include <string.h>
 
-static conus_status check_ball(const conus_selector *selector, const double center[3], double radius)
+static conus_status check_ball(const conus_selector *selector, const double centre[3], double radius)
 {
     if (selector->options.range[1] > 0) {
         return fail(CONUS_ERROR_ARGUMENT, "a ball has no axis, along which a range of depths could be");
     }
-    if (!vec3_is_finite(center)) {
-        return fail(CONUS_ERROR_ARGUMENT, "point: (%g, %g, %g), finite numbers are needed", center[0], center[1],
-                    center[2]);
+    if (!vec3_is_finite(centre)) {
+        return fail(CONUS_ERROR_ARGUMENT, "point: (%g, %g, %g), finite numbers are needed", centre[0], centre[1],
+                    centre[2]);
     }
     if (!(radius > 0 && isfinite(radius))) {
         return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, allowed is more than 0", radius);
@@ -86,9 +86,9 @@ static conus_status answer_ball(conus_selection *selection, conus_selector *sele
     return status;
 }
 
-conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double center[3], double radius)
+conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double centre[3], double radius)
 {
-    conus_status status = check_ball(selector, center, radius);
+    conus_status status = check_ball(selector, centre, radius);
     if (status) {
         return status;
     }
@@ -99,8 +99,8 @@ conus_status conus_select_ball(conus_selection **out, conus_selector *selector, 
     selection->atlas = selector->atlas;
     memcpy(selection->engine, selector->engine->name, sizeof selection->engine);
     mat4_identity(selection->cone.pose.world_from_device);
-    memcpy(selection->cone.pose.world_from_device + 12, center, 3 * sizeof *center);
-    region_ball(&selection->region, center, radius);
+    memcpy(selection->cone.pose.world_from_device + 12, centre, 3 * sizeof *centre);
+    region_ball(&selection->region, centre, radius);
     status = answer_ball(selection, selector);
     if (status) {
         conus_selection_destroy(selection);

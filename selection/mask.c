@@ -67,7 +67,7 @@ static conus_status find_volume(const struct volume **out, const conus_atlas *at
                       : find_pathway(out, atlas, "map of values", false);
     }
     if (object && options->content == CONUS_GRID_MASK_OF_REGION) {
-        return fail(CONUS_ERROR_ARGUMENT, "mask of everything: %s is an area, which changes nothing", object->name);
+        return fail(CONUS_ERROR_ARGUMENT, "mask of everything: %s is an area, which has no effect", object->name);
     }
     *out = atlas_parcellation(atlas);
     if (!*out && options->content == CONUS_GRID_MAP_OF_LABELS) {

@@ -34,20 +34,20 @@ static void move_entries(conus_selection *selection)
 {
     const struct cone *cone = &selection->cone;
     for (size_t s = 0; s < selection->layers.count; s++) {
-        conus_span *span = &selection->layers.spans[s];
+        conus_interval *interval = &selection->layers.intervals[s];
         const struct volume *volume =
-            span->object == VOLUME_BLOCKER ? NULL : atlas_object_volume(selection->atlas, span->object);
-        uint32_t i = span->pixel % cone->resolution;
-        uint32_t j = span->pixel / cone->resolution;
-        if (volume && span->entry == cone->range[0] * cone_per_depth(cone, i, j)) {
+            interval->object == VOLUME_BLOCKER ? NULL : atlas_object_volume(selection->atlas, interval->object);
+        uint32_t i = interval->pixel % cone->resolution;
+        uint32_t j = interval->pixel / cone->resolution;
+        if (volume && interval->entry == cone->range[0] * cone_per_depth(cone, i, j)) {
             double ray[3];
             double point[3];
             size_t voxel = 0;
             cone_ray(ray, cone, i, j);
             cone_origin(point, cone, i, j);
-            vec3_add_scaled(point, point, span->entry, ray);
-            if (volume_find_voxel(&voxel, volume, point) && volume_object(volume, voxel) == span->object) {
-                span->voxel = voxel;
+            vec3_add_scaled(point, point, interval->entry, ray);
+            if (volume_find_voxel(&voxel, volume, point) && volume_object(volume, voxel) == interval->object) {
+                interval->voxel = voxel;
             }
         }
     }
@@ -188,7 +188,7 @@ conus_status selection_regroup(conus_selection *selection, const struct level *l
     return selection->has_layers ? layers_regroup(&selection->layers, selection->group, object_count) : CONUS_OK;
 }
 
-/* All that is known before the look. */
+/* All that is known before the trace. */
 static conus_status make_ready(conus_selection *selection, conus_selector *selector)
 {
     conus_status status = evidence_init(&selection->evidence, selection->cone.resolution);
@@ -318,11 +318,11 @@ conus_evidence conus_selection_evidence(const conus_selection *selection)
                             selection->evidence.voxel, selection->in_cone};
 }
 
-const conus_span *conus_selection_spans(size_t *count, const conus_selection *selection)
+const conus_interval *conus_selection_intervals(size_t *count, const conus_selection *selection)
 {
     bool has_layers = selection && selection->has_layers;
     *count = has_layers ? selection->layers.count : 0;
-    return has_layers ? selection->layers.spans : NULL;
+    return has_layers ? selection->layers.intervals : NULL;
 }
 
 void conus_selection_position(double out[3], const conus_selection *selection, size_t pixel)

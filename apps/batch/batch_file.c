@@ -297,7 +297,7 @@ int batch_file_open(struct batch_file *out, const char *path, const char *finger
         return print_usage_error("%s: there is a file already; --force replaces it", path);
     }
     if (how == BATCH_ANEW && begun) {
-        return print_usage_error("%s: an unfinished batch is there; --resume goes on, --force begins anew", path);
+        return print_usage_error("%s: an unfinished batch is there; --resume continues it, --force begins anew", path);
     }
     return begin_file(out, fingerprint, header_row);
 }

@@ -46,7 +46,7 @@ int batch_output_open(struct batch_file *out, struct work *work)
     }
     snprintf(fingerprint, sizeof fingerprint, "%s %" PRIu64 "/%" PRIu64, work->fingerprint, work->shard.index,
              work->shard.count);
-    return batch_file_open(out, work->output, fingerprint, conus_batch_heading(work->batch),
+    return batch_file_open(out, work->output, fingerprint, conus_batch_header(work->batch),
                            work->settings->force    ? BATCH_FORCE
                            : work->settings->resume ? BATCH_RESUME
                                                     : BATCH_ANEW);

@@ -119,7 +119,7 @@ int batch_fingerprint(char out[65], conus_batch *batch, const conus_atlas *atlas
     hash_text(&context, line);
     settings_pose_text(line, &settings->file);
     hash_text(&context, line);
-    hash_text(&context, conus_batch_heading(batch));
+    hash_text(&context, conus_batch_header(batch));
     for (; *sources; sources++) {
         hash_text(&context, *sources);
     }
@@ -144,7 +144,7 @@ static json_t *json_from_record(const struct batch_record *record)
         json_pack("{s: s, s: [I, I], s: I, s: I, s: I, s: I, s: I, s: s}", "fingerprint", record->fingerprint, "shard",
                   (json_int_t)record->shard.index, (json_int_t)record->shard.count, "first", (json_int_t)record->first,
                   "poses", (json_int_t)record->poses, "errors", (json_int_t)record->errors, "bytes",
-                  (json_int_t)record->bytes, "heading", (json_int_t)record->heading, "crc32", crc);
+                  (json_int_t)record->bytes, "heading", (json_int_t)record->header_size, "crc32", crc);
     if (record->pose_file) {
         json_t *path = json_string(record->pose_file);
         json_object_set_new(batch, "pose_file", path ? path : json_null());

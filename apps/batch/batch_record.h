@@ -12,7 +12,7 @@ struct batch_record {
     char fingerprint[65]; /**< SHA-256 of all that the rows depend on but the shard. */
     struct shard shard;
     uint64_t first, poses, errors; /**< First pose (from 0), how many, and those without an answer. */
-    uint64_t bytes, heading;       /**< Of the file, and of the header row in it. */
+    uint64_t bytes, header_size;   /**< Of the file, and of the header row in it. */
     uint32_t crc;                  /**< Of the file's bytes. */
     const char *pose_file;         /**< As given; NULL = as the sidecar says already, */
     const char *pose_hash;         /**< its SHA-256, "" of standard input, */

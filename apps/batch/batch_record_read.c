@@ -12,14 +12,14 @@ static bool read_record(struct batch_record *out, json_t *root)
 {
     const char *fingerprint = NULL;
     const char *crc = NULL;
-    json_int_t index = 0, count = 0, first = 0, poses = 0, errors = 0, bytes = 0, heading = 0;
+    json_int_t index = 0, count = 0, first = 0, poses = 0, errors = 0, bytes = 0, header_size = 0;
     int failed = json_unpack(root, "{s: {s: s, s: [I, I], s: I, s: I, s: I, s: I, s: I, s: s}}", "Batch", "fingerprint",
                              &fingerprint, "shard", &index, &count, "first", &first, "poses", &poses, "errors", &errors,
-                             "bytes", &bytes, "heading", &heading, "crc32", &crc);
+                             "bytes", &bytes, "heading", &header_size, "crc32", &crc);
     char *end = NULL;
     unsigned long checksum = failed ? 0 : strtoul(crc, &end, 16);
     if (failed || strlen(fingerprint) != 64 || *end || index < 0 || count <= index || first < 0 || poses < 0 ||
-        errors < 0 || heading < 0 || bytes < heading) {
+        errors < 0 || header_size < 0 || bytes < header_size) {
         return false;
     }
     *out = (struct batch_record){.shard = {(uint64_t)index, (uint64_t)count},
@@ -27,7 +27,7 @@ static bool read_record(struct batch_record *out, json_t *root)
                                  .poses = (uint64_t)poses,
                                  .errors = (uint64_t)errors,
                                  .bytes = (uint64_t)bytes,
-                                 .heading = (uint64_t)heading,
+                                 .header_size = (uint64_t)header_size,
                                  .crc = (uint32_t)checksum};
     memcpy(out->fingerprint, fingerprint, sizeof out->fingerprint);
     return true;

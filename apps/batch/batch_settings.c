@@ -38,7 +38,8 @@ static const struct option pose_options[] = {
      .type = OPTION_CHOICE,
      .offset = FIELD(aim.space),
      .value = "NAME",
-     .help = "where x, y and z of all positions, given and reported, grow: right, anterior, superior or left, "
+     .help = "directions in which x, y and z of all positions, given and reported, grow: right, anterior, superior or "
+             "left, "
              "posterior, superior:",
      .choices = spaces},
     {.name = "shard",
@@ -60,18 +61,18 @@ static const struct option output_options[] = {
      .type = OPTION_CHOICE,
      .offset = FIELD(format),
      .value = "FORMAT",
-     .help = "of the rows; without it the ending of -o decides; the last four are for other programs "
+     .help = "format of the rows; default by the ending of -o; the last four are for other programs "
              "(docs/formats.md):",
      .choices = formats},
     {.name = "summary",
      .type = OPTION_FLAG,
      .offset = FIELD(summary),
      .help = "one row per pose: the best area or pathway, the runner-up, and by how much"},
-    {.name = "force", .type = OPTION_FLAG, .offset = FIELD(force), .help = "replace FILE, or what is there of it"},
+    {.name = "force", .type = OPTION_FLAG, .offset = FIELD(force), .help = "replace FILE or its partial file"},
     {.name = "resume",
      .type = OPTION_FLAG,
      .offset = FIELD(resume),
-     .help = "go on where a run with the same settings was interrupted; begin where there was none"},
+     .help = "resume an interrupted run with the same settings; begin if there was none"},
     {0},
 };
 
@@ -80,14 +81,14 @@ static const struct option run_options[] = {
      .type = OPTION_COUNT,
      .offset = FIELD(threads),
      .value = "N",
-     .help = "answer with N threads, 1 to 1024 (default: the processors at hand); the rows do not depend on it",
+     .help = "number of threads, 1 to 1024 (default: all processors); the rows do not depend on it",
      .low = 1,
      .high = 1024},
     {.name = "block",
      .type = OPTION_COUNT,
      .offset = FIELD(block),
      .value = "N",
-     .help = "N poses at a time, 1 to 65536 (default 256); neither do they on it",
+     .help = "poses per block, 1 to 65536 (default 256); the rows do not depend on it",
      .low = 1,
      .high = 65536},
     {.name = "progress",
@@ -102,10 +103,10 @@ static const struct option run_options[] = {
 const struct option_group batch_groups[] = {
     {"Where the cones are", pose_options, 0},
     {"", pose_file_options, FIELD(file)},
-    {"How it looks", engine_options, FIELD(engine)},
+    {"How rays are traced", engine_options, FIELD(engine)},
     {"", shape_options, FIELD(engine)},
     {"", slices_options, FIELD(engine)},
-    {"What it may find", atlas_options, FIELD(atlas)},
+    {"What can be hit", atlas_options, FIELD(atlas)},
     {"", shown_options, FIELD(atlas)},
     {"", context_options, FIELD(context)},
     {"What is written", output_options, 0},

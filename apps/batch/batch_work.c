@@ -246,7 +246,7 @@ int work_write_sidecar(struct work *work, struct batch_record *record)
     double angle = settings_angle(&work->settings->aim, &work->settings->engine);
     record->shard = work->shard;
     record->first = work->first;
-    record->heading = strlen(conus_batch_heading(work->batch));
+    record->header_size = strlen(conus_batch_header(work->batch));
     record->pose_file = work->settings->poses;
     record->pose_hash = work->pose_hash;
     record->coordsystem = conus_pose_stream_coordsystem(work->poses);

@@ -43,7 +43,7 @@ static bool deliver(void *user, const conus_batch_block *block)
 static int open_output(struct run *run)
 {
     struct work *work = &run->work;
-    const char *header_row = conus_batch_heading(work->batch);
+    const char *header_row = conus_batch_header(work->batch);
     if (!work->output) {
         return output_write(NULL, header_row, strlen(header_row));
     }
@@ -141,7 +141,7 @@ static int run_batch(const void *given, const struct arguments *arguments)
 
 const struct command cmd_batch = {
     .name = "batch",
-    .summary = "answer a file or stream of poses, on all processors, in parts, and again after a break",
+    .summary = "answer many poses: multithreaded, sharded, resumable",
     .operands = {"ATLAS"},
     .optional = true,
     .form = "--poses FILE",

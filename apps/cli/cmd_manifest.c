@@ -24,12 +24,12 @@ static const struct option own_options[] = {
      .type = OPTION_BYTES,
      .offset = offsetof(struct manifest_settings, max_memory),
      .value = "SIZE",
-     .help = "largest file or volume to look into, like 512M or 2G (default 8G)"},
+     .help = "largest file or volume to read, like 512M or 2G (default 8G)"},
     {.name = "quiet",
      .letter = 'q',
      .type = OPTION_FLAG,
      .offset = offsetof(struct manifest_settings, common.quiet),
-     .help = "do not say on stderr how each file was taken"},
+     .help = "do not print each file's role on stderr"},
     {0},
 };
 
@@ -113,8 +113,8 @@ const struct command cmd_manifest = {
     .description =
         "Looks at the volumes, FSL atlases, surfaces and BrainGlobe folders in DIR, and at the surfaces in the\n"
         "folders in it, and writes a manifest that joins them: DIR/NAME.atlas.json, an ATLAS for all other\n"
-        "commands. What each file is for, is guessed and said; correct it in the file. conus info then checks\n"
-        "it. A manifest that is there is never replaced.",
+        "commands. Guesses the role of each file and prints it; correct it in the manifest. conus info checks\n"
+        "the result. An existing manifest is never replaced.",
     .examples = "  conus manifest my-atlas\n"
                 "  conus info my-atlas/my-atlas.atlas.json\n",
     .groups = groups,

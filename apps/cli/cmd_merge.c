@@ -115,7 +115,8 @@ static int check_set(const struct merge *merge)
     for (size_t i = 0; i < merge->count; i++) {
         const struct part *part = &merge->parts[i];
         if (strcmp(part->record.fingerprint, first->record.fingerprint) != 0 ||
-            part->record.shard.count != first->record.shard.count || part->record.heading != first->record.heading) {
+            part->record.shard.count != first->record.shard.count ||
+            part->record.header_size != first->record.header_size) {
             print_error_line(
                 "%s and %s are not shards of one batch: settings, poses, atlas, version or the number of shards "
                 "differ",
@@ -193,7 +194,8 @@ static int copy_all(struct merge *merge)
     for (size_t i = 0; i < merge->count && copied; i++) {
         const char *path = merge->parts[i].path;
         FILE *in = fopen(path, "re");
-        copied = in && !fseeko(in, i > 0 ? (off_t)merge->parts[i].record.heading : 0, SEEK_SET) && copy_rest(out, in);
+        copied =
+            in && !fseeko(in, i > 0 ? (off_t)merge->parts[i].record.header_size : 0, SEEK_SET) && copy_rest(out, in);
         if (in) {
             fclose(in);
         }
@@ -282,7 +284,7 @@ static int merge_shards(struct merge *merge)
     code = code ? code : check_poses(merge);
     memcpy(merge->record.fingerprint, merge->parts[0].record.fingerprint, sizeof merge->record.fingerprint);
     merge->record.shard = (struct shard){0, 1};
-    merge->record.heading = merge->parts[0].record.heading;
+    merge->record.header_size = merge->parts[0].record.header_size;
     return code ? code : write_whole(merge);
 }
 
@@ -326,7 +328,7 @@ const struct command cmd_merge = {
     .form = "-o FILE",
     .description =
         "Reads the outputs of conus batch --shard I/N and the .json beside each, checks that they are whole, of\n"
-        "one batch, and that none is missing or there twice, and writes their rows in order, the heading\n"
+        "one batch, and that none is missing or there twice. Writes their rows in order, with one header\n"
         "once.",
     .examples = "  conus merge rows.0.tsv rows.1.tsv rows.2.tsv rows.3.tsv -o rows.tsv\n",
     .groups = groups,

@@ -26,7 +26,7 @@ static const struct option point_options[] = {
      .type = OPTION_VECTOR,
      .offset = offsetof(struct query_settings, point),
      .value = "X,Y,Z",
-     .help = "instead of a cone: what is at this point and within --radius MM of it"},
+     .help = "instead of a cone: a ball of --radius MM around this point, mm"},
     {0},
 };
 
@@ -35,7 +35,7 @@ static const struct option output_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct query_settings, voxels),
      .value = "FILE.tsv",
-     .help = "write the voxels met first, or with --layers all and --point those in the cone or ball, with indices, "
+     .help = "write the voxels hit first, or with --layers all and --point those in the cone or ball, with indices, "
              "positions and values"},
     {.name = "voxels-of",
      .type = OPTION_CHOICE,
@@ -47,12 +47,12 @@ static const struct option output_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct query_settings, image),
      .value = "FILE",
-     .help = "write what the device saw: .exr with id, X, Y, Z, t per pixel, or .png in the areas' colours"},
+     .help = "write the image seen from the device: .exr with id, X, Y, Z, t per pixel, or .png in the areas' colours"},
     {.name = "deep",
      .type = OPTION_TEXT,
      .offset = offsetof(struct query_settings, deep),
      .value = "FILE.exr",
-     .help = "with --layers all: write every piece of every ray inside an object, as a deep image with names"},
+     .help = "with --layers all: write every interval of every ray inside an object, as a deep image with names"},
     {0},
 };
 
@@ -397,13 +397,13 @@ static int run_query(const void *given, const struct arguments *arguments)
 
 const struct command cmd_query = {
     .name = "query",
-    .summary = "name the areas and pathways in a cone, with shares and contact positions",
+    .summary = "list the areas and pathways in a cone, with shares and contact positions",
     .operands = {"ATLAS"},
     .form = "(--origin X,Y,Z (--toward X,Y,Z | --direction X,Y,Z) | --pose FILE)",
-    .description = "Looks from a device's position through N x N pixels into the atlas and reports every area and\n"
-                   "pathway that a pixel of the cone meets first: its share of the cone, its pixels, its nearest\n"
-                   "contact and where it is, in mm. With --layers all it reports everything in the cone, occluded or\n"
-                   "not; with --point in place of a cone, what is within --radius mm of a point.",
+    .description = "Traces N x N rays from a device's position into the atlas and reports every area and\n"
+                   "pathway that a ray hits first: its share of the cone, its pixels, its nearest\n"
+                   "contact and where it is, in mm. With --layers all it reports all hits in the cone, occluded or\n"
+                   "not; with --point it reports the objects within --radius mm of a point.",
     .examples = "  conus query aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
                 "  conus query aal.nii.gz --pose poses.tsv --angle 5 -o answers.tsv\n"
                 "  conus query aal.nii.gz --origin 0,0,90 --direction 0,0,-1 --image seen.exr --format json\n",

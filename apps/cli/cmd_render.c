@@ -47,12 +47,12 @@ static const struct option picture_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct render_settings, camera),
      .value = "FILE",
-     .help = "look from the one pose in this file (docs/formats.md)"},
+     .help = "camera at the one pose in this file (docs/formats.md)"},
     {.name = "camera-origin",
      .type = OPTION_VECTOR,
      .offset = offsetof(struct render_settings, camera_origin),
      .value = "X,Y,Z",
-     .help = "or look from here, mm (without any, so that the whole atlas shows, from the cone's side)"},
+     .help = "or position of the camera, mm (default: the whole atlas from the cone's side)"},
     {.name = "camera-toward",
      .type = OPTION_VECTOR,
      .offset = offsetof(struct render_settings, camera_toward),
@@ -75,8 +75,8 @@ static const struct option picture_options[] = {
      .type = OPTION_EDGES,
      .offset = offsetof(struct render_settings, frustum),
      .value = "L,R,B,T",
-     .help = "or where the camera's picture ends left, right, below and above, at depth 1: off-axis, for a screen that "
-             "the eye is not straight before",
+     .help = "or edges of the camera's picture (left, right, bottom, top) at depth 1: off-axis, for a screen that "
+             "the eye is not centred on",
      .low = -1000,
      .high = 1000},
     {.name = "slices",
@@ -103,7 +103,7 @@ static const struct option picture_options[] = {
     {.name = "no-skipping",
      .type = OPTION_FLAG,
      .offset = offsetof(struct render_settings, no_skipping),
-     .help = "blend empty space as well: the same picture, slower"},
+     .help = "sample empty space, too: the same picture, slower"},
     {0},
 };
 
@@ -113,7 +113,7 @@ static const struct option_group groups[] = {
     {"", pose_file_options, offsetof(struct render_settings, file)},
     {"", angle_options, offsetof(struct render_settings, aim)},
     {"", shape_options, offsetof(struct render_settings, engine)},
-    {"How it looks", engine_options, offsetof(struct render_settings, engine)},
+    {"How rays are traced", engine_options, offsetof(struct render_settings, engine)},
     {"Atlas", atlas_options, offsetof(struct render_settings, atlas)},
     {"", shown_options, offsetof(struct render_settings, atlas)},
     {"", quiet_options, offsetof(struct render_settings, common)},
@@ -235,9 +235,9 @@ static int find_camera(struct picture *picture)
         code = load_pose(&row, picture, settings->camera);
         picture->camera = row.pose;
     } else if (option_given(picture->arguments, "camera-origin")) {
-        code = settings_look(&picture->camera, settings->camera_origin, settings->camera_toward,
-                             option_given(picture->arguments, "camera-up") ? settings->camera_up : NULL,
-                             settings->aim.space);
+        code = settings_pose_toward(&picture->camera, settings->camera_origin, settings->camera_toward,
+                                    option_given(picture->arguments, "camera-up") ? settings->camera_up : NULL,
+                                    settings->aim.space);
     } else {
         return EXIT_DONE;
     }
@@ -375,11 +375,11 @@ static void list_transfers(FILE *out)
 
 const struct command cmd_render = {
     .name = "render",
-    .summary = "draw the atlas, a cone in it and what the cone meets",
+    .summary = "draw the atlas, a cone in it and the cone's first hits",
     .operands = {"ATLAS"},
     .form = "-o FILE",
     .description = "Draws the areas and pathways, the context volume around them, and a cone with its axis, contacts\n"
-                   "and a legend of what it meets. Needs OpenGL 4.5, in hardware or software.",
+                   "and a legend of its first hits. Needs OpenGL 4.5, in hardware or software.",
     .examples = "  conus render aal.nii.gz -o aal.png --context ch2bet.nii.gz\n"
                 "  conus render aal.nii.gz -o cone.png --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
                 "  conus render aal.nii.gz -o top.exr --camera-origin 0,0,500 --camera-toward 0,0,0\n",

@@ -36,14 +36,14 @@ static const struct option sweep_options[] = {
      .type = OPTION_COUNT,
      .offset = FIELD(samples),
      .value = "N",
-     .help = "with --jitter: poses to look from, a power of two from 16 to 1048576 (default 1024)",
+     .help = "with --jitter: number of random poses, a power of two from 16 to 1048576 (default 1024)",
      .low = 16,
      .high = 1048576},
     {0},
 };
 
 static const struct option_group groups[] = {
-    {"What is asked, if not which angle admits what", sweep_options, 0},
+    {"What is asked (default: the angle from which on each area is in the cone)", sweep_options, 0},
     INQUIRY_AIM_GROUPS,
     INQUIRY_ENGINE_GROUPS,
     INQUIRY_ATLAS_GROUPS,
@@ -379,7 +379,7 @@ static int run_sweep(const void *given, const struct arguments *arguments)
 
 const struct command cmd_sweep = {
     .name = "sweep",
-    .summary = "how sure an answer is: by angle, and under errors of the pose",
+    .summary = "answers over many angles, or under errors of the pose",
     .operands = {"ATLAS"},
     .form = "(--origin X,Y,Z (--toward X,Y,Z | --direction X,Y,Z) | --pose FILE)",
     .description =

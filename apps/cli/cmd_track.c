@@ -81,7 +81,7 @@ static const struct option history_options[] = {
      .type = OPTION_NUMBER,
      .offset = FIELD(constants.rate),
      .value = "HZ",
-     .help = "frames in a second for these two, whatever the poses' rate is (default 60)",
+     .help = "frames per second for these two, independent of the poses' rate (default 60)",
      .low = 0,
      .high = 1e6,
      .open = true},
@@ -115,19 +115,19 @@ static const struct option output_options[] = {
     {.name = "selected",
      .type = OPTION_FLAG,
      .offset = FIELD(selected),
-     .help = "of each step only what is selected, and what a press confirms"},
+     .help = "write only the selected and the confirmed object of each step"},
     {0},
 };
 
 static const struct option_group groups[] = {
     {"Where the device is", pose_options, 0},
     {"", pose_file_options, INQUIRY_FIELD(file)},
-    {"or a tracker that tells", station_options_table, FIELD(station)},
+    {"Poses from a tracker", station_options_table, FIELD(station)},
     {"", live_options, 0},
     {"", angle_options, INQUIRY_FIELD(aim)},
     {"", shape_options, INQUIRY_FIELD(engine)},
     INQUIRY_ENGINE_GROUPS,
-    {"What it remembers", history_options, 0},
+    {"History", history_options, 0},
     INQUIRY_ATLAS_GROUPS,
     {"What is written", format_options, INQUIRY_FIELD(answer)},
     {"", answer_output_options, INQUIRY_FIELD(answer)},
@@ -391,12 +391,12 @@ static int run_track(const void *given, const struct arguments *arguments)
 
 const struct command cmd_track = {
     .name = "track",
-    .summary = "follow a moving device: at each moment what it means, by what came before",
+    .summary = "answer a moving device's poses with a history",
     .operands = {"ATLAS"},
     .form = "(--poses FILE | --listen PORT | --connect HOST)",
     .description =
-        "Looks into the atlas from one pose after the other, as conus query does, and ranks what it meets with\n"
-        "what it met before, so that a trembling hand selects one area and not several. Rows are in order of\n"
+        "Answers one pose after the other, as conus query does, and ranks what it hits together with\n"
+        "earlier hits, so that a trembling hand selects one area and not several. Rows are in order of\n"
         "time_s, at any rate; a row before its predecessor is left out with a message. Where a column trigger\n"
         "goes from 0 to 1, the area that was selected a moment before, when the press had not yet moved the\n"
         "hand, is confirmed. Steps are written as they come.",

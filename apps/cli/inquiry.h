@@ -27,12 +27,12 @@ struct inquiry_settings {
         "", shape_options, INQUIRY_FIELD(engine)                                                                       \
     }
 #define INQUIRY_ENGINE_GROUPS                                                                                          \
-    {"How it looks", engine_options, INQUIRY_FIELD(engine)},                                                           \
+    {"How rays are traced", engine_options, INQUIRY_FIELD(engine)},                                                    \
     {                                                                                                                  \
         "", slices_options, INQUIRY_FIELD(engine)                                                                      \
     }
 #define INQUIRY_ATLAS_GROUPS                                                                                           \
-    {"What it may find", atlas_options, INQUIRY_FIELD(atlas)}, {"", shown_options, INQUIRY_FIELD(atlas)},              \
+    {"What can be hit", atlas_options, INQUIRY_FIELD(atlas)}, {"", shown_options, INQUIRY_FIELD(atlas)},               \
     {                                                                                                                  \
         "", context_options, INQUIRY_FIELD(context)                                                                    \
     }

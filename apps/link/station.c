@@ -270,7 +270,7 @@ static struct peer *find_free(struct station *station)
 
 /* Where all places are taken, the one that is silent longest goes. One that sends keeps its place, however many come.
  */
-static struct peer *make_room(struct station *station)
+static struct peer *replace_silent(struct station *station)
 {
     struct peer *silent = &station->peers[0];
     for (int p = 1; p < PEERS; p++) {
@@ -287,7 +287,7 @@ static void welcome(struct station *station, int socket)
 {
     int yes = 1;
     struct peer *peer = find_free(station);
-    peer = peer ? peer : make_room(station);
+    peer = peer ? peer : replace_silent(station);
     if (!peer) {
         close(socket);
         return;

@@ -79,10 +79,9 @@ static void answer(const char *path)
 int main(int argc, char **argv)
 {
     if (argc != 2 || argv[1][0] == '-') {
-        std::fputs(
-            "usage: conus-mesh REQUEST\n\nWhat conus runs to make meshes with VTK; see loaders/child/mesh_protocol.h "
-            "for the file REQUEST.\nThe command for people is conus mesh.\n",
-            stderr);
+        std::fputs("usage: conus-mesh REQUEST\n\nMakes meshes with VTK for conus; see loaders/child/mesh_protocol.h "
+                   "for the file REQUEST.\nThe command for people is conus mesh.\n",
+                   stderr);
         return 2;
     }
     try {

@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCKS_PER_PIECE = 16, DEFAULT_BLOCK = 256 };
+enum { BLOCKS_PER_PART = 16, DEFAULT_BLOCK = 256 };
 
 /* Who is who. */
 struct cluster {
@@ -33,11 +33,11 @@ struct run {
     struct ordered_file file;
     struct progress progress;
     uint64_t first, left; /* poses to answer; left UINT64_MAX = all from there on */
-    uint64_t piece_poses; /* in a whole piece */
+    uint64_t part_poses;  /* in a whole part */
 
-    char *text; /* of the piece */
+    char *text; /* of the part */
     size_t capacity;
-    conus_batch_block piece;
+    conus_batch_block part;
 };
 
 /* The highest exit code of all ranks. */
@@ -48,7 +48,7 @@ static int agree(int code)
     return agreed;
 }
 
-/* ---- Pieces ------------------------------------------------------------------------------------------------------ */
+/* ---- Parts ------------------------------------------------------------------------------------------------------ */
 
 /* Sees to what must be seen to every now and then; whether to continue. */
 static bool tend(struct run *run)
@@ -63,7 +63,7 @@ static bool tend(struct run *run)
 static bool collect(void *user, const conus_batch_block *block)
 {
     struct run *run = user;
-    size_t needed = run->piece.size + block->size;
+    size_t needed = run->part.size + block->size;
     if (needed > run->capacity) {
         size_t capacity = needed > 2 * run->capacity ? needed : 2 * run->capacity;
         char *text = realloc(run->text, capacity);
@@ -75,19 +75,19 @@ static bool collect(void *user, const conus_batch_block *block)
         run->text = text;
         run->capacity = capacity;
     }
-    memcpy(run->text + run->piece.size, block->text, block->size);
-    run->piece.text = run->text;
-    run->piece.size = needed;
-    run->piece.poses += block->poses;
-    run->piece.errors += block->errors;
+    memcpy(run->text + run->part.size, block->text, block->size);
+    run->part.text = run->text;
+    run->part.size = needed;
+    run->part.poses += block->poses;
+    run->part.errors += block->errors;
     return tend(run);
 }
 
 /* Answers `poses` poses from `pass` poses further on. */
-static int answer_piece(struct run *run, uint64_t pass, uint64_t poses)
+static int answer_part(struct run *run, uint64_t pass, uint64_t poses)
 {
     int code = work_pass_over(&run->work, pass);
-    run->piece = (conus_batch_block){.text = ""};
+    run->part = (conus_batch_block){.text = ""};
     if (!code && poses) {
         conus_status status = conus_batch_run(run->work.batch, run->work.poses, poses, collect, run);
         code = status ? print_status(status) : EXIT_DONE;
@@ -95,22 +95,22 @@ static int answer_piece(struct run *run, uint64_t pass, uint64_t poses)
     return code;
 }
 
-/* Takes pieces until one is short, or empty, or all are to stop. */
-static void answer_pieces(struct run *run)
+/* Takes parts until one is short, or empty, or all are to stop. */
+static void answer_parts(struct run *run)
 {
     uint64_t passed = 0; /* poses of the file that this rank has behind it */
     uint64_t number;
     for (bool ended = false; !ended && ordered_file_take(&run->file, &number);) {
-        uint64_t before = number * run->piece_poses;
+        uint64_t before = number * run->part_poses;
         uint64_t left = before < run->left ? run->left - before : 0;
-        uint64_t poses = left < run->piece_poses ? left : run->piece_poses;
-        int code = answer_piece(run, poses ? run->first + before - passed : 0, poses);
+        uint64_t poses = left < run->part_poses ? left : run->part_poses;
+        int code = answer_part(run, poses ? run->first + before - passed : 0, poses);
         if (code) {
             ordered_file_stop(&run->file, code);
         }
-        passed = run->first + before + run->piece.poses;
-        ended = run->piece.poses < run->piece_poses;
-        ordered_file_write(&run->file, number, &run->piece, ended);
+        passed = run->first + before + run->part.poses;
+        ended = run->part.poses < run->part_poses;
+        ordered_file_write(&run->file, number, &run->part, ended);
     }
 }
 
@@ -220,12 +220,12 @@ static int answer_all(struct run *run)
 {
     bool leads = run->cluster->rank == 0;
     uint32_t block = run->work.settings->block;
-    run->piece_poses = (uint64_t)BLOCKS_PER_PIECE * (block ? block : DEFAULT_BLOCK);
+    run->part_poses = (uint64_t)BLOCKS_PER_PART * (block ? block : DEFAULT_BLOCK);
     if (leads) {
         start_progress(run);
     }
     interrupt_catch(NULL); /* nothing waits for poses: they are files */
-    answer_pieces(run);
+    answer_parts(run);
     if (leads) {
         ordered_file_wait(&run->file);
         progress_finish(&run->progress, run->kept.poses, run->kept.errors);
@@ -335,7 +335,7 @@ static int read_command(struct arguments *arguments, struct batch_settings *sett
 {
     if (count < 2 || strcmp(words[1], batch.name) != 0) {
         *arguments = (struct arguments){.command = &batch};
-        return print_usage_error("the one command is conus-mpi batch; conus-mpi batch --help explains it");
+        return print_usage_error("the only command is conus-mpi batch; conus-mpi batch --help explains it");
     }
     return options_parse(arguments, settings, &batch, count, words, 2);
 }

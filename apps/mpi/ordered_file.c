@@ -19,7 +19,7 @@ enum { KIND, NUMBER, POSES, ERRORS, SIZE, CRC, REQUEST_SIZE };
 enum reply { GRANTED, PLACED, STOPPED, FAREWELL };
 enum { PLACE = 1, NEXT, HAS_NEXT, REPLY_SIZE };
 
-/* A piece on its way into the journal: answered by `rank`, then with its place, then written. */
+/* A part on its way into the journal: answered by `rank`, then with its place, then written. */
 struct slot {
     enum { SLOT_FREE, SLOT_ANSWERED, SLOT_PLACED, SLOT_WRITTEN } state;
     int rank;
@@ -28,7 +28,7 @@ struct slot {
     struct batch_entry entry;
 };
 
-/* Pieces below `noted` are in the journal, those below `placed` have their place, those below `taken` a rank. Piece n
+/* Parts below `noted` are in the journal, those below `placed` have their place, those below `taken` a rank. Part n
  * has slot n % slots. */
 struct coordinator {
     struct batch_file *kept; /* NULL once its journal could not be written */
@@ -197,9 +197,9 @@ static void handle_request(struct ordered_file *file, int rank, const uint64_t r
     }
 }
 
-/* Gives places to pieces in their order, and with each its rank the next one to answer. Pieces that are answered are at
+/* Gives places to parts in their order, and with each its rank the next one to answer. Parts that are answered are at
  * most one per rank, so that all have slots. */
-static void place_pieces(struct ordered_file *file)
+static void place_parts(struct ordered_file *file)
 {
     struct coordinator *coordinator = file->coordinator;
     struct slot *slot = slot_of(coordinator, coordinator->placed);
@@ -249,7 +249,7 @@ static void serve_requests(struct ordered_file *file)
         handle_request(file, status.MPI_SOURCE, request);
     }
     fill_journal(file);
-    place_pieces(file);
+    place_parts(file);
 }
 
 /* ---- The other ranks --------------------------------------------------------------------------------------------- */
@@ -372,14 +372,14 @@ static bool find_place(struct ordered_file *file, uint64_t number, const struct 
     return true;
 }
 
-void ordered_file_write(struct ordered_file *file, uint64_t number, const conus_batch_block *piece, bool is_last)
+void ordered_file_write(struct ordered_file *file, uint64_t number, const conus_batch_block *part, bool is_last)
 {
-    const struct batch_entry entry = batch_entry_of(piece);
+    const struct batch_entry entry = batch_entry_of(part);
     uint64_t place;
     if (file->stop || !find_place(file, number, &entry, is_last, &place)) {
         return;
     }
-    if (!check_mpi(file, write_at(file->file, place, piece->text, piece->size))) {
+    if (!check_mpi(file, write_at(file->file, place, part->text, part->size))) {
         ordered_file_stop(file, EXIT_DATA);
     } else if (file->coordinator) {
         slot_of(file->coordinator, number)->state = SLOT_WRITTEN;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Pieces of work for all ranks, and one file to which their results go in the pieces' order. The coordinator on rank 0
- * hands out the pieces' numbers and the places of their rows in the file, and keeps the journal. The others ask it by
- * messages, which it answers between its own blocks: that needs nothing of MPI but messages, and no rank that dies
- * holds a lock. No rank holds more than one finished piece. */
+ * Parts of work (16 blocks each) for all ranks, and one file with their results in the parts' order. The coordinator on
+ * rank 0 hands out the parts' numbers and the places of their rows in the file, and keeps the journal. The others ask
+ * it by messages, which it answers between its own blocks: that needs nothing of MPI but messages, and no rank that
+ * dies holds a lock. No rank holds more than one finished part. */
 #ifndef CONUS_MPI_ORDERED_FILE_H
 #define CONUS_MPI_ORDERED_FILE_H
 
@@ -18,28 +18,28 @@ struct ordered_file {
     const char *path;                /**< What the file becomes, for messages. */
     struct coordinator *coordinator; /**< NULL on other ranks than 0. */
     int stop;                        /**< Why all are to stop, 0 to continue: an exit code, 128 and more of a signal. */
-    bool has_next;                   /**< `next` is the number of a piece that is this rank's to answer. */
+    bool has_next;                   /**< `next` is the number of a part that is this rank's to answer. */
     uint64_t next;
 };
 
-/** Resumes behind the @p size bytes that are in the part of the file @p path; all ranks at once. @p kept is rank 0's,
+/** Resumes behind the @p size bytes that are in the partial file of @p path; all ranks at once. @p kept is rank 0's,
  * opened; NULL on others. Returns the exit code and prints an error unless it is 0; then there is nothing to close. */
 int ordered_file_open(struct ordered_file *out, const char *path, uint64_t size, struct batch_file *kept);
 
-/** The number of a piece that nobody has had, from 0; false when all are to stop. */
+/** Takes the next part number, from 0. Returns false when the run stops. */
 bool ordered_file_take(struct ordered_file *file, uint64_t *number);
 
-/** To be called between blocks: sees to signals, messages and the journal. False when all are to stop. */
+/** Call between blocks: handles signals, messages and the journal. Returns false when the run stops. */
 bool ordered_file_tend(struct ordered_file *file);
 
 /** Lets all stop for the reason @p code. */
 void ordered_file_stop(struct ordered_file *file, int code);
 
-/** Writes piece @p number once all before it have their place; not if all are to stop, when it may not be whole. With
+/** Writes part @p number once all before it have their place; not if all are to stop, when it may not be whole. With
  * @p is_last this rank takes no more. */
-void ordered_file_write(struct ordered_file *file, uint64_t number, const conus_batch_block *piece, bool is_last);
+void ordered_file_write(struct ordered_file *file, uint64_t number, const conus_batch_block *part, bool is_last);
 
-/** On rank 0, which has no piece any more: waits until the others have none and all are in the journal, or until all
+/** On rank 0, which has no part any more: waits until the others have none and all are in the journal, or until all
  * are to stop. */
 void ordered_file_wait(struct ordered_file *file);
 

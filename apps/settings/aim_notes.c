@@ -81,7 +81,7 @@ static const char *remedy(char out[256], const conus_oddity *oddity, bool tiny, 
         bool likely = is_likely(&oddity->pose, readings[i].scale, tiny);
         const char *name = likely ? first_hit(&pose, oddity->angle, selector, atlas) : NULL;
         if (name) {
-            snprintf(out, 256, "; %s it would meet %s first", readings[i].words, name);
+            snprintf(out, 256, "; %s it would hit %s first", readings[i].words, name);
         }
     }
     return out;

@@ -28,12 +28,12 @@ const struct option quiet_options[] = {
      .letter = 'q',
      .type = OPTION_FLAG,
      .offset = FIELD(common_settings, quiet),
-     .help = "no notes on stderr, only errors"},
+     .help = "print only errors on stderr, no notes"},
     {.name = "verbose",
      .letter = 'v',
      .type = OPTION_FLAG,
      .offset = FIELD(common_settings, verbose),
-     .help = "also the engine's and the GL driver's messages on stderr"},
+     .help = "print the engine's and the GL driver's messages, too, on stderr"},
     {.name = "help", .letter = 'h', .type = OPTION_FLAG, .offset = FIELD(common_settings, help), .help = "this text"},
     {.name = "version", .type = OPTION_FLAG, .offset = FIELD(common_settings, version), .help = "the version"},
     {0},
@@ -44,22 +44,24 @@ const struct option atlas_options[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(atlas_settings, labels),
      .value = "FILE",
-     .help = "label table, instead of the one found beside or inside the atlas"},
+     .help = "label table; replaces the one found beside or inside the atlas"},
     {.name = "labels-anyway",
      .type = OPTION_FLAG,
      .offset = FIELD(atlas_settings, labels_anyway),
-     .help = "take every value for an area, even where the volume looks like an image"},
+     .help = "treat every value as a label, even if the volume looks like an image"},
     {.name = "pathway",
      .type = OPTION_LIST,
      .offset = FIELD(atlas_settings, pathways),
      .value = "FILE[,KEY=VALUE]...",
-     .help = "add a probability volume as a pathway; keys: threshold=T (values from T on belong to it; default a "
-             "quarter of the file's scale), name=S, volume=K (of a 4-D file, from 0); may be repeated"},
+     .help =
+         "add a scalar map as a pathway; keys: threshold=T (voxels with values of at least T belong to it; default a "
+         "quarter of the file's scale), name=S, volume=K (of a 4-D file, from 0); may be repeated"},
     {.name = "hemispheres",
      .type = OPTION_CHOICE,
      .offset = FIELD(atlas_settings, hemispheres),
      .value = "HOW",
-     .help = "areas of both sides cut in two at x = 0, or left and right areas of one name reported as one:",
+     .help =
+         "cut areas of both sides in two at x = 0 (split), or report left and right areas of one name as one (merged):",
      .choices = hemispheres},
     {.name = "max-memory",
      .type = OPTION_BYTES,
@@ -74,14 +76,15 @@ const struct option shown_options[] = {
      .type = OPTION_LIST,
      .offset = FIELD(atlas_settings, only),
      .value = "NAME,...",
-     .help = "only these areas and pathways, by name, abbreviation or label, with what is below them in the area tree; "
-             "all others are as if they were not there; a name with a comma in double quotes, @FILE for a file with "
-             "one name per line; may be repeated"},
+     .help =
+         "keep only these areas and pathways, by name, abbreviation or label, with all below them in the area tree; "
+         "all others are as if never loaded; put a name with a comma in double quotes; @FILE is a file with "
+         "one name per line; may be repeated"},
     {.name = "hide",
      .type = OPTION_LIST,
      .offset = FIELD(atlas_settings, hide),
      .value = "NAME,...",
-     .help = "without these areas and pathways, named likewise: not hit, not drawn, and they block nothing; may be "
+     .help = "remove these areas and pathways, named as for --only: not hit, not drawn, not occluding; may be "
              "repeated"},
     {0},
 };
@@ -91,12 +94,12 @@ const struct option context_options[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(context_settings, path),
      .value = "FILE",
-     .help = "a volume that blocks the view, a skull, say"},
+     .help = "scalar map that blocks rays, such as a skull"},
     {.name = "context-blocks",
      .type = OPTION_NUMBER,
      .offset = FIELD(context_settings, blocks),
      .value = "T",
-     .help = "its values from T on block",
+     .help = "context voxels with values of at least T block rays",
      .low = 0,
      .high = FLT_MAX,
      .open = true},
@@ -108,22 +111,22 @@ const struct option aim_options[] = {
      .type = OPTION_VECTOR,
      .offset = FIELD(aim_settings, origin),
      .value = "X,Y,Z",
-     .help = "where the device is: the cone's apex, mm"},
+     .help = "position of the device: the cone's apex, mm"},
     {.name = "toward",
      .type = OPTION_VECTOR,
      .offset = FIELD(aim_settings, toward),
      .value = "X,Y,Z",
-     .help = "the point that it points at, mm"},
+     .help = "point on the cone's axis, mm"},
     {.name = "direction",
      .type = OPTION_VECTOR,
      .offset = FIELD(aim_settings, direction),
      .value = "X,Y,Z",
-     .help = "or the direction in which it points, of any length but 0"},
+     .help = "or direction of the axis, of any length but 0"},
     {.name = "up",
      .type = OPTION_VECTOR,
      .offset = FIELD(aim_settings, up),
      .value = "X,Y,Z",
-     .help = "which way is up for the device (default superior; anterior when it points up or down)"},
+     .help = "up direction of the device (default superior; anterior if it points up or down)"},
     {.name = "pose",
      .type = OPTION_TEXT,
      .offset = FIELD(aim_settings, pose),
@@ -144,7 +147,8 @@ const struct option angle_options[] = {
      .type = OPTION_CHOICE,
      .offset = FIELD(aim_settings, space),
      .value = "NAME",
-     .help = "where x, y and z of all positions, given and reported, grow: right, anterior, superior or left, "
+     .help = "directions in which x, y and z of all positions, given and reported, grow: right, anterior, superior or "
+             "left, "
              "posterior, superior:",
      .choices = spaces},
     {0},
@@ -155,26 +159,26 @@ const struct option engine_options[] = {
      .type = OPTION_COUNT,
      .offset = FIELD(engine_settings, resolution),
      .value = "N",
-     .help = "look through N x N pixels, 1 to 1024 (default 16)",
+     .help = "trace N x N rays, one per pixel, N from 1 to 1024 (default 16)",
      .low = 1,
      .high = 1024},
     {.name = "aperture",
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, aperture),
      .value = "SHAPE",
-     .help = "which of them count: in the circle, or all:",
+     .help = "pixels that count: those in the circle, or all:",
      .choices = apertures},
     {.name = "engine",
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, engine),
      .value = "NAME",
-     .help = "rays on the CPU or an OpenGL pass, which give the same pixels; auto is rays in this program:",
+     .help = "rays on the CPU or an OpenGL pass, with the same hits; auto is rays in this program:",
      .choices = engines},
     {.name = "sampling",
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, sampling),
      .value = "KIND",
-     .help = "every voxel on the way, or slices across the view, which can miss thin objects:",
+     .help = "visit every voxel along a ray, or only planes across the view, which can miss thin objects:",
      .choices = samplings},
     {.name = "level",
      .type = OPTION_TEXT,
@@ -187,7 +191,7 @@ const struct option engine_options[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(engine_settings, score),
      .value = "FORMULA",
-     .help = "what ranks the objects: a name below (default share), or a formula like 0.5*share+0.5*centre"},
+     .help = "score that ranks the objects: a name below (default share), or a formula like 0.5*share+0.5*centre"},
     {0},
 };
 
@@ -196,20 +200,21 @@ const struct option shape_options[] = {
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, layers),
      .value = "WHICH",
-     .help = "what is met first, or everything in the cone, with path lengths, volumes and values:",
+     .help = "first hits only, or all hits in the cone with path lengths, volumes and values:",
      .choices = layers},
     {.name = "range",
      .type = OPTION_RANGE,
      .offset = FIELD(engine_settings, range),
      .value = "NEAR,FAR",
-     .help = "only between these depths along the axis, mm from the apex: a focal spot, the length of a probe",
+     .help =
+         "count only between these two depths along the axis, mm from the apex: a focal spot, the length of a probe",
      .low = 0,
      .high = 1e9},
     {.name = "radius",
      .type = OPTION_NUMBER,
      .offset = FIELD(engine_settings, radius),
      .value = "MM",
-     .help = "a cylinder about the axis in place of the cone: a needle, a probe; more than 0",
+     .help = "radius of a cylinder that replaces the cone, mm, more than 0: a needle, a probe",
      .low = 0,
      .high = 1e9,
      .open = true},
@@ -275,7 +280,8 @@ bool settings_check_context(const struct arguments *arguments)
     return option_needs(arguments, "context", "context-blocks") && option_needs(arguments, "context-blocks", "context");
 }
 
-int settings_look(conus_pose *out, const double origin[3], const double toward[3], const double up[3], size_t space)
+int settings_pose_toward(conus_pose *out, const double origin[3], const double toward[3], const double up[3],
+                         size_t space)
 {
     double from[3];
     double to[3];
@@ -293,7 +299,7 @@ int settings_pose(conus_pose *out, const struct aim_settings *settings, const st
 {
     const double *given_up = option_given(arguments, "up") ? settings->up : NULL;
     if (option_given(arguments, "toward")) {
-        return settings_look(out, settings->origin, settings->toward, given_up, settings->space);
+        return settings_pose_toward(out, settings->origin, settings->toward, given_up, settings->space);
     }
     double from[3];
     double along[3];

@@ -57,7 +57,7 @@ extern const struct option slices_options[];  /**< engine_settings: --slices of 
 
 enum { DEFAULT_ANGLE = 10 };
 
-/** What is wrong with a pose that is only a point, where a cone is wanted. */
+/** Message for a pose that is only a point where a cone is wanted. */
 #define POINT_LOOKS_NOWHERE "a point, without the direction that a cone needs"
 
 /** Whether neither of the context's options stands without the other; prints an error if not. */
@@ -71,7 +71,8 @@ void settings_point(double out[3], const double in[3], size_t space);
 
 /** The pose at @p origin looking toward a point, all in @p space; @p up may be NULL. Returns the exit code and prints
  * an error unless it is 0. */
-int settings_look(conus_pose *out, const double origin[3], const double toward[3], const double up[3], size_t space);
+int settings_pose_toward(conus_pose *out, const double origin[3], const double toward[3], const double up[3],
+                         size_t space);
 
 /** The pose of --origin with --toward or --direction. Returns the exit code and prints an error unless it is 0. */
 int settings_pose(conus_pose *out, const struct aim_settings *settings, const struct arguments *arguments);

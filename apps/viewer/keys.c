@@ -207,7 +207,7 @@ static const struct {
     {"space", freeze, "hold the cone, or let it follow the mouse again"},
     {"+", widen, "a wider cone"},
     {"-", narrow, "a narrower cone"},
-    {"l", toggle_layers, "what is met first, or all layers"},
+    {"l", toggle_layers, "first hits, or all hits"},
     {"h", hide_chosen, "hide or show the chosen area"},
     {"i", isolate_chosen, "show the chosen area only"},
     {"u", undo, "take back the last hide, show or only"},

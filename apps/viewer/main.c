@@ -268,9 +268,10 @@ static const struct command cmd_view = {
     .name = "view",
     .summary = "browse an atlas in a window and point at it",
     .operands = {"ATLAS"},
-    .description = "Four panes: the brain in 3-D and its axial, coronal and sagittal cuts. The cone follows the mouse, "
-                   "or a wand moved by\n"
-                   "keys; what it meets is named, ranked and lit up. Press ? in the window for the keys.",
+    .description =
+        "Four panes: the brain in 3-D and its axial, coronal and sagittal cuts. The cone follows the mouse, "
+        "or a wand moved by\n"
+        "keys; the areas that it hits are named, ranked and highlighted. Press ? in the window for the keys.",
     .examples =
         "  conus view /usr/share/mricron/templates/aal.nii.gz --context /usr/share/mricron/templates/ch2bet.nii.gz\n",
     .groups = groups,

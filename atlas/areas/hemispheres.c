@@ -242,7 +242,7 @@ conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus_hemispheres h
         return CONUS_OK;
     }
     if (atlas_has_hidden(atlas)) {
-        return fail(CONUS_ERROR_ARGUMENT, "hemispheres: something is hidden; they are changed before");
+        return fail(CONUS_ERROR_ARGUMENT, "hemispheres: objects are hidden already; change the hemispheres first");
     }
     if (atlas->hemispheres == CONUS_HEMISPHERES_MERGED || atlas->hemispheres == hemispheres) {
         return fail(CONUS_ERROR_ARGUMENT, "hemispheres: are %s already",

@@ -211,7 +211,7 @@ conus_status hemispheres_label_step(uint32_t *out, const conus_atlas *atlas)
         largest = atlas->objects[i].label > largest ? atlas->objects[i].label : largest;
     }
     if (largest > LARGEST_LABEL) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "label %u leaves no room for the labels of new areas, up to %d do",
+        return fail(CONUS_ERROR_UNSUPPORTED, "label %u is too large to number new areas, allowed are labels up to %d",
                     largest, LARGEST_LABEL);
     }
     while (step <= largest) {

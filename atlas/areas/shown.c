@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Objects that are hidden: as if they had never been loaded. What reads an atlas needs to know nothing of it: voxels of
- * hidden areas hold no object, hidden pathways are not hit (volume_is_met()), hidden meshes are not there
+ * hidden areas hold no object, hidden pathways are not hit (volume_can_be_hit()), hidden meshes are not there
  * (atlas_object_mesh()). */
 #include "atlas/areas/area_find.h"
 #include "atlas/areas/area_list.h"

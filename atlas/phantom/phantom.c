@@ -14,16 +14,16 @@ enum { SIZE_DEFAULT = 64, SIZE_MINIMUM = 16, SIZE_MAXIMUM = 512, EDGE_MINIMUM = 
 
 #define BALL(number, within, x, y, z, r)                                                                               \
     {                                                                                                                  \
-        .kind = PHANTOM_BALL, .label = (number), .inside = (within), .center = {x, y, z}, .radius = (r)                \
+        .kind = PHANTOM_BALL, .label = (number), .inside = (within), .centre = {x, y, z}, .radius = (r)                \
     }
 #define BOX(number, x, y, z, hx, hy, hz)                                                                               \
     {                                                                                                                  \
-        .kind = PHANTOM_BOX, .label = (number), .center = {x, y, z}, .half = { hx, hy, hz }                            \
+        .kind = PHANTOM_BOX, .label = (number), .centre = {x, y, z}, .half = { hx, hy, hz }                            \
     }
 /* A tube along 140 degrees of a circle in a plane of constant x, bent towards +z. */
 #define ARCH(number, x, diameter)                                                                                      \
     {                                                                                                                  \
-        .kind = PHANTOM_RING, .label = (number), .center = {x, 0, -8}, .radius = 22, .tube = (diameter) / 2.0,         \
+        .kind = PHANTOM_RING, .label = (number), .centre = {x, 0, -8}, .radius = 22, .tube = (diameter) / 2.0,         \
         .axis = 0, .from = 20 * MATH3_PI / 180, .to = 160 * MATH3_PI / 180                                             \
     }
 
@@ -119,7 +119,7 @@ static double ring_distance2(const struct phantom_shape *ring, const double p[3]
 bool phantom_shape_has(const struct phantom_shape *shape, const double point[3])
 {
     double p[3];
-    vec3_sub(p, point, shape->center);
+    vec3_sub(p, point, shape->centre);
     switch (shape->kind) {
     case PHANTOM_BALL:
         return vec3_dot(p, p) <= shape->radius * shape->radius;
@@ -163,7 +163,7 @@ double phantom_area_volume(const struct phantom_drawing *drawing, uint32_t label
 
 static struct phantom_shape scale_shape(struct phantom_shape shape, double scale)
 {
-    vec3_scale(shape.center, shape.center, scale);
+    vec3_scale(shape.centre, shape.centre, scale);
     vec3_scale(shape.half, shape.half, scale);
     shape.radius *= scale;
     shape.tube *= scale;
@@ -257,7 +257,7 @@ static void bound_voxels(size_t first[3], size_t last[3], const struct phantom_s
     double reach[3];
     double middle[3];
     shape_reach(reach, shape);
-    mat4_point(middle, voxel_from_world, shape->center);
+    mat4_point(middle, voxel_from_world, shape->centre);
     for (int axis = 0; axis < 3; axis++) {
         double half = 1;
         for (int world = 0; world < 3; world++) {
@@ -279,9 +279,9 @@ static void paint_shape(uint32_t *labels, const struct phantom_shape *shape, con
         for (size_t j = first[1]; j < last[1]; j++) {
             uint32_t *row = labels + grid->dim[0] * (j + grid->dim[1] * k);
             for (size_t i = first[0]; i < last[0]; i++) {
-                double center[3];
-                mat4_point(center, grid->world_from_voxel, (double[]){(double)i, (double)j, (double)k});
-                row[i] = phantom_shape_has(shape, center) ? shape->label : row[i];
+                double centre[3];
+                mat4_point(centre, grid->world_from_voxel, (double[]){(double)i, (double)j, (double)k});
+                row[i] = phantom_shape_has(shape, centre) ? shape->label : row[i];
             }
         }
     }

@@ -98,7 +98,7 @@ conus_status mesh_check(struct mesh *mesh, struct notes *notes)
     status = status ? status : mesh_is_closed(&mesh->shape.closed, mesh);
     size_t flat = status ? 0 : drop_flat_triangles(mesh);
     if (!status && !mesh->triangle_count) {
-        status = fail(CONUS_ERROR_DATA, "no triangle with an area: nothing that a ray could meet");
+        status = fail(CONUS_ERROR_DATA, "no triangle with an area: no ray can hit it");
     }
     if (!status && flat) {
         status = notes_add(notes, "%s: %zu triangles without area were left out", path, flat);

@@ -72,7 +72,7 @@ void build(peer_surface &surface, peer_locator kind)
     surface.pickers[kind]->AddLocator(locator);
 }
 
-void look(peer_surface &surface, uint32_t *objects, const cone &cone, peer_locator kind)
+void trace(peer_surface &surface, uint32_t *objects, const cone &cone, peer_locator kind)
 {
     const double *origin = cone.pose.world_from_device + 12;
     for (uint32_t i = 0; i < PEER_RESOLUTION * PEER_RESOLUTION; i++) {
@@ -93,7 +93,7 @@ void look(peer_surface &surface, uint32_t *objects, const cone &cone, peer_locat
 void pick(peer_surface &surface, uint32_t *objects, const cone &cone, peer_locator kind)
 {
     vtkCellPicker *picker = surface.pickers[kind];
-    peers::look_along(surface.renderer, cone.pose.world_from_device, cone.angle, surface.range);
+    peers::aim_camera(surface.renderer, cone.pose.world_from_device, cone.angle, surface.range);
     for (uint32_t i = 0; i < PEER_RESOLUTION * PEER_RESOLUTION; i++) {
         const uint32_t column = i % PEER_RESOLUTION;
         const uint32_t row = i / PEER_RESOLUTION;
@@ -120,10 +120,10 @@ conus_status peer_surface_build(struct peer_surface *surface, enum peer_locator 
     return peers::guarded([&] { build(*surface, kind); });
 }
 
-conus_status peer_surface_look(struct peer_surface *surface, uint32_t *objects, const struct cone *cone,
-                               enum peer_locator kind)
+conus_status peer_surface_trace(struct peer_surface *surface, uint32_t *objects, const struct cone *cone,
+                                enum peer_locator kind)
 {
-    return peers::guarded([&] { look(*surface, objects, *cone, kind); });
+    return peers::guarded([&] { trace(*surface, objects, *cone, kind); });
 }
 
 conus_status peer_surface_pick(struct peer_surface *surface, uint32_t *objects, const struct cone *cone,

@@ -98,7 +98,7 @@ std::unique_ptr<peer_picture> make(const struct volume &volume, const peer_trans
     }
     shown->SetUserMatrix(matrix);
     picture->renderer->AddVolume(shown);
-    peers::look_along(picture->renderer, camera.world_from_camera, 2 * std::atan(camera.slope[1]), range);
+    peers::aim_camera(picture->renderer, camera.world_from_camera, 2 * std::atan(camera.slope[1]), range);
     picture->window->Render();
     picture->window->WaitForCompletion();
     picture->window->ReleaseCurrent();

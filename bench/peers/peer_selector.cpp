@@ -85,7 +85,7 @@ double window_angle(const peer_selector &selector, const cone &cone)
 
 void aim(peer_selector &selector, const cone &cone)
 {
-    peers::look_along(selector.renderer, cone.pose.world_from_device, window_angle(selector, cone), selector.range);
+    peers::aim_camera(selector.renderer, cone.pose.world_from_device, window_angle(selector, cone), selector.range);
 }
 
 std::unique_ptr<peer_selector> make(const mesh_object *objects, size_t count, peer_parts parts, const uint32_t size[2],
@@ -123,7 +123,7 @@ uint32_t number_of(const peer_selector &selector, const vtkHardwareSelector::Pix
     return found == selector.numbers.end() ? 0 : found->second;
 }
 
-void look(peer_selector &selector, uint32_t *objects, const cone &cone, bool actors_only)
+void trace(peer_selector &selector, uint32_t *objects, const cone &cone, bool actors_only)
 {
     vtkHardwareSelector *pass = selector.selector;
     aim(selector, cone);
@@ -155,8 +155,8 @@ void peer_selector_destroy(struct peer_selector *selector)
     delete selector;
 }
 
-conus_status peer_selector_look(struct peer_selector *selector, uint32_t *objects, const struct cone *cone,
-                                bool actors_only)
+conus_status peer_selector_trace(struct peer_selector *selector, uint32_t *objects, const struct cone *cone,
+                                 bool actors_only)
 {
-    return peers::guarded([&] { look(*selector, objects, *cone, actors_only); });
+    return peers::guarded([&] { trace(*selector, objects, *cone, actors_only); });
 }

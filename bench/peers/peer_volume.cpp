@@ -109,7 +109,7 @@ void pick(peer_labels &labels, peer_contact *contacts, const cone &cone, peer_pi
     vtkCellPicker *picker = kind == PEER_CELL_PICKER ? labels.cell_picker.Get() : labels.volume_picker.Get();
     const double *origin = cone.pose.world_from_device + 12;
     picker->SetVolumeOpacityIsovalue(isovalue);
-    peers::look_along(labels.renderer, cone.pose.world_from_device, cone.angle, range);
+    peers::aim_camera(labels.renderer, cone.pose.world_from_device, cone.angle, range);
     for (uint32_t i = 0; i < size[0] * size[1]; i++) {
         const uint32_t column = i % size[0];
         const uint32_t row = i / size[0];
@@ -139,7 +139,7 @@ void select(peer_labels &labels, peer_contact *contacts, const cone &cone)
     if (!labels.is_drawn) {
         throw std::logic_error("peer_labels_select() without a window");
     }
-    peers::look_along(labels.renderer, cone.pose.world_from_device, cone.angle, range);
+    peers::aim_camera(labels.renderer, cone.pose.world_from_device, cone.angle, range);
     if (!labels.selector->CaptureBuffers()) {
         throw std::runtime_error("vtkHardwareSelector captured nothing");
     }

@@ -60,7 +60,7 @@ vtkSmartPointer<vtkRenderWindow> peers::make_window(vtkRenderer *renderer, const
     return window;
 }
 
-void peers::look_along(vtkRenderer *renderer, const double world_from_camera[16], double angle, const double range[2])
+void peers::aim_camera(vtkRenderer *renderer, const double world_from_camera[16], double angle, const double range[2])
 {
     const double *m = world_from_camera;
     vtkCamera *camera = renderer->GetActiveCamera();

@@ -27,7 +27,7 @@ struct NoDisplay : std::runtime_error {
 vtkSmartPointer<vtkRenderWindow> make_window(vtkRenderer *renderer, const uint32_t size[2]);
 
 /* Puts the renderer's camera at a pose; `angle` is vertical, in radians. */
-void look_along(vtkRenderer *renderer, const double world_from_camera[16], double angle, const double range[2]);
+void aim_camera(vtkRenderer *renderer, const double world_from_camera[16], double angle, const double range[2]);
 
 /* All triangles of the objects, in their order, at their places. */
 vtkSmartPointer<vtkPolyData> make_surface(const mesh_object *objects, size_t count);

@@ -43,8 +43,8 @@ void peer_selector_destroy(struct peer_selector *selector); /**< NULL is fine. *
 
 /** Objects, [16 * 16], of the square of pixels in the window's middle, which @p cone just fills. @p actors_only: leaves
  * out the passes that distinguish cells (vtkHardwareSelector::ActorPassOnly), which Select() makes by default. */
-conus_status peer_selector_look(struct peer_selector *selector, uint32_t *objects, const struct cone *cone,
-                                bool actors_only);
+conus_status peer_selector_trace(struct peer_selector *selector, uint32_t *objects, const struct cone *cone,
+                                 bool actors_only);
 
 /* ---- vtkCellPicker and cell locators: rays into one merged surface -------------------------------------------------
  */
@@ -62,8 +62,8 @@ void peer_surface_destroy(struct peer_surface *surface); /**< NULL is fine. */
 conus_status peer_surface_build(struct peer_surface *surface, enum peer_locator kind);
 
 /** Objects, [16 * 16], by IntersectWithLine() of a locator that has been built. */
-conus_status peer_surface_look(struct peer_surface *surface, uint32_t *objects, const struct cone *cone,
-                               enum peer_locator kind);
+conus_status peer_surface_trace(struct peer_surface *surface, uint32_t *objects, const struct cone *cone,
+                                enum peer_locator kind);
 
 /** The same by vtkCellPicker::Pick() at the pixels' centres, with that locator (AddLocator). */
 conus_status peer_surface_pick(struct peer_surface *surface, uint32_t *objects, const struct cone *cone,

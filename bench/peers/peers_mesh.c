@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/peers/peers.h"
-#include "bench/support/look.h"
+#include "bench/support/trace.h"
 #include "bench/torus/torus_scene.h"
 
 #include <stdio.h>
@@ -40,20 +40,20 @@ struct peer {
     enum peer_locator locator;
 };
 
-static conus_status look_as_peer(struct engine *engine, struct evidence *out, const struct cone *cone)
+static conus_status trace_as_peer(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     struct peer *peer = (struct peer *)engine;
     switch (peer->kind) {
     case SELECTOR:
-        return peer_selector_look(peer->selector, out->object, cone, peer->actors_only);
+        return peer_selector_trace(peer->selector, out->object, cone, peer->actors_only);
     case PICKER:
         return peer_surface_pick(peer->surface, out->object, cone, peer->locator);
     default:
-        return peer_surface_look(peer->surface, out->object, cone, peer->locator);
+        return peer_surface_trace(peer->surface, out->object, cone, peer->locator);
     }
 }
 
-static const struct engine_functions functions = {.trace = look_as_peer};
+static const struct engine_functions functions = {.trace = trace_as_peer};
 
 /* ---- What is made once ------------------------------------------------------------------------------------------ */
 
@@ -227,7 +227,7 @@ struct contest {
     const struct cone *cones;
     struct engine *engines[WAYS_LIMIT];
     struct peer peers[WAYS_LIMIT]; /* where the engine is one */
-    struct look looks[WAYS_LIMIT];
+    struct trace traces[WAYS_LIMIT];
     struct bench_variant variants[WAYS_LIMIT];
     size_t count;
 };
@@ -260,11 +260,11 @@ static conus_status measure_contest(struct bench *bench, struct contest *contest
 {
     conus_status status = CONUS_OK;
     for (size_t w = 0; w < contest->count && !status; w++) {
-        struct look *look = &contest->looks[w];
-        status = look_init(look, contest->engines[w], contest->cones, CONES);
+        struct trace *trace = &contest->traces[w];
+        status = trace_init(trace, contest->engines[w], contest->cones, CONES);
         if (!status) {
-            contest->variants[w] = (struct bench_variant){.name = look->name, .run = look_all, .data = look};
-            contest->variants[w].equal = look_same_but_edges(look, &contest->looks[0]);
+            contest->variants[w] = (struct bench_variant){.name = trace->name, .run = trace_all, .data = trace};
+            contest->variants[w].equal = trace_same_but_edges(trace, &contest->traces[0]);
         }
     }
     double angle = degrees_from_radians(contest->cones[0].angle);
@@ -280,7 +280,7 @@ static conus_status ratio(struct bench *bench, const struct contest *contest, si
 static void contest_finish(struct contest *contest)
 {
     for (size_t w = 0; w < contest->count; w++) {
-        look_finish(&contest->looks[w]);
+        trace_finish(&contest->traces[w]);
     }
 }
 

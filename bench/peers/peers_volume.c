@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/peers/peers.h"
-#include "bench/support/look.h"
+#include "bench/support/trace.h"
 
 #include <stdio.h>
 
@@ -83,7 +83,7 @@ static json_t *describe(const struct way *way)
 {
     struct agreement agreement = compare_with_rays(way);
     double hits = agreement.hits ? (double)agreement.hits : 1;
-    printf("%s: of %zu pixels with an area %.1f %% name the area that the rays meet first, %.1f %% the voxel\n",
+    printf("%s: of %zu pixels with an area %.1f %% name the area that the rays hit first, %.1f %% the voxel\n",
            way->name, agreement.hits, 100 * (double)agreement.objects / hits, 100 * (double)agreement.voxels / hits);
     return json_pack("{s:f, s:f}", "same_area", (double)agreement.objects / hits, "same_voxel",
                      (double)agreement.voxels / hits);

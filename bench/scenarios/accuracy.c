@@ -3,14 +3,14 @@
  * and what that costs. */
 #include "base/memory.h"
 #include "bench/bench.h"
-#include "bench/support/look.h"
+#include "bench/support/trace.h"
 #include "render/id/slices.h"
 
 #include <stdio.h>
 
 enum { SEED = 72 };
 
-/* Ways to look. An engine takes a fifth of the given number of slices. */
+/* Ways to trace. An engine takes a fifth of the given number of slices. */
 enum { EXACT, ALL_SLICES, FIFTH, WAYS };
 
 struct scene {
@@ -19,21 +19,21 @@ struct scene {
     struct cone *cones;
     size_t cone_count;
     struct engine *engines[WAYS];
-    struct look looks[WAYS];
+    struct trace traces[WAYS];
 };
 
-/* Pixels that hit something, and those in which a look differs from the exact one. */
+/* Pixels that hit something, and those in which a way differs from the exact one. */
 struct faults {
     size_t hits, missed, invented, other; /* nothing instead of an object, the other way round, another object */
 };
 
-static void count_faults(struct faults *out, const struct look *look, const struct look *exact)
+static void count_faults(struct faults *out, const struct trace *trace, const struct trace *exact)
 {
     *out = (struct faults){0};
-    for (size_t i = 0; i < look->count; i++) {
-        size_t pixels = (size_t)look->cones[i].resolution * look->cones[i].resolution;
+    for (size_t i = 0; i < trace->count; i++) {
+        size_t pixels = (size_t)trace->cones[i].resolution * trace->cones[i].resolution;
         for (size_t pixel = 0; pixel < pixels; pixel++) {
-            uint32_t got = look->answers[i].object[pixel], wanted = exact->answers[i].object[pixel];
+            uint32_t got = trace->answers[i].object[pixel], wanted = exact->answers[i].object[pixel];
             out->hits += wanted != 0;
             out->missed += wanted && !got;
             out->invented += got && !wanted;
@@ -92,28 +92,28 @@ static conus_status measure_angle(struct bench *bench, struct scene *scene, doub
     static const char *const names[WAYS] = {"exact", "slices", "slices, a fifth"};
     struct bench_variant variants[WAYS];
     struct engine *plain = NULL;
-    struct look truth = {0};
+    struct trace truth = {0};
     cones_round_grid(scene->cones, scene->cone_count, &scene->atlas->volumes[0].info, angle, SEED);
     conus_status status = plain_engine_create(&plain, scene->atlas);
-    status = status ? status : look_init(&truth, plain, scene->cones, scene->cone_count);
+    status = status ? status : trace_init(&truth, plain, scene->cones, scene->cone_count);
     for (int way = 0; way < WAYS && !status; way++) {
-        struct look *look = &scene->looks[way];
+        struct trace *trace = &scene->traces[way];
         struct faults faults;
-        status = look_init(look, scene->engines[way], scene->cones, scene->cone_count);
-        count_faults(&faults, look, &truth);
-        snprintf(look->name, sizeof look->name, "%s, %s", scene->what, names[way]);
-        variants[way] = (struct bench_variant){.name = look->name, .run = look_all, .data = look};
-        variants[way].equal = look_same(look, &truth);
+        status = trace_init(trace, scene->engines[way], scene->cones, scene->cone_count);
+        count_faults(&faults, trace, &truth);
+        snprintf(trace->name, sizeof trace->name, "%s, %s", scene->what, names[way]);
+        variants[way] = (struct bench_variant){.name = trace->name, .run = trace_all, .data = trace};
+        variants[way].equal = trace_same(trace, &truth);
         variants[way].other_by_design = way != EXACT;
         variants[way].more = describe(&faults);
-        printf("%s, %g degrees: wrong pixels are %.3g %% of those that meet something\n", look->name, angle,
+        printf("%s, %g degrees: wrong pixels are %.3g %% of those that hit something\n", trace->name, angle,
                100 * json_number_value(json_object_get(variants[way].more, "wrong")));
     }
     status = status ? status : bench_measure(bench, "accuracy", variants, WAYS, scene->cone_count, angle);
     for (int way = 0; way < WAYS; way++) {
-        look_finish(&scene->looks[way]);
+        trace_finish(&scene->traces[way]);
     }
-    look_finish(&truth);
+    trace_finish(&truth);
     engine_destroy(plain);
     return status;
 }

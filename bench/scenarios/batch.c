@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whole batches: poses as text in, rows as text out. */
 #include "bench/bench.h"
-#include "bench/support/look.h"
+#include "bench/support/trace.h"
 
 #include "base/buffer.h"
 #include "base/file.h"
@@ -144,14 +144,14 @@ static bool keep_rows(void *user, const conus_batch_block *block)
 }
 
 /* Nothing but the evidence. */
-static conus_status look_at_all(const struct contender *contender)
+static conus_status trace_all_plainly(const struct contender *contender)
 {
     struct evidence evidence;
     conus_status status = evidence_init(&evidence, 16);
     for (size_t i = 0; i < conus_pose_list_count(contender->list) && !status; i++) {
         struct cone cone = {
             .pose = conus_pose_list_row(contender->list, i)->pose, .angle = contender->scene->angle, .resolution = 16};
-        oracle_look(&evidence, contender->scene->atlas, &cone);
+        oracle_trace(&evidence, contender->scene->atlas, &cone);
     }
     evidence_finish(&evidence);
     return status;
@@ -170,7 +170,7 @@ static conus_status answer_all(struct contender *contender)
 static void run_contender(void *data)
 {
     struct contender *contender = data;
-    conus_status status = contender->batch ? answer_all(contender) : look_at_all(contender);
+    conus_status status = contender->batch ? answer_all(contender) : trace_all_plainly(contender);
     contender->status = status ? status : contender->status;
 }
 

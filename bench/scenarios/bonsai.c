@@ -5,9 +5,9 @@
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/support/bonsai_volume.h"
-#include "bench/support/look.h"
 #include "bench/support/picture.h"
 #include "bench/support/slicing.h"
+#include "bench/support/trace.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -39,7 +39,7 @@ struct scene {
     conus_atlas *atlas; /* of all copies, a pathway each: what is selected from */
     struct engine *engines[ENGINES];
     struct cone cones[CONES];
-    struct look looks[ENGINES];
+    struct trace traces[ENGINES];
 };
 
 /* ---- Drawing ----------------------------------------------------------------------------------------------------- */
@@ -255,8 +255,8 @@ static conus_status make_engines(struct scene *scene, const struct bench_options
                                            .slices = (uint32_t)options->slices};
         status = is_gl ? engine_gl_create(&scene->engines[e], scene->atlas, &how)
                        : engine_rays_create(&scene->engines[e], scene->atlas, &how);
-        status = status ? status : look_init(&scene->looks[e], scene->engines[e], scene->cones, CONES);
-        snprintf(scene->looks[e].name, sizeof scene->looks[e].name, "%zu copies, %s%s", scene->copies, names[e],
+        status = status ? status : trace_init(&scene->traces[e], scene->engines[e], scene->cones, CONES);
+        snprintf(scene->traces[e].name, sizeof scene->traces[e].name, "%zu copies, %s%s", scene->copies, names[e],
                  how.sampling == CONUS_SAMPLING_SLICES ? planes : "");
     }
     return status;
@@ -281,7 +281,7 @@ static conus_status scene_init(struct scene *scene, const struct bonsai *bonsai,
 static void scene_finish(struct scene *scene)
 {
     for (int e = 0; e < ENGINES; e++) {
-        look_finish(&scene->looks[e]);
+        trace_finish(&scene->traces[e]);
         engine_destroy(scene->engines[e]);
     }
     if (scene->picture.is_current) {
@@ -324,25 +324,25 @@ static conus_status compare_pictures(bool equal[PICTURES], double *sliced_ms, st
 }
 
 /* Slices are right if they are the other engine's slices; how often they name something else is said beside. */
-static void fill_in_looks(struct bench_variant *out, struct scene *scene)
+static void fill_in_traces(struct bench_variant *out, struct scene *scene)
 {
-    struct look *looks = scene->looks;
+    struct trace *traces = scene->traces;
     for (int e = 0; e < RAYS_SLICES; e++) {
         int like = e == GL_SLICES ? RAYS_SLICES : RAYS_EXACT;
-        out[e] = (struct bench_variant){.name = looks[e].name, .run = look_all, .data = &looks[e], .per = CONES};
-        out[e].equal = look_same(&looks[e], &looks[like]);
+        out[e] = (struct bench_variant){.name = traces[e].name, .run = trace_all, .data = &traces[e], .per = CONES};
+        out[e].equal = trace_same(&traces[e], &traces[like]);
         out[e].more =
-            json_pack("{s:I, s:I}", "wrong_pixels", (json_int_t)look_differences(&looks[e], &looks[RAYS_EXACT]),
-                      "pixels", (json_int_t)look_pixels(&looks[e]));
+            json_pack("{s:I, s:I}", "wrong_pixels", (json_int_t)trace_differences(&traces[e], &traces[RAYS_EXACT]),
+                      "pixels", (json_int_t)trace_pixels(&traces[e]));
     }
 }
 
 /* Selections alone; then frames, with a selection in some. The last two are left out where frames are slow. */
-enum { LOOKS = RAYS_SLICES, FRAMES = 6, SLOW_FRAMES = 4, VARIANTS = LOOKS + FRAMES };
+enum { TRACES = RAYS_SLICES, FRAMES = 6, SLOW_FRAMES = 4, VARIANTS = TRACES + FRAMES };
 #define SLOW_MS 2000.0
 
 static const struct {
-    int way, look;    /* look: an engine, or -1 */
+    int way, trace;   /* trace: an engine, or -1 */
     const char *name; /* behind the number of slices, if they are SLICED */
 } kinds[FRAMES] = {{SLICED, -1, " slices"},
                    {SKIPPING, -1, "rays, skipping"},
@@ -368,16 +368,16 @@ static conus_status measure_copies(struct bench *bench, struct scene *scene, str
     double sliced_ms = 0;
     conus_status status = compare_pictures(equal, &sliced_ms, scene);
     size_t frames = sliced_ms > SLOW_MS ? SLOW_FRAMES : FRAMES;
-    fill_in_looks(variants, scene);
+    fill_in_traces(variants, scene);
     for (size_t f = 0; f < frames; f++) {
-        struct look *look = kinds[f].look < 0 ? NULL : &scene->looks[kinds[f].look];
+        struct trace *trace = kinds[f].trace < 0 ? NULL : &scene->traces[kinds[f].trace];
         shots[f] =
-            (struct shot){.draw = draw_frame, .wait = wait_for, .scene = scene, .way = kinds[f].way, .look = look};
+            (struct shot){.draw = draw_frame, .wait = wait_for, .scene = scene, .way = kinds[f].way, .trace = trace};
         name_frame(names[f], sizeof names[f], scene, f);
-        variants[LOOKS + f] =
+        variants[TRACES + f] =
             (struct bench_variant){.name = names[f], .run = shoot, .data = &shots[f], .equal = equal[kinds[f].way]};
     }
-    size_t count = LOOKS + frames;
+    size_t count = TRACES + frames;
     status = status ? status : bench_measure(bench, "bonsai", variants, count, 1, bench->options.angle);
     for (size_t f = 0; f < frames; f++) {
         status = status ? status : shots[f].status;
@@ -387,7 +387,7 @@ static conus_status measure_copies(struct bench *bench, struct scene *scene, str
 
 static conus_status add_ratios(struct bench *bench, const struct bench_variant *v, size_t copies)
 {
-    const struct bench_variant *sliced = &v[LOOKS], *skipping = &v[LOOKS + 1];
+    const struct bench_variant *sliced = &v[TRACES], *skipping = &v[TRACES + 1];
     char key[64];
     snprintf(key, sizeof key, "bonsai_slicing_over_skipping_%zu", copies);
     conus_status status = bench_ratio(bench, key, sliced, skipping);
@@ -430,7 +430,7 @@ static uint64_t available_memory(void)
     return bytes;
 }
 
-static conus_status run_if_there_is_room(struct bench *bench, const struct bonsai *bonsai, size_t copies)
+static conus_status run_if_it_fits(struct bench *bench, const struct bonsai *bonsai, size_t copies)
 {
     uint64_t needed = (uint64_t)BYTES_PER_VOXEL * copies * bonsai->edge * bonsai->edge * bonsai->edge;
     uint64_t available = available_memory();
@@ -455,7 +455,7 @@ conus_status bench_bonsai(struct bench *bench)
     bench->note = bonsai.is_papers ? "the paper's volume" : "a stand-in for the paper's volume";
     printf("volume: %s\n", bench->note);
     for (size_t i = 0; i < count && !status; i++) {
-        status = run_if_there_is_room(bench, &bonsai, counts[i]);
+        status = run_if_it_fits(bench, &bonsai, counts[i]);
     }
     bonsai_finish(&bonsai);
     return status;

@@ -2,8 +2,8 @@
 /* The paper's third experiment: frames of a brain of eleven surfaces (234,444 triangles), a pathway and a context, as
  * pictures show it, without and with a selection in each. */
 #include "bench/bench.h"
-#include "bench/support/look.h"
 #include "bench/support/picture.h"
+#include "bench/support/trace.h"
 
 #include <stdio.h>
 
@@ -14,7 +14,7 @@ struct scene {
     struct picture picture;
     struct engine *engines[ENGINES]; /* rays, gl */
     struct cone cones[CONES];
-    struct look looks[ENGINES];
+    struct trace traces[ENGINES];
 };
 
 static conus_status draw_frame(void *data, int way)
@@ -50,7 +50,7 @@ static conus_status scene_init(struct scene *scene, const struct bench *bench)
     }
     cones_round_meshes(scene->cones, CONES, scene->atlas, bench->options.angle, SEED);
     for (int e = 0; e < ENGINES && !status; e++) {
-        status = look_init(&scene->looks[e], scene->engines[e], scene->cones, CONES);
+        status = trace_init(&scene->traces[e], scene->engines[e], scene->cones, CONES);
     }
     picture_aim_at_all(&scene->picture, &bench->options, 0);
     return status ? status : picture_begin(&scene->picture);
@@ -59,7 +59,7 @@ static conus_status scene_init(struct scene *scene, const struct bench *bench)
 static void scene_finish(struct scene *scene)
 {
     for (int e = 0; e < ENGINES; e++) {
-        look_finish(&scene->looks[e]);
+        trace_finish(&scene->traces[e]);
         engine_destroy(scene->engines[e]);
     }
     picture_finish(&scene->picture);
@@ -82,13 +82,13 @@ static conus_status measure_frames(struct bench *bench, struct scene *scene)
     conus_status status = draw_frame(scene, 0);
     status = status ? status : frame_coverage(&coverage, &scene->picture.frame);
     for (int s = 0; s <= ENGINES; s++) {
-        struct look *look = s ? &scene->looks[s - 1] : NULL;
-        bool equal = coverage >= FRAME_COVERAGE && (!look || look_same_but_edges(look, &scene->looks[0]));
-        shots[s] = (struct shot){.draw = draw_frame, .wait = wait_for, .scene = scene, .look = look};
+        struct trace *trace = s ? &scene->traces[s - 1] : NULL;
+        bool equal = coverage >= FRAME_COVERAGE && (!trace || trace_same_but_edges(trace, &scene->traces[0]));
+        shots[s] = (struct shot){.draw = draw_frame, .wait = wait_for, .scene = scene, .trace = trace};
         variants[s] = (struct bench_variant){.name = names[s], .run = shoot, .data = &shots[s], .equal = equal};
-        if (look) {
+        if (trace) {
             variants[s + ENGINES] = (struct bench_variant){
-                .name = names[s + ENGINES], .run = look_all, .data = look, .equal = equal, .per = CONES};
+                .name = names[s + ENGINES], .run = trace_all, .data = trace, .equal = equal, .per = CONES};
         }
     }
     status = status ? status : bench_measure(bench, "brain", variants, VARIANTS, 1, bench->options.angle);

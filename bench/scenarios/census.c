@@ -4,7 +4,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "bench/bench.h"
-#include "bench/support/look.h"
+#include "bench/support/trace.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 /* 256 rays at the surfaces of an atlas, or of the brain phantom, 1 to 16 rays at once. */
 #include "base/memory.h"
 #include "bench/bench.h"
-#include "bench/support/look.h"
+#include "bench/support/trace.h"
 
 #include <stdio.h>
 
@@ -13,7 +13,7 @@ struct scene {
     struct mesh_rays *rays;
     struct cone *cones;
     struct engine *engines[WIDTHS]; /* each with another number of rays at once */
-    struct look looks[WIDTHS];
+    struct trace traces[WIDTHS];
 };
 
 static conus_status make_rays(struct scene *scene)
@@ -60,7 +60,7 @@ static conus_status scene_init(struct scene *scene, const struct bench *bench)
     cones_round_meshes(scene->cones, count, scene->atlas, bench->options.angle, SEED);
     for (size_t w = 0; w < WIDTHS && !status; w++) {
         status = mesh_engine_create(&scene->engines[w], scene->rays, widths[w]);
-        status = status ? status : look_init(&scene->looks[w], scene->engines[w], scene->cones, count);
+        status = status ? status : trace_init(&scene->traces[w], scene->engines[w], scene->cones, count);
     }
     return status;
 }
@@ -68,7 +68,7 @@ static conus_status scene_init(struct scene *scene, const struct bench *bench)
 static void scene_finish(struct scene *scene)
 {
     for (size_t w = 0; w < WIDTHS; w++) {
-        look_finish(&scene->looks[w]);
+        trace_finish(&scene->traces[w]);
         engine_destroy(scene->engines[w]);
     }
     memory_free(scene->cones);
@@ -84,8 +84,8 @@ conus_status bench_mesh(struct bench *bench)
     snprintf(bench->driver, sizeof bench->driver, "Embree 3");
     conus_status status = scene_init(&scene, bench);
     for (size_t w = 0; w < WIDTHS && !status; w++) {
-        variants[w] = (struct bench_variant){.name = scene.looks[w].name, .run = look_all, .data = &scene.looks[w]};
-        variants[w].equal = look_same(&scene.looks[w], &scene.looks[0]);
+        variants[w] = (struct bench_variant){.name = scene.traces[w].name, .run = trace_all, .data = &scene.traces[w]};
+        variants[w].equal = trace_same(&scene.traces[w], &scene.traces[0]);
     }
     status =
         status ? status : bench_measure(bench, "mesh", variants, WIDTHS, bench->options.poses, bench->options.angle);

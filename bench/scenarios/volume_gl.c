@@ -3,8 +3,8 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "bench/bench.h"
-#include "bench/support/look.h"
 #include "bench/support/slice_polygon.h"
+#include "bench/support/trace.h"
 #include "render/gl/context.h"
 #include "render/gl/program.h"
 #include "render/gl/target.h"
@@ -125,7 +125,7 @@ static size_t cut_slices(struct slicing *slicing, float voxel_from_device[16], c
 }
 
 /* Identifiers only: a slice has no voxel, and its distance is the plane's. */
-static conus_status look_at_slices(struct engine *engine, struct evidence *out, const struct cone *cone)
+static conus_status trace_slices(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     struct slicing *slicing = (struct slicing *)engine;
     struct gl_current previous;
@@ -169,7 +169,7 @@ static void destroy_slicing(struct engine *engine)
 
 static conus_status create_slicing(struct engine **out, const struct volume *volume)
 {
-    static const struct engine_functions functions = {.trace = look_at_slices, .destroy = destroy_slicing};
+    static const struct engine_functions functions = {.trace = trace_slices, .destroy = destroy_slicing};
     struct slicing *slicing = memory_zeroed(1, sizeof *slicing);
     struct gl_current previous;
     if (!slicing) {
@@ -194,15 +194,15 @@ static conus_status create_slicing(struct engine **out, const struct volume *vol
 /* ---- The scene ----------------------------------------------------------------------------------------------------
  */
 
-enum { SLICES_DRAWN, SLICES_SAMPLED, EXACT, EXACT_RAYS, LOOKS, TOGETHER = LOOKS, VARIANTS };
+enum { SLICES_DRAWN, SLICES_SAMPLED, EXACT, EXACT_RAYS, TRACES, TOGETHER = TRACES, VARIANTS };
 
 struct scene {
     conus_atlas *atlas;
     size_t cone_count;
     struct cone *cones;
-    struct engine *engines[LOOKS];
-    struct look looks[LOOKS];
-    struct look together; /* whose answers are of one look at all cones */
+    struct engine *engines[TRACES];
+    struct trace traces[TRACES];
+    struct trace together; /* whose answers are of one trace of all cones */
     struct evidence **out;
     const struct cone **in;
 };
@@ -217,7 +217,7 @@ static conus_status create_engines(struct scene *scene)
     return status ? status : engine_rays_create(&scene->engines[EXACT_RAYS], scene->atlas, &exact);
 }
 
-static void look_together(void *data)
+static void trace_together(void *data)
 {
     struct scene *scene = data;
     struct engine *engine = scene->engines[EXACT];
@@ -225,13 +225,13 @@ static void look_together(void *data)
     scene->together.status = scene->together.status ? scene->together.status : status;
 }
 
-static conus_status make_looks(struct scene *scene)
+static conus_status make_traces(struct scene *scene)
 {
     conus_status status = CONUS_OK;
-    for (int i = 0; i < LOOKS && !status; i++) {
-        status = look_init(&scene->looks[i], scene->engines[i], scene->cones, scene->cone_count);
+    for (int i = 0; i < TRACES && !status; i++) {
+        status = trace_init(&scene->traces[i], scene->engines[i], scene->cones, scene->cone_count);
     }
-    status = status ? status : look_init(&scene->together, scene->engines[EXACT], scene->cones, scene->cone_count);
+    status = status ? status : trace_init(&scene->together, scene->engines[EXACT], scene->cones, scene->cone_count);
     for (size_t i = 0; i < scene->cone_count && !status; i++) {
         scene->in[i] = &scene->cones[i];
         scene->out[i] = &scene->together.answers[i];
@@ -258,16 +258,16 @@ static conus_status scene_init(struct scene *scene, const struct bench_options *
     }
     cones_round_grid(scene->cones, scene->cone_count, &scene->atlas->volumes[0].info, options->angle, SEED);
     status = create_engines(scene);
-    return status ? status : make_looks(scene);
+    return status ? status : make_traces(scene);
 }
 
 static void scene_finish(struct scene *scene)
 {
-    for (int i = 0; i < LOOKS; i++) {
-        look_finish(&scene->looks[i]);
+    for (int i = 0; i < TRACES; i++) {
+        trace_finish(&scene->traces[i]);
         engine_destroy(scene->engines[i]);
     }
-    look_finish(&scene->together);
+    trace_finish(&scene->together);
     memory_free(scene->cones);
     memory_free((void *)scene->in);
     memory_free((void *)scene->out);
@@ -278,9 +278,9 @@ static void scene_finish(struct scene *scene)
  */
 
 /* Whether drawing slices shows what sampling on the same planes does, but for what single precision moves. */
-static bool shows_the_same(const struct look *drawn, const struct look *sampled)
+static bool shows_the_same(const struct trace *drawn, const struct trace *sampled)
 {
-    return !drawn->status && look_differences(drawn, sampled) <= look_pixels(sampled) / 500;
+    return !drawn->status && trace_differences(drawn, sampled) <= trace_pixels(sampled) / 500;
 }
 
 static conus_status measure_ways(struct bench *bench, struct scene *scene)
@@ -289,21 +289,21 @@ static conus_status measure_ways(struct bench *bench, struct scene *scene)
                                                 "gl engine, exact", "rays engine, exact",
                                                 "gl engine, exact, all cones at once"};
     struct bench_variant v[VARIANTS];
-    const struct look *looks = scene->looks;
-    look_together(scene);
+    const struct trace *traces = scene->traces;
+    trace_together(scene);
     for (int i = 0; i < VARIANTS; i++) {
-        v[i] = (struct bench_variant){.name = names[i], .run = look_all, .data = &scene->looks[i]};
+        v[i] = (struct bench_variant){.name = names[i], .run = trace_all, .data = &scene->traces[i]};
         v[i].other_by_design = i < EXACT;
     }
-    v[TOGETHER].run = look_together;
+    v[TOGETHER].run = trace_together;
     v[TOGETHER].data = scene;
     v[SLICES_SAMPLED].equal = v[EXACT_RAYS].equal = true;
-    v[SLICES_DRAWN].equal = shows_the_same(&looks[SLICES_DRAWN], &looks[SLICES_SAMPLED]);
-    v[EXACT].equal = look_same(&looks[EXACT], &looks[EXACT_RAYS]);
-    v[TOGETHER].equal = look_same(&scene->together, &looks[EXACT_RAYS]);
+    v[SLICES_DRAWN].equal = shows_the_same(&traces[SLICES_DRAWN], &traces[SLICES_SAMPLED]);
+    v[EXACT].equal = trace_same(&traces[EXACT], &traces[EXACT_RAYS]);
+    v[TOGETHER].equal = trace_same(&scene->together, &traces[EXACT_RAYS]);
     printf("of %zu pixels the exact ones show another object than the rays engine's in %zu, slices in %zu\n",
-           look_pixels(&looks[EXACT]), look_differences(&looks[EXACT], &looks[EXACT_RAYS]),
-           look_differences(&looks[SLICES_DRAWN], &looks[EXACT_RAYS]));
+           trace_pixels(&traces[EXACT]), trace_differences(&traces[EXACT], &traces[EXACT_RAYS]),
+           trace_differences(&traces[SLICES_DRAWN], &traces[EXACT_RAYS]));
     conus_status status = bench_measure(bench, "volume_gl", v, VARIANTS, scene->cone_count, bench->options.angle);
     status = status ? status : bench_ratio(bench, "slices72_over_exact", &v[SLICES_DRAWN], &v[EXACT]);
     status = status ? status : bench_ratio(bench, "sampled72_over_exact", &v[SLICES_SAMPLED], &v[EXACT]);

@@ -2,7 +2,7 @@
 /* What each step of the gl engine's mesh pass is worth: 20,000 tori with all of them, and without one at a time. */
 #include "base/memory.h"
 #include "bench/bench.h"
-#include "bench/support/look.h"
+#include "bench/support/trace.h"
 #include "bench/torus/torus_scene.h"
 #include "render/gl/context.h"
 #include "render/id/mesh_pass.h"
@@ -44,7 +44,7 @@ static conus_status trace_with_steps(struct engine *engine, struct evidence *out
     struct pass *pass = own->pass;
     uint32_t n = cone->resolution;
     struct gl_current previous;
-    const struct mesh_query mesh_look = {
+    const struct mesh_query query = {
         {cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, n, own->without},
         {(const double(*)[3])pass->origins, (const double(*)[3])pass->directions, out->object, out->distance,
          out->voxel}};
@@ -57,7 +57,7 @@ static conus_status trace_with_steps(struct engine *engine, struct evidence *out
         return status;
     }
     evidence_clear(out);
-    status = mesh_pass_render(pass->meshes, &mesh_look, 1);
+    status = mesh_pass_render(pass->meshes, &query, 1);
     gl_current_restore(&previous);
     return status;
 }
@@ -71,7 +71,7 @@ struct scene {
     struct pass pass;
     struct step_engine engines[KINDS];
     struct cone cones[CONES];
-    struct look looks[KINDS], truth;
+    struct trace traces[KINDS], truth;
 };
 
 static conus_status create_pass(struct pass *pass, const conus_atlas *atlas)
@@ -116,12 +116,12 @@ static conus_status scene_init(struct scene *scene, const struct bench_options *
         return status;
     }
     torus_scene_cones(scene->cones, &scene->tori, CONES, options->angle);
-    status = look_init(&scene->truth, scene->rays, scene->cones, CONES);
+    status = trace_init(&scene->truth, scene->rays, scene->cones, CONES);
     for (int k = 0; k < KINDS && !status; k++) {
         struct step_engine *engine = &scene->engines[k];
         *engine = (struct step_engine){{&functions, ""}, &scene->pass, kinds[k].without};
-        status = look_init(&scene->looks[k], &engine->base, scene->cones, CONES);
-        snprintf(scene->looks[k].name, sizeof scene->looks[k].name, "%zu tori, %s", scene->tori.count, kinds[k].name);
+        status = trace_init(&scene->traces[k], &engine->base, scene->cones, CONES);
+        snprintf(scene->traces[k].name, sizeof scene->traces[k].name, "%zu tori, %s", scene->tori.count, kinds[k].name);
     }
     return status;
 }
@@ -129,9 +129,9 @@ static conus_status scene_init(struct scene *scene, const struct bench_options *
 static void scene_finish(struct scene *scene)
 {
     for (int k = 0; k < KINDS; k++) {
-        look_finish(&scene->looks[k]);
+        trace_finish(&scene->traces[k]);
     }
-    look_finish(&scene->truth);
+    trace_finish(&scene->truth);
     engine_destroy(scene->rays);
     destroy_pass(&scene->pass);
     conus_atlas_destroy(scene->atlas);
@@ -149,9 +149,9 @@ conus_status bench_steps(struct bench *bench)
         bench->one_thread = strstr(device, "llvmpipe") != NULL;
         snprintf(bench->driver, sizeof bench->driver, "gl, %s", device);
         for (int k = 0; k < KINDS; k++) {
-            struct look *own = &scene->looks[k];
-            variants[k] = (struct bench_variant){.name = own->name, .run = look_all, .data = own};
-            variants[k].equal = look_same_but_edges(own, &scene->truth);
+            struct trace *own = &scene->traces[k];
+            variants[k] = (struct bench_variant){.name = own->name, .run = trace_all, .data = own};
+            variants[k].equal = trace_same_but_edges(own, &scene->truth);
         }
         status = bench_measure(bench, "steps", variants, KINDS, CONES, bench->options.angle);
     }

@@ -2,12 +2,12 @@
 /* Rays through 1,000 to 200,000 tori: how the time grows with the number of objects. */
 #include "base/memory.h"
 #include "bench/bench.h"
-#include "bench/support/look.h"
+#include "bench/support/trace.h"
 #include "bench/torus/torus_scene.h"
 
 #include <stdio.h>
 
-enum { WIDTHS = 5, LOOKS = WIDTHS + 1, BY_RULE = WIDTHS - 1 };
+enum { WIDTHS = 5, TRACES = WIDTHS + 1, BY_RULE = WIDTHS - 1 };
 
 /* Largest scene that is an atlas, too, whose tori have triangles of their own. */
 enum { FLAT_LIMIT = 20000 };
@@ -18,15 +18,15 @@ struct round {
     struct cone *cones;
     conus_atlas *atlas; /* NULL beyond FLAT_LIMIT */
     struct mesh_rays *rays;
-    struct engine *engines[LOOKS];
-    struct look looks[LOOKS];
+    struct engine *engines[TRACES];
+    struct trace traces[TRACES];
     size_t count;
 };
 
 static void round_finish(struct round *round)
 {
-    for (size_t i = 0; i < LOOKS; i++) {
-        look_finish(&round->looks[i]);
+    for (size_t i = 0; i < TRACES; i++) {
+        trace_finish(&round->traces[i]);
         engine_destroy(round->engines[i]);
     }
     mesh_rays_destroy(round->rays);
@@ -35,12 +35,12 @@ static void round_finish(struct round *round)
     torus_scene_finish(&round->scene);
 }
 
-static conus_status add_look(struct round *round, size_t cone_count, const char *how)
+static conus_status add_trace(struct round *round, size_t cone_count, const char *how)
 {
-    struct look *look = &round->looks[round->count];
+    struct trace *trace = &round->traces[round->count];
     struct engine *engine = round->engines[round->count++];
-    conus_status status = look_init(look, engine, round->cones, cone_count);
-    snprintf(look->name, sizeof look->name, "%zu tori, %s%s", round->scene.count, how,
+    conus_status status = trace_init(trace, engine, round->cones, cone_count);
+    snprintf(trace->name, sizeof trace->name, "%zu tori, %s%s", round->scene.count, how,
              round->atlas ? "" : engine->name);
     return status;
 }
@@ -51,7 +51,7 @@ static conus_status add_placed(struct round *round, size_t cone_count)
     conus_status status = torus_scene_rays(&round->rays, &round->scene);
     for (size_t w = 0; w < WIDTHS && !status; w++) {
         status = mesh_engine_create(&round->engines[w], round->rays, widths[w]);
-        status = status ? status : add_look(round, cone_count, "placed, ");
+        status = status ? status : add_trace(round, cone_count, "placed, ");
     }
     return status;
 }
@@ -60,7 +60,7 @@ static conus_status add_flat(struct round *round, size_t cone_count)
 {
     conus_status status = torus_scene_atlas(&round->atlas, &round->scene);
     status = status ? status : engine_rays_create(&round->engines[WIDTHS], round->atlas, &(struct engine_options){0});
-    return status ? status : add_look(round, cone_count, "rays engine");
+    return status ? status : add_trace(round, cone_count, "rays engine");
 }
 
 static conus_status round_init(struct round *out, size_t tori, const struct bench_options *options)
@@ -79,13 +79,13 @@ static conus_status round_init(struct round *out, size_t tori, const struct benc
  * tells. */
 static void fill_in(struct bench_variant *out, struct round *round, size_t index)
 {
-    struct look *look = &round->looks[index];
-    size_t differ = look_differences(look, &round->looks[0]);
-    size_t allowed = index == WIDTHS ? look_pixels(look) / 1000 : 0;
-    *out = (struct bench_variant){.name = look->name, .run = look_all, .data = look};
-    out->equal = !look->status && differ <= allowed;
+    struct trace *trace = &round->traces[index];
+    size_t differ = trace_differences(trace, &round->traces[0]);
+    size_t allowed = index == WIDTHS ? trace_pixels(trace) / 1000 : 0;
+    *out = (struct bench_variant){.name = trace->name, .run = trace_all, .data = trace};
+    out->equal = !trace->status && differ <= allowed;
     if (differ) {
-        printf("%s: %zu of %zu pixels differ\n", look->name, differ, look_pixels(look));
+        printf("%s: %zu of %zu pixels differ\n", trace->name, differ, trace_pixels(trace));
     }
 }
 
@@ -95,7 +95,7 @@ enum { SIZES = sizeof sizes / sizeof sizes[0] };
 /* All sizes side by side, since their ratio is wanted. */
 static conus_status measure_sizes(struct bench *bench, struct round rounds[SIZES])
 {
-    struct bench_variant variants[SIZES * LOOKS];
+    struct bench_variant variants[SIZES * TRACES];
     const struct bench_variant *by_rule[SIZES];
     size_t count = 0;
     for (size_t s = 0; s < SIZES; s++) {

@@ -2,7 +2,7 @@
 /* The paper's first experiment: the frame rate of 1,000 to 20,000 tori without and with a selection in every frame. */
 #include "bench/bench.h"
 #include "bench/support/frame.h"
-#include "bench/support/look.h"
+#include "bench/support/trace.h"
 #include "bench/torus/torus_pass.h"
 
 #include <stdio.h>
@@ -18,7 +18,7 @@ struct scene {
     struct torus_round round;
     uint32_t size[2];
     struct cone cones[CONES];
-    struct look looks[TORUS_WAYS];
+    struct trace traces[TORUS_WAYS];
 };
 
 static conus_status draw_frame(void *data, int way)
@@ -35,7 +35,7 @@ static conus_status wait_for(void *data)
 
 static bool has_way(const struct scene *scene, int way)
 {
-    return scene->looks[way].engine != NULL;
+    return scene->traces[way].engine != NULL;
 }
 
 static conus_status scene_init(struct scene *scene, const struct bench *bench, size_t tori, bool placed)
@@ -47,9 +47,9 @@ static conus_status scene_init(struct scene *scene, const struct bench *bench, s
     }
     for (int way = 0; way < TORUS_WAYS && !status; way++) {
         struct engine *engine = way == TORUS_ONE_BY_ONE ? NULL : scene->round.engines[way];
-        struct look *look = &scene->looks[way];
-        status = engine ? look_init(look, engine, scene->cones, CONES) : CONUS_OK;
-        torus_round_name(look->name, sizeof look->name, &scene->round, (enum torus_way)way);
+        struct trace *trace = &scene->traces[way];
+        status = engine ? trace_init(trace, engine, scene->cones, CONES) : CONUS_OK;
+        torus_round_name(trace->name, sizeof trace->name, &scene->round, (enum torus_way)way);
     }
     return status;
 }
@@ -57,7 +57,7 @@ static conus_status scene_init(struct scene *scene, const struct bench *bench, s
 static void scene_finish(struct scene *scene)
 {
     for (int way = 0; way < TORUS_WAYS; way++) {
-        look_finish(&scene->looks[way]);
+        trace_finish(&scene->traces[way]);
     }
     torus_round_finish(&scene->round);
 }
@@ -86,18 +86,18 @@ static conus_status measure_scene(struct bench *bench, struct scene *scene, stru
     variants[count] = (struct bench_variant){.name = "colour", .run = shoot, .data = &shots[0], .equal = shown};
     place[count++] = FRAME;
     for (int way = 0; way < TORUS_WAYS; way++) {
-        struct look *look = &scene->looks[way];
+        struct trace *trace = &scene->traces[way];
         if (has_way(scene, way)) {
-            bool equal = look_same_but_edges(look, &scene->looks[TORUS_RAYS]);
-            shots[1 + way] = (struct shot){.draw = draw_frame, .wait = wait_for, .scene = scene, .look = look};
-            snprintf(names[way], sizeof names[way], "%s, in a frame", look->name);
+            bool equal = trace_same_but_edges(trace, &scene->traces[TORUS_RAYS]);
+            shots[1 + way] = (struct shot){.draw = draw_frame, .wait = wait_for, .scene = scene, .trace = trace};
+            snprintf(names[way], sizeof names[way], "%s, in a frame", trace->name);
             if (!scene->round.rays) {
                 variants[count] = (struct bench_variant){
                     .name = names[way], .run = shoot, .data = &shots[1 + way], .equal = shown && equal};
                 place[count++] = FRAME_AND + way;
             }
-            variants[count] =
-                (struct bench_variant){.name = look->name, .run = look_all, .data = look, .equal = equal, .per = CONES};
+            variants[count] = (struct bench_variant){
+                .name = trace->name, .run = trace_all, .data = trace, .equal = equal, .per = CONES};
             place[count++] = ALONE + way;
         }
     }

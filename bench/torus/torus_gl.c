@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The torus scene by OpenGL: the paper's pass, which draws everything, against the engines, over cones' angles. */
 #include "bench/bench.h"
-#include "bench/support/look.h"
+#include "bench/support/trace.h"
 #include "bench/torus/torus_pass.h"
 
 #include <stdio.h>
@@ -17,19 +17,19 @@ static conus_status measure_angle(struct bench *bench, struct torus_round *round
                                   struct bench_variant variants[TORUS_WAYS])
 {
     struct cone cones[CONES];
-    struct look looks[TORUS_WAYS] = {0};
+    struct trace traces[TORUS_WAYS] = {0};
     conus_status status = CONUS_OK;
     torus_scene_cones(cones, &round->scene, CONES, angle);
     for (int way = TORUS_WAYS; way-- > 0 && !status;) {
-        struct look *look = &looks[way];
-        status = look_init(look, round->engines[way], cones, CONES);
-        torus_round_name(look->name, sizeof look->name, round, (enum torus_way)way);
-        variants[way] = (struct bench_variant){.name = look->name, .run = look_all, .data = look};
-        variants[way].equal = !status && look_same_but_edges(look, &looks[TORUS_RAYS]);
+        struct trace *trace = &traces[way];
+        status = trace_init(trace, round->engines[way], cones, CONES);
+        torus_round_name(trace->name, sizeof trace->name, round, (enum torus_way)way);
+        variants[way] = (struct bench_variant){.name = trace->name, .run = trace_all, .data = trace};
+        variants[way].equal = !status && trace_same_but_edges(trace, &traces[TORUS_RAYS]);
     }
     status = status ? status : bench_measure(bench, "torus", variants, TORUS_WAYS, CONES, angle);
     for (int way = 0; way < TORUS_WAYS; way++) {
-        look_finish(&looks[way]);
+        trace_finish(&traces[way]);
     }
     return status;
 }

@@ -33,11 +33,11 @@ static conus_status compare_engines(struct comparison *out, const struct layer_w
     }
     for (size_t i = 0; i < gl->cone_count; i++) {
         memset(has, 0, atlas->mesh_count * sizeof *has);
-        for (size_t s = 0; s < rays->intervals[i].count; s++) {
-            has[rays->intervals[i].spans[s].object - 1][rays->intervals[i].spans[s].pixel] |= BY_RAYS;
+        for (size_t s = 0; s < rays->all_hits[i].count; s++) {
+            has[rays->all_hits[i].intervals[s].object - 1][rays->all_hits[i].intervals[s].pixel] |= BY_RAYS;
         }
-        for (size_t s = 0; s < gl->intervals[i].count; s++) {
-            has[gl->intervals[i].spans[s].object - 1][gl->intervals[i].spans[s].pixel] |= BY_GL;
+        for (size_t s = 0; s < gl->all_hits[i].count; s++) {
+            has[gl->all_hits[i].intervals[s].object - 1][gl->all_hits[i].intervals[s].pixel] |= BY_GL;
         }
         for (uint32_t torus = 0; torus < atlas->mesh_count; torus++) {
             for (uint32_t pixel = 0; pixel < TORUS_PIXELS; pixel++) {

@@ -17,7 +17,7 @@ static size_t count_other_firsts(const struct layer_way *layers, const struct la
     for (size_t i = 0; i < layers->cone_count; i++) {
         const struct evidence *seen = &visible->visible[i];
         struct evidence *first = &layers->visible[i];
-        layers_first(first, &layers->intervals[i]);
+        layers_first(first, &layers->all_hits[i]);
         for (size_t p = 0; p < TORUS_PIXELS; p++) {
             bool same = first->object[p] == seen->object[p] && first->voxel[p] == seen->voxel[p];
             count += !same || first->distance[p] != seen->distance[p];
@@ -74,8 +74,8 @@ static conus_status find_truth(struct truth *out, const struct layer_way *way, c
     }
     for (size_t i = 0; i < way->cone_count; i++) {
         memset(has, 0, scene->count * sizeof *has);
-        for (size_t s = 0; s < way->intervals[i].count; s++) {
-            has[way->intervals[i].spans[s].object - 1][way->intervals[i].spans[s].pixel] = true;
+        for (size_t s = 0; s < way->all_hits[i].count; s++) {
+            has[way->all_hits[i].intervals[s].object - 1][way->all_hits[i].intervals[s].pixel] = true;
         }
         for (size_t torus = 0; torus < scene->count; torus++) {
             compare_torus(out, &way->cones[i], has[torus], &atlas->meshes[torus], scene->places[torus] + 12);
@@ -94,7 +94,7 @@ static conus_status check_layers(bool *equal, const struct layer_round *round)
     conus_status status = find_truth(&truth, &round->ways[1], round->atlas, &round->scene);
     double cones = (double)round->ways[1].cone_count;
     printf("%zu tori: %.1f in a cone, pierced by %.1f rays each; against all triangles in double %zu of %zu pairs of a "
-           "ray and a torus differ, %zu tori are missing; %zu first pieces are not what is visible\n",
+           "ray and a torus differ, %zu tori are missing; %zu first intervals are not what is visible\n",
            round->scene.count, (double)truth.objects / cones, (double)truth.pierced / (double)truth.objects,
            truth.other_pierced, truth.pierced, truth.lost_objects, firsts);
     *equal = !firsts && !truth.lost_objects && truth.other_pierced <= truth.pierced / 10000;

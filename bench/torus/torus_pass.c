@@ -5,7 +5,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "bench/support/frame.h"
-#include "bench/support/look.h"
+#include "bench/support/trace.h"
 #include "render/gl/context.h"
 #include "render/gl/program.h"
 #include "render/gl/target.h"

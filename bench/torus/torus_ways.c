@@ -14,8 +14,8 @@ conus_status layer_way_init(struct layer_round *round, size_t way, struct engine
     size_t count = round->cone_count;
     *out = (struct layer_way){.engine = engine, .layers = layers, .cones = round->cones, .cone_count = count};
     out->visible = memory_zeroed(count, sizeof *out->visible);
-    out->intervals = memory_zeroed(count, sizeof *out->intervals);
-    conus_status status = out->visible && out->intervals ? CONUS_OK : CONUS_ERROR_MEMORY;
+    out->all_hits = memory_zeroed(count, sizeof *out->all_hits);
+    conus_status status = out->visible && out->all_hits ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < count && !status; i++) {
         status = evidence_init(&out->visible[i], TORUS_RESOLUTION);
     }
@@ -28,24 +28,24 @@ conus_status layer_way_init(struct layer_round *round, size_t way, struct engine
 
 static void way_finish(struct layer_way *way)
 {
-    for (size_t i = 0; i < way->cone_count && way->visible && way->intervals; i++) {
+    for (size_t i = 0; i < way->cone_count && way->visible && way->all_hits; i++) {
         evidence_finish(&way->visible[i]);
-        layers_finish(&way->intervals[i]);
+        layers_finish(&way->all_hits[i]);
     }
     conus_selector_destroy(way->selector);
     memory_free(way->visible);
-    memory_free(way->intervals);
+    memory_free(way->all_hits);
 }
 
 static conus_status ask_engine(struct layer_way *way, size_t cone)
 {
-    struct layers *intervals = &way->intervals[cone];
+    struct layers *all_hits = &way->all_hits[cone];
     if (!way->layers) {
         return way->engine->functions->trace(way->engine, &way->visible[cone], &way->cones[cone]);
     }
-    layers_clear(intervals);
-    conus_status status = way->engine->functions->pierce(way->engine, intervals, &way->cones[cone]);
-    return status ? status : layers_sort(intervals, TORUS_PIXELS);
+    layers_clear(all_hits);
+    conus_status status = way->engine->functions->pierce(way->engine, all_hits, &way->cones[cone]);
+    return status ? status : layers_sort(all_hits, TORUS_PIXELS);
 }
 
 static conus_status ask_selector(const struct layer_way *way, size_t cone)

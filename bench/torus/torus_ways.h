@@ -18,7 +18,7 @@ struct layer_way {
     const struct cone *cones; /**< [cone_count]                           */
     size_t cone_count;
     struct evidence *visible; /**< [cone_count] of an engine              */
-    struct layers *intervals; /**< [cone_count]                           */
+    struct layers *all_hits;  /**< [cone_count]                           */
     conus_status status;      /**< Of the last cone without an answer.    */
 };
 

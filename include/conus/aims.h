@@ -25,7 +25,7 @@ typedef struct conus_oddity {
     double angle;    /**< Its full opening, radians. */
 } conus_oddity;
 
-/** What is odd about where poses are and look, which often comes from another space or unit. */
+/** Findings about poses that seem to come from another space or unit. */
 typedef struct conus_astray {
     uint64_t poses;      /**< Poses counted. */
     conus_oddity inside; /**< A cone's apex is in a voxel of an area or pathway, or, with exact sampling, inside a

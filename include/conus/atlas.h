@@ -180,7 +180,7 @@ CONUS_CHECKED conus_status conus_atlas_show(conus_atlas *atlas, const char *only
 CONUS_CHECKED conus_status conus_atlas_set_hidden(conus_atlas *atlas, const bool *hidden);
 
 /**
- * Tells whether an object is hidden.
+ * Returns whether an object is hidden.
  * @param atlas The atlas.
  * @param number Number of the object.
  * @return Whether it is hidden; false for a number that is no object.
@@ -215,7 +215,7 @@ CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
  * @{ */
 
 /**
- * Tells how much memory conus_atlas_pack() needs.
+ * Gives how much memory conus_atlas_pack() needs.
  * @param atlas The atlas.
  * @return Bytes.
  * @threads Any, while none changes the atlas.

@@ -61,7 +61,7 @@ CONUS_API size_t conus_atlas_object_count(const conus_atlas *atlas);
 CONUS_API const conus_object *conus_atlas_object(const conus_atlas *atlas, size_t number);
 
 /**
- * Tells the depth of an area in the tree, as levels count it.
+ * Gives the depth of an area in the tree, as levels count it.
  * @param atlas The atlas.
  * @param number Number of the object.
  * @return 1 for roots; a merged area has the depth of its pair; 0 for a pathway.
@@ -209,7 +209,7 @@ CONUS_API double conus_atlas_value(const conus_atlas *atlas, size_t index, const
 CONUS_CHECKED conus_status conus_atlas_window(double window[2], const conus_atlas *atlas, size_t index);
 
 /**
- * Tells where the names come from, in words.
+ * Gives where the names come from, in words.
  * @param atlas The atlas.
  * @return "ITK-SNAP labels in aal.label", "none found". Borrowed until the atlas is changed or ends.
  * @threads Any, while none changes the atlas.

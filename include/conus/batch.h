@@ -71,7 +71,7 @@ CONUS_CHECKED conus_status conus_batch_create(conus_batch **out, conus_selector 
 CONUS_API void conus_batch_destroy(conus_batch *batch);
 
 /**
- * Tells how many threads will be used.
+ * Gives how many threads will be used.
  * @param batch The batch.
  * @return At least 1.
  * @threads One at a time for each @p batch.
@@ -97,7 +97,7 @@ CONUS_CHECKED conus_status conus_batch_run(conus_batch *batch, conus_pose_stream
                                            conus_batch_sink sink, void *user);
 
 /**
- * Tells what is odd about the poses that were answered so far, by their lines in their file.
+ * Gives the findings about the poses answered so far, by their lines in their file.
  * @param batch The batch.
  * @return A copy.
  * @threads One at a time for each @p batch.
@@ -112,7 +112,7 @@ CONUS_API conus_astray conus_batch_astray(const conus_batch *batch);
  * @threads One at a time for each @p batch.
  * @since 0.1
  */
-CONUS_API const char *conus_batch_heading(const conus_batch *batch);
+CONUS_API const char *conus_batch_header(const conus_batch *batch);
 
 /**
  * Writes the sidecar as of conus_report_sidecar(), without the queries.

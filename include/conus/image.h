@@ -44,7 +44,7 @@ CONUS_CHECKED conus_status conus_image_of_selection(conus_image **out, const con
 CONUS_CHECKED conus_status conus_selection_write_deep(const conus_selection *selection, const char *path);
 
 /**
- * Tells the width.
+ * Gives the width.
  * @param image The image.
  * @return Pixels.
  * @threads Any: the object does not change.
@@ -53,7 +53,7 @@ CONUS_CHECKED conus_status conus_selection_write_deep(const conus_selection *sel
 CONUS_API uint32_t conus_image_width(const conus_image *image);
 
 /**
- * Tells the height.
+ * Gives the height.
  * @param image The image.
  * @return Pixels.
  * @threads Any: the object does not change.

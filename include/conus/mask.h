@@ -58,7 +58,7 @@ typedef enum conus_number {
     CONUS_NUMBER_FLOAT32    /**< float. */
 } conus_number;
 
-/** What is on a grid. */
+/** Content of a grid. */
 typedef struct conus_grid_view {
     size_t dim[3];               /**< Voxels along i, j, k. */
     double world_from_voxel[16]; /**< Maps voxel indices to world mm. */
@@ -70,13 +70,13 @@ typedef struct conus_grid_view {
 } conus_grid_view;
 
 /**
- * Tells what is on the grid.
+ * Gives what is on the grid.
  * @param grid The grid.
  * @return Its pointers are borrowed from the grid.
  * @threads Any: the object does not change.
  * @since 0.1
  */
-CONUS_API conus_grid_view conus_grid_look(const conus_grid *grid);
+CONUS_API conus_grid_view conus_grid_data(const conus_grid *grid);
 
 /**
  * Writes NIfTI-1, whole or not at all, the same bytes for the same grid.

@@ -66,7 +66,7 @@ CONUS_CHECKED conus_status conus_pose_from_matrix(conus_pose *out, const double 
 CONUS_CHECKED conus_status conus_pose_from_quaternion(conus_pose *out, const double origin[3], const double wxyz[4]);
 
 /**
- * Computes the viewer-centred projection (Eq. 1): the camera of an eye that looks through a window, say at a screen.
+ * Computes the camera of an eye behind a window, such as a tracked head before a screen (Eq. 1).
  * @param[out] camera The camera, for conus_view.camera.
  * @param[out] frustum Left, right, lower and upper edge, for conus_view.frustum.
  * @param window The middle of the window, with +x to its right, +y up, +z to the side of the eye.
@@ -77,8 +77,8 @@ CONUS_CHECKED conus_status conus_pose_from_quaternion(conus_pose *out, const dou
  * @threads Any.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_look_through(conus_pose *camera, double frustum[4], const conus_pose *window,
-                                              const double size[2], const double eye[3]);
+CONUS_CHECKED conus_status conus_window_camera(conus_pose *camera, double frustum[4], const conus_pose *window,
+                                               const double size[2], const double eye[3]);
 
 #ifdef __cplusplus
 }

@@ -140,7 +140,7 @@ CONUS_CHECKED conus_status conus_pose_stream_skip(conus_pose_stream *stream, uin
 CONUS_CHECKED conus_status conus_pose_stream_count(uint64_t *count, conus_pose_stream *stream);
 
 /**
- * Tells whether the stream is live: it reads rows from a pipe as they come.
+ * Returns whether the stream is live: it reads rows from a pipe as they come.
  * @param stream The stream.
  * @return Whether it is.
  * @threads One at a time for each @p stream.
@@ -158,7 +158,7 @@ CONUS_API bool conus_pose_stream_is_live(const conus_pose_stream *stream);
 CONUS_API void conus_pose_stream_stop(conus_pose_stream *stream);
 
 /**
- * Tells the format of the poses.
+ * Gives the format of the poses.
  * @param stream The stream.
  * @return Never #CONUS_POSE_FORMAT_AUTO.
  * @threads One at a time for each @p stream.
@@ -167,7 +167,7 @@ CONUS_API void conus_pose_stream_stop(conus_pose_stream *stream);
 CONUS_API conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream);
 
 /**
- * Tells the space as the file names it.
+ * Gives the space as the file names it.
  * @param stream The stream.
  * @return "NIfTI:Scanner", "MNI152NLin2009cAsym"; "" if the file names none. Borrowed from the stream.
  * @threads One at a time for each @p stream.
@@ -176,7 +176,7 @@ CONUS_API conus_pose_format conus_pose_stream_format(const conus_pose_stream *st
 CONUS_API const char *conus_pose_stream_space(const conus_pose_stream *stream);
 
 /**
- * Tells whether rows may have a time_s.
+ * Returns whether rows may have a time_s.
  * @param stream The stream.
  * @return False for a table without that column and for formats without times, and where everything was read and no
  * row has one.

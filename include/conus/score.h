@@ -33,7 +33,7 @@ typedef struct conus_score_info {
 CONUS_API const conus_score_info *conus_score(size_t index);
 
 /**
- * Tells what a ranking needs: a name, or a formula of names, numbers, + - * /, a minus in front and parentheses, as
+ * Gives what a ranking needs: a name, or a formula of names, numbers, + - * /, a minus in front and parentheses, as
  * "0.5*share + 0.5*centre". Where a name has no value, or a divisor is 0, the formula has none: such objects rank last.
  * @param[out] out Its name is @p score, "share" for NULL, and is borrowed from the caller.
  * @param score NULL = "share".

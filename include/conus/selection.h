@@ -143,7 +143,7 @@ typedef struct conus_result {
     double score;      /**< By the selector's score; higher is better. */
     uint32_t pixels;   /**< Pixels of the cone that hit it first. */
     double share;      /**< Its part of the cone's solid angle (Eq. 4); all shares sum to 1. */
-    double center_px;  /**< Smallest distance of its pixels to the buffer's centre, in pixels. */
+    double centre_px;  /**< Smallest distance of its pixels to the buffer's centre, in pixels. */
     double offset;     /**< Smallest angle of its rays to the axis, radians. */
     double distance;   /**< Nearest first hit of any of its pixels, mm from the apex. */
     double contact[3]; /**< World position of its contact (Eq. 11), mm; NaN if no pixel hits it first. */
@@ -215,13 +215,13 @@ CONUS_API conus_evidence conus_selection_evidence(const conus_selection *selecti
 CONUS_API void conus_selection_position(double out[3], const conus_selection *selection, size_t pixel);
 
 /** An interval of a pixel's ray inside one object. */
-typedef struct conus_span {
+typedef struct conus_interval {
     uint32_t pixel;  /**< Index into the evidence's arrays. */
     uint32_t object; /**< Number in the atlas, as it is reported (level): intervals of one group that touch are one. */
     double entry;    /**< mm from the apex. */
     double exit; /**< mm from the apex; equal to entry where the ray only touches it, or the surface is not closed. */
     uint64_t voxel; /**< The voxel (or triangle) of the entry, as in the evidence. */
-} conus_span;
+} conus_interval;
 
 /**
  * Gives all intervals of all rays, with #CONUS_LAYERS_ALL: by pixel, then entry, then object.
@@ -231,7 +231,7 @@ typedef struct conus_span {
  * @threads Any: the object does not change.
  * @since 0.1
  */
-CONUS_API const conus_span *conus_selection_spans(size_t *count, const conus_selection *selection);
+CONUS_API const conus_interval *conus_selection_intervals(size_t *count, const conus_selection *selection);
 
 #ifdef __cplusplus
 }

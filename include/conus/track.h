@@ -73,7 +73,7 @@ CONUS_CHECKED conus_status conus_tracker_step(conus_selection **out, conus_track
                                               const conus_pose *pose, double angle, bool trigger);
 
 /**
- * Tells what was selected some time before the last step.
+ * Gives what was selected some time before the last step.
  * @param tracker The tracker.
  * @param ago Seconds, 0 to the window.
  * @return Number of the object; 0 if none was.

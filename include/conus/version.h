@@ -29,7 +29,7 @@ extern "C" {
 #define CONUS_VERSION CONUS_VERSION_OF_(CONUS_VERSION_MAJOR, CONUS_VERSION_MINOR, CONUS_VERSION_PATCH)
 
 /**
- * Tells the version of the library that runs. It may be newer than #CONUS_VERSION, which the caller was compiled with.
+ * Gives the version of the library that runs. It may be newer than #CONUS_VERSION, which the caller was compiled with.
  * @return "0.1.0". Static.
  * @threads Any.
  * @since 0.1

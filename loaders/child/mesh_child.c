@@ -270,7 +270,7 @@ static conus_status take_frame(struct child *child, size_t size)
         return status;
     }
     if (child->ended || (frame.kind == MESH_FRAME_END && frame.id != child->frames)) {
-        return fail(CONUS_ERROR_DATA, "mesh stream: its end does not fit what came before it");
+        return fail(CONUS_ERROR_DATA, "mesh stream: its end does not match its frames");
     }
     if (frame.kind == MESH_FRAME_CHECKED) {
         return fail(CONUS_ERROR_DATA, "mesh stream: frame of kind %d, which only the cache may hold", (int)frame.kind);
@@ -281,7 +281,7 @@ static conus_status take_frame(struct child *child, size_t size)
 }
 
 /* Capacity for the rest of the frame that is under way, and for one more reading. */
-static conus_status make_room(struct child *child, size_t size)
+static conus_status reserve(struct child *child, size_t size)
 {
     size_t needed = size > child->size + READ_SIZE ? size : child->size + READ_SIZE;
     if (needed > child->limits->memory) {
@@ -312,7 +312,7 @@ static conus_status take_frames(struct child *child)
         child->size -= size;
         memmove(child->data, child->data + size, child->size);
     }
-    return status ? status : make_room(child, size);
+    return status ? status : reserve(child, size);
 }
 
 /* Closes *descriptor at its end. */
@@ -372,7 +372,7 @@ static conus_status listen_once(struct child *child)
 
 static conus_status listen_to(struct child *child)
 {
-    conus_status status = make_room(child, MESH_MAGIC_SIZE);
+    conus_status status = reserve(child, MESH_MAGIC_SIZE);
     while (!status && (child->out >= 0 || child->err >= 0)) {
         status = listen_once(child);
     }
@@ -400,7 +400,7 @@ static conus_status judge_exit(const struct child *child, int how)
                     WEXITSTATUS(how));
     }
     return child->ended && !child->size ? CONUS_OK
-                                        : fail(CONUS_ERROR_DATA, "%s: what it wrote is cut off or goes on", program);
+                                        : fail(CONUS_ERROR_DATA, "%s: its output is cut off or too long", program);
 }
 
 /* It may have closed its output and still run. */

@@ -187,7 +187,7 @@ static conus_status run_child(struct reading *work, const char *key)
         fail_in(status, work->paths[work->done]);
     }
     if (!status && work->done < work->count) {
-        status = fail(CONUS_ERROR_DATA, "%s: conus-mesh did not read it", work->paths[work->done]);
+        status = fail(CONUS_ERROR_DATA, "%s: conus-mesh could not read it", work->paths[work->done]);
     }
     mesh_stream_end(&stream, (uint32_t)work->done);
     status = status ? status : buffer_status(&stream);

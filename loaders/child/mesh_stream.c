@@ -156,7 +156,7 @@ conus_status mesh_stream_read(const uint8_t *data, size_t size, mesh_frame_take 
         at += status ? 0 : frame.size;
         if (!status && frame.kind == MESH_FRAME_END) {
             bool whole = frame.id == count && at == size;
-            return whole ? CONUS_OK : fail(CONUS_ERROR_DATA, "mesh stream: its end does not fit what came before it");
+            return whole ? CONUS_OK : fail(CONUS_ERROR_DATA, "mesh stream: its end does not match its frames");
         }
         status = status ? status : take(user, &frame);
     }

@@ -74,7 +74,7 @@ static void append_shape(struct buffer *out, const struct phantom_shape *shape)
 {
     static const char *const names[] = {[PHANTOM_BALL] = "ball", [PHANTOM_BOX] = "box", [PHANTOM_RING] = "ring"};
     buffer_format(out, "    {\"index\": %u, \"shape\": \"%s\", ", shape->label, names[shape->kind]);
-    append_vector(out, "center", shape->center);
+    append_vector(out, "center", shape->centre);
     buffer_text(out, ", ");
     switch (shape->kind) {
     case PHANTOM_BALL:

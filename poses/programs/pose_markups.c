@@ -119,8 +119,8 @@ static conus_status read_line(const struct markup *markup, const json_t *points)
 {
     conus_axis axis = markup->options->axis;
     if (axis != CONUS_AXIS_OF_FORMAT && axis != CONUS_AXIS_PLUS_Z && axis != CONUS_AXIS_MINUS_Z) {
-        return fail(CONUS_ERROR_DATA, "markups[%zu]: a line is looked along, by axis +z or -z, not %s",
-                    markup->number - 1, pose_axis_name(axis));
+        return fail(CONUS_ERROR_DATA, "markups[%zu]: a line has axis +z or -z, not %s", markup->number - 1,
+                    pose_axis_name(axis));
     }
     conus_pose_row row = pose_row_at(markup->number);
     conus_status bad = line_pose(&row, markup, points);
@@ -159,7 +159,7 @@ static conus_status check_axis(const json_t *markups, conus_axis axis)
         used = text_equal(text_of(json_object_get(json_array_get(markups, i), "type")), "Line");
     }
     return used ? CONUS_OK
-                : fail(CONUS_ERROR_DATA, "no markup is a line, so that no axis (%s) is to be chosen",
+                : fail(CONUS_ERROR_DATA, "no markup is a line, so that no axis (%s) can be chosen",
                        pose_axis_name(axis));
 }
 

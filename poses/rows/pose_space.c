@@ -31,7 +31,7 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
     const char *transform = volume ? volume->transform : "it has no volume";
     enum pose_brain brain = brain_of(transform);
     if (space->brain == POSE_BRAIN_UNKNOWN || brain == POSE_BRAIN_UNKNOWN) {
-        return notes_add(notes, "positions are in \"%s\"; nothing tells whether the atlas (%s) is in the same space",
+        return notes_add(notes, "positions are in \"%s\"; it is not known whether the atlas (%s) is in the same space",
                          space->name, transform);
     }
     if (space->brain == brain && brain != POSE_BRAIN_TEMPLATE) {

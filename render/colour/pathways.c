@@ -9,7 +9,7 @@ const struct volume *pathways_first(const conus_atlas *atlas)
 {
     for (size_t i = 0; i < atlas->volume_count; i++) {
         const struct volume *volume = &atlas->volumes[i];
-        if (volume->info.role == CONUS_ROLE_SCALAR && volume_is_met(volume)) {
+        if (volume->info.role == CONUS_ROLE_SCALAR && volume_can_be_hit(volume)) {
             return volume;
         }
     }
@@ -24,7 +24,7 @@ static uint32_t pathway_at(const conus_atlas *atlas, const double world[3])
         const size_t *dim = volume->info.dim;
         double p[3];
         mat4_point(p, volume->voxel_from_world, world);
-        bool inside = volume->info.role == CONUS_ROLE_SCALAR && volume_is_met(volume);
+        bool inside = volume->info.role == CONUS_ROLE_SCALAR && volume_can_be_hit(volume);
         for (int a = 0; a < 3; a++) {
             inside = inside && p[a] >= -0.5 && p[a] < (double)dim[a] - 0.5;
         }
@@ -71,7 +71,7 @@ static void find_joint(struct joint *out, const conus_atlas *atlas, const struct
     for (size_t i = 0; i < atlas->volume_count; i++) {
         const struct volume *volume = &atlas->volumes[i];
         conus_role role = volume->info.role;
-        if (volume_is_met(volume) && (role == CONUS_ROLE_SCALAR || (role == CONUS_ROLE_PARCELLATION && areas))) {
+        if (volume_can_be_hit(volume) && (role == CONUS_ROLE_SCALAR || (role == CONUS_ROLE_PARCELLATION && areas))) {
             extend_joint(out, first, volume);
             most = fmax(most, (double)volume->voxel_count);
         }

@@ -306,7 +306,7 @@ static void find_surfaces(struct cut *cut, const struct cut_view *view)
 static void find_volumes(struct cut *cut, const struct cut_view *view, conus_role role)
 {
     for (size_t v = 0; v < cut->atlas->volume_count; v++) {
-        if (cut->atlas->volumes[v].info.role == role && volume_is_met(&cut->atlas->volumes[v])) {
+        if (cut->atlas->volumes[v].info.role == role && volume_can_be_hit(&cut->atlas->volumes[v])) {
             find_in_volume(cut, view, &cut->atlas->volumes[v]);
         }
     }

@@ -76,7 +76,7 @@ static conus_status adapt(struct shader_list *list, uint32_t count, uint32_t *pi
     }
     uint64_t fitting = *pixels * (uint64_t)list->capacity / count;
     if (*pixels == 1) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "%u pieces along one ray: the gl engine takes up to %u", count,
+        return fail(CONUS_ERROR_UNSUPPORTED, "%u intervals along one ray: the gl engine takes up to %u", count,
                     list->capacity);
     }
     *pixels = fitting > *pixels / 2 ? *pixels / 2 : fitting < 1 ? 1 : (uint32_t)fitting;

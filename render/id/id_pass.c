@@ -12,7 +12,7 @@
 #include <assert.h>
 #include <string.h>
 
-enum { OBJECTS_UNIT, LEAP_UNIT, IDENTIFIER_UNIT, RAY_UNIT };
+enum { OBJECTS_UNIT, DISTANCE_UNIT, IDENTIFIER_UNIT, RAY_UNIT };
 enum { OUT_BUFFER };
 enum { GROUP = 64, FIRST_INTERVALS = 1024, RAY_TEXELS = sizeof(struct id_ray) / 16 };
 
@@ -26,7 +26,7 @@ struct id_program {
 };
 
 struct id_volume {
-    GLuint objects, leaps; /* no leaps with slices */
+    GLuint objects, distances; /* none with slices */
     int first[3], last[3];
     size_t dim[3];
 };
@@ -54,7 +54,7 @@ static conus_status create_program(struct id_program *out, conus_sampling sampli
         {"PIERCE", kind == PIERCE},
         {"GROUP", GROUP},
         {"OBJECTS_UNIT", OBJECTS_UNIT},
-        {"LEAP_UNIT", LEAP_UNIT},
+        {"DISTANCE_UNIT", DISTANCE_UNIT},
         {"IDENTIFIER_UNIT", IDENTIFIER_UNIT},
         {"RAY_UNIT", RAY_UNIT},
         {"OUT_BUFFER", OUT_BUFFER},
@@ -65,10 +65,10 @@ static conus_status create_program(struct id_program *out, conus_sampling sampli
     GLuint program = 0;
     conus_status status = program_create(&program, &source);
     if (!status) {
-        bool leaps = sampling == CONUS_SAMPLING_EXACT;
+        bool skips = sampling == CONUS_SAMPLING_EXACT;
         *out = (struct id_program){program, program_uniform(program, "range"),
-                                   leaps ? program_uniform(program, "first_cell") : -1,
-                                   leaps ? program_uniform(program, "last_cell") : -1};
+                                   skips ? program_uniform(program, "first_cell") : -1,
+                                   skips ? program_uniform(program, "last_cell") : -1};
     }
     return status;
 }
@@ -125,7 +125,7 @@ void id_pass_destroy(struct id_pass *pass)
     drop_rays(pass);
     for (size_t i = 0; i < pass->volume_count; i++) {
         glDeleteTextures(1, &pass->volumes[i].objects);
-        glDeleteTextures(1, &pass->volumes[i].leaps);
+        glDeleteTextures(1, &pass->volumes[i].distances);
     }
     memory_free(pass->volumes);
     const GLuint buffers[] = {pass->identifier_buffer, pass->ray_buffer, pass->hit_buffer};
@@ -141,8 +141,8 @@ void id_pass_destroy(struct id_pass *pass)
 
 /* ---- Volumes ------------------------------------------------------------------------------------------------ */
 
-static conus_status upload_volume(struct id_volume *out, const struct volume *volume, const struct id_leaps *leaps,
-                                  conus_sampling sampling, uint64_t *memory_left)
+static conus_status upload_volume(struct id_volume *out, const struct volume *volume,
+                                  const struct id_distances *distances, conus_sampling sampling, uint64_t *memory_left)
 {
     struct id_volume made = {0};
     const size_t *dim = volume->info.dim;
@@ -150,9 +150,9 @@ static conus_status upload_volume(struct id_volume *out, const struct volume *vo
     const void *objects = volume->objects16 ? (const void *)volume->objects16 : volume->objects32;
     conus_status status = volume_texture_create(&made.objects, kind, dim, objects, memory_left);
     if (!status && sampling == CONUS_SAMPLING_EXACT) {
-        status = volume_texture_create(&made.leaps, VOLUME_TEXTURE_UINT8, dim, leaps->codes, memory_left);
-        memcpy(made.first, leaps->first, sizeof made.first);
-        memcpy(made.last, leaps->last, sizeof made.last);
+        status = volume_texture_create(&made.distances, VOLUME_TEXTURE_UINT8, dim, distances->codes, memory_left);
+        memcpy(made.first, distances->first, sizeof made.first);
+        memcpy(made.last, distances->last, sizeof made.last);
     }
     if (status) {
         glDeleteTextures(1, &made.objects);
@@ -163,7 +163,7 @@ static conus_status upload_volume(struct id_volume *out, const struct volume *vo
     return CONUS_OK;
 }
 
-conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, const struct id_leaps *leaps,
+conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, const struct id_distances *distances,
                                 uint64_t *memory_left)
 {
     struct id_volume *volumes = memory_resize(pass->volumes, pass->volume_count + 1, sizeof *volumes);
@@ -176,7 +176,7 @@ conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volum
         status = need_program(pass, LATER);
     }
     if (!status) {
-        status = upload_volume(&volumes[pass->volume_count], volume, leaps, pass->sampling, memory_left);
+        status = upload_volume(&volumes[pass->volume_count], volume, distances, pass->sampling, memory_left);
     }
     pass->volume_count += !status;
     return status;
@@ -234,7 +234,7 @@ static void dispatch(const struct id_pass *pass, enum id_kind kind, const struct
 {
     const struct id_program *program = &pass->programs[kind];
     glBindTextureUnit(OBJECTS_UNIT, volume->objects);
-    glBindTextureUnit(LEAP_UNIT, volume->leaps);
+    glBindTextureUnit(DISTANCE_UNIT, volume->distances);
     glBindTextureUnit(IDENTIFIER_UNIT, pass->identifiers);
     glBindTextureUnit(RAY_UNIT, pass->ray_texels);
     glUseProgram(program->program);

@@ -48,7 +48,7 @@ conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const
 void id_pass_destroy(struct id_pass *pass);
 
 /** How far a volume is empty. */
-struct id_leaps {
+struct id_distances {
     const uint8_t *codes;  /**< [voxels] 0 where the voxel holds an object; else 1 + r, where no voxel that differs from
                               it  by at most r in every index does.                                       */
     int first[3], last[3]; /**< The box of the voxels with objects; last below first where there are none. */
@@ -56,7 +56,7 @@ struct id_leaps {
 
 /** Uploads the objects of @p volume, which is number 0, 1, ... by the order of these calls; takes the textures' size
  * off @p memory_left. */
-conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, const struct id_leaps *leaps,
+conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, const struct id_distances *distances,
                                 uint64_t *memory_left);
 
 /** Makes ready for @p rays rays, at least 1. */

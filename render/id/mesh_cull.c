@@ -194,7 +194,7 @@ static bool find_tiles(struct tiles *out, const struct mesh_cull *cull, const st
 }
 
 /* Whether the ray of the pixel (i, j) passes the ball, or so near that a driver may think so, and gets there. */
-static bool is_met(const struct mesh_cull *cull, const struct seen *ball, uint32_t i, uint32_t j)
+static bool is_hit(const struct mesh_cull *cull, const struct seen *ball, uint32_t i, uint32_t j)
 {
     double right = cull->side[i];
     double up = cull->side[j];
@@ -226,7 +226,7 @@ static bool is_open(const struct mesh_cull *cull, const struct seen *ball, doubl
         cull->tile_edge > 1 || ball->depth <= ball->radius || (cull->without & MESH_CULL); /* by tiles only */
     for (uint32_t j = tiles.low[1]; j <= tiles.high[1]; j++) {
         for (uint32_t i = tiles.low[0]; i <= tiles.high[0]; i++) {
-            if (cull->reach[j * cull->tile_count + i] >= nearest && (is_whole || is_met(cull, ball, i, j))) {
+            if (cull->reach[j * cull->tile_count + i] >= nearest && (is_whole || is_hit(cull, ball, i, j))) {
                 return true;
             }
         }

@@ -326,7 +326,7 @@ void find_walls(out Surface near, out Surface far, vec3 direction)
     }
 }
 
-void meet_axis(inout Surface solid, vec3 direction, vec3 view)
+void hit_axis(inout Surface solid, vec3 direction, vec3 view)
 {
     vec3 d = direction - dot(direction, axis.xyz) * axis.xyz;
     vec3 q = -apex.xyz + dot(apex.xyz, axis.xyz) * axis.xyz;
@@ -345,7 +345,7 @@ void meet_axis(inout Surface solid, vec3 direction, vec3 view)
 }
 
 // Balls in their colour with a dark outline.
-void meet_markers(inout Surface solid, vec3 direction, vec3 view)
+void hit_markers(inout Surface solid, vec3 direction, vec3 view)
 {
     float a = dot(direction, direction);
     for (int n = 0; n < counts.x; n++) {
@@ -408,7 +408,7 @@ void main()
 
 // The context up to an area at `depth`, which was found on the plane at depth `hit`. Samples stand for the ray up to half way
 // between planes; what is missing there, or too much, is made up for, so that planes leave no stripes.
-void meet_area(inout vec4 sum, Track context, vec3 direction, float depth, float hit)
+void hit_area(inout vec4 sum, Track context, vec3 direction, float depth, float hit)
 {
     vec3 place = place_on(context, depth);
     if (PLAIN_AREAS == 0 && context.first < NEVER && place == clamp(place, 0.0, 1.0)) {
@@ -418,13 +418,13 @@ void meet_area(inout vec4 sum, Track context, vec3 direction, float depth, float
 }
 
 // The mesh at that depth, or an area that begins just before it, so that no plane lies between. Returns the hit.
-float meet_mesh(inout vec4 sum, Track context, Track areas, vec3 direction, vec3 view, float mesh)
+float hit_mesh(inout vec4 sum, Track context, Track areas, vec3 direction, vec3 view, float mesh)
 {
     float plane = plane_after(mesh);
     float t = depth_of(plane);
     bool is_area = is_on(areas, plane) && shows_area(place_on(areas, t));
     float hit = is_area ? min(area_depth(areas, t), mesh) : mesh;
-    meet_area(sum, context, direction, hit, t);
+    hit_area(sum, context, direction, hit, t);
     blend(sum, vec4(hit < mesh ? area_colour(areas, direction, view, hit) : mesh_colour(direction, view, mesh), 1.0));
     return hit;
 }
@@ -439,8 +439,8 @@ void main()
     Surface near, far;
     Surface solid = Surface(NEVER, vec4(0.0));
     find_walls(near, far, direction);
-    meet_axis(solid, direction, view);
-    meet_markers(solid, direction, view);
+    hit_axis(solid, direction, view);
+    hit_markers(solid, direction, view);
 
     float mesh = mesh_depth();
     Track context = make_track(context_from_camera, context_bricks.w, direction);
@@ -471,7 +471,7 @@ void main()
     }
     if (hit < NEVER) {
         float depth = area_depth(areas, hit);
-        meet_area(sum, context, direction, depth, hit);
+        hit_area(sum, context, direction, depth, hit);
         blend(sum, vec4(area_colour(areas, direction, view, depth), 1.0));
     }
     while (hit == NEVER && near.depth < min(mesh, solid.depth)) {
@@ -480,7 +480,7 @@ void main()
         far.depth = NEVER;
     }
     if (hit == NEVER && mesh < solid.depth && sum.a < OPAQUE) {
-        hit = meet_mesh(sum, context, areas, direction, view, mesh);
+        hit = hit_mesh(sum, context, areas, direction, view, mesh);
     }
     vec4 rest = vec4(0.0);
     while (near.depth < solid.depth) {

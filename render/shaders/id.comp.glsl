@@ -14,7 +14,7 @@ layout(binding = RAY_UNIT) uniform usamplerBuffer rays; // struct id_ray, two do
 uniform ivec2 range;                                    // of rays: the first, and the first not to trace
 
 #if !SLICES
-layout(binding = LEAP_UNIT) uniform usampler3D leaps; // codes: 0 = an object; else 1 + voxels to leap each way
+layout(binding = DISTANCE_UNIT) uniform usampler3D distances; // codes: 0 = an object; else 1 + voxels to skip each way
 uniform ivec3 first_cell, last_cell;                  // the box of the voxels with objects
 #endif
 
@@ -221,11 +221,11 @@ bool leave(Ray ray, double radius, inout Place at)
 
 uint code_at(Place at)
 {
-    return texelFetch(leaps, ivec3(at.cell), 0).r;
+    return texelFetch(distances, ivec3(at.cell), 0).r;
 }
 
 // Goes on to the next cell with an object, which may be where it is. False: out of the box, or beyond the limit.
-// Most leaps end well within a cell, so that the position along the ray tells which; `leave` does the others, outside of
+// Most skips end well within a cell, so that the position along the ray tells which; `leave` does the others, outside of
 // the inner loop, because lanes in step go both ways of every branch, but leave a loop when all are done.
 bool find_object(Ray ray, double limit, inout Place at)
 {

@@ -156,7 +156,7 @@ static void *reserve(struct walk *walk, void *things, size_t count, size_t size)
 
 static void pass_distances(struct walk *walk, struct volume *volume, const struct volume *source)
 {
-    bool is_there = pass_whether(walk, walk->mode != ATTACH && volume_is_met(source) ? source : NULL);
+    bool is_there = pass_whether(walk, walk->mode != ATTACH && volume_can_be_hit(source) ? source : NULL);
     uint8_t *place = is_there && !walk->status ? pass_place(walk, distance_map_size(volume)) : NULL;
     if (place && walk->mode == PACK) {
         walk->status = distance_map_write(place, source);

@@ -90,8 +90,8 @@ static conus_status build(conus_batch *batch, conus_selector *selector)
         status = batch_block_init(&batch->blocks[batch->block_count], batch->options.block);
     }
     if (!status) {
-        report_write_header(&batch->heading, batch->workers[0].report);
-        status = buffer_status(&batch->heading);
+        report_write_header(&batch->header, batch->workers[0].report);
+        status = buffer_status(&batch->header);
     }
     return status;
 }
@@ -132,7 +132,7 @@ void conus_batch_destroy(conus_batch *batch)
     }
     memory_free(batch->workers);
     memory_free(batch->blocks);
-    buffer_finish(&batch->heading);
+    buffer_finish(&batch->header);
     memory_free(batch);
 }
 
@@ -150,9 +150,9 @@ conus_astray conus_batch_astray(const conus_batch *batch)
     return sum;
 }
 
-const char *conus_batch_heading(const conus_batch *batch)
+const char *conus_batch_header(const conus_batch *batch)
 {
-    return batch && batch->heading.data ? batch->heading.data : "";
+    return batch && batch->header.data ? batch->header.data : "";
 }
 
 conus_status conus_batch_sidecar(const char **text, size_t *size, conus_batch *batch)

@@ -60,7 +60,7 @@ struct conus_batch {
     size_t worker_count;
     struct batch_block *blocks;
     size_t block_count; /**< More than workers, so that nobody waits for the one block that is late. */
-    struct buffer heading;
+    struct buffer header;
     struct conus_aims aims; /**< What each worker begins with. */
 };
 

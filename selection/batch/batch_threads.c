@@ -122,7 +122,7 @@ conus_status batch_run_threads(struct batch_run *run)
     pthread_cond_init(&pool.answered, NULL);
     pthread_cond_init(&pool.freed, NULL);
     uint32_t count = start_threads(&pool, threads, wanted);
-    conus_status status = count ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "threads: the system gives none");
+    conus_status status = count ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "threads: the system cannot start one");
     const struct batch_block *last = status ? NULL : deliver(&pool);
     for (uint32_t i = 0; i < count; i++) {
         pthread_join(threads[i], NULL);

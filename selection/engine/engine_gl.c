@@ -25,13 +25,13 @@ struct gl_engine {
     struct id_pass *pass;        /* NULL where there are no volumes to select from */
     struct mesh_pass *mesh_pass; /* NULL where there are no meshes                 */
     struct engine *wide;         /* what finds meshes in wide cones; NULL before the first one */
-    double (*origins)[3];        /* [pixel_room] of all pixels of all cones in view */
+    double (*origins)[3];        /* [pixel_capacity] of all pixels of all cones in view */
     double (*directions)[3];
-    uint32_t *walked;         /* [ray_count] those along which volumes are looked through, neighbours together */
-    struct mesh_query *looks; /* [cone_room] */
-    size_t pixel_room, cone_room;
+    uint32_t *walked;           /* [ray_count] those along which volumes are looked through, neighbours together */
+    struct mesh_query *queries; /* [cone_capacity] */
+    size_t pixel_capacity, cone_capacity;
     uint32_t ray_count;
-    struct mesh_intervals spans;
+    struct mesh_intervals intervals;
     conus_sampling sampling;
     uint32_t slices;
     size_t *volumes; /* [volume_count] of the atlas, in the order in which the pass has them */
@@ -49,18 +49,18 @@ static void destroy(struct engine *engine)
     }
     gl_context_destroy(gl->context);
     engine_destroy(gl->wide);
-    mesh_intervals_finish(&gl->spans);
+    mesh_intervals_finish(&gl->intervals);
     memory_free(gl->origins);
     memory_free(gl->directions);
     memory_free(gl->walked);
-    memory_free(gl->looks);
+    memory_free(gl->queries);
     memory_free(gl->volumes);
     memory_free(gl);
 }
 
-/* ---- A look ------------------------------------------------------------------------------------------------- */
+/* ---- A trace ------------------------------------------------------------------------------------------------ */
 
-/* The cones of one look, all of one resolution, and where their answers go (NULL when it is layers). */
+/* The cones of one trace, all of one resolution, and where their answers go (NULL when it is layers). */
 struct view {
     const struct cone *const *cones;
     struct evidence *const *out;
@@ -76,23 +76,23 @@ static struct view view_of(const struct cone *const *cones, struct evidence *con
 static conus_status reserve(struct gl_engine *gl, const struct view *view)
 {
     size_t pixels = view->count * view->pixels;
-    if (gl->pixel_room >= pixels && gl->cone_room >= view->count) {
+    if (gl->pixel_capacity >= pixels && gl->cone_capacity >= view->count) {
         return CONUS_OK;
     }
     memory_free(gl->origins);
     memory_free(gl->directions);
     memory_free(gl->walked);
-    memory_free(gl->looks);
-    gl->pixel_room = gl->cone_room = 0;
+    memory_free(gl->queries);
+    gl->pixel_capacity = gl->cone_capacity = 0;
     gl->origins = memory_raw(pixels, sizeof *gl->origins);
     gl->directions = memory_raw(pixels, sizeof *gl->directions);
     gl->walked = memory_raw(pixels, sizeof *gl->walked);
-    gl->looks = memory_raw(view->count, sizeof *gl->looks);
-    if (!gl->origins || !gl->directions || !gl->walked || !gl->looks) {
+    gl->queries = memory_raw(view->count, sizeof *gl->queries);
+    if (!gl->origins || !gl->directions || !gl->walked || !gl->queries) {
         return CONUS_ERROR_MEMORY;
     }
-    gl->pixel_room = pixels;
-    gl->cone_room = view->count;
+    gl->pixel_capacity = pixels;
+    gl->cone_capacity = view->count;
     return CONUS_OK;
 }
 
@@ -197,7 +197,7 @@ static uint64_t linear_index(const conus_atlas *atlas, uint32_t object, const ui
     return cell[0] + dim[0] * (cell[1] + dim[1] * (uint64_t)cell[2]);
 }
 
-static conus_status look_at_volumes(struct gl_engine *gl, const struct view *view)
+static conus_status trace_volumes(struct gl_engine *gl, const struct view *view)
 {
     const struct id_hit *hits = NULL;
     conus_status status = gl->ray_count ? walk_volumes(gl, view, &hits) : CONUS_OK;
@@ -237,7 +237,7 @@ static conus_status prepare_wide(struct gl_engine *gl)
 }
 
 /* Sets the looks of the cones that are not wide, and looks for meshes in those that are. */
-static conus_status prepare_looks(struct gl_engine *gl, const struct view *view, size_t *count)
+static conus_status prepare_queries(struct gl_engine *gl, const struct view *view, size_t *count)
 {
     conus_status status = CONUS_OK;
     *count = 0;
@@ -250,20 +250,20 @@ static conus_status prepare_looks(struct gl_engine *gl, const struct view *view,
             status = prepare_wide(gl);
             status = status ? status : engine_rays_trace_on(gl->wide, out, view->cones[c]);
         } else {
-            gl->looks[(*count)++] = (struct mesh_query){mesh_view_of(view->cones[c]), pixels};
+            gl->queries[(*count)++] = (struct mesh_query){mesh_view_of(view->cones[c]), pixels};
             set_distances(out, view->cones[c], 0);
         }
     }
     return status;
 }
 
-/* Behind look_at_volumes(): what the volumes show limits how far the meshes are looked for; and where nothing is
+/* Behind trace_volumes(): what the volumes show limits how far the meshes are looked for; and where nothing is
  * wanted, nothing is. */
-static conus_status look_at_meshes(struct gl_engine *gl, const struct view *view)
+static conus_status trace_meshes(struct gl_engine *gl, const struct view *view)
 {
     size_t count;
-    conus_status status = prepare_looks(gl, view, &count);
-    status = !status && count ? mesh_pass_render(gl->mesh_pass, gl->looks, count) : status;
+    conus_status status = prepare_queries(gl, view, &count);
+    status = !status && count ? mesh_pass_render(gl->mesh_pass, gl->queries, count) : status;
     for (size_t c = 0; c < view->count; c++) {
         set_distances(view->out[c], view->cones[c], INFINITY);
     }
@@ -284,8 +284,8 @@ static conus_status trace_many(struct engine *engine, struct evidence *const *ou
         evidence_clear(out[c]);
     }
     status = aim(gl, &view);
-    status = !status && gl->pass ? look_at_volumes(gl, &view) : status;
-    status = !status && gl->mesh_pass ? look_at_meshes(gl, &view) : status;
+    status = !status && gl->pass ? trace_volumes(gl, &view) : status;
+    status = !status && gl->mesh_pass ? trace_meshes(gl, &view) : status;
     gl_current_restore(&previous);
     return status;
 }
@@ -302,16 +302,16 @@ struct piercing {
     struct layers *out;
 };
 
-static conus_status take_pieces(void *user, const struct id_interval *pieces, uint32_t count)
+static conus_status take_intervals(void *user, const struct id_interval *intervals, uint32_t count)
 {
     const struct piercing *piercing = user;
     conus_status status = CONUS_OK;
     for (uint32_t i = 0; i < count && !status; i++) {
-        const struct id_interval *piece = &pieces[i];
-        const conus_span span = {piercing->gl->walked[piece->ray], piece->identifier, piece->entry + 0.0,
-                                 piece->exit + 0.0, /* -0 becomes 0 */
-                                 linear_index(piercing->gl->atlas, piece->identifier, piece->cell)};
-        status = layers_add(piercing->out, &span);
+        const struct id_interval *found = &intervals[i];
+        const conus_interval interval = {piercing->gl->walked[found->ray], found->identifier, found->entry + 0.0,
+                                         found->exit + 0.0, /* -0 becomes 0 */
+                                         linear_index(piercing->gl->atlas, found->identifier, found->cell)};
+        status = layers_add(piercing->out, &interval);
     }
     return status;
 }
@@ -322,7 +322,7 @@ static conus_status pierce_volumes(struct gl_engine *gl, struct layers *out, con
     conus_status status = gl->ray_count ? id_pass_begin(gl->pass, gl->ray_count) : CONUS_OK;
     for (size_t i = 0; i < gl->volume_count && gl->ray_count && !status; i++) {
         prepare_rays(gl, &gl->atlas->volumes[gl->volumes[i]], view);
-        status = id_pass_pierce(gl->pass, i, take_pieces, &piercing);
+        status = id_pass_pierce(gl->pass, i, take_intervals, &piercing);
     }
     return status;
 }
@@ -334,7 +334,7 @@ static conus_status take_hit(void *user, const struct mesh_pass_hit *hit)
     int side = 0;
     double t = mesh_crossing(&side, mesh, hit->triangle, gl->origins[hit->pixel], gl->directions[hit->pixel]);
     const struct crossing crossing = {hit->pixel, hit->object, hit->triangle, side, t};
-    return t >= 0 ? mesh_intervals_add(&gl->spans, &crossing) : CONUS_OK;
+    return t >= 0 ? mesh_intervals_add(&gl->intervals, &crossing) : CONUS_OK;
 }
 
 static conus_status pierce_meshes(struct gl_engine *gl, struct layers *out, const struct cone *cone)
@@ -345,8 +345,8 @@ static conus_status pierce_meshes(struct gl_engine *gl, struct layers *out, cons
         return status ? status : gl->wide->functions->pierce(gl->wide, out, cone);
     }
     conus_status status = mesh_pass_pierce(gl->mesh_pass, &view, take_hit, gl);
-    status = status ? status : mesh_intervals_pair(out, &gl->spans, cone);
-    gl->spans.count = 0;
+    status = status ? status : mesh_intervals_pair(out, &gl->intervals, cone);
+    gl->intervals.count = 0;
     return status;
 }
 
@@ -403,19 +403,19 @@ static conus_status make_codes(uint8_t **out, const struct distance_map *map)
 static conus_status upload_volume(struct gl_engine *gl, const struct volume *volume, uint64_t *memory_left)
 {
     struct distance_map map = {0};
-    struct id_leaps leaps = {0};
+    struct id_distances distances = {0};
     uint8_t *codes = NULL;
     conus_status status = CONUS_OK;
     if (gl->sampling == CONUS_SAMPLING_EXACT) {
         status = distance_map_init(&map, volume);
         status = status ? status : make_codes(&codes, &map);
-        leaps.codes = codes;
+        distances.codes = codes;
         for (int a = 0; a < 3; a++) {
-            leaps.first[a] = (int)map.first[a];
-            leaps.last[a] = (int)map.last[a];
+            distances.first[a] = (int)map.first[a];
+            distances.last[a] = (int)map.last[a];
         }
     }
-    status = status ? status : id_pass_add_volume(gl->pass, volume, &leaps, memory_left);
+    status = status ? status : id_pass_add_volume(gl->pass, volume, &distances, memory_left);
     memory_free(codes);
     distance_map_finish(&map);
     return status;
@@ -425,7 +425,7 @@ static conus_status upload_volumes(struct gl_engine *gl, uint64_t *memory_left)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < gl->atlas->volume_count && !status; i++) {
-        if (volume_is_met(&gl->atlas->volumes[i])) {
+        if (volume_can_be_hit(&gl->atlas->volumes[i])) {
             status = gl->pass ? CONUS_OK : create_pass(gl);
             status = status ? status : upload_volume(gl, &gl->atlas->volumes[i], memory_left);
             gl->volumes[gl->volume_count] = i;
@@ -484,7 +484,7 @@ conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, con
     gl->atlas = atlas;
     gl->sampling = options->sampling;
     gl->slices = options->slices;
-    mesh_intervals_init(&gl->spans, atlas);
+    mesh_intervals_init(&gl->intervals, atlas);
     conus_status status = fill_engine(gl, options);
     if (status) {
         destroy(&gl->base);

@@ -23,8 +23,8 @@ struct rays_engine {
     struct engine base;
     conus_sampling sampling;
     const struct traverse_kernel *kernel;
-    struct mesh_rays *meshes;    /* NULL if the atlas has none */
-    struct mesh_intervals spans; /* empty: what a query begins with */
+    struct mesh_rays *meshes;        /* NULL if the atlas has none */
+    struct mesh_intervals intervals; /* empty: what a query begins with */
     size_t target_count;
     struct target targets[];
 };
@@ -265,18 +265,18 @@ static conus_status pierce_volumes(const struct rays_engine *engine, struct laye
 static conus_status pierce_meshes(const struct rays_engine *engine, struct layers *out, const struct cone *cone)
 {
     struct block block;
-    struct mesh_intervals spans = engine->spans; /* of its own, since several threads may be here */
+    struct mesh_intervals intervals = engine->intervals; /* of its own, since several threads may be here */
     conus_status status = CONUS_OK;
     uint32_t edge = block_edge(cone);
     for (uint32_t row = 0; row < cone->resolution && !status; row += edge) {
         for (uint32_t column = 0; column < cone->resolution && !status; column += edge) {
             block_init(&block, cone, column, row);
             aim_at_meshes(&block);
-            status = mesh_rays_pierce(engine->meshes, &block.meshes, &spans, block.pixel);
+            status = mesh_rays_pierce(engine->meshes, &block.meshes, &intervals, block.pixel);
         }
     }
-    status = status ? status : mesh_intervals_pair(out, &spans, cone);
-    mesh_intervals_finish(&spans);
+    status = status ? status : mesh_intervals_pair(out, &intervals, cone);
+    mesh_intervals_finish(&intervals);
     return status;
 }
 
@@ -306,7 +306,7 @@ static conus_status add_meshes(struct rays_engine *engine, const conus_atlas *at
         objects[i].mesh = atlas_object_mesh(atlas, (uint32_t)i + 1);
     }
     conus_status status = mesh_rays_create(&engine->meshes, objects, atlas->object_count);
-    mesh_intervals_init(&engine->spans, atlas);
+    mesh_intervals_init(&engine->intervals, atlas);
     memory_free(objects);
     return status;
 }
@@ -336,7 +336,7 @@ conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atl
     snprintf(engine->base.name, sizeof engine->base.name, "rays, %s", kernel->name);
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < atlas->volume_count && !status; i++) {
-        if (volume_is_met(&atlas->volumes[i])) {
+        if (volume_can_be_hit(&atlas->volumes[i])) {
             status = add_target(engine, &atlas->volumes[i], options->slices);
         }
     }

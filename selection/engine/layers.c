@@ -10,32 +10,32 @@ enum { FIRST_CAPACITY = 1024, FEW = 64 };
 
 void layers_finish(struct layers *layers)
 {
-    memory_free(layers->spans);
+    memory_free(layers->intervals);
     *layers = (struct layers){0};
 }
 
 static conus_status grow(struct layers *layers)
 {
     size_t capacity = layers->capacity ? 2 * layers->capacity : FIRST_CAPACITY;
-    conus_span *spans = memory_resize(layers->spans, capacity, sizeof *spans);
-    if (!spans) {
+    conus_interval *intervals = memory_resize(layers->intervals, capacity, sizeof *intervals);
+    if (!intervals) {
         return CONUS_ERROR_MEMORY;
     }
-    layers->spans = spans;
+    layers->intervals = intervals;
     layers->capacity = capacity;
     return CONUS_OK;
 }
 
-conus_status layers_add(struct layers *layers, const conus_span *span)
+conus_status layers_add(struct layers *layers, const conus_interval *interval)
 {
     conus_status status = layers->count < layers->capacity ? CONUS_OK : grow(layers);
     if (!status) {
-        layers->spans[layers->count++] = *span;
+        layers->intervals[layers->count++] = *interval;
     }
     return status;
 }
 
-static bool is_before(const conus_span *a, const conus_span *b)
+static bool is_before(const conus_interval *a, const conus_interval *b)
 {
     if (a->entry != b->entry) {
         return a->entry < b->entry;
@@ -49,28 +49,28 @@ static int compare(const void *a, const void *b)
 }
 
 /* By insertion as long as they are few: most of them are in order. */
-static void sort_pixel(conus_span *spans, size_t count)
+static void sort_pixel(conus_interval *intervals, size_t count)
 {
     if (count > FEW) {
-        qsort(spans, count, sizeof *spans, compare);
+        qsort(intervals, count, sizeof *intervals, compare);
         return;
     }
     for (size_t i = 1; i < count; i++) {
-        conus_span span = spans[i];
+        conus_interval interval = intervals[i];
         size_t place = i;
-        for (; place > 0 && is_before(&span, &spans[place - 1]); place--) {
-            spans[place] = spans[place - 1];
+        for (; place > 0 && is_before(&interval, &intervals[place - 1]); place--) {
+            intervals[place] = intervals[place - 1];
         }
-        spans[place] = span;
+        intervals[place] = interval;
     }
 }
 
-/* Moves the spans to out, pixel by pixel; end[p] becomes one past the last of pixel p. */
-static void deal_to_pixels(conus_span *out, size_t *end, const struct layers *layers, size_t pixels)
+/* Moves the intervals to out, pixel by pixel; end[p] becomes one past the last of pixel p. */
+static void deal_to_pixels(conus_interval *out, size_t *end, const struct layers *layers, size_t pixels)
 {
     size_t total = 0;
     for (size_t i = 0; i < layers->count; i++) {
-        end[layers->spans[i].pixel]++;
+        end[layers->intervals[i].pixel]++;
     }
     for (size_t p = 0; p < pixels; p++) {
         size_t first = total;
@@ -78,13 +78,13 @@ static void deal_to_pixels(conus_span *out, size_t *end, const struct layers *la
         end[p] = first;
     }
     for (size_t i = 0; i < layers->count; i++) {
-        out[end[layers->spans[i].pixel]++] = layers->spans[i];
+        out[end[layers->intervals[i].pixel]++] = layers->intervals[i];
     }
 }
 
 conus_status layers_sort(struct layers *layers, size_t pixels)
 {
-    conus_span *sorted = memory_raw(layers->capacity, sizeof *sorted);
+    conus_interval *sorted = memory_raw(layers->capacity, sizeof *sorted);
     size_t *end = memory_zeroed(pixels, sizeof *end);
     if (!sorted || !end) {
         memory_free(sorted);
@@ -95,32 +95,32 @@ conus_status layers_sort(struct layers *layers, size_t pixels)
     for (size_t p = 0, first = 0; p < pixels; first = end[p++]) {
         sort_pixel(sorted + first, end[p] - first);
     }
-    memory_free(layers->spans);
+    memory_free(layers->intervals);
     memory_free(end);
-    layers->spans = sorted;
+    layers->intervals = sorted;
     return CONUS_OK;
 }
 
 void layers_clip(struct layers *layers, const struct cone *cone)
 {
     size_t kept = 0;
-    size_t first = 0; /* of the pixel's kept spans */
+    size_t first = 0; /* of the pixel's kept intervals */
     for (size_t i = 0; i < layers->count; i++) {
-        conus_span span = layers->spans[i];
-        double per_depth = cone_per_depth(cone, span.pixel % cone->resolution, span.pixel / cone->resolution);
+        conus_interval interval = layers->intervals[i];
+        double per_depth = cone_per_depth(cone, interval.pixel % cone->resolution, interval.pixel / cone->resolution);
         double near = cone->range[0] * per_depth;
         double far = cone->range[1] * per_depth;
-        if (i == 0 || layers->spans[i - 1].pixel != span.pixel) {
-            sort_pixel(layers->spans + first, kept - first);
+        if (i == 0 || layers->intervals[i - 1].pixel != interval.pixel) {
+            sort_pixel(layers->intervals + first, kept - first);
             first = kept;
         }
-        if (span.entry <= far && span.exit >= near) {
-            span.entry = span.entry < near ? near : span.entry;
-            span.exit = span.exit > far ? far : span.exit;
-            layers->spans[kept++] = span;
+        if (interval.entry <= far && interval.exit >= near) {
+            interval.entry = interval.entry < near ? near : interval.entry;
+            interval.exit = interval.exit > far ? far : interval.exit;
+            layers->intervals[kept++] = interval;
         }
     }
-    sort_pixel(layers->spans + first, kept - first);
+    sort_pixel(layers->intervals + first, kept - first);
     layers->count = kept;
 }
 
@@ -128,31 +128,31 @@ void layers_first(struct evidence *out, const struct layers *layers)
 {
     evidence_clear(out);
     for (size_t i = layers->count; i > 0; i--) {
-        const conus_span *span = &layers->spans[i - 1];
-        out->object[span->pixel] = span->object;
-        out->distance[span->pixel] = span->entry;
-        out->voxel[span->pixel] = span->voxel;
+        const conus_interval *interval = &layers->intervals[i - 1];
+        out->object[interval->pixel] = interval->object;
+        out->distance[interval->pixel] = interval->entry;
+        out->voxel[interval->pixel] = interval->voxel;
     }
 }
 
-/* Takes spans first to end of one pixel to @p kept on; last[] is where the last span of each object went, + 1. Returns
- * one past the last. */
-static size_t regroup_pixel(conus_span *spans, size_t first, size_t end, size_t kept, const uint32_t *group,
+/* Takes intervals first to end of one pixel to @p kept on; last[] is where the last interval of each object went, + 1.
+ * Returns one past the last. */
+static size_t regroup_pixel(conus_interval *intervals, size_t first, size_t end, size_t kept, const uint32_t *group,
                             size_t *last)
 {
     size_t start = kept;
     for (size_t i = first; i < end; i++) {
-        conus_span span = spans[i];
-        span.object = group[span.object];
-        conus_span *before = last[span.object] > start ? &spans[last[span.object] - 1] : NULL;
-        if (before && span.entry <= before->exit) {
-            before->exit = span.exit > before->exit ? span.exit : before->exit;
+        conus_interval interval = intervals[i];
+        interval.object = group[interval.object];
+        conus_interval *before = last[interval.object] > start ? &intervals[last[interval.object] - 1] : NULL;
+        if (before && interval.entry <= before->exit) {
+            before->exit = interval.exit > before->exit ? interval.exit : before->exit;
         } else {
-            spans[kept++] = span;
-            last[span.object] = kept;
+            intervals[kept++] = interval;
+            last[interval.object] = kept;
         }
     }
-    sort_pixel(spans + start, kept - start);
+    sort_pixel(intervals + start, kept - start);
     return kept;
 }
 
@@ -164,10 +164,10 @@ conus_status layers_regroup(struct layers *layers, const uint32_t *group, size_t
         return CONUS_ERROR_MEMORY;
     }
     for (size_t first = 0, end = 0; first < layers->count; first = end) {
-        while (end < layers->count && layers->spans[end].pixel == layers->spans[first].pixel) {
+        while (end < layers->count && layers->intervals[end].pixel == layers->intervals[first].pixel) {
             end++;
         }
-        kept = regroup_pixel(layers->spans, first, end, kept, group, last);
+        kept = regroup_pixel(layers->intervals, first, end, kept, group, last);
     }
     layers->count = kept;
     memory_free(last);
@@ -178,8 +178,8 @@ void layers_drop_blockers(struct layers *layers)
 {
     size_t kept = 0;
     for (size_t i = 0; i < layers->count; i++) {
-        if (layers->spans[i].object != VOLUME_BLOCKER) {
-            layers->spans[kept++] = layers->spans[i];
+        if (layers->intervals[i].object != VOLUME_BLOCKER) {
+            layers->intervals[kept++] = layers->intervals[i];
         }
     }
     layers->count = kept;

@@ -8,9 +8,9 @@
 #include "selection/cone/cone.h"
 #include "selection/engine/evidence.h"
 
-/** Spans of an n x n buffer, pixels outside the aperture too. A zeroed one is empty. */
+/** Intervals of an n x n buffer, pixels outside the aperture too. A zeroed one is empty. */
 struct layers {
-    conus_span *spans;
+    conus_interval *intervals;
     size_t count, capacity;
 };
 
@@ -22,10 +22,10 @@ static inline void layers_clear(struct layers *layers)
     layers->count = 0;
 }
 
-/** Appends a copy of @p span. */
-conus_status layers_add(struct layers *layers, const conus_span *span);
+/** Appends a copy of @p interval. */
+conus_status layers_add(struct layers *layers, const conus_interval *interval);
 
-/** Sorts by pixel (of @p pixels), then entry, then object, then exit. Quick where a pixel's spans were appended in
+/** Sorts by pixel (of @p pixels), then entry, then object, then exit. Quick where a pixel's intervals were appended in
  * about that order. */
 conus_status layers_sort(struct layers *layers, size_t pixels);
 
@@ -36,11 +36,12 @@ void layers_clip(struct layers *layers, const struct cone *cone);
 /** What each pixel hit first, from sorted layers: the visible part of the evidence. */
 void layers_first(struct evidence *out, const struct layers *layers);
 
-/** Gives every span the object as which its own is reported, by @p group [@p object_count + 1]; spans of a pixel that
- * then have one object and touch or overlap become one. Needs sorted layers without blockers and leaves them sorted. */
+/** Gives every interval the object as which its own is reported, by @p group [@p object_count + 1]; intervals of a
+ * pixel that then have one object and touch or overlap become one. Needs sorted layers without blockers and leaves them
+ * sorted. */
 conus_status layers_regroup(struct layers *layers, const uint32_t *group, size_t object_count);
 
-/** Drops the spans of what blocks and is no object (VOLUME_BLOCKER). */
+/** Drops the intervals of what blocks and is no object (VOLUME_BLOCKER). */
 void layers_drop_blockers(struct layers *layers);
 
 #endif

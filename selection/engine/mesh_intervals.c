@@ -91,7 +91,7 @@ static void sort_pixel(struct crossing *crossings, size_t count)
     }
 }
 
-static conus_status make_room(struct mesh_intervals *intervals, size_t pixels)
+static conus_status reserve(struct mesh_intervals *intervals, size_t pixels)
 {
     if (intervals->sorted_capacity < intervals->capacity) {
         struct crossing *sorted = memory_raw(intervals->capacity, sizeof *sorted);
@@ -232,9 +232,9 @@ static const struct crossing *first_found(const struct chain *chain, size_t at)
     return crossing;
 }
 
-static conus_status add_piece(struct chain *chain, const struct crossing *at, double entry, double exit)
+static conus_status add_interval(struct chain *chain, const struct crossing *at, double entry, double exit)
 {
-    return layers_add(chain->out, &(conus_span){at->pixel, at->object, entry, exit, at->triangle});
+    return layers_add(chain->out, &(conus_interval){at->pixel, at->object, entry, exit, at->triangle});
 }
 
 /* ---- Closed surfaces ------------------------------------------------------------------------------------------- */
@@ -265,15 +265,15 @@ static int winding_at_start(const struct chain *chain)
 /* Intervals are where a closed surface winds around the ray's points. */
 static conus_status find_inside(struct chain *chain, int winding)
 {
-    conus_status status = winding ? add_piece(chain, &chain->crossings[0], 0, OPEN) : CONUS_OK;
+    conus_status status = winding ? add_interval(chain, &chain->crossings[0], 0, OPEN) : CONUS_OK;
     for (size_t i = 0; i < chain->count && !status; i++) {
         const struct crossing *crossing = &chain->crossings[i];
         int next = is_repeated(chain, i) ? winding : winding + crossing->side;
         if (winding == 0 && (next != 0 || crossing->side == 0)) {
             const struct crossing *first = first_found(chain, i);
-            status = add_piece(chain, first, first->t, next ? OPEN : first->t);
+            status = add_interval(chain, first, first->t, next ? OPEN : first->t);
         } else if (winding != 0 && next == 0) {
-            chain->out->spans[chain->out->count - 1].exit = crossing->t;
+            chain->out->intervals[chain->out->count - 1].exit = crossing->t;
         }
         winding = next;
     }
@@ -305,11 +305,11 @@ static bool turn_graze(const struct chain *chain, size_t at)
 }
 
 /* The last interval that has no exit yet; NULL = none. */
-static conus_span *last_open(const struct chain *chain)
+static conus_interval *last_open(const struct chain *chain)
 {
     for (size_t i = chain->out->count; i > chain->first; i--) {
-        if (chain->out->spans[i - 1].exit == OPEN) {
-            return &chain->out->spans[i - 1];
+        if (chain->out->intervals[i - 1].exit == OPEN) {
+            return &chain->out->intervals[i - 1];
         }
     }
     return NULL;
@@ -319,13 +319,13 @@ static conus_span *last_open(const struct chain *chain)
 static conus_status leave_object(struct chain *chain, size_t index)
 {
     const struct crossing *at = &chain->crossings[index];
-    conus_span *open = last_open(chain);
+    conus_interval *open = last_open(chain);
     if (open) {
         open->exit = at->t;
-        chain->out->count = (size_t)(open - chain->out->spans) + 1;
+        chain->out->count = (size_t)(open - chain->out->intervals) + 1;
         return CONUS_OK;
     }
-    return add_piece(chain, at, at->t, turn_graze(chain, index) ? OPEN : at->t);
+    return add_interval(chain, at, at->t, turn_graze(chain, index) ? OPEN : at->t);
 }
 
 static conus_status find_brackets(struct chain *chain)
@@ -338,7 +338,7 @@ static conus_status find_brackets(struct chain *chain)
             continue;
         }
         status = direction < 0 ? leave_object(chain, i)
-                               : add_piece(chain, crossing, crossing->t, direction ? OPEN : crossing->t);
+                               : add_interval(chain, crossing, crossing->t, direction ? OPEN : crossing->t);
     }
     return status;
 }
@@ -348,11 +348,11 @@ static conus_status find_brackets(struct chain *chain)
 /* Intervals that never ended have no length, and those that meet are one. */
 static void tidy(struct chain *chain)
 {
-    conus_span *intervals = chain->out->spans + chain->first;
+    conus_interval *intervals = chain->out->intervals + chain->first;
     size_t count = chain->out->count - chain->first;
     size_t kept = 0;
     for (size_t i = 0; i < count; i++) {
-        conus_span interval = intervals[i];
+        conus_interval interval = intervals[i];
         interval.exit = interval.exit == OPEN ? interval.entry : interval.exit;
         if (kept && interval.entry <= intervals[kept - 1].exit) {
             intervals[kept - 1].exit = fmax(intervals[kept - 1].exit, interval.exit);
@@ -395,7 +395,7 @@ static conus_status pair_pixel(struct layers *out, const struct mesh_intervals *
 conus_status mesh_intervals_pair(struct layers *out, struct mesh_intervals *intervals, const struct cone *cone)
 {
     size_t pixels = (size_t)cone->resolution * cone->resolution;
-    conus_status status = make_room(intervals, pixels);
+    conus_status status = reserve(intervals, pixels);
     if (!status) {
         deal_to_pixels(intervals, pixels);
     }

@@ -118,7 +118,7 @@ bool traverse_enter(const struct distance_map *map, const struct traverse_ray *r
     return last.t < INFINITY && is_inside(map, out->cell);
 }
 
-bool traverse_leap(const struct distance_map *map, const struct traverse_ray *ray, double radius,
+bool traverse_skip(const struct distance_map *map, const struct traverse_ray *ray, double radius,
                    struct traverse_place *place)
 {
     struct crossing first = {.t = INFINITY, .axis = 0};
@@ -145,7 +145,7 @@ struct traverse_contact traverse_one(const struct distance_map *map, const struc
         if (!code) {
             return (struct traverse_contact){.t = at.t, .voxel = traverse_voxel(map, &at)};
         }
-        inside = traverse_leap(map, ray, code - 1, &at);
+        inside = traverse_skip(map, ray, code - 1, &at);
     }
     return (struct traverse_contact){.t = INFINITY, .voxel = UINT64_MAX};
 }

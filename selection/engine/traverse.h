@@ -59,7 +59,7 @@ bool traverse_enter(const struct distance_map *map, const struct traverse_ray *r
 
 /** Leaves the box of @p radius cells around @p place, which must be empty; false if the ray is out of the map's box
  * then. */
-bool traverse_leap(const struct distance_map *map, const struct traverse_ray *ray, double radius,
+bool traverse_skip(const struct distance_map *map, const struct traverse_ray *ray, double radius,
                    struct traverse_place *place);
 
 /** Walks one ray; gives up beyond @p limit mm. */

@@ -3,7 +3,8 @@
 #include "selection/engine/traverse.h"
 
 /* Ends the interval at t, where the ray comes into a cell of `object`, and begins that one's. */
-static conus_status change_object(struct layers *out, conus_span *interval, uint32_t object, double t, uint64_t voxel)
+static conus_status change_object(struct layers *out, conus_interval *interval, uint32_t object, double t,
+                                  uint64_t voxel)
 {
     conus_status status = CONUS_OK;
     if (interval->object) {
@@ -20,7 +21,7 @@ conus_status traverse_pierce(struct layers *out, const struct distance_map *map,
                              const struct traverse_ray *ray, uint32_t pixel)
 {
     conus_status status = CONUS_OK;
-    conus_span interval = {.pixel = pixel};
+    conus_interval interval = {.pixel = pixel};
     struct traverse_place at;
     bool inside = traverse_enter(map, ray, &at);
     while (inside && !status) {
@@ -30,7 +31,7 @@ conus_status traverse_pierce(struct layers *out, const struct distance_map *map,
         if (object != interval.object) {
             status = change_object(out, &interval, object, at.t, voxel);
         }
-        inside = traverse_leap(map, ray, code ? code - 1 : 0, &at);
+        inside = traverse_skip(map, ray, code ? code - 1 : 0, &at);
     }
     return status ? status : change_object(out, &interval, 0, at.t, 0);
 }

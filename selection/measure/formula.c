@@ -205,8 +205,7 @@ static conus_status check_divisor(const struct formula *formula, size_t first)
         }
     }
     double divisor = value_of(formula, first, NULL);
-    return isfinite(divisor) && divisor != 0 ? CONUS_OK
-                                             : fail(CONUS_ERROR_ARGUMENT, "division by 0 whatever is looked at");
+    return isfinite(divisor) && divisor != 0 ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "division by 0 for every object");
 }
 
 static conus_status parse_product(struct parser *parser)

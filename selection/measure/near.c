@@ -188,7 +188,7 @@ static void search_volume(struct near *near, const struct volume *volume, const 
 /* ---- Surfaces ----------------------------------------------------------------------------------------------- */
 
 /* Distance from the ball's centre to the box around the mesh. */
-static double bounds_distance(const struct mesh *mesh, const double center[3])
+static double bounds_distance(const struct mesh *mesh, const double centre[3])
 {
     double gap[3];
     for (int a = 0; a < 3; a++) {
@@ -199,7 +199,7 @@ static double bounds_distance(const struct mesh *mesh, const double center[3])
             low = x < low ? x : low;
             high = x > high ? x : high;
         }
-        gap[a] = center[a] < low ? low - center[a] : center[a] > high ? center[a] - high : 0;
+        gap[a] = centre[a] < low ? low - centre[a] : centre[a] > high ? centre[a] - high : 0;
     }
     return vec3_length(gap);
 }
@@ -225,7 +225,7 @@ void near_take(struct near *near, const conus_atlas *atlas, const struct region 
     }
     near->touched_count = 0;
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_is_met(&atlas->volumes[i])) {
+        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_can_be_hit(&atlas->volumes[i])) {
             search_volume(near, &atlas->volumes[i], ball);
         }
     }

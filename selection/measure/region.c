@@ -28,10 +28,10 @@ void region_from_cone(struct region *out, const struct cone *cone)
     out->cosine = cos(cone->angle / 2);
 }
 
-void region_ball(struct region *out, const double center[3], double radius)
+void region_ball(struct region *out, const double centre[3], double radius)
 {
     *out = (struct region){.shape = REGION_BALL, .radius = radius, .near = -INFINITY, .far = INFINITY};
-    memcpy(out->origin, center, sizeof out->origin);
+    memcpy(out->origin, centre, sizeof out->origin);
 }
 
 bool region_has(const struct region *region, const double point[3])
@@ -206,8 +206,8 @@ void region_bounds_init(struct region_bounds *out, const struct region *region, 
         const double g[3] = {m[a], m[4 + a], m[8 + a]};
         double x = vec3_dot(g, region->right);
         double y = vec3_dot(g, region->up);
-        out->along[a].center[0] = origin[a];
-        out->along[a].center[1] = vec3_dot(g, region->axis);
+        out->along[a].centre[0] = origin[a];
+        out->along[a].centre[1] = vec3_dot(g, region->axis);
         out->along[a].spread = region->shape == REGION_BALL ? vec3_length(g)
                                : region->square             ? fabs(x) + fabs(y)
                                                             : sqrt(x * x + y * y);
@@ -219,11 +219,11 @@ void region_bounds_init(struct region_bounds *out, const struct region *region, 
 
 bool region_bounds_plane(double depth[2], const struct region_bounds *bounds, int axis, double index)
 {
-    const double *center = bounds->along[axis].center;
+    const double *centre = bounds->along[axis].centre;
     double reach[2] = {SLACK + bounds->along[axis].spread * bounds->rim[0],
                        bounds->along[axis].spread * bounds->rim[1]};
-    return clip_half(depth, reach[0] + center[0] - index, reach[1] + center[1], 1 / (reach[1] + center[1])) &&
-           clip_half(depth, reach[0] - center[0] + index, reach[1] - center[1], 1 / (reach[1] - center[1]));
+    return clip_half(depth, reach[0] + centre[0] - index, reach[1] + centre[1], 1 / (reach[1] + centre[1])) &&
+           clip_half(depth, reach[0] - centre[0] + index, reach[1] - centre[1], 1 / (reach[1] - centre[1]));
 }
 
 bool region_bounds_range(size_t out[2], const struct region_bounds *bounds, int axis, const double depth[2], size_t dim)
@@ -231,10 +231,10 @@ bool region_bounds_range(size_t out[2], const struct region_bounds *bounds, int 
     double low = INFINITY;
     double high = -INFINITY;
     for (int end = 0; end < 2; end++) {
-        double center = bounds->along[axis].center[0] + bounds->along[axis].center[1] * depth[end];
+        double centre = bounds->along[axis].centre[0] + bounds->along[axis].centre[1] * depth[end];
         double reach = SLACK + bounds->along[axis].spread * (bounds->rim[0] + bounds->rim[1] * depth[end]);
-        low = fmin(low, center - reach);
-        high = fmax(high, center + reach);
+        low = fmin(low, centre - reach);
+        high = fmax(high, centre + reach);
     }
     low = fmax(ceil(low), 0);
     high = fmin(floor(high), (double)dim - 1);

@@ -25,7 +25,7 @@ struct region {
 void region_from_cone(struct region *out, const struct cone *cone);
 
 /** A ball of @p radius > 0 mm. */
-void region_ball(struct region *out, const double center[3], double radius);
+void region_ball(struct region *out, const double centre[3], double radius);
 
 /** Whether the world point @p point is in the region, its border included (Eq. 10). */
 bool region_has(const struct region *region, const double point[3]);
@@ -56,7 +56,7 @@ struct region_bounds {
     double depth[2]; /**< Of the grid's voxels in the region, along the axis; of a ball (0, 0).             */
     double rim[2];   /**< Half-width at depth z: rim[0] + rim[1] z.                                         */
     struct {
-        double center[2]; /**< The axis at depth z is at center[0] + center[1] z;                           */
+        double centre[2]; /**< The axis at depth z is at centre[0] + centre[1] z;                           */
         double spread;    /**< the region reaches so much farther both ways, times its half-width.          */
     } along[3];
 };

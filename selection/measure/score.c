@@ -26,10 +26,10 @@ static double by_share(const conus_result *result, const struct score_view *view
 /* r of the pixel closest to the centre. */
 static double radius_of(const conus_result *result, const struct cone *cone)
 {
-    return 2 * result->center_px / cone->resolution;
+    return 2 * result->centre_px / cone->resolution;
 }
 
-static double by_center(const conus_result *result, const struct score_view *view)
+static double by_centre(const conus_result *result, const struct score_view *view)
 {
     const struct cone *cone = view->cone;
     return !result->pixels    ? 0
@@ -117,7 +117,7 @@ static double by_smallest(const conus_result *result, const struct score_view *v
 static const struct score scores[] = {
     {{.name = "share", .description = "part of the cone's solid angle, 0 to 1"}, .value = by_share},
     {{.name = "centre", .description = "closeness to the axis: 1 on it, 0 on the cone's surface, linear in the angle"},
-     .value = by_center},
+     .value = by_centre},
     {{.name = "distance", .description = "nearness to the apex: minus the distance in mm"}, .value = by_distance},
     {{.name = "time",
       .description = "SenseShapes: part of the last seconds that it was in the cone, 0 to 1",

@@ -11,7 +11,7 @@
 
 enum { NO_PIXEL = UINT32_MAX };
 
-/* What is kept of an object while its pixels and spans come by. */
+/* What is kept of an object while its pixels and intervals come by. */
 struct tallied {
     bool touched;
     uint32_t pixels;
@@ -22,10 +22,10 @@ struct tallied {
     double nearest;
     uint32_t pierced;
     uint32_t last_pixel; /* the one that pierced it last, and */
-    double run_entry;    /* where its last spans there begin, without a gap between them, */
+    double run_entry;    /* where its last intervals there begin, without a gap between them, */
     double last_exit;    /* and how far they reach */
     double entry, exit;
-    double length; /* of all its spans' union, over all rays, but for the last run */
+    double length; /* of all its intervals' union, over all rays, but for the last run */
     double volume; /* of its meshes                          */
     bool in_grid;  /* some of it is voxels,                  */
     uint64_t voxels;
@@ -124,7 +124,7 @@ static size_t add_run(struct tallied *object, const struct aperture *aperture, c
 {
     const uint32_t *inside = aperture->inside;
     const double *distances = evidence->distance;
-    uint32_t met = evidence->object[inside[first]];
+    uint32_t hit = evidence->object[inside[first]];
     uint32_t contact = object->pixel; /* what is added up is here, or it would go to memory and back each time */
     double radius = object->radius;
     double contact_distance = object->contact_distance;
@@ -141,7 +141,7 @@ static size_t add_run(struct tallied *object, const struct aperture *aperture, c
         contact_distance = better ? distance : contact_distance;
         nearest = distance < nearest ? distance : nearest;
         weight += aperture->weight[pixel];
-    } while (k < aperture->rays.count && evidence->object[inside[k]] == met);
+    } while (k < aperture->rays.count && evidence->object[inside[k]] == hit);
     object->pixel = contact;
     object->radius = radius;
     object->contact_distance = contact_distance;
@@ -157,8 +157,8 @@ static void add_pixels(struct tally *tally, const struct gathering *gathering)
     const struct aperture *aperture = gathering->aperture;
     touch(tally, 0);
     for (size_t k = 0; k < aperture->rays.count;) {
-        uint32_t met = evidence->object[aperture->inside[k]];
-        k = add_run(touch(tally, group_of(gathering, met)), aperture, evidence, k);
+        uint32_t hit = evidence->object[aperture->inside[k]];
+        k = add_run(touch(tally, group_of(gathering, hit)), aperture, evidence, k);
     }
 }
 
@@ -172,40 +172,40 @@ static double volume_between(const struct cone *cone, double from, double to)
 
 /* Adds the run that has come to its end, in one piece: however it is cut into objects that are reported as one, its
  * length has the same bits. */
-static void end_run(struct tallied *object, const conus_span *next)
+static void end_run(struct tallied *object, const conus_interval *next)
 {
     object->length += object->last_exit - object->run_entry;
     object->run_entry = object->last_exit = next->entry;
 }
 
-/* Spans of a pixel come by entry, so what they add to their union is what reaches beyond the last exit. */
-static void add_span(struct tallied *object, const conus_span *span, const struct cone *cone, double weight)
+/* Intervals of a pixel come by entry, so what they add to their union is what reaches beyond the last exit. */
+static void add_interval(struct tallied *object, const conus_interval *interval, const struct cone *cone, double weight)
 {
-    bool is_next_pixel = object->last_pixel != span->pixel;
-    if (is_next_pixel || span->entry > object->last_exit) {
-        end_run(object, span);
+    bool is_next_pixel = object->last_pixel != interval->pixel;
+    if (is_next_pixel || interval->entry > object->last_exit) {
+        end_run(object, interval);
     }
     object->pierced += is_next_pixel;
-    object->last_pixel = span->pixel;
-    object->entry = fmin(object->entry, span->entry);
-    object->exit = fmax(object->exit, span->exit);
-    if (span->exit > object->last_exit) {
-        object->volume += weight * volume_between(cone, object->last_exit, span->exit);
-        object->last_exit = span->exit;
+    object->last_pixel = interval->pixel;
+    object->entry = fmin(object->entry, interval->entry);
+    object->exit = fmax(object->exit, interval->exit);
+    if (interval->exit > object->last_exit) {
+        object->volume += weight * volume_between(cone, object->last_exit, interval->exit);
+        object->last_exit = interval->exit;
     }
 }
 
-static void add_spans(struct tally *tally, const struct gathering *gathering)
+static void add_intervals(struct tally *tally, const struct gathering *gathering)
 {
     const struct layers *layers = gathering->layers;
     const struct aperture *aperture = gathering->aperture;
     for (size_t s = 0; s < layers->count; s++) {
-        const conus_span *span = &layers->spans[s];
-        if (aperture->in_cone[span->pixel]) {
-            bool mesh = atlas_object_mesh(gathering->atlas, span->object);
-            struct tallied *object = touch(tally, group_of(gathering, span->object));
+        const conus_interval *interval = &layers->intervals[s];
+        if (aperture->in_cone[interval->pixel]) {
+            bool mesh = atlas_object_mesh(gathering->atlas, interval->object);
+            struct tallied *object = touch(tally, group_of(gathering, interval->object));
             object->in_grid = object->in_grid || !mesh;
-            add_span(object, span, gathering->cone, mesh ? aperture->weight[span->pixel] : 0);
+            add_interval(object, interval, gathering->cone, mesh ? aperture->weight[interval->pixel] : 0);
         }
     }
 }
@@ -315,7 +315,7 @@ static void describe_layers(conus_result *result, const struct tallied *object, 
 
 conus_result statistics_empty_result(uint32_t number)
 {
-    conus_result result = {.object = number, .score = NAN, .center_px = NAN, .offset = NAN, .distance = NAN};
+    conus_result result = {.object = number, .score = NAN, .centre_px = NAN, .offset = NAN, .distance = NAN};
     result.contact[0] = result.contact[1] = result.contact[2] = NAN;
     result.entry = result.exit = result.path = NAN;
     result.volume = result.fraction = result.cone_fraction = NAN;
@@ -332,7 +332,7 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
     result.pixels = object->pixels;
     result.share = object->weight / totals->weight;
     if (number && object->pixels) {
-        result.center_px = object->radius * cone->resolution / 2;
+        result.centre_px = object->radius * cone->resolution / 2;
         result.offset = cone_off_axis(cone, object->radius);
         result.distance = object->nearest;
         evidence_position(result.contact, gathering->evidence, cone, object->pixel % cone->resolution,
@@ -362,7 +362,7 @@ conus_status statistics_gather(struct statistics *out, const struct gathering *g
         add_pixels(tally, gathering);
     }
     if (gathering->aperture && gathering->layers) {
-        add_spans(tally, gathering);
+        add_intervals(tally, gathering);
     }
     if (gathering->near) {
         add_near(tally, gathering);

@@ -49,14 +49,14 @@ static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT
         if (!conus_atlas_is_hidden(atlas, number) && picture->emphasis[number] == EMPHASIS_PALE) {
             const conus_object *pathway = &atlas->objects[number - 1];
             if (others++ < PATHWAY_ROWS - 1) {
-                rows[count++] = (struct legend_row){.name = pathway->name, .detail = {"not met"}};
+                rows[count++] = (struct legend_row){.name = pathway->name, .detail = {"not hit"}};
                 memcpy(rows[count - 1].rgb, pathway->rgb, sizeof pathway->rgb);
             }
         }
     }
     if (others > count) {
         snprintf(words, TEXT_SIZE, "%zu pathways", others);
-        rows[0] = (struct legend_row){.name = words, .hollow = true, .detail = {"not met"}};
+        rows[0] = (struct legend_row){.name = words, .hollow = true, .detail = {"not hit"}};
         count = 1;
     }
     if (pathways_first(atlas) && atlas_parcellation(atlas)) {
@@ -125,7 +125,7 @@ static conus_status draw_legend(conus_image *image, struct font *font, const str
             }
         }
         count += add_pathways(rows + count, words, picture);
-        const struct legend legend = {.title = "What the cone meets first",
+        const struct legend legend = {.title = "First hits of the cone",
                                       .subtitle = subtitle,
                                       .header = {"share", "distance"},
                                       .rows = rows,

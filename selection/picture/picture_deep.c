@@ -11,13 +11,13 @@
 
 /* ---- Samples ---- */
 
-/* Samples of pixel (x, y) of the image, which begins at its top, begin at this span. */
-static size_t *first_spans(const conus_selection *selection)
+/* Samples of pixel (x, y) of the image, which begins at its top, begin at this interval. */
+static size_t *first_intervals(const conus_selection *selection)
 {
     size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
     size_t *first = memory_zeroed(pixels + 1, sizeof *first);
     for (size_t i = 0; first && i < selection->layers.count; i++) {
-        first[selection->layers.spans[i].pixel + 1]++;
+        first[selection->layers.intervals[i].pixel + 1]++;
     }
     for (size_t i = 0; first && i < pixels; i++) {
         first[i + 1] += first[i];
@@ -64,16 +64,16 @@ static conus_status add_channels(struct deep_image *image)
 }
 
 static void fill_sample(struct image_channel *channels, size_t sample, const conus_selection *selection,
-                        const conus_span *span)
+                        const conus_interval *interval)
 {
     uint32_t n = selection->cone.resolution;
-    double per_depth = cone_per_depth(&selection->cone, span->pixel % n, span->pixel / n);
-    channels[ID].uints[sample] = conus_atlas_object(selection->atlas, span->object)->label;
-    channels[OBJECT].uints[sample] = span->object;
-    channels[Z].floats[sample] = (float)(span->entry / per_depth);
-    channels[Z_BACK].floats[sample] = (float)(span->exit / per_depth);
-    channels[T].floats[sample] = (float)span->entry;
-    channels[T_BACK].floats[sample] = (float)span->exit;
+    double per_depth = cone_per_depth(&selection->cone, interval->pixel % n, interval->pixel / n);
+    channels[ID].uints[sample] = conus_atlas_object(selection->atlas, interval->object)->label;
+    channels[OBJECT].uints[sample] = interval->object;
+    channels[Z].floats[sample] = (float)(interval->entry / per_depth);
+    channels[Z_BACK].floats[sample] = (float)(interval->exit / per_depth);
+    channels[T].floats[sample] = (float)interval->entry;
+    channels[T_BACK].floats[sample] = (float)interval->exit;
     channels[A].floats[sample] = 1;
 }
 
@@ -85,7 +85,7 @@ static void fill_channels(struct deep_image *image, const conus_selection *selec
         for (uint32_t x = 0; x < n; x++) {
             size_t pixel = pixel_from_top(selection, x, y);
             for (size_t i = first[pixel]; i < first[pixel + 1]; i++) {
-                fill_sample(image->channels, sample++, selection, &selection->layers.spans[i]);
+                fill_sample(image->channels, sample++, selection, &selection->layers.intervals[i]);
             }
         }
     }
@@ -110,7 +110,7 @@ static struct named *list_objects(size_t *count, const conus_selection *selectio
         return NULL;
     }
     for (size_t i = 0; i < selection->layers.count; i++) {
-        present[selection->layers.spans[i].object] = true;
+        present[selection->layers.intervals[i].object] = true;
     }
     *count = 0;
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
@@ -249,7 +249,7 @@ static conus_status add_names(struct deep_image *image, const conus_selection *s
 static conus_status create_image(struct deep_image **out, const conus_selection *selection)
 {
     struct deep_image *image = NULL;
-    size_t *first = first_spans(selection);
+    size_t *first = first_intervals(selection);
     conus_status status = first ? count_samples(&image, selection, first) : CONUS_ERROR_MEMORY;
     status = status ? status : add_channels(image);
     if (!status) {

@@ -141,9 +141,9 @@ uint8_t *picture_emphasis(const conus_selection *selection, uint32_t chosen)
     size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
     uint8_t *emphasis = memory_zeroed(count, sizeof *emphasis);
     for (size_t i = 0; emphasis && i < selection->layers.count; i++) {
-        const conus_span *span = &selection->layers.spans[i];
-        if (selection->in_cone[span->pixel]) {
-            emphasis[group_of(selection, span->object)] = EMPHASIS_HATCHED;
+        const conus_interval *interval = &selection->layers.intervals[i];
+        if (selection->in_cone[interval->pixel]) {
+            emphasis[group_of(selection, interval->object)] = EMPHASIS_HATCHED;
         }
     }
     for (size_t p = 0; emphasis && p < pixels; p++) {

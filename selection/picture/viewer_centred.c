@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_look_through(): the camera of a viewer before a window. */
+/* conus_window_camera(): the camera of a viewer before a window. */
 #include "base/math3.h"
 #include "selection/picture/picture.h"
 
@@ -15,8 +15,8 @@ static conus_status check_window(const double size[2], const double eye[3])
                : fail(CONUS_ERROR_ARGUMENT, "eye: %g,%g,%g, allowed are finite numbers", eye[0], eye[1], eye[2]);
 }
 
-conus_status conus_look_through(conus_pose *camera, double frustum[4], const conus_pose *window, const double size[2],
-                                const double eye[3])
+conus_status conus_window_camera(conus_pose *camera, double frustum[4], const conus_pose *window, const double size[2],
+                                 const double eye[3])
 {
     conus_pose exact;
     double offset[3];
@@ -24,7 +24,7 @@ conus_status conus_look_through(conus_pose *camera, double frustum[4], const con
     conus_status status = check_window(size, eye);
     status = status ? status : conus_pose_from_matrix(&exact, window->world_from_device);
     if (status) {
-        return fail_in(status, "look through");
+        return fail_in(status, "window");
     }
     const double *m = exact.world_from_device;
     vec3_sub(offset, eye, m + 12);

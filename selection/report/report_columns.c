@@ -100,7 +100,7 @@ static const struct report_column answer_columns[] = {
     {"share", NULL, "its part of the cone's solid angle; all shares of a query sum to 1", OF_ROW(NUMBER, result.share)},
     {"pierced", NULL, "pixels whose ray passes it, hidden or not", OF_ROW(COUNT, result.pierced),
      .needs = NEEDS_RAYS | NEEDS_LAYERS},
-    {"center_px", "pixel", "smallest distance of its pixels to the buffer's centre", OF_ROW(NUMBER, result.center_px)},
+    {"center_px", "pixel", "smallest distance of its pixels to the buffer's centre", OF_ROW(NUMBER, result.centre_px)},
     {"offset_deg", "degree", "smallest angle between its rays and the axis", OF_ROW(ANGLE, result.offset)},
     {"distance_mm", "mm", "distance from the apex to the nearest first contact of any of its pixels",
      OF_ROW(NUMBER, result.distance)},

@@ -123,13 +123,13 @@ static void write_regions(struct buffer *out, const struct shank *shank)
     }
 }
 
-/* Trajectories are no contacts: what looks along a direction is met before its end, and has no place on a probe. */
+/* Trajectories are no contacts: what has a direction is met before its end, and has no place on a probe. */
 static conus_status check_contacts(const conus_report *report)
 {
     for (size_t i = 0; i < report->query_count; i++) {
         if (!report->queries[i].error && !(report->queries[i].ball > 0)) {
             return fail(CONUS_ERROR_ARGUMENT,
-                        "format: contacts of a probe are points with a radius, \"%s\" looks along a direction",
+                        "format: contacts of a probe are points with a radius, \"%s\" has a direction",
                         report->queries[i].id);
         }
     }

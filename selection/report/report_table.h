@@ -5,7 +5,7 @@
 
 #include "selection/report/report.h"
 
-#define TABLE_NOTHING "(nothing met)"
+#define TABLE_NOTHING "(nothing hit)"
 
 enum { TABLE_LABEL_SIZE = 16 };
 

@@ -135,7 +135,7 @@ static void list_voxels(struct listing *listing, const conus_selection *selectio
     const conus_atlas *atlas = selection->atlas;
     listing->count = 0;
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_is_met(&atlas->volumes[i])) {
+        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_can_be_hit(&atlas->volumes[i])) {
             census_walk(&selection->region, &atlas->volumes[i], list_row, listing);
         }
     }

@@ -152,7 +152,7 @@ static bool is_left(const double a[3], const double b[3])
 }
 
 /* Whether the axis's line passes the triangle, at which depth, and from which side. */
-static bool meets_axis(double *depth, bool *faces, const struct polygon *triangle)
+static bool hits_axis(double *depth, bool *faces, const struct polygon *triangle)
 {
     const double(*p)[3] = triangle->corners;
     bool left = is_left(p[0], p[1]);
@@ -202,7 +202,7 @@ void admission_of_mesh(struct admission *admission, const struct region *region,
         double depth;
         bool faces;
         read_triangle(&polygon, region, mesh, i);
-        if (meets_axis(&depth, &faces, &polygon)) {
+        if (hits_axis(&depth, &faces, &polygon)) {
             if (depth >= region->near && depth <= region->far) {
                 admit_point(admission, region, (const double[]){0, 0, depth});
             }

@@ -16,7 +16,7 @@ static const double margin = 1e-9;
 static const double tiny_mm = 1;
 
 /* Whether the ray along the device's axis hits the box, grown by `more`. */
-static bool axis_meets(const double m[16], const double low[3], const double high[3], double more)
+static bool axis_hits(const double m[16], const double low[3], const double high[3], double more)
 {
     double from = 0;
     double to = INFINITY;
@@ -89,7 +89,7 @@ bool aims_past(const struct cone *cone, const double low[3], const double high[3
 {
     const double *m = cone->pose.world_from_device;
     double around = cone->aperture == CONUS_APERTURE_SQUARE ? sqrt(2) : 1;
-    if (axis_meets(m, low, high, cone->radius * around * (1 + margin))) {
+    if (axis_hits(m, low, high, cone->radius * around * (1 + margin))) {
         return false;
     }
     double slope = cone_slope(cone) * around * (1 + margin);
@@ -101,7 +101,7 @@ static uint32_t object_at(const conus_atlas *atlas, const double point[3])
     for (size_t i = 0; i < atlas->volume_count; i++) {
         const struct volume *volume = &atlas->volumes[i];
         size_t voxel;
-        if (volume->info.role != CONUS_ROLE_CONTEXT && volume_is_met(volume) &&
+        if (volume->info.role != CONUS_ROLE_CONTEXT && volume_can_be_hit(volume) &&
             volume_find_voxel(&voxel, volume, point) && volume_object(volume, voxel)) {
             return volume_object(volume, voxel);
         }
@@ -151,11 +151,12 @@ static uint32_t object_around(const conus_selector *selector, const struct cone 
         return 0;
     }
     for (size_t i = 0; i < layers.count; i++) {
-        const conus_span *span = &layers.spans[i];
-        const struct mesh *mesh = span->entry == 0 && span->exit > 0 ? closed_mesh(atlas, span->object) : NULL;
+        const conus_interval *interval = &layers.intervals[i];
+        const struct mesh *mesh =
+            interval->entry == 0 && interval->exit > 0 ? closed_mesh(atlas, interval->object) : NULL;
         if (mesh && fabs(mesh->shape.volume_mm3) < least) {
             least = fabs(mesh->shape.volume_mm3);
-            found = span->object;
+            found = interval->object;
         }
     }
     layers_finish(&layers);

@@ -39,7 +39,7 @@ static void search(struct admission *admissions, const conus_selector *selector,
     widest.angle = WIDEST;
     region_from_cone(&region, &widest);
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (volume_is_met(&atlas->volumes[i])) {
+        if (volume_can_be_hit(&atlas->volumes[i])) {
             admission_of_volume(admissions, &region, &atlas->volumes[i], group);
         }
     }

@@ -151,7 +151,7 @@ static size_t take_samples(conus_tracker *tracker, const conus_selection *select
 }
 
 /* All that a step may need, so that it cannot fail half way. */
-static conus_status make_room(conus_tracker *tracker, conus_selection *selection, size_t *sample_count)
+static conus_status reserve(conus_tracker *tracker, conus_selection *selection, size_t *sample_count)
 {
     struct statistics *statistics = &selection->statistics;
     void *samples = tracker->samples;
@@ -271,7 +271,7 @@ conus_status conus_tracker_step(conus_selection **out, conus_tracker *tracker, d
     size_t count = 0;
     conus_status status = check_time(tracker, time_s);
     status = status ? status : selection_trace(&selection, tracker->selector, pose, angle);
-    status = status ? status : make_room(tracker, selection, &count);
+    status = status ? status : reserve(tracker, selection, &count);
     if (status) {
         conus_selection_destroy(selection);
         return status;

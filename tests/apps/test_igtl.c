@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROOM = 4096 };
+enum { CAPACITY = 4096 };
 
 /* What a listener heard last. */
 struct heard {
@@ -33,7 +33,7 @@ static struct igtl_reader *new_reader(void)
 
 static size_t write_turned(uint8_t *out)
 {
-    size_t size = igtl_write_transform(out, ROOM, "Pointer", 1.5, turned);
+    size_t size = igtl_write_transform(out, CAPACITY, "Pointer", 1.5, turned);
     assert_int_equal(size, IGTL_HEADER + 48);
     return size;
 }
@@ -48,7 +48,7 @@ static void the_checksum_is_ecma_182(void **state)
 static void a_transform_is_read_as_written(void **state)
 {
     (void)state;
-    uint8_t bytes[ROOM];
+    uint8_t bytes[CAPACITY];
     struct heard heard = {0};
     size_t size = write_turned(bytes);
     assert_true(igtl_read(new_reader(), bytes, size, hear, &heard));
@@ -65,9 +65,9 @@ static void a_transform_is_read_as_written(void **state)
 static void it_may_arrive_in_any_pieces(void **state)
 {
     (void)state;
-    uint8_t bytes[ROOM];
+    uint8_t bytes[CAPACITY];
     size_t size = write_turned(bytes);
-    size += igtl_write_string(bytes + size, ROOM - size, "x", 0, "text that is passed over");
+    size += igtl_write_string(bytes + size, CAPACITY - size, "x", 0, "text that is passed over");
     size += write_turned(bytes + size);
     for (size_t piece = 1; piece <= size; piece++) {
         struct heard heard = {0};
@@ -86,7 +86,7 @@ static void it_may_arrive_in_any_pieces(void **state)
 static void every_prefix_waits(void **state)
 {
     (void)state;
-    uint8_t bytes[ROOM];
+    uint8_t bytes[CAPACITY];
     size_t size = write_turned(bytes);
     for (size_t length = 0; length < size; length++) {
         struct heard heard = {0};
@@ -139,7 +139,7 @@ static void put_float(uint8_t *bytes, float value)
 
 static struct heard read_one(const char *type, uint64_t version, const uint8_t *content, size_t size)
 {
-    uint8_t bytes[ROOM];
+    uint8_t bytes[CAPACITY];
     struct heard heard = {0};
     assert_true(igtl_read(new_reader(), bytes, wrap(bytes, type, version, content, size), hear, &heard));
     return heard;
@@ -210,9 +210,9 @@ static void an_identity_is_a_lost_tool(void **state)
 {
     (void)state;
     const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    uint8_t bytes[ROOM];
+    uint8_t bytes[CAPACITY];
     struct heard heard = {0};
-    size_t size = igtl_write_transform(bytes, ROOM, "Pointer", 0, identity);
+    size_t size = igtl_write_transform(bytes, CAPACITY, "Pointer", 0, identity);
     assert_true(igtl_read(new_reader(), bytes, size, hear, &heard));
     assert_true(heard.poses.tools[0].lost);
 }
@@ -230,10 +230,10 @@ static void what_is_no_pose_is_counted(void **state)
     nan_turn[1] = NAN;
     const double *const bad[] = {mirrored, scaled, nan_place, nan_turn};
     for (size_t i = 0; i < 4; i++) {
-        uint8_t bytes[ROOM];
+        uint8_t bytes[CAPACITY];
         struct heard heard = {0};
         struct igtl_reader *reader = new_reader();
-        size_t size = igtl_write_transform(bytes, ROOM, "Pointer", 0, bad[i]);
+        size_t size = igtl_write_transform(bytes, CAPACITY, "Pointer", 0, bad[i]);
         assert_true(igtl_read(reader, bytes, size, hear, &heard));
         assert_int_equal(heard.messages, 0);
         assert_int_equal(reader->counts.refused, 1);
@@ -246,7 +246,7 @@ static void what_is_no_pose_is_counted(void **state)
 static void broken_messages_are_counted_and_passed(void **state)
 {
     (void)state;
-    uint8_t bytes[ROOM];
+    uint8_t bytes[CAPACITY];
     struct heard heard = {0};
     struct igtl_reader *reader = new_reader();
     size_t size = write_turned(bytes);
@@ -266,7 +266,7 @@ static void hostile_headers_end_the_connection(void **state)
     (void)state;
     static const uint64_t sizes[] = {UINT64_MAX, UINT64_MAX - IGTL_HEADER, INT64_MAX, UINT64_C(1) << 32,
                                      (uint64_t)IGTL_SKIP_LIMIT + 1};
-    uint8_t bytes[ROOM];
+    uint8_t bytes[CAPACITY];
     struct heard heard = {0};
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         size_t size = write_turned(bytes);
@@ -290,7 +290,7 @@ static void extended_headers_must_fit(void **state)
         uint64_t value;
     } lies[] = {{0, 2, 0}, {0, 2, 11}, {0, 2, 0xffff}, {2, 2, 0xffff}, {4, 4, 0xffffffff}, {4, 4, 1000}};
     for (size_t i = 0; i < sizeof lies / sizeof lies[0]; i++) {
-        uint8_t bytes[ROOM];
+        uint8_t bytes[CAPACITY];
         uint8_t content[48] = {0};
         struct heard heard = {0};
         struct igtl_reader *reader = new_reader();
@@ -307,7 +307,7 @@ static void big_messages_of_other_kinds_are_passed_over(void **state)
 {
     (void)state;
     static uint8_t zeros[1 << 16];
-    uint8_t bytes[ROOM];
+    uint8_t bytes[CAPACITY];
     struct heard heard = {0};
     struct igtl_reader *reader = new_reader();
     memset(bytes, 0, IGTL_HEADER);
@@ -326,7 +326,7 @@ static void big_messages_of_other_kinds_are_passed_over(void **state)
 static void what_does_not_fit_is_not_written(void **state)
 {
     (void)state;
-    uint8_t bytes[ROOM];
+    uint8_t bytes[CAPACITY];
     const struct igtl_point point = {.name = "Insula_L", .rgb = {1, 2, 3}, .position = {4, 5, 6}};
     assert_int_equal(igtl_write_string(bytes, IGTL_HEADER + 4 + 2, "x", 0, "abc"), 0);
     assert_int_equal(igtl_write_string(bytes, IGTL_HEADER + 4 + 3, "x", 0, "abc"), IGTL_HEADER + 7);

@@ -12,7 +12,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum { ROOM = 4096, PLACES = 4 /* for peers */ };
+enum { CAPACITY = 4096, PLACES = 4 /* for peers */ };
 
 static const double turned[16] = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 10, -20, 30, 1};
 static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -48,7 +48,7 @@ static void send_all(int peer, const uint8_t *bytes, size_t size)
 
 static void send_pose(int peer, const char *tool, const double matrix[16])
 {
-    uint8_t bytes[ROOM];
+    uint8_t bytes[CAPACITY];
     send_all(peer, bytes, igtl_write_transform(bytes, sizeof bytes, tool, 2, matrix));
 }
 
@@ -264,7 +264,7 @@ static bool is_closed(int peer)
 /* A pose that may meet a closed door. */
 static void try_pose(int peer, const char *tool)
 {
-    uint8_t bytes[ROOM];
+    uint8_t bytes[CAPACITY];
     ssize_t sent = send(peer, bytes, igtl_write_transform(bytes, sizeof bytes, tool, 2, turned), MSG_NOSIGNAL);
     (void)sent;
 }
@@ -405,7 +405,7 @@ static void sent_selection_arrives(void **state)
     (void)state;
     static const char json[] = "{\"best\": \"Insula_L\"}";
     const struct igtl_point point = {.name = "Insula_L", .rgb = {1, 2, 3}, .position = {4, 5, 6}};
-    uint8_t bytes[ROOM];
+    uint8_t bytes[CAPACITY];
     struct station *station = start(&(struct station_options){0});
     int peer = connect_to(station);
     send_pose(peer, "Pointer", turned);
@@ -433,7 +433,7 @@ static void as_a_client_it_comes_again(void **state)
     assert_int_equal(getsockname(server, (struct sockaddr *)&place, &length), 0);
     struct station *station = start(&(struct station_options){.host = "127.0.0.1", .port = ntohs(place.sin_port)});
     for (uint64_t round = 0; round < 2; round++) {
-        uint8_t bytes[ROOM];
+        uint8_t bytes[CAPACITY];
         int peer = accept(server, NULL, NULL);
         assert_true(peer >= 0);
         read_exactly(peer, bytes, IGTL_HEADER + 36);

@@ -27,27 +27,27 @@ static const double eye[3] = {0, 90, 0};
 static const double back[3] = {0, -1, 0};
 
 /* Balls of 24, 16 and 8 mm: what is hidden is not under the mouse, what is behind it is. */
-static void the_mouse_meets_what_is_shown(void **state)
+static void the_mouse_hits_what_is_shown(void **state)
 {
     struct viewer viewer;
     double contact[3] = {0};
     (void)state;
     load(&viewer, "nested", "nested.nii.gz");
     for (int ball = 0; ball < 3; ball++) {
-        uint32_t met = 0;
-        assert_true(viewer_pick(&met, contact, &viewer, eye, back));
-        assert_true(met > 0);
+        uint32_t hit = 0;
+        assert_true(viewer_pick(&hit, contact, &viewer, eye, back));
+        assert_true(hit > 0);
         assert_near(contact[1], 24 - 8 * ball, 1);
         assert_near(contact[0], 0, 1e-9);
-        assert_true(isnan(viewer_value(&viewer, met, contact)));
-        viewer_hide(&viewer, met, true);
+        assert_true(isnan(viewer_value(&viewer, hit, contact)));
+        viewer_hide(&viewer, hit, true);
     }
-    uint32_t met;
-    assert_false(viewer_pick(&met, contact, &viewer, eye, back));
+    uint32_t hit;
+    assert_false(viewer_pick(&hit, contact, &viewer, eye, back));
     viewer_undo(&viewer);
-    assert_true(viewer_pick(&met, contact, &viewer, eye, back));
-    assert_false(viewer_pick(&met, contact, &viewer, eye, (double[]){0, 1, 0}));
-    assert_int_equal(met, 0);
+    assert_true(viewer_pick(&hit, contact, &viewer, eye, back));
+    assert_false(viewer_pick(&hit, contact, &viewer, eye, (double[]){0, 1, 0}));
+    assert_int_equal(hit, 0);
     viewer_finish(&viewer);
 }
 
@@ -118,11 +118,11 @@ static void a_pathway_has_a_value(void **state)
     for (int k = -20; k <= 20 && !found; k++) {
         double contact[3];
         double from[3] = {middle[0], 200, middle[2] + 2 * k};
-        uint32_t met;
+        uint32_t hit;
         viewer.display.fade = 1; /* no context */
-        if (viewer_pick(&met, contact, &viewer, from, back)) {
+        if (viewer_pick(&hit, contact, &viewer, from, back)) {
             found = true;
-            assert_int_equal(met, pathway);
+            assert_int_equal(hit, pathway);
             double threshold = 16383.75;
             assert_true(viewer_value(&viewer, pathway, contact) >= threshold);
             assert_true(isnan(viewer_value(&viewer, pathway, from)));
@@ -388,7 +388,7 @@ static void edited_points_outlive_other_changes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_mouse_meets_what_is_shown),
+        cmocka_unit_test(the_mouse_hits_what_is_shown),
         cmocka_unit_test(what_is_hidden_is_not_selected),
         cmocka_unit_test(what_comes_hidden_can_be_shown),
         cmocka_unit_test(a_pathway_has_a_value),

@@ -107,7 +107,7 @@ static void tubes_grow_with_their_diameter(void **state)
     for (size_t a = 0; a < 6; a++) {
         for (size_t b = a + 1; b < 6; b++) {
             const struct phantom_shape *s = drawing.shapes;
-            assert_true(s[b].center[0] - s[a].center[0] > s[a].tube + s[b].tube + 1);
+            assert_true(s[b].centre[0] - s[a].centre[0] > s[a].tube + s[b].tube + 1);
         }
     }
     phantom_drawing_finish(&drawing);
@@ -124,11 +124,11 @@ static void every_voxel_follows_the_shapes(void **state)
         for (size_t v = 0; v < dim[0] * dim[1] * dim[2]; v++) {
             size_t row = v / dim[0];
             size_t slice = row / dim[1];
-            double center[3] = {(double)(v % dim[0]), (double)(row % dim[1]), (double)slice};
+            double centre[3] = {(double)(v % dim[0]), (double)(row % dim[1]), (double)slice};
             uint32_t wanted = 0;
-            mat4_point(center, drawing.grid.world_from_voxel, center);
+            mat4_point(centre, drawing.grid.world_from_voxel, centre);
             for (size_t s = 0; s < drawing.phantom->shape_count; s++) {
-                wanted = phantom_shape_has(&drawing.shapes[s], center) ? drawing.shapes[s].label : wanted;
+                wanted = phantom_shape_has(&drawing.shapes[s], centre) ? drawing.shapes[s].label : wanted;
             }
             assert_int_equal(drawing.labels[v], wanted);
         }

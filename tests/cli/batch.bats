@@ -241,7 +241,7 @@ wait_for_lines() {
         wait_for_blocks "$blocks" killed.tsv
         stop_held KILL 137
         [ ! -e killed.tsv ]
-        fails 2 'killed.tsv: an unfinished batch is there; --resume goes on, --force begins anew' \
+        fails 2 'killed.tsv: an unfinished batch is there; --resume continues it, --force begins anew' \
             batch sphere.nii.gz --poses poses.tsv --angle 12 -o killed.tsv
         fails 2 'written with other settings' batch sphere.nii.gz --poses poses.tsv --angle 13 -o killed.tsv --resume
     done

@@ -151,7 +151,7 @@ nested() {
     answers info "$TEMPLATES/brodmann.nii.gz" --hemispheres split
     has 'hemispheres: 41 areas are cut in two at x = 0, which is taken as the midline: 668543 voxels lie left of it'
     nested
-    fails 3 'hemispheres: label 4000000001 leaves no room' info nested.nii.gz --hemispheres split
+    fails 3 'hemispheres: label 4000000001 is too large to number new areas' info nested.nii.gz --hemispheres split
     allen=${CONUS_SHARED_DATA:-$BATS_TEST_DIRNAME/../../../shared/data}/meshes/brainglobe-allen-ccf2017-subset
     [ ! -d "$allen" ] || fails 3 '55 areas are surfaces, only areas of voxels can be cut' info "$allen" --hemispheres split
 }

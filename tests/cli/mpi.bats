@@ -56,7 +56,7 @@ setup_poses() {
     diff <(grep -v CommandLine rows.json) <(grep -v CommandLine ranks.json)
 }
 
-# Two poses early and two late, in other pieces: with --block 1 a piece has 16 poses, and ranks share them.
+# Two poses early and two late, in other parts: with --block 1 a part has 16 poses, and ranks share them.
 @test "poses that lie or look where they hardly should are told of once, as conus batch does" {
     setup_poses 120
     printf '0\t0\t5\t0\t0\t90\n0\t0\t90\t0\t0\t180\n' >>poses.tsv
@@ -172,7 +172,7 @@ resume() {
 @test "killed and resumed, with any number of ranks and by conus batch: the file of one run" {
     setup_begun
     ranks 2 sphere.nii.gz --poses poses.tsv -o killed.tsv 2>again && return 1 || [ $? -eq 2 ]
-    grep -q 'killed.tsv: an unfinished batch is there; --resume goes on, --force begins anew' again
+    grep -q 'killed.tsv: an unfinished batch is there; --resume continues it, --force begins anew' again
     ranks 2 sphere.nii.gz --poses poses.tsv -o killed.tsv --angle 11 --resume 2>again && return 1 || [ $? -eq 2 ]
     [ "$(grep -c '^conus: .*written with other settings' again)" -eq 1 ]
     hold_ranks 4

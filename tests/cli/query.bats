@@ -50,7 +50,7 @@ load helpers
     answers query sphere.nii.gz --origin 0,0,100 --toward 0,0,0 --angle 40
     has 'cone of 40 degrees from (0.00, 0.00, 100.00)'
     has 'Sphere'
-    has '(nothing met)'
+    has '(nothing hit)'
     has '208 pixels in the cone'
     has 'atlas sphere.nii.gz, placed by sform, code 1'
 }
@@ -186,21 +186,21 @@ load helpers
     answers query sphere.nii.gz --origin 0,0,5 --direction 0,0,1 --format tsv --quiet
     [ "$output" = "$answer" ]
     answers query sphere.nii.gz --origin 0,0,5 --direction 0,0,1 --radius 2 --format tsv # a needle begins there
-    says 'the cone points away from the atlas; looking the other way it would meet Sphere first' \
+    says 'the cone points away from the atlas; looking the other way it would hit Sphere first' \
         query sphere.nii.gz --origin 0,0,100 --direction 0,0,1 --format tsv
-    says 'the cone points away from the atlas; with x and y of its position negated (LPS for RAS) it would meet Sphere first' \
+    says 'the cone points away from the atlas; with x and y of its position negated (LPS for RAS) it would hit Sphere first' \
         query sphere.nii.gz --origin 100,0,30 --direction 0.957826,0,-0.287348 --format tsv
-    says 'the cone points away from the atlas; with its position divided by 1000 (micrometres for mm) it would meet Sphere first' \
+    says 'the cone points away from the atlas; with its position divided by 1000 (micrometres for mm) it would hit Sphere first' \
         query sphere.nii.gz --origin 100000,0,30000 --direction -100,0,-25 --angle 1 --format tsv
     says 'the cone points away from the atlas' query sphere.nii.gz --origin 0,100,0 --direction 1,0,0 --format tsv
-    says 'the device lies within 1 mm of the world'"'"'s origin; with its position times 1000 (metres for mm) it would meet Sphere first' \
+    says 'the device lies within 1 mm of the world'"'"'s origin; with its position times 1000 (metres for mm) it would hit Sphere first' \
         query sphere.nii.gz --origin 0.1,0,0.03 --toward 0,0,0 --format tsv
-    says 'the cylinder points away from the atlas; looking the other way it would meet Sphere first' \
+    says 'the cylinder points away from the atlas; looking the other way it would hit Sphere first' \
         query sphere.nii.gz --origin 0,0,100 --direction 0,0,1 --radius 2 --format tsv
-    says 'the cone points away from the atlas; looking the other way it would meet Sphere first' \
+    says 'the cone points away from the atlas; looking the other way it would hit Sphere first' \
         sweep sphere.nii.gz --origin 0,0,100 --direction 0,0,1 --angles 40,10 --format tsv
     printf 'x\ty\tz\tdx\tdy\tdz\n0\t0\t90\t0\t0\t-1\n0\t0\t90\t0\t0\t1\n90\t0\t0\t0\t1\t0\n' >poses.tsv
-    local away='poses.tsv: 2 of 3 cones point away from the atlas, the first in line 3; looking the other way it would meet Sphere first'
+    local away='poses.tsv: 2 of 3 cones point away from the atlas, the first in line 3; looking the other way it would hit Sphere first'
     says "$away" query sphere.nii.gz --pose poses.tsv --format tsv
     answer=$output
     says "$away" batch sphere.nii.gz --poses poses.tsv -o rows.tsv
@@ -211,7 +211,7 @@ load helpers
     says 'poses.tsv: 1 of 1 devices lie inside an area, the first in line 2, inside Sphere' \
         query sphere.nii.gz --pose poses.tsv --format tsv
     printf 'x\ty\tz\tdx\tdy\tdz\ttime_s\n0\t0\t90\t0\t0\t1\t0\n' >hand.tsv
-    says 'hand.tsv: 1 of 1 cones point away from the atlas, the first in line 2; looking the other way it would meet Sphere first' \
+    says 'hand.tsv: 1 of 1 cones point away from the atlas, the first in line 2; looking the other way it would hit Sphere first' \
         track sphere.nii.gz --poses hand.tsv --format tsv
     printf '0\t0\t90\t0\t0\t-1\t1\n' >>hand.tsv
     answers track sphere.nii.gz --poses hand.tsv --format tsv # a hand looks here and there

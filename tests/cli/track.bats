@@ -80,7 +80,7 @@ skips() {
         env --default-signal=INT "$CONUS" track sphere.nii.gz --poses - -o "$signal.tsv" <silent 3>&- &
         exec 5>silent
         { cat hand.tsv; printf '0.3\t0\t0'; } >&5
-        wait_until $! catches_signals $! # it has read the heading by then, and all that came with it
+        wait_until $! catches_signals $! # it has read the header by then, and all that came with it
         kill -"$signal" $!
         wait $!
         exec 5>&-

@@ -14,7 +14,7 @@
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static const char fingerprint[] = "f 0/1";
-static const char heading[] = "query\tkind\n";
+static const char header[] = "query\tkind\n";
 
 static char *path_of(const char *ending)
 {
@@ -70,7 +70,7 @@ static int resume(struct batch_file *out)
     static char path[64];
     snprintf(path, sizeof path, "%s", path_of(""));
     FILE *kept = be_quiet();
-    int code = batch_file_open(out, path, fingerprint, heading, BATCH_RESUME);
+    int code = batch_file_open(out, path, fingerprint, header, BATCH_RESUME);
     stderr = kept;
     return code;
 }
@@ -87,7 +87,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     write_part(zero ? zero + 1 : data, zero ? size - journal - 1 : 0);
     if (resume(&first) == 0) {
         if (!batch_file_checksum(first.part, &crc, &bytes) || crc != first.crc || bytes != first.size ||
-            first.size < strlen(heading)) {
+            first.size < strlen(header)) {
             abort();
         }
         uint64_t poses = first.poses;

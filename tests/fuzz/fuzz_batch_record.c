@@ -14,7 +14,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     FILE *kept = be_quiet();
     int code = batch_record_parse(&record, "fuzz", (const char *)data, size);
     stderr = kept;
-    if (!code && (record.shard.index >= record.shard.count || record.heading > record.bytes ||
+    if (!code && (record.shard.index >= record.shard.count || record.header_size > record.bytes ||
                   strlen(record.fingerprint) != sizeof record.fingerprint - 1)) {
         abort();
     }

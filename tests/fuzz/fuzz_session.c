@@ -51,11 +51,11 @@ bool painter_set_transfer(struct painter *painter, const conus_transfer_point *p
     return points && count;
 }
 
-size_t painter_transfer(struct painter *painter, conus_transfer_point *points, size_t room)
+size_t painter_transfer(struct painter *painter, conus_transfer_point *points, size_t capacity)
 {
     (void)painter;
     (void)points;
-    (void)room;
+    (void)capacity;
     return 0;
 }
 

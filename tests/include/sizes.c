@@ -34,7 +34,7 @@ SIZE(conus_oddity, 160);
 SIZE(conus_astray, 488);
 SIZE(conus_result, 200);
 SIZE(conus_evidence, 40);
-SIZE(conus_span, 32);
+SIZE(conus_interval, 32);
 SIZE(conus_score_info, 24);
 SIZE(conus_step, 16);
 SIZE(conus_admission, 64);

@@ -88,7 +88,7 @@ static const struct file_kind *kind_of_sample(size_t i, size_t size)
     return kind;
 }
 
-static void a_kind_is_told_by_content_and_ending(void **state)
+static void a_kind_is_detected_from_content_and_ending(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof samples / sizeof samples[0]; i++) {
@@ -247,7 +247,7 @@ static void rows_of_vertices_are_no_volumes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_kind_is_told_by_content_and_ending),
+        cmocka_unit_test(a_kind_is_detected_from_content_and_ending),
         cmocka_unit_test(a_dicom_file_has_its_mark_behind_128_bytes),
         cmocka_unit_test(lines_are_told_from_surfaces),
         cmocka_unit_test(each_place_says_what_it_takes),

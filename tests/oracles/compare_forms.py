@@ -3,7 +3,7 @@
 """The same poses on AAL as a volume and as the surfaces that conus mesh makes of it, pixel by pixel: a cone of one pixel
 is one ray, so that a row of answers is a pixel.
 
-Areas agree in 97 % of the pixels that meet one. Where they differ, the pixel lies on a border: within half a voxel's
+Areas agree in 97 % of the pixels that hit one. Where they differ, the pixel lies on a border: within half a voxel's
 diagonal beside the ray, the volume shows what the surfaces show. The device is outside of all areas: a voxel around it
 is met at once (Eq. 5), a surface around it is met from within (Eq. 9). So 2 in 1000 pixels may be elsewhere: those of a
 device so close to an area that its surface is around the device already.
@@ -60,7 +60,7 @@ def random_rays(labels, affine):
     return np.concatenate(origins), np.concatenate(rays)
 
 
-def first_met(conus, atlas, origins, rays, folder):
+def first_hits(conus, atlas, origins, rays, folder):
     """What each ray meets first: label, 0 for nothing."""
     table = os.path.join(folder, "rays.tsv")
     np.savetxt(table, np.hstack([origins, rays]), "%.9f", "\t", header="x\ty\tz\tdx\tdy\tdz", comments="")
@@ -84,15 +84,15 @@ def is_beside(conus, volume, origins, rays, wanted, reach, folder):
             away = reach * (0.5 if k < BESIDE / 2 else 1)
             shifted.append(origins[i] + away * (math.cos(turn) * x + math.sin(turn) * y))
             numbers.append(i)
-    met = first_met(conus, volume, np.array(shifted), rays[numbers], folder)
+    met = first_hits(conus, volume, np.array(shifted), rays[numbers], folder)
     np.logical_or.at(found, numbers, met == wanted[numbers])
     return found
 
 
 def check_pixels(conus, volume, manifest, labels, affine, folder):
     origins, rays = random_rays(labels, affine)
-    by_volume = first_met(conus, volume, origins, rays, folder)
-    by_surface = first_met(conus, manifest, origins, rays, folder)
+    by_volume = first_hits(conus, volume, origins, rays, folder)
+    by_surface = first_hits(conus, manifest, origins, rays, folder)
     met = (by_volume != 0) | (by_surface != 0)
     differ = np.flatnonzero(by_volume != by_surface)
     agree = 1 - len(differ) / met.sum()

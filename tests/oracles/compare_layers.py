@@ -16,7 +16,7 @@ import random
 import subprocess
 import sys
 
-from compare_query import device_frame, labelled_volumes, pieces, random_pose  # or skips
+from compare_query import device_frame, intervals, labelled_volumes, random_pose  # or skips
 
 import numpy as np
 
@@ -46,7 +46,7 @@ def reference(labels, voxel_from_world, pose, radius, depths):
     result = {}
     for origin, ray, per_depth in zip(*rays(pose, radius)):
         near, far = (depths[0] * per_depth, depths[1] * per_depth) if depths else (0.0, math.inf)
-        hit, entries, exits = pieces(labels, voxel_from_world, origin, ray, near, far)
+        hit, entries, exits = intervals(labels, voxel_from_world, origin, ray, near, far)
         for label in np.unique(hit):
             mine = hit == label
             row = result.setdefault(int(label), [0, 0.0, math.inf, 0.0])

@@ -63,10 +63,10 @@ class Scene:
 
     def meet(self, origin, ray):
         """[(distance, kind, name)] of the nearest contact with each object, sorted."""
-        met = self.meet_surfaces(origin, ray) + self.meet_pathways(origin, ray)
+        met = self.hit_surfaces(origin, ray) + self.hit_pathways(origin, ray)
         return sorted(met)
 
-    def meet_surfaces(self, origin, ray):
+    def hit_surfaces(self, origin, ray):
         a, b, c = self.corners
         e, g = b - a, c - a
         p = np.cross(ray, g)
@@ -84,7 +84,7 @@ class Scene:
             nearest[name] = min(nearest.get(name, np.inf), t[i])
         return [(t, "area", name) for name, t in nearest.items()]
 
-    def meet_pathways(self, origin, ray):
+    def hit_pathways(self, origin, ray):
         met = []
         for name, mask, voxel_from_world in self.pathways:
             o = voxel_from_world[:3, :3] @ origin + voxel_from_world[:3, 3]

@@ -53,7 +53,7 @@ def cone_rays(direction, angle, n):
     return rays / np.linalg.norm(rays, axis=1)[:, None], weights
 
 
-def pieces(labels, voxel_from_world, origin, ray, near=0.0, far=math.inf):
+def intervals(labels, voxel_from_world, origin, ray, near=0.0, far=math.inf):
     """(labels, entries, exits) of the ray's intervals inside cells with a label, between two distances."""
     nothing = np.zeros(0, int), np.zeros(0), np.zeros(0)
     o = voxel_from_world[:3, :3] @ origin + voxel_from_world[:3, 3]
@@ -80,7 +80,7 @@ def pieces(labels, voxel_from_world, origin, ray, near=0.0, far=math.inf):
 
 def first_contact(labels, voxel_from_world, origin, ray):
     """(label, t) of the first cell with a label, (0, inf) if none."""
-    hit, entries, _ = pieces(labels, voxel_from_world, origin, ray)
+    hit, entries, _ = intervals(labels, voxel_from_world, origin, ray)
     return (int(hit[0]), float(entries[0])) if hit.size else (0, math.inf)
 
 

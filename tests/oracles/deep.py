@@ -118,14 +118,14 @@ def main():
         if math.hypot(u, v) <= 1:
             seen.setdefault(values["id"], []).append((x, y, values["t"], values["tBack"]))
     assert set(seen) == set(rows) == set(groups["id"]) and 4000000001 in seen
-    for label, pieces in seen.items():
+    for label, intervals in seen.items():
         row = rows[label]
-        pierced = len({(x, y) for x, y, _, _ in pieces})
+        pierced = len({(x, y) for x, y, _, _ in intervals})
         assert groups["id"][label] == [row["name"]], label
         assert pierced == row["pierced"], (pierced, row)
-        assert abs(min(t for _, _, t, _ in pieces) - row["entry_mm"]) < 1e-4
-        assert abs(max(t for _, _, _, t in pieces) - row["exit_mm"]) < 1e-4
-        assert abs(sum(b - a for _, _, a, b in pieces) / pierced - row["path_mm"]) < 1e-4
+        assert abs(min(t for _, _, t, _ in intervals) - row["entry_mm"]) < 1e-4
+        assert abs(max(t for _, _, _, t in intervals) - row["exit_mm"]) < 1e-4
+        assert abs(sum(b - a for _, _, a, b in intervals) / pierced - row["path_mm"]) < 1e-4
     assert {tuple(texts[1:]) for texts in groups["object"].values()} == {(str(label), "area") for label in rows}
     print(f"{len(samples)} samples of {[row['name'] for row in rows.values()]}")
 

@@ -111,8 +111,8 @@ static void assert_same_grid(const conus_selection *a, const conus_selection *b,
     conus_status status = conus_selection_grid(&mine, a, &options);
     assert_int_equal(status, conus_selection_grid(&other, b, &options));
     if (!status) {
-        conus_grid_view x = conus_grid_look(mine);
-        conus_grid_view y = conus_grid_look(other);
+        conus_grid_view x = conus_grid_data(mine);
+        conus_grid_view y = conus_grid_data(other);
         assert_int_equal(x.count, y.count);
         assert_memory_equal(x.data, y.data, x.count);
     }

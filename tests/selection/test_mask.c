@@ -110,7 +110,7 @@ static void grids_hold_what_is_in_the_cone(void **state)
                                  in && object == 1,
                                  in && value >= 8};
         for (size_t g = 0; g < 6; g++) {
-            const conus_grid_view view = conus_grid_look(grids[g]);
+            const conus_grid_view view = conus_grid_data(grids[g]);
             assert_true(at(&view, voxel) == wanted[g]);
             counts[g] += wanted[g] != 0;
         }

@@ -66,7 +66,8 @@ static bool make_pair(conus_atlas *out[2], char spec[16], uint64_t seed)
     return changes;
 }
 
-static conus_selection *look(const conus_atlas *atlas, const conus_selector_options *options, const conus_pose *pose)
+static conus_selection *select_from(const conus_atlas *atlas, const conus_selector_options *options,
+                                    const conus_pose *pose)
 {
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
@@ -88,8 +89,8 @@ static void compare(const conus_selector_options *base)
             const conus_pose from = scene_generic_pose(&state, atlases[0]);
             conus_selector_options options = *base;
             options.level = spec;
-            conus_selection *rolled = look(atlases[0], &options, &from);
-            conus_selection *relabelled = look(atlases[1], base, &from);
+            conus_selection *rolled = select_from(atlases[0], &options, &from);
+            conus_selection *relabelled = select_from(atlases[1], base, &from);
             assert_same_answer(rolled, relabelled, SUMS);
             compared += conus_selection_count(rolled) > 1;
             conus_selection_destroy(rolled);
@@ -129,8 +130,8 @@ static void shares_add_up(void **state)
             struct level *level = NULL;
             uint64_t random = seed;
             const conus_pose pose = scene_generic_pose(&random, atlases[0]);
-            conus_selection *parts = look(atlases[0], &(conus_selector_options){0}, &pose);
-            conus_selection *whole = look(atlases[0], &(conus_selector_options){.level = spec}, &pose);
+            conus_selection *parts = select_from(atlases[0], &(conus_selector_options){0}, &pose);
+            conus_selection *whole = select_from(atlases[0], &(conus_selector_options){.level = spec}, &pose);
             assert_ok(level_create(&level, atlases[0], spec));
             for (size_t i = 0; i < conus_selection_count(parts); i++) {
                 const conus_result *part = conus_selection_result(parts, i);
@@ -180,8 +181,8 @@ static void merging_undoes_splitting(void **state)
         if (!conus_atlas_set_hemispheres(undone, CONUS_HEMISPHERES_SPLIT) &&
             !conus_atlas_set_hemispheres(undone, CONUS_HEMISPHERES_MERGED)) {
             const conus_pose pose = scene_generic_pose(&one, plain);
-            conus_selection *wanted = look(plain, &options, &pose);
-            conus_selection *got = look(undone, &options, &pose);
+            conus_selection *wanted = select_from(plain, &options, &pose);
+            conus_selection *got = select_from(undone, &options, &pose);
             assert_int_equal(conus_selection_count(got), conus_selection_count(wanted));
             for (size_t i = 0; i < conus_selection_count(got); i++) {
                 conus_result result = *conus_selection_result(got, i);
@@ -201,13 +202,13 @@ static void merging_undoes_splitting(void **state)
     assert_true(compared > SCENES);
 }
 
-static void spans_of_a_group_become_one(void **state)
+static void intervals_of_a_group_become_one(void **state)
 {
     (void)state;
     const uint32_t group[] = {0, 4, 2, 4, 4, 2};
-    const conus_span given[] = {{0, 1, 1, 2, 10}, {0, 3, 2, 3, 11},  {0, 2, 2.5, 9, 12}, {0, 4, 4, 5, 13},
-                                {0, 1, 5, 6, 14}, {0, 5, 8, 10, 15}, {3, 3, 0, 1, 16},   {3, 1, 2, 3, 17}};
-    const conus_span wanted[] = {
+    const conus_interval given[] = {{0, 1, 1, 2, 10}, {0, 3, 2, 3, 11},  {0, 2, 2.5, 9, 12}, {0, 4, 4, 5, 13},
+                                    {0, 1, 5, 6, 14}, {0, 5, 8, 10, 15}, {3, 3, 0, 1, 16},   {3, 1, 2, 3, 17}};
+    const conus_interval wanted[] = {
         {0, 4, 1, 3, 10}, {0, 2, 2.5, 10, 12}, {0, 4, 4, 6, 13}, {3, 4, 0, 1, 16}, {3, 4, 2, 3, 17}};
     struct layers layers = {0};
     for (size_t i = 0; i < sizeof given / sizeof given[0]; i++) {
@@ -216,11 +217,11 @@ static void spans_of_a_group_become_one(void **state)
     assert_ok(layers_regroup(&layers, group, 5));
     assert_int_equal(layers.count, sizeof wanted / sizeof wanted[0]);
     for (size_t i = 0; i < layers.count; i++) {
-        assert_int_equal(layers.spans[i].pixel, wanted[i].pixel);
-        assert_int_equal(layers.spans[i].object, wanted[i].object);
-        assert_int_equal(layers.spans[i].voxel, wanted[i].voxel);
-        assert_near(layers.spans[i].entry, wanted[i].entry, 0);
-        assert_near(layers.spans[i].exit, wanted[i].exit, 0);
+        assert_int_equal(layers.intervals[i].pixel, wanted[i].pixel);
+        assert_int_equal(layers.intervals[i].object, wanted[i].object);
+        assert_int_equal(layers.intervals[i].voxel, wanted[i].voxel);
+        assert_near(layers.intervals[i].entry, wanted[i].entry, 0);
+        assert_near(layers.intervals[i].exit, wanted[i].exit, 0);
     }
     layers_finish(&layers);
 }
@@ -264,9 +265,9 @@ static struct spheres look_at_spheres(uint32_t parent, double radius)
     conus_pose pose;
     spheres.atlas->objects[1].parent = spheres.atlas->objects[2].parent = parent;
     assert_ok(conus_pose_toward(&pose, (double[]){0, 3, 200}, (double[]){0, 3, 0}, NULL));
-    spheres.parts = look(spheres.atlas, &options, &pose);
+    spheres.parts = select_from(spheres.atlas, &options, &pose);
     options.level = "1";
-    spheres.whole = look(spheres.atlas, &options, &pose);
+    spheres.whole = select_from(spheres.atlas, &options, &pose);
     return spheres;
 }
 
@@ -337,7 +338,7 @@ int main(void)
         cmocka_unit_test(all_layers_are_as_if_relabelled),
         cmocka_unit_test(merging_undoes_splitting),
         cmocka_unit_test(shares_add_up),
-        cmocka_unit_test(spans_of_a_group_become_one),
+        cmocka_unit_test(intervals_of_a_group_become_one),
         cmocka_unit_test(nested_meshes_count_once),
         cmocka_unit_test(meshes_apart_add_up),
         cmocka_unit_test(every_allocation_may_fail),

@@ -102,7 +102,7 @@ static void results_follow_from_the_pixels(void **state)
     assert_int_equal(one->pixels, 2);
     assert_near(one->share, 2 * inner / total, 1e-12);
     assert_near(one->score, one->share, 0);
-    assert_near(one->center_px, sqrt(0.125) * 2, 1e-12);
+    assert_near(one->centre_px, sqrt(0.125) * 2, 1e-12);
     assert_near(one->offset, atan(sqrt(0.125) * t), 1e-12);
     assert_near(one->distance, 90, 0);
     double ray[3] = {0.25 * t, 0.25 * t, -1};
@@ -255,7 +255,7 @@ static void table_reads_well(void **state)
     conus_report *report = report_in(*state, CONUS_FORMAT_TABLE, CONUS_SPACE_RAS);
     const char *text = text_in(report);
     const char *const parts[] = {
-        "cone of 60 degrees from (0.00, 0.00, 50.00)", "ten",           "(nothing met)",
+        "cone of 60 degrees from (0.00, 0.00, 50.00)", "ten",           "(nothing hit)",
         "12 pixels in the cone (4 x 4 buffer)",        "engine script", "\natlas a.nii, placed by "};
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
         assert_non_null(strstr(text, parts[i]));

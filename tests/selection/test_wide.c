@@ -87,16 +87,16 @@ static void the_limit_is_where_a_pixel_on_the_axis_covers_three_times_the_mean(v
     } cases[] = {{120, 3}, {120.001, 1.0966}, {179.9999, MATH3_PI * MATH3_PI / 8}};
     for (size_t c = 0; c < 3; c++) {
         const struct cone cone = looking_down(cases[c].degrees, N);
-        double center[3];
+        double centre[3];
         double right[3];
         double up[3];
-        cone_ray(center, &cone, N / 2, N / 2);
+        cone_ray(centre, &cone, N / 2, N / 2);
         cone_ray(right, &cone, N / 2 + 1, N / 2);
         cone_ray(up, &cone, N / 2, N / 2 + 1);
         double pixel = vec3_dot(right, cone.pose.world_from_device) * vec3_dot(up, cone.pose.world_from_device + 4);
         double mean = 2 * MATH3_PI * (1 - cos(cone.angle / 2)) / (MATH3_PI / 4 * N * N);
         assert_near(pixel / mean, cases[c].wanted, 2e-3);
-        assert_near(vec3_dot(center, cone.pose.world_from_device + 8), -1, 1e-15);
+        assert_near(vec3_dot(centre, cone.pose.world_from_device + 8), -1, 1e-15);
     }
 }
 
@@ -297,7 +297,7 @@ static void volumes_and_scores_follow(void **state)
     double least = atan2(40, 60) - asin(20.0 / 60);
     assert_near(ball->offset, least, radians_from_degrees(165) / 128);
     assert_near(ball->score, 1 - ball->offset / (cone.angle / 2), 1e-12);
-    assert_near(ball->center_px, ball->offset / (cone.angle / 2) * 64, 1e-9);
+    assert_near(ball->centre_px, ball->offset / (cone.angle / 2) * 64, 1e-9);
     double way[3];
     vec3_sub(way, ball->contact, cone.pose.world_from_device + 12);
     assert_near(acos(-vec3_dot(way, cone.pose.world_from_device + 8) / vec3_length(way)), ball->offset, 1e-9);
@@ -310,7 +310,7 @@ static void volumes_and_scores_follow(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A range is one of depths along the axis, however far a ray leaves it: all pieces begin and end at its planes. */
+/* A range is one of depths along the axis, however far a ray leaves it: all intervals begin and end at its planes. */
 static void a_range_cuts_at_planes(void **state)
 {
     (void)state;
@@ -326,15 +326,15 @@ static void a_range_cuts_at_planes(void **state)
                                                 .aperture = square ? CONUS_APERTURE_SQUARE : CONUS_APERTURE_CIRCLE};
         conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
         size_t count;
-        const conus_span *spans = conus_selection_spans(&count, selection);
+        const conus_interval *intervals = conus_selection_intervals(&count, selection);
         const conus_evidence evidence = conus_selection_evidence(selection);
         for (size_t s = 0; s < count; s++) {
             double ray[3];
-            cone_ray(ray, &cone, spans[s].pixel % 24, spans[s].pixel / 24);
+            cone_ray(ray, &cone, intervals[s].pixel % 24, intervals[s].pixel / 24);
             double depth = -vec3_dot(ray, cone.pose.world_from_device + 8);
-            assert_true(evidence.in_cone[spans[s].pixel]);
-            assert_near(spans[s].entry * depth, 12, 1e-9);
-            assert_near(spans[s].exit * depth, 15, 1e-9);
+            assert_true(evidence.in_cone[intervals[s].pixel]);
+            assert_near(intervals[s].entry * depth, 12, 1e-9);
+            assert_near(intervals[s].exit * depth, 15, 1e-9);
         }
         assert_int_equal(count, result_of(selection, 1)->pixels);
         assert_near(share_of(selection, 1), 1, 1e-12);
@@ -356,7 +356,7 @@ static void assert_same_evidence(const struct evidence *a, const struct evidence
 
 enum { CONES = 6, N = 16 };
 
-/* Narrow and wide cones in one look, as a batch's block may have them. Of the narrow ones the driver may take the
+/* Narrow and wide cones in one trace, as a batch's block may have them. Of the narrow ones the driver may take the
  * triangle beside an edge, so they are compared where there are only voxels. */
 static void assert_same_looks(const struct gl_pair *pair, const struct cone *cones, bool meshes)
 {
@@ -387,7 +387,7 @@ static void assert_same_layers(const struct gl_pair *pair, const struct cone *co
     struct layers rays = gl_pair_pierce(pair->rays, cone);
     assert_int_equal(gl.count, rays.count);
     for (size_t s = 0; s < gl.count; s++) {
-        assert_true(gl_pair_same_piece(&gl.spans[s], &rays.spans[s]));
+        assert_true(gl_pair_same_interval(&gl.intervals[s], &rays.intervals[s]));
     }
     layers_finish(&gl);
     layers_finish(&rays);
@@ -438,12 +438,12 @@ static void nothing_is_met_outside_the_aperture(void **state)
     conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
     const conus_evidence evidence = conus_selection_evidence(selection);
     size_t count;
-    const conus_span *spans = conus_selection_spans(&count, selection);
+    const conus_interval *intervals = conus_selection_intervals(&count, selection);
     for (size_t pixel = 0; pixel < 256; pixel++) {
         assert_int_equal(evidence.object[pixel], evidence.in_cone[pixel]);
     }
     for (size_t s = 0; s < count; s++) {
-        assert_true(evidence.in_cone[spans[s].pixel]);
+        assert_true(evidence.in_cone[intervals[s].pixel]);
     }
     conus_selection_destroy(selection);
     conus_atlas_destroy(atlas);

@@ -56,7 +56,7 @@ void gl_pair_destroy(struct gl_pair *pair)
     engine_destroy(pair->rays);
 }
 
-struct evidence gl_pair_look(struct engine *engine, const struct cone *cone)
+struct evidence gl_pair_trace(struct engine *engine, const struct cone *cone)
 {
     struct evidence evidence;
     assert_ok(evidence_init(&evidence, cone->resolution));
@@ -89,10 +89,10 @@ void gl_pair_same_evidence(const struct evidence *got, const struct evidence *wa
     assert_int_equal(different, 0);
 }
 
-size_t gl_pair_same_look(const struct gl_pair *pair, const struct cone *cone)
+size_t gl_pair_same_hits(const struct gl_pair *pair, const struct cone *cone)
 {
-    struct evidence got = gl_pair_look(pair->gl, cone);
-    struct evidence wanted = gl_pair_look(pair->rays, cone);
+    struct evidence got = gl_pair_trace(pair->gl, cone);
+    struct evidence wanted = gl_pair_trace(pair->rays, cone);
     size_t hits = 0;
     gl_pair_same_evidence(&got, &wanted);
     for (size_t i = 0; i < (size_t)cone->resolution * cone->resolution; i++) {
@@ -103,7 +103,7 @@ size_t gl_pair_same_look(const struct gl_pair *pair, const struct cone *cone)
     return hits;
 }
 
-bool gl_pair_same_piece(const conus_span *a, const conus_span *b)
+bool gl_pair_same_interval(const conus_interval *a, const conus_interval *b)
 {
     return a->pixel == b->pixel && a->object == b->object && a->entry == b->entry && a->exit == b->exit &&
            a->voxel == b->voxel;

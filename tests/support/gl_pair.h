@@ -38,18 +38,18 @@ int gl_pair_messages(void);
 void the_driver_was_silent(void **state);
 
 /** What an engine sees first. End it with evidence_finish(). */
-struct evidence gl_pair_look(struct engine *engine, const struct cone *cone);
+struct evidence gl_pair_trace(struct engine *engine, const struct cone *cone);
 
 /** All layers that an engine sees, sorted. End them with layers_finish(). */
 struct layers gl_pair_pierce(struct engine *engine, const struct cone *cone);
 
 /** Fails where the engines differ in object, voxel or, by a single bit, in distance; prints up to three such pixels.
  * Returns how many pixels hit. */
-size_t gl_pair_same_look(const struct gl_pair *pair, const struct cone *cone);
+size_t gl_pair_same_hits(const struct gl_pair *pair, const struct cone *cone);
 void gl_pair_same_evidence(const struct evidence *got, const struct evidence *wanted);
 
 /** Whether two intervals are equal in every number. */
-bool gl_pair_same_piece(const conus_span *a, const conus_span *b);
+bool gl_pair_same_interval(const conus_interval *a, const conus_interval *b);
 
 /** What a test does with a cone: it compares the engines' answers, and counts. */
 typedef void (*gl_comparison)(struct gl_pair *pair, const struct cone *cone);

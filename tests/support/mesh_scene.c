@@ -26,7 +26,7 @@ struct cone mesh_scene_cone(const double origin[3], const double target[3], doub
     return cone;
 }
 
-void mesh_scene_look(struct evidence *out, const conus_atlas *atlas, const struct cone *cone)
+void mesh_scene_trace(struct evidence *out, const conus_atlas *atlas, const struct cone *cone)
 {
     struct engine *engine = NULL;
     assert_ok(engine_rays_create(&engine, atlas, &(struct engine_options){0}));

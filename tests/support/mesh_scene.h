@@ -11,7 +11,7 @@ conus_atlas *mesh_scene_atlas(void);
 struct cone mesh_scene_cone(const double origin[3], const double target[3], double degrees, uint32_t resolution);
 
 /** What the rays engine sees. End it with evidence_finish(). */
-void mesh_scene_look(struct evidence *out, const conus_atlas *atlas, const struct cone *cone);
+void mesh_scene_trace(struct evidence *out, const conus_atlas *atlas, const struct cone *cone);
 
 /** What a selector with @p options answers to the cone. End it with conus_selection_destroy(). */
 conus_selection *mesh_scene_select(const conus_atlas *atlas, const conus_selector_options *options,

@@ -150,7 +150,7 @@ static void look_along_row(struct evidence *out, const struct volume *volume, co
     }
 }
 
-void oracle_look(struct evidence *out, const conus_atlas *atlas, const struct cone *cone)
+void oracle_trace(struct evidence *out, const conus_atlas *atlas, const struct cone *cone)
 {
     evidence_clear(out);
     for (size_t i = 0; i < atlas->volume_count; i++) {

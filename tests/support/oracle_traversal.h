@@ -16,7 +16,7 @@ struct oracle_hit {
 /** @p origin and @p direction in index space; the direction is per mm. */
 struct oracle_hit oracle_ray(const struct volume *volume, const double origin[3], const double direction[3]);
 
-/** What an engine's look() must give for all volumes of @p atlas but the context. */
-void oracle_look(struct evidence *out, const conus_atlas *atlas, const struct cone *cone);
+/** What an engine's trace() must give for all volumes of @p atlas but the context. */
+void oracle_trace(struct evidence *out, const conus_atlas *atlas, const struct cone *cone);
 
 #endif

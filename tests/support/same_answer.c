@@ -22,8 +22,8 @@ void assert_same_doubles(const double *a, const double *b, size_t count)
 
 void assert_same_result(const conus_result *a, const conus_result *b, double tolerance)
 {
-    const double mine[] = {a->score, a->share, a->center_px, a->offset, a->distance, a->entry, a->exit, a->path};
-    const double other[] = {b->score, b->share, b->center_px, b->offset, b->distance, b->entry, b->exit, b->path};
+    const double mine[] = {a->score, a->share, a->centre_px, a->offset, a->distance, a->entry, a->exit, a->path};
+    const double other[] = {b->score, b->share, b->centre_px, b->offset, b->distance, b->entry, b->exit, b->path};
     const double sums[] = {a->volume, a->fraction, a->cone_fraction, a->sum_value, a->mean_value, a->max_value};
     const double other_sums[] = {b->volume, b->fraction, b->cone_fraction, b->sum_value, b->mean_value, b->max_value};
     assert_int_equal(a->kind, b->kind);
@@ -53,8 +53,8 @@ void assert_same_answer(const conus_selection *a, const conus_selection *b, doub
 {
     size_t spans = 0;
     size_t other_spans = 0;
-    const conus_span *span = conus_selection_spans(&spans, a);
-    const conus_span *other = conus_selection_spans(&other_spans, b);
+    const conus_interval *span = conus_selection_intervals(&spans, a);
+    const conus_interval *other = conus_selection_intervals(&other_spans, b);
     const conus_evidence mine = conus_selection_evidence(a);
     const conus_evidence theirs = conus_selection_evidence(b);
     assert_int_equal(conus_selection_count(a), conus_selection_count(b));

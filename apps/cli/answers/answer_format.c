@@ -15,7 +15,7 @@ const struct option format_options[] = {
      .type = OPTION_CHOICE,
      .offset = offsetof(struct answer_settings, format),
      .value = "FORMAT",
-     .help = "of the answer; without it the ending of -o decides, else it is a table:",
+     .help = "format of the answer; default by the ending of -o, else a table:",
      .choices = formats},
     {0},
 };
@@ -28,7 +28,7 @@ const struct option query_format_options[] = {
      .type = OPTION_CHOICE,
      .offset = offsetof(struct answer_settings, format),
      .value = "FORMAT",
-     .help = "of the answer; without it the ending of -o decides, else it is a table; the last four are for other "
+     .help = "format of the answer; default by the ending of -o, else a table; the last four are for other "
              "programs (docs/formats.md):",
      .choices = query_formats},
     {0},

@@ -20,7 +20,7 @@ void head_move(struct head *head, const double eye[3], const conus_pose *screen)
 {
     conus_pose camera;
     double frustum[4];
-    bool inside = conus_look_through(&camera, frustum, screen, head->size, eye);
+    bool inside = conus_window_camera(&camera, frustum, screen, head->size, eye);
     bool moved = !head->known || is_moved(head, eye, screen);
     head->number += inside != head->inside || (!inside && moved);
     head->inside = inside;
@@ -58,7 +58,7 @@ bool head_sight(struct sight *out, const struct head *head, const double part[4]
             pane.world_from_device[12 + a] += ((low + high) / 2 - 0.5) * head->size[axis] * m[4 * axis + a];
         }
     }
-    return head->on && head->known && !conus_look_through(&out->camera, out->frustum, &pane, size, head->eye);
+    return head->on && head->known && !conus_window_camera(&out->camera, out->frustum, &pane, size, head->eye);
 }
 
 const char *head_text(const struct head *head, bool *is_well)

@@ -118,11 +118,11 @@ static double find_first(uint32_t *object, struct viewer *viewer, const conus_po
     if (make_picker(viewer) || conus_select(&selection, viewer->picker, pose, ray_angle)) {
         return INFINITY;
     }
-    const conus_span *spans = conus_selection_spans(&count, selection);
+    const conus_interval *intervals = conus_selection_intervals(&count, selection);
     for (size_t i = 0; i < count && !*object; i++) {
-        if (is_drawn(viewer, spans[i].object)) {
-            *object = spans[i].object;
-            depth = spans[i].entry;
+        if (is_drawn(viewer, intervals[i].object)) {
+            *object = intervals[i].object;
+            depth = intervals[i].entry;
         }
     }
     conus_selection_destroy(selection);

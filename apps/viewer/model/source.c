@@ -21,7 +21,7 @@ void replay_show(struct replay *replay, struct viewer *viewer, size_t index)
     const conus_pose_row *row = conus_pose_list_row(replay->poses, index);
     replay->at = index;
     if (row->error || row->is_point) {
-        viewer_say(viewer, "line %zu: %s", row->line, row->error ? row->error : "a point, which looks nowhere");
+        viewer_say(viewer, "line %zu: %s", row->line, row->error ? row->error : "a point, which has no direction");
         return;
     }
     if (row->angle > 0 && viewer->cone.options.radius == 0) {

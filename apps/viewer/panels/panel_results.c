@@ -27,7 +27,7 @@ static void draw_tip(const conus_result *result)
 {
     char tip[128];
     if (result->object && result->pixels) {
-        snprintf(tip, sizeof tip, "met at %.1f, %.1f, %.1f mm, by %u pixels; click: crosshair there",
+        snprintf(tip, sizeof tip, "hit at %.1f, %.1f, %.1f mm, by %u pixels; click: crosshair there",
                  result->contact[0], result->contact[1], result->contact[2], result->pixels);
         ui_tip(tip);
     }
@@ -45,7 +45,7 @@ static void draw_result(struct window *window, const conus_result *result)
     ui_chip("colour", colour);
     ui_same_line();
     if (!object) {
-        ui_text("(nothing met)");
+        ui_text("(nothing hit)");
     } else if (ui_row(object->name, viewer->shown.chosen == result->object)) {
         viewer->shown.chosen = result->object;
         if (result->pixels) {
@@ -109,7 +109,7 @@ static void draw_pins(struct window *window)
 void panel_results(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    ui_panel("What the cone meets", window->right, 0);
+    ui_panel("Hits of the cone", window->right, 0);
     draw_results(window);
     if (ui_button("confirm")) {
         viewer_confirm(viewer);
@@ -119,7 +119,7 @@ void panel_results(struct window *window)
     if (ui_button("copy list")) {
         window_copy(window, COPY_RESULTS);
     }
-    ui_tip("what the cone meets, as a table to paste");
+    ui_tip("copies the hits of the cone as a table");
     ui_same_line();
     if (ui_button("copy confirmed")) {
         window_copy(window, COPY_PINS);

@@ -141,15 +141,15 @@ static void draw_letters(const struct frame *frame)
     const double down[3] = {-frame->up[0], -frame->up[1], -frame->up[2]};
     struct {
         const double *towards;
-        float x, y; /* parts of the room between the margins */
+        float x, y; /* parts of the space between the margins */
     } places[] = {{left, 0, 0.5F}, {frame->right, 1, 0.5F}, {frame->up, 0.5F, 0}, {down, 0.5F, 1}};
     const float margin = 7;
     bool covered = 8 + frame->title_width > 0.5F * box->width - 2 * margin;
     for (int i = 0; i < 4; i++) {
         const char text[2] = {letter_towards(places[i].towards), '\0'};
-        const float room[2] = {box->width - ui_text_width(text) - 2 * margin, box->height - ui_line() - 2 * margin};
+        const float space[2] = {box->width - ui_text_width(text) - 2 * margin, box->height - ui_line() - 2 * margin};
         float top = places[i].towards == frame->up && covered ? frame->title_height : margin;
-        const float at[2] = {box->x + margin + places[i].x * room[0], box->y + top + places[i].y * room[1]};
+        const float at[2] = {box->x + margin + places[i].x * space[0], box->y + top + places[i].y * space[1]};
         ui_draw_text(at, light, text);
     }
 }

@@ -118,9 +118,9 @@ static void bad_ends_are_one_line(void **state)
     fails_with("kill -ABRT $$", "VTK crashed (signal 6, Aborted)");
     fails_with("echo garbage, which is longer than a frame", "it does not begin with CONUSMS1");
     has_no_end("exec >&- 2>&-; exec sleep 30", "no end after 2 seconds");
-    fails_with("printf CONUS", "what it wrote is cut off");
-    fails_with(":", "what it wrote is cut off");
-    fails_with("printf CONUSMS1", "what it wrote is cut off");
+    fails_with("printf CONUS", "its output is cut off or too long");
+    fails_with(":", "its output is cut off or too long");
+    fails_with("printf CONUSMS1", "its output is cut off or too long");
     fails_with("echo first >&2; echo second >&2; exit 3", "conus-mesh: first (exit code 3)");
     has_no_end("exec sleep 60", "no end after 2 seconds");
     has_no_end("while :; do :; done", "no end after "); /* 1 second of work, or 2 of waiting on a busy machine */

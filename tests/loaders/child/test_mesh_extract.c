@@ -68,7 +68,7 @@ static void a_ball_is_one_wherever_the_voxels_point(void **state)
         assert_true(found.shapes[0].closed);
         assert_near(found.shapes[0].volume_mm3, volume, 0.03 * volume);
         for (int a = 0; a < 3; a++) {
-            assert_near(found.shapes[0].centroid[a], drawing.shapes[0].center[a], 0.05);
+            assert_near(found.shapes[0].centroid[a], drawing.shapes[0].centre[a], 0.05);
             assert_near(found.shapes[0].low[a], -drawing.shapes[0].radius, 1);
             assert_near(found.shapes[0].high[a], drawing.shapes[0].radius, 1);
         }

@@ -92,7 +92,7 @@ static void impossible_headers_are_refused(void **state)
         {{.kind = MESH_FRAME_MESH, .vertices = UINT64_C(1) << 32}, "4294967296 vertices"},
         {{.kind = MESH_FRAME_MESH, .triangles = UINT64_MAX}, "18446744073709551615 triangles"},
         {{.kind = MESH_FRAME_FAILURE, .vertices = 1}, "1 vertices"},
-        {{.kind = MESH_FRAME_END, .id = 1}, "its end does not fit"},
+        {{.kind = MESH_FRAME_END, .id = 1}, "its end does not match"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct buffer bytes = {0};

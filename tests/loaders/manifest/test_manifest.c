@@ -254,7 +254,7 @@ static void hear(void *user, const char *path, size_t done, size_t total)
     heard->total = total;
 }
 
-static void progress_is_told_file_by_file(void **state)
+static void progress_is_reported_file_by_file(void **state)
 {
     (void)state;
     conus_atlas *atlas = NULL;
@@ -438,7 +438,7 @@ int main(void)
         cmocka_unit_test(every_prefix_is_refused),
         cmocka_unit_test(every_failing_allocation_is_reported),
         cmocka_unit_test(a_scene_is_loaded_in_one_piece),
-        cmocka_unit_test(progress_is_told_file_by_file),
+        cmocka_unit_test(progress_is_reported_file_by_file),
         cmocka_unit_test(labels_of_the_command_line_come_first),
         cmocka_unit_test(a_failure_names_manifest_and_key),
         cmocka_unit_test(volumes_of_one_file_are_pathways_of_their_own),

@@ -293,15 +293,15 @@ static void shapes_of_all_kinds_are_met_by_one_cone(void **state)
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.engine = CONUS_ENGINE_RAYS}));
     assert_ok(conus_pose_along(&pose, (double[]){25, 1, 1}, (double[]){-1, 0, 0}, NULL));
     assert_ok(conus_select(&selection, selector, &pose, 30 * 3.14159265358979 / 180));
-    bool met[4] = {false};
+    bool hit[4] = {false};
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         assert_true(result->object <= 4);
         if (result->object && result->pixels) {
-            met[result->object - 1] = true;
+            hit[result->object - 1] = true;
         }
     }
-    assert_true(met[2] && met[3]); /* the surface before the ball */
+    assert_true(hit[2] && hit[3]); /* the surface before the ball */
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
@@ -349,7 +349,7 @@ static void assert_file(const conus_atlas *atlas, const char *name)
     fail_msg("%s is not among the %zu files", name, atlas->files.count);
 }
 
-static void write_globe(void)
+static void write_brainglobe(void)
 {
     static const char obj[] = "v 1000 2000 3000\nv 4000 2000 3000\nv 1000 6000 3000\nv 1000 2000 8000\n"
                               "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
@@ -369,7 +369,7 @@ static void brainglobe_folders_are_placed_and_grouped(void **state)
 {
     (void)state;
     test_need_conus_mesh();
-    write_globe();
+    write_brainglobe();
     conus_atlas *atlas = loaded("\"areas\": [{\"brainglobe\": \"globe\"}]");
     assert_int_equal(conus_atlas_object_count(atlas), 3);
     assert_int_equal(conus_atlas_object(atlas, 1)->label, 312782628);

@@ -54,7 +54,7 @@ static int write_files(void **state)
     return status || write_volume("t1.nii", everywhere);
 }
 
-static void volumes_are_told_by_their_values(void **state)
+static void volumes_are_detected_from_their_values(void **state)
 {
     (void)state;
     struct volume_guess guess;
@@ -151,8 +151,10 @@ static void every_failing_allocation_is_reported(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(volumes_are_told_by_their_values),     cmocka_unit_test(masks_and_nothing_are_no_parcellation),
-        cmocka_unit_test(names_give_labels_or_do_not),          cmocka_unit_test(what_is_written_loads),
+        cmocka_unit_test(volumes_are_detected_from_their_values),
+        cmocka_unit_test(masks_and_nothing_are_no_parcellation),
+        cmocka_unit_test(names_give_labels_or_do_not),
+        cmocka_unit_test(what_is_written_loads),
         cmocka_unit_test(every_failing_allocation_is_reported),
     };
     return cmocka_run_group_tests(tests, write_files, NULL);

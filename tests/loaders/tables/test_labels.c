@@ -73,7 +73,7 @@ static const struct sample samples[] = {
      "1 Red nucleus #cd3e4e"},
     {"NiiVue labels", "{\"R\":[1],\"G\":[2],\"B\":[3],\"I\":[500],\"labels\":[\"x\"]}", "500 x #010203"},
 };
-static void formats_are_told_by_content(void **state)
+static void formats_are_detected_from_content(void **state)
 {
     (void)state;
     assert_samples(samples, sizeof samples / sizeof samples[0]);
@@ -224,7 +224,7 @@ static void a_lut_beside_an_override_colours_it(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(formats_are_told_by_content),
+        cmocka_unit_test(formats_are_detected_from_content),
         cmocka_unit_test(bad_cells_are_named_with_their_line),
         cmocka_unit_test(what_is_no_table_is_refused),
         cmocka_unit_test(oddities_are_noted),

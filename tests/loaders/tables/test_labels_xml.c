@@ -63,7 +63,7 @@ static const struct sample samples[] = {
      "</ATLAS_LABEL_TABLE>",
      "17 CA1 (Hippocampus) (R_CA1); 18 L & M"},
 };
-static void formats_are_told_by_content(void **state)
+static void formats_are_detected_from_content(void **state)
 {
     (void)state;
     assert_samples(samples, sizeof samples / sizeof samples[0]);
@@ -193,7 +193,7 @@ static void fsl_atlases_name_their_images(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(formats_are_told_by_content),
+        cmocka_unit_test(formats_are_detected_from_content),
         cmocka_unit_test(afni_tables_are_joined_from_pieces),
         cmocka_unit_test(afni_tables_written_by_hand_are_read),
         cmocka_unit_test(damage_is_named_with_its_line),

@@ -34,7 +34,7 @@ static struct camera camera_through(const conus_pose *window, const double eye[3
     conus_pose pose;
     double frustum[4];
     struct camera camera;
-    assert_ok(conus_look_through(&pose, frustum, window, size, eye));
+    assert_ok(conus_window_camera(&pose, frustum, window, size, eye));
     camera_from_frustum(&camera, &pose, frustum);
     return camera;
 }
@@ -103,7 +103,7 @@ static void a_symmetric_eye_is_the_plain_camera(void **state)
     double frustum[4];
     conus_image_difference difference;
     memcpy(window.world_from_device, window_at_front, sizeof window_at_front);
-    assert_ok(conus_look_through(&camera, frustum, &window, (double[]){80, 60}, (double[]){0, 160, 0}));
+    assert_ok(conus_window_camera(&camera, frustum, &window, (double[]){80, 60}, (double[]){0, 160, 0}));
     assert_near(frustum[1], 40.0 / 120, 0);
     assert_near(frustum[3], 30.0 / 120, 0);
     const double field_of_view = 2 * atan(frustum[3]);
@@ -188,15 +188,15 @@ static void eyes_that_see_nothing_are_refused(void **state)
                                      {0, 40.1, 2000}, {NAN, 100, 0}, {0, INFINITY, 0}, {0, 100, -INFINITY},
                                      {1e300, 50, 0},  {0, 1e-320, 0}};
     for (size_t i = 0; i < sizeof eyes / sizeof *eyes; i++) {
-        assert_fails(conus_look_through(&camera, frustum, &window, size, eyes[i]), CONUS_ERROR_ARGUMENT);
+        assert_fails(conus_window_camera(&camera, frustum, &window, size, eyes[i]), CONUS_ERROR_ARGUMENT);
     }
     static const double sizes[][2] = {{0, 1}, {1, -1}, {NAN, 1}, {1, INFINITY}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
-        assert_fails(conus_look_through(&camera, frustum, &window, sizes[i], (double[]){0, 99, 0}),
+        assert_fails(conus_window_camera(&camera, frustum, &window, sizes[i], (double[]){0, 99, 0}),
                      CONUS_ERROR_ARGUMENT);
     }
     window.world_from_device[0] = 1; /* mirrored */
-    assert_fails(conus_look_through(&camera, frustum, &window, size, (double[]){0, 99, 0}), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_window_camera(&camera, frustum, &window, size, (double[]){0, 99, 0}), CONUS_ERROR_ARGUMENT);
     assert_near(camera.world_from_device[0], 7, 0);
     assert_near(frustum[3], 7, 0);
 }

@@ -40,7 +40,7 @@ static void find_view(double out[3], const struct camera *camera, int column, in
 }
 
 /* The normal where a ray from the camera meets the ball of RADIUS around 0; false where it does not. */
-static bool meet_ball(double normal[3], const struct camera *camera, const double view[3])
+static bool hit_ball(double normal[3], const struct camera *camera, const double view[3])
 {
     const double *eye = camera->world_from_camera + 12;
     double b = vec3_dot(eye, view);
@@ -73,7 +73,7 @@ static void check_ball(const float *rgba, const struct camera *camera, const dou
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         double view[3], normal[3];
         find_view(view, camera, i % WIDTH, i / WIDTH);
-        if (meet_ball(normal, camera, view) && -vec3_dot(normal, view) > least) {
+        if (hit_ball(normal, camera, view) && -vec3_dot(normal, view) > least) {
             for (int c = 0; c < 3; c++) {
                 assert_near(rgba[4 * i + c], surface_light(albedo[c], normal, view, light), tolerance);
             }

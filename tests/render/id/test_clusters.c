@@ -115,30 +115,30 @@ static void closed_meshes_need_few_more_vertices(void **state)
 
 /* ---- Culling ------------------------------------------------------------------------------------------------ */
 
-struct look {
+struct truth {
     double distances[N * N]; /* as far as is known yet */
     struct mesh_hit first[N * N];
 };
 
-static void find_truth(struct look *look, const struct scene *scene, const struct cone *cone)
+static void find_truth(struct truth *truth, const struct scene *scene, const struct cone *cone)
 {
     for (uint32_t i = 0; i < N * N; i++) {
         double origin[3], direction[3];
         cone_origin(origin, cone, i % N, i / N);
         cone_ray(direction, cone, i % N, i / N);
-        look->first[i] = mesh_scene_first(scene->atlas, origin, direction);
-        look->distances[i] = INFINITY;
+        truth->first[i] = mesh_scene_first(scene->atlas, origin, direction);
+        truth->distances[i] = INFINITY;
     }
 }
 
 /* What the cluster shows is known from now on. */
-static void learn(struct look *look, const struct clusters *clusters, const struct cluster *cluster)
+static void learn(struct truth *truth, const struct clusters *clusters, const struct cluster *cluster)
 {
     for (int i = 0; i < N * N; i++) {
-        bool mine = look->first[i].object && look->first[i].object + 1 == cluster->object; /* after the one without */
+        bool mine = truth->first[i].object && truth->first[i].object + 1 == cluster->object; /* after the one without */
         for (uint32_t k = cluster->first; mine && k < cluster->first + cluster->count; k++) {
-            look->distances[i] =
-                clusters->triangle[k] == look->first[i].triangle ? look->first[i].t : look->distances[i];
+            truth->distances[i] =
+                clusters->triangle[k] == truth->first[i].triangle ? truth->first[i].t : truth->distances[i];
         }
     }
 }
@@ -147,21 +147,21 @@ static void learn(struct look *look, const struct clusters *clusters, const stru
 static size_t check_look(struct mesh_cull *cull, const struct clusters *clusters, const struct scene *scene,
                          const struct cone *cone)
 {
-    static struct look look;
+    static struct truth truth;
     const struct mesh_view view = {cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, N, 0};
     size_t given = 0;
     const uint32_t *batch;
-    find_truth(&look, scene, cone);
+    find_truth(&truth, scene, cone);
     mesh_cull_begin(cull, &view);
-    mesh_cull_hide(cull, look.distances);
+    mesh_cull_hide(cull, truth.distances);
     for (size_t count; (count = mesh_cull_batch(&batch, cull, 200)) > 0; given += count) {
         for (size_t i = 0; i < count; i++) {
-            learn(&look, clusters, &clusters->cluster[batch[i]]);
+            learn(&truth, clusters, &clusters->cluster[batch[i]]);
         }
-        mesh_cull_hide(cull, look.distances);
+        mesh_cull_hide(cull, truth.distances);
     }
     for (int i = 0; i < N * N; i++) {
-        assert_true(look.distances[i] == look.first[i].t);
+        assert_true(truth.distances[i] == truth.first[i].t);
     }
     return given;
 }

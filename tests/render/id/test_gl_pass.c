@@ -15,7 +15,7 @@ static uint16_t row_objects[RAYS];
 static const struct volume row = {.info = {.dim = {RAYS, 1, 1}}, .voxel_count = RAYS, .objects16 = row_objects};
 
 static uint8_t row_codes[RAYS];
-static const struct id_leaps row_leaps = {.codes = row_codes, .last = {RAYS - 1, 0, 0}};
+static const struct id_distances row_distances = {.codes = row_codes, .last = {RAYS - 1, 0, 0}};
 
 /* With sampling on planes: `planes` of them from depth 10 on, 1 mm apart. */
 static void aim_from_above(struct id_pass *pass, double height, conus_sampling sampling, double planes)
@@ -46,13 +46,13 @@ static struct id_pass *row_pass(conus_sampling sampling, const uint32_t *identif
     for (int i = 0; i < RAYS; i++) {
         row_codes[i] = row_objects[i] == 0;
     }
-    assert_ok(id_pass_add_volume(pass, &row, &row_leaps, &memory));
-    assert_ok(id_pass_add_volume(pass, &row, &row_leaps, &memory));
+    assert_ok(id_pass_add_volume(pass, &row, &row_distances, &memory));
+    assert_ok(id_pass_add_volume(pass, &row, &row_distances, &memory));
     assert_true(memory < 1 << 20);
     return pass;
 }
 
-static const struct id_hit *look_at_row(struct id_pass *pass, conus_sampling sampling, double height)
+static const struct id_hit *trace_row(struct id_pass *pass, conus_sampling sampling, double height)
 {
     const struct id_hit *hits;
     assert_ok(id_pass_begin(pass, RAYS));
@@ -87,7 +87,7 @@ static void identifiers_keep_every_bit(void **state)
     const conus_sampling samplings[] = {CONUS_SAMPLING_EXACT, CONUS_SAMPLING_SLICES};
     for (size_t i = 0; i < 2; i++) {
         struct id_pass *pass = row_pass(samplings[i], hard_identifiers);
-        assert_row(look_at_row(pass, samplings[i], 10), samplings[i] == CONUS_SAMPLING_EXACT ? 9.5 : 10);
+        assert_row(trace_row(pass, samplings[i], 10), samplings[i] == CONUS_SAMPLING_EXACT ? 9.5 : 10);
         id_pass_destroy(pass);
     }
     id_pass_destroy(NULL);
@@ -112,25 +112,25 @@ static void state_left_behind_changes_nothing(void **state)
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     glDepthFunc(GL_NEVER);
-    assert_row(look_at_row(pass, CONUS_SAMPLING_EXACT, 10), 9.5);
+    assert_row(trace_row(pass, CONUS_SAMPLING_EXACT, 10), 9.5);
     id_pass_destroy(pass);
     test_gl_leave(&gl);
 }
 
-/* What an earlier look left in the buffers does not shine through, and they grow. */
-static void looks_start_from_nothing(void **state)
+/* What an earlier trace left in the buffers does not shine through, and they grow. */
+static void traces_start_from_nothing(void **state)
 {
     (void)state;
     struct test_gl gl;
     test_gl_enter(&gl);
     struct id_pass *pass = row_pass(CONUS_SAMPLING_EXACT, hard_identifiers);
-    assert_int_equal(look_at_row(pass, CONUS_SAMPLING_EXACT, 10)[1].identifier, 7);
-    const struct id_hit *hits = look_at_row(pass, CONUS_SAMPLING_EXACT, -10); /* looking away */
+    assert_int_equal(trace_row(pass, CONUS_SAMPLING_EXACT, 10)[1].identifier, 7);
+    const struct id_hit *hits = trace_row(pass, CONUS_SAMPLING_EXACT, -10); /* looking away */
     for (int i = 0; i < RAYS; i++) {
         assert_int_equal(hits[i].identifier, 0);
     }
     assert_ok(id_pass_begin(pass, 100000));
-    assert_row(look_at_row(pass, CONUS_SAMPLING_EXACT, 10), 9.5);
+    assert_row(trace_row(pass, CONUS_SAMPLING_EXACT, 10), 9.5);
     id_pass_destroy(pass);
     test_gl_leave(&gl);
 }
@@ -158,7 +158,7 @@ static void the_nearer_volume_stays(void **state)
 }
 
 /* With sampling on planes a volume behind the eye has none. */
-static void rays_without_planes_meet_nothing(void **state)
+static void rays_without_planes_hit_nothing(void **state)
 {
     (void)state;
     struct test_gl gl;
@@ -188,7 +188,7 @@ static void textures_beyond_the_allowed_memory_are_refused(void **state)
     struct id_pass *pass = NULL;
     uint64_t memory = sizeof row_objects; /* the codes find no room */
     assert_ok(id_pass_create(&pass, CONUS_SAMPLING_EXACT, hard_identifiers, OBJECTS + 1));
-    assert_fails(id_pass_add_volume(pass, &row, &row_leaps, &memory), CONUS_ERROR_MEMORY);
+    assert_fails(id_pass_add_volume(pass, &row, &row_distances, &memory), CONUS_ERROR_MEMORY);
     assert_non_null(strstr(conus_message(), "allowed memory"));
     id_pass_destroy(pass);
     test_gl_leave(&gl);
@@ -252,9 +252,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(identifiers_keep_every_bit),
         cmocka_unit_test(state_left_behind_changes_nothing),
-        cmocka_unit_test(looks_start_from_nothing),
+        cmocka_unit_test(traces_start_from_nothing),
         cmocka_unit_test(the_nearer_volume_stays),
-        cmocka_unit_test(rays_without_planes_meet_nothing),
+        cmocka_unit_test(rays_without_planes_hit_nothing),
         cmocka_unit_test(textures_beyond_the_allowed_memory_are_refused),
         cmocka_unit_test(bricks_know_their_distance),
     };

@@ -59,13 +59,13 @@ static void long_names(void **state)
     (void)state;
     enum { COUNT = 8, LONGEST = 70000 };
     static const size_t lengths[COUNT] = {1, 254, 255, 256, 257, 65534, 65536, LONGEST};
-    static char room[COUNT][LONGEST + 1];
+    static char storage[COUNT][LONGEST + 1];
     const char *texts[COUNT];
     uint32_t ids[COUNT];
     for (uint32_t i = 0; i < COUNT; i++) {
-        memset(room[i], 'a', lengths[i]);
+        memset(storage[i], 'a', lengths[i]);
         ids[i] = 1000 * i;
-        texts[i] = room[i];
+        texts[i] = storage[i];
     }
     assert_as_openexr(&(struct id_manifest_group){"id", COMPONENTS, 1, ids, COUNT, texts}, 1);
 }
@@ -74,17 +74,17 @@ static void long_names(void **state)
  * lengths; ids near and far. */
 static void check_random(uint64_t *state, size_t count, uint32_t step)
 {
-    char(*room)[40] = malloc(count * sizeof *room);
+    char(*storage)[40] = malloc(count * sizeof *storage);
     const char **texts = malloc(3 * count * sizeof *texts);
     uint32_t *ids = malloc(count * sizeof *ids);
     double kinds = test_random(state, 1, 2.0 * (double)count);
     for (size_t i = 0; i < count; i++) {
         double kind = test_random(state, 0, 1);
-        snprintf(room[i], sizeof room[i], "%.*s%.0f", (int)test_random(state, 0, 20), "Area of the cortex, 5",
+        snprintf(storage[i], sizeof storage[i], "%.*s%.0f", (int)test_random(state, 0, 20), "Area of the cortex, 5",
                  kinds * kind * kind);
         ids[i] = (uint32_t)(i ? ids[i - 1] + 1 : 0) + (uint32_t)test_random(state, 0, step);
-        texts[3 * i] = room[i];
-        texts[3 * i + 1] = room[(size_t)test_random(state, 0, (double)i)];
+        texts[3 * i] = storage[i];
+        texts[3 * i + 1] = storage[(size_t)test_random(state, 0, (double)i)];
         texts[3 * i + 2] = i % 3 ? "area" : "pathway";
     }
     const struct id_manifest_group groups[] = {{"object", COMPONENTS, 3, ids, count, texts},
@@ -92,7 +92,7 @@ static void check_random(uint64_t *state, size_t count, uint32_t step)
     assert_as_openexr(groups, 2);
     free(ids);
     free(texts);
-    free(room);
+    free(storage);
 }
 
 static void random_names(void **state)
@@ -131,13 +131,13 @@ static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
     enum { COUNT = 300 };
-    static char room[COUNT][8];
+    static char storage[COUNT][8];
     const char *texts[COUNT];
     uint32_t ids[COUNT];
     for (uint32_t i = 0; i < COUNT; i++) {
-        snprintf(room[i], sizeof room[i], "%u", 7919 * i % 1000);
+        snprintf(storage[i], sizeof storage[i], "%u", 7919 * i % 1000);
         ids[i] = i;
-        texts[i] = room[i];
+        texts[i] = storage[i];
     }
     struct id_manifest_group group = {"id", COMPONENTS, 1, ids, COUNT, texts};
     test_every_allocation(format_manifest, &group);

@@ -199,24 +199,24 @@ static void what_is_no_batch_is_refused(void **state)
     }
     assert_null(batch);
     assert_int_equal(conus_batch_threads(NULL), 0);
-    assert_string_equal(conus_batch_heading(NULL), "");
+    assert_string_equal(conus_batch_header(NULL), "");
     conus_batch_destroy(NULL);
 }
 
-static void the_heading_is_the_report_s(void **state)
+static void the_header_is_the_report_s(void **state)
 {
     struct fixture *fixture = *state;
     conus_batch *batch = batch_of(fixture, 1, 0);
     const char *text = NULL;
     size_t size = 0;
-    assert_string_equal(conus_batch_heading(batch), "");
+    assert_string_equal(conus_batch_header(batch), "");
     assert_ok(conus_batch_sidecar(&text, &size, batch));
     assert_non_null(strstr(text, "\"offset_deg\""));
     conus_batch_destroy(batch);
     const conus_batch_options options = {.report = {.format = CONUS_FORMAT_TSV}};
     assert_ok(conus_batch_create(&batch, fixture->selector, &options));
     assert_true(conus_batch_threads(batch) >= 1);
-    assert_memory_equal(conus_batch_heading(batch), "query\tkind\tindex\t", 17);
+    assert_memory_equal(conus_batch_header(batch), "query\tkind\tindex\t", 17);
     conus_batch_destroy(batch);
 }
 
@@ -233,7 +233,7 @@ static void summaries_are_the_best_of_each(void **state)
         conus_pose_stream *poses = poses_of(fixture);
         size_t lines = 0;
         assert_ok(conus_batch_create(&batch, fixture->selector, &options));
-        assert_non_null(strstr(conus_batch_heading(batch), "\trunner_up\trunner_up_index\trunner_up_share\tmargin\t"));
+        assert_non_null(strstr(conus_batch_header(batch), "\trunner_up\trunner_up_index\trunner_up_share\tmargin\t"));
         assert_ok(conus_batch_run(batch, poses, UINT64_MAX, receive, &received));
         for (const char *at = received.text.data; (at = strchr(at, '\n')); at++) {
             lines++;
@@ -305,7 +305,7 @@ int main(void)
         cmocka_unit_test(limits_take_the_poses_piece_by_piece),
         cmocka_unit_test(a_sink_ends_the_run_behind_a_whole_block),
         cmocka_unit_test(what_is_no_batch_is_refused),
-        cmocka_unit_test(the_heading_is_the_report_s),
+        cmocka_unit_test(the_header_is_the_report_s),
         cmocka_unit_test(summaries_are_the_best_of_each),
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(a_failure_ends_the_run),

@@ -2,7 +2,7 @@
 /* Phantoms through the public interface, against answers worked out on paper.
  *
  * A painted shape holds every voxel whose centre is inside, so with d half a voxel's diagonal it contains the shape
- * shrunk by d and lies in the shape grown by d: what a ray meets is bounded by what it would meet of those two (Eq. 5).
+ * shrunk by d and lies in the shape grown by d: what a ray meets is bounded by what it would hit of those two (Eq. 5).
  */
 #include "atlas/phantom/phantom.h"
 #include "atlas/space.h"
@@ -186,7 +186,7 @@ static void check_ring(struct view *view, const struct ring *ring, double degree
         assert_near(result->contact[0], 0, 1e-9);
         assert_near(result->contact[1], 0, 1e-9);
         assert_near(result->contact[2], ring->tube, view->slack);
-        assert_near(result->center_px, 0, 1e-12);
+        assert_near(result->centre_px, 0, 1e-12);
         assert_near(result->offset, 0, 1e-12);
     }
 }
@@ -252,7 +252,7 @@ static void the_first_slab_hides_the_second(void **state)
     close_view(&view);
 }
 
-static void of_nested_balls_the_outer_one_is_met(void **state)
+static void of_nested_balls_the_outer_one_is_hit(void **state)
 {
     (void)state;
     static const struct {
@@ -318,7 +318,7 @@ static void tubes_are_met_at_their_wall(void **state)
             const struct phantom_shape *tube = &view.drawing.shapes[s];
             for (int step = 0; step < 75; step++) {
                 double off = radians_from_degrees(25 + 1.7 * step);
-                aim_along(&view, tube->center, (double[]){0, cos(off), sin(off)}, 1);
+                aim_along(&view, tube->centre, (double[]){0, cos(off), sin(off)}, 1);
                 assert_only(&view, tube->label);
                 assert_near(result_of(&view, tube->label)->distance, tube->radius - tube->tube, view.slack);
             }
@@ -480,7 +480,7 @@ int main(void)
         cmocka_unit_test(a_torus_has_its_annulus),
         cmocka_unit_test(shares_converge),
         cmocka_unit_test(the_first_slab_hides_the_second),
-        cmocka_unit_test(of_nested_balls_the_outer_one_is_met),
+        cmocka_unit_test(of_nested_balls_the_outer_one_is_hit),
         cmocka_unit_test(through_the_hole_of_a_torus_there_is_nothing),
         cmocka_unit_test(a_bounding_box_selects_nothing),
         cmocka_unit_test(tubes_are_met_at_their_wall),

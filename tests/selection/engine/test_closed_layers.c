@@ -35,7 +35,7 @@ static void close_view(struct view *view)
     phantom_drawing_finish(&view->drawing);
 }
 
-static conus_selection *look(const struct view *view, const struct cone *cone)
+static conus_selection *select_from(const struct view *view, const struct cone *cone)
 {
     const conus_selector_options options = {.layers = CONUS_LAYERS_ALL,
                                             .resolution = cone->resolution,
@@ -56,17 +56,17 @@ static struct cone cone_along(const double origin[3], const double direction[3],
     return cone;
 }
 
-/* Length inside the object of the ray of `pixel`, and its number of pieces. */
-static double length_in(const conus_selection *selection, uint32_t pixel, uint32_t object, unsigned *pieces)
+/* Length inside the object of the ray of `pixel`, and its number of intervals. */
+static double length_in(const conus_selection *selection, uint32_t pixel, uint32_t object, unsigned *interval_count)
 {
     size_t count;
-    const conus_span *spans = conus_selection_spans(&count, selection);
+    const conus_interval *intervals = conus_selection_intervals(&count, selection);
     double length = 0;
-    *pieces = 0;
+    *interval_count = 0;
     for (size_t i = 0; i < count; i++) {
-        if (spans[i].pixel == pixel && spans[i].object == object) {
-            length += spans[i].exit - spans[i].entry;
-            ++*pieces;
+        if (intervals[i].pixel == pixel && intervals[i].object == object) {
+            length += intervals[i].exit - intervals[i].entry;
+            ++*interval_count;
         }
     }
     return length;
@@ -84,18 +84,18 @@ static void a_ball_is_as_long_as_its_chords(void **state)
     for (size_t g = 0; g < GRIDS; g++) {
         struct view view = open_phantom("sphere", &grids[g]);
         const struct cone cone = cone_along((double[]){60, -64, 48}, (double[]){-60, 64, -48}, 26, 16);
-        conus_selection *selection = look(&view, &cone);
-        unsigned met = 0;
+        conus_selection *selection = select_from(&view, &cone);
+        unsigned hit = 0;
         for (uint32_t pixel = 0; pixel < 256; pixel++) {
             double off = atan(cone_radius(&cone, pixel % 16, pixel / 16) * tan(cone.angle / 2));
             double beside = 100 * sin(off);
-            unsigned pieces;
-            double length = length_in(selection, pixel, 1, &pieces);
-            met += pieces > 0;
+            unsigned interval_count;
+            double length = length_in(selection, pixel, 1, &interval_count);
+            hit += interval_count > 0;
             assert_true(length >= chord(20 - view.slack, beside) - 1e-9);
             assert_true(length <= chord(20 + view.slack, beside) + 1e-9);
         }
-        assert_true(met > 150);
+        assert_true(hit > 150);
         conus_selection_destroy(selection);
         close_view(&view);
     }
@@ -107,7 +107,7 @@ static void hidden_slabs_are_as_long_as_seen_ones(void **state)
     (void)state;
     struct view view = open_phantom("slabs", NULL);
     const struct cone cone = cone_along((double[]){3.3, 100, 2.2}, (double[]){0, -1, 0}, 10, 16);
-    conus_selection *selection = look(&view, &cone);
+    conus_selection *selection = select_from(&view, &cone);
     const uint32_t front = conus_selection_result(selection, 0)->object;
     for (size_t i = 0; i < 2; i++) {
         const conus_result *slab = conus_selection_result(selection, i);
@@ -115,10 +115,10 @@ static void hidden_slabs_are_as_long_as_seen_ones(void **state)
         for (uint32_t pixel = 0; pixel < 256; pixel++) {
             uint32_t column = pixel % 16;
             uint32_t row = pixel / 16;
-            unsigned pieces;
+            unsigned interval_count;
             double per_depth = cone_per_depth(&cone, column, row);
-            assert_near(length_in(selection, pixel, slab->object, &pieces), 6 * per_depth, 1e-9);
-            assert_int_equal(pieces, 1);
+            assert_near(length_in(selection, pixel, slab->object, &interval_count), 6 * per_depth, 1e-9);
+            assert_int_equal(interval_count, 1);
             sum += cone_has_pixel(&cone, column, row) ? 6 * per_depth : 0;
         }
         assert_int_equal(slab->pierced, 208);
@@ -139,7 +139,7 @@ static void a_range_leaves_a_part_of_a_slab(void **state)
     struct cone cone = cone_along((double[]){3.3, 100, 2.2}, (double[]){0, -1, 0}, 10, 16);
     cone.range[0] = 90;
     cone.range[1] = 107;
-    conus_selection *selection = look(&view, &cone);
+    conus_selection *selection = select_from(&view, &cone);
     const conus_result *front = conus_selection_result(selection, 0);
     const conus_result *back = conus_selection_result(selection, 1);
     assert_near(front->entry, 90 * cone_per_depth(&cone, 7, 7), 1e-9);
@@ -157,11 +157,11 @@ static void a_torus_is_pierced_twice(void **state)
     for (size_t g = 0; g < GRIDS; g++) {
         struct view view = open_phantom("torus", &grids[g]);
         const struct cone cone = cone_along((double[]){0, 90, 0}, (double[]){0, -1, 0}, 1, 1);
-        conus_selection *selection = look(&view, &cone);
+        conus_selection *selection = select_from(&view, &cone);
         const conus_result *torus = conus_selection_result(selection, 0);
-        unsigned pieces;
-        assert_near(length_in(selection, 0, torus->object, &pieces), 24, 4 * view.slack);
-        assert_int_equal(pieces, 2);
+        unsigned interval_count;
+        assert_near(length_in(selection, 0, torus->object, &interval_count), 24, 4 * view.slack);
+        assert_int_equal(interval_count, 2);
         assert_int_equal(torus->pierced, 1);
         assert_near(torus->path, 24, 4 * view.slack);
         assert_near(torus->entry, 66, view.slack);
@@ -182,7 +182,7 @@ static double mean_path_error(double edge, uint32_t n)
     struct cone cone = cone_along((double[]){60, -64, 48}, (double[]){-60, 64, -48}, 1, n);
     cone.angle = 0;
     cone.radius = a;
-    conus_selection *selection = look(&view, &cone);
+    conus_selection *selection = select_from(&view, &cone);
     const conus_result *ball = conus_selection_result(selection, 0);
     double mean = 4 / (3 * a * a) * (pow(radius, 3) - pow(radius * radius - a * a, 1.5));
     double error = ball->path / mean - 1;
@@ -214,7 +214,7 @@ static void entry_and_exit_are_the_outermost(void **state)
         struct cone cone = cone_along((double[]){0, 0, 60}, (double[]){0, 0, -1}, 1, 17);
         cone.angle = 0;
         cone.radius = 17;
-        conus_selection *selection = look(&view, &cone);
+        conus_selection *selection = select_from(&view, &cone);
         const conus_result *ball = conus_selection_result(selection, 0);
         assert_near(ball->entry, 40, view.slack);
         assert_near(ball->exit, 80, view.slack);

@@ -171,7 +171,7 @@ static void blocks_do_not_move_the_edges_of_meshes(void **state)
 }
 
 /* Equal surfaces, of which a pixel notes more than it has room for; and, being many, do not fit the buffer at once. */
-static void many_looks_are_what_they_are_alone(void **state)
+static void many_cones_are_what_they_are_alone(void **state)
 {
     (void)state;
     enum { LOOKS = 80, EDGE = 64 };
@@ -196,7 +196,7 @@ static void many_looks_are_what_they_are_alone(void **state)
     }
     assert_ok(pair.gl->functions->trace_many(pair.gl, out, in, LOOKS));
     for (int i = 0; i < LOOKS; i++) {
-        struct evidence alone = gl_pair_look(pair.gl, &cones[i]);
+        struct evidence alone = gl_pair_trace(pair.gl, &cones[i]);
         gl_pair_same_evidence(&together[i], &alone);
         for (size_t pixel = 0; pixel < (size_t)EDGE * EDGE; pixel++) {
             hits += alone.object[pixel] != 0;
@@ -216,7 +216,7 @@ static void compare_wanted(uint64_t *random, const conus_atlas *atlas)
     for (int round = 0; round < 20; round++) {
         struct cone cone = scene_cone(random, atlas);
         static bool wanted[64 * 64];
-        struct evidence all = gl_pair_look(pair.gl, &cone);
+        struct evidence all = gl_pair_trace(pair.gl, &cone);
         for (size_t i = 0; i < (size_t)cone.resolution * cone.resolution; i++) {
             wanted[i] = round && test_random(random, 0, 1) < 0.5; /* or none */
             if (!wanted[i]) {
@@ -226,7 +226,7 @@ static void compare_wanted(uint64_t *random, const conus_atlas *atlas)
             }
         }
         cone.wanted = wanted;
-        struct evidence some = gl_pair_look(pair.gl, &cone);
+        struct evidence some = gl_pair_trace(pair.gl, &cone);
         gl_pair_same_evidence(&some, &all);
         evidence_finish(&all);
         evidence_finish(&some);
@@ -288,7 +288,7 @@ int main(void)
         cmocka_unit_test(blocks_of_cones_give_the_rows_of_the_rays),
         cmocka_unit_test(a_real_atlas_gives_the_same_rows),
         cmocka_unit_test(blocks_do_not_move_the_edges_of_meshes),
-        cmocka_unit_test(many_looks_are_what_they_are_alone),
+        cmocka_unit_test(many_cones_are_what_they_are_alone),
         cmocka_unit_test(only_wanted_pixels_are_looked_at),
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(the_driver_was_silent),

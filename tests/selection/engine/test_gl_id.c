@@ -20,7 +20,7 @@ static size_t compare_scenes(uint64_t random, int scenes, conus_sampling samplin
         struct gl_pair pair = gl_pair_create_slices(atlas, sampling, slices);
         for (int pose = 0; pose < 12; pose++) {
             struct cone cone = scene_cone(&random, atlas);
-            hits += gl_pair_same_look(&pair, &cone);
+            hits += gl_pair_same_hits(&pair, &cone);
         }
         gl_pair_destroy(&pair);
         conus_atlas_destroy(atlas);
@@ -52,7 +52,7 @@ static void big_buffers_take_turns(void **state)
     struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     for (int pose = 0; pose < 3; pose++) {
         struct cone cone = {.pose = scene_pose(&random, atlas), .angle = 0.5, .resolution = pose ? 500 : 300};
-        gl_pair_same_look(&pair, &cone);
+        gl_pair_same_hits(&pair, &cone);
     }
     gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
@@ -81,7 +81,7 @@ static void more_objects_than_16_bits_hold(void **state)
     assert_non_null(atlas->volumes[0].objects32);
     struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = cone_from(-60, 20.3, 21.1, 40, 64);
-    assert_true(gl_pair_same_look(&pair, &cone) > 64 * 64 / 2);
+    assert_true(gl_pair_same_hits(&pair, &cone) > 64 * 64 / 2);
     gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
@@ -100,7 +100,7 @@ static void distances_are_those_of_the_closed_form(void **state)
     const struct cone cones[] = {cone_from(-1e5, 31.25, 32.125, 0.03, 16), cone_from(0, 31.25, 32.125, 120, 15),
                                  cone_from(5, 31.25, 32.125, 60, 16)};
     for (int c = 0; c < 3; c++) {
-        struct evidence evidence = gl_pair_look(pair.gl, &cones[c]);
+        struct evidence evidence = gl_pair_trace(pair.gl, &cones[c]);
         for (uint32_t p = 0; p < cones[c].resolution * cones[c].resolution; p++) {
             double ray[3];
             cone_ray(ray, &cones[c], p % cones[c].resolution, p / cones[c].resolution);
@@ -115,7 +115,7 @@ static void distances_are_those_of_the_closed_form(void **state)
 }
 
 /* A context volume is scenery. */
-static void the_context_is_never_met(void **state)
+static void the_context_is_never_hit(void **state)
 {
     (void)state;
     uint32_t labels[27] = {0};
@@ -129,14 +129,14 @@ static void the_context_is_never_met(void **state)
     assert_ok(atlas_set_context(atlas, &info, values));
     struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = cone_from(-10, 1, 1, 40, 16);
-    assert_true(gl_pair_same_look(&pair, &cone) > 0);
+    assert_true(gl_pair_same_hits(&pair, &cone) > 0);
     gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
 
 static size_t count_blocked(struct engine *engine, const struct cone *cone)
 {
-    struct evidence evidence = gl_pair_look(engine, cone);
+    struct evidence evidence = gl_pair_trace(engine, cone);
     size_t blocked = 0;
     for (size_t i = 0; i < (size_t)cone->resolution * cone->resolution; i++) {
         blocked += evidence.object[i] == VOLUME_BLOCKER;
@@ -158,7 +158,7 @@ static void what_blocks_is_seen_alike(void **state)
         struct gl_pair pair = gl_pair_create(atlas, sampling);
         for (int pose = 0; pose < 6; pose++) {
             struct cone cone = scene_cone(&random, atlas);
-            hits += gl_pair_same_look(&pair, &cone);
+            hits += gl_pair_same_hits(&pair, &cone);
             blocked += count_blocked(pair.rays, &cone);
         }
         gl_pair_destroy(&pair);
@@ -228,7 +228,7 @@ static void the_callers_context_stays_current(void **state)
     assert_ok(gl_context_use(own, &previous));
     EGLContext is = eglGetCurrentContext();
     struct cone cone = scene_cone(&random, atlas);
-    gl_pair_same_look(&pair, &cone);
+    gl_pair_same_hits(&pair, &cone);
     assert_ptr_equal(eglGetCurrentContext(), is);
     struct gl_pair another = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     gl_pair_destroy(&another);
@@ -251,8 +251,8 @@ static void compare_on(const char *name, uint64_t random, int poses)
     size_t hits = 0;
     for (int pose = 0; pose < poses; pose++) {
         struct cone cone = scene_cone(&random, atlas);
-        hits += gl_pair_same_look(&exact, &cone);
-        gl_pair_same_look(&slices, &cone);
+        hits += gl_pair_same_hits(&exact, &cone);
+        gl_pair_same_hits(&slices, &cone);
     }
     assert_true(hits > 1000);
     gl_pair_destroy(&exact);
@@ -285,7 +285,7 @@ int main(void)
         cmocka_unit_test(big_buffers_take_turns),
         cmocka_unit_test(more_objects_than_16_bits_hold),
         cmocka_unit_test(distances_are_those_of_the_closed_form),
-        cmocka_unit_test(the_context_is_never_met),
+        cmocka_unit_test(the_context_is_never_hit),
         cmocka_unit_test(what_blocks_is_seen_alike),
         cmocka_unit_test(a_volume_too_long_for_the_driver_is_refused),
         cmocka_unit_test(every_failing_allocation_is_reported),

@@ -7,7 +7,7 @@
 #include "scene.h"
 #include "test.h"
 
-static void fail_at_interval(const struct cone *cone, const conus_span *got, const conus_span *wanted)
+static void fail_at_interval(const struct cone *cone, const conus_interval *got, const conus_interval *wanted)
 {
     fail_msg("%u x %u, %g degrees: pixel %u object %u from %.17g to %.17g voxel %llu; wanted %u %u %.17g %.17g %llu",
              cone->resolution, cone->resolution, degrees_from_radians(cone->angle), got->pixel, got->object, got->entry,
@@ -15,16 +15,16 @@ static void fail_at_interval(const struct cone *cone, const conus_span *got, con
              (unsigned long long)wanted->voxel);
 }
 
-/* Fails where the pieces differ by a single bit. */
-static void assert_same_pieces(struct gl_pair *pair, const struct cone *cone)
+/* Fails where the intervals differ by a single bit. */
+static void assert_same_intervals(struct gl_pair *pair, const struct cone *cone)
 {
     struct layers got = gl_pair_pierce(pair->gl, cone);
     struct layers wanted = gl_pair_pierce(pair->rays, cone);
     for (size_t i = 0; i < got.count && i < wanted.count; i++) {
-        if (!gl_pair_same_piece(&got.spans[i], &wanted.spans[i])) {
-            fail_at_interval(cone, &got.spans[i], &wanted.spans[i]);
+        if (!gl_pair_same_interval(&got.intervals[i], &wanted.intervals[i])) {
+            fail_at_interval(cone, &got.intervals[i], &wanted.intervals[i]);
         }
-        pair->counts.blocked += wanted.spans[i].object == VOLUME_BLOCKER;
+        pair->counts.blocked += wanted.intervals[i].object == VOLUME_BLOCKER;
     }
     assert_int_equal(got.count, wanted.count);
     pair->counts.hits += wanted.count;
@@ -46,7 +46,7 @@ static void make_cylinder(struct cone *cone, double radius)
 
 static size_t compare_scenes(uint64_t random, int scenes, bool cylinders)
 {
-    size_t spans = 0;
+    size_t intervals = 0;
     for (int scene = 0; scene < scenes; scene++) {
         conus_atlas *atlas = scene_atlas(&random, scene % 10 ? 24 : 70, scene % 4);
         struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
@@ -55,30 +55,30 @@ static size_t compare_scenes(uint64_t random, int scenes, bool cylinders)
             if (cylinders) {
                 make_cylinder(&cone, test_random(&random, 0.01, 30));
             }
-            assert_same_pieces(&pair, &cone);
+            assert_same_intervals(&pair, &cone);
         }
-        spans += pair.counts.hits;
+        intervals += pair.counts.hits;
         gl_pair_destroy(&pair);
         conus_atlas_destroy(atlas);
     }
-    return spans;
+    return intervals;
 }
 
 /* Eq. 10: oblique, flipped, anisotropic and sheared grids, several volumes, apices inside, on faces and far away. */
-static void pieces_of_volumes_are_those_of_rays(void **state)
+static void intervals_of_volumes_are_those_of_rays(void **state)
 {
     (void)state;
     assert_true(compare_scenes(71, 100, false) > 200000);
 }
 
-static void pieces_in_cylinders_are_those_of_rays(void **state)
+static void intervals_in_cylinders_are_those_of_rays(void **state)
 {
     (void)state;
     assert_true(compare_scenes(72, 40, true) > 50000);
 }
 
 /* Eq. 3, Eq. 5, Eq. 7: the visible part of cylinders. */
-static void looks_through_cylinders_are_those_of_rays(void **state)
+static void traces_in_cylinders_are_those_of_rays(void **state)
 {
     (void)state;
     uint64_t random = 73;
@@ -89,7 +89,7 @@ static void looks_through_cylinders_are_those_of_rays(void **state)
         for (int pose = 0; pose < 8; pose++) {
             struct cone cone = scene_cone(&random, atlas);
             make_cylinder(&cone, test_random(&random, 0.01, 30));
-            hits += gl_pair_same_look(&pair, &cone);
+            hits += gl_pair_same_hits(&pair, &cone);
         }
         gl_pair_destroy(&pair);
         conus_atlas_destroy(atlas);
@@ -97,7 +97,7 @@ static void looks_through_cylinders_are_those_of_rays(void **state)
     assert_true(hits > 5000);
 }
 
-static void what_blocks_has_pieces_too(void **state)
+static void what_blocks_has_intervals_too(void **state)
 {
     (void)state;
     uint64_t random = 74;
@@ -108,7 +108,7 @@ static void what_blocks_has_pieces_too(void **state)
         struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
         for (int pose = 0; pose < 8; pose++) {
             struct cone cone = scene_cone(&random, atlas);
-            assert_same_pieces(&pair, &cone);
+            assert_same_intervals(&pair, &cone);
         }
         blocked += pair.counts.blocked;
         gl_pair_destroy(&pair);
@@ -117,27 +117,27 @@ static void what_blocks_has_pieces_too(void **state)
     assert_true(blocked > 500);
 }
 
-/* More pieces than a list on the device holds: the pixels are drawn in portions. */
-static void a_million_pieces_come_in_portions(void **state)
+/* More intervals than a list on the device holds: the pixels are drawn in portions. */
+static void a_million_intervals_come_in_portions(void **state)
 {
     (void)state;
     enum { EDGE = 40, COUNT = EDGE * EDGE * EDGE };
     static uint32_t labels[COUNT];
     for (uint32_t i = 0; i < COUNT; i++) {
-        labels[i] = 1 + i; /* every cell is a piece */
+        labels[i] = 1 + i; /* every cell is an interval */
     }
     conus_atlas *atlas = grid_atlas(EDGE, labels);
     struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = {.angle = radians_from_degrees(30), .resolution = 160};
     assert_ok(conus_pose_toward(&cone.pose, (double[]){-60, 17, 25}, (double[]){19, 20, 21}, NULL));
-    assert_same_pieces(&pair, &cone);
-    assert_true(pair.counts.hits > ((size_t)1 << 24) / sizeof(conus_span));
+    assert_same_intervals(&pair, &cone);
+    assert_true(pair.counts.hits > ((size_t)1 << 24) / sizeof(conus_interval));
     gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
 
 /* A million voxels in millimetres, cones and needles of any size. */
-static void pieces_of_a_real_atlas_are_those_of_rays(void **state)
+static void intervals_of_a_real_atlas_are_those_of_rays(void **state)
 {
     (void)state;
     uint64_t random = 75;
@@ -150,14 +150,14 @@ static void pieces_of_a_real_atlas_are_those_of_rays(void **state)
         if (pose % 4 == 3) {
             make_cylinder(&cone, test_random(&random, 0.5, 30));
         }
-        assert_same_pieces(&pair, &cone);
+        assert_same_intervals(&pair, &cone);
     }
     assert_true(pair.counts.hits > 50000);
     gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
 
-/* With a range the visible part, too, comes from the pieces. */
+/* With a range the visible part, too, comes from the intervals. */
 static void answers_with_a_range_are_those_of_rays(void **state)
 {
     (void)state;
@@ -189,7 +189,7 @@ static void every_failing_allocation_is_reported(void **state)
     (void)state;
     uint32_t labels[6 * 6 * 6];
     for (uint32_t i = 0; i < 6 * 6 * 6; i++) {
-        labels[i] = 1 + i; /* more pieces than there is room for at first */
+        labels[i] = 1 + i; /* more intervals than there is room for at first */
     }
     conus_atlas *atlas = grid_atlas(6, labels);
     struct cone cone = {.angle = radians_from_degrees(60), .resolution = 60};
@@ -201,12 +201,12 @@ static void every_failing_allocation_is_reported(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pieces_of_volumes_are_those_of_rays),
-        cmocka_unit_test(pieces_in_cylinders_are_those_of_rays),
-        cmocka_unit_test(looks_through_cylinders_are_those_of_rays),
-        cmocka_unit_test(what_blocks_has_pieces_too),
-        cmocka_unit_test(a_million_pieces_come_in_portions),
-        cmocka_unit_test(pieces_of_a_real_atlas_are_those_of_rays),
+        cmocka_unit_test(intervals_of_volumes_are_those_of_rays),
+        cmocka_unit_test(intervals_in_cylinders_are_those_of_rays),
+        cmocka_unit_test(traces_in_cylinders_are_those_of_rays),
+        cmocka_unit_test(what_blocks_has_intervals_too),
+        cmocka_unit_test(a_million_intervals_come_in_portions),
+        cmocka_unit_test(intervals_of_a_real_atlas_are_those_of_rays),
         cmocka_unit_test(answers_with_a_range_are_those_of_rays),
         cmocka_unit_test(every_failing_allocation_is_reported),
         cmocka_unit_test(the_driver_was_silent),

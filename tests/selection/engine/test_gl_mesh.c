@@ -50,10 +50,10 @@ static void compare_pixel(struct gl_pair *pair, const struct cone *cone, const s
     }
 }
 
-static void compare_looks(struct gl_pair *pair, const struct cone *cone)
+static void compare_traces(struct gl_pair *pair, const struct cone *cone)
 {
-    struct evidence got = gl_pair_look(pair->gl, cone);
-    struct evidence wanted = gl_pair_look(pair->rays, cone);
+    struct evidence got = gl_pair_trace(pair->gl, cone);
+    struct evidence wanted = gl_pair_trace(pair->rays, cone);
     for (size_t pixel = 0; pixel < (size_t)cone->resolution * cone->resolution; pixel++) {
         compare_pixel(pair, cone, &got, &wanted, pixel);
     }
@@ -73,7 +73,7 @@ static void assert_agreement(const struct gl_counts *counts, double hit_part)
 static void compare_100_poses(uint64_t *random, const conus_atlas *atlas, double size)
 {
     struct gl_counts counts = {0};
-    gl_pair_compare_poses(&counts, random, atlas, compare_looks, size, 100, 5);
+    gl_pair_compare_poses(&counts, random, atlas, compare_traces, size, 100, 5);
     assert_agreement(&counts, 0.3);
 }
 
@@ -87,7 +87,7 @@ static void one_sphere(void **state)
     mesh_scene_add(atlas, &sphere);
     struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = mesh_scene_cone((double[]){-80, 10, 5}, (double[]){1, 2, 3}, 40, 64);
-    compare_looks(&pair, &cone);
+    compare_traces(&pair, &cone);
     assert_agreement(&pair.counts, 0.3);
     gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
@@ -99,7 +99,7 @@ static void random_triangles(void **state)
     (void)state;
     uint64_t random = 31;
     struct gl_counts counts = {0};
-    gl_pair_compare_triangles(&counts, &random, compare_looks, 40, 0);
+    gl_pair_compare_triangles(&counts, &random, compare_traces, 40, 0);
     assert_agreement(&counts, 0.3);
 }
 
@@ -185,7 +185,7 @@ static void far_from_the_origin(void **state)
         for (int a = 0; a < 3; a++) {
             cone.pose.world_from_device[12 + a] += far[a];
         }
-        compare_looks(&pair, &cone);
+        compare_traces(&pair, &cone);
     }
     assert_agreement(&pair.counts, 0.3);
     gl_pair_destroy(&pair);
@@ -198,7 +198,7 @@ static void meshes_among_voxels(void **state)
     (void)state;
     uint64_t random = 34;
     struct gl_counts counts = {0};
-    gl_pair_compare_mixed(&counts, &random, compare_looks, 20);
+    gl_pair_compare_mixed(&counts, &random, compare_traces, 20);
     assert_agreement(&counts, 0.2);
 }
 
@@ -232,9 +232,9 @@ static void more_meshes_than_16_bits_hold(void **state)
     }
     struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = mesh_scene_cone((double[]){-300, 240, 255}, (double[]){0, 240, 255}, 4, 128);
-    compare_looks(&pair, &cone);
+    compare_traces(&pair, &cone);
     assert_agreement(&pair.counts, 0.2);
-    struct evidence evidence = gl_pair_look(pair.gl, &cone);
+    struct evidence evidence = gl_pair_trace(pair.gl, &cone);
     size_t large = 0;
     for (size_t i = 0; i < (size_t)128 * 128; i++) {
         large += evidence.object[i] > UINT16_MAX;
@@ -257,8 +257,8 @@ static void the_lower_of_equals_wins(void **state)
     }
     struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
     struct cone cone = mesh_scene_cone((double[]){-20, 0, 1}, (double[]){0, 1, 0}, 30, 16);
-    compare_looks(&pair, &cone);
-    struct evidence evidence = gl_pair_look(pair.gl, &cone);
+    compare_traces(&pair, &cone);
+    struct evidence evidence = gl_pair_trace(pair.gl, &cone);
     for (int i = 0; i < 16 * 16; i++) {
         assert_int_equal(evidence.object[i], 6);
         assert_int_equal(evidence.voxel[i], 0);
@@ -283,13 +283,13 @@ static void nothing_before_the_apex_is_clipped(void **state)
     const struct {
         double from[3], to[3];
         uint32_t hit;
-    } looks[] = {{{0, 0, 0}, {1, 0, 0}, 2},     {{0, 0, 0}, {-1, 0, 0}, 1},  {{0.02, 0, 0}, {1, 0, 0}, 4},
-                 {{-0.02, 0, 0}, {1, 0, 0}, 1}, {{10, 0, 0}, {11, 0, 0}, 3}, {{0, 60, 0}, {0, 61, 0}, 0}};
-    for (size_t i = 0; i < sizeof looks / sizeof looks[0]; i++) {
-        struct cone cone = mesh_scene_cone(looks[i].from, looks[i].to, i % 2 ? 20 : 120, 15);
-        compare_looks(&pair, &cone);
-        struct evidence evidence = gl_pair_look(pair.gl, &cone);
-        assert_int_equal(evidence.object[7 * 15 + 7], looks[i].hit);
+    } rays[] = {{{0, 0, 0}, {1, 0, 0}, 2},     {{0, 0, 0}, {-1, 0, 0}, 1},  {{0.02, 0, 0}, {1, 0, 0}, 4},
+                {{-0.02, 0, 0}, {1, 0, 0}, 1}, {{10, 0, 0}, {11, 0, 0}, 3}, {{0, 60, 0}, {0, 61, 0}, 0}};
+    for (size_t i = 0; i < sizeof rays / sizeof rays[0]; i++) {
+        struct cone cone = mesh_scene_cone(rays[i].from, rays[i].to, i % 2 ? 20 : 120, 15);
+        compare_traces(&pair, &cone);
+        struct evidence evidence = gl_pair_trace(pair.gl, &cone);
+        assert_int_equal(evidence.object[7 * 15 + 7], rays[i].hit);
         evidence_finish(&evidence);
     }
     gl_pair_destroy(&pair);

@@ -11,7 +11,7 @@
 
 static void assert_agreement(const struct gl_counts *counts, size_t least)
 {
-    print_message("%zu pieces of %zu objects in pixels, %zu apart at edges, %zu in length, %zu met by one engine\n",
+    print_message("%zu intervals of %zu objects in pixels, %zu apart at edges, %zu in length, %zu met by one engine\n",
                   counts->hits, counts->compared, counts->at_edges, counts->other_length, counts->other_object);
     assert_true(counts->compared >= least);
     assert_true(counts->at_edges <= 1 + counts->compared / 50); /* triangles may be as small as pixels */
@@ -21,45 +21,45 @@ static void assert_agreement(const struct gl_counts *counts, size_t least)
 
 /* ---- Comparison --------------------------------------------------------------------------------------------- */
 
-/* One pixel's pieces. */
+/* One pixel's intervals. */
 struct stack {
-    const conus_span *spans;
+    const conus_interval *intervals;
     size_t count;
 };
 
 static struct stack take_pixel(const struct layers *layers, size_t *at, size_t pixel)
 {
-    struct stack stack = {.spans = layers->spans + *at};
-    while (*at < layers->count && layers->spans[*at].pixel == pixel) {
+    struct stack stack = {.intervals = layers->intervals + *at};
+    while (*at < layers->count && layers->intervals[*at].pixel == pixel) {
         ++*at;
         stack.count++;
     }
     return stack;
 }
 
-/* The object's next piece from place *at on; NULL = none. */
-static const conus_span *next_of(const struct stack *stack, size_t *at, uint32_t object)
+/* The object's next interval from place *at on; NULL = none. */
+static const conus_interval *next_of(const struct stack *stack, size_t *at, uint32_t object)
 {
     while (*at < stack->count) {
-        const conus_span *span = &stack->spans[(*at)++];
-        if (span->object == object) {
-            return span;
+        const conus_interval *interval = &stack->intervals[(*at)++];
+        if (interval->object == object) {
+            return interval;
         }
     }
     return NULL;
 }
 
-/* Whether both have the same pieces of the object, bit for bit. */
+/* Whether both have the same intervals of the object, bit for bit. */
 static bool are_same(const struct stack *got, const struct stack *wanted, uint32_t object)
 {
     size_t i = 0, j = 0;
     for (;;) {
-        const conus_span *a = next_of(got, &i, object);
-        const conus_span *b = next_of(wanted, &j, object);
+        const conus_interval *a = next_of(got, &i, object);
+        const conus_interval *b = next_of(wanted, &j, object);
         if (!a || !b) {
             return a == b;
         }
-        if (!gl_pair_same_piece(a, b)) {
+        if (!gl_pair_same_interval(a, b)) {
             return false;
         }
     }
@@ -75,18 +75,19 @@ static double length_in(const struct stack *stack, uint32_t object)
 {
     double length = 0;
     size_t at = 0;
-    for (const conus_span *span; (span = next_of(stack, &at, object));) {
-        length += span->exit - span->entry;
+    for (const conus_interval *interval; (interval = next_of(stack, &at, object));) {
+        length += interval->exit - interval->entry;
     }
     return length;
 }
 
 /* Whether the lengths inside the object are farther apart than a tenth of a pixel there. */
 static bool is_other_length(const struct cone *cone, const struct stack *got, const struct stack *wanted,
-                            const conus_span *span)
+                            const conus_interval *interval)
 {
-    double half = cone->radius > 0 ? cone->radius : tan(cone->angle / 2) * span->exit;
-    return fabs(length_in(got, span->object) - length_in(wanted, span->object)) > 0.1 * 2 * half / cone->resolution;
+    double half = cone->radius > 0 ? cone->radius : tan(cone->angle / 2) * interval->exit;
+    return fabs(length_in(got, interval->object) - length_in(wanted, interval->object)) >
+           0.1 * 2 * half / cone->resolution;
 }
 
 /* Whether the driver may see another triangle of the object there, or none. */
@@ -104,37 +105,37 @@ static bool may_differ(const struct gl_pair *pair, const struct cone *cone, uint
 static void print_stack(const char *what, const struct stack *stack, uint32_t object)
 {
     for (size_t i = 0; i < stack->count; i++) {
-        const conus_span *span = &stack->spans[i];
-        if (span->object == object) {
-            print_message("%s %.17g to %.17g, triangle %llu\n", what, span->entry, span->exit,
-                          (unsigned long long)span->voxel);
+        const conus_interval *interval = &stack->intervals[i];
+        if (interval->object == object) {
+            print_message("%s %.17g to %.17g, triangle %llu\n", what, interval->entry, interval->exit,
+                          (unsigned long long)interval->voxel);
         }
     }
 }
 
 static void compare_object(struct gl_pair *pair, const struct cone *cone, const struct stack *got,
-                           const struct stack *wanted, const conus_span *span)
+                           const struct stack *wanted, const conus_interval *interval)
 {
     pair->counts.compared++;
-    if (are_same(got, wanted, span->object)) {
+    if (are_same(got, wanted, interval->object)) {
         return;
     }
-    if (!may_differ(pair, cone, span->object, span->pixel)) {
-        print_stack("got", got, span->object);
-        print_stack("wanted", wanted, span->object);
-        fail_msg("pixel %u of %u x %u, %g degrees, %g mm, object %u", span->pixel, cone->resolution, cone->resolution,
-                 degrees_from_radians(cone->angle), cone->radius, span->object);
+    if (!may_differ(pair, cone, interval->object, interval->pixel)) {
+        print_stack("got", got, interval->object);
+        print_stack("wanted", wanted, interval->object);
+        fail_msg("pixel %u of %u x %u, %g degrees, %g mm, object %u", interval->pixel, cone->resolution,
+                 cone->resolution, degrees_from_radians(cone->angle), cone->radius, interval->object);
     }
     pair->counts.at_edges++;
-    pair->counts.other_length += is_other_length(cone, got, wanted, span);
-    pair->counts.other_object += has_object(got, span->object) != has_object(wanted, span->object);
+    pair->counts.other_length += is_other_length(cone, got, wanted, interval);
+    pair->counts.other_object += has_object(got, interval->object) != has_object(wanted, interval->object);
 }
 
-/* Whether the object of the span at `index` comes earlier in the stack. */
+/* Whether the object of the interval at `index` comes earlier in the stack. */
 static bool is_known(const struct stack *stack, size_t index)
 {
-    const struct stack earlier = {stack->spans, index};
-    return has_object(&earlier, stack->spans[index].object);
+    const struct stack earlier = {stack->intervals, index};
+    return has_object(&earlier, stack->intervals[index].object);
 }
 
 static void compare_layers(struct gl_pair *pair, const struct cone *cone)
@@ -147,12 +148,12 @@ static void compare_layers(struct gl_pair *pair, const struct cone *cone)
         struct stack b = take_pixel(&wanted, &j, pixel);
         for (size_t k = 0; k < b.count; k++) {
             if (!is_known(&b, k)) {
-                compare_object(pair, cone, &a, &b, &b.spans[k]);
+                compare_object(pair, cone, &a, &b, &b.intervals[k]);
             }
         }
         for (size_t k = 0; k < a.count; k++) {
-            if (!is_known(&a, k) && !has_object(&b, a.spans[k].object)) {
-                compare_object(pair, cone, &a, &b, &a.spans[k]);
+            if (!is_known(&a, k) && !has_object(&b, a.intervals[k].object)) {
+                compare_object(pair, cone, &a, &b, &a.intervals[k]);
             }
         }
     }
@@ -269,10 +270,10 @@ static void what_lies_behind_a_cylinder_is_not_in_it(void **state)
     struct layers layers = gl_pair_pierce(pair.gl, &cone);
     assert_int_equal(layers.count, 3 * 16 * 16);
     for (size_t i = 0; i < layers.count; i++) {
-        const conus_span *span = &layers.spans[i];
-        assert_int_equal(span->object, 3 + i % 3);
-        assert_near(span->entry, span->object == 3 ? 0 : 20 * (span->object - 3.0) - 7.75, 0.3);
-        assert_near(span->exit, 20 * (span->object - 3.0) + 7.75, 0.3);
+        const conus_interval *interval = &layers.intervals[i];
+        assert_int_equal(interval->object, 3 + i % 3);
+        assert_near(interval->entry, interval->object == 3 ? 0 : 20 * (interval->object - 3.0) - 7.75, 0.3);
+        assert_near(interval->exit, 20 * (interval->object - 3.0) + 7.75, 0.3);
     }
     layers_finish(&layers);
     gl_pair_destroy(&pair);

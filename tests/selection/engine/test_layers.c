@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All layers (Eq. 10): the container of the pieces, and what the rays engine puts into it. */
+/* All layers (Eq. 10): the container of the intervals, and what the rays engine puts into it. */
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/selection.h"
@@ -7,12 +7,12 @@
 
 #include <math.h>
 
-static conus_span span(uint32_t pixel, uint32_t object, double entry, double exit)
+static conus_interval interval_of(uint32_t pixel, uint32_t object, double entry, double exit)
 {
-    return (conus_span){pixel, object, entry, exit, 7};
+    return (conus_interval){pixel, object, entry, exit, 7};
 }
 
-static void assert_span(const conus_span *got, uint32_t pixel, uint32_t object, double entry, double exit)
+static void assert_interval(const conus_interval *got, uint32_t pixel, uint32_t object, double entry, double exit)
 {
     assert_int_equal(got->pixel, pixel);
     assert_int_equal(got->object, object);
@@ -20,48 +20,49 @@ static void assert_span(const conus_span *got, uint32_t pixel, uint32_t object, 
     assert_near(got->exit, exit, 0);
 }
 
-static void pieces_are_sorted_by_pixel_entry_and_object(void **state)
+static void intervals_are_sorted_by_pixel_entry_and_object(void **state)
 {
     (void)state;
     struct layers layers = {0};
-    const conus_span given[] = {span(3, 1, 5, 6), span(0, 2, 1, 2), span(3, 1, 2, 3), span(0, 1, 1, 9),
-                                span(0, 1, 1, 3)};
+    const conus_interval given[] = {interval_of(3, 1, 5, 6), interval_of(0, 2, 1, 2), interval_of(3, 1, 2, 3),
+                                    interval_of(0, 1, 1, 9), interval_of(0, 1, 1, 3)};
     for (size_t i = 0; i < 5; i++) {
         assert_ok(layers_add(&layers, &given[i]));
     }
     assert_ok(layers_sort(&layers, 4));
     assert_int_equal(layers.count, 5);
-    assert_span(&layers.spans[0], 0, 1, 1, 3);
-    assert_span(&layers.spans[1], 0, 1, 1, 9);
-    assert_span(&layers.spans[2], 0, 2, 1, 2);
-    assert_span(&layers.spans[3], 3, 1, 2, 3);
-    assert_span(&layers.spans[4], 3, 1, 5, 6);
+    assert_interval(&layers.intervals[0], 0, 1, 1, 3);
+    assert_interval(&layers.intervals[1], 0, 1, 1, 9);
+    assert_interval(&layers.intervals[2], 0, 2, 1, 2);
+    assert_interval(&layers.intervals[3], 3, 1, 2, 3);
+    assert_interval(&layers.intervals[4], 3, 1, 5, 6);
     layers_finish(&layers);
 }
 
-static void many_pieces_of_one_pixel_are_sorted(void **state)
+static void many_intervals_of_one_pixel_are_sorted(void **state)
 {
     (void)state;
     struct layers layers = {0};
     for (uint32_t i = 0; i < 5000; i++) {
-        const conus_span piece = span(0, 1, (i * 2654435761U) % 10007, 20000);
-        assert_ok(layers_add(&layers, &piece));
+        const conus_interval interval = interval_of(0, 1, (i * 2654435761U) % 10007, 20000);
+        assert_ok(layers_add(&layers, &interval));
     }
     assert_ok(layers_sort(&layers, 1));
     for (size_t i = 1; i < layers.count; i++) {
-        assert_true(layers.spans[i - 1].entry <= layers.spans[i].entry);
+        assert_true(layers.intervals[i - 1].entry <= layers.intervals[i].entry);
     }
     layers_finish(&layers);
 }
 
 /* One pixel, whose ray is the axis: depth is distance. */
-static void a_range_cuts_pieces_and_drops_the_rest(void **state)
+static void a_range_cuts_intervals_and_drops_the_rest(void **state)
 {
     (void)state;
     struct layers layers = {0};
     const struct cone cone = {.angle = 0.5, .resolution = 1, .range = {10, 20}};
-    const conus_span given[] = {span(0, 9, 1, 9),   span(0, 5, 2, 12),  span(0, 4, 3, 30), span(0, 3, 12, 13),
-                                span(0, 2, 19, 22), span(0, 1, 21, 22), span(0, 6, 20, 25)};
+    const conus_interval given[] = {interval_of(0, 9, 1, 9),   interval_of(0, 5, 2, 12),  interval_of(0, 4, 3, 30),
+                                    interval_of(0, 3, 12, 13), interval_of(0, 2, 19, 22), interval_of(0, 1, 21, 22),
+                                    interval_of(0, 6, 20, 25)};
     struct evidence evidence;
     for (size_t i = 0; i < sizeof given / sizeof given[0]; i++) {
         assert_ok(layers_add(&layers, &given[i]));
@@ -69,11 +70,11 @@ static void a_range_cuts_pieces_and_drops_the_rest(void **state)
     assert_ok(layers_sort(&layers, 1));
     layers_clip(&layers, &cone);
     assert_int_equal(layers.count, 5);
-    assert_span(&layers.spans[0], 0, 4, 10, 20); /* both are cut at 10: the lower object first */
-    assert_span(&layers.spans[1], 0, 5, 10, 12);
-    assert_span(&layers.spans[2], 0, 3, 12, 13);
-    assert_span(&layers.spans[3], 0, 2, 19, 20);
-    assert_span(&layers.spans[4], 0, 6, 20, 20);
+    assert_interval(&layers.intervals[0], 0, 4, 10, 20); /* both are cut at 10: the lower object first */
+    assert_interval(&layers.intervals[1], 0, 5, 10, 12);
+    assert_interval(&layers.intervals[2], 0, 3, 12, 13);
+    assert_interval(&layers.intervals[3], 0, 2, 19, 20);
+    assert_interval(&layers.intervals[4], 0, 6, 20, 20);
     assert_ok(evidence_init(&evidence, 1));
     layers_first(&evidence, &layers);
     assert_int_equal(evidence.object[0], 4);
@@ -86,18 +87,19 @@ static void what_blocks_is_dropped(void **state)
 {
     (void)state;
     struct layers layers = {0};
-    const conus_span given[] = {span(0, VOLUME_BLOCKER, 1, 2), span(0, 1, 1, 3), span(1, VOLUME_BLOCKER, 0, 1)};
+    const conus_interval given[] = {interval_of(0, VOLUME_BLOCKER, 1, 2), interval_of(0, 1, 1, 3),
+                                    interval_of(1, VOLUME_BLOCKER, 0, 1)};
     for (size_t i = 0; i < 3; i++) {
         assert_ok(layers_add(&layers, &given[i]));
     }
     layers_drop_blockers(&layers);
     assert_int_equal(layers.count, 1);
-    assert_span(&layers.spans[0], 0, 1, 1, 3);
+    assert_interval(&layers.intervals[0], 0, 1, 1, 3);
     layers_finish(&layers);
 }
 
-/* Property: what is visible is the first piece of each pixel, to the bit. */
-static void the_first_piece_is_what_is_visible(void **state)
+/* Property: what is visible is the first interval of each pixel, to the bit. */
+static void the_first_interval_is_what_is_visible(void **state)
 {
     (void)state;
     uint64_t random = 41;
@@ -272,11 +274,11 @@ static void a_range_of_everything_changes_nothing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pieces_are_sorted_by_pixel_entry_and_object),
-        cmocka_unit_test(many_pieces_of_one_pixel_are_sorted),
-        cmocka_unit_test(a_range_cuts_pieces_and_drops_the_rest),
+        cmocka_unit_test(intervals_are_sorted_by_pixel_entry_and_object),
+        cmocka_unit_test(many_intervals_of_one_pixel_are_sorted),
+        cmocka_unit_test(a_range_cuts_intervals_and_drops_the_rest),
         cmocka_unit_test(what_blocks_is_dropped),
-        cmocka_unit_test(the_first_piece_is_what_is_visible),
+        cmocka_unit_test(the_first_interval_is_what_is_visible),
         cmocka_unit_test(a_range_of_everything_changes_nothing),
         cmocka_unit_test(ranges_that_meet_add_up),
         cmocka_unit_test(a_cylinder_has_parallel_rays),

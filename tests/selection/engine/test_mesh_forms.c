@@ -15,7 +15,7 @@ static void contacts_of_a_sphere_lie_on_its_triangles(void **test)
     const struct mesh *mesh = atlas_object_mesh(atlas, 1);
     struct cone cone = mesh_scene_cone((double[]){-90, 20, 15}, centre, 26, 32);
     struct evidence evidence;
-    mesh_scene_look(&evidence, atlas, &cone);
+    mesh_scene_trace(&evidence, atlas, &cone);
     size_t hits = 0;
     double inner = 20 * cos(MATH3_PI / 80) * cos(MATH3_PI / 80) - 1e-5;
     for (uint32_t pixel = 0; pixel < 32 * 32; pixel++) {
@@ -64,7 +64,7 @@ static void a_torus_is_met_where_its_closed_form_says(void **test)
     mesh_scene_add(atlas, &torus);
     struct cone cone = mesh_scene_cone((double[]){40, -120, 90}, (double[]){0, 0, 0}, 40, 48);
     struct evidence evidence;
-    mesh_scene_look(&evidence, atlas, &cone);
+    mesh_scene_trace(&evidence, atlas, &cone);
     double sag = (ring + tube) * (1 - cos(MATH3_PI / SECTORS)) + tube * (1 - cos(MATH3_PI / SIDES)) + 1e-4;
     size_t misses = 0, steep = 0, through_the_hole = 0;
     for (uint32_t pixel = 0; pixel < 48 * 48; pixel++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From crossings to pieces (Eq. 10), with crossings made by hand. */
+/* From crossings to intervals (Eq. 10), with crossings made by hand. */
 #include "mesh_scene.h"
 #include "test.h"
 
@@ -30,21 +30,21 @@ static conus_atlas *make_atlas(void)
     return atlas;
 }
 
-/* A piece, and what leads to it. */
+/* An interval, and what leads to it. */
 struct crossed {
     int side;
     double t;
     uint32_t triangle;
 };
 
-struct piece {
+struct interval {
     double entry, exit;
     uint32_t triangle;
 };
 
 /* One ray from @p depth below 0 on the z axis, through crossings in an order that is not theirs. */
-static void assert_pieces(uint32_t object, double depth, const struct crossed *crossed, size_t count,
-                          const struct piece *wanted, size_t wanted_count)
+static void assert_intervals(uint32_t object, double depth, const struct crossed *crossed, size_t count,
+                             const struct interval *wanted, size_t wanted_count)
 {
     conus_atlas *atlas = make_atlas();
     struct mesh_intervals intervals;
@@ -60,10 +60,10 @@ static void assert_pieces(uint32_t object, double depth, const struct crossed *c
     assert_int_equal(intervals.count, 0);
     assert_int_equal(layers.count, wanted_count);
     for (size_t i = 0; i < wanted_count; i++) {
-        assert_int_equal(layers.spans[i].object, object);
-        assert_int_equal(layers.spans[i].voxel, wanted[i].triangle);
-        assert_near(layers.spans[i].entry, wanted[i].entry, 0);
-        assert_near(layers.spans[i].exit, wanted[i].exit, 0);
+        assert_int_equal(layers.intervals[i].object, object);
+        assert_int_equal(layers.intervals[i].voxel, wanted[i].triangle);
+        assert_near(layers.intervals[i].entry, wanted[i].entry, 0);
+        assert_near(layers.intervals[i].exit, wanted[i].exit, 0);
     }
     layers_finish(&layers);
     mesh_intervals_finish(&intervals);
@@ -72,49 +72,52 @@ static void assert_pieces(uint32_t object, double depth, const struct crossed *c
 
 #define CROSSED(...)                                                                                                   \
     (const struct crossed[]){__VA_ARGS__}, sizeof((struct crossed[]){__VA_ARGS__}) / sizeof(struct crossed)
-#define PIECES(...) (const struct piece[]){__VA_ARGS__}, sizeof((struct piece[]){__VA_ARGS__}) / sizeof(struct piece)
+#define INTERVALS(...)                                                                                                 \
+    (const struct interval[]){__VA_ARGS__}, sizeof((struct interval[]){__VA_ARGS__}) / sizeof(struct interval)
 
-static void a_piece_is_from_entry_to_exit(void **state)
+static void an_interval_is_from_entry_to_exit(void **state)
 {
     (void)state;
-    assert_pieces(CLOSED, 30, CROSSED({1, 20, SOUTH}, {-1, 40, NORTH}), PIECES({20, 40, SOUTH}));
-    assert_pieces(CLOSED, 30, CROSSED({1, 20, SOUTH}, {-1, 25, MIDDLE}, {1, 30, NORTH}, {-1, 40, SOUTH}),
-                  PIECES({20, 25, SOUTH}, {30, 40, NORTH}));
+    assert_intervals(CLOSED, 30, CROSSED({1, 20, SOUTH}, {-1, 40, NORTH}), INTERVALS({20, 40, SOUTH}));
+    assert_intervals(CLOSED, 30, CROSSED({1, 20, SOUTH}, {-1, 25, MIDDLE}, {1, 30, NORTH}, {-1, 40, SOUTH}),
+                     INTERVALS({20, 25, SOUTH}, {30, 40, NORTH}));
 }
 
 static void an_inward_mesh_is_turned_around(void **state)
 {
     (void)state;
-    assert_pieces(INWARD, 30, CROSSED({-1, 20, SOUTH}, {1, 40, NORTH}), PIECES({20, 40, SOUTH}));
+    assert_intervals(INWARD, 30, CROSSED({-1, 20, SOUTH}, {1, 40, NORTH}), INTERVALS({20, 40, SOUTH}));
 }
 
 static void nested_and_overlapping_shells_are_one(void **state)
 {
     (void)state;
-    assert_pieces(CLOSED, 30, CROSSED({1, 20, 1}, {1, 25, MIDDLE}, {-1, 30, NORTH}, {-1, 40, 9}), PIECES({20, 40, 1}));
-    assert_pieces(CLOSED, 30,
-                  CROSSED({1, 20, 1}, {1, 21, MIDDLE}, {-1, 22, 5}, {1, 23, NORTH}, {-1, 24, 70}, {-1, 40, 9}),
-                  PIECES({20, 40, 1}));
+    assert_intervals(CLOSED, 30, CROSSED({1, 20, 1}, {1, 25, MIDDLE}, {-1, 30, NORTH}, {-1, 40, 9}),
+                     INTERVALS({20, 40, 1}));
+    assert_intervals(CLOSED, 30,
+                     CROSSED({1, 20, 1}, {1, 21, MIDDLE}, {-1, 22, 5}, {1, 23, NORTH}, {-1, 24, 70}, {-1, 40, 9}),
+                     INTERVALS({20, 40, 1}));
 }
 
 static void a_cavity_is_left_out(void **state)
 {
     (void)state;
-    assert_pieces(CLOSED, 30, CROSSED({1, 20, 1}, {-1, 25, MIDDLE}, {1, 35, NORTH}, {-1, 40, 9}),
-                  PIECES({20, 25, 1}, {35, 40, NORTH}));
+    assert_intervals(CLOSED, 30, CROSSED({1, 20, 1}, {-1, 25, MIDDLE}, {1, 35, NORTH}, {-1, 40, 9}),
+                     INTERVALS({20, 25, 1}, {35, 40, NORTH}));
 }
 
 static void an_edge_counts_once(void **state)
 {
     (void)state;
     const double near = 20 + 1e-6;
-    assert_pieces(CLOSED, 30, CROSSED({1, 20, MIDDLE}, {1, 20, BESIDE_MIDDLE}, {-1, 40, NORTH}),
-                  PIECES({20, 40, MIDDLE}));
-    assert_pieces(CLOSED, 30, CROSSED({1, 20, BESIDE_MIDDLE}, {1, near, MIDDLE}, {-1, 40, NORTH}),
-                  PIECES({20, 40, BESIDE_MIDDLE}));
-    assert_pieces(CLOSED, 5, CROSSED({-1, 20, BESIDE_MIDDLE}, {-1, near, MIDDLE}), PIECES({0, 20, BESIDE_MIDDLE}));
-    assert_pieces(CLOSED, 5, CROSSED({1, 3, 150}, {-1, 20, BESIDE_MIDDLE}, {-1, near, MIDDLE}, {-1, near, MIDDLE}),
-                  PIECES({3, 20, 150}));
+    assert_intervals(CLOSED, 30, CROSSED({1, 20, MIDDLE}, {1, 20, BESIDE_MIDDLE}, {-1, 40, NORTH}),
+                     INTERVALS({20, 40, MIDDLE}));
+    assert_intervals(CLOSED, 30, CROSSED({1, 20, BESIDE_MIDDLE}, {1, near, MIDDLE}, {-1, 40, NORTH}),
+                     INTERVALS({20, 40, BESIDE_MIDDLE}));
+    assert_intervals(CLOSED, 5, CROSSED({-1, 20, BESIDE_MIDDLE}, {-1, near, MIDDLE}),
+                     INTERVALS({0, 20, BESIDE_MIDDLE}));
+    assert_intervals(CLOSED, 5, CROSSED({1, 3, 150}, {-1, 20, BESIDE_MIDDLE}, {-1, near, MIDDLE}, {-1, near, MIDDLE}),
+                     INTERVALS({3, 20, 150}));
 }
 
 /* Every triangle of this sphere has vertices of its own. All of the south cap are found at the pole, and count once. */
@@ -141,8 +144,8 @@ static void vertices_at_equal_positions_are_one_corner(void **state)
     assert_ok(mesh_intervals_add(&intervals, &(struct crossing){0, 1, NORTH, -1, 40}));
     assert_ok(mesh_intervals_pair(&layers, &intervals, &cone));
     assert_int_equal(layers.count, 1);
-    assert_near(layers.spans[0].entry, 20, 0);
-    assert_near(layers.spans[0].exit, 40, 0);
+    assert_near(layers.intervals[0].entry, 20, 0);
+    assert_near(layers.intervals[0].exit, 40, 0);
     layers_finish(&layers);
     mesh_intervals_finish(&intervals);
     conus_atlas_destroy(atlas);
@@ -152,32 +155,33 @@ static void a_graze_has_no_length_whichever_way_round(void **state)
 {
     (void)state;
     const double near = 20 + 1e-6;
-    assert_pieces(CLOSED, 30, CROSSED({1, 20, MIDDLE}, {-1, near, BESIDE_MIDDLE}), PIECES({20, near, MIDDLE}));
-    assert_pieces(CLOSED, 5, CROSSED({-1, 20, MIDDLE}, {1, near, BESIDE_MIDDLE}), PIECES({20, near, MIDDLE}));
-    assert_pieces(CLOSED, 5, CROSSED({0, 20, MIDDLE}, {0, 20, BESIDE_MIDDLE}), PIECES({20, 20, MIDDLE}));
+    assert_intervals(CLOSED, 30, CROSSED({1, 20, MIDDLE}, {-1, near, BESIDE_MIDDLE}), INTERVALS({20, near, MIDDLE}));
+    assert_intervals(CLOSED, 5, CROSSED({-1, 20, MIDDLE}, {1, near, BESIDE_MIDDLE}), INTERVALS({20, near, MIDDLE}));
+    assert_intervals(CLOSED, 5, CROSSED({0, 20, MIDDLE}, {0, 20, BESIDE_MIDDLE}), INTERVALS({20, 20, MIDDLE}));
 }
 
-static void a_piece_begins_at_an_apex_inside(void **state)
+static void an_interval_begins_at_an_apex_inside(void **state)
 {
     (void)state;
-    assert_pieces(CLOSED, 0, CROSSED({-1, 10, NORTH}), PIECES({0, 10, NORTH}));
-    assert_pieces(INWARD, 0, CROSSED({1, 10, NORTH}), PIECES({0, 10, NORTH}));
-    assert_pieces(CLOSED, 0, CROSSED({-1, 3, SOUTH}, {1, 5, MIDDLE}, {-1, 10, NORTH}),
-                  PIECES({0, 3, SOUTH}, {5, 10, MIDDLE}));
-    assert_pieces(CLOSED, 0, CROSSED({-1, 3, SOUTH}, {-1, 10, NORTH}), PIECES({0, 10, SOUTH})); /* in two shells */
+    assert_intervals(CLOSED, 0, CROSSED({-1, 10, NORTH}), INTERVALS({0, 10, NORTH}));
+    assert_intervals(INWARD, 0, CROSSED({1, 10, NORTH}), INTERVALS({0, 10, NORTH}));
+    assert_intervals(CLOSED, 0, CROSSED({-1, 3, SOUTH}, {1, 5, MIDDLE}, {-1, 10, NORTH}),
+                     INTERVALS({0, 3, SOUTH}, {5, 10, MIDDLE}));
+    assert_intervals(CLOSED, 0, CROSSED({-1, 3, SOUTH}, {-1, 10, NORTH}),
+                     INTERVALS({0, 10, SOUTH})); /* in two shells */
 }
 
 static void what_has_no_partner_has_no_length(void **state)
 {
     (void)state;
-    assert_pieces(CLOSED, 30, CROSSED({-1, 10, NORTH}), PIECES({10, 10, NORTH})); /* the apex is outside */
-    assert_pieces(HALF, 0, CROSSED({-1, 10, 80}), PIECES({10, 10, 80}));
-    assert_pieces(HALF, 30, CROSSED({1, 10, 80}), PIECES({10, 10, 80}));
-    assert_pieces(HALF, 30, CROSSED({1, 10, 1}, {-1, 12, 80}), PIECES({10, 12, 1}));
-    assert_pieces(HALF, 30, CROSSED({1, 10, 1}, {1, 12, 40}, {-1, 14, 80}), PIECES({10, 10, 1}, {12, 14, 40}));
+    assert_intervals(CLOSED, 30, CROSSED({-1, 10, NORTH}), INTERVALS({10, 10, NORTH})); /* the apex is outside */
+    assert_intervals(HALF, 0, CROSSED({-1, 10, 80}), INTERVALS({10, 10, 80}));
+    assert_intervals(HALF, 30, CROSSED({1, 10, 80}), INTERVALS({10, 10, 80}));
+    assert_intervals(HALF, 30, CROSSED({1, 10, 1}, {-1, 12, 80}), INTERVALS({10, 12, 1}));
+    assert_intervals(HALF, 30, CROSSED({1, 10, 1}, {1, 12, 40}, {-1, 14, 80}), INTERVALS({10, 10, 1}, {12, 14, 40}));
 }
 
-/* Pixels and objects at random: each ray passes each object once, and its pieces come back whole. */
+/* Pixels and objects at random: each ray passes each object once, and its intervals come back whole. */
 static void crossings_may_come_in_any_order(void **state)
 {
     (void)state;
@@ -198,10 +202,10 @@ static void crossings_may_come_in_any_order(void **state)
         assert_ok(mesh_intervals_pair(&layers, &intervals, &cone));
         assert_int_equal(layers.count, COUNT / 2);
         for (uint32_t i = 0; i < layers.count; i++) {
-            const conus_span *span = &layers.spans[i];
-            assert_int_equal(span->voxel % 2, 0);
-            assert_near(span->entry, span->pixel + (double)span->voxel, 0);
-            assert_near(span->exit, span->entry + 1, 0);
+            const conus_interval *interval = &layers.intervals[i];
+            assert_int_equal(interval->voxel % 2, 0);
+            assert_near(interval->entry, interval->pixel + (double)interval->voxel, 0);
+            assert_near(interval->exit, interval->entry + 1, 0);
         }
     }
     layers_finish(&layers);
@@ -212,14 +216,14 @@ static void crossings_may_come_in_any_order(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_piece_is_from_entry_to_exit),
+        cmocka_unit_test(an_interval_is_from_entry_to_exit),
         cmocka_unit_test(an_inward_mesh_is_turned_around),
         cmocka_unit_test(nested_and_overlapping_shells_are_one),
         cmocka_unit_test(a_cavity_is_left_out),
         cmocka_unit_test(an_edge_counts_once),
         cmocka_unit_test(vertices_at_equal_positions_are_one_corner),
         cmocka_unit_test(a_graze_has_no_length_whichever_way_round),
-        cmocka_unit_test(a_piece_begins_at_an_apex_inside),
+        cmocka_unit_test(an_interval_begins_at_an_apex_inside),
         cmocka_unit_test(what_has_no_partner_has_no_length),
         cmocka_unit_test(crossings_may_come_in_any_order),
     };

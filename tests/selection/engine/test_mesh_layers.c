@@ -44,13 +44,13 @@ static conus_result measure(const conus_atlas *atlas, const conus_selector_optio
     return row;
 }
 
-/* The only piece of a selection of one pixel, or one of several. */
-static conus_span span_of(const conus_selection *selection, size_t index, size_t count)
+/* The only interval of a selection of one pixel, or one of several. */
+static conus_interval interval_of(const conus_selection *selection, size_t index, size_t count)
 {
     size_t got;
-    const conus_span *spans = conus_selection_spans(&got, selection);
+    const conus_interval *intervals = conus_selection_intervals(&got, selection);
     assert_int_equal(got, count);
-    return spans[index];
+    return intervals[index];
 }
 
 /* ---- Spheres ------------------------------------------------------------------------------------------------ */
@@ -63,15 +63,15 @@ static double chord_error(unsigned rings)
     conus_selection *selection = select_n(atlas, &cone);
     double apex = sqrt(70 * 70 + 40 * 40 + 30 * 30), worst = 0;
     size_t count;
-    const conus_span *spans = conus_selection_spans(&count, selection);
+    const conus_interval *intervals = conus_selection_intervals(&count, selection);
     assert_true(count > 300);
     for (size_t s = 0; s < count; s++) {
         double ray[3], away[3];
-        cone_ray(ray, &cone, spans[s].pixel % 32, spans[s].pixel / 32);
+        cone_ray(ray, &cone, intervals[s].pixel % 32, intervals[s].pixel / 32);
         vec3_cross(away, ray, cone.pose.world_from_device + 8);
         double d = apex * vec3_length(away);
         if (d < 18) {
-            worst = fmax(worst, fabs(spans[s].exit - spans[s].entry - 2 * sqrt(400 - d * d)));
+            worst = fmax(worst, fabs(intervals[s].exit - intervals[s].entry - 2 * sqrt(400 - d * d)));
         }
     }
     conus_selection_destroy(selection);
@@ -189,7 +189,7 @@ static void a_ray_through_both_tubes_of_a_torus(void **state)
     conus_selection *selection = select_n(atlas, &cone);
     double half = sqrt(64 - 0.04);
     double outer = sqrt((30 + half) * (30 + half) - 0.09), inner = sqrt((30 - half) * (30 - half) - 0.09);
-    conus_span near = span_of(selection, 0, 2), far = span_of(selection, 1, 2);
+    conus_interval near = interval_of(selection, 0, 2), far = interval_of(selection, 1, 2);
     assert_near(near.entry, 100 - outer, 3e-3);
     assert_near(near.exit, 100 - inner, 3e-3);
     assert_near(far.entry, 100 + inner, 3e-3);
@@ -219,7 +219,7 @@ static void the_volume_of_a_torus(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static void nested_objects_have_a_piece_each(void **state)
+static void nested_objects_have_an_interval_each(void **state)
 {
     (void)state;
     conus_atlas *atlas = mesh_scene_atlas();
@@ -230,10 +230,10 @@ static void nested_objects_have_a_piece_each(void **state)
     struct cone cone = along_x();
     conus_selection *selection = select_n(atlas, &cone);
     for (uint32_t k = 0; k < 4; k++) {
-        conus_span span = span_of(selection, k, 4);
-        assert_int_equal(span.object, 4 - k);
-        assert_near(span.entry, 100 - 10.0 * (4 - k), 0.15);
-        assert_near(span.exit, 100 + 10.0 * (4 - k), 0.15);
+        conus_interval interval = interval_of(selection, k, 4);
+        assert_int_equal(interval.object, 4 - k);
+        assert_near(interval.entry, 100 - 10.0 * (4 - k), 0.15);
+        assert_near(interval.exit, 100 + 10.0 * (4 - k), 0.15);
         assert_int_equal(row_of(selection, 4 - k).pixels, k == 0);
         assert_int_equal(row_of(selection, 4 - k).pierced, 1);
     }
@@ -247,7 +247,7 @@ static void shells_of_one_mesh_are_one_body(void **state)
     (void)state;
     static const double apart[] = {0, 0, 25};
     static const double path[] = {60, 60 - 40, 75};
-    static const size_t pieces[] = {1, 2, 1};
+    static const size_t counts[] = {1, 2, 1};
     for (int i = 0; i < 3; i++) {
         struct mesh a = mesh_scene_sphere(CENTRE, 30, 60, 90);
         struct mesh b = mesh_scene_sphere((double[]){apart[i], 0, 0}, 20, 60, 90);
@@ -257,7 +257,7 @@ static void shells_of_one_mesh_are_one_body(void **state)
         conus_atlas *atlas = atlas_of(mesh_scene_join(&a, &b));
         struct cone cone = along_x();
         conus_selection *selection = select_n(atlas, &cone);
-        span_of(selection, 0, pieces[i]);
+        interval_of(selection, 0, counts[i]);
         assert_near(row_of(selection, 1).path, path[i], 0.2);
         assert_near(row_of(selection, 1).entry, 70, 0.1);
         conus_selection_destroy(selection);
@@ -279,12 +279,12 @@ static void neighbours_share_a_face(void **state)
     conus_selection *selection = select_n(atlas, &cone);
     for (uint32_t k = 0; k < 3; k++) {
         static const uint32_t order[] = {1, 3, 2};
-        conus_span span = span_of(selection, k, 3);
-        assert_int_equal(span.object, order[k]);
-        assert_near(span.entry, 100 + ends[order[k] - 1][0], 1e-9);
-        assert_near(span.exit, 100 + ends[order[k] - 1][1], 1e-9);
+        conus_interval interval = interval_of(selection, k, 3);
+        assert_int_equal(interval.object, order[k]);
+        assert_near(interval.entry, 100 + ends[order[k] - 1][0], 1e-9);
+        assert_near(interval.exit, 100 + ends[order[k] - 1][1], 1e-9);
     }
-    assert_true(span_of(selection, 0, 3).exit == span_of(selection, 2, 3).entry);
+    assert_true(interval_of(selection, 0, 3).exit == interval_of(selection, 2, 3).entry);
     conus_selection_destroy(selection);
     conus_atlas_destroy(atlas);
 }
@@ -301,9 +301,9 @@ static void rays_at_edges_and_corners_count_once(void **state)
         double target[3] = {i == 3 ? -20 : 0, 0, 0};
         struct cone cone = mesh_scene_cone(origins[i], target, 1e-6, 1);
         conus_selection *selection = select_n(atlas, &cone);
-        conus_span span = span_of(selection, 0, 1);
-        assert_near(span.exit - span.entry, lengths[i], 1e-5);
-        assert_int_equal(span.entry == 0, inside);
+        conus_interval interval = interval_of(selection, 0, 1);
+        assert_near(interval.exit - interval.entry, lengths[i], 1e-5);
+        assert_int_equal(interval.entry == 0, inside);
         conus_selection_destroy(selection);
     }
     conus_atlas_destroy(atlas);
@@ -379,7 +379,7 @@ int main(void)
         cmocka_unit_test(a_range_cuts_a_sphere_to_a_slab),
         cmocka_unit_test(a_ray_through_both_tubes_of_a_torus),
         cmocka_unit_test(the_volume_of_a_torus),
-        cmocka_unit_test(nested_objects_have_a_piece_each),
+        cmocka_unit_test(nested_objects_have_an_interval_each),
         cmocka_unit_test(shells_of_one_mesh_are_one_body),
         cmocka_unit_test(neighbours_share_a_face),
         cmocka_unit_test(rays_at_edges_and_corners_count_once),

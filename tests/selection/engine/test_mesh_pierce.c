@@ -31,30 +31,30 @@ static void random_point(uint64_t *random, double out[3], double size)
 /* ---- Against the oracle ----------------------------------------------------------------------------------- */
 
 struct compared {
-    size_t rays, pieces, inside, at_edges;
+    size_t rays, intervals, inside, at_edges;
 };
 
-/* The pieces of closed surfaces: where the exits that lie ahead are not as many as the entries ahead. */
-static size_t oracle_pieces(conus_span *out, const struct crossing *crossings, size_t count)
+/* The intervals of closed surfaces: where the exits that lie ahead are not as many as the entries ahead. */
+static size_t oracle_intervals(conus_interval *out, const struct crossing *crossings, size_t count)
 {
-    size_t pieces = 0;
+    size_t interval_count = 0;
     int depth = 0;
     for (size_t i = 0; i < count; i++) {
         depth -= crossings[i].side;
     }
     if (depth != 0) {
-        out[pieces++] = (conus_span){.entry = 0};
+        out[interval_count++] = (conus_interval){.entry = 0};
     }
     for (size_t i = 0; i < count; i++) {
         int next = depth + crossings[i].side;
         if (depth == 0 && next != 0) {
-            out[pieces++] = (conus_span){.entry = crossings[i].t};
+            out[interval_count++] = (conus_interval){.entry = crossings[i].t};
         } else if (depth != 0 && next == 0) {
-            out[pieces - 1].exit = crossings[i].t;
+            out[interval_count - 1].exit = crossings[i].t;
         }
         depth = next;
     }
-    return pieces;
+    return interval_count;
 }
 
 /* True if the ray passes an edge of what it meets so closely that single precision may see it otherwise. */
@@ -68,7 +68,7 @@ static bool is_at_edge(const struct mesh *mesh, const double origin[3], const do
     return false;
 }
 
-static bool are_equal(const conus_span *got, size_t got_count, const conus_span *wanted, size_t wanted_count)
+static bool are_equal(const conus_interval *got, size_t got_count, const conus_interval *wanted, size_t wanted_count)
 {
     bool equal = got_count == wanted_count;
     for (size_t i = 0; equal && i < wanted_count; i++) {
@@ -84,43 +84,43 @@ static void compare_object(const conus_selection *selection, uint32_t pixel, uin
     const struct cone *cone = &selection->cone;
     const struct mesh *mesh = atlas_object_mesh(selection->atlas, object);
     struct crossing crossings[CROSSINGS];
-    conus_span wanted[CROSSINGS], got[CROSSINGS];
+    conus_interval wanted[CROSSINGS], got[CROSSINGS];
     size_t got_count = 0;
     double origin[3], direction[3];
     cone_origin(origin, cone, pixel % cone->resolution, pixel / cone->resolution);
     cone_ray(direction, cone, pixel % cone->resolution, pixel / cone->resolution);
     size_t wanted_count =
-        oracle_pieces(wanted, crossings, mesh_scene_all(crossings, CROSSINGS, mesh, origin, direction));
+        oracle_intervals(wanted, crossings, mesh_scene_all(crossings, CROSSINGS, mesh, origin, direction));
     for (size_t s = 0; s < selection->layers.count; s++) {
-        const conus_span *span = &selection->layers.spans[s];
-        if (span->pixel == pixel && span->object == object) {
-            got[got_count++] = *span;
+        const conus_interval *interval = &selection->layers.intervals[s];
+        if (interval->pixel == pixel && interval->object == object) {
+            got[got_count++] = *interval;
         }
     }
     tally->rays++;
-    tally->pieces += wanted_count;
+    tally->intervals += wanted_count;
     tally->inside += wanted_count && wanted[0].entry == 0;
     if (!are_equal(got, got_count, wanted, wanted_count)) {
         tally->at_edges++;
         if (!is_at_edge(mesh, origin, direction, size)) {
-            fail_msg("pixel %u, object %u: %zu pieces (%.12g %.12g), wanted %zu (%.12g %.12g)", pixel, object,
+            fail_msg("pixel %u, object %u: %zu intervals (%.12g %.12g), wanted %zu (%.12g %.12g)", pixel, object,
                      got_count, got_count ? got[0].entry : NAN, got_count ? got[0].exit : NAN, wanted_count,
                      wanted_count ? wanted[0].entry : NAN, wanted_count ? wanted[0].exit : NAN);
         }
     }
 }
 
-/* Eq. 9 and Eq. 10 agree: what is visible is the first piece, but for an apex that is inside. */
+/* Eq. 9 and Eq. 10 agree: what is visible is the first interval, but for an apex that is inside. */
 static void compare_visible(const conus_selection *selection)
 {
     const struct evidence *evidence = &selection->evidence;
     size_t s = 0;
     for (uint32_t pixel = 0; pixel < evidence->resolution * evidence->resolution; pixel++) {
-        const conus_span *first = NULL;
+        const conus_interval *first = NULL;
         bool inside = false;
-        for (; s < selection->layers.count && selection->layers.spans[s].pixel == pixel; s++) {
-            inside = inside || selection->layers.spans[s].entry == 0;
-            first = first ? first : &selection->layers.spans[s];
+        for (; s < selection->layers.count && selection->layers.intervals[s].pixel == pixel; s++) {
+            inside = inside || selection->layers.intervals[s].entry == 0;
+            first = first ? first : &selection->layers.intervals[s];
         }
         if (!inside) {
             assert_int_equal(evidence->object[pixel], first ? first->object : 0);
@@ -172,7 +172,7 @@ static void compare_random(uint64_t *random, double size, double away, double ra
     conus_atlas_destroy(atlas);
 }
 
-static void pieces_are_those_of_all_triangles_in_double(void **state)
+static void intervals_are_those_of_all_triangles_in_double(void **state)
 {
     (void)state;
     uint64_t random = 71;
@@ -181,11 +181,11 @@ static void pieces_are_those_of_all_triangles_in_double(void **state)
         double size = pow(10, test_random(&random, -1, 3));
         compare_random(&random, size, i % 3 == 0 ? size : i % 3 == 1 ? 5 * size : 1e3 * size, 0, &tally);
     }
-    assert_true(tally.rays > 10000 && tally.pieces > tally.rays / 10 && tally.inside > 100);
+    assert_true(tally.rays > 10000 && tally.intervals > tally.rays / 10 && tally.inside > 100);
     assert_true(tally.at_edges < tally.rays / 1000);
 }
 
-static void a_cylinder_s_pieces_are_too(void **state)
+static void a_cylinder_s_intervals_are_too(void **state)
 {
     (void)state;
     uint64_t random = 72;
@@ -193,7 +193,7 @@ static void a_cylinder_s_pieces_are_too(void **state)
     for (int i = 0; i < 20; i++) {
         compare_random(&random, 50, i % 2 ? 50 : 200, 30, &tally);
     }
-    assert_true(tally.rays > 5000 && tally.pieces > tally.rays / 20 && tally.inside > 100);
+    assert_true(tally.rays > 5000 && tally.intervals > tally.rays / 20 && tally.inside > 100);
     assert_true(tally.at_edges < tally.rays / 1000);
 }
 
@@ -288,32 +288,32 @@ static void assert_between(const struct mesh *mesh, const double origin[3], cons
     }
 }
 
-static void check_rays(const conus_selection *selection, size_t *pieces)
+static void check_rays(const conus_selection *selection, size_t *interval_count)
 {
     const struct mesh *mesh = atlas_object_mesh(selection->atlas, 1);
     const struct cone *cone = &selection->cone;
-    const conus_span *spans = selection->layers.spans;
+    const conus_interval *intervals = selection->layers.intervals;
     size_t s = 0;
     for (uint32_t pixel = 0; pixel < cone->resolution * cone->resolution; pixel++) {
         double origin[3], ray[3], last = 0;
         cone_origin(origin, cone, pixel % cone->resolution, pixel / cone->resolution);
         cone_ray(ray, cone, pixel % cone->resolution, pixel / cone->resolution);
         assert_false(is_at_edge(mesh, origin, ray, 6));
-        for (; s < selection->layers.count && spans[s].pixel == pixel; s++) {
-            assert_between(mesh, origin, ray, last, spans[s].entry, false);
-            assert_between(mesh, origin, ray, spans[s].entry, spans[s].exit, true);
-            last = spans[s].exit;
-            ++*pieces;
+        for (; s < selection->layers.count && intervals[s].pixel == pixel; s++) {
+            assert_between(mesh, origin, ray, last, intervals[s].entry, false);
+            assert_between(mesh, origin, ray, intervals[s].entry, intervals[s].exit, true);
+            last = intervals[s].exit;
+            ++*interval_count;
         }
         assert_between(mesh, origin, ray, last, last + 100, false); /* 37 farther, out of all cubes */
     }
 }
 
-static void pieces_are_where_the_surface_winds(void **state)
+static void intervals_are_where_the_surface_winds(void **state)
 {
     (void)state;
     uint64_t random = 78;
-    size_t pieces = 0;
+    size_t interval_count = 0;
     for (int i = 0; i < 150; i++) {
         conus_atlas *atlas = mesh_scene_atlas();
         struct mesh mesh = cubes(&random);
@@ -324,17 +324,17 @@ static void pieces_are_where_the_surface_winds(void **state)
         random_point(&random, target, 4);
         struct cone cone = mesh_scene_cone(origin, target, i % 2 ? 100 : 30, 7);
         conus_selection *selection = select_all(atlas, &cone);
-        check_rays(selection, &pieces);
+        check_rays(selection, &interval_count);
         conus_selection_destroy(selection);
         conus_atlas_destroy(atlas);
     }
-    assert_true(pieces > 1000);
+    assert_true(interval_count > 1000);
 }
 
 /* Two tetrahedra with an edge along x in common. The ray runs along z, 1e-5 beside the edge: through the first one from
  * -1e-5 to 1e-5 (its sides are z = y and z = -y there), into the second one at 2e-5 (z = 2y) and out of it at 5.7,
  * where x + z = 6. Ways in that are so near to each other count twice all the same. */
-static void both_tetrahedra_at_an_edge_are_met(void **state)
+static void both_tetrahedra_at_an_edge_are_hit(void **state)
 {
     (void)state;
     static const float positions[6][3] = {{-6, 0, 0}, {6, 0, 0}, {0, 6, -6}, {0, 6, 6}, {0, 3, 6}, {0, 0, 6}};
@@ -350,34 +350,34 @@ static void both_tetrahedra_at_an_edge_are_met(void **state)
     struct cone cone = mesh_scene_cone((double[]){0.3, 1e-5, -3}, (double[]){0.3, 1e-5, 0}, 1, 1);
     conus_selection *selection = select_all(atlas, &cone);
     assert_int_equal(selection->layers.count, 2);
-    const conus_span *spans = selection->layers.spans;
-    assert_near(spans[0].entry, 3 - 1e-5, 1e-9);
-    assert_near(spans[0].exit, 3 + 1e-5, 1e-9);
-    assert_near(spans[1].entry, 3 + 2e-5, 1e-9);
-    assert_near(spans[1].exit, 3 + 5.7, 1e-9);
+    const conus_interval *intervals = selection->layers.intervals;
+    assert_near(intervals[0].entry, 3 - 1e-5, 1e-9);
+    assert_near(intervals[0].exit, 3 + 1e-5, 1e-9);
+    assert_near(intervals[1].entry, 3 + 2e-5, 1e-9);
+    assert_near(intervals[1].exit, 3 + 5.7, 1e-9);
     conus_selection_destroy(selection);
     conus_atlas_destroy(atlas);
 }
 
 /* ---- Real shapes ------------------------------------------------------------------------------------------ */
 
-/* Of a surface with holes there are no pieces to compare with, but whether a ray crosses it, and where first. */
+/* Of a surface with holes there are no intervals to compare with, but whether a ray crosses it, and where first. */
 static void compare_open(const conus_selection *selection, uint32_t pixel, uint32_t object, struct compared *tally)
 {
     const struct cone *cone = &selection->cone;
     struct crossing crossings[CROSSINGS];
     double origin[3], direction[3];
-    const conus_span *first = NULL;
+    const conus_interval *first = NULL;
     cone_origin(origin, cone, pixel % cone->resolution, pixel / cone->resolution);
     cone_ray(direction, cone, pixel % cone->resolution, pixel / cone->resolution);
     size_t wanted =
         mesh_scene_all(crossings, CROSSINGS, atlas_object_mesh(selection->atlas, object), origin, direction);
     for (size_t s = selection->layers.count; s-- > 0;) {
-        const conus_span *span = &selection->layers.spans[s];
-        first = span->pixel == pixel && span->object == object ? span : first;
+        const conus_interval *interval = &selection->layers.intervals[s];
+        first = interval->pixel == pixel && interval->object == object ? interval : first;
     }
     tally->rays++;
-    tally->pieces += wanted > 0;
+    tally->intervals += wanted > 0;
     tally->at_edges +=
         (wanted > 0) != (first != NULL) || (first && fabs(first->entry - crossings[0].t) > 1e-9 * crossings[0].t);
 }
@@ -415,9 +415,9 @@ static void the_brain_phantom_s_areas(void **state)
         mesh_scene_add(atlas, &mesh);
     }
     compare_poses(&random, atlas, 6, &tally);
-    print_message("brain: %zu rays x areas, %zu pieces, %zu from an apex inside, %zu at edges\n", tally.rays,
-                  tally.pieces, tally.inside, tally.at_edges);
-    assert_true(tally.pieces > 300 && tally.at_edges <= 1);
+    print_message("brain: %zu rays x areas, %zu intervals, %zu from an apex inside, %zu at edges\n", tally.rays,
+                  tally.intervals, tally.inside, tally.at_edges);
+    assert_true(tally.intervals > 300 && tally.at_edges <= 1);
     conus_atlas_destroy(atlas);
 }
 
@@ -434,10 +434,10 @@ static void julich_brain_s_areas(void **state)
     }
     compare_poses(&random, atlas, 6, &tally);
     print_message(
-        "Julich-Brain: %zu of %zu areas closed; %zu rays x areas, %zu pieces, %zu from an apex inside, %zu at "
+        "Julich-Brain: %zu of %zu areas closed; %zu rays x areas, %zu intervals, %zu from an apex inside, %zu at "
         "edges\n",
-        closed, atlas->object_count, tally.rays, tally.pieces, tally.inside, tally.at_edges);
-    assert_true(tally.pieces > 300 && tally.at_edges <= tally.pieces / 500);
+        closed, atlas->object_count, tally.rays, tally.intervals, tally.inside, tally.at_edges);
+    assert_true(tally.intervals > 300 && tally.at_edges <= tally.intervals / 500);
     conus_atlas_destroy(atlas);
 }
 
@@ -481,10 +481,10 @@ static void allen_areas(void **state)
             compare_allen(&random, atlas, object, &tally);
         }
     }
-    print_message("Allen: %zu areas; %zu rays x areas, %zu pieces, %zu from an apex inside, %zu at edges\n", meshes,
-                  tally.rays, tally.pieces, tally.inside, tally.at_edges);
+    print_message("Allen: %zu areas; %zu rays x areas, %zu intervals, %zu from an apex inside, %zu at edges\n", meshes,
+                  tally.rays, tally.intervals, tally.inside, tally.at_edges);
     assert_int_equal(meshes, 55);
-    assert_true(tally.pieces > 300 && tally.inside > 1000);
+    assert_true(tally.intervals > 300 && tally.inside > 1000);
     conus_atlas_destroy(atlas);
 }
 
@@ -516,10 +516,10 @@ static void every_failing_allocation_is_reported(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pieces_are_those_of_all_triangles_in_double),
-        cmocka_unit_test(a_cylinder_s_pieces_are_too),
-        cmocka_unit_test(pieces_are_where_the_surface_winds),
-        cmocka_unit_test(both_tetrahedra_at_an_edge_are_met),
+        cmocka_unit_test(intervals_are_those_of_all_triangles_in_double),
+        cmocka_unit_test(a_cylinder_s_intervals_are_too),
+        cmocka_unit_test(intervals_are_where_the_surface_winds),
+        cmocka_unit_test(both_tetrahedra_at_an_edge_are_hit),
         cmocka_unit_test(the_brain_phantom_s_areas),
         cmocka_unit_test(julich_brain_s_areas),
         cmocka_unit_test(allen_areas),

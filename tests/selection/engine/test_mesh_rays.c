@@ -237,7 +237,7 @@ static void assert_all(const conus_atlas *atlas, const struct cone *cone, uint32
 {
     struct evidence evidence;
     uint32_t n = cone->resolution;
-    mesh_scene_look(&evidence, atlas, cone);
+    mesh_scene_trace(&evidence, atlas, cone);
     for (uint32_t pixel = 0; pixel < n * n; pixel++) {
         double ray[3];
         cone_ray(ray, cone, pixel % n, pixel / n);
@@ -265,7 +265,7 @@ static void both_faces_count_and_open_surfaces_do(void **test)
     }
 }
 
-static void what_lies_behind_the_apex_is_not_met(void **test)
+static void what_lies_behind_the_apex_is_not_hit(void **test)
 {
     (void)test;
     conus_atlas *atlas = mesh_scene_atlas();
@@ -274,7 +274,7 @@ static void what_lies_behind_the_apex_is_not_met(void **test)
     mesh_scene_add(atlas, &ahead);
     struct cone cone = mesh_scene_cone((double[]){0, 0, 0}, (double[]){0.2, 0.1, 5}, 30, 16);
     struct evidence evidence;
-    mesh_scene_look(&evidence, atlas, &cone);
+    mesh_scene_trace(&evidence, atlas, &cone);
     for (uint32_t pixel = 0; pixel < 256; pixel++) {
         assert_int_equal(evidence.object[pixel], 2);
     }
@@ -461,7 +461,7 @@ static void a_surface_through_the_apex_is_met_at_0(void **state)
     mesh_scene_add(atlas, &box);
     struct cone cone = mesh_scene_cone((const double[]){1, 0.5, 0}, (const double[]){1, 0.5, 5}, 20, 4);
     struct evidence evidence = {0};
-    mesh_scene_look(&evidence, atlas, &cone);
+    mesh_scene_trace(&evidence, atlas, &cone);
     for (size_t pixel = 0; pixel < 16; pixel++) {
         assert_int_equal(evidence.object[pixel], 1);
         assert_true(evidence.distance[pixel] == 0);
@@ -480,7 +480,7 @@ int main(void)
         cmocka_unit_test(no_ray_slips_between_two_triangles),
         cmocka_unit_test(hardly_any_ray_slips_through_a_vertex),
         cmocka_unit_test(both_faces_count_and_open_surfaces_do),
-        cmocka_unit_test(what_lies_behind_the_apex_is_not_met),
+        cmocka_unit_test(what_lies_behind_the_apex_is_not_hit),
         cmocka_unit_test(of_two_surfaces_in_one_place_the_lower_object_wins),
         cmocka_unit_test(far_contacts_are_exact),
         cmocka_unit_test(meshes_and_volumes_are_merged_by_distance),

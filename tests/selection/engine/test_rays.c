@@ -29,7 +29,7 @@ static size_t compare_with_oracle(struct engine *engine, const conus_atlas *atla
     assert_ok(evidence_init(&wanted, cone->resolution));
     memset(got.object, 0xff, cone->resolution * cone->resolution * sizeof *got.object);
     assert_ok(engine->functions->trace(engine, &got, cone));
-    oracle_look(&wanted, atlas, cone);
+    oracle_trace(&wanted, atlas, cone);
     for (size_t pixel = 0; pixel < (size_t)cone->resolution * cone->resolution; pixel++) {
         assert_same_pixel(&got, &wanted, pixel);
         hits += wanted.object[pixel] != 0;
@@ -60,7 +60,7 @@ struct poses {
     size_t hits;
 };
 
-static void look_from_random_poses(struct engine *engine, const conus_atlas *atlas, void *data)
+static void trace_from_random_poses(struct engine *engine, const conus_atlas *atlas, void *data)
 {
     struct poses *poses = data;
     uint64_t random = poses->random;
@@ -79,7 +79,7 @@ static void every_ray_equals_the_plain_traversal(void **state)
     for (int scene = 0; scene < 300; scene++) {
         conus_atlas *atlas = scene_atlas(&random, scene % 10 ? 24 : 70, scene % 3);
         poses.random = (uint64_t)scene;
-        for_kernels(atlas, look_from_random_poses, &poses);
+        for_kernels(atlas, trace_from_random_poses, &poses);
         conus_atlas_destroy(atlas);
     }
     assert_true(poses.hits > 200000);
@@ -168,8 +168,8 @@ static void move_atlas(conus_atlas *atlas, const double motion[16])
     }
 }
 
-static void look(struct evidence *out, const conus_atlas *atlas, const struct engine_options *options,
-                 const struct cone *cone)
+static void trace(struct evidence *out, const conus_atlas *atlas, const struct engine_options *options,
+                  const struct cone *cone)
 {
     struct engine *engine = NULL;
     assert_ok(evidence_init(out, cone->resolution));
@@ -190,10 +190,10 @@ static void moving_everything_changes_nothing(void **state)
         struct evidence still, moved;
         double motion[16];
         random_motion(&random, motion);
-        look(&still, atlas, &options, &cone);
+        trace(&still, atlas, &options, &cone);
         move_atlas(atlas, motion);
         mat4_multiply(cone.pose.world_from_device, motion, cone.pose.world_from_device);
-        look(&moved, atlas, &options, &cone);
+        trace(&moved, atlas, &options, &cone);
         for (size_t pixel = 0; pixel < 256; pixel++) {
             assert_int_equal(still.object[pixel], moved.object[pixel]);
             assert_true(still.voxel[pixel] == moved.voxel[pixel]);
@@ -265,7 +265,7 @@ static conus_pose shallow_pose(uint64_t *random, const struct volume *volume)
     return pose;
 }
 
-static void look_shallowly(struct engine *engine, const conus_atlas *atlas, void *data)
+static void trace_shallowly(struct engine *engine, const conus_atlas *atlas, void *data)
 {
     struct poses *poses = data;
     uint64_t random = poses->random;
@@ -286,7 +286,7 @@ static void shallow_rays_equal_the_plain_traversal(void **state)
         conus_atlas *atlas = scene_atlas(&random, 100, 0);
         sprinkle(&atlas->volumes[0], &random);
         poses.random = (uint64_t)scene;
-        for_kernels(atlas, look_shallowly, &poses);
+        for_kernels(atlas, trace_shallowly, &poses);
         conus_atlas_destroy(atlas);
     }
     assert_true(poses.hits > 100000);
@@ -330,7 +330,7 @@ static uint32_t first_on_slices(const struct volume *volume, const struct cone *
     return 0;
 }
 
-static void slices_meet_what_lies_on_their_planes(void **state)
+static void slices_hit_what_lies_on_their_planes(void **state)
 {
     (void)state;
     uint64_t random = 9;
@@ -341,7 +341,7 @@ static void slices_meet_what_lies_on_their_planes(void **state)
         conus_atlas *atlas = scene_atlas(&random, 24, 0);
         struct cone cone = {.angle = 0.5, .resolution = 12, .pose = scene_generic_pose(&random, atlas)};
         struct evidence evidence;
-        look(&evidence, atlas, &options, &cone);
+        trace(&evidence, atlas, &options, &cone);
         uint32_t planes = options.slices < 10 ? 1 : options.slices / 5;
         for (uint32_t pixel = 0; pixel < 144; pixel++) {
             uint32_t wanted = first_on_slices(&atlas->volumes[0], &cone, pixel, planes);
@@ -381,7 +381,7 @@ int main(void)
         cmocka_unit_test(moving_everything_changes_nothing),
         cmocka_unit_test(extreme_views_equal_the_plain_traversal),
         cmocka_unit_test(shallow_rays_equal_the_plain_traversal),
-        cmocka_unit_test(slices_meet_what_lies_on_their_planes),
+        cmocka_unit_test(slices_hit_what_lies_on_their_planes),
         cmocka_unit_test(creation_survives_every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

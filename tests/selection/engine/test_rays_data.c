@@ -32,7 +32,7 @@ static size_t compare(struct engine *engine, const conus_atlas *atlas, const str
     assert_ok(evidence_init(&got, cone->resolution));
     assert_ok(evidence_init(&wanted, cone->resolution));
     assert_ok(engine->functions->trace(engine, &got, cone));
-    oracle_look(&wanted, atlas, cone);
+    oracle_trace(&wanted, atlas, cone);
     assert_memory_equal(got.object, wanted.object, pixels * sizeof *got.object);
     assert_memory_equal(got.voxel, wanted.voxel, pixels * sizeof *got.voxel);
     assert_memory_equal(got.distance, wanted.distance, pixels * sizeof *got.distance);

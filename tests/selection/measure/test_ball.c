@@ -61,11 +61,11 @@ static void measure(double *distances, const struct volume *volume, const double
     }
 }
 
-static void check_row(const conus_result *result, double distance, const double center[3])
+static void check_row(const conus_result *result, double distance, const double centre[3])
 {
     double offset[3];
     assert_near(result->distance, distance, 2e-5); /* the polyhedra are of floats */
-    vec3_sub(offset, result->contact, center);
+    vec3_sub(offset, result->contact, centre);
     assert_near(vec3_length(offset), result->distance, 1e-9);
     assert_int_equal(result->pixels, 0);
 }
@@ -108,12 +108,12 @@ static void distances_are_those_of_cells(void **unused)
         for (int i = 0; i < 12; i++) {
             conus_selection *selection = NULL;
             const conus_volume_info *info = &atlas->volumes[0].info;
-            double center[3];
+            double centre[3];
             for (int a = 0; a < 3; a++) {
-                center[a] = test_random(&state, -3, (double)info->dim[a] + 3);
+                centre[a] = test_random(&state, -3, (double)info->dim[a] + 3);
             }
-            mat4_point(center, info->world_from_voxel, center);
-            assert_ok(conus_select_ball(&selection, selector, center, pow(10, test_random(&state, -1, 1.3))));
+            mat4_point(centre, info->world_from_voxel, centre);
+            assert_ok(conus_select_ball(&selection, selector, centre, pow(10, test_random(&state, -1, 1.3))));
             beside += check_ball(selection, atlas);
             conus_selection_destroy(selection);
         }

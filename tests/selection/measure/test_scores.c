@@ -81,7 +81,7 @@ static void in_a_cylinder_it_is_linear(void **state)
     struct cone cylinder = ten_degrees;
     cylinder.angle = 0;
     cylinder.radius = 5;
-    const conus_result result = {.object = 1, .pixels = 3, .center_px = 2, .contact = {0, 0, -70}};
+    const conus_result result = {.object = 1, .pixels = 3, .centre_px = 2, .contact = {0, 0, -70}};
     assert_near(score_contribution(&result, &cylinder, 0.8), 0.75, 1e-12);
 }
 
@@ -93,7 +93,8 @@ struct view {
     conus_selection *selection;
 };
 
-static void look(struct view *view, const conus_selector_options *options, const conus_pose *pose, double degrees)
+static void select_from(struct view *view, const conus_selector_options *options, const conus_pose *pose,
+                        double degrees)
 {
     conus_selector_destroy(view->selector);
     conus_selection_destroy(view->selection);
@@ -143,7 +144,7 @@ static double score_of(struct view *view, const char *score, uint32_t label)
 {
     const conus_pose pose = pose_above(60);
     const conus_selector_options options = {.score = score, .layers = CONUS_LAYERS_ALL};
-    look(view, &options, &pose, 50);
+    select_from(view, &options, &pose, 50);
     return result_of(view, label)->score;
 }
 
@@ -158,7 +159,7 @@ static void each_is_what_it_says(void **state)
     double contact[3];
     vec3_sub(contact, ball.contact, (double[]){3, -2, 60});
     assert_near(score_of(&view, "visibility", 1), u.pixels / 208.0, 1e-12);
-    assert_near(score_of(&view, "proximity", 1), 1 - u.center_px / 8, 1e-12);
+    assert_near(score_of(&view, "proximity", 1), 1 - u.centre_px / 8, 1e-12);
     assert_near(score_of(&view, "unoccluded", 2), (double)ball.pixels / ball.pierced, 1e-12);
     assert_true(u.pierced > u.pixels);
     assert_near(score_of(&view, "unoccluded", 1), (double)u.pixels / u.pierced, 1e-12);
@@ -180,9 +181,9 @@ static void the_smallest_wins_unless_it_touches_the_rim(void **state)
     double ball = score_of(&view, "smallest", 2);
     assert_near(ball, 2 - result_of(&view, 2)->pixels / 208.0, 1e-12);
     const conus_pose pose = pose_above(60);
-    look(&view, &(conus_selector_options){.score = "smallest"}, &pose, 20);
+    select_from(&view, &(conus_selector_options){.score = "smallest"}, &pose, 20);
     assert_near(result_of(&view, 1)->score, result_of(&view, 1)->pixels / 208.0, 1e-12);
-    look(&view, &(conus_selector_options){.score = "smallest", .resolution = 1}, &pose, 20); /* all rim */
+    select_from(&view, &(conus_selector_options){.score = "smallest", .resolution = 1}, &pose, 20); /* all rim */
     assert_near(conus_selection_result(view.selection, 0)->score, 1, 0);
     close_view(&view);
 }
@@ -201,7 +202,7 @@ static void senseshapes_are_from_0_to_1(void **state)
                                                     .layers = CONUS_LAYERS_ALL,
                                                     .aperture = i % 3 ? CONUS_APERTURE_CIRCLE : CONUS_APERTURE_SQUARE,
                                                     .resolution = 1 + (uint32_t)i};
-            look(&view, &options, &pose, degrees);
+            select_from(&view, &options, &pose, degrees);
             for (size_t r = 0; r + 1 < conus_selection_count(view.selection); r++) {
                 double score = conus_selection_result(view.selection, r)->score;
                 assert_true(score >= 0 && score <= 1);
@@ -233,11 +234,11 @@ static void what_has_no_value_ranks_last(void **state)
     struct view view;
     open_phantom(&view, "u-shape");
     const conus_pose pose = pose_above(60);
-    look(&view, &(conus_selector_options){0}, &pose, 50);
+    select_from(&view, &(conus_selector_options){0}, &pose, 50);
     char formula[64];
     snprintf(formula, sizeof formula, "1/(visibility - %u/208)", conus_selection_result(view.selection, 0)->pixels);
     uint32_t most = conus_selection_result(view.selection, 0)->object;
-    look(&view, &(conus_selector_options){.score = formula}, &pose, 50);
+    select_from(&view, &(conus_selector_options){.score = formula}, &pose, 50);
     assert_int_equal(conus_selection_count(view.selection), 3);
     assert_int_equal(conus_selection_result(view.selection, 1)->object, most);
     assert_true(isnan(conus_selection_result(view.selection, 1)->score));

@@ -64,7 +64,7 @@ static void pixels_lead_to_names(void **state)
     assert_string_equal(attribute(image, "/name"), "CryptoObject");
     assert_string_equal(attribute(image, "/hash"), "MurmurHash3_32");
     assert_string_equal(attribute(image, "/conversion"), "uint32_to_float32");
-    size_t met = 0;
+    size_t hit = 0;
     for (size_t i = 0; i < 256; i++) {
         uint32_t number = conus_image_uints(image, "object")[i];
         uint32_t hash;
@@ -74,12 +74,12 @@ static void pixels_lead_to_names(void **state)
             char entry[256];
             snprintf(entry, sizeof entry, "\"%s\":\"%08x\"", conus_atlas_object(atlas, number)->name, hash);
             assert_non_null(strstr(attribute(image, "/manifest"), entry));
-            met++;
+            hit++;
         } else {
             assert_int_equal(hash, 0);
         }
     }
-    assert_true(met > 0 && met < 256);
+    assert_true(hit > 0 && hit < 256);
     conus_image_destroy(image);
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);

@@ -20,8 +20,8 @@ struct fixture {
     double angle;
 };
 
-static struct fixture look(conus_atlas *atlas, const conus_selector_options *options, const conus_pose *pose,
-                           double angle)
+static struct fixture select_from(conus_atlas *atlas, const conus_selector_options *options, const conus_pose *pose,
+                                  double angle)
 {
     struct fixture fixture = {.atlas = atlas, .pose = *pose, .angle = angle};
     assert_ok(conus_selector_create(&fixture.selector, atlas, options));
@@ -36,7 +36,7 @@ static void finish(struct fixture *fixture)
     conus_atlas_destroy(fixture->atlas);
 }
 
-/* From outside, at a random atlas with a pathway, so that many pixels have several pieces and some none. */
+/* From outside, at a random atlas with a pathway, so that many pixels have several intervals and some none. */
 static struct fixture make_fixture(uint32_t resolution, uint64_t seed)
 {
     conus_atlas *atlas = scene_atlas(&seed, 20, 1);
@@ -49,7 +49,7 @@ static struct fixture make_fixture(uint32_t resolution, uint64_t seed)
     mat4_point(corner, info->world_from_voxel, (double[]){-2 * dim[0], -1.5 * dim[1], -2});
     mat4_point(centre, info->world_from_voxel, (double[]){dim[0] / 2, dim[1] / 2, dim[2] / 2});
     assert_ok(conus_pose_toward(&pose, corner, centre, NULL));
-    return look(atlas, &options, &pose, radians_from_degrees(35));
+    return select_from(atlas, &options, &pose, radians_from_degrees(35));
 }
 
 static struct exr_deep *write_and_read(const conus_selection *selection)
@@ -70,14 +70,14 @@ static double depth(const struct fixture *fixture, uint32_t n, uint32_t x, uint3
 }
 
 static void check_sample(const struct exr_deep *deep, const struct fixture *fixture, uint32_t x, uint32_t y, uint32_t s,
-                         const conus_span *span)
+                         const conus_interval *interval)
 {
     uint32_t n = exr_deep_side(deep, 0);
-    double wanted[2] = {depth(fixture, n, x, y, span->entry), depth(fixture, n, x, y, span->exit)};
-    assert_int_equal(exr_deep_uint(deep, "object", x, y, s), span->object);
-    assert_int_equal(exr_deep_uint(deep, "id", x, y, s), conus_atlas_object(fixture->atlas, span->object)->label);
-    assert_true(exr_deep_float(deep, "t", x, y, s) == (float)span->entry);
-    assert_true(exr_deep_float(deep, "tBack", x, y, s) == (float)span->exit);
+    double wanted[2] = {depth(fixture, n, x, y, interval->entry), depth(fixture, n, x, y, interval->exit)};
+    assert_int_equal(exr_deep_uint(deep, "object", x, y, s), interval->object);
+    assert_int_equal(exr_deep_uint(deep, "id", x, y, s), conus_atlas_object(fixture->atlas, interval->object)->label);
+    assert_true(exr_deep_float(deep, "t", x, y, s) == (float)interval->entry);
+    assert_true(exr_deep_float(deep, "tBack", x, y, s) == (float)interval->exit);
     assert_near(exr_deep_float(deep, "Z", x, y, s), wanted[0], 1e-7 * wanted[0]);
     assert_near(exr_deep_float(deep, "ZBack", x, y, s), wanted[1], 1e-7 * wanted[1]);
     assert_true(exr_deep_float(deep, "Z", x, y, s) <= exr_deep_float(deep, "ZBack", x, y, s));
@@ -85,14 +85,14 @@ static void check_sample(const struct exr_deep *deep, const struct fixture *fixt
     assert_true(exr_deep_float(deep, "A", x, y, s) == 1);
 }
 
-/* All spans, each once, in the pixel that it is of; gives how many pixels are empty. */
+/* All intervals, each once, in the pixel that it is of; gives how many pixels are empty. */
 static uint32_t check_samples(const struct exr_deep *deep, const struct fixture *fixture)
 {
     size_t count = 0;
     size_t next = 0;
     uint32_t empty = 0;
     uint32_t n = conus_selection_evidence(fixture->selection).resolution;
-    const conus_span *spans = conus_selection_spans(&count, fixture->selection);
+    const conus_interval *intervals = conus_selection_intervals(&count, fixture->selection);
     assert_int_equal(exr_deep_side(deep, 0), n);
     assert_int_equal(exr_deep_side(deep, 1), n);
     for (uint32_t pixel = 0; pixel < n * n; pixel++) {
@@ -101,8 +101,8 @@ static uint32_t check_samples(const struct exr_deep *deep, const struct fixture 
         uint32_t samples = exr_deep_count(deep, x, y);
         for (uint32_t s = 0; s < samples; s++, next++) {
             assert_true(next < count);
-            assert_int_equal(spans[next].pixel, pixel);
-            check_sample(deep, fixture, x, y, s, &spans[next]);
+            assert_int_equal(intervals[next].pixel, pixel);
+            check_sample(deep, fixture, x, y, s, &intervals[next]);
         }
         empty += samples == 0;
     }
@@ -113,13 +113,13 @@ static uint32_t check_samples(const struct exr_deep *deep, const struct fixture 
 /* Objects that have samples; each has its name in the manifest, under its number and under its label. */
 static size_t check_names(const struct exr_deep *deep, const struct fixture *fixture)
 {
-    size_t spans_count = 0;
+    size_t intervals_count = 0;
     size_t objects = 0;
-    const conus_span *spans = conus_selection_spans(&spans_count, fixture->selection);
+    const conus_interval *intervals = conus_selection_intervals(&intervals_count, fixture->selection);
     bool *present = calloc(conus_atlas_object_count(fixture->atlas) + 1, sizeof *present);
-    for (size_t i = 0; i < spans_count; i++) {
-        objects += !present[spans[i].object];
-        present[spans[i].object] = true;
+    for (size_t i = 0; i < intervals_count; i++) {
+        objects += !present[intervals[i].object];
+        present[intervals[i].object] = true;
     }
     for (uint32_t number = 1; number <= conus_atlas_object_count(fixture->atlas); number++) {
         const conus_object *object = conus_atlas_object(fixture->atlas, number);
@@ -140,7 +140,7 @@ static size_t check_names(const struct exr_deep *deep, const struct fixture *fix
     return objects;
 }
 
-static void every_piece_of_every_ray_is_a_sample(void **state)
+static void every_interval_of_every_ray_is_a_sample(void **state)
 {
     (void)state;
     for (uint64_t seed = 0; seed < 20; seed++) {
@@ -202,7 +202,7 @@ static void a_cylinder_with_a_range(void **state)
         .layers = CONUS_LAYERS_ALL, .resolution = 9, .radius = 12.5, .range = {40, 55.25}};
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (double[]){-50, 0, 0}, (double[]){1, 0, 0}, NULL));
-    struct fixture fixture = look(atlas, &options, &pose, 0);
+    struct fixture fixture = select_from(atlas, &options, &pose, 0);
     struct exr_deep *deep = write_and_read(fixture.selection);
     assert_true(check_samples(deep, &fixture) < 81);
     for (uint32_t pixel = 0; pixel < 81; pixel++) {
@@ -265,7 +265,7 @@ static void as_many_areas_as_there_are(void **state)
         .resolution = 540, .layers = CONUS_LAYERS_ALL, .aperture = CONUS_APERTURE_SQUARE};
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (double[]){0, 0, 10000}, (double[]){0, 0, -1}, NULL));
-    struct fixture fixture = look(plate(), &options, &pose, 2 * atan2(135, 10000));
+    struct fixture fixture = select_from(plate(), &options, &pose, 2 * atan2(135, 10000));
     struct exr_deep *deep = write_and_read(fixture.selection);
     check_samples(deep, &fixture);
     assert_int_equal(check_names(deep, &fixture), 72783);
@@ -310,7 +310,7 @@ static void every_failing_allocation_is_survived(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_piece_of_every_ray_is_a_sample),
+        cmocka_unit_test(every_interval_of_every_ray_is_a_sample),
         cmocka_unit_test(one_pixel_or_nothing_at_all),
         cmocka_unit_test(header_says_where_it_comes_from),
         cmocka_unit_test(a_cylinder_with_a_range),

@@ -73,7 +73,7 @@ static size_t count(const char *text, const char *word)
     return found;
 }
 
-/* Twelve angles of one pose: two tables, each with its heading and each object once. */
+/* Twelve angles of one pose: two tables, each with its header and each object once. */
 static void shares_are_a_table_by_angle(void **state)
 {
     (void)state;
@@ -87,7 +87,7 @@ static void shares_are_a_table_by_angle(void **state)
     }
     assert_ok(conus_report_text(&text, &size, report));
     assert_int_equal(count(text, "share of cone"), 2);
-    assert_int_equal(count(text, "(nothing met)"), 2);
+    assert_int_equal(count(text, "(nothing hit)"), 2);
     assert_int_equal(count(text, "57.3"), 12);
     conus_report_destroy(report);
     report_scene_destroy(&scene);

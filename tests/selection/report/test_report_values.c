@@ -210,7 +210,7 @@ static void what_is_no_probe_is_refused(void **state)
         add_contact(&made, "p1", 0, A);
         add(&made, "p2", nowhere, 0, &met, 1);
         assert_fails(conus_report_text(&text, &size, made.report), CONUS_ERROR_ARGUMENT);
-        assert_non_null(strstr(conus_message(), "\"p2\" looks along a direction"));
+        assert_non_null(strstr(conus_message(), "\"p2\" has a direction"));
         finish(&made);
     }
     struct made made = make(&(conus_report_options){.format = CONUS_FORMAT_SPIKEGLX}, CONUS_LAYERS_VISIBLE);

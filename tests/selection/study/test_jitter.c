@@ -359,8 +359,8 @@ struct samples {
     double hit[FEW];
 };
 
-static void look_at_samples(struct samples *out, const conus_atlas *atlas, const conus_pose *pose, double degrees,
-                            const conus_jitter_options *options)
+static void select_samples(struct samples *out, const conus_atlas *atlas, const conus_pose *pose, double degrees,
+                           const conus_jitter_options *options)
 {
     conus_selector *selector = NULL;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
@@ -409,7 +409,7 @@ static void deviation_and_error_are_those_of_samples(void **state)
     struct samples samples;
     double sets[JITTER_SETS] = {0};
     conus_jitter *jitter = jitter_of(atlas, NULL, &pose, 10, &options);
-    look_at_samples(&samples, atlas, &pose, 10, &options);
+    select_samples(&samples, atlas, &pose, 10, &options);
     for (int i = 0; i < FEW; i++) {
         sets[i * JITTER_SETS / FEW] += samples.hit[i] * JITTER_SETS / FEW;
     }

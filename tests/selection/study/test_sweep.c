@@ -275,7 +275,7 @@ static void what_is_inside_a_closed_surface_belongs_to_it(void **state)
 }
 
 /* Two shells, one in the other: between them and in the inner one is inside, unless the inner one faces inwards. */
-static void shells_in_shells_count_as_pieces_do(void **state)
+static void shells_in_shells_count_as_intervals_do(void **state)
 {
     (void)state;
     const conus_selector_options middle = {.range = {98, 102}};
@@ -383,7 +383,7 @@ int main(void)
         cmocka_unit_test(surfaces_are_admitted_by_their_nearest_point),
         cmocka_unit_test(a_ball_is_admitted_at_its_tangent),
         cmocka_unit_test(what_is_inside_a_closed_surface_belongs_to_it),
-        cmocka_unit_test(shells_in_shells_count_as_pieces_do),
+        cmocka_unit_test(shells_in_shells_count_as_intervals_do),
         cmocka_unit_test(an_open_surface_does_not_hold_the_axis),
         cmocka_unit_test(limits_are_named),
         cmocka_unit_test(every_failing_allocation_is_survived),

@@ -469,7 +469,7 @@ static void steps_are_reported_as_they_come(void **state)
     step(&track, 1700000000.5, AT_ARM, true);
     assert_ok(conus_report_add(report, "b", track.selection));
     assert_ok(conus_report_take(&text, &size, report));
-    assert_int_equal(strncmp(text, "b\tarea\t1\t", 9), 0); /* no heading again, and a is not there any more */
+    assert_int_equal(strncmp(text, "b\tarea\t1\t", 9), 0); /* no header again, and a is not there any more */
     assert_non_null(strstr(text, "\t1700000000.5\t1\t0\nb\tarea\t2\t"));
     assert_non_null(strstr(text, "\t1700000000.5\t0\t1\n"));
     assert_ok(conus_report_take(&text, &size, report));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Answers many cones with one engine, compares the answers, and makes the cones. */
-#include "bench/support/look.h"
+#include "bench/support/trace.h"
 
 #include "base/math3.h"
 #include "base/memory.h"
@@ -16,9 +16,9 @@ enum { RESOLUTION = 16 }; /* of the cones made here */
 
 /* ---- Answers --------------------------------------------------------------------------------------------------- */
 
-conus_status look_init(struct look *out, struct engine *engine, const struct cone *cones, size_t count)
+conus_status trace_init(struct trace *out, struct engine *engine, const struct cone *cones, size_t count)
 {
-    *out = (struct look){.engine = engine, .cones = cones, .count = count};
+    *out = (struct trace){.engine = engine, .cones = cones, .count = count};
     snprintf(out->name, sizeof out->name, "%s", engine->name);
     out->answers = memory_zeroed(count, sizeof *out->answers);
     conus_status status = out->answers ? CONUS_OK : CONUS_ERROR_MEMORY;
@@ -30,22 +30,22 @@ conus_status look_init(struct look *out, struct engine *engine, const struct con
     return status;
 }
 
-void look_finish(struct look *look)
+void trace_finish(struct trace *trace)
 {
-    for (size_t i = 0; look->answers && i < look->count; i++) {
-        evidence_finish(&look->answers[i]);
+    for (size_t i = 0; trace->answers && i < trace->count; i++) {
+        evidence_finish(&trace->answers[i]);
     }
-    evidence_finish(&look->scratch);
-    memory_free(look->answers);
-    *look = (struct look){0};
+    evidence_finish(&trace->scratch);
+    memory_free(trace->answers);
+    *trace = (struct trace){0};
 }
 
-void look_all(void *data)
+void trace_all(void *data)
 {
-    struct look *look = data;
-    for (size_t i = 0; i < look->count; i++) {
-        conus_status status = look->engine->functions->trace(look->engine, &look->scratch, &look->cones[i]);
-        look->status = look->status ? look->status : status;
+    struct trace *trace = data;
+    for (size_t i = 0; i < trace->count; i++) {
+        conus_status status = trace->engine->functions->trace(trace->engine, &trace->scratch, &trace->cones[i]);
+        trace->status = trace->status ? trace->status : status;
     }
 }
 
@@ -54,16 +54,16 @@ static size_t pixels_of(const struct evidence *answer)
     return (size_t)answer->resolution * answer->resolution;
 }
 
-size_t look_pixels(const struct look *look)
+size_t trace_pixels(const struct trace *trace)
 {
     size_t pixels = 0;
-    for (size_t i = 0; i < look->count; i++) {
-        pixels += pixels_of(&look->answers[i]);
+    for (size_t i = 0; i < trace->count; i++) {
+        pixels += pixels_of(&trace->answers[i]);
     }
     return pixels;
 }
 
-bool look_same(const struct look *a, const struct look *b)
+bool trace_same(const struct trace *a, const struct trace *b)
 {
     bool same = !a->status && !b->status;
     for (size_t i = 0; i < a->count && same; i++) {
@@ -77,7 +77,7 @@ bool look_same(const struct look *a, const struct look *b)
     return same;
 }
 
-size_t look_differences(const struct look *a, const struct look *b)
+size_t trace_differences(const struct trace *a, const struct trace *b)
 {
     size_t differences = 0;
     for (size_t i = 0; i < a->count; i++) {
@@ -88,23 +88,24 @@ size_t look_differences(const struct look *a, const struct look *b)
     return differences;
 }
 
-bool look_same_but_edges(const struct look *look, const struct look *rays)
+bool trace_same_but_edges(const struct trace *trace, const struct trace *rays)
 {
     struct bench_differences differences = {0};
-    for (size_t i = 0; i < look->count; i++) {
-        bench_compare_pixels(&differences, rays->engine, &look->cones[i], look->answers[i].object,
+    for (size_t i = 0; i < trace->count; i++) {
+        bench_compare_pixels(&differences, rays->engine, &trace->cones[i], trace->answers[i].object,
                              rays->answers[i].object);
     }
-    return bench_differences_pass(&differences, look->name, look_pixels(look)) && !look->status;
+    return bench_differences_pass(&differences, trace->name, trace_pixels(trace)) && !trace->status;
 }
 
 void shoot(void *data)
 {
     struct shot *shot = data;
-    struct look *look = shot->look;
+    struct trace *trace = shot->trace;
     conus_status status = shot->draw(shot->scene, shot->way);
-    if (look && !status) {
-        status = look->engine->functions->trace(look->engine, &look->scratch, &look->cones[shot->next++ % look->count]);
+    if (trace && !status) {
+        status =
+            trace->engine->functions->trace(trace->engine, &trace->scratch, &trace->cones[shot->next++ % trace->count]);
     }
     status = status ? status : shot->wait(shot->scene);
     shot->status = shot->status ? shot->status : status;
@@ -117,9 +118,9 @@ struct plain_engine {
     const conus_atlas *atlas;
 };
 
-static conus_status look_plainly(struct engine *engine, struct evidence *out, const struct cone *cone)
+static conus_status trace_plainly(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
-    oracle_look(out, ((struct plain_engine *)engine)->atlas, cone);
+    oracle_trace(out, ((struct plain_engine *)engine)->atlas, cone);
     return CONUS_OK;
 }
 
@@ -130,7 +131,7 @@ static void destroy(struct engine *engine)
 
 conus_status plain_engine_create(struct engine **out, const conus_atlas *atlas)
 {
-    static const struct engine_functions functions = {.trace = look_plainly, .destroy = destroy};
+    static const struct engine_functions functions = {.trace = trace_plainly, .destroy = destroy};
     struct plain_engine *engine = memory_zeroed(1, sizeof *engine);
     if (!engine) {
         return CONUS_ERROR_MEMORY;
@@ -154,7 +155,7 @@ static uint32_t pixel_of(uint32_t ray, uint32_t n)
     return n % 4 ? ray : row * n + column;
 }
 
-static conus_status look_at_meshes(struct engine *engine, struct evidence *out, const struct cone *cone)
+static conus_status trace_meshes(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
     struct mesh_engine *own = (struct mesh_engine *)engine;
     double u[MESH_RAYS_LIMIT], v[MESH_RAYS_LIMIT], direction[3][MESH_RAYS_LIMIT];
@@ -182,7 +183,7 @@ static conus_status look_at_meshes(struct engine *engine, struct evidence *out, 
 
 conus_status mesh_engine_create(struct engine **out, struct mesh_rays *rays, unsigned width)
 {
-    static const struct engine_functions functions = {.trace = look_at_meshes, .destroy = destroy};
+    static const struct engine_functions functions = {.trace = trace_meshes, .destroy = destroy};
     struct mesh_engine *engine = memory_zeroed(1, sizeof *engine);
     if (!engine) {
         return CONUS_ERROR_MEMORY;

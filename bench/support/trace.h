@@ -1,40 +1,40 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Ways to answer cones: an engine, many cones, and whether another way gives the same answers. */
-#ifndef CONUS_BENCH_SUPPORT_LOOK_H
-#define CONUS_BENCH_SUPPORT_LOOK_H
+#ifndef CONUS_BENCH_SUPPORT_TRACE_H
+#define CONUS_BENCH_SUPPORT_TRACE_H
 
 #include "selection/engine/engine.h"
 #include "selection/engine/mesh_rays.h"
 
 /** An engine that answers cones; cones of one resolution. */
-struct look {
+struct trace {
     char name[112];
     struct engine *engine;    /**< Borrowed, as the cones are. */
     const struct cone *cones; /**< [count]                      */
     size_t count;
-    struct evidence *answers; /**< [count] Of look_init().                                 */
+    struct evidence *answers; /**< [count] Of trace_init().                                 */
     struct evidence scratch;  /**< What is timed goes here, as a program does that goes on. */
     conus_status status;      /**< Of the first cone that could not be answered. */
 };
 
-/** Answers all once. End it with look_finish() even if this fails. */
-conus_status look_init(struct look *out, struct engine *engine, const struct cone *cones, size_t count);
-void look_finish(struct look *look);
+/** Answers all once. End it with trace_finish() even if this fails. */
+conus_status trace_init(struct trace *out, struct engine *engine, const struct cone *cones, size_t count);
+void trace_finish(struct trace *trace);
 
-/** Answers all again, into the scratch: the `run` of a variant whose data is a look. */
-void look_all(void *look);
+/** Answers all again, into the scratch: the `run` of a variant whose data is a trace. */
+void trace_all(void *trace);
 
 /** Whether objects, voxels or triangles, and distances are the same to the bit. */
-bool look_same(const struct look *a, const struct look *b);
+bool trace_same(const struct trace *a, const struct trace *b);
 
 /** Pixels, of all cones. */
-size_t look_pixels(const struct look *look);
+size_t trace_pixels(const struct trace *trace);
 
 /** Pixels in which they name different objects. */
-size_t look_differences(const struct look *a, const struct look *b);
+size_t trace_differences(const struct trace *a, const struct trace *b);
 
 /** Whether they name the same objects but for edges (edges.h); prints what differs. */
-bool look_same_but_edges(const struct look *look, const struct look *rays);
+bool trace_same_but_edges(const struct trace *trace, const struct trace *rays);
 
 /** A frame, and one selection while it is drawn. */
 struct shot {
@@ -42,8 +42,8 @@ struct shot {
     conus_status (*wait)(void *scene);          /**< Until it is there. */
     void *scene;
     int way;
-    struct look *look; /**< NULL = no selection. */
-    size_t next;       /**< Its next cone.       */
+    struct trace *trace; /**< NULL = no selection. */
+    size_t next;         /**< Its next cone.       */
     conus_status status;
 };
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What leaping over empty voxels is worth, to each engine: a labelled volume with its leaps and with ones that lead to
- * the next voxel. */
+/* What empty-space skipping saves, by engine: a labelled volume with its distances and with ones that lead
+ * to the next voxel. */
 #include "base/memory.h"
 #include "bench/bench.h"
-#include "bench/support/look.h"
+#include "bench/support/trace.h"
 #include "selection/engine/distance_map.h"
 
 #include <stdio.h>
@@ -11,26 +11,26 @@
 
 enum { SEED = 2010 };
 
-/* With and without leaps, by rays and by OpenGL. */
+/* With and without skipping, by rays and by OpenGL. */
 enum { RAYS, RAYS_STEPS, GL, GL_STEPS, WAYS };
 
 struct scene {
     conus_atlas *atlases[2];
-    void *leaps; /* of the second one */
+    void *distances; /* of the second one */
     struct cone *cones;
     struct engine *engines[WAYS];
-    struct look looks[WAYS];
+    struct trace traces[WAYS];
     size_t count; /* of ways: those of OpenGL may be missing */
 };
 
-/* No leap leads farther than the next voxel. */
-static conus_status shorten_leaps(struct scene *scene)
+/* No distance leads farther than the next voxel. */
+static conus_status shorten_distances(struct scene *scene)
 {
     struct volume *volume = &scene->atlases[1]->volumes[0];
     struct distance_map map;
-    scene->leaps = memory_raw(distance_map_size(volume), 1);
-    conus_status status = scene->leaps ? distance_map_write(scene->leaps, volume) : CONUS_ERROR_MEMORY;
-    volume->distances = status ? NULL : scene->leaps;
+    scene->distances = memory_raw(distance_map_size(volume), 1);
+    conus_status status = scene->distances ? distance_map_write(scene->distances, volume) : CONUS_ERROR_MEMORY;
+    volume->distances = status ? NULL : scene->distances;
     status = status ? status : distance_map_init(&map, volume);
     if (!status) {
         for (size_t i = 0; i < distance_map_codes(&map); i++) {
@@ -43,14 +43,14 @@ static conus_status shorten_leaps(struct scene *scene)
 
 static conus_status add_way(struct scene *scene, int way, size_t cone_count)
 {
-    static const char *const names[WAYS] = {"labels, rays engine", "labels, rays engine, without leaps",
-                                            "labels, gl engine", "labels, gl engine, without leaps"};
+    static const char *const names[WAYS] = {"labels, rays engine", "labels, rays engine, without skipping",
+                                            "labels, gl engine", "labels, gl engine, without skipping"};
     const conus_atlas *atlas = scene->atlases[way % 2];
     const struct engine_options how = {0};
     conus_status status = way < GL ? engine_rays_create(&scene->engines[way], atlas, &how)
                                    : engine_gl_create(&scene->engines[way], atlas, &how);
-    status = status ? status : look_init(&scene->looks[way], scene->engines[way], scene->cones, cone_count);
-    snprintf(scene->looks[way].name, sizeof scene->looks[way].name, "%s", names[way]);
+    status = status ? status : trace_init(&scene->traces[way], scene->engines[way], scene->cones, cone_count);
+    snprintf(scene->traces[way].name, sizeof scene->traces[way].name, "%s", names[way]);
     scene->count += !status;
     return status;
 }
@@ -62,7 +62,7 @@ static conus_status scene_init(struct scene *scene, const struct bench_options *
     if (!status && !atlas_parcellation(scene->atlases[0])) {
         status = fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", options->atlas);
     }
-    status = status ? status : shorten_leaps(scene);
+    status = status ? status : shorten_distances(scene);
     scene->cones = status ? NULL : memory_zeroed(options->poses, sizeof *scene->cones);
     if (!scene->cones) {
         return status ? status : CONUS_ERROR_MEMORY;
@@ -77,34 +77,34 @@ static conus_status scene_init(struct scene *scene, const struct bench_options *
 static void scene_finish(struct scene *scene)
 {
     for (int way = 0; way < WAYS; way++) {
-        look_finish(&scene->looks[way]);
+        trace_finish(&scene->traces[way]);
         engine_destroy(scene->engines[way]);
     }
     memory_free(scene->cones);
     conus_atlas_destroy(scene->atlases[0]);
     conus_atlas_destroy(scene->atlases[1]);
-    memory_free(scene->leaps);
+    memory_free(scene->distances);
 }
 
-conus_status bench_leaps(struct bench *bench)
+conus_status bench_skipping(struct bench *bench)
 {
     struct scene scene = {0};
     struct bench_variant variants[WAYS];
     bench_draw_on_this_thread();
     conus_status status = scene_init(&scene, &bench->options);
     if (status == CONUS_ERROR_GL) {
-        status = bench_leave_out(bench, "leaps by OpenGL");
+        status = bench_leave_out(bench, "skipping by OpenGL");
     }
     for (size_t way = 0; way < scene.count; way++) {
-        struct look *look = &scene.looks[way];
-        variants[way] = (struct bench_variant){.name = look->name, .run = look_all, .data = look};
-        variants[way].equal = look_same(look, &scene.looks[RAYS]);
+        struct trace *trace = &scene.traces[way];
+        variants[way] = (struct bench_variant){.name = trace->name, .run = trace_all, .data = trace};
+        variants[way].equal = trace_same(trace, &scene.traces[RAYS]);
     }
     if (!status) {
         const char *gl = scene.count > GL ? scene.engines[GL]->name : "";
         bench->one_thread = scene.count <= GL || strstr(gl, "llvmpipe");
         snprintf(bench->driver, sizeof bench->driver, "%s; %s", scene.engines[RAYS]->name, gl);
-        status = bench_measure(bench, "leaps", variants, scene.count, bench->options.poses, bench->options.angle);
+        status = bench_measure(bench, "skipping", variants, scene.count, bench->options.poses, bench->options.angle);
     }
     status = status ? status : bench_ratio(bench, "rays_steps_over_leaps", &variants[RAYS_STEPS], &variants[RAYS]);
     if (!status && scene.count > GL) {
