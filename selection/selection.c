@@ -54,7 +54,7 @@ static void move_entries(conus_selection *selection)
 }
 
 /* What is first of the layers. Of intervals that begin at one place, as where a ray touches cells at an edge, it is
- * what is met there without layers: that heeds the order of the cells. */
+ * what is hit there without layers: that heeds the order of the cells. */
 static conus_status find_first(conus_selection *selection, struct engine *engine)
 {
     struct evidence *first = &selection->evidence;

@@ -79,7 +79,7 @@ static void walk_row(struct walk *walk, size_t j, size_t k)
     ask(walk, at, maybe[1]);
 }
 
-/* Of every coordinate that is met on the way. */
+/* Of every coordinate on the way. */
 static double size_of_numbers(const struct region *region, const struct volume *volume)
 {
     double size = vec3_length(region->origin);

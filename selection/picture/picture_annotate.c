@@ -38,7 +38,7 @@ static void fill_row(struct legend_row *row, struct cells *cells, const conus_at
     }
 }
 
-/* What of an atlas with pathways the picture shows beside what is met: pathways that are not, each while they are few,
+/* What of an atlas with pathways the picture shows beside what is hit: pathways that are not, each while they are few,
  * and that the other areas are left out. */
 static size_t add_pathways(struct legend_row rows[PATHWAY_ROWS], char words[TEXT_SIZE], const struct picture *picture)
 {

@@ -89,14 +89,14 @@ static struct cell get_unoccluded(const conus_report *report, const struct repor
 static const struct report_column answer_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", .get = get_query},
     {"kind", NULL,
-     "area, pathway, or unassigned: the part of the cone that met nothing; error: no answer, and name says why",
+     "area, pathway, or unassigned: the part of the cone that hits nothing; error: no answer, and name says why",
      .get = get_kind},
     {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway", .get = get_index},
     {"name", NULL, "name of the area or pathway", .get = get_name},
     {"abbreviation", NULL, "abbreviation in the label table", .get = get_abbreviation},
     {"rank", NULL, "1 is the best score", OF_ROW(RANK, result.rank)},
     {"score", NULL, "value of the ranking named in the settings, higher is better", OF_ROW(NUMBER, result.score)},
-    {"pixels", NULL, "pixels of the cone that met it first", OF_ROW(COUNT, result.pixels), .needs = NEEDS_RAYS},
+    {"pixels", NULL, "pixels of the cone that hit it first", OF_ROW(COUNT, result.pixels), .needs = NEEDS_RAYS},
     {"share", NULL, "its part of the cone's solid angle; all shares of a query sum to 1", OF_ROW(NUMBER, result.share)},
     {"pierced", NULL, "pixels whose ray passes it, hidden or not", OF_ROW(COUNT, result.pierced),
      .needs = NEEDS_RAYS | NEEDS_LAYERS},
@@ -127,7 +127,7 @@ static const struct report_column answer_columns[] = {
      OF_ROW(X, result.centroid), .needs = NEEDS_LAYERS, .layers_only = true},
     {"centroid_y", "mm", "the same, y", OF_ROW(Y, result.centroid), .needs = NEEDS_LAYERS, .layers_only = true},
     {"centroid_z", "mm", "the same, z", OF_ROW(Z, result.centroid), .needs = NEEDS_LAYERS, .layers_only = true},
-    {"unoccluded", NULL, "pixels that met it first as a part of those that pierce it", .get = get_unoccluded,
+    {"unoccluded", NULL, "pixels that hit it first, as a part of those that pierce it", .get = get_unoccluded,
      .needs = NEEDS_LAYERS, .layers_only = true},
 };
 
@@ -192,7 +192,7 @@ static const struct report_column chance_columns[] = {
     {"rank", NULL, "1 is the most probable hit", OF_ROW(RANK, chance.rank)},
     {"p_hit", NULL, "probability that it is the one hit; of a query they sum to 1", OF_ROW(NUMBER, chance.hit)},
     {"p_hit_error", NULL, "standard error of p_hit, on the safe side", OF_ROW(NUMBER, chance.hit_error)},
-    {"p_seen", NULL, "probability that some pixel meets it first", OF_ROW(NUMBER, chance.seen)},
+    {"p_seen", NULL, "probability that some pixel hits it first", OF_ROW(NUMBER, chance.seen)},
     {"p_in_cone", NULL, "probability that it is in the cone at all; needs all layers", OF_ROW(NUMBER, chance.in_cone)},
     {"mean_share", NULL, "mean part of the cone's solid angle; of a query they sum to 1", OF_ROW(NUMBER, chance.share)},
     {"sd_share", NULL, "standard deviation of that part from sample to sample", OF_ROW(NUMBER, chance.share_deviation)},
@@ -259,7 +259,7 @@ static const struct report_column summary_columns[] = {
     {"runner_up_index", NULL, "its index", .get = get_runner_up_index},
     {"runner_up_share", NULL, "its share", .get = get_runner_up_share},
     {"margin", NULL, "score of the best less that of the runner-up", .get = get_score_margin},
-    {"unassigned_share", NULL, "share of what met nothing", .get = get_unassigned},
+    {"unassigned_share", NULL, "share that hits nothing", .get = get_unassigned},
     {"error", NULL, "why there is no answer; then kind is error, and all else is missing", .get = get_error},
 };
 

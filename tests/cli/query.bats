@@ -38,7 +38,7 @@ load helpers
     [ "$(cell contact_x 1)/$(cell pixels 1)" = "${x#-}/188" ]
 }
 
-@test "a ball of 20 mm is met at 80 mm from 100 mm away" {
+@test "a ball of 20 mm is hit at 80 mm from 100 mm away" {
     sphere --size 64
     answers query sphere.nii.gz --origin 0,0,100 --direction 0,0,-1 --angle 5 --format tsv
     [ "$(cell name 1)/$(cell pixels 1)/$(cell share 1)" = Sphere/208/1 ]
@@ -109,7 +109,7 @@ load helpers
     nothing_left sphere.{nii.gz,tsv,json} tract.png poses.json atlas.xml volumes/sphere.nii.gz
 }
 
-@test "--voxels lists the voxels met first" {
+@test "--voxels lists the voxels hit first" {
     sphere --size 32
     answers query sphere.nii.gz --origin 0,0,100 --toward 0,0,0 --angle 5 -o a.tsv --voxels v.tsv --voxels-of all
     head -1 v.tsv | grep -q $'^query\tpathway\ti\tj\tk\tx\ty\tz\tvalue\tdistance_mm'
