@@ -191,7 +191,7 @@ static void what_has_no_voxels_is_refused(void **state)
     assert_refused(fixture, CONUS_GRID_MAP_OF_VALUES, 1, "map of values: Shell outer is an area, a pathway is needed");
     assert_refused(fixture, CONUS_GRID_MAP_OF_LABELS, 4, "map of labels: tract is a pathway, an area is needed");
     assert_refused(fixture, CONUS_GRID_MASK_OF_REGION, 1,
-                   "mask of everything: Shell outer is an area, which changes nothing");
+                   "mask of everything: Shell outer is an area, which has no effect");
     assert_ok(atlas_create_empty(&empty, "none"));
     alone.atlas = empty;
     assert_refused(&(struct fixture){.selection = &alone}, CONUS_GRID_MASK_OF_AREAS, 0,
