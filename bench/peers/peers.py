@@ -57,8 +57,8 @@ def numpy_cone(labels, voxel_from_world, pose):
     cells = np.floor(origin + middle[:, :, None] * step[:, None, :] + 0.5).astype(np.int32)
     inside = np.all((cells >= 0) & (cells < labels.shape), axis=2) & (times[:, 1:] > times[:, :-1])
     cells[~inside] = 0
-    met = np.where(inside, labels[cells[..., 0], cells[..., 1], cells[..., 2]], 0)
-    return met[np.arange(len(met)), np.argmax(met != 0, axis=1)]
+    hit = np.where(inside, labels[cells[..., 0], cells[..., 1], cells[..., 2]], 0)
+    return hit[np.arange(len(hit)), np.argmax(hit != 0, axis=1)]
 
 
 def count(found):

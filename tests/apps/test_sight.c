@@ -60,7 +60,7 @@ static void place_on(double out[3], const struct head *head, double right, doubl
     }
 }
 
-static void what_is_drawn_is_met_by_the_mouse(void **state)
+static void what_is_drawn_is_hit_by_the_mouse(void **state)
 {
     (void)state;
     uint64_t seed = 5;
@@ -218,7 +218,7 @@ static void the_wheel_comes_nearer(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_drawn_is_met_by_the_mouse),
+        cmocka_unit_test(what_is_drawn_is_hit_by_the_mouse),
         cmocka_unit_test(the_pane_is_its_part_of_the_screen),
         cmocka_unit_test(the_last_view_is_kept),
         cmocka_unit_test(what_is_held_goes_with_the_mouse),

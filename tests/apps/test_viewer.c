@@ -225,7 +225,7 @@ static void the_window_finds_its_place_again(void **state)
 }
 
 /* Opaque from 1 on, the brain phantom's context hides all in it; thinned, less and less. */
-static void an_opaque_context_is_met_before_what_it_hides(void **state)
+static void an_opaque_context_is_hit_before_what_it_hides(void **state)
 {
     static const conus_transfer_point opaque[] = {
         {0, {0, 0, 0, 0}}, {1, {0, 0, 0, 0}}, {1, {1, 1, 1, 0.9}}, {65535, {1, 1, 1, 0.9}}};
@@ -392,7 +392,7 @@ int main(void)
         cmocka_unit_test(what_is_hidden_is_not_selected),
         cmocka_unit_test(what_comes_hidden_can_be_shown),
         cmocka_unit_test(a_pathway_has_a_value),
-        cmocka_unit_test(an_opaque_context_is_met_before_what_it_hides),
+        cmocka_unit_test(an_opaque_context_is_hit_before_what_it_hides),
         cmocka_unit_test(a_place_has_a_voxel_and_the_crosshair_stays_near),
         cmocka_unit_test(what_was_selected_is_a_table),
         cmocka_unit_test(files_are_watched),

@@ -29,8 +29,8 @@ said() {
         --format tsv
     grep -q 'Slab anterior' <<<"$output"
     grep -q 'fornix' <<<"$output"
-    awk -F '\t' 'NR > 1 { print $11, $2 }' voxels.tsv | sort -u >met
-    [ "$(cat met)" = "pathway fornix" ]
+    awk -F '\t' 'NR > 1 { print $11, $2 }' voxels.tsv | sort -u >hit
+    [ "$(cat hit)" = "pathway fornix" ]
 }
 
 @test "a manifest that is there is never replaced" {

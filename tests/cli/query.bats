@@ -165,7 +165,7 @@ load helpers
     [ "$(cell kind 1)/$(cell share 1)/$(cell distance_mm 1)" = unassigned/1/n/a ]
 }
 
-@test "an apex inside the brain meets where it is at once" {
+@test "an apex inside an area hits it at once" {
     sphere --size 32
     answers query sphere.nii.gz --origin 0,0,0 --direction 0,0,1 --format tsv --quiet
     [ "$(cell name 1)/$(cell share 1)/$(cell distance_mm 1)" = Sphere/1/0 ]

@@ -453,7 +453,7 @@ END
     local view=$child step=0
     wait_until "$view" test -e ready.png
     find_window
-    # who is connected hears what the cone meets: the sphere once the mouse is over it, and a frame was drawn for that
+    # who is connected hears what the cone hits: the sphere once the mouse is over it, and a frame was drawn for that
     exec 5<>"/dev/tcp/127.0.0.1/$port"
     background cat <&5 >told
     until grep -aq Sphere told; do

@@ -5,7 +5,7 @@ is one ray, so that a row of answers is a pixel.
 
 Areas agree in 97 % of the pixels that hit one. Where they differ, the pixel lies on a border: within half a voxel's
 diagonal beside the ray, the volume shows what the surfaces show. The device is outside of all areas: a voxel around it
-is met at once (Eq. 5), a surface around it is met from within (Eq. 9). So 2 in 1000 pixels may be elsewhere: those of a
+is hit at once (Eq. 5), a surface around it is hit from within (Eq. 9). So 2 in 1000 pixels may be elsewhere: those of a
 device so close to an area that its surface is around the device already.
 
 usage: compare_forms.py CONUS CONUS_MESH [TEMPLATE_FOLDER]; exit 77 = skipped."""
@@ -61,16 +61,16 @@ def random_rays(labels, affine):
 
 
 def first_hits(conus, atlas, origins, rays, folder):
-    """What each ray meets first: label, 0 for nothing."""
+    """What each ray hits first: label, 0 for nothing."""
     table = os.path.join(folder, "rays.tsv")
     np.savetxt(table, np.hstack([origins, rays]), "%.9f", "\t", header="x\ty\tz\tdx\tdy\tdz", comments="")
     run = subprocess.run([conus, "query", atlas, "--pose", table, "--resolution", "1", "--angle", "0.01", "--engine",
                           "rays", "--format", "tsv", "--quiet"], check=True, capture_output=True, text=True)
-    met = np.zeros(len(rays), np.int64)
+    hits = np.zeros(len(rays), np.int64)
     for row in csv.DictReader(io.StringIO(run.stdout), delimiter="\t"):
         if row["kind"] == "area":
-            met[int(row["query"]) - 1] = int(row["index"])
-    return met
+            hits[int(row["query"]) - 1] = int(row["index"])
+    return hits
 
 
 def is_beside(conus, volume, origins, rays, wanted, reach, folder):
@@ -84,8 +84,8 @@ def is_beside(conus, volume, origins, rays, wanted, reach, folder):
             away = reach * (0.5 if k < BESIDE / 2 else 1)
             shifted.append(origins[i] + away * (math.cos(turn) * x + math.sin(turn) * y))
             numbers.append(i)
-    met = first_hits(conus, volume, np.array(shifted), rays[numbers], folder)
-    np.logical_or.at(found, numbers, met == wanted[numbers])
+    hits = first_hits(conus, volume, np.array(shifted), rays[numbers], folder)
+    np.logical_or.at(found, numbers, hits == wanted[numbers])
     return found
 
 
@@ -93,17 +93,17 @@ def check_pixels(conus, volume, manifest, labels, affine, folder):
     origins, rays = random_rays(labels, affine)
     by_volume = first_hits(conus, volume, origins, rays, folder)
     by_surface = first_hits(conus, manifest, origins, rays, folder)
-    met = (by_volume != 0) | (by_surface != 0)
+    hits = (by_volume != 0) | (by_surface != 0)
     differ = np.flatnonzero(by_volume != by_surface)
-    agree = 1 - len(differ) / met.sum()
+    agree = 1 - len(differ) / hits.sum()
     reach = np.linalg.norm(affine[:3, :3].sum(axis=1)) / 2
     beside = is_beside(conus, volume, origins[differ], rays[differ], by_surface[differ], reach, folder)
     away = len(differ) - beside.sum()
-    print(f"{POSES} poses, {len(rays)} pixels, {met.sum()} meet an area: {100 * agree:.2f} % agree; of {len(differ)} that "
+    print(f"{POSES} poses, {len(rays)} pixels, {hits.sum()} hit an area: {100 * agree:.2f} % agree; of {len(differ)} that "
           f"differ {beside.sum()} lie within {reach:.2f} mm of a border, {away} do not")
-    assert met.mean() > 0.5, "the poses look past the brain"
+    assert hits.mean() > 0.5, "the poses look past the brain"
     assert agree >= 0.97, f"only {100 * agree:.2f} % agree"
-    assert away <= 0.002 * met.sum(), f"{away} pixels differ away from borders"
+    assert away <= 0.002 * hits.sum(), f"{away} pixels differ away from borders"
 
 
 def main():

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Julich-Brain's surfaces and the 18 Juelich fibre pathways in one manifest: what conus query meets first, against a
+"""Julich-Brain's surfaces and the 18 Juelich fibre pathways in one manifest: what conus query hits first, against a
 reference that shares nothing with conus.
 
 The reference reads GIFTI and NIfTI with nibabel and OBJ by itself. Per ray it intersects every triangle (Moeller and
@@ -61,12 +61,12 @@ class Scene:
             image = nibabel.load(path)
             self.pathways.append((name, np.asanyarray(image.dataobj) >= THRESHOLD, np.linalg.inv(image.affine)))
 
-    def meet(self, origin, ray):
+    def trace(self, origin, ray):
         """[(distance, kind, name)] of the nearest contact with each object, sorted."""
-        met = self.hit_surfaces(origin, ray) + self.hit_pathways(origin, ray)
-        return sorted(met)
+        hits = self.trace_surfaces(origin, ray) + self.trace_pathways(origin, ray)
+        return sorted(hits)
 
-    def hit_surfaces(self, origin, ray):
+    def trace_surfaces(self, origin, ray):
         a, b, c = self.corners
         e, g = b - a, c - a
         p = np.cross(ray, g)
@@ -84,8 +84,8 @@ class Scene:
             nearest[name] = min(nearest.get(name, np.inf), t[i])
         return [(t, "area", name) for name, t in nearest.items()]
 
-    def hit_pathways(self, origin, ray):
-        met = []
+    def trace_pathways(self, origin, ray):
+        hits = []
         for name, mask, voxel_from_world in self.pathways:
             o = voxel_from_world[:3, :3] @ origin + voxel_from_world[:3, 3]
             d = voxel_from_world[:3, :3] @ ray
@@ -101,8 +101,8 @@ class Scene:
             full = np.zeros(len(middle), bool)
             full[inside] = mask[tuple(cells[inside].T)]
             if full.any():
-                met.append((t[np.argmax(full)], "pathway", name))
-        return met
+                hits.append((t[np.argmax(full)], "pathway", name))
+        return hits
 
 
 def load_scene(data, with_obj):
@@ -160,18 +160,18 @@ def ask(conus, manifest, rays, folder):
     return answers
 
 
-def check(row, met, number):
+def check(row, hits, number):
     """A complaint, or None."""
-    if row is None or not met:
-        return None if row is None and not met else f"ray {number}: conus {row and row['name']}, reference {met[:1]}"
+    if row is None or not hits:
+        return None if row is None and not hits else f"ray {number}: conus {row and row['name']}, reference {hits[:1]}"
     distance = float(row["distance_mm"])
-    for t, kind, key in met:
-        if t > met[0][0] + 1e-3:
+    for t, kind, key in hits:
+        if t > hits[0][0] + 1e-3:
             break
         same = (int(row["index"]), row["name"]) == key if kind == "area" else row["name"] == key
         if same and row["kind"] == kind and abs(t - distance) < 1e-3:
             return None
-    return f"ray {number}: conus {row['kind']} {row['index']} {row['name']} {distance}, reference {met[:2]}"
+    return f"ray {number}: conus {row['kind']} {row['index']} {row['name']} {distance}, reference {hits[:2]}"
 
 
 def main():
@@ -189,18 +189,18 @@ def main():
         rays = random_rays(areas, random.Random(3))
         answers = ask(conus, manifest, rays, folder)
     complaints = []
-    met_kinds = {"area": 0, "pathway": 0}
+    kinds = {"area": 0, "pathway": 0}
     for i, (origin, target) in enumerate(rays, 1):
         ray = (target - origin) / np.linalg.norm(target - origin)
-        met = scene.meet(origin, ray)
-        if met:
-            met_kinds[met[0][1]] += 1
-        complaints.append(check(answers.get(i), met, i))
+        hits = scene.trace(origin, ray)
+        if hits:
+            kinds[hits[0][1]] += 1
+        complaints.append(check(answers.get(i), hits, i))
     complaints = [c for c in complaints if c]
     print(f"{len(areas)} surfaces, {len(scene.owner)} triangles, {len(pathways)} pathways, {len(rays)} rays: "
-          f"{met_kinds['area']} meet an area first, {met_kinds['pathway']} a pathway; {len(complaints)} differ")
+          f"{kinds['area']} hit an area first, {kinds['pathway']} a pathway; {len(complaints)} differ")
     print("\n".join(complaints[:10]))
-    sys.exit(1 if complaints or not met_kinds["area"] or not met_kinds["pathway"] else 0)
+    sys.exit(1 if complaints or not kinds["area"] or not kinds["pathway"] else 0)
 
 
 if __name__ == "__main__":

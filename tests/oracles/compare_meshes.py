@@ -3,7 +3,7 @@
 """Surfaces and labels of vertices against nibabel: real files, files that nibabel writes here, and broken ones.
 
 Same vertices (1e-5), triangles (but those without area) and labels with names. Where conus refuses what nibabel reads,
-it is in a table with the reason. And what `conus query` meets first on them, against every triangle tried here.
+it is in a table with the reason. And what `conus query` hits first on them, against every triangle tried here.
 
 usage: compare_meshes.py DUMP_MESH CONUS [SHARED_FOLDER]; exit 77 = skipped."""
 
@@ -140,7 +140,7 @@ def first_hit(corners, origin, direction):
 
 
 def compare_queries(what, atlas, corners, names, count=20):
-    """A needle from outside through random points: which of `names` (one per triangle) it meets, and how far away."""
+    """A needle from outside through random points: which of `names` (one per triangle) it hits, and how far away."""
     random = np.random.default_rng(1)
     middle = corners.reshape(-1, 3).mean(axis=0)
     hits = 0

@@ -74,8 +74,8 @@ def intervals(labels, voxel_from_world, origin, ray, near=0.0, far=math.inf):
     cell = np.floor(o[:, None] + d[:, None] * (t[1:] + t[:-1]) / 2 + 0.5).astype(int)
     cell = np.clip(cell, 0, np.array(labels.shape)[:, None] - 1)
     hit = labels[cell[0], cell[1], cell[2]]
-    met = (hit != 0) & (t[1:] > t[:-1])
-    return hit[met], t[:-1][met], t[1:][met]
+    inside = (hit != 0) & (t[1:] > t[:-1])
+    return hit[inside], t[:-1][inside], t[1:][inside]
 
 
 def first_contact(labels, voxel_from_world, origin, ray):
@@ -85,7 +85,7 @@ def first_contact(labels, voxel_from_world, origin, ray):
 
 
 def reference(labels, voxel_from_world, pose, n):
-    """{label: [pixels, weight, nearest]} with label 0 for what met nothing."""
+    """{label: [pixels, weight, nearest]} with label 0 for what hit nothing."""
     origin, direction, angle = np.array(pose[0:3]), np.array(pose[3:6]), pose[6]
     result = {}
     for ray, weight in zip(*cone_rays(direction, angle, n)):
@@ -151,8 +151,8 @@ def check(where, rows, wanted):
     total = sum(row[1] for row in wanted.values())
     got = {0 if row["kind"] == "unassigned" else int(row["index"]): row for row in rows}
     assert abs(sum(float(row["share"]) for row in rows) - 1) < 1e-6, f"{where}: shares do not sum to 1"
-    met = {label for label, row in got.items() if int(row["pixels"])}
-    assert met == set(wanted), f"{where}: areas {sorted(met)}, reference {sorted(wanted)}"
+    hits = {label for label, row in got.items() if int(row["pixels"])}
+    assert hits == set(wanted), f"{where}: areas {sorted(hits)}, reference {sorted(wanted)}"
     for label, (pixels, weight, nearest) in wanted.items():
         row = got[label]
         assert int(row["pixels"]) == pixels, f"{where}: label {label}: {row['pixels']} pixels, reference {pixels}"

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """A BrainGlobe folder, FSL probabilistic atlases and FreeSurfer surfaces with annotations, as conus query names what it
-meets: names, numbers and distances against readers that share nothing with conus.
+hits: names, numbers and distances against readers that share nothing with conus.
 
 compare_manifest.py, which has the search of every triangle and voxel, does the same with Julich-Brain. Here
 structures.json is read by json, OBJ line by line, FSL's XML by ElementTree, volumes and annotations by nibabel.
@@ -97,17 +97,17 @@ def compare(conus, what, manifest, areas, pathways, size):
         with open(path, "w", encoding="utf-8") as file:
             json.dump({"conus_atlas": 1, "allow_outside": True, **manifest}, file)
         answers = ask(conus, path, rays, folder)
-    complaints, met_names, hits = [], set(), 0
+    complaints, found_names, hits = [], set(), 0
     for number, (origin, target) in enumerate(rays, 1):
-        met = scene.meet(origin, (target - origin) / np.linalg.norm(target - origin))
-        complaints.append(check(answers.get(number), met, number))
-        hits += bool(met)
-        met_names |= {met[0][2]} if met else set()
+        found = scene.trace(origin, (target - origin) / np.linalg.norm(target - origin))
+        complaints.append(check(answers.get(number), found, number))
+        hits += bool(found)
+        found_names |= {found[0][2]} if found else set()
     complaints = [c for c in complaints if c]
-    print(f"{what}: {len(areas)} surfaces, {len(pathways)} pathways, {len(rays)} rays, {hits} meet one of "
-          f"{len(met_names)} objects; {len(complaints)} differ")
+    print(f"{what}: {len(areas)} surfaces, {len(pathways)} pathways, {len(rays)} rays, {hits} hit one of "
+          f"{len(found_names)} objects; {len(complaints)} differ")
     print("\n".join(complaints[:5]), end="\n" if complaints else "")
-    assert hits > len(rays) / 3 and len(met_names) > 5, f"{what}: the rays meet too little"
+    assert hits > len(rays) / 3 and len(found_names) > 5, f"{what}: the rays hit too little"
     return bool(complaints)
 
 

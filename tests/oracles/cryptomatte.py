@@ -68,11 +68,11 @@ def main():
     for name, digits in manifest.items():
         assert int(digits, 16) == normal(murmur3_32(name.encode())), name
     named = {int(digits, 16): name for name, digits in manifest.items()}
-    met = ids != 0
-    assert (hashes[~met] == 0).all() and met.any() and not met.all()
-    assert [named[h] for h in hashes[met]] == [name_of[i] for i in ids[met]]
-    assert set(named.values()) == {name_of[i] for i in ids[met]}
-    print(f"{met.sum()} pixels lead to {sorted(named.values())}")
+    hit = ids != 0
+    assert (hashes[~hit] == 0).all() and hit.any() and not hit.all()
+    assert [named[h] for h in hashes[hit]] == [name_of[i] for i in ids[hit]]
+    assert set(named.values()) == {name_of[i] for i in ids[hit]}
+    print(f"{hit.sum()} pixels lead to {sorted(named.values())}")
 
 
 if __name__ == "__main__":

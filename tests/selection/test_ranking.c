@@ -175,7 +175,7 @@ static void nearness_goes_by_areas_and_pathways(void **state)
     conus_atlas *atlas = scene_parcellation(&info, labels);
     const conus_pose pose = looking_down(1, 0, 12);
     const conus_selector_options options = {.score = "nearness", .resolution = 1};
-    assert_near(score_of(atlas, &options, &pose, 5, 1), 1, 1e-15); /* the axis meets it where the box begins */
+    assert_near(score_of(atlas, &options, &pose, 5, 1), 1, 1e-15); /* the axis hits it where the box begins */
     const conus_pose raised = looking_down(0.25, 0.25, 112);       /* and another grid's edge does not matter */
     assert_near(score_of(atlas, &options, &raised, 5, 1), 1, 1e-15);
     add_scalar(atlas, CONUS_ROLE_SCALAR, (size_t[]){61, 61, 61}, (double[]){-30, -30, -30}, 34 + 61 * (30 + 61 * 31));

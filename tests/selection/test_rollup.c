@@ -15,7 +15,7 @@ enum { SCENES = 60, DIM = 12 };
 /* Of sums over voxels, whose order differs. */
 #define SUMS 1e-9
 
-/* Gives areas random parents, and some no shape of their own to be met. */
+/* Gives areas random parents, and some no shape of their own to be hit. */
 static void grow_tree(conus_atlas *atlas, uint64_t *state)
 {
     for (size_t i = 1; i < atlas->area_count; i++) {
@@ -102,7 +102,7 @@ static void compare(const conus_selector_options *base)
     assert_true(compared > SCENES / 2);
 }
 
-static void what_is_met_first_is_as_if_relabelled(void **state)
+static void first_hits_are_as_if_relabelled(void **state)
 {
     (void)state;
     compare(&(conus_selector_options){0});
@@ -152,7 +152,7 @@ static void shares_add_up(void **state)
     assert_true(checked > 20);
 }
 
-/* The result of the object called like `object`; what met nothing has no name. */
+/* The result of the object called like `object`; what hit nothing has no name. */
 static const conus_result *find_result(const conus_selection *selection, const conus_atlas *atlas,
                                        const conus_object *object)
 {
@@ -258,7 +258,7 @@ struct spheres {
 };
 
 /* Seen from above by a cylinder; `parent` is that of the two small ones. */
-static struct spheres look_at_spheres(uint32_t parent, double radius)
+static struct spheres select_spheres(uint32_t parent, double radius)
 {
     struct spheres spheres = {.atlas = sphere_atlas()};
     conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .radius = radius};
@@ -282,7 +282,7 @@ static void finish(struct spheres *spheres)
 static void nested_meshes_count_once(void **state)
 {
     (void)state;
-    struct spheres spheres = look_at_spheres(1, 30);
+    struct spheres spheres = select_spheres(1, 30);
     const conus_result *own = result_of(spheres.parts, 1);
     const conus_result *group = result_of(spheres.whole, 1);
     assert_int_equal(conus_selection_count(spheres.parts), 5);
@@ -299,7 +299,7 @@ static void nested_meshes_count_once(void **state)
 static void meshes_apart_add_up(void **state)
 {
     (void)state;
-    struct spheres spheres = look_at_spheres(4, 12); /* far from both */
+    struct spheres spheres = select_spheres(4, 12); /* far from both */
     const conus_result *left = result_of(spheres.parts, 2);
     const conus_result *right = result_of(spheres.parts, 3);
     const conus_result *group = result_of(spheres.whole, 4);
@@ -334,7 +334,7 @@ static void every_allocation_may_fail(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_met_first_is_as_if_relabelled),
+        cmocka_unit_test(first_hits_are_as_if_relabelled),
         cmocka_unit_test(all_layers_are_as_if_relabelled),
         cmocka_unit_test(merging_undoes_splitting),
         cmocka_unit_test(shares_add_up),

@@ -51,7 +51,7 @@ static void count_pixel(struct tally *tally, const struct evidence *exact, const
     }
 }
 
-/* Adds the pixels in which the exact engine meets @p object, or any for 0. */
+/* Adds the pixels in which the exact engine hits @p object, or any for 0. */
 static void count_look(struct tally *tally, const struct engines *engines, const struct cone *cone, uint32_t object)
 {
     struct evidence exact, slices;

@@ -358,7 +358,7 @@ enum { CONES = 6, N = 16 };
 
 /* Narrow and wide cones in one trace, as a batch's block may have them. Of the narrow ones the driver may take the
  * triangle beside an edge, so they are compared where there are only voxels. */
-static void assert_same_looks(const struct gl_pair *pair, const struct cone *cones, bool meshes)
+static void assert_same_traces(const struct gl_pair *pair, const struct cone *cones, bool meshes)
 {
     struct evidence many[CONES];
     struct evidence *out[CONES];
@@ -417,7 +417,7 @@ static void both_engines_say_the_same(void **state)
             wanted[p] = cone_has_pixel(&cones[1], (uint32_t)p % N, (uint32_t)p / N);
         }
         cones[1].wanted = cones[3].wanted = wanted;
-        assert_same_looks(&pair, cones, meshes);
+        assert_same_traces(&pair, cones, meshes);
         if (sampling == CONUS_SAMPLING_EXACT) {
             assert_same_layers(&pair, &cones[1]);
             assert_same_layers(&pair, &cones[5]);
@@ -428,7 +428,7 @@ static void both_engines_say_the_same(void **state)
 }
 
 /* Outside of the aperture a wide cone's rays would look backwards: nothing is looked at there. */
-static void nothing_is_met_outside_the_aperture(void **state)
+static void nothing_is_hit_outside_the_aperture(void **state)
 {
     (void)state;
     conus_atlas *atlas = mesh_scene_atlas();
@@ -529,7 +529,7 @@ int main(void)
         cmocka_unit_test(volumes_and_scores_follow),
         cmocka_unit_test(a_range_cuts_at_planes),
         cmocka_unit_test(both_engines_say_the_same),
-        cmocka_unit_test(nothing_is_met_outside_the_aperture),
+        cmocka_unit_test(nothing_is_hit_outside_the_aperture),
         cmocka_unit_test(few_pixels_say_what_many_do),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -97,12 +97,12 @@ static size_t middle_pixel(const conus_evidence *seen, uint32_t area)
 }
 
 /* Any of the areas that are seen well enough, each as likely. */
-static bool choose_area(struct trial *trial, double target[3], const conus_selection *look, struct source *source)
+static bool choose_area(struct trial *trial, double target[3], const conus_selection *selection, struct source *source)
 {
     uint32_t areas[SAMPLE_LIMIT];
     size_t count = 0;
-    for (size_t i = 0; i < conus_selection_count(look) && count < SAMPLE_LIMIT; i++) {
-        const conus_result *result = conus_selection_result(look, i);
+    for (size_t i = 0; i < conus_selection_count(selection) && count < SAMPLE_LIMIT; i++) {
+        const conus_result *result = conus_selection_result(selection, i);
         if (result->kind == CONUS_KIND_AREA && result->pixels >= LEAST_PIXELS) {
             areas[count++] = result->object;
         }
@@ -111,24 +111,24 @@ static bool choose_area(struct trial *trial, double target[3], const conus_selec
         return false;
     }
     trial->area = areas[(size_t)uniform(source, 0, (double)count)];
-    const conus_evidence seen = conus_selection_evidence(look);
-    conus_selection_position(target, look, middle_pixel(&seen, trial->area));
+    const conus_evidence seen = conus_selection_evidence(selection);
+    conus_selection_position(target, selection, middle_pixel(&seen, trial->area));
     return true;
 }
 
-static conus_status choose(struct trial *trial, conus_selector *looker, const double centre[3], struct source *source)
+static conus_status choose(struct trial *trial, conus_selector *chooser, const double centre[3], struct source *source)
 {
     bool chosen = false;
     conus_status status = CONUS_OK;
     while (!status && !chosen) {
         double origin[3];
         double target[3];
-        conus_selection *look = NULL;
+        conus_selection *selection = NULL;
         place_device(origin, centre, source);
         status = conus_pose_toward(&trial->aim, origin, centre, NULL);
-        status = status ? status : conus_select(&look, looker, &trial->aim, radians_from_degrees(40));
-        chosen = !status && choose_area(trial, target, look, source);
-        conus_selection_destroy(look);
+        status = status ? status : conus_select(&selection, chooser, &trial->aim, radians_from_degrees(40));
+        chosen = !status && choose_area(trial, target, selection, source);
+        conus_selection_destroy(selection);
         if (chosen) {
             status = conus_pose_toward(&trial->aim, origin, target, NULL);
         }
@@ -269,13 +269,13 @@ static void write_trial(struct buffer *record, size_t number, const struct trial
 }
 
 struct crew {
-    conus_selector *looker, *selectors[HAND_METHODS];
+    conus_selector *chooser, *selectors[HAND_METHODS];
     conus_tracker *trackers[HAND_METHODS];
 };
 
 static void dismiss(struct crew *crew)
 {
-    conus_selector_destroy(crew->looker);
+    conus_selector_destroy(crew->chooser);
     for (size_t i = 0; i < HAND_METHODS; i++) {
         conus_tracker_destroy(crew->trackers[i]);
         conus_selector_destroy(crew->selectors[i]);
@@ -284,7 +284,7 @@ static void dismiss(struct crew *crew)
 
 static conus_status hire(struct crew *crew, const conus_atlas *atlas)
 {
-    conus_status status = conus_selector_create(&crew->looker, atlas,
+    conus_status status = conus_selector_create(&crew->chooser, atlas,
                                                 &(conus_selector_options){.engine = CONUS_ENGINE_RAYS,
                                                                           .resolution = LOOK_RESOLUTION,
                                                                           .aperture = CONUS_APERTURE_SQUARE});
@@ -313,7 +313,7 @@ conus_status hand_run(struct hand_outcome *out, const conus_atlas *atlas, size_t
         buffer_text(record, "query_id\ttime_s\ttrigger\tx\ty\tz\tdx\tdy\tdz\n");
     }
     for (size_t t = 0; !status && t < trials; t++) {
-        status = choose(&trial, crew.looker, centre, &source);
+        status = choose(&trial, crew.chooser, centre, &source);
         status = status ? status : record_trial(&trial, 10.0 * (double)t, &source); /* far apart: all start afresh */
         for (size_t i = 0; !status && i < HAND_METHODS; i++) {
             status = follow(out, i, crew.trackers[i], &trial);

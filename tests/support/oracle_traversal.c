@@ -117,8 +117,8 @@ struct oracle_hit oracle_ray(const struct volume *volume, const double origin[3]
 }
 
 /* The first hit of one ray in one volume, kept if it is nearer than the hit so far. */
-static void look_along(struct evidence *out, size_t pixel, const struct volume *volume, const double origin[3],
-                       const double direction[3])
+static void trace_ray(struct evidence *out, size_t pixel, const struct volume *volume, const double origin[3],
+                      const double direction[3])
 {
     struct oracle_hit hit = oracle_ray(volume, origin, direction);
     if (hit.object && (hit.distance < out->distance[pixel] ||
@@ -131,7 +131,7 @@ static void look_along(struct evidence *out, size_t pixel, const struct volume *
 
 enum { ROW_LIMIT = 1024 };
 
-static void look_along_row(struct evidence *out, const struct volume *volume, const struct cone *cone, uint32_t j)
+static void trace_row(struct evidence *out, const struct volume *volume, const struct cone *cone, uint32_t j)
 {
     double u[ROW_LIMIT], v[ROW_LIMIT], x[ROW_LIMIT], y[ROW_LIMIT], z[ROW_LIMIT];
     double *const directions[3] = {x, y, z};
@@ -146,7 +146,7 @@ static void look_along_row(struct evidence *out, const struct volume *volume, co
     for (uint32_t i = 0; i < n; i++) {
         double direction[3] = {x[i], y[i], z[i]};
         mat4_direction(direction, volume->voxel_from_world, direction);
-        look_along(out, (size_t)j * n + i, volume, origin, direction);
+        trace_ray(out, (size_t)j * n + i, volume, origin, direction);
     }
 }
 
@@ -155,7 +155,7 @@ void oracle_trace(struct evidence *out, const conus_atlas *atlas, const struct c
     evidence_clear(out);
     for (size_t i = 0; i < atlas->volume_count; i++) {
         for (uint32_t j = 0; j < cone->resolution && atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT; j++) {
-            look_along_row(out, &atlas->volumes[i], cone, j);
+            trace_row(out, &atlas->volumes[i], cone, j);
         }
     }
 }

@@ -41,6 +41,7 @@ void assert_same_result(const conus_result *a, const conus_result *b, double tol
 static void assert_same_pixels(const conus_evidence *a, const conus_evidence *b)
 {
     size_t pixels = a->object ? (size_t)a->resolution * a->resolution : 0;
+    assert_int_equal(!a->object, !b->object);
     assert_int_equal(a->resolution, b->resolution);
     for (size_t p = 0; p < pixels; p++) {
         assert_int_equal(a->object[p], b->object[p]);
@@ -51,10 +52,10 @@ static void assert_same_pixels(const conus_evidence *a, const conus_evidence *b)
 
 void assert_same_answer(const conus_selection *a, const conus_selection *b, double tolerance)
 {
-    size_t spans = 0;
-    size_t other_spans = 0;
-    const conus_interval *span = conus_selection_intervals(&spans, a);
-    const conus_interval *other = conus_selection_intervals(&other_spans, b);
+    size_t count = 0;
+    size_t other_count = 0;
+    const conus_interval *intervals = conus_selection_intervals(&count, a);
+    const conus_interval *others = conus_selection_intervals(&other_count, b);
     const conus_evidence mine = conus_selection_evidence(a);
     const conus_evidence theirs = conus_selection_evidence(b);
     assert_int_equal(conus_selection_count(a), conus_selection_count(b));
@@ -62,12 +63,12 @@ void assert_same_answer(const conus_selection *a, const conus_selection *b, doub
         assert_same_result(conus_selection_result(a, i), conus_selection_result(b, i), tolerance);
     }
     assert_same_pixels(&mine, &theirs);
-    assert_int_equal(spans, other_spans);
-    for (size_t i = 0; i < spans; i++) {
-        assert_int_equal(span[i].pixel, other[i].pixel);
-        assert_int_equal(span[i].object, other[i].object);
-        assert_int_equal(span[i].voxel, other[i].voxel);
-        assert_same_doubles(&span[i].entry, &other[i].entry, 1);
-        assert_same_doubles(&span[i].exit, &other[i].exit, 1);
+    assert_int_equal(count, other_count);
+    for (size_t i = 0; i < count; i++) {
+        assert_int_equal(intervals[i].pixel, others[i].pixel);
+        assert_int_equal(intervals[i].object, others[i].object);
+        assert_int_equal(intervals[i].voxel, others[i].voxel);
+        assert_same_doubles(&intervals[i].entry, &others[i].entry, 1);
+        assert_same_doubles(&intervals[i].exit, &others[i].exit, 1);
     }
 }

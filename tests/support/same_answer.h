@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Whether two answers are the same, to the last bit. */
+/** @file Whether two answers have the same numbers. */
 #ifndef CONUS_TESTS_SUPPORT_SAME_ANSWER_H
 #define CONUS_TESTS_SUPPORT_SAME_ANSWER_H
 
 #include "conus/conus.h"
 
-/** Fails unless the numbers are equal, or NaN in both. */
+/** Fails unless the numbers are equal, or NaN in both; -0 equals 0. */
 void assert_same_doubles(const double *a, const double *b, size_t count);
 
 /** Fails unless the results are equal, but for @p tolerance in sums over voxels, whose order may differ. A sum of x may

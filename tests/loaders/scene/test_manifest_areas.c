@@ -281,8 +281,8 @@ static void labels_of_vertices_cut_a_surface(void **state)
     assert_refused(keys, "areas: vertex_labels: 3 labels, a.gii has 4 vertices: they must be as many");
 }
 
-/* A cone that meets a mesh, a labelled volume and a pathway. */
-static void shapes_of_all_kinds_are_met_by_one_cone(void **state)
+/* A cone that hits a mesh, a labelled volume and a pathway. */
+static void shapes_of_all_kinds_are_hit_by_one_cone(void **state)
 {
     (void)state;
     conus_selector *selector = NULL;
@@ -452,7 +452,7 @@ int main(void)
         cmocka_unit_test(voxels_may_lie_in_a_surface),
         cmocka_unit_test(the_tree_groups_areas),
         cmocka_unit_test(labels_of_vertices_cut_a_surface),
-        cmocka_unit_test(shapes_of_all_kinds_are_met_by_one_cone),
+        cmocka_unit_test(shapes_of_all_kinds_are_hit_by_one_cone),
         cmocka_unit_test(a_folder_of_surfaces_is_an_atlas),
         cmocka_unit_test(brainglobe_folders_are_placed_and_grouped),
         cmocka_unit_test(every_failing_allocation_is_reported),

@@ -277,7 +277,7 @@ static void depth_decides_what_is_seen(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static void areas_not_met_are_pale(void **state)
+static void areas_not_hit_are_pale(void **state)
 {
     (void)state;
     conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, picture_identity);
@@ -378,7 +378,7 @@ int main(void)
         cmocka_unit_test(moving_everything_changes_little),
         cmocka_unit_test(left_is_left),
         cmocka_unit_test(depth_decides_what_is_seen),
-        cmocka_unit_test(areas_not_met_are_pale),
+        cmocka_unit_test(areas_not_hit_are_pale),
         cmocka_unit_test(pathways_are_drawn_in_place_of_areas),
         cmocka_unit_test(allocations_may_fail),
         cmocka_unit_test(limits_are_kept),

@@ -122,7 +122,7 @@ static void both_faces_are_lit(void **state)
     memory_free(pictures[1]);
 }
 
-static void meshes_not_met_are_pale(void **state)
+static void meshes_not_hit_are_pale(void **state)
 {
     (void)state;
     conus_atlas *atlas = mesh_scene_atlas();
@@ -293,7 +293,7 @@ int main(void)
         cmocka_unit_test(a_mesh_ball_has_its_silhouette),
         cmocka_unit_test(level_edges_are_smooth),
         cmocka_unit_test(both_faces_are_lit),
-        cmocka_unit_test(meshes_not_met_are_pale),
+        cmocka_unit_test(meshes_not_hit_are_pale),
         cmocka_unit_test(meshes_and_voxels_hide_each_other),
         cmocka_unit_test(a_pathway_shows_among_meshes),
         cmocka_unit_test(haze_before_a_mesh_obeys_its_closed_form),

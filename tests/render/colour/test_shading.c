@@ -39,7 +39,7 @@ static void find_view(double out[3], const struct camera *camera, int column, in
     vec3_normalise(out, out);
 }
 
-/* The normal where a ray from the camera meets the ball of RADIUS around 0; false where it does not. */
+/* The normal where a ray from the camera hits the ball of RADIUS around 0; false where it does not. */
 static bool hit_ball(double normal[3], const struct camera *camera, const double view[3])
 {
     const double *eye = camera->world_from_camera + 12;

@@ -144,7 +144,7 @@ static void learn(struct truth *truth, const struct clusters *clusters, const st
 }
 
 /* Whatever is hidden on the way, the first triangle of every ray is given. Returns the clusters given. */
-static size_t check_look(struct mesh_cull *cull, const struct clusters *clusters, const struct scene *scene,
+static size_t check_cone(struct mesh_cull *cull, const struct clusters *clusters, const struct scene *scene,
                          const struct cone *cone)
 {
     static struct truth truth;
@@ -189,7 +189,7 @@ static void nothing_visible_is_culled(void **state)
             cone.angle = 0;
             cone.radius = test_random(&random, 0.1, 30);
         }
-        given += check_look(cull, &clusters, &scene, &cone);
+        given += check_cone(cull, &clusters, &scene, &cone);
     }
     assert_true(given > 0 && given < 60 * clusters.first_cluster[4] * 3 / 4); /* and much of the rest is */
     mesh_cull_destroy(cull);

@@ -186,7 +186,7 @@ static void textures_beyond_the_allowed_memory_are_refused(void **state)
     struct test_gl gl;
     test_gl_enter(&gl);
     struct id_pass *pass = NULL;
-    uint64_t memory = sizeof row_objects; /* the codes find no room */
+    uint64_t memory = sizeof row_objects; /* none is left for the codes */
     assert_ok(id_pass_create(&pass, CONUS_SAMPLING_EXACT, hard_identifiers, OBJECTS + 1));
     assert_fails(id_pass_add_volume(pass, &row, &row_distances, &memory), CONUS_ERROR_MEMORY);
     assert_non_null(strstr(conus_message(), "allowed memory"));

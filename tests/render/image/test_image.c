@@ -316,14 +316,14 @@ static void put_chunk_head(uint8_t *out, uint32_t size, const char *name)
     }
 }
 
-/* A PNG of 41 bytes whose second chunk claims to be long: no room is made for what is not there. libpng itself takes
+/* A PNG of 41 bytes whose second chunk claims to be long: no memory is taken for what is not there. libpng itself takes
  * 512 MiB for an sPLT that claims them. The limit holds libpng's own state and zlib's. */
 static void a_chunk_takes_no_more_memory_than_it_has(void **state)
 {
     (void)state;
     static const char *const names[] = {"sPLT", "tEXt", "zTXt", "iTXt", "iCCP", "eXIf", "pCAL", "sCAL", "hIST",
                                         "gAMA", "cHRM", "bKGD", "tRNS", "PLTE", "IDAT", "abCd", "ABCD"};
-    enum { HEAD = 33, ALL = 41, CAPACITY = 1 << 18 };
+    enum { HEAD = 33, ALL = 41, LIMIT = 1 << 18 };
     conus_image *image = one_row(4);
     conus_image *back = NULL;
     struct bytes bytes;
@@ -333,7 +333,7 @@ static void a_chunk_takes_no_more_memory_than_it_has(void **state)
             uint8_t short_file[ALL];
             memcpy(short_file, bytes.data, HEAD);
             put_chunk_head(short_file + HEAD, size, names[i]);
-            test_limit_allocations(CAPACITY);
+            test_limit_allocations(LIMIT);
             conus_status status = image_parse_png(&back, short_file, ALL);
             test_limit_allocations(0);
             assert_fails(status, CONUS_ERROR_DATA);

@@ -282,7 +282,7 @@ static void a_failure_ends_the_run(void **state)
         struct received received = {0};
         conus_batch *batch = batch_of(fixture, 3, 10);
         conus_pose_stream *poses = poses_of(fixture);
-        buffer_append(&received.text, fixture->reference.data, fixture->reference.size); /* room enough */
+        buffer_append(&received.text, fixture->reference.data, fixture->reference.size); /* capacity enough */
         buffer_clear(&received.text);
         test_fail_allocation(n);
         conus_status status = conus_batch_run(batch, poses, UINT64_MAX, receive, &received);

@@ -2,7 +2,7 @@
 /* Phantoms through the public interface, against answers worked out on paper.
  *
  * A painted shape holds every voxel whose centre is inside, so with d half a voxel's diagonal it contains the shape
- * shrunk by d and lies in the shape grown by d: what a ray meets is bounded by what it would hit of those two (Eq. 5).
+ * shrunk by d and lies in the shape grown by d: what a ray hits is bounded by what it would hit of those two (Eq. 5).
  */
 #include "atlas/phantom/phantom.h"
 #include "atlas/space.h"
@@ -75,7 +75,7 @@ static const conus_result *result_of(const struct view *view, uint32_t label)
     return NULL;
 }
 
-/* Fails unless the whole cone meets the one area `label` first, 0 for none. */
+/* Fails unless the whole cone hits the one area `label` first, 0 for none. */
 static void assert_only(const struct view *view, uint32_t label)
 {
     const conus_result *first = conus_selection_result(view->selection, 0);
@@ -309,7 +309,7 @@ static void a_bounding_box_selects_nothing(void **state)
 }
 
 /* From the middle of its circle a tube is seen broadside, at the circle's radius less its own. */
-static void tubes_are_met_at_their_wall(void **state)
+static void tubes_are_hit_at_their_wall(void **state)
 {
     (void)state;
     for (size_t g = 0; g < 2; g++) {
@@ -483,7 +483,7 @@ int main(void)
         cmocka_unit_test(of_nested_balls_the_outer_one_is_hit),
         cmocka_unit_test(through_the_hole_of_a_torus_there_is_nothing),
         cmocka_unit_test(a_bounding_box_selects_nothing),
-        cmocka_unit_test(tubes_are_met_at_their_wall),
+        cmocka_unit_test(tubes_are_hit_at_their_wall),
         cmocka_unit_test(shares_sum_to_one),
         cmocka_unit_test(rigid_motion_changes_nothing),
         cmocka_unit_test(mirrored_poses_see_mirrored_pictures),

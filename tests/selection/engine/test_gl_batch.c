@@ -170,11 +170,11 @@ static void blocks_do_not_move_the_edges_of_meshes(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Equal surfaces, of which a pixel notes more than it has room for; and, being many, do not fit the buffer at once. */
+/* Equal surfaces, of which a pixel notes more than it can hold; and, being many, do not fit the buffer at once. */
 static void many_cones_are_what_they_are_alone(void **state)
 {
     (void)state;
-    enum { LOOKS = 80, EDGE = 64 };
+    enum { COUNT = 80, EDGE = 64 };
     uint64_t random = 63;
     conus_atlas *atlas = mesh_scene_atlas();
     for (int i = 0; i < 12; i++) {
@@ -182,20 +182,20 @@ static void many_cones_are_what_they_are_alone(void **state)
         mesh_scene_add(atlas, &sphere);
     }
     struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
-    static struct evidence together[LOOKS];
-    static struct cone cones[LOOKS];
-    struct evidence *out[LOOKS];
-    const struct cone *in[LOOKS];
+    static struct evidence together[COUNT];
+    static struct cone cones[COUNT];
+    struct evidence *out[COUNT];
+    const struct cone *in[COUNT];
     size_t hits = 0;
-    for (int i = 0; i < LOOKS; i++) {
+    for (int i = 0; i < COUNT; i++) {
         cones[i] = mesh_scene_random_cone(&random, 20);
         cones[i].resolution = EDGE;
         in[i] = &cones[i];
         out[i] = &together[i];
         assert_ok(evidence_init(&together[i], EDGE));
     }
-    assert_ok(pair.gl->functions->trace_many(pair.gl, out, in, LOOKS));
-    for (int i = 0; i < LOOKS; i++) {
+    assert_ok(pair.gl->functions->trace_many(pair.gl, out, in, COUNT));
+    for (int i = 0; i < COUNT; i++) {
         struct evidence alone = gl_pair_trace(pair.gl, &cones[i]);
         gl_pair_same_evidence(&together[i], &alone);
         for (size_t pixel = 0; pixel < (size_t)EDGE * EDGE; pixel++) {
@@ -204,7 +204,7 @@ static void many_cones_are_what_they_are_alone(void **state)
         evidence_finish(&alone);
         evidence_finish(&together[i]);
     }
-    assert_true(hits > (size_t)EDGE * EDGE * LOOKS / 10);
+    assert_true(hits > (size_t)EDGE * EDGE * COUNT / 10);
     gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
@@ -234,7 +234,7 @@ static void compare_wanted(uint64_t *random, const conus_atlas *atlas)
     gl_pair_destroy(&pair);
 }
 
-static void only_wanted_pixels_are_looked_at(void **state)
+static void only_wanted_pixels_are_traced(void **state)
 {
     (void)state;
     uint64_t random = 64;
@@ -289,7 +289,7 @@ int main(void)
         cmocka_unit_test(a_real_atlas_gives_the_same_rows),
         cmocka_unit_test(blocks_do_not_move_the_edges_of_meshes),
         cmocka_unit_test(many_cones_are_what_they_are_alone),
-        cmocka_unit_test(only_wanted_pixels_are_looked_at),
+        cmocka_unit_test(only_wanted_pixels_are_traced),
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(the_driver_was_silent),
     };

@@ -157,6 +157,22 @@ static void intervals_of_a_real_atlas_are_those_of_rays(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Bit for bit, which tells -0 from 0. Both have as many results. */
+static void assert_same_bits(const conus_selection *got, const conus_selection *wanted)
+{
+    size_t count = 0, wanted_count = 0;
+    const conus_interval *intervals = conus_selection_intervals(&count, got);
+    const conus_interval *wanted_intervals = conus_selection_intervals(&wanted_count, wanted);
+    assert_int_equal(count, wanted_count);
+    assert_memory_equal(intervals, wanted_intervals, count * sizeof *intervals);
+    for (size_t i = 0; i < conus_selection_count(got); i++) {
+        const conus_result *a = conus_selection_result(got, i);
+        const conus_result *b = conus_selection_result(wanted, i);
+        assert_memory_equal(&a->path, &b->path, sizeof a->path);
+        assert_memory_equal(a->contact, b->contact, sizeof a->contact);
+    }
+}
+
 /* With a range the visible part, too, comes from the intervals. */
 static void answers_with_a_range_are_those_of_rays(void **state)
 {
@@ -178,6 +194,7 @@ static void answers_with_a_range_are_those_of_rays(void **state)
         options.engine = CONUS_ENGINE_GL;
         conus_selection *got = mesh_scene_select(atlas, &options, &cone);
         assert_same_answer(got, wanted, 0);
+        assert_same_bits(got, wanted);
         conus_selection_destroy(got);
         conus_selection_destroy(wanted);
         conus_atlas_destroy(atlas);
@@ -189,7 +206,7 @@ static void every_failing_allocation_is_reported(void **state)
     (void)state;
     uint32_t labels[6 * 6 * 6];
     for (uint32_t i = 0; i < 6 * 6 * 6; i++) {
-        labels[i] = 1 + i; /* more intervals than there is room for at first */
+        labels[i] = 1 + i; /* more intervals than fit at first */
     }
     conus_atlas *atlas = grid_atlas(6, labels);
     struct cone cone = {.angle = radians_from_degrees(60), .resolution = 60};

@@ -283,13 +283,13 @@ static void nothing_before_the_apex_is_clipped(void **state)
     const struct {
         double from[3], to[3];
         uint32_t hit;
-    } rays[] = {{{0, 0, 0}, {1, 0, 0}, 2},     {{0, 0, 0}, {-1, 0, 0}, 1},  {{0.02, 0, 0}, {1, 0, 0}, 4},
-                {{-0.02, 0, 0}, {1, 0, 0}, 1}, {{10, 0, 0}, {11, 0, 0}, 3}, {{0, 60, 0}, {0, 61, 0}, 0}};
-    for (size_t i = 0; i < sizeof rays / sizeof rays[0]; i++) {
-        struct cone cone = mesh_scene_cone(rays[i].from, rays[i].to, i % 2 ? 20 : 120, 15);
+    } cases[] = {{{0, 0, 0}, {1, 0, 0}, 2},     {{0, 0, 0}, {-1, 0, 0}, 1},  {{0.02, 0, 0}, {1, 0, 0}, 4},
+                 {{-0.02, 0, 0}, {1, 0, 0}, 1}, {{10, 0, 0}, {11, 0, 0}, 3}, {{0, 60, 0}, {0, 61, 0}, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct cone cone = mesh_scene_cone(cases[i].from, cases[i].to, i % 2 ? 20 : 120, 15);
         compare_traces(&pair, &cone);
         struct evidence evidence = gl_pair_trace(pair.gl, &cone);
-        assert_int_equal(evidence.object[7 * 15 + 7], rays[i].hit);
+        assert_int_equal(evidence.object[7 * 15 + 7], cases[i].hit);
         evidence_finish(&evidence);
     }
     gl_pair_destroy(&pair);
@@ -302,7 +302,7 @@ static void every_failing_allocation_is_reported(void **state)
 {
     (void)state;
     conus_atlas *atlas = mesh_scene_atlas();
-    for (int i = 0; i < 12; i++) { /* equals, so that pixels need more room */
+    for (int i = 0; i < 12; i++) { /* equals, so that pixels need more memory */
         struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 10, 8, 16);
         mesh_scene_add(atlas, &sphere);
     }

@@ -11,7 +11,7 @@
 
 static void assert_agreement(const struct gl_counts *counts, size_t least)
 {
-    print_message("%zu intervals of %zu objects in pixels, %zu apart at edges, %zu in length, %zu met by one engine\n",
+    print_message("%zu intervals of %zu objects in pixels, %zu apart at edges, %zu in length, %zu hit by one engine\n",
                   counts->hits, counts->compared, counts->at_edges, counts->other_length, counts->other_object);
     assert_true(counts->compared >= least);
     assert_true(counts->at_edges <= 1 + counts->compared / 50); /* triangles may be as small as pixels */

@@ -54,7 +54,7 @@ static double steepness(const double p[3], const double ray[3], double ring, dou
     return fabs(torus_distance(ahead, ring, tube) - torus_distance(p, ring, tube)) / 1e-5;
 }
 
-static void a_torus_is_met_where_its_closed_form_says(void **test)
+static void a_torus_is_hit_where_its_closed_form_says(void **test)
 {
     (void)test;
     enum { SECTORS = 256, SIDES = 128 };
@@ -102,7 +102,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(contacts_of_a_sphere_lie_on_its_triangles),
-        cmocka_unit_test(a_torus_is_met_where_its_closed_form_says),
+        cmocka_unit_test(a_torus_is_hit_where_its_closed_form_says),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

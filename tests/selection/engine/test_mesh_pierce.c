@@ -57,7 +57,7 @@ static size_t oracle_intervals(conus_interval *out, const struct crossing *cross
     return interval_count;
 }
 
-/* True if the ray passes an edge of what it meets so closely that single precision may see it otherwise. */
+/* True if the ray passes an edge of what it hits so closely that single precision may see it otherwise. */
 static bool is_at_edge(const struct mesh *mesh, const double origin[3], const double direction[3], double size)
 {
     for (size_t i = 0; i < mesh->triangle_count; i++) {

@@ -57,7 +57,7 @@ static void random_point(uint64_t *random, double out[3], double size)
     }
 }
 
-/* Random rays from @p origin at points within @p size mm of 0 on every axis; nothing met yet. */
+/* Random rays from @p origin at points within @p size mm of 0 on every axis; nothing hit yet. */
 static void aim(uint64_t *random, struct mesh_bundle *out, double direction[3][MESH_RAYS_LIMIT], const double origin[3],
                 double size)
 {
@@ -389,7 +389,7 @@ static void compare_places(uint64_t *random, struct mesh_rays *placed, struct me
     }
 }
 
-static void a_placed_mesh_is_met_as_if_it_were_moved(void **test)
+static void a_placed_mesh_is_hit_as_if_it_were_moved(void **test)
 {
     (void)test;
     uint64_t random = 12;
@@ -452,8 +452,8 @@ static void every_failing_allocation_is_reported(void **test)
     conus_atlas_destroy(atlas);
 }
 
-/* Eq. 9 has t >= 0: a surface through the apex is met there. */
-static void a_surface_through_the_apex_is_met_at_0(void **state)
+/* Eq. 9 has t >= 0: a surface through the apex is hit there. */
+static void a_surface_through_the_apex_is_hit_at_0(void **state)
 {
     (void)state;
     conus_atlas *atlas = mesh_scene_atlas();
@@ -474,7 +474,7 @@ static void a_surface_through_the_apex_is_met_at_0(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_surface_through_the_apex_is_met_at_0),
+        cmocka_unit_test(a_surface_through_the_apex_is_hit_at_0),
         cmocka_unit_test(finds_the_first_triangle_of_random_ones),
         cmocka_unit_test(finds_the_outermost_of_nested_spheres),
         cmocka_unit_test(no_ray_slips_between_two_triangles),
@@ -485,7 +485,7 @@ int main(void)
         cmocka_unit_test(far_contacts_are_exact),
         cmocka_unit_test(meshes_and_volumes_are_merged_by_distance),
         cmocka_unit_test(widths_answer_alike_and_sparse_blocks_too),
-        cmocka_unit_test(a_placed_mesh_is_met_as_if_it_were_moved),
+        cmocka_unit_test(a_placed_mesh_is_hit_as_if_it_were_moved),
         cmocka_unit_test(a_place_without_inverse_is_refused),
         cmocka_unit_test(every_failing_allocation_is_reported),
     };

@@ -243,7 +243,7 @@ static void sprinkle(struct volume *volume, uint64_t *random)
 }
 
 /* Along an axis of the grid, almost, from a place between two layers of cells, almost: the least of tilts and offsets
- * decides which cells are met. */
+ * decides which cells are hit. */
 static conus_pose shallow_pose(uint64_t *random, const struct volume *volume)
 {
     int along = (int)test_random(random, 0, 3);

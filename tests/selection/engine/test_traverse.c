@@ -246,8 +246,8 @@ static void voxels_of_any_size_do(void **state)
     assert_true(compare_scenes(13, 20, 1e42) > 3000);
 }
 
-/* From the face between cells 1 and 2, which belongs to cell 2, down: cell 1 is met at once. */
-static void what_is_met_at_once_is_at_zero(void **state)
+/* From the face between cells 1 and 2, which belongs to cell 2, down: cell 1 is hit at once. */
+static void what_is_hit_at_once_is_at_zero(void **state)
 {
     (void)state;
     uint16_t objects[] = {0, 1, 0};
@@ -271,7 +271,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kernels_equal_the_plain_traversal),
         cmocka_unit_test(voxels_of_any_size_do),
-        cmocka_unit_test(what_is_met_at_once_is_at_zero),
+        cmocka_unit_test(what_is_hit_at_once_is_at_zero),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -113,11 +113,11 @@ static uint32_t check_samples(const struct exr_deep *deep, const struct fixture 
 /* Objects that have samples; each has its name in the manifest, under its number and under its label. */
 static size_t check_names(const struct exr_deep *deep, const struct fixture *fixture)
 {
-    size_t intervals_count = 0;
+    size_t interval_count = 0;
     size_t objects = 0;
-    const conus_interval *intervals = conus_selection_intervals(&intervals_count, fixture->selection);
+    const conus_interval *intervals = conus_selection_intervals(&interval_count, fixture->selection);
     bool *present = calloc(conus_atlas_object_count(fixture->atlas) + 1, sizeof *present);
-    for (size_t i = 0; i < intervals_count; i++) {
+    for (size_t i = 0; i < interval_count; i++) {
         objects += !present[intervals[i].object];
         present[intervals[i].object] = true;
     }

@@ -102,15 +102,15 @@ static void summaries_tell_by_how_much(void **state)
         make(&(conus_report_options){.rows = CONUS_ROWS_SUMMARIES, .format = CONUS_FORMAT_TSV}, CONUS_LAYERS_VISIBLE);
     const conus_result three[] = {result_of(B, 0.75, 0.5, 12), result_of(A, 0.25, 0.125, 8),
                                   result_of(0, 0, 0.375, NAN)};
-    add(&made, "two met", nowhere, 0, three, 3);
-    add(&made, "one met", nowhere, 0, (const conus_result[]){three[1], three[2]}, 2);
-    add(&made, "none met", nowhere, 0, &three[2], 1);
+    add(&made, "two hit", nowhere, 0, three, 3);
+    add(&made, "one hit", nowhere, 0, (const conus_result[]){three[1], three[2]}, 2);
+    add(&made, "none hit", nowhere, 0, &three[2], 1);
     assert_ok(conus_report_add_error(made.report, "lost", 7, "is no pose"));
     assert_text(&made, "query\tkind\tindex\tname\tshare\tscore\tdistance_mm\trunner_up\trunner_up_index\t"
                        "runner_up_share\tmargin\tunassigned_share\terror\n"
-                       "two met\tarea\t20\tBeta (b)\t0.5\t0.75\t12\tAlpha\t10\t0.125\t0.5\t0.375\tn/a\n"
-                       "one met\tarea\t10\tAlpha\t0.125\t0.25\t8\tn/a\tn/a\tn/a\tn/a\t0.375\tn/a\n"
-                       "none met\tunassigned\tn/a\tunassigned\t0.375\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\t0.375\tn/a\n"
+                       "two hit\tarea\t20\tBeta (b)\t0.5\t0.75\t12\tAlpha\t10\t0.125\t0.5\t0.375\tn/a\n"
+                       "one hit\tarea\t10\tAlpha\t0.125\t0.25\t8\tn/a\tn/a\tn/a\tn/a\t0.375\tn/a\n"
+                       "none hit\tunassigned\tn/a\tunassigned\t0.375\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\t0.375\tn/a\n"
                        "lost\terror\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\tline 7: is no pose\n");
     finish(&made);
 }
@@ -202,13 +202,13 @@ static void what_is_no_probe_is_refused(void **state)
 {
     (void)state;
     static const conus_format formats[] = {CONUS_FORMAT_SPIKEGLX, CONUS_FORMAT_OPEN_EPHYS};
-    const conus_result met = result_of(A, 1, 1, 3);
+    const conus_result hit = result_of(A, 1, 1, 3);
     const char *text = NULL;
     size_t size = 0;
     for (size_t i = 0; i < 2; i++) {
         struct made made = make(&(conus_report_options){.format = formats[i]}, CONUS_LAYERS_VISIBLE);
         add_contact(&made, "p1", 0, A);
-        add(&made, "p2", nowhere, 0, &met, 1);
+        add(&made, "p2", nowhere, 0, &hit, 1);
         assert_fails(conus_report_text(&text, &size, made.report), CONUS_ERROR_ARGUMENT);
         assert_non_null(strstr(conus_message(), "\"p2\" has a direction"));
         finish(&made);
@@ -292,10 +292,10 @@ static void csv_quotes_what_needs_it(void **state)
     (void)state;
     struct made made =
         make(&(conus_report_options){.rows = CONUS_ROWS_SUMMARIES, .format = CONUS_FORMAT_CSV}, CONUS_LAYERS_VISIBLE);
-    const conus_result met = result_of(D, 0.5, 1, 3);
-    add(&made, "one, two", nowhere, 0, &met, 1);
-    add(&made, "=1+1", nowhere, 0, &met, 1);
-    add(&made, "\"", nowhere, 0, &met, 1);
+    const conus_result hit = result_of(D, 0.5, 1, 3);
+    add(&made, "one, two", nowhere, 0, &hit, 1);
+    add(&made, "=1+1", nowhere, 0, &hit, 1);
+    add(&made, "\"", nowhere, 0, &hit, 1);
     assert_text(&made, "query,kind,index,name,share,score,distance_mm,runner_up,runner_up_index,runner_up_share,margin,"
                        "unassigned_share,error\r\n"
                        "\"one, two\",area,40,\"Delta, \"\"d\"\"\",1,0.5,3,n/a,n/a,n/a,n/a,n/a,n/a\r\n"

@@ -99,7 +99,7 @@ static void the_border_is_sharp(void **state)
 }
 
 /* Nothing that conus_select() meets is missed. */
-static void what_is_met_is_not_missed(void **state)
+static void what_is_hit_is_not_missed(void **state)
 {
     (void)state;
     uint64_t random = 21;
@@ -288,7 +288,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cone_misses_a_box_that_it_holds_no_point_of),
         cmocka_unit_test(the_border_is_sharp),
-        cmocka_unit_test(what_is_met_is_not_missed),
+        cmocka_unit_test(what_is_hit_is_not_missed),
         cmocka_unit_test(poses_are_counted_by_kind),
         cmocka_unit_test(a_cylinder_may_begin_inside),
         cmocka_unit_test(a_device_may_lie_inside_a_closed_surface),
