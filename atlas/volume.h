@@ -39,7 +39,7 @@ conus_status volume_init(struct volume *out, const conus_volume_info *info);
 /** Copies borrowed arrays, so that they may be changed. On failure the volume is as before. */
 conus_status volume_own(struct volume *volume);
 
-/** Whether rays meet anything in it. */
+/** Whether rays can hit anything in it. */
 static inline bool volume_can_be_hit(const struct volume *volume)
 {
     return (volume->objects16 || volume->objects32) && !volume->is_hidden;

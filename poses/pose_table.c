@@ -85,7 +85,7 @@ static conus_status check_axis(const struct pose_table *table, conus_axis axis)
                       pose_axis_name(axis));
 }
 
-/* One way of saying where the device looks, and only one, each with all its columns. */
+/* One way of saying where the device points, and only one, each with all its columns. */
 static conus_status check_header(const struct pose_table *table)
 {
     static const struct {

@@ -22,7 +22,7 @@ struct pose_table {
 };
 
 /** Reads the header, CONUS_ERROR_DATA when a column is missing or twice, or when there is not exactly one way of saying
- * where the device looks; @p axis asks for rotations. A note names the columns that are passed over. */
+ * where the device points; @p axis asks for rotations. A note names the columns that are passed over. */
 conus_status pose_table_header(struct pose_table *out, struct notes *notes, struct text line, conus_axis axis);
 
 /** Whether there is a column time_s. */

@@ -42,8 +42,8 @@ void selection_set_kinds(conus_selection *selection);
  * ease. */
 size_t selections_at_once(const conus_selector *selector);
 
-/** selection_trace() in three steps, so that selections of one selector can be looked at together: all are begun,
- * looked at (NULL is passed over), and completed in any order. After a failure they can only be destroyed. */
+/** selection_trace() in three steps, so that selections of one selector can be traced together: all are begun, traced
+ * (NULL is passed over), and completed in any order. After a failure they can only be destroyed. */
 conus_status selection_begin(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle);
 conus_status selections_trace(conus_selection *const *selections, size_t count, conus_selector *selector);
 conus_status selection_complete(conus_selection *selection, conus_selector *selector);

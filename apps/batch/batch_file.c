@@ -220,7 +220,7 @@ static int cut_back(struct batch_file *file, long journal_length)
 {
     if (ftruncate(file->log, journal_length) || ftruncate(file->rows, (off_t)file->size) ||
         lseek(file->log, 0, SEEK_END) < 0 || lseek(file->rows, 0, SEEK_END) < 0) {
-        return print_system_error(file->path, "go on writing");
+        return print_system_error(file->path, "continue writing");
     }
     return EXIT_DONE;
 }
@@ -246,7 +246,7 @@ static int resume_file(struct batch_file *file, const char *fingerprint, const c
     write_first_line(wanted, fingerprint);
     if (whole && strcmp(line, wanted) != 0) {
         print_error_line(
-            "%s: what is there was written with other settings, poses, atlas or version; --force begins anew",
+            "%s: its partial file was written with other settings, poses, atlas or version; --force begins anew",
             file->path);
         return EXIT_USAGE;
     }

@@ -84,7 +84,7 @@ static char *command_to_resume(const struct arguments *arguments)
 int batch_output_interrupted(const struct work *work, uint64_t poses, int signal)
 {
     char *command = work->output && !work->piped ? command_to_resume(work->arguments) : NULL;
-    print_error_line("interrupted after %" PRIu64 " poses%s%s", poses, command ? "; go on with: " : "",
+    print_error_line("interrupted after %" PRIu64 " poses%s%s", poses, command ? "; continue with: " : "",
                      command ? command : "");
     free(command);
     return 128 + signal;

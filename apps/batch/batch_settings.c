@@ -38,15 +38,14 @@ static const struct option pose_options[] = {
      .type = OPTION_CHOICE,
      .offset = FIELD(aim.space),
      .value = "NAME",
-     .help = "directions in which x, y and z of all positions, given and reported, grow: right, anterior, superior or "
-             "left, "
-             "posterior, superior:",
+     .help = "directions in which x, y and z of all positions, given and reported, grow: right, anterior, superior "
+             "(ras) or left, posterior, superior (lps):",
      .choices = spaces},
     {.name = "shard",
      .type = OPTION_TEXT,
      .offset = FIELD(shard),
      .value = "I/N",
-     .help = "answer part I (from 0) of N equal parts of the file; in a Slurm job array its task's, unless given"},
+     .help = "answer part I (from 0) of N equal parts of the file (default in a Slurm job array: the task's part)"},
     {0},
 };
 
@@ -81,7 +80,8 @@ static const struct option run_options[] = {
      .type = OPTION_COUNT,
      .offset = FIELD(threads),
      .value = "N",
-     .help = "number of threads, 1 to 1024 (default: all processors); the rows do not depend on it",
+     .help = "number of threads, 1 to 1024 (default: one per available processor, in conus-mpi one per rank); the rows "
+             "do not depend on it",
      .low = 1,
      .high = 1024},
     {.name = "block",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What `conus batch` can be told, shared with conus-mpi. */
+/** @file The options of `conus batch`, shared with conus-mpi. */
 #ifndef CONUS_BATCH_BATCH_SETTINGS_H
 #define CONUS_BATCH_BATCH_SETTINGS_H
 

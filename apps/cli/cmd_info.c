@@ -28,13 +28,13 @@ static const struct option own_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct info_settings, context),
      .value = "FILE",
-     .help = "also load this volume, as render would draw it around the areas"},
+     .help = "load this scalar map, too, as render would draw it around the areas"},
     {.name = "format",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct info_settings, format),
      .value = "FORMAT",
-     .help = "everything for people, only the areas as tab-separated values, everything for programs, or the area "
-             "tree, which --level of query reports by:",
+     .help = "everything as a table for people, only the areas as tab-separated values, everything as JSON, or the "
+             "area tree with its depths:",
      .choices = formats},
     {0},
 };

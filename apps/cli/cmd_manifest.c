@@ -111,7 +111,7 @@ const struct command cmd_manifest = {
     .summary = "write a first manifest of the volumes and surfaces in a folder",
     .operands = {"DIR"},
     .description =
-        "Looks at the volumes, FSL atlases, surfaces and BrainGlobe folders in DIR, and at the surfaces in the\n"
+        "Reads the volumes, FSL atlases, surfaces and BrainGlobe folders in DIR, and the surfaces in the\n"
         "folders in it, and writes a manifest that joins them: DIR/NAME.atlas.json, an ATLAS for all other\n"
         "commands. Guesses the role of each file and prints it; correct it in the manifest. conus info checks\n"
         "the result. An existing manifest is never replaced.",

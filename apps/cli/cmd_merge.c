@@ -33,7 +33,7 @@ static const struct option merge_options[] = {
     {.name = "force",
      .type = OPTION_FLAG,
      .offset = offsetof(struct merge_settings, force),
-     .help = "replace FILE if it is there"},
+     .help = "replace FILE if it exists"},
     {0},
 };
 
@@ -328,8 +328,7 @@ const struct command cmd_merge = {
     .form = "-o FILE",
     .description =
         "Reads the outputs of conus batch --shard I/N and the .json beside each, checks that they are whole, of\n"
-        "one batch, and that none is missing or there twice. Writes their rows in order, with one header\n"
-        "once.",
+        "one batch, and that none is missing or repeated. Writes their rows in order, with one header.",
     .examples = "  conus merge rows.0.tsv rows.1.tsv rows.2.tsv rows.3.tsv -o rows.tsv\n",
     .groups = groups,
     .settings_size = sizeof(struct merge_settings),

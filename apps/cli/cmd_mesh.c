@@ -61,7 +61,7 @@ static const struct option own_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct mesh_settings, labels),
      .value = "FILE",
-     .help = "label table to use instead of what lies beside or inside the atlas"},
+     .help = "label table; replaces the one found beside or inside the atlas"},
     {.name = "labels-anyway",
      .type = OPTION_FLAG,
      .offset = offsetof(struct mesh_settings, labels_anyway),
@@ -75,7 +75,7 @@ static const struct option own_options[] = {
      .letter = 'q',
      .type = OPTION_FLAG,
      .offset = offsetof(struct mesh_settings, common.quiet),
-     .help = "no notes and no progress on stderr, only errors"},
+     .help = "print only errors on stderr, no notes and no progress"},
     {0},
 };
 

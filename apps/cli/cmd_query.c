@@ -35,7 +35,7 @@ static const struct option output_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct query_settings, voxels),
      .value = "FILE.tsv",
-     .help = "write the voxels hit first, or with --layers all and --point those in the cone or ball, with indices, "
+     .help = "write the voxels hit first, or with --layers all or --point those in the cone or ball, with indices, "
              "positions and values"},
     {.name = "voxels-of",
      .type = OPTION_CHOICE,
@@ -192,7 +192,7 @@ static int answer_row(void *user, const conus_pose_row *row)
     conus_status status = CONUS_OK;
     bool ball = row->is_point && radius > 0;
     if (row->error || (row->is_point && !ball)) {
-        return inquiry_refuse_row(inquiry, row, row->error ? row->error : POINT_LOOKS_NOWHERE);
+        return inquiry_refuse_row(inquiry, row, row->error ? row->error : POINT_HAS_NO_DIRECTION);
     }
     if (ball) {
         status = conus_select_ball(&selection, inquiry->selector, row->pose.world_from_device + 12, radius);
@@ -400,10 +400,11 @@ const struct command cmd_query = {
     .summary = "list the areas and pathways in a cone, with shares and contact positions",
     .operands = {"ATLAS"},
     .form = "(--origin X,Y,Z (--toward X,Y,Z | --direction X,Y,Z) | --pose FILE)",
-    .description = "Traces N x N rays from a device's position into the atlas and reports every area and\n"
-                   "pathway that a ray hits first: its share of the cone, its pixels, its nearest\n"
-                   "contact and where it is, in mm. With --layers all it reports all hits in the cone, occluded or\n"
-                   "not; with --point it reports the objects within --radius mm of a point.",
+    .description =
+        "Traces N x N rays from a device's position into the atlas and reports every area and pathway that a\n"
+        "ray hits first: its share of the cone, its pixels, its nearest contact and where it is, in mm.\n"
+        "With --layers all it reports all hits in the cone, occluded or not; with --point it reports the\n"
+        "objects within --radius mm of a point.",
     .examples = "  conus query aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
                 "  conus query aal.nii.gz --pose poses.tsv --angle 5 -o answers.tsv\n"
                 "  conus query aal.nii.gz --origin 0,0,90 --direction 0,0,-1 --image seen.exr --format json\n",

@@ -57,17 +57,17 @@ static const struct option picture_options[] = {
      .type = OPTION_VECTOR,
      .offset = offsetof(struct render_settings, camera_toward),
      .value = "X,Y,Z",
-     .help = "at this point"},
+     .help = "point at which the camera points, mm"},
     {.name = "camera-up",
      .type = OPTION_VECTOR,
      .offset = offsetof(struct render_settings, camera_up),
      .value = "X,Y,Z",
-     .help = "with this way up"},
+     .help = "up direction of the camera"},
     {.name = "field-of-view",
      .type = OPTION_NUMBER,
      .offset = offsetof(struct render_settings, field_of_view),
      .value = "DEGREES",
-     .help = "from the lower to the upper edge, more than 0 and less than 180 (default 30)",
+     .help = "angle from the lower to the upper edge, more than 0 and less than 180 (default 30)",
      .low = 0,
      .high = 180,
      .open = true},
@@ -90,12 +90,12 @@ static const struct option picture_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct render_settings, context),
      .value = "FILE",
-     .help = "draw this grey-value volume, a T1 say, around the areas"},
+     .help = "scalar map to draw around the areas, such as a T1"},
     {.name = "transfer",
      .type = OPTION_TEXT,
      .offset = offsetof(struct render_settings, transfer),
      .value = "NAME|FILE",
-     .help = "colours and opacities of its grey values: a preset or a file (docs/formats.md)"},
+     .help = "colours and opacities of the context by its values: a preset or a file (docs/formats.md)"},
     {.name = "no-legend",
      .type = OPTION_FLAG,
      .offset = offsetof(struct render_settings, no_legend),
@@ -217,7 +217,7 @@ static int load_pose(conus_pose_row *out, const struct picture *picture, const c
     if (count != 1) {
         code = print_usage_error("%s has %zu poses, a picture takes one", path, count);
     } else if (row->error || row->is_point) {
-        print_error_line("%s:%zu: %s", path, row->line, row->error ? row->error : POINT_LOOKS_NOWHERE);
+        print_error_line("%s:%zu: %s", path, row->line, row->error ? row->error : POINT_HAS_NO_DIRECTION);
         code = EXIT_DATA;
     } else {
         *out = *row;

@@ -23,15 +23,14 @@ static const struct option sweep_options[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(angles),
      .value = "A,B,...|LOW:HIGH:STEP",
-     .help = "the shares at each of these full opening angles, degrees"},
+     .help = "report the shares at each of these full opening angles, degrees"},
     {.name = "jitter",
      .type = OPTION_TEXT,
      .offset = FIELD(jitter),
      .value = "DEGREES,MM",
-     .help =
-         "or the probabilities under normal errors of the pose: standard deviations of the axis's tilt about two axes, "
-         "and of the position along three; or --jitter columns: those of columns error_deg and error_mm of --pose "
-         "FILE"},
+     .help = "or report the probabilities under normal errors of the pose: standard deviations of the axis's tilt "
+             "about two axes, and of the position along three; or --jitter columns: those of columns error_deg and "
+             "error_mm of --pose FILE"},
     {.name = "samples",
      .type = OPTION_COUNT,
      .offset = FIELD(samples),
@@ -294,7 +293,7 @@ static int answer_row(void *user, const conus_pose_row *row)
 {
     struct sweep *sweep = user;
     const char *why = row->error                                  ? row->error
-                      : row->is_point                             ? POINT_LOOKS_NOWHERE
+                      : row->is_point                             ? POINT_HAS_NO_DIRECTION
                       : sweep->jitter_of_rows && !has_errors(row) ? "no error_deg or error_mm for --jitter columns"
                                                                   : NULL;
     conus_status status = why ? CONUS_OK : add_answer(sweep, row);
@@ -379,7 +378,7 @@ static int run_sweep(const void *given, const struct arguments *arguments)
 
 const struct command cmd_sweep = {
     .name = "sweep",
-    .summary = "answers over many angles, or under errors of the pose",
+    .summary = "give answers over many angles, or under errors of the pose",
     .operands = {"ATLAS"},
     .form = "(--origin X,Y,Z (--toward X,Y,Z | --direction X,Y,Z) | --pose FILE)",
     .description =

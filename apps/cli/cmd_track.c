@@ -29,7 +29,7 @@ static const struct option pose_options[] = {
      .type = OPTION_TEXT,
      .offset = INQUIRY_FIELD(aim.pose),
      .value = "FILE",
-     .help = "the device's poses with their times, a table with a column time_s and perhaps trigger, say "
+     .help = "poses of the device over time, for instance a table with columns time_s and, if wanted, trigger "
              "(docs/formats.md); - is standard input"},
     {0},
 };
@@ -39,7 +39,7 @@ static const struct option live_options[] = {
      .type = OPTION_NUMBER,
      .offset = FIELD(seconds),
      .value = "S",
-     .help = "listen for so long (default until interrupted by Ctrl-C)",
+     .help = "listen for this many seconds (default: until interrupted by Ctrl-C)",
      .low = 0,
      .high = 1e9,
      .open = true},
@@ -51,14 +51,15 @@ static const struct option history_options[] = {
      .type = OPTION_NUMBER,
      .offset = FIELD(constants.delay),
      .value = "SECONDS",
-     .help = "a press confirms what was selected so long before, 0 to 10 and up to the window (default 0.15)",
+     .help = "a press confirms what was selected this long before it, 0 to 10 s, at most the window (default 0.15)",
      .low = 0,
      .high = 10},
     {.name = "window",
      .type = OPTION_NUMBER,
      .offset = FIELD(constants.window),
      .value = "SECONDS",
-     .help = "of time and stability; after longer without a pose the history starts afresh (default 2)",
+     .help = "time over which the scores time and stability are measured; after a longer gap between poses the history "
+             "starts afresh (default 2)",
      .low = 0,
      .high = 1e6,
      .open = true},
@@ -66,7 +67,7 @@ static const struct option history_options[] = {
      .type = OPTION_NUMBER,
      .offset = FIELD(constants.stickiness),
      .value = "C",
-     .help = "IntenSelect's c_s: what is kept of a score in a frame, between 0 and 1 (default 0.5)",
+     .help = "IntenSelect's c_s: part of the score that a frame keeps, between 0 and 1 (default 0.5)",
      .low = 0,
      .high = 1,
      .open = true},
@@ -74,14 +75,14 @@ static const struct option history_options[] = {
      .type = OPTION_NUMBER,
      .offset = FIELD(constants.snappiness),
      .value = "C",
-     .help = "IntenSelect's c_g: what is added of the new one, 0.001 to 1 (default 0.5)",
+     .help = "IntenSelect's c_g: part of the new score that a frame adds, 0.001 to 1 (default 0.5)",
      .low = 0.001,
      .high = 1},
     {.name = "rate",
      .type = OPTION_NUMBER,
      .offset = FIELD(constants.rate),
      .value = "HZ",
-     .help = "frames per second for these two, independent of the poses' rate (default 60)",
+     .help = "frames per second for c_s and c_g, independent of the poses' rate (default 60)",
      .low = 0,
      .high = 1e6,
      .open = true},
@@ -89,7 +90,7 @@ static const struct option history_options[] = {
      .type = OPTION_NUMBER,
      .offset = FIELD(constants.growth),
      .value = "RATE",
-     .help = "of IntenSelect+, per second (default 7.5)",
+     .help = "rate at which a score of IntenSelect+ grows, per second (default 7.5)",
      .low = 0,
      .high = 1e6,
      .open = true},
@@ -97,7 +98,7 @@ static const struct option history_options[] = {
      .type = OPTION_NUMBER,
      .offset = FIELD(constants.decay),
      .value = "RATE",
-     .help = "likewise (default 5)",
+     .help = "rate at which a score of IntenSelect+ decays, per second (default 5)",
      .low = 0,
      .high = 1e6,
      .open = true},
@@ -105,7 +106,7 @@ static const struct option history_options[] = {
      .type = OPTION_NUMBER,
      .offset = FIELD(constants.exponent),
      .value = "K",
-     .help = "k of both, 0.01 to 1; with 1 the distance does not matter (default 0.8)",
+     .help = "exponent k of IntenSelect and IntenSelect+, 0.01 to 1; with 1 the distance does not matter (default 0.8)",
      .low = 0.01,
      .high = 1},
     {0},
@@ -203,7 +204,7 @@ static int answer_row(struct track *track, const conus_pose_row *row)
     double angle = inquiry_angle(inquiry, row);
     conus_selection *selection = NULL;
     if (row->error || row->is_point) {
-        return inquiry_skip_row(inquiry, row, row->error ? row->error : POINT_LOOKS_NOWHERE);
+        return inquiry_skip_row(inquiry, row, row->error ? row->error : POINT_HAS_NO_DIRECTION);
     }
     if (isnan(row->time_s)) {
         return inquiry_skip_row(inquiry, row, "no time_s, which a step needs");
@@ -336,7 +337,7 @@ static int open_poses(struct track *track)
     return status ? print_status(status) : EXIT_DONE;
 }
 
-/* A hand looks here and there: only where all of the track does it may be in another space or unit. */
+/* A hand points here and there: only where all of the track does it may be in another space or unit. */
 static bool is_astray(const conus_astray *found)
 {
     uint64_t poses = found->poses;

@@ -78,7 +78,7 @@ bool inquiry_check_outputs(const struct inquiry *inquiry);
 /** Whether no output is a file that is read, @p matrix (NULL = none) or the atlas's among them; likewise. */
 bool inquiry_check_inputs(const struct inquiry *inquiry, const char *matrix);
 
-/** What the library is told about the file of poses. */
+/** The options of the library for the file of poses. */
 conus_pose_options inquiry_pose_options(const struct inquiry *inquiry);
 /** Loads --pose, where it was given. */
 int inquiry_load_poses(struct inquiry *inquiry);

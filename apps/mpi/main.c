@@ -48,7 +48,7 @@ static int agree(int code)
     return agreed;
 }
 
-/* ---- Parts ------------------------------------------------------------------------------------------------------ */
+/* ---- Parts ------------------------------------------------------------------------------------------------------- */
 
 /* Sees to what must be seen to every now and then; whether to continue. */
 static bool tend(struct run *run)
@@ -193,7 +193,7 @@ static void add_oddity(conus_oddity *sum, const conus_oddity *more)
     sum->count = count;
 }
 
-/* Rank 0 says what all ranks together found of where poses lie and look. */
+/* Rank 0 says what all ranks together found of where poses lie and point. */
 static void say_aims(const struct run *run)
 {
     const struct work *work = &run->work;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Notes about poses that lie or look where they hardly should. */
+/** @file Notes about poses whose position or direction is unlikely. */
 #ifndef CONUS_SETTINGS_AIM_NOTES_H
 #define CONUS_SETTINGS_AIM_NOTES_H
 

@@ -67,7 +67,8 @@ const struct option atlas_options[] = {
      .type = OPTION_BYTES,
      .offset = FIELD(atlas_settings, max_memory),
      .value = "SIZE",
-     .help = "largest file or volume to accept, like 512M or 2G (default 8G; 1G of poses that are read whole)"},
+     .help =
+         "largest file or volume to accept, like 512M or 2G (default 8G; 1G for files of poses that are read whole)"},
     {0},
 };
 
@@ -116,7 +117,7 @@ const struct option aim_options[] = {
      .type = OPTION_VECTOR,
      .offset = FIELD(aim_settings, toward),
      .value = "X,Y,Z",
-     .help = "point on the cone's axis, mm"},
+     .help = "point at which the device points, mm"},
     {.name = "direction",
      .type = OPTION_VECTOR,
      .offset = FIELD(aim_settings, direction),
@@ -147,9 +148,8 @@ const struct option angle_options[] = {
      .type = OPTION_CHOICE,
      .offset = FIELD(aim_settings, space),
      .value = "NAME",
-     .help = "directions in which x, y and z of all positions, given and reported, grow: right, anterior, superior or "
-             "left, "
-             "posterior, superior:",
+     .help = "directions in which x, y and z of all positions, given and reported, grow: right, anterior, superior "
+             "(ras) or left, posterior, superior (lps):",
      .choices = spaces},
     {0},
 };
@@ -186,7 +186,7 @@ const struct option engine_options[] = {
      .value = "N|AREA,...",
      .help =
          "report areas rolled up the area tree: to depth N (roots have 1), or to the nearest of these areas, by name, "
-         "abbreviation or label; a name with a comma in double quotes, @FILE for a file with one area per line"},
+         "abbreviation or label; put a name with a comma in double quotes; @FILE is a file with one area per line"},
     {.name = "score",
      .type = OPTION_TEXT,
      .offset = FIELD(engine_settings, score),

@@ -58,7 +58,7 @@ extern const struct option slices_options[];  /**< engine_settings: --slices of 
 enum { DEFAULT_ANGLE = 10 };
 
 /** Message for a pose that is only a point where a cone is wanted. */
-#define POINT_LOOKS_NOWHERE "a point, without the direction that a cone needs"
+#define POINT_HAS_NO_DIRECTION "a point, without the direction that a cone needs"
 
 /** Whether neither of the context's options stands without the other; prints an error if not. */
 bool settings_check_context(const struct arguments *arguments);
@@ -69,7 +69,7 @@ bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
 /** A point or direction given in @p space, in the library's. */
 void settings_point(double out[3], const double in[3], size_t space);
 
-/** The pose at @p origin looking toward a point, all in @p space; @p up may be NULL. Returns the exit code and prints
+/** The pose at @p origin that points at a point, all in @p space; @p up may be NULL. Returns the exit code and prints
  * an error unless it is 0. */
 int settings_pose_toward(conus_pose *out, const double origin[3], const double toward[3], const double up[3],
                          size_t space);
@@ -93,7 +93,7 @@ bool settings_check_shape(const struct aim_settings *settings, const struct engi
 /** Whether there is such a score, and what it needs; prints an error if not. */
 bool settings_check_score(const struct engine_settings *settings, bool has_history);
 
-/** What the library is told about the engine; @p common chooses whether it logs. */
+/** The options of the library for the engine; @p common chooses whether it logs. */
 conus_selector_options settings_engine(const struct engine_settings *settings, const struct common_settings *common);
 
 /** Lists the scores and what they mean, for --help. */

@@ -59,9 +59,8 @@ const struct option station_options_table[] = {
      .type = OPTION_NUMBER,
      .offset = FIELD(enlarged),
      .value = "FACTOR",
-     .help =
-         "the brain is shown so many times as large as it is, about the atlas's origin: poses are brought nearer to "
-         "it by as much",
+     .help = "show the brain enlarged by this factor about the atlas's origin: poses are moved nearer to the origin by "
+             "the same factor",
      .low = 0.001,
      .high = 1000},
     {0},

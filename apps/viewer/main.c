@@ -37,7 +37,7 @@ static const struct option own_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct view_settings, context),
      .value = "FILE",
-     .help = "a volume to draw around the areas, a T1, say; replaces the manifest's"},
+     .help = "scalar map to draw around the areas, such as a T1; replaces the manifest's"},
     {.name = "transfer",
      .type = OPTION_TEXT,
      .offset = offsetof(struct view_settings, transfer),
@@ -47,14 +47,14 @@ static const struct option own_options[] = {
      .type = OPTION_SIZE,
      .offset = offsetof(struct view_settings, size),
      .value = "WxH",
-     .help = "of the window, pixels (default 1500x940)",
+     .help = "size of the window, pixels (default 1500x940)",
      .low = 1,
      .high = 16384},
     {.name = "scale",
      .type = OPTION_NUMBER,
      .offset = offsetof(struct view_settings, scale),
      .value = "FACTOR",
-     .help = "of texts and panels (default the screen's)",
+     .help = "scale of texts and panels, 0.5 to 4 (default: the screen's)",
      .low = 0.5,
      .high = 4},
     {.name = "session",
@@ -269,9 +269,9 @@ static const struct command cmd_view = {
     .summary = "browse an atlas in a window and point at it",
     .operands = {"ATLAS"},
     .description =
-        "Four panes: the brain in 3-D and its axial, coronal and sagittal cuts. The cone follows the mouse, "
-        "or a wand moved by\n"
-        "keys; the areas that it hits are named, ranked and highlighted. Press ? in the window for the keys.",
+        "Four panes: the brain in 3-D and its axial, coronal and sagittal cuts. The cone follows the mouse, or a\n"
+        "wand moved by keys; the areas that it hits are named, ranked and highlighted. Press ? in the window for\n"
+        "the keys.",
     .examples =
         "  conus view /usr/share/mricron/templates/aal.nii.gz --context /usr/share/mricron/templates/ch2bet.nii.gz\n",
     .groups = groups,

@@ -41,7 +41,7 @@ struct contender {
 /* ---- The scene ----------------------------------------------------------------------------------------------------
  */
 
-/* As cones_round_grid() has them: a place and a point that the device looks at. */
+/* As cones_round_grid() has them: a place and a point at which the device points. */
 static conus_status write_poses(struct scene *scene, const struct bench *bench, const conus_volume_info *info)
 {
     size_t count = bench->options.poses;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What empty-space skipping saves, by engine: a labelled volume with its distances and with ones that lead
- * to the next voxel. */
+/* What empty-space skipping saves, by engine: a labelled volume with its distances and with ones that lead to the next
+ * voxel. */
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/support/trace.h"

@@ -12,7 +12,7 @@ struct trace {
     struct engine *engine;    /**< Borrowed, as the cones are. */
     const struct cone *cones; /**< [count]                      */
     size_t count;
-    struct evidence *answers; /**< [count] Of trace_init().                                 */
+    struct evidence *answers; /**< [count] Of trace_init().                                */
     struct evidence scratch;  /**< What is timed goes here, as a program does that goes on. */
     conus_status status;      /**< Of the first cone that could not be answered. */
 };

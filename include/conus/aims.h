@@ -14,14 +14,14 @@
 extern "C" {
 #endif
 
-typedef struct conus_aims conus_aims; /**< Where poses are, and whether they look at the atlas. */
+typedef struct conus_aims conus_aims; /**< Where poses are, and whether they point at the atlas. */
 
 /** Poses of one kind. */
 typedef struct conus_oddity {
     uint64_t count;  /**< How many. */
     uint64_t first;  /**< The lowest number among them; the other members are of that one. */
     uint32_t object; /**< The object that it is inside of, else 0. */
-    conus_pose pose; /**< Where it is and looks. */
+    conus_pose pose; /**< Where it is and points. */
     double angle;    /**< Its full opening, radians. */
 } conus_oddity;
 

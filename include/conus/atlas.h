@@ -215,7 +215,7 @@ CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
  * @{ */
 
 /**
- * Gives how much memory conus_atlas_pack() needs.
+ * Gives the memory that conus_atlas_pack() needs.
  * @param atlas The atlas.
  * @return Bytes.
  * @threads Any, while none changes the atlas.

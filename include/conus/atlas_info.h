@@ -209,7 +209,7 @@ CONUS_API double conus_atlas_value(const conus_atlas *atlas, size_t index, const
 CONUS_CHECKED conus_status conus_atlas_window(double window[2], const conus_atlas *atlas, size_t index);
 
 /**
- * Gives where the names come from, in words.
+ * Gives the source of the names, in words.
  * @param atlas The atlas.
  * @return "ITK-SNAP labels in aal.label", "none found". Borrowed until the atlas is changed or ends.
  * @threads Any, while none changes the atlas.

@@ -71,7 +71,7 @@ CONUS_CHECKED conus_status conus_batch_create(conus_batch **out, conus_selector 
 CONUS_API void conus_batch_destroy(conus_batch *batch);
 
 /**
- * Gives how many threads will be used.
+ * Gives the number of threads that will be used.
  * @param batch The batch.
  * @return At least 1.
  * @threads One at a time for each @p batch.

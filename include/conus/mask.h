@@ -70,7 +70,7 @@ typedef struct conus_grid_view {
 } conus_grid_view;
 
 /**
- * Gives what is on the grid.
+ * Gives the content of the grid.
  * @param grid The grid.
  * @return Its pointers are borrowed from the grid.
  * @threads Any: the object does not change.

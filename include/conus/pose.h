@@ -12,13 +12,13 @@
 extern "C" {
 #endif
 
-/** Rigid position and orientation of a device. It looks down its own -z; +y is up (Eq. 2). */
+/** Rigid position and orientation of a device. It points along its own -z; +y is up (Eq. 2). */
 typedef struct conus_pose {
     double world_from_device[16]; /**< Column-major; maps device mm to world mm. */
 } conus_pose;
 
 /**
- * Makes a device at @p origin that looks along @p direction.
+ * Makes a device at @p origin that points along @p direction.
  * @param[out] out The pose.
  * @param origin World mm.
  * @param direction Any length but 0.
@@ -32,7 +32,7 @@ CONUS_CHECKED conus_status conus_pose_along(conus_pose *out, const double origin
                                             const double up[3]);
 
 /**
- * Makes a device at @p origin that looks at a point.
+ * Makes a device at @p origin that points at a point.
  * @param[out] out The pose.
  * @param origin World mm.
  * @param target World mm.
@@ -66,7 +66,7 @@ CONUS_CHECKED conus_status conus_pose_from_matrix(conus_pose *out, const double 
 CONUS_CHECKED conus_status conus_pose_from_quaternion(conus_pose *out, const double origin[3], const double wxyz[4]);
 
 /**
- * Computes the camera of an eye behind a window, such as a tracked head before a screen (Eq. 1).
+ * Computes the camera of an eye that sees through a window, such as that of a tracked head before a screen (Eq. 1).
  * @param[out] camera The camera, for conus_view.camera.
  * @param[out] frustum Left, right, lower and upper edge, for conus_view.frustum.
  * @param window The middle of the window, with +x to its right, +y up, +z to the side of the eye.

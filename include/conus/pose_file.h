@@ -26,7 +26,7 @@ typedef enum conus_space {
     CONUS_SPACE_LPS      /**< +x left, +y posterior, +z superior. */
 } conus_space;
 
-/** The axis of a device along which it looks. */
+/** The axis of a device along which it points. */
 typedef enum conus_axis {
     CONUS_AXIS_OF_FORMAT = 0, /**< As the file's format has it (docs/formats.md): -z where nothing is said. */
     CONUS_AXIS_PLUS_X,        /**< +x. */
@@ -64,9 +64,9 @@ typedef struct conus_pose_options {
     conus_space space;        /**< Of the numbers in the file, where it does not say so itself. */
     conus_axis axis;          /**< Where the file gives rotations. */
     conus_pose_format format; /**< The format. */
-    bool along_shafts;   /**< #CONUS_POSE_FORMAT_ELECTRODES: not points, but poses at the contacts that look along their
-                            shafts,   each to the contact with the next higher number. */
-    uint64_t max_memory; /**< Largest file of a format that is read whole, in bytes; 0 = 1 GiB. */
+    bool along_shafts;        /**< #CONUS_POSE_FORMAT_ELECTRODES: not points, but poses at the contacts that point along
+                                 their shafts, each to the contact with the next higher number. */
+    uint64_t max_memory;      /**< Largest file of a format that is read whole, in bytes; 0 = 1 GiB. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -76,7 +76,7 @@ typedef struct conus_pose_options {
 typedef struct conus_pose_row {
     const char *id;    /**< Column query_id, or the row's number from 1. Ids may repeat. */
     size_t line;       /**< Line in the file, from 1; of #CONUS_POSE_FORMAT_MARKUPS the markup. */
-    conus_pose pose;   /**< Where the device is and looks. */
+    conus_pose pose;   /**< Where the device is and points. */
     bool is_point;     /**< The row has only a position, no direction: the pose is not turned. */
     bool trigger;      /**< Column trigger; false if absent. */
     double angle;      /**< Column angle, full opening, radians; 0 if absent. */

@@ -162,7 +162,7 @@ static conus_status refuse_grey(const struct parcellation *parts, bool stated)
                      CONUS_ERROR_DATA,
                      "%s: looks like an image, not like labels: %.0f %% of its neighbouring voxels are equal, of areas "
                      "%.0f %% would be; --context draws it, --pathway selects what is bright in it, --labels-anyway "
-                     "takes every value for an area",
+                     "treats every value as a label",
                      parts->file.path, 100 * verdict.equal, 100 * verdict.needed);
 }
 

@@ -62,7 +62,7 @@ static void read_header(struct reading *reading, struct text line, bool *twice)
     }
 }
 
-/* A column that says where a device looks: then the table is one of poses, with a column that it does not know. */
+/* A column that says where a device points: then the table is one of poses, with a column that it does not know. */
 static bool has_direction(struct text line)
 {
     static const char *const directions[] = {"tx", "dx", "qw", "m00"};
@@ -228,7 +228,7 @@ static conus_status find_neighbours(struct reading *reading)
     return CONUS_OK;
 }
 
-/* At the contact, looking to the next one outward; the last looks on as its neighbour does. */
+/* At the contact, pointing at the next one outward; the last points as its neighbour does. */
 static conus_status pose_along_shaft(conus_pose *out, const struct reading *reading, size_t index)
 {
     const struct contact *contact = &reading->contacts[index];

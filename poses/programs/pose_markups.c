@@ -100,7 +100,7 @@ static conus_status read_points(const struct markup *markup, const json_t *point
     return status;
 }
 
-/* From the first point to the second; -z looks the other way, from the second. */
+/* From the first point to the second; -z points the other way, from the second. */
 static conus_status line_pose(conus_pose_row *row, const struct markup *markup, const json_t *points)
 {
     double ends[2][3];

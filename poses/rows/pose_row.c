@@ -56,7 +56,7 @@ void pose_flip_matrix(double m[16])
 
 void pose_turn(conus_pose *pose, conus_axis axis)
 {
-    /* Columns: where the turned device's x, y, z point in the one given; -z is the axis that looks. */
+    /* Columns: where the turned device's x, y, z point in the one given; -z is the axis that points. */
     static const double turns[][9] = {
         [CONUS_AXIS_PLUS_X] = {0, 0, 1, 0, 1, 0, -1, 0, 0},  [CONUS_AXIS_MINUS_X] = {0, 0, -1, 0, 1, 0, 1, 0, 0},
         [CONUS_AXIS_PLUS_Y] = {1, 0, 0, 0, 0, 1, 0, -1, 0},  [CONUS_AXIS_MINUS_Y] = {-1, 0, 0, 0, 0, 1, 0, 1, 0},

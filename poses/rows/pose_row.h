@@ -31,7 +31,7 @@ void pose_flip_point(double p[3]);
 /** The same for a matrix that maps into that space. */
 void pose_flip_matrix(double m[16]);
 
-/** Turns @p pose, whose device looks along its @p axis, so that it looks along its -z (Eq. 2): by a half turn about y
+/** Turns @p pose, whose device points along its @p axis, so that it points along its -z (Eq. 2): by a half turn about y
  * for +z and quarter turns about y for +-x, so that +y stays up, and with +z up for +-y. */
 void pose_turn(conus_pose *pose, conus_axis axis);
 

@@ -47,10 +47,10 @@ conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const
 /** NULL is fine. */
 void id_pass_destroy(struct id_pass *pass);
 
-/** How far a volume is empty. */
+/** How far around each voxel a volume is empty. */
 struct id_distances {
     const uint8_t *codes;  /**< [voxels] 0 where the voxel holds an object; else 1 + r, where no voxel that differs from
-                              it  by at most r in every index does.                                       */
+                              it by at most r in every index does.                                        */
     int first[3], last[3]; /**< The box of the voxels with objects; last below first where there are none. */
 };
 

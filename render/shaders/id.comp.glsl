@@ -225,8 +225,8 @@ uint code_at(Place at)
 }
 
 // Goes on to the next cell with an object, which may be where it is. False: out of the box, or beyond the limit.
-// Most skips end well within a cell, so that the position along the ray tells which; `leave` does the others, outside of
-// the inner loop, because lanes in step go both ways of every branch, but leave a loop when all are done.
+// Most skips end well within a cell, so that the position along the ray decides which; `leave` does the others, outside
+// of the inner loop, because lanes in step go both ways of every branch, but leave a loop when all are done.
 bool find_object(Ray ray, double limit, inout Place at)
 {
     dvec3 t_end = crossing_times(ray, mix(dvec3(last_cell), dvec3(first_cell), lessThan(ray.sign, dvec3(0.0))), 0.5);

@@ -46,7 +46,7 @@ struct batch_worker {
     conus_selector *selector; /**< Shares its engine with the other workers'. */
     conus_report *report;
     double angle;
-    conus_selection **begun; /**< [at_once] Those that are looked at together; NULL between blocks. */
+    conus_selection **begun; /**< [at_once] Those that are traced together; NULL between blocks. */
     size_t at_once;          /**< 1 = poses are answered one by one. */
     struct conus_aims aims;
 };

@@ -27,7 +27,7 @@ struct gl_engine {
     struct engine *wide;         /* what finds meshes in wide cones; NULL before the first one */
     double (*origins)[3];        /* [pixel_capacity] of all pixels of all cones in view */
     double (*directions)[3];
-    uint32_t *walked;           /* [ray_count] those along which volumes are looked through, neighbours together */
+    uint32_t *walked;           /* [ray_count] pixels whose rays are traced through volumes, neighbours together */
     struct mesh_query *queries; /* [cone_capacity] */
     size_t pixel_capacity, cone_capacity;
     uint32_t ray_count;
@@ -236,7 +236,7 @@ static conus_status prepare_wide(struct gl_engine *gl)
     return gl->wide ? CONUS_OK : engine_rays_create_for_meshes(&gl->wide, gl->atlas);
 }
 
-/* Sets the looks of the cones that are not wide, and looks for meshes in those that are. */
+/* Sets the queries of the cones that are not wide, and traces the meshes in those that are. */
 static conus_status prepare_queries(struct gl_engine *gl, const struct view *view, size_t *count)
 {
     conus_status status = CONUS_OK;

@@ -25,7 +25,7 @@ struct mesh_bundle {
     size_t count;                               /**< At most MESH_RAYS_LIMIT.                       */
     const double *origin;                       /**< [3] in the world.                              */
     const double (*direction)[MESH_RAYS_LIMIT]; /**< [3][] in the world, unit length.               */
-    uint32_t object[MESH_RAYS_LIMIT];           /**< Met first so far; 0 = none.                    */
+    uint32_t object[MESH_RAYS_LIMIT];           /**< Hit first so far; 0 = none.                    */
     double t[MESH_RAYS_LIMIT];                  /**< mm to it; INFINITY = none.                     */
     uint64_t triangle[MESH_RAYS_LIMIT];         /**< Of its mesh, if mesh_rays_walk() found it.     */
 };

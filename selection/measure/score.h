@@ -7,7 +7,7 @@
 #include "selection/measure/history.h"
 #include "selection/measure/statistics.h"
 
-/** What a score may look at beside the result. */
+/** What a score may use beside the result. */
 struct score_view {
     const struct cone *cone;
     uint32_t cone_pixels;          /**< Pixels of the aperture.                                      */

@@ -17,7 +17,7 @@ struct statistics {
 void statistics_finish(struct statistics *statistics);
 
 /** What is added up per object while pixels and rays come by; of all objects, so that a query costs what it hits and
- * not what the atlas has. A zeroed one is ready for statistics_prepare(). */
+ * not what the atlas has. A zeroed one is ready for statistics_gather(). */
 struct tally {
     struct tallied *objects; /**< [object_count + 1]; number 0 is what hit nothing.        */
     uint32_t *touched;       /**< [object_count + 1] Numbers of those that are not zeroed, */

@@ -7,7 +7,7 @@ static conus_status check_window(const double size[2], const double eye[3])
 {
     for (int a = 0; a < 2; a++) {
         if (!(size[a] > 0 && isfinite(size[a]))) {
-            return fail(CONUS_ERROR_ARGUMENT, "window of %g x %g mm; allowed is more than 0", size[0], size[1]);
+            return fail(CONUS_ERROR_ARGUMENT, "size: %g x %g mm, allowed is more than 0", size[0], size[1]);
         }
     }
     return vec3_is_finite(eye)

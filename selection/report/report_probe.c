@@ -123,7 +123,7 @@ static void write_regions(struct buffer *out, const struct shank *shank)
     }
 }
 
-/* Trajectories are no contacts: what has a direction is hit before its end, and has no place on a probe. */
+/* Trajectories are no contacts: the hits of a ray lie along it, and have no place on a probe. */
 static conus_status check_contacts(const conus_report *report)
 {
     for (size_t i = 0; i < report->query_count; i++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Where cones begin and whether they look at the atlas at all: geometry, before anything is looked at. */
+/** @file Where cones begin and whether they point at the atlas at all: geometry, before any ray is traced. */
 #ifndef CONUS_SELECTION_STUDY_AIMS_H
 #define CONUS_SELECTION_STUDY_AIMS_H
 

@@ -411,7 +411,7 @@ wait_for_lines() {
     hold_batch -o stopped.tsv
     wait_for_blocks 1 stopped.tsv
     stop_held INT 130
-    grep -q 'conus: interrupted after 100 poses; go on with: conus batch .* -o stopped.tsv --progress json --resume' said
+    grep -q 'conus: interrupted after 100 poses; continue with: conus batch .* -o stopped.tsv --progress json --resume' said
     hold_batch -o stopped.tsv --resume
     wait_for_blocks 2 stopped.tsv
     stop_held TERM 143

@@ -211,7 +211,7 @@ resume() {
 
 # said_how_to_go_on FILE: once, or not at all if it had not the time; and nothing else.
 said_how_to_go_on() {
-    local wanted='^conus: interrupted after [0-9]* poses; go on with: conus-mpi batch .* -o killed.tsv .*--resume$'
+    local wanted='^conus: interrupted after [0-9]* poses; continue with: conus-mpi batch .* -o killed.tsv .*--resume$'
     [ "$(grep -c "$wanted" "$1")" -le 1 ] || { cat "$1"; return 1; }
     [ "$(grep '^conus: ' "$1" | grep -vc "$wanted")" -eq 0 ] || { cat "$1"; return 1; }
 }

@@ -25,8 +25,8 @@ const struct option mask_options[] = {
      .type = OPTION_CHOICE,
      .offset = offsetof(struct mask_settings, content),
      .value = "WHAT",
-     .help = "1 in areas' voxels, or in all; areas' labels, or a pathway's values; without it a name that ends in "
-             "_dseg or _probseg means labels or values, else areas:",
+     .help = "content of the mask: 1 in voxels of areas, 1 in all voxels, labels of areas, or values of a pathway; "
+             "without it a name that ends in _dseg means labels, one that ends in _probseg values:",
      .choices = contents},
     {.name = "mask-object",
      .type = OPTION_TEXT,

@@ -124,7 +124,7 @@ void panel_results(struct window *window)
     if (ui_button("copy confirmed")) {
         window_copy(window, COPY_PINS);
     }
-    ui_tip("what was confirmed, as a table to paste");
+    ui_tip("copies what was confirmed as a table");
     if (viewer->pin_count) {
         draw_pins(window);
     }
