@@ -415,7 +415,7 @@ wait_for_lines() {
     hold_batch -o stopped.tsv --resume
     wait_for_blocks 2 stopped.tsv
     stop_held TERM 143
-    grep -q 'conus: interrupted after 200 poses; go on' said
+    grep -q 'conus: interrupted after 200 poses; continue' said
     batch -o stopped.tsv --resume
     cmp rows.tsv stopped.tsv
 }
