@@ -57,14 +57,14 @@ slurm_up() {
     done
 }
 
-# They write to the folder until they have ended.
+# They write to the folder until they have ended. munged misses a signal that comes just before it
+# waits for its next client, so that it is told again.
 teardown() {
     for daemon in slurmd slurmctld munged; do
         [ -s "slurm/$daemon.pid" ] || continue
         local pid
         pid=$(cat "slurm/$daemon.pid")
-        kill "$pid" || continue
-        while runs "$pid"; do
+        while runs "$pid" && kill "$pid"; do
             sleep 0.05
         done
     done
