@@ -3,6 +3,7 @@
 #include "cli/commands.h"
 #include "common/messages.h"
 #include "common/output.h"
+#include "pages/pages.h"
 #include "settings/help.h"
 
 #include <conus/conus.h>
@@ -14,6 +15,15 @@
 static const struct command *const commands[] = {&cmd_query, &cmd_batch,  &cmd_merge, &cmd_track,    &cmd_sweep,
                                                  &cmd_info,  &cmd_render, &cmd_mesh,  &cmd_manifest, &cmd_phantom,
                                                  &cmd_diff,  &cmd_view,   NULL};
+
+static const struct program program = {
+    .name = "conus",
+    .summary = "name the brain areas and pathways in a cone",
+    .description = "Which areas and pathways of the brain lie in the cone of a pointing device?\n\n"
+                   "Positions are in mm, x right, y anterior, z superior; angles in degrees. Results go to stdout,\n"
+                   "messages to stderr.",
+    .commands = commands,
+};
 
 static const char *command_name(const void *list, size_t index)
 {
@@ -39,17 +49,16 @@ static int unknown_command(const char *name)
 
 static int list_commands(FILE *out)
 {
-    fputs("usage: conus COMMAND [arguments]\n\n"
-          "Which areas and pathways of the brain lie in the cone of a pointing device?\n\n",
-          out);
+    fprintf(out, "usage: conus COMMAND [arguments]\n\n%s\n\n", program.description);
     for (size_t i = 0; commands[i]; i++) {
         fprintf(out, "  %-8s  %s\n", commands[i]->name, commands[i]->summary);
     }
-    fprintf(out, "  %-8s  %s\n\n", "help", "explain a command: conus help COMMAND");
-    fputs("Positions are in mm, x right, y anterior, z superior; angles in degrees. Results go to stdout, messages to\n"
-          "stderr. Exit codes: 0 done, 1 some queries failed or a difference was found, 2 usage, 3 bad input data,\n"
-          "4 no usable OpenGL.\n",
-          out);
+    fprintf(out, "  %-8s  %s\n\nExit codes:", "help", "explain a command: conus help COMMAND");
+    const char *meaning;
+    for (size_t code = 0; (meaning = help_exit_code(code)); code++) {
+        fprintf(out, "%s %zu %s", code ? "," : "", code, meaning);
+    }
+    fputs(".\n", out);
     return out == stdout ? EXIT_DONE : EXIT_USAGE;
 }
 
@@ -97,6 +106,10 @@ static int dispatch(int count, char **words)
 {
     if (count < 2) {
         return list_commands(stderr);
+    }
+    int code;
+    if (pages_answer(&code, &program, count, words)) {
+        return code;
     }
     const char *name = words[1];
     if (strcmp(name, "help") == 0) {

@@ -11,6 +11,7 @@
 #include "mpi/announcement.h"
 #include "mpi/node_atlas.h"
 #include "mpi/ordered_file.h"
+#include "pages/pages.h"
 #include "settings/aim_notes.h"
 
 #include <inttypes.h>
@@ -361,13 +362,18 @@ static int answer_command(const struct cluster *cluster, int count, char **words
 
 int main(int argc, char **argv)
 {
-    int provided;
+    static const struct command *const commands[] = {&batch, NULL};
+    static const struct program program = {.name = "conus-mpi", .commands = commands};
+    int provided, code;
     struct cluster cluster;
+    if (pages_answer(&code, &program, argc, argv)) {
+        return code;
+    }
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
     MPI_Comm_rank(MPI_COMM_WORLD, &cluster.rank);
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, cluster.rank, MPI_INFO_NULL, &cluster.node);
     MPI_Comm_rank(cluster.node, &cluster.node_rank);
-    int code = answer_command(&cluster, argc, argv);
+    code = answer_command(&cluster, argc, argv);
     MPI_Comm_free(&cluster.node);
     MPI_Finalize();
     return output_finish(code);

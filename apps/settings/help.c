@@ -2,6 +2,7 @@
 /* The text of --help, from a command's table of options. */
 #include "settings/help.h"
 
+#include "common/messages.h"
 #include "settings/option_values.h"
 
 #include <string.h>
@@ -15,6 +16,18 @@ void help_usage(FILE *out, const struct command *command)
         fprintf(out, " %s%s", command->operands[i], command->repeats ? "..." : "");
     }
     fprintf(out, "%s%s [options]", command->form ? " " : "", command->form ? command->form : "");
+}
+
+const char *help_exit_code(size_t code)
+{
+    static const char *const meanings[] = {
+        [EXIT_DONE] = "done",
+        [EXIT_DIFFERENT] = "some queries failed or a difference was found",
+        [EXIT_USAGE] = "usage",
+        [EXIT_DATA] = "bad input data",
+        [EXIT_NO_GL] = "no usable OpenGL",
+    };
+    return code < sizeof meanings / sizeof *meanings ? meanings[code] : NULL;
 }
 
 /* Writes words from `column` on, wrapped so that every line begins at HELP_COLUMN. */

@@ -10,4 +10,7 @@ void help_command(FILE *out, const struct command *command);
 /** One line that shows a command's form: "conus query ATLAS [options]". */
 void help_usage(FILE *out, const struct command *command);
 
+/** What exit code @p code means, in a few words; NULL past the last. */
+const char *help_exit_code(size_t code);
+
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus-view: the window. Its options are read and explained by the same tables as those of conus. */
 #include "common/messages.h"
+#include "pages/pages.h"
 #include "settings/atlas_notes.h"
 #include "settings/settings.h"
 #include "settings/station_settings.h"
@@ -281,9 +282,15 @@ static const struct command cmd_view = {
 
 int main(int count, char **words)
 {
+    static const struct command *const commands[] = {&cmd_view, NULL};
+    static const struct program program = {.name = "conus-view", .commands = commands, .unnamed = true};
     struct arguments arguments;
     struct view_settings settings = {0};
-    int code = options_parse(&arguments, &settings, &cmd_view, count, words, 1);
+    int code;
+    if (pages_answer(&code, &program, count, words)) {
+        return code;
+    }
+    code = options_parse(&arguments, &settings, &cmd_view, count, words, 1);
     if (code < 0) {
         code = run_view(&settings, &arguments);
     }

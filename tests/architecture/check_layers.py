@@ -18,10 +18,11 @@ APPS = {
     "apps/link": "",
     "apps/common": "apps/link",
     "apps/settings": "apps/link apps/common",
+    "apps/pages": "apps/common apps/settings",
     "apps/batch": "apps/common apps/settings",
     "apps/cli/answers": "apps/common apps/settings",
-    "apps/cli": "apps/link apps/common apps/settings apps/batch apps/cli/answers",
-    "apps/mpi": "apps/common apps/settings apps/batch",
+    "apps/cli": "apps/link apps/common apps/settings apps/pages apps/batch apps/cli/answers",
+    "apps/mpi": "apps/common apps/settings apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
     "apps/viewer/model": "apps/link",
     "apps/viewer/window": "apps/common apps/viewer/model",
@@ -29,7 +30,7 @@ APPS = {
     "apps/viewer/panels": "apps/settings apps/viewer/window",
     "apps/viewer/session": "apps/common apps/viewer/window",
     # draw.c joins the panes and panels; the window itself knows neither.
-    "apps/viewer": "apps/link apps/common apps/settings apps/viewer/window apps/viewer/panes apps/viewer/panels"
+    "apps/viewer": "apps/link apps/common apps/settings apps/pages apps/viewer/window apps/viewer/panes apps/viewer/panels"
     " apps/viewer/session",
 }
 LIBRARY = {

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The man pages and shell completions of a program, from the tables that its parser and --help use. The build runs
+ * each program with --write-pages and installs what it writes. */
+#ifndef CONUS_PAGES_PAGES_H
+#define CONUS_PAGES_PAGES_H
+
+#include "settings/options.h"
+
+/** A program and its commands. */
+struct program {
+    const char *name;    /**< "conus" */
+    const char *summary; /**< One line, no final period. */
+    const char *description;
+    const struct command *const *commands; /**< Ends with NULL. One is explained on the program's own page; several have
+                                                a page each, NAME-COMMAND, but those of other programs. */
+    bool unnamed;                          /**< The one command is not named on the command line. */
+};
+
+/** Whether the command line is PROGRAM --write-pages FOLDER. Then writes the files, makes the folder where it is
+ * missing, prints an error for what fails, and sets @p code. Man pages are NAME.1 and NAME-COMMAND.1, completions
+ * NAME.bash, NAME.fish and _NAME. */
+bool pages_answer(int *code, const struct program *program, int count, char **words);
+
+#endif

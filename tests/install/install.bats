@@ -1,0 +1,128 @@
+#!/usr/bin/env bats
+# cmake --install: programs, library and headers work where they are put, also after a move, and go away again.
+load ../cli/helpers
+: "${CONUS_BUILD:?is the folder of the build}"
+
+SOURCES=$BATS_TEST_DIRNAME
+
+setup_file() {
+    cmake --install "$CONUS_BUILD" --prefix "$BATS_FILE_TMPDIR/a prefix" >"$BATS_FILE_TMPDIR/log"
+    MOVED="$BATS_FILE_TMPDIR/moved elsewhere"
+    mv "$BATS_FILE_TMPDIR/a prefix" "$MOVED"
+    LIBRARIES=$(dirname "$(find "$MOVED" -name libconus.so)")
+    ATLAS=$(realpath "$SOURCES/../../data-samples/u-shape.nii.gz")
+    # What the consumers ask, asked by the program of the build: 0.7 radians are 40.107 degrees.
+    EXPECTED="$("$CONUS" --version | cut -d ' ' -f 2) $("$CONUS" query "$ATLAS" --origin 0,0,60 --toward 0,0,0 \
+        --angle 40.107045 --format tsv | sed -n '2p' | cut -f 4)"
+    export MOVED LIBRARIES ATLAS EXPECTED
+}
+
+# needs_plain_build: what is compiled by others cannot be linked with a library that has sanitizers.
+needs_plain_build() {
+    [ -z "${CONUS_SANITIZE-}" ] || skip "the library is built with sanitizers"
+}
+
+# consumer_answers PROGRAM: as conus itself does.
+consumer_answers() {
+    run -0 "$1" "$ATLAS"
+    [ "$output" = "$EXPECTED" ] || { echo "wrote: $output"; return 1; }
+}
+
+@test "the installed program runs from where it was moved to" {
+    run -0 "$MOVED/bin/conus" --version
+    [ "$output" = "$(conus --version)" ]
+    ! ldd "$MOVED/bin/conus" | grep 'not found'
+    ldd "$MOVED/bin/conus" | grep -qF "$MOVED"
+}
+
+@test "no program of the tree has a path of the build folder" {
+    needs_plain_build
+    for program in "$MOVED"/bin/*; do
+        readelf -d "$program" >dynamic
+        ! grep -E 'R(UN)?PATH' dynamic | grep -v '\[\$ORIGIN/'
+    done
+}
+
+@test "a project finds the library by find_package, shared and static, in C and C++" {
+    needs_plain_build
+    cmake -S "$SOURCES/consumer" -B built -G Ninja -DCMAKE_PREFIX_PATH="$MOVED" >log || { cat log; return 1; }
+    cmake --build built >log || { cat log; return 1; }
+    for program in conus_c conus_cpp conus_static_c conus_static_cpp; do
+        consumer_answers "built/$program"
+    done
+    ldd built/conus_c | grep -q libconus.so.0
+    ! ldd built/conus_static_c | grep libconus
+}
+
+@test "find_package refuses another minor version" {
+    needs_plain_build
+    sed 's/conus 0.1/conus 0.2/' "$SOURCES/consumer/CMakeLists.txt" >CMakeLists.txt
+    cp "$SOURCES"/consumer/consumer.* .
+    run ! cmake -S . -B built -G Ninja -DCMAKE_PREFIX_PATH="$MOVED"
+    [[ "$output" == *'version: 0.1.0'* ]]
+}
+
+@test "a program is built by pkg-config, shared and static" {
+    needs_plain_build
+    # A shell splits what pkg-config says; it escapes the spaces of paths for eval.
+    export PKG_CONFIG_PATH="$LIBRARIES/pkgconfig"
+    eval "cc -o shared '$SOURCES/consumer/consumer.c' $(pkg-config --cflags --libs conus)"
+    eval "cc -o static '$SOURCES/consumer/consumer.c' $(pkg-config --cflags conus) '$LIBRARIES/libconus.a' \
+        $(pkg-config --static --libs conus | sed 's/-lconus//')"
+    LD_LIBRARY_PATH="$LIBRARIES" consumer_answers ./shared
+    consumer_answers ./static
+    ! ldd ./static | grep libconus
+    [ "$(pkg-config --modversion conus)" = "$(conus --version | cut -d ' ' -f 2)" ]
+}
+
+@test "the shared library has the functions of the headers, and no other" {
+    nm -D --defined-only "$LIBRARIES/libconus.so" | sed -n 's/.* [TBDRV] //p' | sort >exported
+    sed -n 's/.*\b\(conus_[a-z0-9_]*\)(.*/\1/p' "$MOVED"/include/conus/*.h >mentioned
+    grep -hoE '^CONUS_(API|CHECKED) .*' "$MOVED"/include/conus/*.h | grep -oE 'conus_[a-z0-9_]+\(' | tr -d '(' | sort -u >declared
+    [ "$(wc -l <declared)" -gt 100 ]
+    diff declared exported
+    [ "$(readelf -d "$LIBRARIES/libconus.so" | sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p')" = libconus.so.0 ]
+}
+
+@test "a tree holds what its component says" {
+    for component in runtime devel doc; do
+        cmake --install "$CONUS_BUILD" --prefix "$PWD/$component" --component "$component" >log
+    done
+    [ -x runtime/bin/conus ]
+    [ -e runtime/share/man/man1/conus-query.1 ]
+    [ -e runtime/share/bash-completion/completions/conus ]
+    [ -e runtime/share/zsh/site-functions/_conus ]
+    [ -e runtime/share/fish/vendor_completions.d/conus.fish ]
+    [ ! -e runtime/include ]
+    [ -z "$(find runtime -name '*.a' -o -name '*.pc' -o -name libconus.so)" ]
+    [ -e devel/include/conus/conus.h ]
+    [ -n "$(find devel -name libconus.a)" ]
+    [ ! -e devel/bin ]
+    [ -e doc/share/doc/conus/docs/commands.md ]
+    [ -e doc/share/doc/conus/examples/select_one.c ]
+}
+
+@test "DESTDIR holds, and uninstall removes every file" {
+    DESTDIR="$PWD/stage" cmake --install "$CONUS_BUILD" --prefix /opt/conus >log
+    [ -x stage/opt/conus/bin/conus ]
+    [ -n "$(find stage -type f)" ]
+    DESTDIR="$PWD/stage" cmake --build "$CONUS_BUILD" --target uninstall >log
+    [ -z "$(find stage -type f -o -type l)" ]
+}
+
+@test "desktop, MIME and AppStream files hold" {
+    [ -e "$MOVED/bin/conus-view" ] || skip "conus-view is not built"
+    local share=$MOVED/share
+    grep -qx 'Exec=conus-view %f' "$share/applications/conus-view.desktop"
+    [ -e "$share/icons/hicolor/scalable/apps/conus-view.svg" ]
+    for type in $(sed -n 's/^MimeType=//p' "$share/applications/conus-view.desktop" | tr ';' ' '); do
+        [ "$type" = inode/directory ] || grep -qF "type=\"$type\"" "$share/mime/packages/conus.xml"
+    done
+    ! command -v desktop-file-validate || desktop-file-validate "$share/applications/conus-view.desktop"
+    if command -v appstreamcli; then
+        appstreamcli validate --no-net "$share/metainfo/conus-view.metainfo.xml" >said || true
+        ! grep '^E:' said
+    fi
+    command -v xmllint || skip "there is no xmllint"
+    xmllint --noout "$share"/mime/packages/conus.xml "$share"/metainfo/*.xml "$share"/icons/hicolor/scalable/apps/*.svg
+}
