@@ -26,11 +26,13 @@ end_peer() {
     wait "$peer" 2>/dev/null || true
 }
 
-# start_track OPTION...: conus track in the background, process $track, until it is ready to be ended by a signal.
+# start_track OPTION...: conus track in the background, process $track, until it is ready to be ended by a signal, and to
+# be connected to, where the first option is --listen PORT.
 start_track() {
     background env --default-signal=INT "$CONUS" track sphere.nii.gz "$@" >steps.tsv
     track=$child
     wait_until "$track" catches_signals "$track"
+    [ "$1" != --listen ] || wait_until "$track" listens "$2"
 }
 
 end_track() {
@@ -49,7 +51,7 @@ followed() {
     port=$(free_port)
     start_track --listen "$port" --selected --format tsv --quiet
     example TrackerClient localhost "$port" 30
-    wait_until "$track" has_lines 8 steps.tsv
+    wait_until "$peer" has_lines 8 steps.tsv
     end_track
     end_peer
     followed
