@@ -42,10 +42,11 @@ runs() {
 
 # wait_until PID COMMAND...: until COMMAND succeeds, which process PID shall bring about before it ends.
 wait_until() {
-    local pid=$1
+    local pid=$1 begun=$SECONDS
     shift
     until "$@"; do
         runs "$pid" || "$@" || { echo "process $pid ended before: $*"; return 1; }
+        [ $((SECONDS - begun)) -lt $HANG ] || { echo "process $pid hangs before: $*"; return 1; }
         sleep 0.02
     done
 }

@@ -107,7 +107,7 @@ complete_fish() {
     [ "$(complete_bash pages/conus.bash conus help swe)" = sweep ]
     touch 'my atlas.nii.gz'
     mkdir 'my folder'
-    [ "$(complete_bash pages/conus.bash conus query my)" = "$(printf 'my atlas.nii.gz\nmy folder')" ]
+    [ "$(complete_bash pages/conus.bash conus query my | sort)" = "$(printf 'my atlas.nii.gz\nmy folder')" ]
     [ "$(complete_bash pages/conus.bash conus query --labels my | wc -l)" -eq 2 ]
     [ "$(complete_bash pages/conus.bash conus mesh a -o my)" = "my folder" ]
     [ -z "$(complete_bash pages/conus.bash conus query --angle my)" ]

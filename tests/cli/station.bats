@@ -50,7 +50,7 @@ followed() {
     sphere
     port=$(free_port)
     start_track --listen "$port" --selected --format tsv --quiet
-    example TrackerClient localhost "$port" 30
+    example TrackerClient 127.0.0.1 "$port" 30
     wait_until "$peer" has_lines 8 steps.tsv
     end_track
     end_peer
@@ -65,7 +65,7 @@ followed() {
         TrackerServer) example $server "$port" 30 ;;
         *) example $server "$port" ;;
         esac
-        start_track --connect "localhost:$port" --selected --format tsv --quiet
+        start_track --connect "127.0.0.1:$port" --selected --format tsv --quiet
         wait_until "$peer" has_lines 8 steps.tsv
         end_track
         end_peer
