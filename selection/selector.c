@@ -132,6 +132,14 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
     return CONUS_OK;
 }
 
+conus_status conus_selector_share(conus_selector **out, const conus_selector *selector)
+{
+    if (selector->options.engine == CONUS_ENGINE_GL) {
+        return fail(CONUS_ERROR_ARGUMENT, "engine: gl belongs to one thread, only rays are shared");
+    }
+    return selector_share(out, selector);
+}
+
 void conus_selector_destroy(conus_selector *selector)
 {
     if (selector) {

@@ -34,6 +34,7 @@
 #define CONUS_PUBLIC_CONUS_H
 
 #include <conus/aims.h>
+#include <conus/arrays.h>
 #include <conus/atlas.h>
 #include <conus/atlas_info.h>
 #include <conus/batch.h>

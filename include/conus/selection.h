@@ -81,6 +81,17 @@ CONUS_CHECKED conus_status conus_selector_create(conus_selector **out, const con
                                                  const conus_selector_options *options);
 
 /**
+ * Makes another selector for the same atlas, so that a second thread may answer at the same time. It has the same
+ * options and the same tables of the atlas, which are in memory once.
+ * @param[out] out The selector; end it with conus_selector_destroy().
+ * @param selector Must outlive @p out. Its engine is rays.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for the gl engine, which belongs to one thread.
+ * @threads One at a time for each @p selector.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_selector_share(conus_selector **out, const conus_selector *selector);
+
+/**
  * Ends a selector. What was made for it must have ended before.
  * @param selector NULL is allowed.
  * @threads One at a time for each @p selector. With the gl engine, the one that made it.

@@ -152,10 +152,11 @@ static conus_status read_names(struct parcellation *parts, const char *override,
                                           &parts->notes);
 }
 
-static conus_status refuse_grey(const struct parcellation *parts, bool stated)
+conus_status parcellation_refuse_grey(const struct volume_file *file, const uint32_t *labels,
+                                      const struct label_table *table, bool stated)
 {
     struct grey_verdict verdict;
-    conus_status status = grey_judge_file(&verdict, &parts->file, parts->labels, &parts->table, stated);
+    conus_status status = grey_judge_file(&verdict, file, labels, table, stated);
     return status || !verdict.grey
                ? status
                : fail(
@@ -163,7 +164,7 @@ static conus_status refuse_grey(const struct parcellation *parts, bool stated)
                      "%s: looks like an image, not like labels: %.0f %% of its neighbouring voxels are equal, of areas "
                      "%.0f %% would be; --context draws it, --pathway selects what is bright in it, --labels-anyway "
                      "treats every value as a label",
-                     parts->file.path, 100 * verdict.equal, 100 * verdict.needed);
+                     file->path, 100 * verdict.equal, 100 * verdict.needed);
 }
 
 conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options,
@@ -175,7 +176,8 @@ conus_status parcellation_read(struct parcellation *out, const char *path, const
     status = status || markup ? status : volume_file_labels(&out->labels, &out->file);
     status = status ? status : read_names(out, options->labels, markup);
     out->file.info.role = CONUS_ROLE_PARCELLATION;
-    return status || options->labels_anyway ? status : refuse_grey(out, markup);
+    return status || options->labels_anyway ? status
+                                            : parcellation_refuse_grey(&out->file, out->labels, &out->table, markup);
 }
 
 conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts)

@@ -22,6 +22,11 @@ conus_status parcellation_read(struct parcellation *out, const char *path, const
                                const char *needed);
 void parcellation_finish(struct parcellation *parts);
 
+/** Fails with CONUS_ERROR_DATA where @p labels, the voxels of @p file, look like an image's grey values, as of
+ * grey_judge_file(). */
+conus_status parcellation_refuse_grey(const struct volume_file *file, const uint32_t *labels,
+                                      const struct label_table *table, bool stated);
+
 /** An atlas of it; the notes go there. */
 conus_status parcellation_atlas(conus_atlas **out, struct parcellation *parts);
 

@@ -137,14 +137,6 @@ static conus_status choose_name(struct buffer *out, const char *wanted, const co
     return status;
 }
 
-/* Drops the notes that a failed step left behind. */
-static void cut_notes(struct notes *notes, size_t count)
-{
-    while (notes->count > count) {
-        memory_free(notes->lines[--notes->count]);
-    }
-}
-
 conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, double threshold, const char *wanted,
                          struct notes *notes)
 {
@@ -162,7 +154,7 @@ conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, double th
     status = status ? status : atlas_add_pathway(atlas, &file->info, values, words);
     if (status) {
         memory_free(values);
-        cut_notes(&atlas->notes, note_count);
+        notes_cut(&atlas->notes, note_count);
     }
     buffer_finish(&name);
     return status;
@@ -195,28 +187,34 @@ static conus_status choose_block(conus_volume_info *info, double wanted)
                                       info->path, text_number(threshold, wanted), text_number(maximum, info->maximum));
 }
 
+conus_status context_set(conus_atlas *atlas, struct volume_file *file, double block_threshold, struct notes *notes)
+{
+    float *values = NULL;
+    size_t note_count = atlas->notes.count;
+    conus_status status = volume_file_values(&values, file, notes);
+    if (!status) {
+        file->info.role = CONUS_ROLE_CONTEXT;
+        status = choose_block(&file->info, block_threshold);
+    }
+    status = status ? status : notes_move(&atlas->notes, notes);
+    status = status ? status : atlas_set_context(atlas, &file->info, values);
+    if (status) {
+        memory_free(values);
+        notes_cut(&atlas->notes, note_count);
+    }
+    return status;
+}
+
 conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const conus_context_options *options)
 {
     struct volume_file file = {0};
     struct notes notes = {0};
-    float *values = NULL;
     if (!atlas || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context: an atlas and a path are needed");
     }
     options = options_of(conus_context_options, options);
-    size_t note_count = atlas->notes.count;
     conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
-    status = status ? status : volume_file_values(&values, &file, &notes);
-    if (!status) {
-        file.info.role = CONUS_ROLE_CONTEXT;
-        status = choose_block(&file.info, options->block_threshold);
-    }
-    status = status ? status : notes_move(&atlas->notes, &notes);
-    status = status ? status : atlas_set_context(atlas, &file.info, values);
-    if (status) {
-        memory_free(values);
-        cut_notes(&atlas->notes, note_count);
-    }
+    status = status ? status : context_set(atlas, &file, options->block_threshold, &notes);
     notes_finish(&notes);
     volume_file_finish(&file);
     return status;

@@ -11,4 +11,8 @@
 conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, double threshold, const char *wanted,
                          struct notes *notes);
 
+/** Sets the chosen volume of @p file as the context, whose voxels block from @p block_threshold on (0 = none do). Notes
+ * and failure as above. */
+conus_status context_set(conus_atlas *atlas, struct volume_file *file, double block_threshold, struct notes *notes);
+
 #endif

@@ -56,6 +56,7 @@ LIBRARY = {
     " loaders/surfaces loaders/manifest",
     "loaders/scene": "base base/formats atlas/surface atlas loaders loaders/volumes loaders/tables"
     " loaders/child loaders/surfaces loaders/manifest loaders/plan",
+    "loaders/arrays": "base atlas loaders/volumes loaders/plan loaders/scene",
     "render/gl": "base",
     "render/id": "base atlas/surface atlas render/gl",
     "render/image": "base",

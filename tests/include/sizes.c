@@ -26,6 +26,10 @@ SIZE(conus_mesh_options, 80);
 SIZE(conus_phantom_options, 56);
 SIZE(conus_manifest_options, 32);
 
+SIZE(conus_voxels, 216);
+SIZE(conus_create_options, 16);
+
+SIZE(conus_label, 40);
 SIZE(conus_object, 72);
 SIZE(conus_volume_info, 488);
 SIZE(conus_pose, 128);

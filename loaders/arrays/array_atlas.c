@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Atlases, surfaces, pathways and contexts from arrays. */
+#include "atlas/atlas.h"
+#include "base/memory.h"
+#include "base/options.h"
+#include "loaders/arrays/array_volume.h"
+#include "loaders/plan/load_parcellation.h"
+#include "loaders/scene/load_scalar.h"
+#include "loaders/volumes/volume_values.h"
+
+#include <string.h>
+
+/* ---- Labels ------------------------------------------------------------------------------------------------------ */
+
+static conus_status check_label(const conus_label *label)
+{
+    if (!label->number) {
+        return fail(CONUS_ERROR_ARGUMENT, "number: 0 is background, allowed is 1 to 4294967295");
+    }
+    return !label->hemisphere || strchr("LRB", label->hemisphere)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "hemisphere of label %u: character %d, allowed are 'L', 'R', 'B' and 0",
+                      label->number, label->hemisphere);
+}
+
+/* Adds a copy of the label to the table. */
+static conus_status add_label(struct label_table *table, const conus_label *label)
+{
+    conus_status status = check_label(label);
+    struct label *entry = status ? NULL : label_table_add(table, label->number);
+    if (!entry) {
+        return status ? status
+                      : fail(CONUS_ERROR_MEMORY, "label %u: no memory for it, or more than %d labels", label->number,
+                             LABEL_LIMIT);
+    }
+    status = label_set_text(&entry->name, text_from(label->name ? label->name : ""));
+    status = status ? status
+                    : label_set_text(&entry->abbreviation, text_from(label->abbreviation ? label->abbreviation : ""));
+    entry->hemisphere = label->hemisphere;
+    entry->has_rgb = label->has_rgb;
+    memcpy(entry->rgb, label->rgb, sizeof entry->rgb);
+    entry->has_parent = label->parent != 0;
+    entry->parent = label->parent;
+    return status;
+}
+
+static conus_status add_labels(struct label_table *table, const conus_label *labels, size_t count, struct notes *notes)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < count && !status; i++) {
+        status = add_label(table, &labels[i]);
+    }
+    return status ? status : label_table_sort(table, notes);
+}
+
+/* ---- Voxels ------------------------------------------------------------------------------------------------------ */
+
+static conus_status set_words(conus_atlas *atlas, const char *name)
+{
+    atlas->path = memory_text(name, strlen(name));
+    return atlas->path ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status create_empty(conus_atlas **out)
+{
+    conus_atlas *atlas = NULL;
+    conus_status status = atlas_create_empty(&atlas, "the program");
+    status = status ? status : set_words(atlas, "arrays");
+    if (status) {
+        conus_atlas_destroy(atlas);
+        return status;
+    }
+    *out = atlas;
+    return CONUS_OK;
+}
+
+static conus_status create_of_voxels(conus_atlas **out, struct volume_file *file, const conus_label *labels,
+                                     size_t label_count, bool labels_anyway)
+{
+    struct label_table table = {0};
+    struct notes notes = {0};
+    uint32_t *numbers = NULL;
+    conus_atlas *atlas = NULL;
+    file->info.role = CONUS_ROLE_PARCELLATION;
+    conus_status status = volume_file_labels(&numbers, file);
+    status = status ? status : add_labels(&table, labels, label_count, &notes);
+    status = status || labels_anyway ? status : parcellation_refuse_grey(file, numbers, &table, false);
+    status =
+        status ? status
+               : atlas_create(&atlas, &file->info, numbers, &table, label_count ? "the program" : "none found", &notes);
+    status = status ? status : set_words(atlas, file->path);
+    memory_free(numbers);
+    label_table_finish(&table);
+    notes_finish(&notes);
+    if (status) {
+        conus_atlas_destroy(atlas);
+        return status;
+    }
+    *out = atlas;
+    return CONUS_OK;
+}
+
+conus_status conus_atlas_create(conus_atlas **out, const conus_voxels *voxels, const conus_label *labels,
+                                size_t label_count, const conus_create_options *options)
+{
+    struct array_volume array = {0};
+    bool labels_anyway = options_of(conus_create_options, options)->labels_anyway;
+    if (!out || (label_count && (!labels || !voxels))) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_create: %s",
+                    !out      ? "a result is needed"
+                    : !labels ? "labels: NULL, though there are some"
+                              : "labels without voxels; areas that are surfaces bring their own");
+    }
+    if (!voxels) {
+        return create_empty(out);
+    }
+    conus_status status = array_volume_open(&array, voxels);
+    status = status ? status : create_of_voxels(out, &array.file, labels, label_count, labels_anyway);
+    array_volume_finish(&array);
+    return status;
+}
+
+/* ---- Surfaces ---------------------------------------------------------------------------------------------------- */
+
+/* Number of the area with this label, 0 if there is none. */
+static uint32_t find_area(const conus_atlas *atlas, uint32_t label)
+{
+    for (size_t i = 0; i < atlas->area_count; i++) {
+        if (atlas->objects[i].label == label) {
+            return (uint32_t)i + 1;
+        }
+    }
+    return 0;
+}
+
+static conus_status check_area(const conus_atlas *atlas, const conus_label *area)
+{
+    conus_status status = check_label(area);
+    if (!status && find_area(atlas, area->number)) {
+        status = fail(CONUS_ERROR_ARGUMENT, "number: %u is that of another area", area->number);
+    }
+    if (!status && area->parent && !find_area(atlas, area->parent)) {
+        status = fail(CONUS_ERROR_ARGUMENT, "parent: no area has the number %u", area->parent);
+    }
+    return status;
+}
+
+static conus_status copy_mesh(struct mesh *out, const float *positions, size_t vertex_count, const uint32_t *triangles,
+                              size_t triangle_count)
+{
+    if (!positions || !triangles) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: NULL", positions ? "triangles" : "positions");
+    }
+    conus_status status = mesh_init(out, vertex_count, triangle_count);
+    if (!status) {
+        memcpy(out->positions, positions, 3 * vertex_count * sizeof *positions);
+        memcpy(out->triangles, triangles, 3 * triangle_count * sizeof *triangles);
+    }
+    return status;
+}
+
+static conus_status add_area(conus_atlas *atlas, const conus_label *area, struct mesh *mesh)
+{
+    struct label_table table = {0};
+    char digits[LABEL_DIGITS];
+    conus_status status = add_label(&table, area);
+    if (!status) {
+        conus_object object = label_object(&table.entries[0], atlas->object_count, digits);
+        object.parent = area->parent ? find_area(atlas, area->parent) : 0;
+        status = atlas_add_mesh(atlas, &object, mesh);
+    }
+    label_table_finish(&table);
+    return status;
+}
+
+conus_status conus_atlas_add_surface(conus_atlas *atlas, const conus_label *area, const float *positions,
+                                     size_t vertex_count, const uint32_t *triangles, size_t triangle_count)
+{
+    struct mesh mesh = {0};
+    struct notes notes = {0};
+    if (!atlas || !area) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_surface: an atlas and an area are needed");
+    }
+    size_t note_count = atlas->notes.count;
+    conus_status status = check_area(atlas, area);
+    status = status ? status : copy_mesh(&mesh, positions, vertex_count, triangles, triangle_count);
+    status = status ? status : mesh_check(&mesh, &notes);
+    if (status) {
+        status = fail_in(status, area->name ? area->name : "surface");
+    }
+    for (size_t i = 0; i < notes.count && !status; i++) {
+        status = notes_add(&atlas->notes, "area %u: %s", area->number, notes.lines[i]);
+    }
+    status = status ? status : add_area(atlas, area, &mesh);
+    if (status) {
+        notes_cut(&atlas->notes, note_count);
+    }
+    notes_finish(&notes);
+    mesh_finish(&mesh);
+    return status;
+}
+
+/* ---- Scalar maps ------------------------------------------------------------------------------------------------- */
+
+conus_status conus_atlas_add_values(conus_atlas *atlas, const conus_voxels *voxels,
+                                    const conus_pathway_options *options)
+{
+    struct array_volume array = {0};
+    struct notes notes = {0};
+    if (!atlas || !voxels) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_values: an atlas and voxels are needed");
+    }
+    options = options_of(conus_pathway_options, options);
+    conus_status status = array_volume_open(&array, voxels);
+    const char *name = options->name && *options->name ? options->name : array.file.path;
+    status = status ? status : pathway_add(atlas, &array.file, options->threshold, name, &notes);
+    notes_finish(&notes);
+    array_volume_finish(&array);
+    return status;
+}
+
+conus_status conus_atlas_set_context_values(conus_atlas *atlas, const conus_voxels *voxels,
+                                            const conus_context_options *options)
+{
+    struct array_volume array = {0};
+    struct notes notes = {0};
+    if (!atlas || !voxels) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context_values: an atlas and voxels are needed");
+    }
+    options = options_of(conus_context_options, options);
+    conus_status status = array_volume_open(&array, voxels);
+    status = status ? status : context_set(atlas, &array.file, options->block_threshold, &notes);
+    notes_finish(&notes);
+    array_volume_finish(&array);
+    return status;
+}
