@@ -224,7 +224,9 @@ static conus_status list_passed_over(struct buffer *out, const struct pose_table
         }
         const char *meant = column_meant(table, field);
         buffer_format(out, "%s\"%.*s\"", count > 1 ? ", " : "", pose_quote(field), field.data);
-        buffer_format(out, meant ? " (did you mean %s?)" : "", meant);
+        if (meant) {
+            buffer_format(out, " (did you mean %s?)", meant);
+        }
     }
     if (count > SHOWN) {
         buffer_format(out, " and %zu more", count - SHOWN);

@@ -21,7 +21,9 @@ static const struct {
     const char *prefix;
 } kinds[KINDS] = {{"Target Name", "target"}, {"Sample Name", "sample"}, {"Electrode Name", "electrode"}};
 
-enum { NO_COLUMN = SIZE_MAX, FIELD_LIMIT = 64 };
+enum { FIELD_LIMIT = 64 };
+
+static const size_t NO_COLUMN = SIZE_MAX;
 
 /* Digits are rounded to three places at worst: products of rows are off by up to 0.0005 (|a| + |b| + |c|) each. */
 static const double ROUNDED = 2e-3;

@@ -14,7 +14,7 @@ enum column { NAME, X, Y, Z, GROUP, COLUMNS };
 
 static const char *const names[COLUMNS] = {"name", "x", "y", "z", "group"};
 
-enum { NO_COLUMN = SIZE_MAX };
+static const size_t NO_COLUMN = SIZE_MAX;
 
 struct contact {
     struct text name;

@@ -128,7 +128,7 @@ static conus_status upload_meshes(struct mesh_layer *layer, const conus_atlas *a
             if (mesh) {
                 fill_mesh(vertices + next.vertices, indices + next.indices, (uint32_t)next.vertices, mesh, number);
                 layer->parts[number - 1].count = (GLsizei)(3 * mesh->triangle_count);
-                layer->parts[number - 1].offset = (const char *)NULL + next.indices * sizeof *indices;
+                layer->parts[number - 1].offset = (const void *)(next.indices * sizeof *indices); /* as GL has it */
                 next.vertices += mesh->vertex_count;
                 next.indices += 3 * mesh->triangle_count;
             }

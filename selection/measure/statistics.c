@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NO_PIXEL = UINT32_MAX };
+static const uint32_t NO_PIXEL = UINT32_MAX;
 
 /* What is kept of an object while its pixels and intervals come by. */
 struct tallied {

@@ -42,8 +42,8 @@ static void write_numbers(struct buffer *out, const conus_result *result, const 
                   result->pixels);
     if (isfinite(result->offset)) {
         buffer_format(out, "  %8.2f", degrees_from_radians(result->offset));
-    } else {
-        buffer_format(out, object ? "  %8s" : "", "");
+    } else if (object) {
+        buffer_format(out, "  %8s", "");
     }
 }
 
