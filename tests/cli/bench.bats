@@ -9,7 +9,7 @@ bench() {
 @test "all --check: every scenario's answers are equal, and the JSON says everything" {
     run -0 --separate-stderr bench all --check --json all.json
     [[ "$stderr" == *"volume"* ]]
-    ! grep -q "check:" <<<"$stderr"
+    not grep -q "check:" <<<"$stderr"
     for key in version machine driver versions load_start load_end settings runs ratios holds left_out; do
         jq -e "has(\"$key\")" all.json
     done

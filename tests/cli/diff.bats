@@ -74,7 +74,7 @@ result() {
 @test "what steers a terminal in names does not reach it" {
     result >a.tsv
     sed $'s/Frontal/\x1b]0;title\x07\xc2\x9b31m\xe2\x80\xaelatnorF/' a.tsv >b.tsv
-    ! cmp -s a.tsv b.tsv
+    not cmp -s a.tsv b.tsv
     run -1 conus diff a.tsv b.tsv
     [[ "$output" != *$'\x1b'* && "$output" != *$'\xc2\x9b'* && "$output" != *$'\xe2\x80\xae'* ]]
     has ' ]0;title  31m latnorF'

@@ -51,6 +51,11 @@ wait_until() {
     done
 }
 
+# not COMMAND...: that it fails. bats passes over a failing `! COMMAND` unless it comes last in a test.
+not() {
+    ! "$@"
+}
+
 # has_lines N FILE
 has_lines() {
     [ -e "$2" ] && [ "$(wc -l <"$2")" -ge "$1" ]

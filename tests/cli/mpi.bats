@@ -52,7 +52,7 @@ setup_poses() {
     conus batch nested.nii.gz --hide 'Shell outer' --poses poses.tsv -o rows.tsv
     ranks 3 nested.nii.gz --hide 'Shell outer' --poses poses.tsv --block 8 -o ranks.tsv
     cmp rows.tsv ranks.tsv
-    ! grep -q 'Shell outer' ranks.tsv
+    not grep -q 'Shell outer' ranks.tsv
     diff <(grep -v CommandLine rows.json) <(grep -v CommandLine ranks.json)
 }
 

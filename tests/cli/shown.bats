@@ -71,8 +71,8 @@ near() {
     answers query "${atlas[@]}" "${cone[@]}" -q --hide Shell
     has 'shown: only Core'
     answers "${view[@]}" -o rows.tsv --image seen.exr
-    ! grep -q '"hidden"' rows.json
-    ! grep -aq conus:hidden seen.exr
+    not grep -q '"hidden"' rows.json
+    not grep -aq conus:hidden seen.exr
     answers "${view[@]}" --hide Inner -o rows.tsv --image seen.exr --layers all --deep deep.exr
     grep -q '"hidden": "areas 300"' rows.json
     grep -aq 'conus:hidden' seen.exr
@@ -122,7 +122,7 @@ near() {
     answers query sphere.nii.gz --origin 0,-100,0 --toward 0,0,0 --format tsv -q
     [ "$output" = "$with" ]
     answers query sphere.nii.gz --pathway tubes.nii.gz,name=Tract,threshold=1 --origin 0,-100,0 --toward 0,0,0 -q --only Sphere
-    ! [[ "$output" == *"pathway Tract"* ]]
+    [[ "$output" != *"pathway Tract"* ]]
 }
 
 @test "a picture does without what is hidden, as if it were not in the file" {

@@ -222,6 +222,8 @@ static void what_is_out_of_range(void **state)
     conus_voxels bad = good;
     bad.data = NULL;
     refuse(&bad, NULL, 0, CONUS_ERROR_ARGUMENT, "data: NULL");
+    /* One more than the table holds; only their number is looked at. */
+    refuse(&good, &(conus_label){.number = 1}, ((size_t)1 << 20) + 1, CONUS_ERROR_ARGUMENT, "labels: 1048577");
     bad = good;
     bad.type = 0;
     refuse(&bad, NULL, 0, CONUS_ERROR_ARGUMENT, "type: 0");
