@@ -11,8 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Text ----------------------------------------------------------------------------------------------------------
- */
+/* ---- Text -------------------------------------------------------------------------------------------------------- */
 
 /* What roff would take for its own, or typeset as another character; NULL = nothing of that. */
 static const char *escape_of(char c)
@@ -76,15 +75,7 @@ static void put_lines(FILE *out, const char *text)
     fputs(".fi\n", out);
 }
 
-static void put_heading(FILE *out, const char *macro, const char *title)
-{
-    fprintf(out, ".%s \"", macro);
-    put_text(out, title);
-    fputs("\"\n", out);
-}
-
-/* ---- Parts ---------------------------------------------------------------------------------------------------------
- */
+/* ---- Parts ------------------------------------------------------------------------------------------------------- */
 
 /* Opens the page `name` with its title and one-line description. */
 static void put_head(FILE *out, const char *name, const char *summary)
@@ -100,16 +91,30 @@ static void put_head(FILE *out, const char *name, const char *summary)
     fputc('\n', out);
 }
 
-static void put_synopsis(FILE *out, const struct program *program, const struct command *command)
+/* What a part of the help says, to be freed; NULL without memory. */
+static char *text_of(void (*write_help)(FILE *out, const struct command *command), const struct command *command)
 {
-    char *usage = NULL;
+    char *words = NULL;
     size_t size = 0;
-    FILE *text = open_memstream(&usage, &size);
+    FILE *text = open_memstream(&words, &size);
     if (!text) {
-        return;
+        return NULL;
     }
-    help_usage(text, command);
-    fclose(text);
+    write_help(text, command);
+    bool failed = ferror(text);
+    if (fclose(text) || failed) {
+        free(words);
+        return NULL;
+    }
+    return words;
+}
+
+static bool put_synopsis(FILE *out, const struct program *program, const struct command *command)
+{
+    char *usage = text_of(help_usage, command);
+    if (!usage) {
+        return false;
+    }
     fputs(".SH SYNOPSIS\n", out);
     put_text(out, usage);
     if (program->unnamed) {
@@ -119,6 +124,7 @@ static void put_synopsis(FILE *out, const struct program *program, const struct 
     }
     fputc('\n', out);
     free(usage);
+    return true;
 }
 
 static void put_option(FILE *out, const struct option *option)
@@ -151,7 +157,9 @@ static void put_options(FILE *out, const struct command *command)
     fputs(".SH OPTIONS\n", out);
     for (const struct option_group *group = command->groups; group->title; group++) {
         if (*group->title && strcmp(group->title, "Options") != 0) {
-            put_heading(out, "SS", group->title);
+            fputs(".SS \"", out);
+            put_text(out, group->title);
+            fputs("\"\n", out);
         }
         for (const struct option *option = group->options; option->name; option++) {
             put_option(out, option);
@@ -159,19 +167,24 @@ static void put_options(FILE *out, const struct command *command)
     }
 }
 
-static void put_notes(FILE *out, const struct command *command)
+static void write_more_help(FILE *out, const struct command *command)
 {
-    char *notes = NULL;
-    size_t size = 0;
-    FILE *text = command->more_help ? open_memstream(&notes, &size) : NULL;
-    if (!text) {
-        return;
+    command->more_help(out);
+}
+
+static bool put_notes(FILE *out, const struct command *command)
+{
+    if (!command->more_help) {
+        return true;
     }
-    command->more_help(text);
-    fclose(text);
+    char *notes = text_of(write_more_help, command);
+    if (!notes) {
+        return false;
+    }
     fputs(".SH NOTES\n", out);
     put_lines(out, notes);
     free(notes);
+    return true;
 }
 
 static void put_exit_status(FILE *out)
@@ -183,24 +196,24 @@ static void put_exit_status(FILE *out)
     }
 }
 
-/* ---- Pages ---------------------------------------------------------------------------------------------------------
- */
+/* ---- Pages ------------------------------------------------------------------------------------------------------- */
 
-void man_page_command(FILE *out, const struct program *program, const struct command *command)
+bool man_page_command(FILE *out, const struct program *program, const struct command *command)
 {
     char name[64];
     bool part = program->commands[1] != NULL;
     snprintf(name, sizeof name, "%s%s%s", program->name, part ? "-" : "", part ? command->name : "");
     put_head(out, name, command->summary);
-    put_synopsis(out, program, command);
+    bool complete = put_synopsis(out, program, command);
     fputs(".SH DESCRIPTION\n", out);
     put_paragraphs(out, command->description);
     put_options(out, command);
-    put_notes(out, command);
+    complete = put_notes(out, command) && complete;
     put_exit_status(out);
     fputs(".SH EXAMPLES\n", out);
     put_lines(out, command->examples);
     fputs(".SH SEE ALSO\n.BR conus (1)\n", out);
+    return complete;
 }
 
 void man_page_program(FILE *out, const struct program *program)

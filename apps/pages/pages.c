@@ -59,12 +59,18 @@ static int write_man_page(const struct program *program, const struct command *c
     if (!out) {
         return EXIT_DATA;
     }
+    bool complete = true;
     if (command) {
-        man_page_command(out, program, command);
+        complete = man_page_command(out, program, command);
     } else {
         man_page_program(out, program);
     }
-    return close_page(out, path);
+    int code = close_page(out, path);
+    if (!complete) {
+        errno = ENOMEM;
+        return print_system_error(path, "write");
+    }
+    return code;
 }
 
 static int write_man_pages(const struct program *program, const char *folder)
