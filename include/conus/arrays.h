@@ -72,7 +72,8 @@ typedef struct conus_create_options {
  * those that have a name. Add surfaces, then scalar maps and a context, before a selector is made.
  * @param[out] out The atlas; end it with conus_atlas_destroy().
  * @param voxels Whole numbers from 0 (background) to 4294967295, copied; NULL = an atlas without voxels, for surfaces.
- * @param labels [label_count] In any order, copied; of several with one number the first counts. NULL = none.
+ * @param labels [label_count] Up to 1048576, in any order, copied; of several with one number the first counts.
+ *     NULL = none.
  * @param label_count How many.
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a type, dimension, label or hemisphere out of its range, and for labels

@@ -29,9 +29,7 @@ static conus_status add_label(struct label_table *table, const conus_label *labe
     conus_status status = check_label(label);
     struct label *entry = status ? NULL : label_table_add(table, label->number);
     if (!entry) {
-        return status ? status
-                      : fail(CONUS_ERROR_MEMORY, "label %u: no memory for it, or more than %d labels", label->number,
-                             LABEL_LIMIT);
+        return status ? status : CONUS_ERROR_MEMORY;
     }
     status = label_set_text(&entry->name, text_from(label->name ? label->name : ""));
     status = status ? status
@@ -46,6 +44,9 @@ static conus_status add_label(struct label_table *table, const conus_label *labe
 
 static conus_status add_labels(struct label_table *table, const conus_label *labels, size_t count, struct notes *notes)
 {
+    if (count > LABEL_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "labels: %zu, allowed are up to %d", count, LABEL_LIMIT);
+    }
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
         status = add_label(table, &labels[i]);
