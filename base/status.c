@@ -47,6 +47,7 @@ const char *conus_status_name(conus_status status)
         [CONUS_ERROR_DATA] = "CONUS_ERROR_DATA",
         [CONUS_ERROR_UNSUPPORTED] = "CONUS_ERROR_UNSUPPORTED",
         [CONUS_ERROR_GL] = "CONUS_ERROR_GL",
+        [CONUS_ERROR_CANCELLED] = "CONUS_ERROR_CANCELLED",
     };
     return (unsigned)status < sizeof names / sizeof names[0] ? names[status] : "CONUS_ERROR_UNKNOWN";
 }

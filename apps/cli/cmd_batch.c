@@ -89,6 +89,9 @@ static int answer_all(struct run *run)
     interrupt_catch(work->poses);
     conus_status status = conus_batch_run(work->batch, work->poses, work->count - run->done, deliver, run);
     interrupt_release();
+    if (status == CONUS_ERROR_CANCELLED) { /* by deliver(), which left word in run->code or came of a signal */
+        status = CONUS_OK;
+    }
     if (!status && !run->progress.on_terminal) { /* where a program reads along, the progress has the last word */
         say_aims(run);
     }

@@ -85,11 +85,12 @@ static const struct option_group groups[] = {
     {0},
 };
 
-static void show_progress(void *user, size_t done, size_t total)
+static bool show_progress(void *user, size_t done, size_t total)
 {
     (void)user;
     fprintf(stderr, "\r%zu of %zu meshes%s", done, total, done == total ? "\n" : "");
     fflush(stderr);
+    return true;
 }
 
 static void say_note(void *user, const char *line)

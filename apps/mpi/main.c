@@ -91,7 +91,8 @@ static int answer_part(struct run *run, uint64_t pass, uint64_t poses)
     run->part = (conus_batch_block){.text = ""};
     if (!code && poses) {
         conus_status status = conus_batch_run(run->work.batch, run->work.poses, poses, collect, run);
-        code = status ? print_status(status) : EXIT_DONE;
+        bool is_said = !status || status == CONUS_ERROR_CANCELLED; /* by collect() */
+        code = is_said ? EXIT_DONE : print_status(status);
     }
     return code;
 }

@@ -103,14 +103,12 @@ struct progress {
     size_t more;
 };
 
-static void hear_progress(void *user, const char *path, size_t done, size_t total)
+static bool hear_progress(void *user, const char *path, size_t done, size_t total)
 {
     struct progress *progress = user;
     const struct atlas_settings *settings = progress->settings;
     progress->total = total;
-    if (settings->progress) {
-        settings->progress(settings->progress_user, path, done, total + progress->more);
-    }
+    return !settings->progress || settings->progress(settings->progress_user, path, done, total + progress->more);
 }
 
 static int add_pathways(conus_atlas *atlas, const struct atlas_settings *settings, const struct progress *progress)
@@ -118,7 +116,7 @@ static int add_pathways(conus_atlas *atlas, const struct atlas_settings *setting
     int code = EXIT_DONE;
     for (size_t i = 0; !code && i < settings->pathways.count; i++) {
         const char *pathway = settings->pathways.items[i];
-        if (settings->progress) {
+        if (settings->progress) { /* no program cancels */
             settings->progress(settings->progress_user, pathway, progress->total + i, progress->total + progress->more);
         }
         code = add_pathway(atlas, pathway, settings->max_memory);

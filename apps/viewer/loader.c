@@ -20,7 +20,7 @@ struct loader {
 };
 
 /* What is read is shown, so that who waits knows what for. */
-static void note(void *user, const char *path, size_t done, size_t total)
+static bool note(void *user, const char *path, size_t done, size_t total)
 {
     struct loader *loader = user;
     const char *slash = strrchr(path, '/');
@@ -30,6 +30,7 @@ static void note(void *user, const char *path, size_t done, size_t total)
     snprintf(loader->progress.file, sizeof loader->progress.file, "%s", slash && slash[1] ? slash + 1 : path);
     loader->progress.part = done < total ? (double)done / (double)total : 1;
     pthread_mutex_unlock(&loader->lock);
+    return true;
 }
 
 static void *load(void *user)

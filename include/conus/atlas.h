@@ -24,8 +24,9 @@ typedef struct conus_atlas conus_atlas; /**< Volumes, areas and pathways of one 
  * @param path The file. Valid until the callback returns.
  * @param done Files that are read.
  * @param total Files in all. It may change while files name others.
+ * @return False cancels the load, which then fails with #CONUS_ERROR_CANCELLED.
  */
-typedef void (*conus_load_progress)(void *user, const char *path, size_t done, size_t total);
+typedef bool (*conus_load_progress)(void *user, const char *path, size_t done, size_t total);
 
 /** How conus_atlas_load() reads. */
 typedef struct conus_load_options {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file batch.h
- * Poses by the million, answered by threads in blocks.
+ * Poses by the million, answered by threads in blocks: of a stream as text, of arrays as arrays.
  */
 #ifndef CONUS_PUBLIC_BATCH_H
 #define CONUS_PUBLIC_BATCH_H
@@ -16,6 +16,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** @name Streams and text
+ * @{ */
 
 typedef struct conus_batch conus_batch; /**< Threads made ready to answer poses by the million. */
 
@@ -46,7 +49,7 @@ typedef struct conus_batch_block {
  * Receives whole blocks in the order of the poses, on the thread that called conus_batch_run().
  * @param user The pointer that conus_batch_run() got.
  * @param block The block. Valid until the callback returns.
- * @return False ends the run.
+ * @return False ends the run with #CONUS_ERROR_CANCELLED.
  */
 typedef bool (*conus_batch_sink)(void *user, const conus_batch_block *block);
 
@@ -89,7 +92,8 @@ CONUS_API uint32_t conus_batch_threads(const conus_batch *batch);
  * @param limit Poses to answer at most.
  * @param sink Receives the blocks.
  * @param user Passed to @p sink.
- * @return #CONUS_OK; the errors of conus_pose_stream_read() and conus_select().
+ * @return #CONUS_OK; #CONUS_ERROR_CANCELLED where @p sink ends the run; the errors of conus_pose_stream_read() and
+ * conus_select().
  * @threads One at a time for each @p batch.
  * @since 0.1
  */
@@ -124,6 +128,74 @@ CONUS_API const char *conus_batch_header(const conus_batch *batch);
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_batch_sidecar(const char **text, size_t *size, conus_batch *batch);
+/** @} */
+
+/** @name Arrays
+ * @{ */
+
+/** Poses in memory: either matrices, or origins with directions. */
+typedef struct conus_pose_array {
+    size_t struct_size;      /**< Its size, as #CONUS_POSE_ARRAY_INIT sets it; 0 = that of this version. */
+    size_t count;            /**< How many. */
+    const double *matrix;    /**< [count 16] As for conus_pose_from_matrix(); NULL = the next three. */
+    const double *origin;    /**< [count 3] World mm. */
+    const double *direction; /**< [count 3] Any length but 0. */
+    const double *up;        /**< [count 3] As for conus_pose_along(); NULL = the default of Eq. 2. */
+    const double *angle;     /**< [count] Full opening, radians; where it is 0, and where this is NULL, the options'. */
+} conus_pose_array;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_POSE_ARRAY_INIT CONUS_INIT_(conus_pose_array)
+
+/** How conus_select_many() answers. */
+typedef struct conus_many_options {
+    size_t struct_size; /**< Its size, as #CONUS_MANY_OPTIONS_INIT sets it; 0 = that of this version. */
+    uint32_t threads;   /**< As conus_batch_options.threads. */
+    uint32_t block;     /**< As conus_batch_options.block. */
+    double angle;       /**< As conus_batch_options.angle. */
+} conus_many_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_MANY_OPTIONS_INIT CONUS_INIT_(conus_many_options)
+
+/** Answers to poses that follow each other. */
+typedef struct conus_answers {
+    size_t first;                /**< Index of the first pose. */
+    size_t poses;                /**< How many. */
+    const size_t *starts;        /**< [poses + 1] The results of pose first + i are starts[i] to starts[i + 1] - 1. */
+    const conus_result *results; /**< [starts[poses]] In the order of conus_selection_result(). */
+    const conus_status *status;  /**< [poses] #CONUS_ERROR_ARGUMENT of a pose that has no answer: a number that is not
+                                    finite, say. conus_pose_along(), conus_pose_from_matrix() or conus_select() of that
+                                    pose tells why. */
+} conus_answers;
+
+/**
+ * Receives answers in the order of the poses, on the thread that called conus_select_many().
+ * @param user The pointer that conus_select_many() got.
+ * @param answers Valid until the callback returns.
+ * @return False ends the run with #CONUS_ERROR_CANCELLED.
+ */
+typedef bool (*conus_answer_sink)(void *user, const conus_answers *answers);
+
+/**
+ * Answers poses that are in memory, with threads. The answers are the same, bit for bit, for any number of threads and
+ * any size of blocks, and those of conus_select(). A pose that cannot be answered has a status and no results. After a
+ * failure, @p sink has received what comes before it.
+ * @param[out] astray Findings about the poses, with their indices as numbers, once all are answered; NULL = not wanted.
+ * @param selector Its score needs no history.
+ * @param poses The arrays are only read, and not copied.
+ * @param options NULL = defaults.
+ * @param sink Receives the answers.
+ * @param user Passed to @p sink.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range, and for arrays that are missing;
+ * #CONUS_ERROR_CANCELLED where @p sink ends the run; the errors of conus_select() but those of a pose.
+ * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_select_many(conus_astray *astray, conus_selector *selector,
+                                             const conus_pose_array *poses, const conus_many_options *options,
+                                             conus_answer_sink sink, void *user);
+/** @} */
 
 #ifdef __cplusplus
 }

@@ -125,6 +125,19 @@ CONUS_CHECKED conus_status conus_image_load(conus_image **out, const char *path)
 CONUS_CHECKED conus_status conus_image_write(const conus_image *image, const char *path);
 
 /**
+ * Makes the bytes that conus_image_write() would write.
+ * @param[out] data [size] Borrowed until the next call on the image.
+ * @param[out] size Bytes.
+ * @param image The image.
+ * @param format "exr" or "png".
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another format.
+ * @threads One at a time for each @p image.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_image_encode(const uint8_t **data, size_t *size, conus_image *image,
+                                              const char *format);
+
+/**
  * Ends an image.
  * @param image NULL is allowed.
  * @threads One at a time for each @p image.

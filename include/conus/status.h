@@ -8,6 +8,7 @@
 
 #include <conus/export.h>
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #ifdef __cplusplus
@@ -22,7 +23,8 @@ typedef enum conus_status {
     CONUS_ERROR_IO,          /**< The system refused to read or write. */
     CONUS_ERROR_DATA,        /**< The file is damaged, contradicts itself or is not of its format. */
     CONUS_ERROR_UNSUPPORTED, /**< Valid, but beyond this library. */
-    CONUS_ERROR_GL           /**< No usable OpenGL 4.5 context, or the driver failed. */
+    CONUS_ERROR_GL,          /**< No usable OpenGL 4.5 context, or the driver failed. */
+    CONUS_ERROR_CANCELLED    /**< A callback asked for the end. */
 } conus_status;
 
 /**
@@ -54,8 +56,9 @@ typedef void (*conus_log)(void *user, const char *line);
  * @param user The pointer that the options gave.
  * @param done Steps that are done.
  * @param total Steps in all.
+ * @return False cancels the task, which then fails with #CONUS_ERROR_CANCELLED.
  */
-typedef void (*conus_progress)(void *user, size_t done, size_t total);
+typedef bool (*conus_progress)(void *user, size_t done, size_t total);
 
 #ifdef __cplusplus
 }

@@ -73,8 +73,8 @@ static conus_status load_any(conus_atlas **out, const char *path, const conus_lo
         return load_json(out, path, options);
     }
     struct load_progress progress = {.options = options, .total = 1};
-    load_progress_report(&progress, path, 1);
-    return mesh_file_is(path) ? surface_load(out, path, options) : load_volume(out, path, options);
+    conus_status status = load_progress_report(&progress, path, 1);
+    return status ? status : mesh_file_is(path) ? surface_load(out, path, options) : load_volume(out, path, options);
 }
 
 conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)

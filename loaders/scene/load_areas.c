@@ -139,8 +139,8 @@ static conus_status read_foreign(struct surfaces *surfaces, struct area_plan *pl
     if (!n) {
         return CONUS_OK;
     }
-    load_progress_report(surfaces->progress, surfaces->foreign[0], n);
-    conus_status status = mesh_foreign_read(surfaces->received, surfaces->foreign, n, &options, surfaces->notes);
+    conus_status status = load_progress_report(surfaces->progress, surfaces->foreign[0], n);
+    status = status ? status : mesh_foreign_read(surfaces->received, surfaces->foreign, n, &options, surfaces->notes);
     surfaces->foreign_count = status ? 0 : n;
     n = 0;
     for (size_t i = 0; !status && i < plan->count; i++) {
@@ -160,8 +160,8 @@ static conus_status read_areas(struct surfaces *surfaces, struct area_plan *plan
         char key[48];
         struct planned_area *area = &plan->areas[i];
         if (!area->is_part && !is_foreign(area)) {
-            load_progress_report(surfaces->progress, area->path, 1);
-            status = read_own(surfaces, area, &surfaces->meshes[i]);
+            status = load_progress_report(surfaces->progress, area->path, 1);
+            status = status ? status : read_own(surfaces, area, &surfaces->meshes[i]);
         }
         snprintf(key, sizeof key, "areas[%zu]", area->entry);
         status = status ? fail_in(status, key) : CONUS_OK;
@@ -183,8 +183,8 @@ static conus_status read_all(struct surfaces *surfaces, struct area_plan *plan)
     conus_status status = read_foreign(surfaces, plan, true);
     status = status ? status : read_foreign(surfaces, plan, false);
     for (size_t i = 0; !status && i < plan->labelled_count; i++) {
-        load_progress_report(surfaces->progress, plan->labelled[i].path, 1);
-        status = cut_labelled(surfaces, plan, i);
+        status = load_progress_report(surfaces->progress, plan->labelled[i].path, 1);
+        status = status ? status : cut_labelled(surfaces, plan, i);
     }
     return status ? fail_in(status, "areas") : read_areas(surfaces, plan);
 }

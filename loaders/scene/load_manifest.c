@@ -59,10 +59,8 @@ static conus_status read_parcellation(struct parcellation *parts, struct loading
     char *path = source_path(loading, &from->source);
     conus_status status = path && (labels || !from->labels || options.labels) ? CONUS_OK : CONUS_ERROR_MEMORY;
     options.labels = labels ? labels : options.labels;
-    if (!status) {
-        load_progress_report(&loading->progress, path, 1);
-        status = parcellation_read(parts, path, &options, needed);
-    }
+    status = status ? status : load_progress_report(&loading->progress, path, 1);
+    status = status ? status : parcellation_read(parts, path, &options, needed);
     memory_free(path);
     memory_free(labels);
     if (status == CONUS_ERROR_ARGUMENT && !loading->options->labels) { /* as in fail_at() */
@@ -138,8 +136,8 @@ static conus_status add_volume(struct loading *loading, const struct manifest_pa
                                struct volume_file *file, size_t volume, const char *name, struct notes *notes)
 {
     double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
-    load_progress_report(&loading->progress, file->path, 1);
-    conus_status status = volume_file_select(file, volume);
+    conus_status status = load_progress_report(&loading->progress, file->path, 1);
+    status = status ? status : volume_file_select(file, volume);
     return status ? status : pathway_add(loading->atlas, file, threshold, name, notes);
 }
 
@@ -282,8 +280,8 @@ static conus_status add_one(struct loading *loading, const struct manifest_pathw
     const conus_pathway_options options = {
         .threshold = threshold, .name = pathway->name, .max_memory = loading->options->max_memory};
     char *path = source_path(loading, &pathway->source);
-    load_progress_report(&loading->progress, path ? path : "", 1);
-    conus_status status = path ? conus_atlas_add_pathway(loading->atlas, path, &options) : CONUS_ERROR_MEMORY;
+    conus_status status = path ? load_progress_report(&loading->progress, path, 1) : CONUS_ERROR_MEMORY;
+    status = status ? status : conus_atlas_add_pathway(loading->atlas, path, &options);
     memory_free(path);
     return status;
 }
@@ -368,8 +366,8 @@ static conus_status set_context(struct loading *loading)
     char *path = source_path(loading, &context->source);
     const conus_context_options options = {.block_threshold = context->blocks,
                                            .max_memory = loading->options ? loading->options->max_memory : 0};
-    load_progress_report(&loading->progress, path ? path : "", 1);
-    conus_status status = path ? conus_atlas_set_context(loading->atlas, path, &options) : CONUS_ERROR_MEMORY;
+    conus_status status = path ? load_progress_report(&loading->progress, path, 1) : CONUS_ERROR_MEMORY;
+    status = status ? status : conus_atlas_set_context(loading->atlas, path, &options);
     status = status || !context->transfer ? status : set_transfer(loading);
     memory_free(path);
     return status ? fail_at(status, loading, "context") : CONUS_OK;

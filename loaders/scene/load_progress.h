@@ -10,7 +10,8 @@ struct load_progress {
     size_t done, total; /**< Files. */
 };
 
-/** Calls options->progress, unless it is NULL: @p path is read now, and with it @p files of the total. */
-void load_progress_report(struct load_progress *progress, const char *path, size_t files);
+/** Calls options->progress, unless it is NULL: @p path is read now, and with it @p files of the total. Fails where the
+ * callback cancels. */
+conus_status load_progress_report(struct load_progress *progress, const char *path, size_t files);
 
 #endif

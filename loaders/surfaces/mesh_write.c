@@ -68,10 +68,9 @@ static conus_status write_mesh(void *user, uint32_t number, const struct mesh *m
     }
     buffer_finish(&path);
     work->done++;
-    if (!status && work->options->progress) {
-        work->options->progress(work->options->progress_user, work->done, work->total);
-    }
-    return status;
+    const conus_mesh_options *options = work->options;
+    bool go_on = status || !options->progress || options->progress(options->progress_user, work->done, work->total);
+    return go_on ? status : fail(CONUS_ERROR_CANCELLED, "cancelled after %zu of %zu surfaces", work->done, work->total);
 }
 
 static conus_status write_own_meshes(struct writing *work)

@@ -38,6 +38,7 @@ void conus_image_destroy(conus_image *image)
     memory_free(image->channels);
     memory_free(image->attributes);
     memory_free(image->png_rgba);
+    bytes_finish(&image->encoded);
     memory_free(image);
 }
 

@@ -33,22 +33,49 @@ conus_status conus_image_load(conus_image **out, const char *path)
     return status ? fail_in(status, path) : CONUS_OK;
 }
 
+/* Whether the ending, without its dot, is that of a format that is written. */
+static bool is_known(const char *ending)
+{
+    return strcasecmp(ending, "exr") == 0 || strcasecmp(ending, "png") == 0;
+}
+
+static conus_status format_image(struct bytes *out, const conus_image *image, const char *ending)
+{
+    return strcasecmp(ending, "exr") == 0 ? image_format_exr(out, image) : image_format_png(out, image);
+}
+
 conus_status conus_image_write(const conus_image *image, const char *path)
 {
     if (!image || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_image_write: %s is NULL", image ? "path" : "image");
     }
     const char *dot = strrchr(path, '.');
-    bool exr = dot && strcasecmp(dot, ".exr") == 0;
-    if (!exr && !(dot && strcasecmp(dot, ".png") == 0)) {
+    if (!dot || !is_known(dot + 1)) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: the ending says the format of a picture: .exr or .png", path);
     }
     struct bytes bytes;
-    conus_status status = exr ? image_format_exr(&bytes, image) : image_format_png(&bytes, image);
+    conus_status status = format_image(&bytes, image, dot + 1);
     if (status) {
         return fail_in(status, path);
     }
     status = file_write(path, bytes.data, bytes.size);
     bytes_finish(&bytes);
     return status;
+}
+
+conus_status conus_image_encode(const uint8_t **data, size_t *size, conus_image *image, const char *format)
+{
+    if (!data || !size || !image || !format || !is_known(format)) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: %s, allowed is exr or png", format ? format : "NULL");
+    }
+    struct bytes bytes;
+    conus_status status = format_image(&bytes, image, format);
+    if (status) {
+        return status;
+    }
+    bytes_finish(&image->encoded);
+    image->encoded = bytes;
+    *data = bytes.data;
+    *size = bytes.size;
+    return CONUS_OK;
 }

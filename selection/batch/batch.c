@@ -1,26 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Runs a batch: hands blocks of poses to the workers, and writes their answers in order. */
 #include "selection/batch/batch.h"
+#include "selection/batch/ring.h"
 #include "selection/report/report_text.h"
 
-#include "base/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
-#include "selection/selection.h"
-#include "selection/selector.h"
-
-#include <sched.h>
-
-enum { THREAD_LIMIT = 1024, BLOCK_LIMIT = 65536, DEFAULT_BLOCK = 256, DEFAULT_ANGLE_DEG = 10 };
-
-/* Those that the process may use: a job's share of a cluster's node, say. */
-static uint32_t count_processors(void)
-{
-    cpu_set_t set;
-    CPU_ZERO(&set);
-    int count = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
-    return count < 1 ? 1 : count > THREAD_LIMIT ? THREAD_LIMIT : (uint32_t)count;
-}
 
 /* One string of all contacts. */
 static bool is_of_probes(conus_format format)
@@ -33,64 +18,41 @@ static conus_status fill_in(conus_batch_options *options, const conus_selector *
     if (options->report.format == CONUS_FORMAT_TABLE || options->report.format == CONUS_FORMAT_JSON) {
         return fail(CONUS_ERROR_ARGUMENT, "format: tables for people and JSON hold all answers at once, no batch");
     }
-    if (options->threads > THREAD_LIMIT || options->block > BLOCK_LIMIT) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: %u, allowed is 1 to %d",
-                    options->threads > THREAD_LIMIT ? "threads" : "block",
-                    options->threads > THREAD_LIMIT ? options->threads : options->block,
-                    options->threads > THREAD_LIMIT ? THREAD_LIMIT : BLOCK_LIMIT);
-    }
-    if (selector->ranking.info.needs_history) { /* each pose is answered on its own */
-        return fail(CONUS_ERROR_ARGUMENT, "score: %s needs a history, which a batch has not",
-                    selector->ranking.formula.text);
-    }
-    options->threads = options->threads ? options->threads : count_processors();
-    options->threads = selector->options.engine == CONUS_ENGINE_GL ? 1 : options->threads;
-    options->block = options->block ? options->block : DEFAULT_BLOCK;
+    conus_status status = batch_fill_in(&options->threads, &options->block, &options->angle, selector);
     if (is_of_probes(options->report.format)) {
         options->threads = 1;
-        options->block = BLOCK_LIMIT;
+        options->block = BATCH_BLOCK_LIMIT;
     }
-    if (options->angle == 0 && selector->options.radius == 0) {
-        options->angle = radians_from_degrees(DEFAULT_ANGLE_DEG);
-    }
-    return CONUS_OK;
+    return status;
 }
 
-static conus_status add_worker(conus_batch *batch, conus_selector *selector)
+static conus_status add_report(conus_report **out, const struct batch_worker *worker,
+                               const conus_report_options *options)
 {
-    struct batch_worker *worker = &batch->workers[batch->worker_count++];
-    worker->angle = batch->options.angle;
-    conus_status status = selector_share(&worker->selector, selector);
-    status = status ? status : conus_report_create(&worker->report, worker->selector, &batch->options.report);
-    worker->at_once = selections_at_once(selector);
-    worker->at_once = worker->at_once < batch->options.block ? worker->at_once : batch->options.block;
-    worker->begun = status ? NULL : memory_zeroed(worker->at_once, sizeof(conus_selection *));
-    status = status || worker->begun ? status : CONUS_ERROR_MEMORY;
+    conus_status status = conus_report_create(out, worker->selector, options);
     if (!status) {
-        worker->selector->inside_only = true;
-        worker->aims = batch->aims;
-        worker->aims.selector = worker->selector;
-        worker->report->options.no_voxels = true;
+        (*out)->options.no_voxels = true;
     }
     return status;
 }
 
 static conus_status build(conus_batch *batch, conus_selector *selector)
 {
-    uint32_t threads = batch->options.threads;
-    size_t blocks = threads == 1 ? 1 : 2 * (size_t)threads + 2;
-    batch->workers = memory_zeroed(threads, sizeof *batch->workers);
-    batch->blocks = memory_zeroed(blocks, sizeof *batch->blocks);
-    conus_status status = batch->workers && batch->blocks ? CONUS_OK : CONUS_ERROR_MEMORY;
-    aims_init(&batch->aims, selector);
-    for (uint32_t i = 0; i < threads && !status; i++) {
-        status = add_worker(batch, selector);
+    const conus_batch_options *options = &batch->options;
+    batch->block_count = ring_slots(options->threads);
+    batch->workers = memory_zeroed(options->threads, sizeof *batch->workers);
+    batch->reports = memory_zeroed(options->threads, sizeof(conus_report *));
+    batch->blocks = memory_zeroed(batch->block_count, sizeof *batch->blocks);
+    conus_status status = batch->workers && batch->reports && batch->blocks ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (uint32_t i = 0; i < options->threads && !status; i++) {
+        status = batch_worker_init(&batch->workers[i], selector, options->block, options->angle);
+        status = status ? status : add_report(&batch->reports[i], &batch->workers[i], &options->report);
     }
-    for (; batch->block_count < blocks && !status; batch->block_count++) {
-        status = batch_block_init(&batch->blocks[batch->block_count], batch->options.block);
+    for (size_t i = 0; i < batch->block_count && !status; i++) {
+        status = batch_block_init(&batch->blocks[i], options->block);
     }
     if (!status) {
-        report_write_header(&batch->header, batch->workers[0].report);
+        report_write_header(&batch->header, batch->reports[0]);
         status = buffer_status(&batch->header);
     }
     return status;
@@ -122,14 +84,16 @@ void conus_batch_destroy(conus_batch *batch)
     if (!batch) {
         return;
     }
-    for (size_t i = 0; i < batch->worker_count; i++) {
-        conus_report_destroy(batch->workers[i].report);
-        conus_selector_destroy(batch->workers[i].selector);
-        memory_free((void *)batch->workers[i].begun);
+    for (size_t i = 0; batch->reports && i < batch->options.threads; i++) {
+        conus_report_destroy(batch->reports[i]);
     }
-    for (size_t i = 0; i < batch->block_count; i++) {
+    for (size_t i = 0; batch->workers && i < batch->options.threads; i++) {
+        batch_worker_finish(&batch->workers[i]);
+    }
+    for (size_t i = 0; batch->blocks && i < batch->block_count; i++) {
         batch_block_finish(&batch->blocks[i]);
     }
+    memory_free((void *)batch->reports);
     memory_free(batch->workers);
     memory_free(batch->blocks);
     buffer_finish(&batch->header);
@@ -144,7 +108,7 @@ uint32_t conus_batch_threads(const conus_batch *batch)
 conus_astray conus_batch_astray(const conus_batch *batch)
 {
     conus_astray sum = {0};
-    for (size_t i = 0; i < batch->worker_count; i++) {
+    for (size_t i = 0; i < batch->options.threads; i++) {
         aims_merge(&sum, &batch->workers[i].aims.found);
     }
     return sum;
@@ -157,18 +121,23 @@ const char *conus_batch_header(const conus_batch *batch)
 
 conus_status conus_batch_sidecar(const char **text, size_t *size, conus_batch *batch)
 {
-    return conus_report_sidecar(text, size, batch->workers[0].report);
+    return conus_report_sidecar(text, size, batch->reports[0]);
 }
 
-bool batch_run_deliver(const struct batch_run *run, const struct batch_block *block)
-{
-    const conus_batch_block answers = {block->text.data ? block->text.data : "", block->text.size, block->count,
-                                       block->errors};
-    return !block->status && block->count && run->sink(run->user, &answers) && block->count == block->capacity;
-}
+/* ---- A run ------------------------------------------------------------------------------------------------------- */
+
+struct run {
+    conus_batch *batch;
+    conus_pose_stream *poses;
+    uint64_t left; /* poses still to be read */
+    conus_batch_sink sink;
+    void *user;
+    const struct batch_block *last; /* delivered */
+    bool cancelled;
+};
 
 /* Whether the block is all that is in the stream, if it is a probe. */
-static conus_status check_whole(const struct batch_run *run, const struct batch_block *block)
+static conus_status check_whole(const struct run *run, const struct batch_block *block)
 {
     bool is_all = block->first == 0 && block->count < block->capacity && block->count < run->left;
     return is_all || !block->count || !is_of_probes(run->batch->options.report.format)
@@ -178,25 +147,53 @@ static conus_status check_whole(const struct batch_run *run, const struct batch_
                       (unsigned long long)block->first + 1, (unsigned long long)block->first + block->count);
 }
 
-static conus_status run_alone(struct batch_run *run)
+static bool read_block(void *user, size_t slot)
 {
-    static const atomic_bool never = false;
-    struct batch_block *block = &run->batch->blocks[0];
-    do {
-        batch_block_read(block, run->poses, run->left);
-        conus_status status = check_whole(run, block);
-        if (status) {
-            return status;
-        }
-        batch_block_answer(block, &run->batch->workers[0], &never);
-        run->left -= block->count;
-    } while (batch_run_deliver(run, block));
-    return block->status ? fail(block->status, "%s", block->message) : CONUS_OK;
+    struct run *run = user;
+    struct batch_block *block = &run->batch->blocks[slot];
+    batch_block_read(block, run->poses, run->left);
+    batch_block_set_status(block, check_whole(run, block));
+    run->left -= block->count;
+    return !block->status && block->count == block->capacity;
+}
+
+static void answer_block(void *user, size_t slot, size_t worker, const atomic_bool *stop)
+{
+    conus_batch *batch = ((struct run *)user)->batch;
+    batch_block_answer(&batch->blocks[slot], &batch->workers[worker], batch->reports[worker], stop);
+}
+
+static bool deliver_block(void *user, size_t slot)
+{
+    struct run *run = user;
+    const struct batch_block *block = run->last = &run->batch->blocks[slot];
+    const conus_batch_block answers = {block->text.data ? block->text.data : "", block->text.size, block->count,
+                                       block->errors};
+    run->cancelled = !block->status && block->count && !run->sink(run->user, &answers);
+    return !block->status && !run->cancelled;
+}
+
+static void stop_reading(void *user)
+{
+    conus_pose_stream_stop(((struct run *)user)->poses);
 }
 
 conus_status conus_batch_run(conus_batch *batch, conus_pose_stream *poses, uint64_t limit, conus_batch_sink sink,
                              void *user)
 {
-    struct batch_run run = {.batch = batch, .poses = poses, .left = limit, .sink = sink, .user = user};
-    return batch->worker_count == 1 ? run_alone(&run) : batch_run_threads(&run);
+    struct run run = {.batch = batch, .poses = poses, .left = limit, .sink = sink, .user = user};
+    const struct ring ring = {.user = &run,
+                              .workers = batch->options.threads,
+                              .slots = batch->block_count,
+                              .read = read_block,
+                              .answer = answer_block,
+                              .deliver = deliver_block,
+                              .interrupt = stop_reading};
+    conus_status status = ring_run(&ring);
+    if (status) {
+        return status;
+    }
+    return run.cancelled      ? fail(CONUS_ERROR_CANCELLED, "the sink ended the run")
+           : run.last->status ? fail(run.last->status, "%s", run.last->message)
+                              : CONUS_OK;
 }

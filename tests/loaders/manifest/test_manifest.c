@@ -242,9 +242,10 @@ static void a_scene_is_loaded_in_one_piece(void **state)
 struct heard {
     char files[16][64];
     size_t count, done, total;
+    size_t cancel_at; /* files; 0 = never */
 };
 
-static void hear(void *user, const char *path, size_t done, size_t total)
+static bool hear(void *user, const char *path, size_t done, size_t total)
 {
     struct heard *heard = user;
     assert_true(heard->count < 16);
@@ -252,6 +253,7 @@ static void hear(void *user, const char *path, size_t done, size_t total)
     snprintf(heard->files[heard->count++], sizeof heard->files[0], "%s", strrchr(path, '/') + 1);
     heard->done = done;
     heard->total = total;
+    return heard->count != heard->cancel_at;
 }
 
 static void progress_is_reported_file_by_file(void **state)
@@ -283,6 +285,27 @@ static void progress_is_reported_file_by_file(void **state)
     assert_int_equal(heard.count, 13);
     assert_int_equal(heard.done + 1, heard.total);
     conus_atlas_destroy(atlas);
+}
+
+/* Whatever comes next: a parcellation, surfaces, a pathway, a context. What was there before is untouched. */
+static void a_load_can_be_cancelled_at_each_file(void **state)
+{
+    (void)state;
+    assert_ok(conus_phantom_write("brain", test_in("brain"), NULL));
+    for (size_t at = 1; at <= 13; at++) {
+        conus_atlas *atlas = NULL;
+        struct heard heard = {.cancel_at = at};
+        const conus_load_options options = {.progress = hear, .progress_user = &heard};
+        assert_fails(conus_atlas_load(&atlas, test_in("brain/brain.atlas.json"), &options), CONUS_ERROR_CANCELLED);
+        assert_null(atlas);
+        assert_int_equal(heard.count, at);
+        assert_non_null(strstr(conus_message(), heard.files[at - 1]));
+    }
+    conus_atlas *atlas = NULL;
+    struct heard heard = {.cancel_at = 1};
+    const conus_load_options options = {.progress = hear, .progress_user = &heard};
+    assert_fails(conus_atlas_load(&atlas, test_in("sphere.nii.gz"), &options), CONUS_ERROR_CANCELLED);
+    assert_null(atlas);
 }
 
 static void labels_of_the_command_line_come_first(void **state)
@@ -439,6 +462,7 @@ int main(void)
         cmocka_unit_test(every_failing_allocation_is_reported),
         cmocka_unit_test(a_scene_is_loaded_in_one_piece),
         cmocka_unit_test(progress_is_reported_file_by_file),
+        cmocka_unit_test(a_load_can_be_cancelled_at_each_file),
         cmocka_unit_test(labels_of_the_command_line_come_first),
         cmocka_unit_test(a_failure_names_manifest_and_key),
         cmocka_unit_test(volumes_of_one_file_are_pathways_of_their_own),

@@ -62,15 +62,17 @@ static void build(struct buffer *out, const uint32_t *ids, uint32_t count)
 
 struct heard {
     size_t done, total, notes;
+    size_t cancel_at; /* surfaces; 0 = never */
     char note[200];
 };
 
-static void hear_progress(void *user, size_t done, size_t total)
+static bool hear_progress(void *user, size_t done, size_t total)
 {
     struct heard *heard = user;
     assert_int_equal(done, heard->done + 1);
     heard->done = done;
     heard->total = total;
+    return done != heard->cancel_at;
 }
 
 static void hear_note(void *user, const char *line)
@@ -113,6 +115,9 @@ static void each_area_gets_its_file(void **state)
     assert_int_equal(heard.total, 2);
     assert_int_equal(heard.notes, 1);
     assert_string_equal(heard.note, "1 areas without voxels get no mesh");
+    heard = (struct heard){.cancel_at = 1};
+    assert_fails(conus_atlas_write_meshes(atlas, test_scratch("cancelled"), &options), CONUS_ERROR_CANCELLED);
+    assert_int_equal(heard.done, 1);
     snprintf(path, sizeof path, "%s/3_a_b__c__&__d_.gii", folder);
     check_file(path, 3.5);
     snprintf(path, sizeof path, "%s/70000_70000.gii", folder);

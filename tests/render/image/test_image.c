@@ -220,6 +220,34 @@ static void unknown_endings_and_contents_are_named(void **state)
     conus_image_destroy(image);
 }
 
+/* The file that is written is the oracle. */
+static void encoded_bytes_are_those_of_the_file(void **state)
+{
+    (void)state;
+    static const char *const formats[] = {"exr", "png"};
+    conus_image *image = NULL;
+    const uint8_t *data = NULL;
+    size_t size = 7;
+    assert_ok(conus_image_from_bytes(&image, (const uint8_t[]){1, 2, 3, 255, 40, 50, 60, 128}, 2, 1));
+    for (size_t i = 0; i < 2; i++) {
+        char path[300];
+        struct bytes file;
+        snprintf(path, sizeof path, "%s.%s", test_scratch("encoded"), formats[i]);
+        assert_ok(conus_image_write(image, path));
+        assert_ok(file_read(&file, path, 1 << 20));
+        assert_ok(conus_image_encode(&data, &size, image, formats[i]));
+        assert_int_equal(size, file.size);
+        assert_memory_equal(data, file.data, size);
+        bytes_finish(&file);
+    }
+    const uint8_t *before = data;
+    assert_fails(conus_image_encode(&data, &size, image, "jpg"), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "jpg"));
+    assert_fails(conus_image_encode(&data, &size, image, NULL), CONUS_ERROR_ARGUMENT);
+    assert_ptr_equal(data, before);
+    conus_image_destroy(image);
+}
+
 static void comparison_finds_the_worst_pixel(void **state)
 {
     (void)state;
@@ -484,6 +512,7 @@ int main(void)
         cmocka_unit_test(png_of_nothing_and_nonsense),
         cmocka_unit_test(png_rgba_goes_out_as_it_is),
         cmocka_unit_test(unknown_endings_and_contents_are_named),
+        cmocka_unit_test(encoded_bytes_are_those_of_the_file),
         cmocka_unit_test(comparison_finds_the_worst_pixel),
         cmocka_unit_test(what_cannot_be_compared_is_named),
         cmocka_unit_test(every_prefix_is_refused),

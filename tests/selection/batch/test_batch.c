@@ -173,7 +173,7 @@ static void a_sink_ends_the_run_behind_a_whole_block(void **state)
             struct received received = {.stop_after = stop_after};
             conus_batch *batch = batch_of(fixture, threads, 10);
             conus_pose_stream *poses = poses_of(fixture);
-            assert_ok(conus_batch_run(batch, poses, UINT64_MAX, receive, &received));
+            assert_fails(conus_batch_run(batch, poses, UINT64_MAX, receive, &received), CONUS_ERROR_CANCELLED);
             assert_int_equal(received.poses, 10 * stop_after);
             check_text(&received, fixture->reference.data, received.text.size);
             buffer_finish(&received.text);

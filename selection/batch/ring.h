@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * Blocks that are read in their order, answered in any by several threads, and delivered in their order. So what is
+ * delivered depends on nothing but what was read, whoever answers it and when. */
+#ifndef CONUS_SELECTION_BATCH_RING_H
+#define CONUS_SELECTION_BATCH_RING_H
+
+#include "conus/conus.h"
+
+#include <stdatomic.h>
+
+/** What is done with the block in a slot. Each function gets @p user. */
+struct ring {
+    void *user;
+    size_t workers; /**< 1 = the calling thread does all; else each is a thread. */
+    size_t slots;   /**< ring_slots(workers) */
+
+    /** Fills the slot; whether another block may follow. One thread at a time. */
+    bool (*read)(void *user, size_t slot);
+
+    /** Answers what was read. May give up once @p stop. */
+    void (*answer)(void *user, size_t slot, size_t worker, const atomic_bool *stop);
+
+    /** Takes the answers, on the calling thread. False ends the run: read blocks that follow are not delivered. */
+    bool (*deliver)(void *user, size_t slot);
+
+    /** Makes a read() that waits return, after deliver() has ended the run. NULL = it never waits. */
+    void (*interrupt)(void *user);
+};
+
+/** More than workers, so that nobody waits for the one block that is late; 1 for one worker. */
+static inline size_t ring_slots(size_t workers)
+{
+    return workers == 1 ? 1 : 2 * workers + 2;
+}
+
+/** Reads, answers and delivers until there is nothing more to read or deliver() ends the run. What fails there is the
+ * user's to remember: the status is only of the threads. */
+conus_status ring_run(const struct ring *ring);
+
+#endif

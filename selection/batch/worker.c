@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Answers the poses of a block with one selector, those of an engine that can trace many at once together. */
+#include "selection/batch/worker.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+#include "base/status.h"
+#include "selection/rank.h"
+#include "selection/selection.h"
+#include "selection/selector.h"
+
+#include <sched.h>
+
+enum { THREAD_LIMIT = 1024, DEFAULT_BLOCK = 256, DEFAULT_ANGLE_DEG = 10 };
+
+/* Those that the process may use: a job's share of a cluster's node, say. */
+static uint32_t count_processors(void)
+{
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    int count = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+    return count < 1 ? 1 : count > THREAD_LIMIT ? THREAD_LIMIT : (uint32_t)count;
+}
+
+conus_status batch_fill_in(uint32_t *threads, uint32_t *block, double *angle, const conus_selector *selector)
+{
+    if (*threads > THREAD_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "threads: %u, allowed is 1 to %d", *threads, THREAD_LIMIT);
+    }
+    if (*block > BATCH_BLOCK_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "block: %u, allowed is 1 to %d", *block, BATCH_BLOCK_LIMIT);
+    }
+    if (selector->ranking.info.needs_history) { /* each pose is answered on its own */
+        return fail(CONUS_ERROR_ARGUMENT, "score: %s needs a history, which a batch has not",
+                    selector->ranking.formula.text);
+    }
+    *threads = *threads ? *threads : count_processors();
+    *threads = selector->options.engine == CONUS_ENGINE_GL ? 1 : *threads;
+    *block = *block ? *block : DEFAULT_BLOCK;
+    if (*angle == 0 && selector->options.radius == 0) {
+        *angle = radians_from_degrees(DEFAULT_ANGLE_DEG);
+    }
+    return CONUS_OK;
+}
+
+conus_status batch_worker_init(struct batch_worker *out, conus_selector *selector, size_t block, double angle)
+{
+    *out = (struct batch_worker){.angle = angle, .at_once = selections_at_once(selector)};
+    out->at_once = out->at_once < block ? out->at_once : block;
+    conus_status status = selector_share(&out->selector, selector);
+    out->begun = status ? NULL : memory_zeroed(out->at_once, sizeof(conus_selection *));
+    if (!out->begun) {
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    out->selector->inside_only = true;
+    aims_init(&out->aims, out->selector);
+    return CONUS_OK;
+}
+
+void batch_worker_finish(struct batch_worker *worker)
+{
+    conus_selector_destroy(worker->selector);
+    memory_free((void *)worker->begun);
+}
+
+static double angle_of(const struct batch_worker *worker, const struct batch_pose *pose)
+{
+    return pose->angle != 0 ? pose->angle : worker->angle;
+}
+
+/* A point is asked what is within the cylinders' radius of it. */
+static conus_status begin_selection(conus_selection **out, struct batch_worker *worker, const struct batch_pose *pose)
+{
+    double radius = worker->selector->options.radius;
+    if (!pose->is_point) {
+        return conus_select(out, worker->selector, &pose->pose, angle_of(worker, pose));
+    }
+    return radius > 0 ? conus_select_ball(out, worker->selector, pose->pose.world_from_device + 12, radius)
+                      : fail(CONUS_ERROR_ARGUMENT, "a point, without the direction that a cone needs");
+}
+
+/* What poses are answered for. */
+struct answering {
+    struct batch_worker *worker;
+    const struct batch_pose *poses;
+    batch_take *take;
+    void *user;
+};
+
+static conus_status answer_one(const struct answering *answering, size_t index)
+{
+    conus_selection *selection = NULL;
+    const struct batch_pose *pose = &answering->poses[index];
+    conus_status status = pose->is_no_pose ? CONUS_OK : begin_selection(&selection, answering->worker, pose);
+    if (status == CONUS_ERROR_ARGUMENT) { /* the pose's own fault */
+        status = CONUS_OK;
+    }
+    status = status ? status : answering->take(answering->user, index, selection);
+    conus_selection_destroy(selection);
+    return status;
+}
+
+/* Begins the selections of the poses and traces all of them. Those that have none are left to answer_one(), which says
+ * why. */
+static conus_status begin_and_trace(struct batch_worker *worker, const struct batch_pose *poses, size_t count)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < count && !status; i++) {
+        if (!poses[i].is_no_pose && !poses[i].is_point) {
+            status = selection_begin(&worker->begun[i], worker->selector, &poses[i].pose, angle_of(worker, &poses[i]));
+            status = status == CONUS_ERROR_ARGUMENT ? CONUS_OK : status;
+        }
+    }
+    return status ? status : selections_trace(worker->begun, count, worker->selector);
+}
+
+/* answer_one() for poses number `first` to first + count - 1, of which at_once may be given. */
+static conus_status answer_together(const struct answering *answering, size_t first, size_t count)
+{
+    struct batch_worker *worker = answering->worker;
+    conus_status status = begin_and_trace(worker, answering->poses + first, count);
+    for (size_t i = 0; i < count; i++) {
+        conus_selection *selection = worker->begun[i];
+        if (selection && !status) {
+            status = selection_complete(selection, worker->selector);
+        }
+        if (selection && !status) {
+            selection_rank(selection, worker->selector, NULL);
+            status = answering->take(answering->user, first + i, selection);
+        } else if (!status) {
+            status = answer_one(answering, first + i);
+        }
+        conus_selection_destroy(selection);
+        worker->begun[i] = NULL;
+    }
+    return status;
+}
+
+static void count_aims(struct batch_worker *worker, const struct batch_pose *poses, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (!poses[i].is_no_pose && !poses[i].is_point) {
+            conus_aims_add(&worker->aims, poses[i].line, &poses[i].pose, angle_of(worker, &poses[i]));
+        }
+    }
+}
+
+conus_status batch_worker_answer(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
+                                 const atomic_bool *stop, batch_take *take, void *user)
+{
+    const struct answering answering = {worker, poses, take, user};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0, together; i < count && !status && !atomic_load_explicit(stop, memory_order_relaxed);
+         i += together) {
+        together = count - i < worker->at_once ? count - i : worker->at_once;
+        status = together == 1 ? answer_one(&answering, i) : answer_together(&answering, i, together);
+    }
+    if (!status) {
+        count_aims(worker, poses, count);
+    }
+    return status;
+}

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What one thread of a batch answers poses with. */
+#ifndef CONUS_SELECTION_BATCH_WORKER_H
+#define CONUS_SELECTION_BATCH_WORKER_H
+
+#include "selection/study/aims.h"
+
+#include <stdatomic.h>
+
+/** A pose of a block. */
+struct batch_pose {
+    conus_pose pose;
+    double angle; /**< 0 = the worker's. */
+    size_t line;  /**< Its number for whoever asks: a line of a file, say. */
+    bool is_no_pose;
+    bool is_point;
+};
+
+enum { BATCH_BLOCK_LIMIT = 65536 };
+
+/** Checks how poses are to be answered, and fills in what is 0: @p threads by the processors that the process may use,
+ * @p block, and @p angle. */
+conus_status batch_fill_in(uint32_t *threads, uint32_t *block, double *angle, const conus_selector *selector);
+
+struct batch_worker {
+    conus_selector *selector; /**< Shares its engine with the other workers'. */
+    double angle;
+    conus_selection **begun; /**< [at_once] Those that are traced together; NULL between blocks. */
+    size_t at_once;          /**< 1 = poses are answered one by one. */
+    struct conus_aims aims;  /**< Of the poses that are answered. */
+};
+
+/** Zeroed, for poses by blocks of up to @p block; @p angle is for poses without one. */
+conus_status batch_worker_init(struct batch_worker *out, conus_selector *selector, size_t block, double angle);
+void batch_worker_finish(struct batch_worker *worker);
+
+/** Takes the answer to pose @p index: a selection, which the caller ends, or NULL where the pose is at fault; the
+ * message says why, unless it is no pose at all. */
+typedef conus_status batch_take(void *user, size_t index, const conus_selection *selection);
+
+/** Answers the poses in their order, and counts how they aim. Gives up once @p stop. A pose at fault is an answer, not
+ * a failure. */
+conus_status batch_worker_answer(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
+                                 const atomic_bool *stop, batch_take *take, void *user);
+
+#endif

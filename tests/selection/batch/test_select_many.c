@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Poses of arrays: the answers of conus_select() to the bit, whatever the threads and blocks; poses at fault; ends. */
+#include "base/math3.h"
+#include "scene.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { POSES = 300, BAD = 11 }; /* every BAD-th pose is at fault */
+
+struct fixture {
+    conus_atlas *atlas;
+    conus_selector *selector;
+    double matrix[POSES][16], origin[POSES][3], direction[POSES][3], up[POSES][3], angle[POSES];
+};
+
+/* What a sink is given. */
+struct received {
+    size_t poses, stop_after; /* poses; 0 = never */
+    size_t starts[POSES + 1];
+    conus_status status[POSES];
+    conus_result *results;
+    bool as_expected; /* whole blocks in order */
+};
+
+static bool receive(void *user, const conus_answers *answers)
+{
+    struct received *received = user;
+    size_t start = received->starts[received->poses], count = answers->starts[answers->poses];
+    received->as_expected = received->as_expected && answers->first == received->poses && answers->starts[0] == 0;
+    received->results = realloc(received->results, (start + count + 1) * sizeof *received->results);
+    if (count) {
+        memcpy(received->results + start, answers->results, count * sizeof *answers->results);
+    }
+    for (size_t i = 0; i < answers->poses; i++) {
+        received->status[received->poses] = answers->status[i];
+        received->starts[++received->poses] = start + answers->starts[i + 1];
+    }
+    return !received->stop_after || received->poses < received->stop_after;
+}
+
+static int set_up(void **state)
+{
+    static struct fixture fixture;
+    uint64_t seed = 3;
+    fixture.atlas = scene_atlas(&seed, 24, 2);
+    assert_ok(
+        conus_selector_create(&fixture.selector, fixture.atlas, &(conus_selector_options){.layers = CONUS_LAYERS_ALL}));
+    for (size_t i = 0; i < POSES; i++) {
+        conus_pose pose = scene_generic_pose(&seed, fixture.atlas);
+        memcpy(fixture.matrix[i], pose.world_from_device, sizeof fixture.matrix[i]);
+        for (int k = 0; k < 3; k++) {
+            fixture.origin[i][k] = pose.world_from_device[12 + k];
+            fixture.direction[i][k] = -2 * pose.world_from_device[8 + k];
+            fixture.up[i][k] = pose.world_from_device[4 + k];
+        }
+        fixture.angle[i] = i % 3 ? radians_from_degrees(5 + (double)(i % 40)) : 0;
+        if (i % BAD == 0) {
+            fixture.matrix[i][12] = fixture.origin[i][0] = i % 2 ? INFINITY : NAN;
+        }
+    }
+    *state = &fixture;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *fixture = *state;
+    conus_selector_destroy(fixture->selector);
+    conus_atlas_destroy(fixture->atlas);
+    return 0;
+}
+
+static const conus_many_options twenty_degrees = {.angle = 20 * 3.14159265358979323846 / 180};
+
+static void check_pose(const struct fixture *fixture, const struct received *received, size_t i, const conus_pose *pose)
+{
+    conus_selection *selection = NULL;
+    double angle = fixture->angle[i] != 0 ? fixture->angle[i] : twenty_degrees.angle;
+    assert_int_equal(received->status[i], CONUS_OK);
+    assert_ok(conus_select(&selection, fixture->selector, pose, angle));
+    size_t count = conus_selection_count(selection), start = received->starts[i];
+    assert_int_equal(received->starts[i + 1] - start, count);
+    assert_memory_equal(received->results + start, conus_selection_result(selection, 0), count * sizeof(conus_result));
+    conus_selection_destroy(selection);
+}
+
+/* Each pose on its own is the oracle; `along` = the array had origins and directions. */
+static void check_answers(const struct fixture *fixture, const struct received *received, bool along)
+{
+    assert_int_equal(received->poses, POSES);
+    assert_true(received->as_expected);
+    for (size_t i = 0; i < POSES; i++) {
+        conus_pose pose;
+        if (i % BAD == 0) {
+            assert_int_equal(received->status[i], CONUS_ERROR_ARGUMENT);
+            assert_int_equal(received->starts[i + 1], received->starts[i]);
+            continue;
+        }
+        assert_ok(along ? conus_pose_along(&pose, fixture->origin[i], fixture->direction[i], fixture->up[i])
+                        : conus_pose_from_matrix(&pose, fixture->matrix[i]));
+        check_pose(fixture, received, i, &pose);
+    }
+}
+
+static conus_pose_array matrices_of(const struct fixture *fixture)
+{
+    return (conus_pose_array){.count = POSES, .matrix = fixture->matrix[0], .angle = fixture->angle};
+}
+
+static void answers_do_not_depend_on_threads_or_blocks(void **state)
+{
+    struct fixture *fixture = *state;
+    static const uint32_t settings[][2] = {{1, 1}, {1, 0}, {2, 1}, {2, 16}, {3, 100}, {8, 7}, {5, 65536}};
+    const conus_pose_array aims = {.count = POSES,
+                                   .origin = fixture->origin[0],
+                                   .direction = fixture->direction[0],
+                                   .up = fixture->up[0],
+                                   .angle = fixture->angle};
+    const conus_pose_array matrices = matrices_of(fixture);
+    for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
+        conus_many_options options = twenty_degrees;
+        options.threads = settings[i][0];
+        options.block = settings[i][1];
+        for (int along = 0; along < 2; along++) {
+            struct received received = {.as_expected = true};
+            assert_ok(
+                conus_select_many(NULL, fixture->selector, along ? &aims : &matrices, &options, receive, &received));
+            check_answers(fixture, &received, along);
+            free(received.results);
+        }
+    }
+}
+
+static void no_poses_are_no_answers(void **state)
+{
+    struct fixture *fixture = *state;
+    struct received received = {.as_expected = true};
+    conus_astray astray = {.poses = 9};
+    assert_ok(conus_select_many(&astray, fixture->selector, &(conus_pose_array){.count = 0}, NULL, receive, &received));
+    assert_int_equal(received.poses, 0);
+    assert_int_equal(astray.poses, 0);
+    free(received.results);
+}
+
+/* conus_aims_add() of each pose is the oracle. */
+static void findings_are_those_of_the_poses(void **state)
+{
+    struct fixture *fixture = *state;
+    const conus_pose_array poses = matrices_of(fixture);
+    conus_aims *aims = NULL;
+    assert_ok(conus_aims_create(&aims, fixture->selector));
+    for (size_t i = 0; i < POSES; i++) {
+        conus_pose pose;
+        if (conus_pose_from_matrix(&pose, fixture->matrix[i]) == CONUS_OK) {
+            conus_aims_add(aims, i, &pose, fixture->angle[i] != 0 ? fixture->angle[i] : twenty_degrees.angle);
+        }
+    }
+    const conus_astray *wanted = conus_aims_found(aims);
+    for (uint32_t threads = 1; threads < 4; threads++) {
+        conus_many_options options = twenty_degrees;
+        struct received received = {.as_expected = true};
+        conus_astray found;
+        options.threads = threads;
+        options.block = 32;
+        assert_ok(conus_select_many(&found, fixture->selector, &poses, &options, receive, &received));
+        assert_int_equal(found.poses, POSES - (POSES + BAD - 1) / BAD);
+        assert_int_equal(found.poses, wanted->poses);
+        assert_int_equal(found.inside.count, wanted->inside.count);
+        assert_int_equal(found.away.count, wanted->away.count);
+        assert_int_equal(found.away.first, wanted->away.first);
+        free(received.results);
+    }
+    conus_aims_destroy(aims);
+}
+
+static void a_sink_ends_the_run(void **state)
+{
+    struct fixture *fixture = *state;
+    const conus_pose_array poses = matrices_of(fixture);
+    for (uint32_t threads = 1; threads <= 4; threads++) {
+        struct received received = {.stop_after = 40, .as_expected = true};
+        const conus_many_options options = {.threads = threads, .block = 20};
+        conus_astray astray = {.poses = 9};
+        assert_fails(conus_select_many(&astray, fixture->selector, &poses, &options, receive, &received),
+                     CONUS_ERROR_CANCELLED);
+        assert_int_equal(received.poses, 40);
+        assert_int_equal(astray.poses, 9); /* untouched */
+        free(received.results);
+    }
+}
+
+static void what_is_out_of_range(void **state)
+{
+    struct fixture *fixture = *state;
+    struct received received = {.as_expected = true};
+    const conus_pose_array good = matrices_of(fixture);
+    const double *origin = fixture->origin[0];
+    const conus_pose_array bad[] = {{.count = 1},
+                                    {.count = 1, .origin = origin},
+                                    {.count = 1, .direction = origin},
+                                    {.count = 1, .matrix = fixture->matrix[0], .origin = origin}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_fails(conus_select_many(NULL, fixture->selector, &bad[i], NULL, receive, &received),
+                     CONUS_ERROR_ARGUMENT);
+    }
+    const conus_many_options options[] = {{.threads = 1025}, {.block = 65537}};
+    for (size_t i = 0; i < sizeof options / sizeof options[0]; i++) {
+        assert_fails(conus_select_many(NULL, fixture->selector, &good, &options[i], receive, &received),
+                     CONUS_ERROR_ARGUMENT);
+    }
+    assert_int_equal(received.poses, 0);
+}
+
+/* An opening that no cone has is the fault of each pose. */
+static void an_angle_out_of_range_is_a_pose_s_fault(void **state)
+{
+    struct fixture *fixture = *state;
+    struct received received = {.as_expected = true};
+    const double angles[] = {-1, NAN, 4};
+    const conus_pose_array poses = {.count = 3, .matrix = fixture->matrix[1], .angle = angles};
+    assert_ok(conus_select_many(NULL, fixture->selector, &poses, NULL, receive, &received));
+    assert_int_equal(received.poses, 3);
+    for (size_t i = 0; i < 3; i++) {
+        assert_int_equal(received.status[i], CONUS_ERROR_ARGUMENT);
+    }
+    free(received.results);
+}
+
+static bool count_poses(void *user, const conus_answers *answers)
+{
+    *(size_t *)user += answers->poses;
+    return true;
+}
+
+static conus_status count_forty(void *data)
+{
+    struct fixture *fixture = data;
+    conus_pose_array poses = matrices_of(fixture);
+    size_t count = 0;
+    poses.count = 40;
+    return conus_select_many(NULL, fixture->selector, &poses, &(conus_many_options){.threads = 1, .block = 16},
+                             count_poses, &count);
+}
+
+static void every_failing_allocation_is_clean(void **state)
+{
+    test_every_allocation(count_forty, *state);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(answers_do_not_depend_on_threads_or_blocks),
+        cmocka_unit_test(no_poses_are_no_answers),
+        cmocka_unit_test(findings_are_those_of_the_poses),
+        cmocka_unit_test(a_sink_ends_the_run),
+        cmocka_unit_test(what_is_out_of_range),
+        cmocka_unit_test(an_angle_out_of_range_is_a_pose_s_fault),
+        cmocka_unit_test(every_failing_allocation_is_clean),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
