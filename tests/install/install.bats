@@ -79,6 +79,15 @@ consumer_answers() {
     [ "$(pkg-config --modversion conus)" = "$(conus --version | cut -d ' ' -f 2)" ]
 }
 
+@test "the Python package finds the library in the moved tree" {
+    needs_plain_build
+    [ -e "$CONUS_BUILD/python/conus/_conus.abi3.so" ] || skip "the Python package is not built"
+    export PYTHONPATH=$MOVED/lib/python3/dist-packages
+    run -0 /usr/bin/python3 -c "import conus; print(conus.__version__, conus.load('$ATLAS').select(
+        (0, 0, 60), toward=(0, 0, 0), angle=40.107045)[0].name, conus.__file__)"
+    [ "$output" = "$EXPECTED $PYTHONPATH/conus/__init__.py" ]
+}
+
 @test "the shared library has the functions of the headers, and no other" {
     nm -D --defined-only "$LIBRARIES/libconus.so" | sed -n 's/.* [TBDRV] //p' | sort >exported
     sed -n 's/.*\b\(conus_[a-z0-9_]*\)(.*/\1/p' "$MOVED"/include/conus/*.h >mentioned
@@ -102,6 +111,7 @@ consumer_answers() {
     [ -e devel/include/conus/conus.h ]
     [ -n "$(find devel -name libconus.a)" ]
     [ ! -e devel/bin ]
+    [ -z "$(find runtime devel doc -name '*.py')" ]
     [ -e doc/share/doc/conus/docs/commands.md ]
     [ -e doc/share/doc/conus/examples/select_one.c ]
 }

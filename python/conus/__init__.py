@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which brain areas and fibre pathways are in that cone, where exactly, and how surely?
+
+>>> import numpy, conus
+>>> labels = numpy.zeros((20, 20, 20), "u1")
+>>> labels[:10], labels[10:] = 1, 2
+>>> affine = numpy.diag([2, 2, 2, 1])
+>>> atlas = conus.load(labels, affine, labels={1: "left", 2: "right"})
+>>> hits = atlas.select(origin=(-60, 19, 19), toward=(19, 19, 19), angle=20)
+>>> hits[0].name, round(hits[0].distance_mm)
+('left', 59)
+
+All positions are RAS mm and all angles degrees, but in ``results`` and ``records``, which are the
+library's own structs.
+"""
+from ._answers import Answers, Hit, Jitter, Selection, Sweep
+from ._atlas import Atlas, Selector, load
+from ._conus import ffi as _ffi, lib as _lib
+from ._library import (
+    ArgumentError,
+    CancelledError,
+    DataError,
+    Error,
+    FileError,
+    GLError,
+    OutOfMemoryError,
+    PoseWarning,
+    UnsupportedError,
+)
+
+__version__ = _ffi.string(_lib.conus_version()).decode()
+__all__ = [
+    "Answers", "ArgumentError", "Atlas", "CancelledError", "DataError", "Error", "FileError", "GLError", "Hit",
+    "Jitter", "OutOfMemoryError", "PoseWarning", "Selection", "Selector", "Sweep", "UnsupportedError", "load",
+]

@@ -1,0 +1,324 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What comes back: selections, answers to many poses, sweeps and chances, as arrays and tables."""
+from __future__ import annotations
+
+import html
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Iterator
+
+import numpy as np
+
+from ._conus import ffi, lib
+from ._library import ADMISSION, CHANCE, RESULT, array_of, check, owned, text
+
+if TYPE_CHECKING:
+    import pandas
+    from ._atlas import Atlas
+
+Array = np.ndarray[Any, Any]
+_KINDS = np.array(["error", "area", "pathway", "unassigned"], object)
+
+
+class Objects:
+    """Names of an atlas's objects, by their numbers; entry 0 is "unassigned"."""
+
+    def __init__(self, atlas: Any) -> None:
+        count = lib.conus_atlas_object_count(atlas)
+        objects = [lib.conus_atlas_object(atlas, i) for i in range(1, count + 1)]
+        self.names = np.array(["unassigned"] + [text(o.name) for o in objects], object)
+        self.abbreviations = np.array([""] + [text(o.abbreviation) for o in objects], object)
+        self.labels = np.array([0] + [o.label for o in objects], np.uint32)
+
+
+def _categories(values: Array, codes: Array) -> Any:
+    import pandas
+
+    unique, inverse = np.unique(values.astype(str), return_inverse=True)
+    return pandas.Categorical.from_codes(inverse[codes], unique)
+
+
+def _finite(values: Array) -> Array:
+    return np.where(np.isfinite(values), values, np.nan)
+
+
+def _identity(objects: Objects, records: Array, rank: Array) -> dict[str, Any]:
+    number = records["object"]
+    return {
+        "kind": _categories(_KINDS, records["kind"]),
+        "index": objects.labels[number],
+        "name": _categories(objects.names, number),
+        "abbreviation": _categories(objects.abbreviations, number),
+        "rank": rank,
+    }
+
+
+def _points(prefix: str, points: Array) -> dict[str, Array]:
+    return {f"{prefix}{axis}": points[:, i] for i, axis in enumerate("xyz")}
+
+
+def _columns(objects: Objects, results: Array, layers: bool) -> dict[str, Any]:
+    """The columns of `conus query`, of results; 0 where a rank or an index is n/a there."""
+    columns = _identity(objects, results, results["rank"])
+    for name in ("score", "pixels", "share"):
+        columns[name] = results[name]
+    if layers:
+        columns["pierced"] = results["pierced"]
+    columns["center_px"] = _finite(results["centre_px"])
+    columns["offset_deg"] = _finite(np.rad2deg(results["offset"]))
+    columns["distance_mm"] = _finite(results["distance"])
+    columns.update(_points("contact_", results["contact"]))
+    if layers:
+        for name, member in (("entry_mm", "entry"), ("exit_mm", "exit"), ("path_mm", "path"), ("volume_mm3", "volume")):
+            columns[name] = _finite(results[member])
+        for name in ("fraction", "mean_value", "max_value", "voxels", "cone_fraction", "sum_value"):
+            columns[name] = results[name]
+        columns.update(_points("centroid_", results["centroid"]))
+        with np.errstate(invalid="ignore"):
+            columns["unoccluded"] = results["pixels"] / np.where(results["pierced"], results["pierced"], np.nan)
+    return columns
+
+
+@dataclass(frozen=True)
+class Hit:
+    """One object in the cone, or last of all what hit nothing ("unassigned")."""
+
+    name: str
+    kind: str  #: "area", "pathway" or "unassigned"
+    index: int  #: the atlas's own label; 0 of unassigned
+    rank: int  #: from 1; 0 of unassigned
+    score: float  #: by which it is ranked; higher is better
+    share: float  #: of the cone's solid angle; all shares sum to 1
+    pixels: int  #: that hit it first
+    distance_mm: float  #: from the device to its nearest hit
+    contact: tuple[float, float, float]  #: where, RAS mm
+
+
+class Selection:
+    """The answer to one pose: a sequence of :class:`Hit`, best first; "unassigned" is the last.
+
+    ``results`` is the same as an array of the library's records (angles in radians, lengths in mm).
+    """
+
+    def __init__(self, atlas: Atlas, pointer: Any, layers: bool) -> None:
+        self.atlas = atlas
+        self._layers = layers
+        self._p = owned(pointer, lib.conus_selection_destroy, atlas._p)
+        self.results: Array = array_of(
+            lib.conus_selection_result(self._p, 0), lib.conus_selection_count(self._p), RESULT
+        )
+
+    def __len__(self) -> int:
+        return len(self.results)
+
+    def __getitem__(self, index: int) -> Hit:
+        record = self.results[index]
+        objects = self.atlas.objects
+        number = record["object"]
+        return Hit(
+            objects.names[number],
+            _KINDS[record["kind"]],
+            int(objects.labels[number]),
+            int(record["rank"]),
+            float(record["score"]),
+            float(record["share"]),
+            int(record["pixels"]),
+            float(record["distance"]),
+            (float(record["contact"][0]), float(record["contact"][1]), float(record["contact"][2])),
+        )
+
+    def __iter__(self) -> Iterator[Hit]:
+        return (self[i] for i in range(len(self)))
+
+    def __repr__(self) -> str:
+        hits = ", ".join(f"{hit.name} {100 * hit.share:.1f} %" for hit in list(self)[:3])
+        return f"<conus.Selection: {hits}{', ...' if len(self) > 3 else ''}>"
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The rows of ``conus query``, under the names of its columns."""
+        import pandas
+
+        return pandas.DataFrame(_columns(self.atlas.objects, self.results, self._layers))
+
+    def mask(self, of: str = "areas", name: str | None = None) -> Any:
+        """The voxels in the cone as a nibabel image on the atlas's grid.
+
+        ``of`` is "areas", "region" (background, too), "labels" or "values" (of a pathway); ``name``
+        takes only this object and those below it in the area tree.
+        """
+        import nibabel
+        from ._library import choice
+
+        options = ffi.new("conus_grid_options *")
+        options.content = choice("of", of, ("areas", "region", "labels", "values"))
+        options.object = self.atlas.find(name) if name is not None else 0
+        out = ffi.new("conus_grid **")
+        check(lib.conus_selection_grid(out, self._p, options))
+        grid = owned(out[0], lib.conus_grid_destroy)
+        view = lib.conus_grid_data(grid)
+        data = array_of(view.data, view.count, np.dtype(("u1", "u2", "u4", "f4")[view.number]))
+        affine = np.array(list(view.world_from_voxel)).reshape(4, 4, order="F")
+        image = nibabel.Nifti1Image(data.reshape(list(view.dim), order="F"), affine)
+        if view.space_code:
+            image.set_sform(affine, view.space_code)
+            image.set_qform(affine, view.space_code)
+        return image
+
+    def image(self, channel: str = "object") -> Array:
+        """A channel of the picture that the device sees: "id", "object", "X", "Y", "Z" or "t"."""
+        out = ffi.new("conus_image **")
+        check(lib.conus_image_of_selection(out, self._p))
+        image = owned(out[0], lib.conus_image_destroy)
+        return image_channel(image, channel)
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{hit.rank or ''}<td>{html.escape(hit.name)}<td>{hit.index or ''}"
+            f"<td>{100 * hit.share:.2f} %<td>{hit.pixels}<td>{hit.distance_mm:.2f}</tr>"
+            if hit.rank
+            else f"<tr><td><td>(nothing hit)<td><td>{100 * hit.share:.2f} %<td>{hit.pixels}<td></tr>"
+            for hit in self
+        )
+        heads = "".join(f"<th>{head}" for head in ("rank", "name", "label", "share of cone", "pixels", "nearest, mm"))
+        return f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
+
+    def _repr_png_(self) -> bytes:
+        out = ffi.new("conus_image **")
+        check(lib.conus_image_of_selection(out, self._p))
+        return image_bytes(owned(out[0], lib.conus_image_destroy))
+
+    def plot(self, axes: Any = None) -> Any:
+        """Bars of the shares, by matplotlib; gives the axes."""
+        import matplotlib.pyplot as pyplot
+
+        axes = axes or pyplot.gca()
+        hits = [hit for hit in self if hit.share > 0][::-1]
+        axes.barh([hit.name if hit.rank else "(nothing hit)" for hit in hits], [100 * hit.share for hit in hits])
+        axes.set_xlabel("share of the cone, %")
+        return axes
+
+
+def image_channel(image: Any, channel: str) -> Array:
+    """A copy of a channel, top row first."""
+    shape = (lib.conus_image_height(image), lib.conus_image_width(image))
+    for get, dtype in ((lib.conus_image_floats, "f4"), (lib.conus_image_uints, "u4")):
+        pixels = get(image, channel.encode())
+        if pixels:
+            return array_of(pixels, shape[0] * shape[1], np.dtype(dtype)).reshape(shape)
+    raise KeyError(channel)
+
+
+def image_bytes(image: Any, format: str = "png") -> bytes:
+    """The picture as the bytes of a file."""
+    data, size = ffi.new("uint8_t **"), ffi.new("size_t *")
+    check(lib.conus_image_encode(ffi.cast("const uint8_t **", data), size, image, format.encode()))
+    return bytes(ffi.buffer(data[0], size[0]))
+
+
+class Answers:
+    """The answers to many poses.
+
+    ``results[starts[i]:starts[i + 1]]`` are the library's records of pose ``i``, best first, with
+    "unassigned" as the last. ``errors`` has the reason for each pose that has no answer, by its
+    index.
+    """
+
+    def __init__(self, atlas: Atlas, results: Array, starts: Array, errors: dict[int, str], layers: bool) -> None:
+        self.atlas = atlas
+        self.results = results
+        self.starts = starts
+        self.errors = errors
+        self._layers = layers
+
+    def __len__(self) -> int:
+        return len(self.starts) - 1
+
+    def __getitem__(self, index: int) -> Array:
+        index = range(len(self))[index]
+        return self.results[self.starts[index] : self.starts[index + 1]]
+
+    def __repr__(self) -> str:
+        return f"<conus.Answers to {len(self)} poses: {len(self.results)} results, {len(self.errors)} errors>"
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The rows of ``conus batch``, under the names of its columns; ``query`` counts from 0.
+
+        A pose without an answer has one row of kind "error", whose name is the reason.
+        """
+        import pandas
+
+        query = np.repeat(np.arange(len(self)), np.diff(self.starts))
+        frame = pandas.DataFrame({"query": query, **_columns(self.atlas.objects, self.results, self._layers)}, copy=False)
+        if not self.errors:
+            return frame
+        failed = pandas.DataFrame({"query": list(self.errors), "kind": "error", "name": list(self.errors.values())})
+        for column in ("kind", "name"):
+            frame[column] = frame[column].astype(object)
+        return pandas.concat([frame, failed]).sort_values("query", kind="stable", ignore_index=True)
+
+
+class _Study:
+    """Records of one pose other than results."""
+
+    def __init__(self, atlas: Atlas, records: Array) -> None:
+        self.atlas = atlas
+        self.records = records
+
+    def __len__(self) -> int:
+        return len(self.records)
+
+    def __repr__(self) -> str:
+        return f"<conus.{type(self).__name__} of {len(self)} objects>"
+
+    def _ranks(self) -> Array:
+        return np.asarray(self.records["rank"])
+
+    def _measures(self) -> dict[str, Any]:
+        raise NotImplementedError
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The rows of ``conus sweep``, under the names of its columns."""
+        import pandas
+
+        return pandas.DataFrame({**_identity(self.atlas.objects, self.records, self._ranks()), **self._measures()})
+
+    def _repr_html_(self) -> str:
+        return str(self.to_dataframe()._repr_html_())
+
+
+class Sweep(_Study):
+    """At which opening a growing cone admits each object, narrowest first."""
+
+    def __init__(self, atlas: Atlas, pointer: Any) -> None:
+        sweep = owned(pointer, lib.conus_sweep_destroy)
+        count = lib.conus_sweep_count(sweep)
+        super().__init__(atlas, array_of(lib.conus_sweep_admission(sweep, 0), count, ADMISSION))
+
+    def _ranks(self) -> Array:
+        return np.arange(1, len(self) + 1)
+
+    def _measures(self) -> dict[str, Any]:
+        angle = np.rad2deg(self.records["angle"])
+        return {
+            "angle_deg": angle,
+            "half_angle_deg": angle / 2,
+            "margin_deg": np.rad2deg(self.records["margin"]),
+            "distance_mm": self.records["distance"],
+            **_points("", self.records["point"]),
+            "measured": np.where(self.records["is_surface"], "surface", "voxel centre"),
+        }
+
+
+class Jitter(_Study):
+    """The chances of each object under errors of the pose, most probable first."""
+
+    def __init__(self, atlas: Atlas, pointer: Any) -> None:
+        jitter = owned(pointer, lib.conus_jitter_destroy)
+        count = lib.conus_jitter_count(jitter)
+        super().__init__(atlas, array_of(lib.conus_jitter_chance(jitter, 0), count, CHANCE))
+
+    def _measures(self) -> dict[str, Any]:
+        names = (("p_hit", "hit"), ("p_hit_error", "hit_error"), ("p_seen", "seen"), ("p_in_cone", "in_cone"))
+        columns = {name: self.records[member] for name, member in names}
+        columns["mean_share"] = self.records["share"]
+        columns["sd_share"] = self.records["share_deviation"]
+        return columns

@@ -1,0 +1,670 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Atlases and what is asked of them."""
+from __future__ import annotations
+
+import math
+import os
+import threading
+import warnings
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Union
+
+import numpy as np
+
+from ._answers import Answers, Array, Jitter, Objects, Selection, Sweep
+from ._conus import ffi, lib
+from ._library import (
+    RESULT,
+    ArgumentError,
+    PoseWarning,
+    check,
+    choice,
+    owned,
+    text,
+    vector,
+)
+
+if TYPE_CHECKING:
+    import pandas
+
+Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
+Labels = Union[Mapping[int, str], "pandas.DataFrame", None]
+Progress = Union[bool, Callable[[int, int], object], None]
+
+_SCALARS = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
+
+
+# ---- Atlases from files and arrays ---------------------------------------------------------------------------------
+
+
+def _fill_voxels(data: Any, affine: Any, name: str, space_code: int) -> tuple[Any, list[Any]]:
+    """A conus_voxels, and what must live as long as it."""
+    array = np.asanyarray(data)
+    kind = array.dtype.str[1:]
+    if array.ndim != 3 or kind not in _SCALARS:
+        raise ArgumentError(f"{name}: an array of {array.dtype}, shape {array.shape}; wanted are 3 axes of numbers")
+    matrix = np.asarray(affine, float)
+    if matrix.shape != (4, 4):
+        raise ArgumentError(f"affine: an array of shape {matrix.shape}, wanted is (4, 4)")
+    voxels, words = ffi.new("conus_voxels *"), ffi.new("char[]", os.fsencode(name))
+    voxels.data = ffi.cast("void *", array.__array_interface__["data"][0])
+    voxels.type = 1 + _SCALARS.index(kind)
+    voxels.swapped = not array.dtype.isnative
+    voxels.dim, voxels.stride = array.shape, array.strides
+    voxels.world_from_voxel = matrix.T.ravel().tolist()
+    voxels.space_code, voxels.name = space_code, words
+    return voxels, [array, words]
+
+
+def _label_rows(labels: Labels) -> Iterable[Mapping[str, Any]]:
+    if labels is None:
+        return []
+    if isinstance(labels, Mapping):
+        return [{"index": number, "name": name} for number, name in labels.items()]
+    key = "index" if "index" in labels else "label"
+    return list(labels.rename(columns={key: "index"}).to_dict("records"))
+
+
+def _fill_labels(labels: Labels) -> tuple[Any, int, list[Any]]:
+    """[count] conus_label, and what must live as long as they."""
+    rows = list(_label_rows(labels))
+    table, words = ffi.new("conus_label[]", max(1, len(rows))), []
+
+    def word(value: Any) -> Any:
+        words.append(ffi.new("char[]", str(value).encode()))
+        return words[-1]
+
+    for entry, row in zip(table, rows):
+        entry.number, entry.name = int(row["index"]), word(row["name"])
+        if row.get("abbreviation"):
+            entry.abbreviation = word(row["abbreviation"])
+        if row.get("hemisphere"):
+            entry.hemisphere = str(row["hemisphere"]).encode()
+        entry.parent = int(row.get("parent") or 0)
+    return table, len(rows), words
+
+
+def _from_file(path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any) -> Any:
+    options, out = ffi.new("conus_load_options *"), ffi.new("conus_atlas **")
+    table = ffi.new("char[]", os.fsencode(labels)) if labels is not None else ffi.NULL
+    state = _Callback(progress)
+    handle = ffi.new_handle(state)
+    options.labels, options.labels_anyway, options.max_memory = table, labels_anyway, max_memory
+    options.progress, options.progress_user = lib.conus_py_load_progress, handle
+    state.check(lib.conus_atlas_load(out, os.fsencode(path), options))
+    return out[0]
+
+
+def _from_array(data: Any, affine: Any, labels: Labels, labels_anyway: bool, name: str, space_code: int) -> Any:
+    voxels, _alive = _fill_voxels(data, affine, name, space_code)
+    table, count, _words = _fill_labels(labels)
+    options, out = ffi.new("conus_create_options *"), ffi.new("conus_atlas **")
+    options.labels_anyway = labels_anyway
+    check(lib.conus_atlas_create(out, voxels, table, count, options))
+    return out[0]
+
+
+def _image_parts(image: Any) -> tuple[Any, Any, str, int]:
+    """Of a nibabel image. Stored integers without a scale stay integers."""
+    header = image.header
+    code = int(header["sform_code"]) or int(header["qform_code"]) if "sform_code" in header else 0
+    return np.asanyarray(image.dataobj), image.affine, image.get_filename() or "nibabel image", code
+
+
+def load(
+    source: Any,
+    affine: Any = None,
+    *,
+    labels: Any = None,
+    pathways: Iterable[Any] = (),
+    context: Any = None,
+    context_blocks: float = 0,
+    hemispheres: str = "as-is",
+    only: Optional[str] = None,
+    hide: Optional[str] = None,
+    labels_anyway: bool = False,
+    max_memory: int = 0,
+    progress: Optional[Callable[[str, int, int], object]] = None,
+) -> Atlas:
+    """Loads an atlas.
+
+    Parameters
+    ----------
+    source
+        A path (everything that ``conus query`` takes), a nibabel image, or a 3-D array of labels.
+    affine
+        (4, 4), of an array: maps voxel indices to RAS mm.
+    labels
+        Of a path: the path of a label table. Else ``{number: name}`` or a DataFrame with the columns
+        index, name and, if known, abbreviation, hemisphere ("L", "R", "B") and parent.
+    pathways
+        Paths, or nibabel images, of scalar maps; each is one pathway. ``(map, threshold)`` sets from
+        which value on (default: a quarter of the map's scale).
+    context, context_blocks
+        A path or nibabel image that is drawn around the areas; voxels with values from
+        ``context_blocks`` on block rays (0 = none).
+    hemispheres
+        "as-is", "split" (areas of both sides are cut at x = 0) or "merged".
+    only, hide
+        Lists of names, separated by commas: all else, or these, are as if they had never been loaded.
+    labels_anyway
+        Each value is a label, even where the values look like those of an image.
+    max_memory
+        Largest file and volume, bytes; 0 = 8 GiB.
+    progress
+        Called with a path, the number of files that are read, and how many there are.
+    """
+    if isinstance(source, (str, bytes, os.PathLike)):
+        pointer = _from_file(source, labels, labels_anyway, max_memory, progress)
+    elif hasattr(source, "dataobj"):
+        data, matrix, name, code = _image_parts(source)
+        pointer = _from_array(data, matrix if affine is None else affine, labels, labels_anyway, name, code)
+    elif affine is None:
+        raise ArgumentError("affine: an array needs one")
+    else:
+        pointer = _from_array(source, affine, labels, labels_anyway, "array", 0)
+    raw = owned(pointer, lib.conus_atlas_destroy)
+    for pathway in pathways:
+        _add_pathway(raw, pathway, max_memory)
+    if context is not None:
+        _set_context(raw, context, context_blocks, max_memory)
+    how = choice("hemispheres", hemispheres, ("as-is", "split", "merged"))
+    if how:
+        check(lib.conus_atlas_set_hemispheres(raw, how))
+    if only is not None or hide is not None:
+        words = [ffi.NULL if w is None else ffi.new("char[]", w.encode()) for w in (only, hide)]
+        check(lib.conus_atlas_show(raw, *words))
+    return Atlas(raw)
+
+
+def _add_pathway(atlas: Any, pathway: Any, max_memory: int) -> None:
+    source, threshold = pathway if isinstance(pathway, tuple) else (pathway, 0)
+    options = ffi.new("conus_pathway_options *")
+    options.threshold, options.max_memory = threshold, max_memory
+    if hasattr(source, "dataobj"):
+        voxels, _alive = _fill_voxels(*_image_parts(source))
+        check(lib.conus_atlas_add_values(atlas, voxels, options))
+    else:
+        check(lib.conus_atlas_add_pathway(atlas, os.fsencode(source), options))
+
+
+def _set_context(atlas: Any, source: Any, blocks: float, max_memory: int) -> None:
+    options = ffi.new("conus_context_options *")
+    options.block_threshold, options.max_memory = blocks, max_memory
+    if hasattr(source, "dataobj"):
+        voxels, _alive = _fill_voxels(*_image_parts(source))
+        check(lib.conus_atlas_set_context_values(atlas, voxels, options))
+    else:
+        check(lib.conus_atlas_set_context(atlas, os.fsencode(source), options))
+
+
+# ---- Callbacks -----------------------------------------------------------------------------------------------------
+
+
+class _Callback:
+    """What C calls back; an exception in it, Ctrl-C too, ends the call and is raised behind it."""
+
+    def __init__(self, function: Any) -> None:
+        self.function = function
+        self.error: Optional[BaseException] = None
+
+    def call(self, *arguments: Any) -> bool:
+        try:
+            if self.function is not None:
+                self.function(*arguments)
+        except BaseException as error:  # pylint: disable=broad-except
+            self.error = error
+        return self.error is None
+
+    def check(self, status: int) -> None:
+        if self.error is not None:
+            raise self.error
+        check(status)
+
+
+@ffi.def_extern()  # type: ignore[misc]
+def conus_py_load_progress(user: Any, path: Any, done: int, total: int) -> bool:
+    callback: _Callback = ffi.from_handle(user)
+    return callback.call(os.fsdecode(ffi.string(path)), done, total)
+
+
+@ffi.def_extern()  # type: ignore[misc]
+def conus_py_receive(user: Any, answers: Any) -> bool:
+    callback: _Callback = ffi.from_handle(user)
+    return callback.call(answers)
+
+
+class _Collector:
+    """Keeps answers in one array that grows by an eighth, so that they are in memory once."""
+
+    def __init__(self, poses: int, progress: Any) -> None:
+        self.progress = progress
+        self.done = 0
+        self.starts = np.zeros(poses + 1, np.int64)
+        self.status = np.zeros(poses, np.uint8)
+        self.results = np.empty(0, RESULT)
+
+    def take(self, answers: Any) -> None:
+        count, poses = answers.starts[answers.poses], answers.poses
+        start, end = self.done, self.done + poses
+        before = int(self.starts[start])
+        starts = np.frombuffer(ffi.buffer(answers.starts, (poses + 1) * ffi.sizeof("size_t")), np.uintp)
+        self.starts[start : end + 1] = before + starts.astype(np.int64)
+        self.status[start:end] = np.frombuffer(ffi.buffer(answers.status, poses * 4), np.uint32)
+        if before + count > len(self.results):
+            self.results.resize(before + count + (before + count) // 8, refcheck=False)
+        if count:
+            new = self.results[before : before + count]
+            ffi.memmove(ffi.from_buffer(new.view(np.uint8)), answers.results, new.nbytes)
+            del new
+        self.done = end
+        if self.progress is not None:
+            self.progress(end, len(self.status))
+
+    def finish(self) -> None:
+        self.results.resize(int(self.starts[-1]), refcheck=False)
+
+
+def _progress_function(progress: Progress, total: int) -> Any:
+    if progress is True:
+        try:
+            from tqdm.auto import tqdm
+        except ImportError:
+            return None
+        bar = tqdm(total=total, unit="pose")
+
+        def show(done: int, total: int) -> None:
+            bar.update(done - bar.n)
+            if done == total:
+                bar.close()
+
+        return show
+    return progress or None
+
+
+# ---- Poses ---------------------------------------------------------------------------------------------------------
+
+
+def _pose_of(origin: Any, toward: Any, direction: Any, up: Any, pose: Any) -> Any:
+    """A conus_pose of what `select` is given."""
+    out = ffi.new("conus_pose *")
+    if pose is not None:
+        matrix = np.asarray(pose, float)
+        if matrix.shape != (4, 4) or origin is not None or toward is not None or direction is not None:
+            raise ArgumentError("pose: a matrix of shape (4, 4), without origin, toward and direction")
+        check(lib.conus_pose_from_matrix(out, matrix.T.ravel().tolist()))
+        return out
+    if origin is None or (toward is None) == (direction is None):
+        raise ArgumentError("pose: needs origin and either toward or direction")
+    above = ffi.NULL if up is None else vector("up", up)
+    if toward is not None:
+        check(lib.conus_pose_toward(out, vector("origin", origin), vector("toward", toward), above))
+    else:
+        check(lib.conus_pose_along(out, vector("origin", origin), vector("direction", direction), above))
+    return out
+
+
+def _rows(name: str, values: Any, shape: tuple[int, ...]) -> Array:
+    array = np.ascontiguousarray(values, float)
+    if array.shape[1:] != shape:
+        raise ArgumentError(f"{name}: an array of shape {array.shape}, wanted is {('n', *shape)}".replace("'", ""))
+    return array
+
+
+def _warn(astray: Any) -> None:
+    """Says of poses what `conus batch` notes, by their indices."""
+    for oddity, words in (
+        (astray.away, "point away from the atlas"),
+        (astray.tiny, "lie within 1 mm of 0, as if their unit were not mm"),
+        (astray.inside, "begin inside an area or pathway"),
+    ):
+        if oddity.count:
+            message = f"{oddity.count} of {astray.poses} cones {words}, the first is pose {oddity.first}"
+            warnings.warn(message, PoseWarning, stacklevel=4)
+
+
+# ---- Asking --------------------------------------------------------------------------------------------------------
+
+
+class Selector:
+    """An atlas made ready to answer, with options that hold for all its answers.
+
+    Any thread may use it; one at a time answers. ``select_many`` uses threads of its own.
+
+    Parameters
+    ----------
+    layers
+        "visible", what rays hit first, or "all" that they pass, with volumes and path lengths.
+    resolution
+        n of the n x n rays, 1 to 1024.
+    range
+        (nearest, farthest) depth along the axis, mm.
+    radius
+        mm: a cylinder instead of a cone.
+    level, score, aperture, sampling, engine
+        As the options of ``conus query``.
+    """
+
+    def __init__(
+        self,
+        atlas: Atlas,
+        *,
+        layers: str = "visible",
+        resolution: int = 0,
+        range: tuple[float, float] = (0, 0),
+        radius: float = 0,
+        level: Union[int, str, None] = None,
+        score: Optional[str] = None,
+        aperture: str = "circle",
+        sampling: str = "exact",
+        slices: int = 0,
+        engine: str = "auto",
+    ) -> None:
+        options, out = ffi.new("conus_selector_options *"), ffi.new("conus_selector **")
+        words = [ffi.NULL if w is None else ffi.new("char[]", str(w).encode()) for w in (level, score)]
+        options.layers = choice("layers", layers, ("visible", "all"))
+        options.aperture = choice("aperture", aperture, ("circle", "square"))
+        options.sampling = choice("sampling", sampling, ("exact", "slices"))
+        options.engine = choice("engine", engine, ("auto", "rays", "gl"))
+        options.resolution, options.slices, options.range, options.radius = resolution, slices, range, radius
+        options.level, options.score = words
+        check(lib.conus_selector_create(out, atlas._p, options))
+        self.atlas = atlas
+        self._layers = layers == "all"
+        self._is_cylinder = radius > 0
+        self._p = owned(out[0], lib.conus_selector_destroy, atlas._p)
+        self._lock = threading.Lock()
+
+    def _angle(self, angle: Optional[float]) -> float:
+        if angle is None:
+            return 0.0 if self._is_cylinder else math.radians(10)
+        return math.radians(angle)
+
+    def select(
+        self,
+        origin: Any = None,
+        *,
+        toward: Any = None,
+        direction: Any = None,
+        up: Any = None,
+        pose: Any = None,
+        angle: Optional[float] = None,
+    ) -> Selection:
+        """What is in one cone of ``angle`` degrees (10): see :meth:`Atlas.select`."""
+        aim, out = _pose_of(origin, toward, direction, up, pose), ffi.new("conus_selection **")
+        with self._lock:
+            check(lib.conus_select(out, self._p, aim, self._angle(angle)))
+        return Selection(self.atlas, out[0], self._layers)
+
+    def near(self, point: Any, radius: float) -> Selection:
+        """What is within ``radius`` mm of a point: ``conus query --point``."""
+        out = ffi.new("conus_selection **")
+        with self._lock:
+            check(lib.conus_select_ball(out, self._p, vector("point", point), radius))
+        return Selection(self.atlas, out[0], self._layers)
+
+    def sweep(
+        self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
+        angle: float = 60,
+    ) -> Sweep:
+        """At which opening up to ``angle`` degrees a growing cone admits each object."""
+        aim, out = _pose_of(origin, toward, direction, up, pose), ffi.new("conus_sweep **")
+        with self._lock:
+            check(lib.conus_sweep_create(out, self._p, aim, np.deg2rad(angle)))
+        return Sweep(self.atlas, out[0])
+
+    def jitter(
+        self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
+        angle: Optional[float] = None, degrees: float = 0, mm: float = 0, samples: int = 0,
+    ) -> Jitter:
+        """The chances of each object where the axis tilts by ``degrees`` and the device shifts by ``mm``."""
+        aim, out = _pose_of(origin, toward, direction, up, pose), ffi.new("conus_jitter **")
+        options = ffi.new("conus_jitter_options *")
+        options.tilt, options.shift, options.samples = np.deg2rad(degrees), mm, samples
+        with self._lock:
+            check(lib.conus_jitter_create(out, self._p, aim, self._angle(angle), options))
+        return Jitter(self.atlas, out[0])
+
+    def select_many(
+        self,
+        origins: Any = None,
+        directions: Any = None,
+        *,
+        poses: Any = None,
+        up: Any = None,
+        angle: Any = None,
+        threads: Optional[int] = None,
+        progress: Progress = None,
+    ) -> Answers:
+        """What is in each of many cones.
+
+        Parameters
+        ----------
+        origins, directions, up
+            (n, 3) RAS mm.
+        poses
+            Instead of these: (n, 4, 4) matrices from device to world; a device points along its -z.
+        angle
+            Degrees, one number or (n,); 10 if not given.
+        threads
+            None = as many as processors.
+        progress
+            True shows tqdm's bar if there is one; a function is called with (done, all).
+        """
+        array, alive = self._pose_array(origins, directions, poses, up, angle)
+        options, astray = ffi.new("conus_many_options *"), ffi.new("conus_astray *")
+        options.threads = threads or 0
+        options.angle = self._angle(None if np.ndim(angle) else angle)
+        collector = _Collector(array.count, _progress_function(progress, array.count))
+        state = _Callback(collector.take)
+        handle = ffi.new_handle(state)
+        with self._lock:
+            state.check(lib.conus_select_many(astray, self._p, array, options, lib.conus_py_receive, handle))
+        collector.finish()
+        _warn(astray)
+        errors = {int(i): self._reason(array, i) for i in np.flatnonzero(collector.status)}
+        del alive
+        return Answers(self.atlas, collector.results, collector.starts, errors, self._layers)
+
+    def _pose_array(self, origins: Any, directions: Any, poses: Any, up: Any, angle: Any) -> tuple[Any, list[Array]]:
+        """A conus_pose_array, and the arrays that must live as long as it."""
+        array, alive = ffi.new("conus_pose_array *"), []
+
+        def point_to(rows: Array) -> Any:
+            alive.append(rows)
+            return ffi.cast("double *", rows.ctypes.data)
+
+        if poses is not None:
+            matrices = _rows("poses", poses, (4, 4))
+            array.count = len(matrices)
+            array.matrix = point_to(np.ascontiguousarray(matrices.transpose(0, 2, 1)))
+        if origins is not None or directions is not None or poses is None:
+            if poses is not None or origins is None or directions is None:
+                raise ArgumentError("poses: either matrices, or both origins and directions")
+            named = {"origin": _rows("origins", origins, (3,)), "direction": _rows("directions", directions, (3,))}
+            if up is not None:
+                named["up"] = _rows("up", up, (3,))
+            array.count = len(named["origin"])
+            for name, rows in named.items():
+                setattr(array, name, point_to(rows))
+        if np.ndim(angle):
+            array.angle = point_to(np.deg2rad(_rows("angle", angle, ())))
+        if any(len(rows) != array.count for rows in alive):
+            raise ArgumentError(f"poses: arrays of {', '.join(str(len(rows)) for rows in alive)} rows")
+        return array, alive
+
+    def _reason(self, array: Any, index: int) -> str:
+        """Why pose `index` has no answer: asks for it alone."""
+        pose, out = ffi.new("conus_pose *"), ffi.new("conus_selection **")
+        if array.matrix:
+            status = lib.conus_pose_from_matrix(pose, array.matrix + 16 * int(index))
+        else:
+            up = array.up + 3 * int(index) if array.up else ffi.NULL
+            status = lib.conus_pose_along(pose, array.origin + 3 * int(index), array.direction + 3 * int(index), up)
+        with self._lock:
+            angle = array.angle[int(index)] if array.angle else self._angle(None)
+            status = status or lib.conus_select(out, self._p, pose, angle)
+            reason = text(lib.conus_message()) if status else ""
+        if not status:
+            lib.conus_selection_destroy(out[0])
+        return reason
+
+    def __repr__(self) -> str:
+        return f"<conus.Selector of {self.atlas!r}, engine {text(lib.conus_selector_engine(self._p))}>"
+
+
+class Atlas:
+    """Areas and pathways of one brain; :func:`load` makes one. It does not change."""
+
+    def __init__(self, pointer: Any) -> None:
+        self._pointer = pointer
+        self._selectors: dict[Any, Selector] = {}
+        self.objects = Objects(pointer)
+
+    @property
+    def _p(self) -> Any:
+        if self._pointer is None:
+            raise ArgumentError("atlas: it is closed")
+        return self._pointer
+
+    def close(self) -> None:
+        """Frees the memory, once no answer of it is left. Asking it afterwards is an error."""
+        self._pointer = None
+        self._selectors.clear()
+
+    def __enter__(self) -> Atlas:
+        return self
+
+    def __exit__(self, *unused: object) -> None:
+        self.close()
+
+    def __len__(self) -> int:
+        return len(self.objects.names) - 1
+
+    def __repr__(self) -> str:
+        return f"<conus.Atlas of {len(self)} objects>"
+
+    def __reduce__(self) -> Any:
+        size = lib.conus_atlas_packed_size(self._p)
+        memory = _aligned(size)
+        check(lib.conus_atlas_pack(ffi.cast("void *", memory.ctypes.data), size, self._p))
+        return _unpack, (memory.tobytes(),)
+
+    def find(self, name: str) -> int:
+        """The number of an object, by its name, abbreviation or label."""
+        out = ffi.new("uint32_t *")
+        check(lib.conus_atlas_find(out, self._p, name.encode()))
+        return int(out[0])
+
+    @property
+    def notes(self) -> list[str]:
+        """What was noticed while the atlas was loaded."""
+        return [text(lib.conus_atlas_note(self._p, i)) for i in range(lib.conus_atlas_note_count(self._p))]
+
+    def info(self) -> pandas.DataFrame:
+        """One row for each area and pathway."""
+        import pandas
+
+        entries = [lib.conus_atlas_object(self._p, i) for i in range(1, len(self) + 1)]
+        return pandas.DataFrame(
+            {
+                "kind": ["pathway" if e.kind == lib.CONUS_KIND_PATHWAY else "area" for e in entries],
+                "index": [e.label for e in entries],
+                "name": [text(e.name) for e in entries],
+                "abbreviation": [text(e.abbreviation) for e in entries],
+                "hemisphere": [e.hemisphere.decode().strip("\0") for e in entries],
+                "parent": [e.parent for e in entries],
+                "voxels": [e.voxels for e in entries],
+                "volume_mm3": [e.volume_mm3 for e in entries],
+                "triangles": [e.triangles for e in entries],
+            },
+            index=pandas.RangeIndex(1, len(self) + 1, name="object"),
+        )
+
+    def selector(self, **options: Any) -> Selector:
+        """An atlas made ready to answer: see :class:`Selector`."""
+        return Selector(self, **options)
+
+    def _selector(self, options: dict[str, Any]) -> Selector:
+        self._p  # pylint: disable=pointless-statement  # raises if it is closed
+        key = tuple(sorted((name, tuple(v) if isinstance(v, (list, np.ndarray)) else v) for name, v in options.items()))
+        if key not in self._selectors:
+            self._selectors[key] = Selector(self, **options)
+        return self._selectors[key]
+
+    def select(
+        self,
+        origin: Any = None,
+        *,
+        toward: Any = None,
+        direction: Any = None,
+        up: Any = None,
+        pose: Any = None,
+        angle: Optional[float] = None,
+        **options: Any,
+    ) -> Selection:
+        """What is in one cone.
+
+        Parameters
+        ----------
+        origin
+            The cone's apex, RAS mm.
+        toward, direction
+            A point that the cone points at, or its direction, of any length but 0.
+        up
+            Up direction of the device; it turns the buffer of rays.
+        pose
+            Instead of these: a (4, 4) matrix from device to world; the device points along its -z.
+        angle
+            Full opening, degrees; 10 if not given.
+        **options
+            Of :class:`Selector`: layers="all", resolution=64, ...
+        """
+        return self._selector(options).select(
+            origin, toward=toward, direction=direction, up=up, pose=pose, angle=angle
+        )
+
+    def near(self, point: Any, radius: float, **options: Any) -> Selection:
+        """What is within ``radius`` mm of a point."""
+        return self._selector(options).near(point, radius)
+
+    def select_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
+                    angle: Any = None, threads: Optional[int] = None, progress: Progress = None,
+                    **options: Any) -> Answers:
+        """What is in each of many cones: see :meth:`Selector.select_many`."""
+        return self._selector(options).select_many(
+            origins, directions, poses=poses, up=up, angle=angle, threads=threads, progress=progress
+        )
+
+    def sweep(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
+              angle: float = 60, **options: Any) -> Sweep:
+        """At which opening a growing cone admits each object: see :meth:`Selector.sweep`."""
+        return self._selector(options).sweep(
+            origin, toward=toward, direction=direction, up=up, pose=pose, angle=angle
+        )
+
+    def jitter(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
+               angle: Optional[float] = None, degrees: float = 0, mm: float = 0, samples: int = 0,
+               **options: Any) -> Jitter:
+        """The chances of each object under errors of the pose: see :meth:`Selector.jitter`."""
+        return self._selector(options).jitter(
+            origin, toward=toward, direction=direction, up=up, pose=pose, angle=angle, degrees=degrees, mm=mm,
+            samples=samples,
+        )
+
+
+# ---- Pickling ------------------------------------------------------------------------------------------------------
+
+
+def _aligned(size: int) -> Array:
+    """Bytes at a multiple of 64."""
+    memory = np.empty(size + 63, np.uint8)
+    start = -memory.ctypes.data % 64
+    return memory[start : start + size]
+
+
+def _unpack(packed: bytes) -> Atlas:
+    memory = _aligned(len(packed))
+    memory[:] = np.frombuffer(packed, np.uint8)
+    out = ffi.new("conus_atlas **")
+    check(lib.conus_atlas_attach(out, ffi.cast("void *", memory.ctypes.data), len(packed)))
+    return Atlas(owned(out[0], lib.conus_atlas_destroy, memory))

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The border to C: errors, texts, and the library's structs as numpy sees them."""
+from __future__ import annotations
+
+from typing import Any, Sequence
+
+import numpy as np
+
+from ._conus import ffi, lib
+
+
+class Error(Exception):
+    """A call that failed; its text is the library's one line. The subclasses say why."""
+
+
+class ArgumentError(Error, ValueError):
+    """An argument breaks its documented range."""
+
+
+class OutOfMemoryError(Error, MemoryError):
+    """There is no memory, or a file asks for more than max_memory."""
+
+
+class FileError(Error, OSError):
+    """The system refused to read or write."""
+
+
+class DataError(Error, ValueError):
+    """A file or an array is damaged, contradicts itself or is not what it should be."""
+
+
+class UnsupportedError(Error):
+    """Valid, but beyond conus."""
+
+
+class GLError(Error, RuntimeError):
+    """There is no usable OpenGL driver."""
+
+
+class CancelledError(Error):
+    """A callback ended the call."""
+
+
+class PoseWarning(UserWarning):
+    """Poses that look as if they came from another space or unit."""
+
+
+_ERRORS = {
+    lib.CONUS_ERROR_ARGUMENT: ArgumentError,
+    lib.CONUS_ERROR_MEMORY: OutOfMemoryError,
+    lib.CONUS_ERROR_IO: FileError,
+    lib.CONUS_ERROR_DATA: DataError,
+    lib.CONUS_ERROR_UNSUPPORTED: UnsupportedError,
+    lib.CONUS_ERROR_GL: GLError,
+    lib.CONUS_ERROR_CANCELLED: CancelledError,
+}
+
+
+def check(status: int) -> None:
+    """Raises the error that a status means."""
+    if status:
+        raise _ERRORS.get(status, Error)(text(lib.conus_message()))
+
+
+def text(pointer: Any) -> str:
+    """UTF-8 of the library; None is ""."""
+    return str(ffi.string(pointer).decode("utf-8", "replace")) if pointer else ""
+
+
+def owned(pointer: Any, destroy: Any, *needed: Any) -> Any:
+    """An object that ends itself, before any of those that it needs."""
+    return ffi.gc(pointer, lambda p, keep=needed: destroy(p))
+
+
+def choice(option: str, value: str, values: Sequence[str]) -> int:
+    """The number of a named value of an option."""
+    if value not in values:
+        raise ArgumentError(f"{option}: {value!r}, allowed is {', '.join(values)}")
+    return list(values).index(value)
+
+
+def vector(name: str, values: Any) -> list[float]:
+    """Three numbers, which the library checks further."""
+    array = np.asarray(values, float)
+    if array.shape != (3,):
+        raise ArgumentError(f"{name}: an array of shape {array.shape}, wanted is (3,)")
+    return [float(value) for value in array]
+
+
+_FORMATS = {"uint32_t": "u4", "uint64_t": "u8", "double": "f8", "uint8_t": "u1", "_Bool": "?"}
+
+
+def dtype_of(name: str) -> np.dtype[Any]:
+    """A struct of the headers; offsets and size are the compiler's."""
+    fields: list[tuple[str, Any, int]] = []
+    for field, info in ffi.typeof(name).fields:
+        kind = info.type
+        if kind.kind == "array":
+            fields.append((field, (_FORMATS[kind.item.cname], kind.length), info.offset))
+        else:
+            fields.append((field, "u4" if kind.kind == "enum" else _FORMATS[kind.cname], info.offset))
+    names, formats, offsets = (list(column) for column in zip(*fields))
+    return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": ffi.sizeof(name)})
+
+
+def array_of(pointer: Any, count: int, dtype: np.dtype[Any]) -> np.ndarray[Any, Any]:
+    """A copy of an array of the library."""
+    if not count:
+        return np.empty(0, dtype)
+    return np.frombuffer(ffi.buffer(ffi.cast("char *", pointer), count * dtype.itemsize), dtype, count).copy()
+
+
+RESULT = dtype_of("conus_result")
+ADMISSION = dtype_of("conus_admission")
+CHANCE = dtype_of("conus_chance")

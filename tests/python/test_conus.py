@@ -1,0 +1,458 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The Python package. $PYTHONPATH has it, $CONUS is the program conus."""
+import io
+import multiprocessing
+import os
+import pathlib
+import pickle
+import re
+import signal
+import subprocess
+import threading
+import warnings
+
+import nibabel
+import numpy as np
+import pandas
+import pytest
+
+import conus
+
+AAL = "/usr/share/mricron/templates/aal.nii.gz"
+needs_aal = pytest.mark.skipif(not os.path.exists(AAL), reason="mricron-data is not installed")
+
+AFFINE = np.array([[2, 0, 0, -39], [0, 2, 0, -29], [0, 0, 2, -29], [0, 0, 0, 1]], float)
+NAMES = {1: "left", 2: "right"}
+
+
+def plates(dtype="u1", order="C"):
+    """Two plates of 20 mm before x = -20 and behind x = 20; the middle of the array is the origin."""
+    labels = np.zeros((40, 30, 30), dtype, order)
+    labels[:10], labels[30:] = 1, 2
+    return labels
+
+
+@pytest.fixture(name="atlas")
+def make_atlas():
+    return conus.load(plates(), AFFINE, labels=NAMES)
+
+
+def same(a, b):
+    """Whether records are equal to the bit, but for the bytes between their members."""
+    return len(a) == len(b) and all(np.ascontiguousarray(a[m]).tobytes() == np.ascontiguousarray(b[m]).tobytes() for m in a.dtype.names)
+
+
+def run_conus(*arguments):
+    done = subprocess.run([os.environ["CONUS"], *arguments], capture_output=True, check=True)
+    return pandas.read_csv(io.BytesIO(done.stdout), sep="\t", na_values="n/a", keep_default_na=False)
+
+
+def assert_rows_of_the_program(frame, rows):
+    """Every column of the frame is that of the program, to the digits that it writes."""
+    for column in frame.columns.drop("query", errors="ignore"):
+        ours, theirs = frame[column], rows[column]
+        if theirs.dtype == object or column == "abbreviation":
+            assert list(ours.astype(str)) == list(theirs.fillna("").astype(str)), column
+        elif ours.dtype.kind in "iu":  # which have no NaN
+            assert np.array_equal(ours, theirs.fillna(0)), column
+        else:
+            np.testing.assert_allclose(ours, theirs, rtol=1e-8, atol=1e-9, err_msg=column)
+
+
+# ---- One cone ------------------------------------------------------------------------------------------------------
+
+
+def test_plate_is_hit_where_it_begins(atlas):
+    """From the middle along -x the plate's face is at voxel edge x = -39 + 2 * 9.5 = -20."""
+    hits = atlas.select(origin=(0, 0, 0), direction=(-5, 0, 0), angle=10)
+    assert [hit.name for hit in hits] == ["left", "unassigned"]
+    assert hits[0].index == 1 and hits[0].rank == 1 and hits[0].kind == "area"
+    assert hits[0].share == pytest.approx(1)
+    assert hits[0].contact[0] == pytest.approx(-20)
+    assert 20 <= hits[0].distance_mm < 20.1
+    assert hits[1].rank == 0 and hits[1].pixels == 0
+
+
+def test_pose_is_a_matrix_that_points_along_minus_z(atlas):
+    pose = np.eye(4)
+    pose[:3, :3] = [[0, 0, -1], [0, 1, 0], [1, 0, 0]]  # its z is world -x, so that it points along +x
+    assert atlas.select(pose=pose)[0].name == "right"
+
+
+def test_angle_is_ten_degrees_if_not_given(atlas):
+    default, ten = (atlas.select((0, 0, 0), direction=(1, 0, 0), **o).results for o in ({}, {"angle": 10}))
+    assert same(default, ten)
+
+
+def test_cylinder_has_no_angle(atlas):
+    hits = atlas.select((0, 0, 0), direction=(1, 0, 0), radius=3)
+    assert hits[0].contact[0] == pytest.approx(20)
+
+
+def test_ball_has_the_voxels_around_a_point(atlas):
+    """The ball's 5 mm about (21, 1, 1), a voxel's centre, in steps of 2 mm: counted here."""
+    steps = np.stack(np.meshgrid(*[np.arange(-4, 5, 2)] * 3), -1).reshape(-1, 3)
+    steps = steps[(steps**2).sum(1) <= 25]
+    wanted = (21 + steps[:, 0] > 20).sum()
+    near = atlas.near((21, 1, 1), 5, layers="all")
+    assert near.to_dataframe().set_index("name").voxels["right"] == wanted
+
+
+def test_mask_has_the_voxels_of_the_cone(atlas):
+    hits = atlas.select((0, 0, 0), direction=(1, 0, 0), angle=30, layers="all")
+    mask = hits.mask()
+    assert np.array_equal(mask.affine, AFFINE)
+    inside = mask.get_fdata() == 1
+    assert inside.sum() == hits.to_dataframe().set_index("name").voxels["right"]
+    centres = nibabel.affines.apply_affine(AFFINE, np.argwhere(inside))
+    angles = np.degrees(np.arctan2(np.hypot(centres[:, 1], centres[:, 2]), centres[:, 0]))
+    assert angles.max() <= 15 and centres[:, 0].min() > 20
+    assert np.array_equal(hits.mask(of="labels", name="right").get_fdata(), 2.0 * inside)
+
+
+def test_channels_are_of_the_picture(atlas):
+    hits = atlas.select((0, 0, 0), direction=(1, 0, 0), resolution=8)
+    assert hits.image("id").shape == (8, 8)
+    assert hits.image("id")[4, 4] == 2
+    assert hits.image("X")[4, 4] == pytest.approx(20)
+    with pytest.raises(KeyError):
+        hits.image("nothing")
+
+
+@needs_aal
+def test_aal_pose_has_188_16_4():
+    """The pixels that three engines and an independent traversal agree on (docs/verification.md)."""
+    hits = conus.load(AAL).select(origin=(-90, 20, 20), toward=(0, -10, 10), angle=20)
+    assert [hit.pixels for hit in hits] == [188, 16, 4, 0]
+
+
+@needs_aal
+@pytest.mark.parametrize("options", [{}, {"layers": "all"}, {"layers": "all", "level": None, "score": "unoccluded"}])
+def test_rows_are_those_of_the_program(options):
+    words = [w for name, value in options.items() if value for w in (f"--{name}", value)]
+    rows = run_conus("query", AAL, "--origin=-90,20,20", "--toward=0,-10,10", "--angle=20", "--format=tsv", *words)
+    frame = conus.load(AAL).select((-90, 20, 20), toward=(0, -10, 10), angle=20, **options).to_dataframe()
+    assert_rows_of_the_program(frame, rows)
+    assert list(frame.columns) == [c for c in rows.columns if c in frame.columns]
+
+
+@needs_aal
+def test_sweep_and_jitter_are_those_of_the_program():
+    atlas, aim = conus.load(AAL), ("--origin=-90,20,20", "--toward=0,-10,10", "--angle=20", "--format=tsv")
+    sweep = atlas.sweep((-90, 20, 20), toward=(0, -10, 10), angle=20).to_dataframe()
+    assert_rows_of_the_program(sweep, run_conus("sweep", AAL, *aim))
+    jitter = atlas.jitter((-90, 20, 20), toward=(0, -10, 10), angle=20, degrees=2, mm=1).to_dataframe()
+    assert_rows_of_the_program(jitter, run_conus("sweep", AAL, *aim, "--jitter=2,1"))
+
+
+@needs_aal
+def test_ten_lines_of_the_documents_draw_a_figure(tmp_path, monkeypatch, capsys):
+    page = (pathlib.Path(__file__).parents[2] / "docs" / "python.md").read_text()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    lines = re.search(r"```python\n(.*?)```", page, re.S)[1]
+    assert len([line for line in lines.splitlines() if line]) <= 10
+    exec(lines, {})
+    assert capsys.readouterr().out.startswith("Frontal_Inf_Oper_L 0.905")
+    assert (tmp_path / "hits.png").read_bytes()[:4] == b"\x89PNG"
+
+
+# ---- Many cones ----------------------------------------------------------------------------------------------------
+
+
+def many_poses(count):
+    random = np.random.default_rng(1)
+    away = random.normal(size=(count, 3))
+    away /= np.linalg.norm(away, axis=1)[:, None]
+    return away * 120 + [0, -20, 20], -away + random.normal(size=(count, 3)) * 0.1
+
+
+@needs_aal
+def test_many_answers_are_those_of_the_program(tmp_path):
+    origins, directions = many_poses(2000)
+    table = pandas.DataFrame(np.hstack([origins, directions]), columns=["x", "y", "z", "dx", "dy", "dz"])
+    table.to_csv(tmp_path / "poses.tsv", sep="\t", index=False, float_format="%.17g")
+    rows = run_conus("batch", AAL, "--poses", str(tmp_path / "poses.tsv"), "--angle=5", "-q")
+    frame = conus.load(AAL).select_many(origins, directions, angle=5).to_dataframe()
+    assert np.array_equal(frame["query"] + 1, rows["query"])
+    assert_rows_of_the_program(frame, rows)
+
+
+def test_answers_do_not_depend_on_threads_or_layout(atlas):
+    origins, directions = many_poses(700)
+    origins /= 10
+    angle = np.linspace(1, 90, 700)
+    wanted = [atlas.select(o, direction=d, angle=a).results for o, d, a in zip(origins, directions, angle)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", conus.PoseWarning)
+        for threads in (1, 2, 5, None):
+            for arrays in (
+                (origins, directions),
+                (np.asfortranarray(origins), directions[::-1][::-1]),
+                (origins.tolist(), directions.astype(">f8")),
+            ):
+                answers = atlas.select_many(*arrays, angle=angle, threads=threads)
+                assert len(answers) == 700
+                assert all(same(a, w) for a, w in zip(answers, wanted))
+
+
+def test_matrices_are_poses(atlas):
+    poses = np.tile(np.eye(4), (2, 1, 1))
+    poses[0, :3, :3] = [[0, 0, -1], [0, 1, 0], [1, 0, 0]]
+    poses[1, :3, :3] = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
+    answers = atlas.select_many(poses=poses)
+    assert [atlas.objects.names[rows[0]["object"]] for rows in answers] == ["right", "left"]
+
+
+def test_pose_at_fault_has_a_reason(atlas):
+    answers = atlas.select_many([[0, 0, 0], [np.nan, 0, 0], [0, 0, 0]], [[1, 0, 0], [1, 0, 0], [0, 0, 0]])
+    assert list(answers.errors) == [1, 2] and "nan" in answers.errors[1] and "direction" in answers.errors[2]
+    frame = answers.to_dataframe()
+    assert list(frame["query"]) == [0, 0, 1, 2] and list(frame["kind"])[2:] == ["error", "error"]
+    assert frame["name"][2] == answers.errors[1]
+    bad_angle = atlas.select_many([[0, 0, 0]] * 2, [[1, 0, 0]] * 2, angle=[20, 200])
+    assert "200" in bad_angle.errors[1]
+
+
+def test_no_poses_are_no_answers(atlas):
+    answers = atlas.select_many(np.empty((0, 3)), np.empty((0, 3)))
+    assert len(answers) == 0 and len(answers.to_dataframe()) == 0
+
+
+def test_poses_that_point_away_are_told_of(atlas):
+    with pytest.warns(conus.PoseWarning, match="1 of 2 cones point away from the atlas, the first is pose 1"):
+        atlas.select_many([[0, 0, 0], [900, 0, 0]], [[1, 0, 0], [1, 0, 0]])
+
+
+def test_progress_is_told_and_its_exception_ends_the_run(atlas):
+    origins, directions = np.zeros((2000, 3)), np.tile([1.0, 0, 0], (2000, 1))
+    heard = []
+    atlas.select_many(origins, directions, progress=lambda done, total: heard.append((done, total)))
+    assert heard[-1] == (2000, 2000) and heard == sorted(heard)
+
+    def stop(done, total):
+        raise RuntimeError(f"stopped at {done} of {total}")
+
+    with pytest.raises(RuntimeError, match="stopped at"):
+        atlas.select_many(origins, directions, progress=stop)
+    assert len(atlas.select_many(origins, directions)) == 2000  # the selector is as it was
+
+
+def test_ctrl_c_ends_a_run(atlas):
+    origins, directions = np.zeros((100000, 3)), np.tile([1.0, 0, 0], (100000, 1))
+    with pytest.raises(KeyboardInterrupt):
+        atlas.select_many(origins, directions, progress=lambda *_: os.kill(os.getpid(), signal.SIGINT))
+
+
+def test_results_are_in_memory_once(atlas):
+    """An eighth more than the results, at most, is allocated while they grow."""
+    answers = atlas.select_many(np.zeros((5000, 3)), np.tile([1.0, 0, 0], (5000, 1)))
+    assert answers.results.nbytes == len(answers.results) * answers.results.itemsize
+    assert answers.results.base is None and answers.results.flags.owndata
+
+
+# ---- Atlases -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("dtype", ["u1", "i1", "<u2", ">u2", "i2", "u4", ">i4", "u8", "i8", ">f4", "f8"])
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_every_type_and_order_is_the_same_atlas(atlas, dtype, order):
+    other = conus.load(plates(dtype, order), AFFINE, labels=NAMES)
+    assert other.info().equals(atlas.info())
+
+
+def test_views_are_taken_as_they_are(atlas):
+    flipped = plates()[::-1, ::-1, ::-1]
+    affine = AFFINE @ np.array([[-1, 0, 0, 39], [0, -1, 0, 29], [0, 0, -1, 29], [0, 0, 0, 1]])
+    flipped.flags.writeable = False
+    other = conus.load(flipped, affine, labels={2: "left", 1: "right"})
+    assert other.select((0, 0, 0), direction=(1, 0, 0))[0].name == "left"
+    assert len(atlas) == len(other) == 2
+
+
+def test_labels_are_a_table(atlas):
+    table = pandas.DataFrame({"index": [1, 2], "name": ["left", "right"], "hemisphere": ["L", "R"], "parent": [0, 1]})
+    info = conus.load(plates(), AFFINE, labels=table).info()
+    assert list(info["hemisphere"]) == ["L", "R"] and list(info["parent"]) == [0, 1]
+    assert list(info["volume_mm3"]) == [10 * 30 * 30 * 8] * 2
+    assert list(atlas.info()["hemisphere"]) == ["", ""]
+
+
+def test_nibabel_images_are_atlases_pathways_and_contexts(tmp_path):
+    image = nibabel.Nifti1Image(plates(), AFFINE)
+    values = np.zeros((40, 30, 30), "f4")
+    values[15:18] = 0.9
+    bundle = nibabel.Nifti1Image(values, AFFINE)
+    nibabel.save(bundle, tmp_path / "bundle.nii.gz")
+    for pathway in (bundle, (bundle, 0.5), tmp_path / "bundle.nii.gz", (str(tmp_path / "bundle.nii.gz"), 0.5)):
+        atlas = conus.load(image, labels=NAMES, pathways=[pathway])
+        assert list(atlas.info()["kind"]) == ["area", "area", "pathway"]
+        assert atlas.select((0, 0, 0), direction=(-1, 0, 0))[0].kind == "pathway"
+    atlas = conus.load(image, labels=NAMES, context=bundle, context_blocks=0.5)
+    assert atlas.select((0, 0, 0), direction=(-1, 0, 0))[0].name == "unassigned"
+
+
+def test_only_and_hide(atlas):
+    assert atlas.select((0, 0, 0), direction=(1, 0, 0))[0].name == "right"
+    hidden = conus.load(plates(), AFFINE, labels=NAMES, hide="right")
+    assert hidden.select((0, 0, 0), direction=(1, 0, 0))[0].name == "unassigned"
+    with pytest.raises(conus.ArgumentError, match="riht"):
+        conus.load(plates(), AFFINE, labels=NAMES, only="riht")
+
+
+def test_a_path_has_spaces_and_bytes(tmp_path):
+    folder = os.fsencode(tmp_path) + b"/a b\xff"
+    os.mkdir(folder)
+    nibabel.save(nibabel.Nifti1Image(plates(), AFFINE), tmp_path / "atlas.nii.gz")
+    os.rename(tmp_path / "atlas.nii.gz", folder + b"/at las.nii.gz")
+    heard = []
+    atlas = conus.load(folder + b"/at las.nii.gz", progress=lambda *what: heard.append(what))
+    assert len(atlas) == 2 and os.fsencode(heard[0][0]) == folder + b"/at las.nii.gz"
+    with pytest.raises(ZeroDivisionError):
+        conus.load(folder + b"/at las.nii.gz", progress=lambda *what: 1 / 0)
+
+
+BAD = {
+    "no file": (lambda: conus.load("no such file"), conus.FileError),
+    "two axes": (lambda: conus.load(np.zeros((2, 2)), AFFINE), conus.ArgumentError),
+    "four axes": (lambda: conus.load(np.zeros((2, 2, 2, 2)), AFFINE), conus.ArgumentError),
+    "no voxels": (lambda: conus.load(np.zeros((0, 2, 2)), AFFINE), conus.ArgumentError),
+    "complex": (lambda: conus.load(np.zeros((2, 2, 2), complex), AFFINE), conus.ArgumentError),
+    "texts": (lambda: conus.load(np.zeros((2, 2, 2), "U3"), AFFINE), conus.ArgumentError),
+    "no affine": (lambda: conus.load(plates()), conus.ArgumentError),
+    "small affine": (lambda: conus.load(plates(), np.eye(3)), conus.ArgumentError),
+    "flat affine": (lambda: conus.load(plates(), np.zeros((4, 4))), conus.DataError),
+    "NaN affine": (lambda: conus.load(plates(), AFFINE * np.nan), conus.DataError),
+    "a fraction": (lambda: conus.load(plates("f4") + np.float32(0.5), AFFINE), conus.DataError),
+    "below zero": (lambda: conus.load(-plates("i2"), AFFINE), conus.DataError),
+    "four-axis image": (lambda: conus.load(nibabel.Nifti1Image(np.ones((4, 4, 4, 2), "u1"), AFFINE)), conus.ArgumentError),
+    "label 0": (lambda: conus.load(plates(), AFFINE, labels={0: "x"}), conus.ArgumentError),
+    "a hemisphere": (
+        lambda: conus.load(plates(), AFFINE, labels=pandas.DataFrame({"index": [1], "name": ["a"], "hemisphere": ["X"]})),
+        conus.ArgumentError,
+    ),
+    "hemispheres": (lambda: conus.load(plates(), AFFINE, hemispheres="both"), conus.ArgumentError),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_atlas_is_an_error(case):
+    call, error = BAD[case]
+    with pytest.raises(error) as caught:
+        call()
+    assert str(caught.value) and "\n" not in str(caught.value)
+    assert isinstance(caught.value, conus.Error)
+
+
+@pytest.mark.parametrize(
+    "aim",
+    [
+        {},
+        {"origin": (0, 0, 0)},
+        {"origin": (0, 0, 0), "toward": (0, 0, 0)},
+        {"origin": (0, 0), "toward": (0, 0, 1)},
+        {"origin": (0, 0, 0), "toward": (0, 0, 1), "direction": (0, 0, 1)},
+        {"origin": (0, 0, np.inf), "toward": (0, 0, 1)},
+        {"pose": np.eye(3)},
+        {"pose": 2 * np.eye(4)},
+        {"pose": np.eye(4), "origin": (0, 0, 0)},
+        {"pose": np.eye(4), "angle": 180},
+        {"pose": np.eye(4), "angle": np.nan},
+        {"pose": np.eye(4), "layers": "some"},
+        {"pose": np.eye(4), "resolution": 2000},
+        {"pose": np.eye(4), "score": "nonsense"},
+    ],
+)
+def test_bad_aim_is_an_error(atlas, aim):
+    with pytest.raises(conus.ArgumentError):
+        atlas.select(**aim)
+
+
+@pytest.mark.parametrize(
+    "arrays",
+    [
+        {},
+        {"origins": np.zeros((2, 3))},
+        {"origins": np.zeros((2, 3)), "directions": np.ones((3, 3))},
+        {"origins": np.zeros((2, 2)), "directions": np.ones((2, 2))},
+        {"origins": np.zeros(3), "directions": np.ones(3)},
+        {"origins": np.zeros((2, 3)), "directions": np.ones((2, 3)), "angle": [1, 2, 3]},
+        {"origins": np.zeros((2, 3)), "directions": np.ones((2, 3)), "up": np.ones((1, 3))},
+        {"poses": np.zeros((2, 3, 3))},
+        {"poses": np.zeros((2, 4, 4)), "origins": np.zeros((2, 3)), "directions": np.ones((2, 3))},
+        {"origins": np.zeros((2, 3)), "directions": np.ones((2, 3)), "threads": 5000},
+    ],
+)
+def test_bad_arrays_are_an_error(atlas, arrays):
+    with pytest.raises(conus.ArgumentError):
+        atlas.select_many(**arrays)
+
+
+def test_a_closed_atlas_is_an_error_and_its_answers_live(atlas):
+    hits = atlas.select((0, 0, 0), direction=(1, 0, 0))
+    with atlas:
+        pass
+    for ask in (
+        lambda: atlas.select((0, 0, 0), direction=(1, 0, 0)),
+        lambda: atlas.select_many(np.zeros((1, 3)), np.ones((1, 3))),
+        atlas.info,
+        lambda: pickle.dumps(atlas),
+    ):
+        with pytest.raises(conus.ArgumentError, match="closed"):
+            ask()
+    assert hits[0].name == "right" and hits.image("id").any()
+
+
+# ---- Threads and processes -----------------------------------------------------------------------------------------
+
+
+def name_on_the_right(atlas):
+    return atlas.select((0, 0, 0), direction=(1, 0, 0))[0].name
+
+
+def test_an_atlas_is_pickled(atlas):
+    other = pickle.loads(pickle.dumps(atlas))
+    assert other.info().equals(atlas.info()) and name_on_the_right(other) == "right"
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_processes_answer(atlas, method):
+    name_on_the_right(atlas)
+    with multiprocessing.get_context(method).Pool(2) as pool:
+        assert pool.map(name_on_the_right, [atlas] * 4) == ["right"] * 4
+
+
+def test_threads_may_ask_at_once(atlas):
+    wanted = atlas.select((0, 0, 0), direction=(1, 0, 0)).results
+    failures = []
+
+    def ask():
+        for _ in range(300):
+            if not same(atlas.select((0, 0, 0), direction=(1, 0, 0)).results, wanted):
+                failures.append(1)
+
+    threads = [threading.Thread(target=ask) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not failures
+
+
+# ---- What a notebook shows -----------------------------------------------------------------------------------------
+
+
+def test_tables_are_escaped(atlas):
+    evil = conus.load(plates(), AFFINE, labels={1: "<script>", 2: "b"})
+    shown = evil.select((0, 0, 0), direction=(-1, 0, 0))._repr_html_()
+    assert "&lt;script&gt;" in shown and "<script>" not in shown
+    assert "100.00 %" in atlas.select((0, 0, 0), direction=(1, 0, 0))._repr_html_()
+
+
+def test_picture_is_a_png(atlas):
+    assert atlas.select((0, 0, 0), direction=(1, 0, 0))._repr_png_()[:8] == b"\x89PNG\r\n\x1a\n"
+
+
+def test_words_of_a_selection(atlas):
+    assert repr(atlas.select((0, 0, 0), direction=(1, 0, 0))) == "<conus.Selection: right 100.0 %, unassigned 0.0 %>"
+    assert repr(atlas) == "<conus.Atlas of 2 objects>"
