@@ -1,0 +1,47 @@
+#!/usr/bin/env bats
+# packaging/debian against what `cmake --install` puts down. scripts/package builds the packages.
+load ../cli/helpers
+: "${CONUS_BUILD:?is the folder of the build}"
+
+DEBIAN=$BATS_TEST_DIRNAME/../../packaging/debian
+
+setup_file() {
+    cmake --install "$CONUS_BUILD" --prefix "$BATS_FILE_TMPDIR/usr" >"$BATS_FILE_TMPDIR/log"
+    local folder # Debian has libraries in one of the machine's own
+    mkdir "$BATS_FILE_TMPDIR/usr/lib/x"
+    folder=$(dirname "$(find "$BATS_FILE_TMPDIR/usr" -name libconus.so)")
+    mv "$folder"/libconus* "$folder/cmake" "$folder/pkgconfig" "$BATS_FILE_TMPDIR/usr/lib/x"
+    rm "$BATS_FILE_TMPDIR/usr/share/doc/conus/LICENSE" # as debian/rules does
+}
+
+# claimed: the files that the lists of packages name, each as often as it is named.
+claimed() {
+    local pattern
+    cat "$DEBIAN"/*.install | while IFS= read -r pattern; do
+        # shellcheck disable=SC2086 # a pattern
+        (cd "$BATS_FILE_TMPDIR" && find $pattern ! -type d)
+    done
+}
+
+@test "each installed file is in one package" {
+    [ -x "$BATS_FILE_TMPDIR/usr/bin/conus-view" ] && [ -x "$BATS_FILE_TMPDIR/usr/bin/conus-mpi" ] &&
+        [ -x "$BATS_FILE_TMPDIR/usr/bin/conus-mesh" ] && [ -d "$BATS_FILE_TMPDIR/usr/lib/python3" ] ||
+        skip "not all programs are built"
+    claimed | sort >claimed
+    (cd "$BATS_FILE_TMPDIR" && find usr ! -type d) | sort >installed
+    diff installed claimed
+}
+
+@test "each package has a list, and each list a package" {
+    sed -n 's/^Package: //p' "$DEBIAN/control" | sort >packages
+    find "$DEBIAN" -name '*.install' -printf '%f\n' | sed 's/\.install$//' | sort | diff packages -
+}
+
+@test "the symbols are those of the library" {
+    nm -D --defined-only "$BATS_FILE_TMPDIR/usr/lib/x/libconus.so" | sed -n 's/.* [TBDRV] //p' | sort >exported
+    sed -n 's/^ \(.*\)@Base .*/\1/p' "$DEBIAN/libconus0.symbols" | sort | diff exported -
+}
+
+@test "the version is that of the program" {
+    [ "$(sed -n '1s/.*(\(.*\)).*/\1/p' "$DEBIAN/changelog")" = "$("$CONUS" --version | cut -d ' ' -f 2)" ]
+}
