@@ -5,8 +5,8 @@
 #include "base/buffer.h"
 #include "base/file.h"
 #include "render/gl/context.h"
+#include "selection/engine/embree.h"
 
-#include <embree3/rtcore.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>

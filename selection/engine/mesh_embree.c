@@ -79,7 +79,7 @@ static conus_status attach_mesh(struct mesh_rays *rays, RTCScene scene, const st
 static RTCScene new_scene(const struct mesh_rays *rays)
 {
     RTCScene scene = rtcNewScene(rays->device);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    embree_allow_filters(scene);
     return scene;
 }
 

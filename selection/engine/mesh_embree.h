@@ -3,9 +3,9 @@
 #ifndef CONUS_SELECTION_ENGINE_MESH_EMBREE_H
 #define CONUS_SELECTION_ENGINE_MESH_EMBREE_H
 
+#include "selection/engine/embree.h"
 #include "selection/engine/mesh_rays.h"
 
-#include <embree3/rtcore.h>
 #include <pthread.h>
 
 struct surface {

@@ -23,7 +23,7 @@ enum {
     PRIMITIVE = 5,
     GEOMETRY = 6,
     INSTANCE = 7,
-    ROWS = 20
+    ROWS = 24 /* of the version that has most */
 };
 
 union number {
@@ -32,15 +32,15 @@ union number {
 };
 
 static_assert(sizeof(struct RTCRay) == HIT * sizeof(union number) &&
-                  sizeof(struct RTCRayHit16) == ROWS * WIDTH_LIMIT * sizeof(union number) &&
+                  sizeof(struct RTCRayHit16) <= ROWS * WIDTH_LIMIT * sizeof(union number) &&
                   offsetof(struct RTCRayHit16, ray.tfar) == FAR * WIDTH_LIMIT * sizeof(float) &&
                   offsetof(struct RTCRayHit16, ray.id) == RAY * WIDTH_LIMIT * sizeof(float) &&
                   offsetof(struct RTCRayHit16, hit.instID) == (HIT + INSTANCE) * WIDTH_LIMIT * sizeof(float),
               "rows of a packet");
 
-/* What Embree hands to weigh() and collect(); the context comes first. */
+/* What Embree hands to weigh() and collect(); the query, whose context comes first, does so here. */
 struct walk {
-    struct RTCIntersectContext context;
+    struct embree_query query;
     const struct mesh_rays *rays;
     struct mesh_bundle *bundle;
     double start; /* mm from the apex to where Embree's rays begin; negative a little behind it */
@@ -203,7 +203,6 @@ static inline __attribute__((always_inline)) void shoot(struct walk *walk, size_
 {
     _Alignas(64) union number packet[ROWS * WIDTH_LIMIT];
     _Alignas(64) int valid[WIDTH_LIMIT];
-    RTCScene scene = walk->rays->scene;
     for (unsigned lane = 0; lane < width; lane++) {
         bool used = first + lane < walk->bundle->count;
         valid[lane] = used ? -1 : 0;
@@ -211,15 +210,7 @@ static inline __attribute__((always_inline)) void shoot(struct walk *walk, size_
         packet[(HIT + GEOMETRY) * width + lane].whole = RTC_INVALID_GEOMETRY_ID;
         packet[(HIT + INSTANCE) * width + lane].whole = RTC_INVALID_GEOMETRY_ID;
     }
-    if (width == 16) {
-        rtcIntersect16(valid, scene, &walk->context, (struct RTCRayHit16 *)packet);
-    } else if (width == 8) {
-        rtcIntersect8(valid, scene, &walk->context, (struct RTCRayHit8 *)packet);
-    } else if (width == 4) {
-        rtcIntersect4(valid, scene, &walk->context, (struct RTCRayHit4 *)packet);
-    } else {
-        rtcIntersect1(scene, &walk->context, (struct RTCRayHit *)packet);
-    }
+    embree_intersect(&walk->query, walk->rays->scene, valid, packet, width);
 }
 
 /* A little before the nearest point of the scene's bounds; before the apex where that is inside. */
@@ -235,9 +226,7 @@ static double start_of(const struct mesh_rays *rays, const double apex[3])
 conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width)
 {
     struct walk walk = {.rays = rays, .bundle = bundle, .start = start_of(rays, bundle->origin)};
-    rtcInitIntersectContext(&walk.context);
-    walk.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    walk.context.filter = weigh;
+    embree_query_init(&walk.query, weigh, true);
     for (size_t first = 0; first < bundle->count; first += width) {
         switch (width) {
         case 16:
@@ -263,13 +252,12 @@ conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle
     _Alignas(64) union number stream[MESH_RAYS_LIMIT][HIT];
     struct walk walk = {.rays = rays, .bundle = bundle, .start = start_of(rays, bundle->origin), .out = out};
     size_t first = out->count;
-    rtcInitIntersectContext(&walk.context);
-    walk.context.filter = collect;
+    embree_query_init(&walk.query, collect, false);
     for (size_t ray = 0; ray < bundle->count; ray++) {
         bundle->t[ray] = INFINITY;
         set_ray(&walk, stream[ray], 1, ray);
     }
-    rtcOccluded1M(rays->scene, &walk.context, (struct RTCRay *)stream, (unsigned)bundle->count, sizeof stream[0]);
+    embree_occlude(&walk.query, rays->scene, (struct RTCRay *)stream, bundle->count, sizeof stream[0]);
     settle(&walk, first, pixel);
     return walk.status ? walk.status : mesh_embree_status(rays);
 }

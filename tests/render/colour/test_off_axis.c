@@ -53,7 +53,7 @@ static void the_picture_is_what_the_window_shows(void **state)
     uint64_t seed = 3;
     for (int round = 0; round < 1000; round++) {
         conus_pose window;
-        double eye[3], world[3], window_from_world[16], from[3], x, y, depth;
+        double eye[3], world[3], window_from_world[16] = {0}, from[3], x, y, depth;
         random_window(&window, eye, &seed);
         struct camera camera = camera_through(&window, eye);
         double place[3] = {test_random(&seed, -300, 300), test_random(&seed, -300, 300), 0};
@@ -62,7 +62,7 @@ static void the_picture_is_what_the_window_shows(void **state)
         assert_on_window(x, y, place);
         place[2] = test_random(&seed, -500, 40);
         mat4_point(world, window.world_from_device, place);
-        mat4_invert_affine(window_from_world, window.world_from_device);
+        assert_true(mat4_invert_affine(window_from_world, window.world_from_device));
         mat4_point(from, window_from_world, eye);
         double part = from[2] / (from[2] - place[2]);
         for (int a = 0; a < 3; a++) {

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Embree 3 and Embree 4 as one: CMake says which it has found. */
+#ifndef CONUS_SELECTION_ENGINE_EMBREE_H
+#define CONUS_SELECTION_ENGINE_EMBREE_H
+
+#if CONUS_EMBREE >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/** What goes with rays into a scene. Filters get the address of its context, which is its own. */
+struct embree_query {
+#if CONUS_EMBREE >= 4
+    struct RTCRayQueryContext context;
+    struct RTCIntersectArguments nearest;
+    struct RTCOccludedArguments any; /**< The same members, of another type. */
+#else
+    struct RTCIntersectContext context;
+#endif
+};
+
+/** Fills @p out for rays that Embree reports to @p filter. It refers to itself: it must stay where it is. */
+static inline void embree_query_init(struct embree_query *out, RTCFilterFunctionN filter, bool coherent)
+{
+#if CONUS_EMBREE >= 4
+    const enum RTCRayQueryFlags flags = (coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT) |
+                                        RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
+    rtcInitRayQueryContext(&out->context);
+    rtcInitIntersectArguments(&out->nearest);
+    rtcInitOccludedArguments(&out->any);
+    out->nearest.context = out->any.context = &out->context;
+    out->nearest.filter = out->any.filter = filter;
+    out->nearest.flags = out->any.flags = flags;
+#else
+    rtcInitIntersectContext(&out->context);
+    out->context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    out->context.filter = filter;
+#endif
+}
+
+/** Lets filters of queries be called for all that is in the scene. */
+static inline void embree_allow_filters(RTCScene scene)
+{
+#if CONUS_EMBREE >= 4
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS);
+#else
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+#endif
+}
+
+/** Sends @p width rays, 1, 4, 8 or 16, for what is nearest. */
+static inline void embree_intersect(struct embree_query *query, RTCScene scene, const int *valid, void *packet,
+                                    unsigned width)
+{
+#if CONUS_EMBREE >= 4
+    struct RTCIntersectArguments *with = &query->nearest;
+    switch (width) {
+    case 16:
+        rtcIntersect16(valid, scene, packet, with);
+        break;
+    case 8:
+        rtcIntersect8(valid, scene, packet, with);
+        break;
+    case 4:
+        rtcIntersect4(valid, scene, packet, with);
+        break;
+    default:
+        rtcIntersect1(scene, packet, with);
+    }
+#else
+    struct RTCIntersectContext *with = &query->context;
+    switch (width) {
+    case 16:
+        rtcIntersect16(valid, scene, with, packet);
+        break;
+    case 8:
+        rtcIntersect8(valid, scene, with, packet);
+        break;
+    case 4:
+        rtcIntersect4(valid, scene, with, packet);
+        break;
+    default:
+        rtcIntersect1(scene, with, packet);
+    }
+#endif
+}
+
+/** Sends @p count rays, each @p size bytes behind the one before, for any hit. Embree 4 has no streams. */
+static inline void embree_occlude(struct embree_query *query, RTCScene scene, struct RTCRay *rays, size_t count,
+                                  size_t size)
+{
+#if CONUS_EMBREE >= 4
+    for (size_t i = 0; i < count; i++) {
+        rtcOccluded1(scene, (struct RTCRay *)((char *)rays + i * size), &query->any);
+    }
+#else
+    rtcOccluded1M(scene, &query->context, rays, (unsigned)count, size);
+#endif
+}
+
+#endif
