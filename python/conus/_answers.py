@@ -20,7 +20,7 @@ _KINDS = np.array(["error", "area", "pathway", "unassigned"], object)
 
 
 class Objects:
-    """Names of an atlas's objects, by their numbers; entry 0 is "unassigned"."""
+    """Names and sRGB colours of an atlas's objects, by their numbers; entry 0 is "unassigned"."""
 
     def __init__(self, atlas: Any) -> None:
         count = lib.conus_atlas_object_count(atlas)
@@ -28,6 +28,7 @@ class Objects:
         self.names = np.array(["unassigned"] + [text(o.name) for o in objects], object)
         self.abbreviations = np.array([""] + [text(o.abbreviation) for o in objects], object)
         self.labels = np.array([0] + [o.label for o in objects], np.uint32)
+        self.colours = np.array([[0xBB] * 3] + [list(o.rgb) for o in objects], np.uint8)
 
 
 def _categories(values: Array, codes: Array) -> Any:
@@ -187,12 +188,13 @@ class Selection:
         return image_bytes(owned(out[0], lib.conus_image_destroy))
 
     def plot(self, axes: Any = None) -> Any:
-        """Bars of the shares, by matplotlib; gives the axes."""
+        """Bars of the shares in the areas' colours, by matplotlib; gives the axes."""
         import matplotlib.pyplot as pyplot
 
         axes = axes or pyplot.gca()
-        hits = [hit for hit in self if hit.share > 0][::-1]
-        axes.barh([hit.name if hit.rank else "(nothing hit)" for hit in hits], [100 * hit.share for hit in hits])
+        records = self.results[self.results["share"] > 0][::-1]
+        objects, number = self.atlas.objects, records["object"]
+        axes.barh(objects.names[number], 100 * records["share"], color=objects.colours[number] / 255)
         axes.set_xlabel("share of the cone, %")
         return axes
 
