@@ -5,7 +5,6 @@
 #include "base/buffer.h"
 #include "base/file.h"
 #include "render/gl/context.h"
-#include "selection/engine/embree.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -62,7 +61,7 @@ static json_t *versions(void)
     find_gl(renderer, version, sizeof renderer);
     uname(&system);
     return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s}", "gl", version, "gl_renderer", renderer, "embree",
-                     RTC_VERSION_STRING, "vtk", CONUS_BENCH_VTK, "compiler", CONUS_BENCH_COMPILER, "build",
+                     CONUS_BENCH_EMBREE, "vtk", CONUS_BENCH_VTK, "compiler", CONUS_BENCH_COMPILER, "build",
                      CONUS_BENCH_BUILD, "kernel", system.release);
 }
 

@@ -189,6 +189,64 @@ double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const 
     return fmin(fmax(t, nearest), farthest); /* nearest, where the ray runs in the plane and t is no number */
 }
 
+/* A ray, seen along itself: corners of triangles are moved along it into the plane of the two axes that it follows
+ * least. */
+struct view {
+    const double *origin;
+    int axes[3];      /* The one that the ray follows most is the last. */
+    double slopes[2]; /* Of the ray along the other two, per mm of the last. */
+};
+
+static struct view view_along(const double origin[3], const double direction[3])
+{
+    int most = fabs(direction[1]) > fabs(direction[0]) ? 1 : 0;
+    most = fabs(direction[2]) > fabs(direction[most]) ? 2 : most;
+    struct view view = {.origin = origin, .axes = {(most + 1) % 3, (most + 2) % 3, most}};
+    for (int i = 0; i < 2; i++) {
+        view.slopes[i] = direction[view.axes[i]] / direction[most];
+    }
+    return view;
+}
+
+static void move_into_view(double out[2], const struct view *view, const double corner[3])
+{
+    double p[3];
+    vec3_sub(p, corner, view->origin);
+    for (int i = 0; i < 2; i++) {
+        out[i] = p[view->axes[i]] - view->slopes[i] * p[view->axes[2]];
+    }
+}
+
+/* Whether a point, the origin, lies left of the way from a to b: exactly, by the errors of both products where these
+ * are equal. On the line it is taken to lie a little aside along the first axis, and much less along the second. So of
+ * the way from b to a it is always on the other side, and round a corner there is always one triangle that holds it. */
+static bool is_left(const double a[2], const double b[2])
+{
+    double forth = a[0] * b[1];
+    double back = a[1] * b[0];
+    if (forth == back) {
+        forth = fma(a[0], b[1], -forth);
+        back = fma(a[1], b[0], -back);
+    }
+    if (forth != back) {
+        return forth > back;
+    }
+    return a[1] != b[1] ? b[1] < a[1] : b[0] > a[0];
+}
+
+bool mesh_is_passed(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3])
+{
+    double p[3][2];
+    const struct view view = view_along(origin, direction);
+    for (int k = 0; k < 3; k++) {
+        double corner[3];
+        copy_corner(corner, mesh, triangle, k);
+        move_into_view(p[k], &view, corner);
+    }
+    bool left = is_left(p[0], p[1]);
+    return is_left(p[1], p[2]) == left && is_left(p[2], p[0]) == left;
+}
+
 double mesh_distance(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3])
 {
     int side;

@@ -50,6 +50,11 @@ double mesh_distance(const struct mesh *mesh, size_t triangle, const double orig
 double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const double origin[3],
                      const double direction[3]);
 
+/** Whether the line along a ray passes a triangle. Corners count by where they are: along each edge that two triangles
+ * share the line passes one of them, and one of those round a corner, never none and never two (but where the surface
+ * folds back). */
+bool mesh_is_passed(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3]);
+
 /** Moves every vertex by @p world_from_mesh; turns triangles around where that mirrors. */
 void mesh_transform(struct mesh *mesh, const double world_from_mesh[16]);
 

@@ -81,8 +81,10 @@ conus_status bench_mesh(struct bench *bench)
     struct scene scene = {0};
     struct bench_variant variants[WIDTHS];
     bench->one_thread = true;
-    snprintf(bench->driver, sizeof bench->driver, "Embree 3");
     conus_status status = scene_init(&scene, bench);
+    if (!status) {
+        snprintf(bench->driver, sizeof bench->driver, "%s", mesh_rays_name(scene.rays));
+    }
     for (size_t w = 0; w < WIDTHS && !status; w++) {
         variants[w] = (struct bench_variant){.name = scene.traces[w].name, .run = trace_all, .data = &scene.traces[w]};
         variants[w].equal = trace_same(&scene.traces[w], &scene.traces[0]);

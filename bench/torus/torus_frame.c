@@ -117,7 +117,7 @@ static conus_status run_count(struct bench *bench, size_t tori, bool placed, str
     conus_status status = scene_init(&scene, bench, tori, placed);
     if (!status) {
         snprintf(bench->driver, sizeof bench->driver, "gl, %s; %s", torus_pass_device(scene.round.pass),
-                 placed ? "Embree 3" : scene.round.engines[TORUS_RAYS]->name);
+                 placed ? mesh_rays_name(scene.round.rays) : scene.round.engines[TORUS_RAYS]->name);
         status = measure_scene(bench, &scene, out);
     }
     scene_finish(&scene);

@@ -1,48 +1,56 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes the scene of the meshes for Embree, and keeps Embree's errors. */
-#include "selection/engine/mesh_embree.h"
-
+/* The tracer that asks Embree. */
 #include "base/math3.h"
 #include "base/memory.h"
+#include "selection/engine/embree.h"
+#include "selection/engine/mesh_tracer.h"
 
+#include <assert.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 
-/* Of the scene's size: far above what single precision can move a hit by, far below anything that matters. */
-#define SLACK 1e-5
+struct embree {
+    RTCDevice device;
+    RTCScene scene;
+    pthread_mutex_t noting;       /* An error: several threads may send rays at once. */
+    _Atomic(enum RTCError) error; /* Embree's first. */
+    char message[160];            /* Written before it. */
+};
 
 static void note_error(void *user, enum RTCError code, const char *message)
 {
-    struct mesh_rays *rays = user;
-    pthread_mutex_lock(&rays->noting);
-    if (rays->error == RTC_ERROR_NONE) {
-        snprintf(rays->message, sizeof rays->message, "%s", message ? message : "no reason given");
-        rays->error = code;
+    struct embree *embree = user;
+    pthread_mutex_lock(&embree->noting);
+    if (embree->error == RTC_ERROR_NONE) {
+        snprintf(embree->message, sizeof embree->message, "%s", message ? message : "no reason given");
+        embree->error = code;
     }
-    pthread_mutex_unlock(&rays->noting);
+    pthread_mutex_unlock(&embree->noting);
 }
 
-conus_status mesh_embree_status(const struct mesh_rays *rays)
+/* CONUS_OK, or what Embree has complained about so far. */
+static conus_status status_of(const struct embree *embree)
 {
-    const enum RTCError error = rays->error; /* clang takes no atomic enumeration here */
+    const enum RTCError error = embree->error; /* clang takes no atomic enumeration here */
     switch (error) {
     case RTC_ERROR_NONE:
         return CONUS_OK;
     case RTC_ERROR_OUT_OF_MEMORY:
         return fail(CONUS_ERROR_MEMORY, "out of memory for the triangles of the meshes");
     default:
-        return fail(CONUS_ERROR_UNSUPPORTED, "Embree: %s", rays->message);
+        return fail(CONUS_ERROR_UNSUPPORTED, "Embree: %s", embree->message);
     }
 }
 
-static conus_status open_device(struct mesh_rays *rays)
+static conus_status open_device(struct embree *embree)
 {
-    rays->device = rtcNewDevice("ignore_config_files=1");
-    if (!rays->device) {
-        note_error(rays, rtcGetDeviceError(NULL), "no device");
-        return mesh_embree_status(rays);
+    embree->device = rtcNewDevice("ignore_config_files=1");
+    if (!embree->device) {
+        note_error(embree, rtcGetDeviceError(NULL), "no device");
+        return status_of(embree);
     }
-    rtcSetDeviceErrorFunction(rays->device, note_error, rays);
+    rtcSetDeviceErrorFunction(embree->device, note_error, embree);
     return CONUS_OK;
 }
 
@@ -63,9 +71,9 @@ static bool set_positions(RTCGeometry geometry, const struct mesh *mesh)
     return positions;
 }
 
-static conus_status attach_mesh(struct mesh_rays *rays, RTCScene scene, const struct mesh *mesh, unsigned number)
+static conus_status attach_mesh(struct embree *embree, RTCScene scene, const struct mesh *mesh, unsigned number)
 {
-    RTCGeometry geometry = rtcNewGeometry(rays->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    RTCGeometry geometry = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     if (set_positions(geometry, mesh)) {
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0,
                                    3 * sizeof *mesh->triangles, mesh->triangle_count);
@@ -73,12 +81,12 @@ static conus_status attach_mesh(struct mesh_rays *rays, RTCScene scene, const st
         rtcAttachGeometryByID(scene, geometry, number);
     }
     rtcReleaseGeometry(geometry);
-    return mesh_embree_status(rays);
+    return status_of(embree);
 }
 
-static RTCScene new_scene(const struct mesh_rays *rays)
+static RTCScene new_scene(const struct embree *embree)
 {
-    RTCScene scene = rtcNewScene(rays->device);
+    RTCScene scene = rtcNewScene(embree->device);
     embree_allow_filters(scene);
     return scene;
 }
@@ -90,21 +98,21 @@ static void release(RTCScene scene)
     }
 }
 
-static void attach_instance(struct mesh_rays *rays, RTCScene part, const double world_from_mesh[16], unsigned number)
+static void attach_instance(struct embree *embree, RTCScene part, const double world_from_mesh[16], unsigned number)
 {
     float matrix[16];
     for (int i = 0; i < 16; i++) {
         matrix[i] = (float)world_from_mesh[i];
     }
-    RTCGeometry geometry = rtcNewGeometry(rays->device, RTC_GEOMETRY_TYPE_INSTANCE);
+    RTCGeometry geometry = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, part);
     rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, matrix);
     rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(rays->scene, geometry, number);
+    rtcAttachGeometryByID(embree->scene, geometry, number);
     rtcReleaseGeometry(geometry);
 }
 
-static conus_status attach_all(struct mesh_rays *rays, const struct mesh_object *objects, size_t count)
+static conus_status attach_all(struct embree *embree, const struct mesh_object *objects, size_t count)
 {
     conus_status status = CONUS_OK;
     RTCScene part = NULL;
@@ -112,109 +120,222 @@ static conus_status attach_all(struct mesh_rays *rays, const struct mesh_object 
     for (size_t i = 0; i < count && !status; i++) {
         const struct mesh_object *object = &objects[i];
         if (object->mesh && !object->world_from_mesh) {
-            status = attach_mesh(rays, rays->scene, object->mesh, (unsigned)i);
+            status = attach_mesh(embree, embree->scene, object->mesh, (unsigned)i);
         } else if (object->mesh) {
             if (object->mesh != part_of) {
                 release(part);
-                part = new_scene(rays);
+                part = new_scene(embree);
                 part_of = object->mesh;
-                status = attach_mesh(rays, part, part_of, 0);
+                status = attach_mesh(embree, part, part_of, 0);
                 rtcCommitScene(part);
             }
-            attach_instance(rays, part, object->world_from_mesh, (unsigned)i);
+            attach_instance(embree, part, object->world_from_mesh, (unsigned)i);
         }
     }
     release(part);
-    rtcCommitScene(rays->scene);
-    return mesh_embree_status(rays);
+    rtcCommitScene(embree->scene);
+    return status_of(embree);
 }
 
-static size_t count_triangles(const struct mesh_object *objects, size_t count)
+static void destroy(struct mesh_rays *rays)
 {
-    size_t triangles = 0;
-    for (size_t i = 0; i < count; i++) {
-        triangles += objects[i].mesh ? objects[i].mesh->triangle_count : 0;
+    struct embree *embree = rays->scene;
+    if (embree) {
+        release(embree->scene);
+        if (embree->device) {
+            rtcReleaseDevice(embree->device);
+        }
+        pthread_mutex_destroy(&embree->noting);
+        memory_free(embree);
     }
-    return triangles;
 }
 
-static void measure_scene(struct mesh_rays *rays, size_t triangles)
+static conus_status create(struct mesh_rays *rays, const struct mesh_object *objects, size_t count)
 {
-    struct RTCBounds bounds;
-    rtcGetSceneBounds(rays->scene, &bounds);
-    const double low[3] = {(double)bounds.lower_x, (double)bounds.lower_y, (double)bounds.lower_z};
-    const double high[3] = {(double)bounds.upper_x, (double)bounds.upper_y, (double)bounds.upper_z};
-    double reach = 0;
-    double volume = 1;
-    for (int a = 0; a < 3; a++) {
-        rays->low[a] = low[a];
-        rays->high[a] = high[a];
-        volume *= high[a] - low[a];
-        reach = fmax(reach, fmax(fabs(low[a]), fabs(high[a])));
-    }
-    rays->slack = SLACK * reach;
-    rays->cell = cbrt(volume / (double)triangles);
-}
-
-/* What weigh() needs of every object. */
-static conus_status keep_surfaces(struct mesh_rays *rays, const struct mesh_object *objects, size_t count)
-{
-    bool placed = false;
-    for (size_t i = 0; i < count; i++) {
-        placed = placed || objects[i].world_from_mesh;
-    }
-    rays->surfaces = memory_zeroed(count, sizeof *rays->surfaces);
-    rays->mesh_from_world = placed ? memory_raw(count, sizeof *rays->mesh_from_world) : NULL;
-    if (!rays->surfaces || (placed && !rays->mesh_from_world)) {
+    struct embree *embree = rays->scene = memory_zeroed(1, sizeof *embree);
+    if (!embree) {
         return CONUS_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < count; i++) {
-        const double *place = objects[i].world_from_mesh;
-        const struct mesh *mesh = objects[i].mesh;
-        rays->surfaces[i] = (struct surface){.mesh = mesh, .mesh_from_world = place ? rays->mesh_from_world[i] : NULL};
-        if (mesh) {
-            rays->surfaces[i].triangles = mesh->triangles;
-            rays->surfaces[i].positions = mesh->positions;
-        }
-        if (place && !mat4_invert_affine(rays->mesh_from_world[i], place)) {
-            return fail(CONUS_ERROR_ARGUMENT, "object %zu: its matrix cannot be inverted", i + 1);
-        }
-    }
-    return CONUS_OK;
-}
-
-conus_status mesh_rays_create(struct mesh_rays **out, const struct mesh_object *objects, size_t count)
-{
-    struct mesh_rays *rays = memory_zeroed(1, sizeof *rays);
-    if (!rays) {
-        return CONUS_ERROR_MEMORY;
-    }
-    pthread_mutex_init(&rays->noting, NULL);
-    conus_status status = keep_surfaces(rays, objects, count);
-    status = status ? status : open_device(rays);
+    pthread_mutex_init(&embree->noting, NULL);
+    conus_status status = open_device(embree);
     if (!status) {
-        rays->scene = new_scene(rays);
-        status = attach_all(rays, objects, count);
+        embree->scene = new_scene(embree);
+        status = attach_all(embree, objects, count);
     }
-    if (status) {
-        mesh_rays_destroy(rays);
-        return status;
-    }
-    measure_scene(rays, count_triangles(objects, count));
-    *out = rays;
-    return CONUS_OK;
+    return status;
 }
 
-void mesh_rays_destroy(struct mesh_rays *rays)
+/* ---- What Embree finds ------------------------------------------------------------------------------------ */
+
+enum { WIDTH_LIMIT = 16 };
+
+/* A packet of rays as Embree lays it out (rtcore_ray.h; its accessors are for C++): rows of `width` numbers. */
+enum {
+    ORIGIN_X = 0,
+    NEAR = 3,
+    DIRECTION_X = 4,
+    TIME = 7,
+    FAR = 8,
+    MASK = 9,
+    RAY = 10,
+    FLAGS = 11,
+    HIT = 12, /* rows of the ray; the hit follows, or lies apart */
+    PRIMITIVE = 5,
+    GEOMETRY = 6,
+    INSTANCE = 7,
+    ROWS = 24 /* of the version that has most */
+};
+
+union number {
+    float real;
+    uint32_t whole;
+};
+
+static_assert(sizeof(struct RTCRay) == HIT * sizeof(union number) &&
+                  sizeof(struct RTCRayHit16) <= ROWS * WIDTH_LIMIT * sizeof(union number) &&
+                  offsetof(struct RTCRayHit16, ray.tfar) == FAR * WIDTH_LIMIT * sizeof(float) &&
+                  offsetof(struct RTCRayHit16, ray.id) == RAY * WIDTH_LIMIT * sizeof(float) &&
+                  offsetof(struct RTCRayHit16, hit.instID) == (HIT + INSTANCE) * WIDTH_LIMIT * sizeof(float),
+              "rows of a packet");
+
+/* What Embree hands to weigh() and collect(); the query, whose context comes first, does so here. */
+struct walk {
+    struct embree_query query;
+    const struct mesh_rays *rays;
+    const struct embree *embree;
+    struct mesh_bundle *bundle;
+    double start; /* mm from the apex to where Embree's rays begin */
+
+    struct mesh_intervals *out; /* of collect() */
+    conus_status status;
+};
+
+/* One of Embree's findings. */
+struct found {
+    size_t ray;
+    uint32_t object, triangle;
+};
+
+static struct found found_by(const struct RTCFilterFunctionNArguments *arguments, unsigned lane)
 {
-    if (rays) {
-        release(rays->scene);
-        if (rays->device) {
-            rtcReleaseDevice(rays->device);
+    const union number *rays = (const union number *)arguments->ray;
+    const union number *hits = (const union number *)arguments->hit;
+    unsigned width = arguments->N;
+    uint32_t place = hits[INSTANCE * width + lane].whole;
+    uint32_t geometry = hits[GEOMETRY * width + lane].whole;
+    return (struct found){.ray = rays[RAY * width + lane].whole,
+                          .object = 1 + (place == RTC_INVALID_GEOMETRY_ID ? geometry : place),
+                          .triangle = hits[PRIMITIVE * width + lane].whole};
+}
+
+static float reach(const struct walk *walk, size_t ray)
+{
+    return (float)mesh_tracer_reach(walk->rays, walk->bundle, ray, walk->start);
+}
+
+/* Embree calls this for what it finds before the end of the ray. */
+static void weigh(const struct RTCFilterFunctionNArguments *arguments)
+{
+    struct walk *walk = (struct walk *)arguments->context;
+    union number *rays = (union number *)arguments->ray;
+    for (unsigned lane = 0; lane < arguments->N; lane++) {
+        if (arguments->valid[lane]) {
+            struct found found = found_by(arguments, lane);
+            if (mesh_tracer_offer(walk->rays, walk->bundle, found.ray, found.object, found.triangle)) {
+                rays[FAR * arguments->N + lane].real = reach(walk, found.ray);
+            } else {
+                arguments->valid[lane] = 0;
+            }
         }
-        memory_free(rays->surfaces);
-        memory_free(rays->mesh_from_world);
-        pthread_mutex_destroy(&rays->noting);
-        memory_free(rays);
     }
 }
+
+/* Embree calls this for all that it finds, since nothing of it is accepted. */
+static void collect(const struct RTCFilterFunctionNArguments *arguments)
+{
+    struct walk *walk = (struct walk *)arguments->context;
+    for (unsigned lane = 0; lane < arguments->N; lane++) {
+        if (arguments->valid[lane]) {
+            struct found found = found_by(arguments, lane);
+            const struct crossing crossing = {
+                .pixel = (uint32_t)found.ray, .object = found.object, .triangle = found.triangle};
+            walk->status = walk->status ? walk->status : mesh_intervals_add(walk->out, &crossing);
+            arguments->valid[lane] = 0;
+        }
+    }
+}
+
+/* ---- The rays --------------------------------------------------------------------------------------------- */
+
+static inline __attribute__((always_inline)) void set_ray(const struct walk *walk, union number *packet, unsigned width,
+                                                          size_t ray)
+{
+    const struct mesh_bundle *bundle = walk->bundle;
+    for (unsigned a = 0; a < 3; a++) {
+        double direction = bundle->direction[a][ray];
+        packet[(ORIGIN_X + a) * width].real = (float)(bundle->origin[a] + walk->start * direction);
+        packet[(DIRECTION_X + a) * width].real = (float)direction;
+    }
+    packet[NEAR * width].real = 0;
+    packet[TIME * width].real = 0;
+    packet[FAR * width].real = reach(walk, ray);
+    packet[MASK * width].whole = UINT32_MAX;
+    packet[RAY * width].whole = (uint32_t)ray;
+    packet[FLAGS * width].whole = 0;
+}
+
+static inline __attribute__((always_inline)) void shoot(struct walk *walk, size_t first, const unsigned width)
+{
+    _Alignas(64) union number packet[ROWS * WIDTH_LIMIT];
+    _Alignas(64) int valid[WIDTH_LIMIT];
+    for (unsigned lane = 0; lane < width; lane++) {
+        bool used = first + lane < walk->bundle->count;
+        valid[lane] = used ? -1 : 0;
+        set_ray(walk, packet + lane, width, used ? first + lane : first);
+        packet[(HIT + GEOMETRY) * width + lane].whole = RTC_INVALID_GEOMETRY_ID;
+        packet[(HIT + INSTANCE) * width + lane].whole = RTC_INVALID_GEOMETRY_ID;
+    }
+    embree_intersect(&walk->query, walk->embree->scene, valid, packet, width);
+}
+
+static conus_status walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width)
+{
+    const struct embree *embree = rays->scene;
+    struct walk walk = {.rays = rays, .embree = embree, .bundle = bundle};
+    walk.start = mesh_tracer_start(rays, bundle->origin);
+    embree_query_init(&walk.query, weigh, true);
+    for (size_t first = 0; first < bundle->count; first += width) {
+        switch (width) {
+        case 16:
+            shoot(&walk, first, 16);
+            break;
+        case 8:
+            shoot(&walk, first, 8);
+            break;
+        case 4:
+            shoot(&walk, first, 4);
+            break;
+        default:
+            shoot(&walk, first, 1);
+        }
+    }
+    return status_of(embree);
+}
+
+/* By Embree's search for any hit, which does not care what is nearest: for all of them there is no need to. */
+static conus_status pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_intervals *out)
+{
+    _Alignas(64) union number stream[MESH_RAYS_LIMIT][HIT];
+    const struct embree *embree = rays->scene;
+    struct walk walk = {.rays = rays, .embree = embree, .bundle = bundle, .out = out};
+    walk.start = mesh_tracer_start(rays, bundle->origin);
+    embree_query_init(&walk.query, collect, false);
+    for (size_t ray = 0; ray < bundle->count; ray++) {
+        set_ray(&walk, stream[ray], 1, ray);
+    }
+    embree_occlude(&walk.query, embree->scene, (struct RTCRay *)stream, bundle->count, sizeof stream[0]);
+    return walk.status ? walk.status : status_of(embree);
+}
+
+const struct mesh_tracer mesh_embree = {
+    .name = "Embree " RTC_VERSION_STRING, .create = create, .destroy = destroy, .walk = walk, .pierce = pierce};

@@ -153,37 +153,15 @@ static bool are_neighbours(const struct mesh *mesh, uint32_t a, uint32_t b)
     return false;
 }
 
-/* On which side of the edge from a to b, both seen from where the ray begins, its line passes. Of the edge from b to a
- * it is the other one, even where the line meets the edge: then it is moved by next to nothing, along x if that helps,
- * else along y, else along z. */
-static bool is_left(const double direction[3], const double a[3], const double b[3])
-{
-    double v[3];
-    vec3_cross(v, a, b);
-    double volume = vec3_dot(direction, v);
-    vec3_sub(v, b, a);
-    vec3_cross(v, direction, v);
-    return volume != 0 ? volume > 0 : v[0] != 0 ? v[0] > 0 : v[1] != 0 ? v[1] > 0 : v[2] > 0;
-}
-
-/* Whether the ray's line passes a triangle: in double, and of two that share an edge exactly one. */
 static bool passes(const struct chain *chain, uint32_t triangle)
 {
     uint32_t pixel = chain->crossings[0].pixel;
     uint32_t n = chain->cone->resolution;
     double origin[3];
     double direction[3];
-    double p[3][3];
     cone_origin(origin, chain->cone, pixel % n, pixel / n);
     cone_ray(direction, chain->cone, pixel % n, pixel / n);
-    for (int k = 0; k < 3; k++) {
-        const float *corner = corner_of(chain->mesh, triangle, k);
-        for (int a = 0; a < 3; a++) {
-            p[k][a] = (double)corner[a] - origin[a];
-        }
-    }
-    bool left = is_left(direction, p[0], p[1]);
-    return is_left(direction, p[1], p[2]) == left && is_left(direction, p[2], p[0]) == left;
+    return mesh_is_passed(chain->mesh, triangle, origin, direction);
 }
 
 /* Whether two crossings may be the same point of the surface: at an edge or corner that both have. */

@@ -1,153 +1,140 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Traces bundles of rays through the meshes with Embree. */
-#include "selection/engine/mesh_embree.h"
+/* Rays through surfaces, whoever finds the triangles. */
+#include "base/memory.h"
+#include "selection/engine/mesh_tracer.h"
 
-#include "base/math3.h"
+/* Of the scene's size: far above what single precision can move a hit by, far below anything that matters. */
+#define SLACK 1e-5
 
-#include <assert.h>
-#include <stddef.h>
-
-enum { WIDTH_LIMIT = 16 };
-
-/* A packet of rays as Embree lays it out (rtcore_ray.h; its accessors are for C++): rows of `width` numbers. */
-enum {
-    ORIGIN_X = 0,
-    NEAR = 3,
-    DIRECTION_X = 4,
-    TIME = 7,
-    FAR = 8,
-    MASK = 9,
-    RAY = 10,
-    FLAGS = 11,
-    HIT = 12, /* rows of the ray; the hit follows, or lies apart */
-    PRIMITIVE = 5,
-    GEOMETRY = 6,
-    INSTANCE = 7,
-    ROWS = 24 /* of the version that has most */
-};
-
-union number {
-    float real;
-    uint32_t whole;
-};
-
-static_assert(sizeof(struct RTCRay) == HIT * sizeof(union number) &&
-                  sizeof(struct RTCRayHit16) <= ROWS * WIDTH_LIMIT * sizeof(union number) &&
-                  offsetof(struct RTCRayHit16, ray.tfar) == FAR * WIDTH_LIMIT * sizeof(float) &&
-                  offsetof(struct RTCRayHit16, ray.id) == RAY * WIDTH_LIMIT * sizeof(float) &&
-                  offsetof(struct RTCRayHit16, hit.instID) == (HIT + INSTANCE) * WIDTH_LIMIT * sizeof(float),
-              "rows of a packet");
-
-/* What Embree hands to weigh() and collect(); the query, whose context comes first, does so here. */
-struct walk {
-    struct embree_query query;
-    const struct mesh_rays *rays;
-    struct mesh_bundle *bundle;
-    double start; /* mm from the apex to where Embree's rays begin; negative a little behind it */
-
-    struct mesh_intervals *out; /* of collect() */
-    conus_status status;
-};
-
-/* One of Embree's findings. */
-struct found {
-    size_t ray;
-    uint32_t object, triangle;
-};
-
-/* ---- What Embree finds ------------------------------------------------------------------------------------ */
-
-static struct found found_by(const struct RTCFilterFunctionNArguments *arguments, unsigned lane)
+/* What mesh_tracer_distance() needs of every object. */
+static conus_status keep_surfaces(struct mesh_rays *rays, const struct mesh_object *objects, size_t count)
 {
-    const union number *rays = (const union number *)arguments->ray;
-    const union number *hits = (const union number *)arguments->hit;
-    unsigned width = arguments->N;
-    uint32_t place = hits[INSTANCE * width + lane].whole;
-    uint32_t geometry = hits[GEOMETRY * width + lane].whole;
-    return (struct found){.ray = rays[RAY * width + lane].whole,
-                          .object = 1 + (place == RTC_INVALID_GEOMETRY_ID ? geometry : place),
-                          .triangle = hits[PRIMITIVE * width + lane].whole};
-}
-
-static double distance_to(int *side, const struct walk *walk, size_t ray, uint32_t object, uint32_t triangle)
-{
-    const struct mesh_bundle *bundle = walk->bundle;
-    const struct surface *surface = &walk->rays->surfaces[object - 1];
-    double direction[3] = {bundle->direction[0][ray], bundle->direction[1][ray], bundle->direction[2][ray]};
-    if (!surface->mesh_from_world) {
-        return mesh_crossing(side, surface->mesh, triangle, bundle->origin, direction);
+    bool placed = false;
+    for (size_t i = 0; i < count; i++) {
+        placed = placed || objects[i].world_from_mesh;
     }
-    double origin[3];
-    mat4_point(origin, surface->mesh_from_world, bundle->origin);
-    mat4_direction(direction, surface->mesh_from_world, direction);
-    return mesh_crossing(side, surface->mesh, triangle, origin, direction);
-}
-
-/* Eq. 9: nearest first; of equally near ones the lower object, then the lower triangle. */
-static bool is_first(const struct mesh_bundle *bundle, const struct found *found, double t)
-{
-    size_t ray = found->ray;
-    if (!(t >= 0) || t > bundle->t[ray]) {
-        return false;
+    rays->surfaces = memory_zeroed(count, sizeof *rays->surfaces);
+    rays->mesh_from_world = placed ? memory_raw(count, sizeof *rays->mesh_from_world) : NULL;
+    if (!rays->surfaces || (placed && !rays->mesh_from_world)) {
+        return CONUS_ERROR_MEMORY;
     }
-    return t < bundle->t[ray] || found->object < bundle->object[ray] ||
-           (found->object == bundle->object[ray] && found->triangle < bundle->triangle[ray]);
+    for (size_t i = 0; i < count; i++) {
+        const double *place = objects[i].world_from_mesh;
+        const struct mesh *mesh = objects[i].mesh;
+        rays->surfaces[i] = (struct surface){.mesh = mesh, .mesh_from_world = place ? rays->mesh_from_world[i] : NULL};
+        if (mesh) {
+            rays->surfaces[i].triangles = mesh->triangles;
+            rays->surfaces[i].positions = mesh->positions;
+        }
+        if (place && !mat4_invert_affine(rays->mesh_from_world[i], place)) {
+            return fail(CONUS_ERROR_ARGUMENT, "object %zu: its matrix cannot be inverted", i + 1);
+        }
+    }
+    return CONUS_OK;
 }
 
-/* Where Embree's ray has to look no farther: behind what the ray has hit, and a little more. */
-static float reach(const struct walk *walk, size_t ray)
+/* Lets the bounds of everything hold the corners of a box round the mesh, at its place. */
+static void extend_bounds(struct mesh_rays *rays, const struct mesh_object *object)
 {
-    return (float)(walk->bundle->t[ray] - walk->start + walk->rays->slack);
-}
-
-/* Embree calls this for what it finds before the end of the ray. */
-static void weigh(const struct RTCFilterFunctionNArguments *arguments)
-{
-    struct walk *walk = (struct walk *)arguments->context;
-    struct mesh_bundle *bundle = walk->bundle;
-    union number *rays = (union number *)arguments->ray;
-    for (unsigned lane = 0; lane < arguments->N; lane++) {
-        if (arguments->valid[lane]) {
-            struct found found = found_by(arguments, lane);
-            int side;
-            double t = distance_to(&side, walk, found.ray, found.object, found.triangle);
-            if (is_first(bundle, &found, t)) {
-                bundle->t[found.ray] = t;
-                bundle->object[found.ray] = found.object;
-                bundle->triangle[found.ray] = found.triangle;
-                rays[FAR * arguments->N + lane].real = reach(walk, found.ray);
-            } else {
-                arguments->valid[lane] = 0;
-            }
+    double low[3] = {INFINITY, INFINITY, INFINITY};
+    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t i = 0; i < 3 * object->mesh->triangle_count; i++) {
+        const float *corner = object->mesh->positions + 3 * (size_t)object->mesh->triangles[i];
+        for (int a = 0; a < 3; a++) {
+            low[a] = fmin(low[a], (double)corner[a]);
+            high[a] = fmax(high[a], (double)corner[a]);
+        }
+    }
+    for (int k = 0; k < 8; k++) {
+        double corner[3] = {k & 1 ? high[0] : low[0], k & 2 ? high[1] : low[1], k & 4 ? high[2] : low[2]};
+        if (object->world_from_mesh) {
+            mat4_point(corner, object->world_from_mesh, corner);
+        }
+        for (int a = 0; a < 3; a++) {
+            rays->low[a] = fmin(rays->low[a], corner[a]);
+            rays->high[a] = fmax(rays->high[a], corner[a]);
         }
     }
 }
 
-/* Embree calls this for all that it finds, since nothing of it is accepted. settle() does the rest. */
-static void collect(const struct RTCFilterFunctionNArguments *arguments)
+static void measure_scene(struct mesh_rays *rays, const struct mesh_object *objects, size_t count)
 {
-    struct walk *walk = (struct walk *)arguments->context;
-    for (unsigned lane = 0; lane < arguments->N; lane++) {
-        if (arguments->valid[lane]) {
-            struct found found = found_by(arguments, lane);
-            const struct crossing crossing = {
-                .pixel = (uint32_t)found.ray, .object = found.object, .triangle = found.triangle};
-            walk->status = walk->status ? walk->status : mesh_intervals_add(walk->out, &crossing);
-            arguments->valid[lane] = 0;
+    size_t triangles = 0;
+    double reach = 0;
+    double volume = 1;
+    for (size_t i = 0; i < count; i++) {
+        if (objects[i].mesh) {
+            triangles += objects[i].mesh->triangle_count;
+            extend_bounds(rays, &objects[i]);
         }
+    }
+    for (int a = 0; a < 3; a++) {
+        volume *= rays->high[a] - rays->low[a];
+        reach = fmax(reach, fmax(fabs(rays->low[a]), fabs(rays->high[a])));
+    }
+    rays->slack = SLACK * reach;
+    rays->cell = cbrt(volume / (double)triangles);
+}
+
+conus_status mesh_rays_create_with(struct mesh_rays **out, const struct mesh_tracer *tracer,
+                                   const struct mesh_object *objects, size_t count)
+{
+    struct mesh_rays *rays = memory_zeroed(1, sizeof *rays);
+    if (!rays) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *rays = (struct mesh_rays){
+        .tracer = tracer, .low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
+    measure_scene(rays, objects, count);
+    conus_status status = keep_surfaces(rays, objects, count);
+    status = status ? status : tracer->create(rays, objects, count);
+    if (status) {
+        mesh_rays_destroy(rays);
+        return status;
+    }
+    *out = rays;
+    return CONUS_OK;
+}
+
+conus_status mesh_rays_create(struct mesh_rays **out, const struct mesh_object *objects, size_t count)
+{
+#if CONUS_EMBREE
+    return mesh_rays_create_with(out, &mesh_embree, objects, count);
+#else
+    return mesh_rays_create_with(out, &mesh_bvh, objects, count);
+#endif
+}
+
+const char *mesh_rays_name(const struct mesh_rays *rays)
+{
+    return rays->tracer->name;
+}
+
+void mesh_rays_destroy(struct mesh_rays *rays)
+{
+    if (rays) {
+        rays->tracer->destroy(rays);
+        memory_free(rays->surfaces);
+        memory_free(rays->mesh_from_world);
+        memory_free(rays);
     }
 }
 
-static void fetch_triangle(const struct walk *walk, const struct crossing *crossing)
+conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width)
 {
-    const struct surface *surface = &walk->rays->surfaces[crossing->object - 1];
+    return rays->tracer->walk(rays, bundle, width);
+}
+
+static void fetch_triangle(const struct mesh_rays *rays, const struct crossing *crossing)
+{
+    const struct surface *surface = &rays->surfaces[crossing->object - 1];
     __builtin_prefetch(surface->mesh);
     __builtin_prefetch(surface->triangles + 3 * (size_t)crossing->triangle);
 }
 
-static void fetch_corners(const struct walk *walk, const struct crossing *crossing)
+static void fetch_corners(const struct mesh_rays *rays, const struct crossing *crossing)
 {
-    const struct surface *surface = &walk->rays->surfaces[crossing->object - 1];
+    const struct surface *surface = &rays->surfaces[crossing->object - 1];
     const uint32_t *corners = surface->triangles + 3 * (size_t)crossing->triangle;
     for (int k = 0; k < 3; k++) {
         __builtin_prefetch(surface->positions + 3 * (size_t)corners[k]);
@@ -156,110 +143,42 @@ static void fetch_corners(const struct walk *walk, const struct crossing *crossi
 
 /* Gives the crossings from `first` on their distances and pixels, and drops those behind the apex. Memory is asked for
  * what the next ones need, or the processor would wait for it most of the time. */
-static void settle(const struct walk *walk, size_t first, const size_t *pixel)
+static void settle(const struct mesh_rays *rays, const struct mesh_bundle *bundle, struct mesh_intervals *out,
+                   size_t first, const size_t *pixel)
 {
     enum { AHEAD = 8 };
-    struct crossing *crossings = walk->out->crossings;
-    size_t count = walk->out->count;
+    struct crossing *crossings = out->crossings;
+    size_t count = out->count;
     size_t kept = first;
     for (size_t i = first; i < count + 2 * AHEAD; i++) {
         if (i < count) {
-            fetch_triangle(walk, &crossings[i]);
+            fetch_triangle(rays, &crossings[i]);
         }
         if (i >= first + AHEAD && i < count + AHEAD) {
-            fetch_corners(walk, &crossings[i - AHEAD]);
+            fetch_corners(rays, &crossings[i - AHEAD]);
         }
         if (i >= first + 2 * AHEAD) {
             struct crossing crossing = crossings[i - 2 * AHEAD];
-            crossing.t = distance_to(&crossing.side, walk, crossing.pixel, crossing.object, crossing.triangle);
+            crossing.t =
+                mesh_tracer_distance(&crossing.side, rays, bundle, crossing.pixel, crossing.object, crossing.triangle);
             crossing.pixel = (uint32_t)pixel[crossing.pixel];
             crossings[kept] = crossing;
             kept += crossing.t >= 0;
         }
     }
-    walk->out->count = kept;
+    out->count = kept;
 }
 
-/* ---- The rays --------------------------------------------------------------------------------------------- */
-
-static inline __attribute__((always_inline)) void set_ray(const struct walk *walk, union number *packet, unsigned width,
-                                                          size_t ray)
-{
-    const struct mesh_bundle *bundle = walk->bundle;
-    for (unsigned a = 0; a < 3; a++) {
-        double direction = bundle->direction[a][ray];
-        packet[(ORIGIN_X + a) * width].real = (float)(bundle->origin[a] + walk->start * direction);
-        packet[(DIRECTION_X + a) * width].real = (float)direction;
-    }
-    packet[NEAR * width].real = 0;
-    packet[TIME * width].real = 0;
-    packet[FAR * width].real = reach(walk, ray);
-    packet[MASK * width].whole = UINT32_MAX;
-    packet[RAY * width].whole = (uint32_t)ray;
-    packet[FLAGS * width].whole = 0;
-}
-
-static inline __attribute__((always_inline)) void shoot(struct walk *walk, size_t first, const unsigned width)
-{
-    _Alignas(64) union number packet[ROWS * WIDTH_LIMIT];
-    _Alignas(64) int valid[WIDTH_LIMIT];
-    for (unsigned lane = 0; lane < width; lane++) {
-        bool used = first + lane < walk->bundle->count;
-        valid[lane] = used ? -1 : 0;
-        set_ray(walk, packet + lane, width, used ? first + lane : first);
-        packet[(HIT + GEOMETRY) * width + lane].whole = RTC_INVALID_GEOMETRY_ID;
-        packet[(HIT + INSTANCE) * width + lane].whole = RTC_INVALID_GEOMETRY_ID;
-    }
-    embree_intersect(&walk->query, walk->rays->scene, valid, packet, width);
-}
-
-/* A little before the nearest point of the scene's bounds; before the apex where that is inside. */
-static double start_of(const struct mesh_rays *rays, const double apex[3])
-{
-    double away[3];
-    for (int a = 0; a < 3; a++) {
-        away[a] = fmax(fmax(rays->low[a] - apex[a], apex[a] - rays->high[a]), 0);
-    }
-    return vec3_length(away) - rays->slack;
-}
-
-conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width)
-{
-    struct walk walk = {.rays = rays, .bundle = bundle, .start = start_of(rays, bundle->origin)};
-    embree_query_init(&walk.query, weigh, true);
-    for (size_t first = 0; first < bundle->count; first += width) {
-        switch (width) {
-        case 16:
-            shoot(&walk, first, 16);
-            break;
-        case 8:
-            shoot(&walk, first, 8);
-            break;
-        case 4:
-            shoot(&walk, first, 4);
-            break;
-        default:
-            shoot(&walk, first, 1);
-        }
-    }
-    return mesh_embree_status(rays);
-}
-
-/* By Embree's search for any hit, which does not care what is nearest: for all of them there is no need to. */
 conus_status mesh_rays_pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_intervals *out,
                               const size_t *pixel)
 {
-    _Alignas(64) union number stream[MESH_RAYS_LIMIT][HIT];
-    struct walk walk = {.rays = rays, .bundle = bundle, .start = start_of(rays, bundle->origin), .out = out};
     size_t first = out->count;
-    embree_query_init(&walk.query, collect, false);
     for (size_t ray = 0; ray < bundle->count; ray++) {
         bundle->t[ray] = INFINITY;
-        set_ray(&walk, stream[ray], 1, ray);
     }
-    embree_occlude(&walk.query, rays->scene, (struct RTCRay *)stream, bundle->count, sizeof stream[0]);
-    settle(&walk, first, pixel);
-    return walk.status ? walk.status : mesh_embree_status(rays);
+    conus_status status = rays->tracer->pierce(rays, bundle, out);
+    settle(rays, bundle, out, first, pixel);
+    return status;
 }
 
 unsigned mesh_rays_width(const struct mesh_rays *rays, const double apex[3], double pitch)

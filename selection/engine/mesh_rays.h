@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The first triangle along rays (Eq. 9), or all (Eq. 10), found by Embree and settled in double precision.
+ * The first triangle along rays (Eq. 9), or all (Eq. 10), found by a tracer (mesh_tracer.h), settled in double
+ * precision.
  *
  * Embree works in single precision, so it only proposes: every triangle that it finds nearer than what a ray has, or
  * as near within its precision, is weighed by mesh_distance(), and the nearest wins; of equally near ones that of the
- * lower object, then the lower triangle. What stays to Embree is whether a ray passes an edge on this side or that. */
+ * lower object, then the lower triangle. What stays to Embree is whether a ray passes an edge on this side or that. The
+ * tree of our own takes mesh_is_passed()'s word for that. */
 #ifndef CONUS_SELECTION_ENGINE_MESH_RAYS_H
 #define CONUS_SELECTION_ENGINE_MESH_RAYS_H
 
@@ -35,10 +37,14 @@ struct mesh_rays;
 /** Makes the surfaces ready; object number k is objects[k - 1]. */
 conus_status mesh_rays_create(struct mesh_rays **out, const struct mesh_object *objects, size_t count);
 
+/** What finds the triangles: "Embree 3.13.5" or "own tree". Borrowed for ever. */
+const char *mesh_rays_name(const struct mesh_rays *rays);
+
 /** NULL is fine. */
 void mesh_rays_destroy(struct mesh_rays *rays);
 
-/** Looks for nearer contacts than those that @p bundle has, @p width rays at once: 1, 4, 8 or 16. */
+/** Looks for nearer contacts than those that @p bundle has, @p width rays at once: 1, 4, 8 or 16; one is as good as
+ * another, but for time. */
 conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width);
 
 /** Appends all crossings of all of the bundle's rays with all surfaces to @p out (Eq. 10), whatever the rays have hit;

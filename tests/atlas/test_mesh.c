@@ -215,6 +215,81 @@ static void crossings_stay_within_the_triangle_s_reach(void **state)
     mesh_finish(&mesh);
 }
 
+/* ---- Which triangle a line passes ---------------------------------------------------------------------------- */
+
+/* Whole numbers with i v - j u = 1, for u and v without a common divisor (Euclid). */
+static void find_cofactors(int64_t *i, int64_t *j, int64_t u, int64_t v)
+{
+    int64_t remainder[2] = {v, u}, of_v[2] = {1, 0}, of_u[2] = {0, 1};
+    while (remainder[1] != 0) {
+        int64_t quotient = remainder[0] / remainder[1];
+        int64_t next[3] = {remainder[0] - quotient * remainder[1], of_v[0] - quotient * of_v[1],
+                           of_u[0] - quotient * of_u[1]};
+        remainder[0] = remainder[1], of_v[0] = of_v[1], of_u[0] = of_u[1];
+        remainder[1] = next[0], of_v[1] = next[1], of_u[1] = next[2];
+    }
+    assert_int_equal(remainder[0], 1);
+    *i = of_v[0];
+    *j = -of_u[0];
+}
+
+/* The edge goes from (0, 0) to 2^18 (u, v), a triangle lies on either side. The line along z stands in (k u + s i,
+ * k v + s j). Twice the area between it and the edge is 2^18 (k u + s i) v - 2^18 (k v + s j) u = s 2^18, while both
+ * products have up to 81 bits, so rounded ones are equal. Where s > 0 it stands right of the edge. */
+static void edges_are_decided_exactly(void **state)
+{
+    (void)state;
+    uint64_t random = 31;
+    const uint32_t triangles[2][3] = {{0, 1, 2}, {1, 0, 3}}; /* left and right of the edge */
+    for (int round = 0; round < 3000; round++) {
+        int64_t u = (int64_t)test_random(&random, 1, 1 << 22) | 1;
+        int64_t v = (int64_t)1 << (int)test_random(&random, 0, 22);
+        int64_t i, j;
+        find_cofactors(&i, &j, u, v);
+        const float to[2] = {(float)(u << 18), (float)(v << 18)};
+        const float positions[4][3] = {{0, 0, 0}, {to[0], to[1], 0}, {-to[1], to[0], 0}, {to[1], -to[0], 0}};
+        struct mesh mesh;
+        put(&mesh, positions, 4, triangles, 2);
+        int64_t k = (int64_t)test_random(&random, 1 << 16, 1 << 17);
+        for (int side = -1; side <= 1; side++) {
+            const double origin[3] = {(double)(k * u + side * i), (double)(k * v + side * j), -5};
+            bool left = mesh_is_passed(&mesh, 0, origin, (const double[]){0, 0, 1});
+            bool right = mesh_is_passed(&mesh, 1, origin, (const double[]){0, 0, 1});
+            assert_true(left != right);
+            assert_true(side == 0 || right == (side > 0));
+        }
+        mesh_finish(&mesh);
+    }
+}
+
+/* A square of two triangles in each plane of two axes, and lines along the third, either way, upright and aslant. */
+static void lines_along_every_axis_pass_a_square_once(void **state)
+{
+    (void)state;
+    const uint32_t triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    for (int axis = 0; axis < 3; axis++) {
+        float positions[4][3] = {0};
+        for (int k = 0; k < 4; k++) {
+            positions[k][(axis + 1) % 3] = k == 1 || k == 2 ? 4 : -4;
+            positions[k][(axis + 2) % 3] = k >= 2 ? 4 : -4;
+        }
+        struct mesh mesh;
+        put(&mesh, (const float(*)[3])positions, 4, triangles, 2);
+        for (int kind = 0; kind < 8; kind++) {
+            double origin[3], direction[3];
+            double beside = kind & 1 ? 7 : 0; /* 3 mm past the square's edge */
+            double slope = kind & 2 ? 0.25 : 0;
+            double way = kind & 4 ? -1 : 1;
+            origin[axis] = -3 * way, direction[axis] = way;
+            origin[(axis + 1) % 3] = beside - 3 * slope, direction[(axis + 1) % 3] = slope;
+            origin[(axis + 2) % 3] = 1, direction[(axis + 2) % 3] = 0;
+            int passed = mesh_is_passed(&mesh, 0, origin, direction) + mesh_is_passed(&mesh, 1, origin, direction);
+            assert_int_equal(passed, kind & 1 ? 0 : 1);
+        }
+        mesh_finish(&mesh);
+    }
+}
+
 static void impossible_meshes_are_refused(void **state)
 {
     (void)state;
@@ -335,6 +410,8 @@ int main(void)
         cmocka_unit_test(triangles_of_two_corners_change_nothing),
         cmocka_unit_test(an_open_surface_has_the_centroid_of_its_area),
         cmocka_unit_test(crossings_stay_within_the_triangle_s_reach),
+        cmocka_unit_test(edges_are_decided_exactly),
+        cmocka_unit_test(lines_along_every_axis_pass_a_square_once),
         cmocka_unit_test(impossible_meshes_are_refused),
         cmocka_unit_test(the_volume_of_parts_is_known_where_they_wind_once),
         cmocka_unit_test(a_solid_that_faces_inwards_has_a_volume),

@@ -3,7 +3,7 @@
 #include "base/math3.h"
 #include "mesh_scene.h"
 #include "scene.h"
-#include "selection/engine/mesh_rays.h"
+#include "selection/engine/mesh_tracer.h"
 #include "test.h"
 
 #include <string.h>
@@ -11,6 +11,15 @@
 static const unsigned widths[] = {1, 4, 8, 16};
 
 enum { WIDTHS = 4 };
+
+/* Every test below holds for each. */
+static const struct mesh_tracer *const tracers[] = {
+#if CONUS_EMBREE
+    &mesh_embree,
+#endif
+    &mesh_bvh};
+
+enum { TRACERS = sizeof tracers / sizeof tracers[0] };
 
 /* Single precision may put a ray on the other side of an edge that it passes within so much of the scene's size. */
 #define EDGE 1e-6
@@ -90,7 +99,7 @@ static void compare_bundle(uint64_t *state, struct mesh_rays *rays, const conus_
     }
 }
 
-static struct mesh_rays *mesh_rays_of(const conus_atlas *atlas)
+static struct mesh_rays *mesh_rays_of(const struct mesh_tracer *tracer, const conus_atlas *atlas)
 {
     struct mesh_object objects[16] = {0};
     struct mesh_rays *rays = NULL;
@@ -98,25 +107,29 @@ static struct mesh_rays *mesh_rays_of(const conus_atlas *atlas)
     for (uint32_t i = 0; i < atlas->object_count; i++) {
         objects[i].mesh = atlas_object_mesh(atlas, i + 1);
     }
-    assert_ok(mesh_rays_create(&rays, objects, atlas->object_count));
+    assert_ok(mesh_rays_create_with(&rays, tracer, objects, atlas->object_count));
     return rays;
 }
 
-static void compare_atlas(uint64_t *state, const conus_atlas *atlas, double size, struct tally *tally)
+static void compare_atlas(uint64_t *state, const conus_atlas *atlas, double size, struct tally tallies[TRACERS])
 {
-    struct mesh_rays *rays = mesh_rays_of(atlas);
-    for (int i = 0; i < 12; i++) {
-        double away = i % 3 == 0 ? size : i % 3 == 1 ? 5 * size : 1e5;
-        compare_bundle(state, rays, atlas, size, away, tally);
+    uint64_t start = *state;
+    for (int k = 0; k < TRACERS; k++) {
+        struct mesh_rays *rays = mesh_rays_of(tracers[k], atlas);
+        *state = start;
+        for (int i = 0; i < 12; i++) {
+            double away = i % 3 == 0 ? size : i % 3 == 1 ? 5 * size : 1e5;
+            compare_bundle(state, rays, atlas, size, away, &tallies[k]);
+        }
+        mesh_rays_destroy(rays);
     }
-    mesh_rays_destroy(rays);
 }
 
 static void finds_the_first_triangle_of_random_ones(void **test)
 {
     (void)test;
     uint64_t random = 9;
-    struct tally tally = {0};
+    struct tally tallies[TRACERS] = {0};
     for (int i = 0; i < 60; i++) {
         conus_atlas *atlas = mesh_scene_atlas();
         double size = pow(10, test_random(&random, -1, 3));
@@ -125,30 +138,85 @@ static void finds_the_first_triangle_of_random_ones(void **test)
                                                size * test_random(&random, 0.05, 1));
             mesh_scene_add(atlas, &soup);
         }
-        compare_atlas(&random, atlas, size, &tally);
+        compare_atlas(&random, atlas, size, tallies);
         conus_atlas_destroy(atlas);
     }
-    assert_true(tally.rays > 10000 && tally.hits > tally.rays / 3);
-    assert_true(tally.at_edges < tally.rays / 1000);
+    for (int k = 0; k < TRACERS; k++) {
+        const struct tally *tally = &tallies[k];
+        assert_true(tally->rays > 10000 && tally->hits > tally->rays / 3);
+        assert_true(tally->at_edges < tally->rays / 1000);
+    }
 }
 
 static void finds_the_outermost_of_nested_spheres(void **test)
 {
     (void)test;
     uint64_t random = 10;
-    struct tally tally = {0};
+    struct tally tallies[TRACERS] = {0};
     conus_atlas *atlas = mesh_scene_atlas();
     for (int i = 0; i < 6; i++) {
         struct mesh sphere = mesh_scene_sphere((double[]){3, -2, 1}, 50 - i * pow(10, -i), 12, 17);
         mesh_scene_add(atlas, &sphere);
     }
     for (int i = 0; i < 10; i++) {
-        compare_atlas(&random, atlas, 60, &tally);
+        compare_atlas(&random, atlas, 60, tallies);
     }
-    assert_true(tally.hits > tally.rays / 2);
-    assert_true(tally.at_edges < tally.rays / 1000);
+    for (int k = 0; k < TRACERS; k++) {
+        const struct tally *tally = &tallies[k];
+        assert_true(tally->hits > tally->rays / 2);
+        assert_true(tally->at_edges < tally->rays / 1000);
+    }
     conus_atlas_destroy(atlas);
 }
+
+#if CONUS_EMBREE
+
+/* The same rays through both: what differs passes an edge. */
+static void compare_tracers(uint64_t *random, struct mesh_rays *const rays[2], const conus_atlas *atlas,
+                            const double origin[3], struct tally *tally)
+{
+    double direction[3][MESH_RAYS_LIMIT];
+    struct mesh_bundle bundles[2] = {{.count = MESH_RAYS_LIMIT}};
+    aim(random, &bundles[0], direction, origin, 70);
+    bundles[1] = bundles[0];
+    for (int k = 0; k < 2; k++) {
+        assert_ok(mesh_rays_walk(rays[k], &bundles[k], 16));
+    }
+    for (size_t ray = 0; ray < MESH_RAYS_LIMIT; ray++) {
+        const struct mesh_hit hits[] = {{bundles[0].object[ray], bundles[0].triangle[ray], bundles[0].t[ray]},
+                                        {bundles[1].object[ray], bundles[1].triangle[ray], bundles[1].t[ray]}};
+        const double d[3] = {direction[0][ray], direction[1][ray], direction[2][ray]};
+        tally->rays++;
+        tally->hits += hits[1].object != 0;
+        if (hits[0].object != hits[1].object || hits[0].triangle != hits[1].triangle) {
+            assert_true(is_at_edge(atlas, &hits[0], origin, d, 100) || is_at_edge(atlas, &hits[1], origin, d, 100));
+            tally->at_edges++;
+        } else {
+            assert_true(hits[0].t == hits[1].t);
+        }
+    }
+}
+
+/* 234,444 triangles, from inside, from a hand's distance and from far away. */
+static void embree_and_the_own_tree_agree_on_the_brain(void **test)
+{
+    (void)test;
+    uint64_t random = 13;
+    struct tally tally = {0};
+    conus_atlas *atlas = mesh_scene_brain();
+    struct mesh_rays *rays[2] = {mesh_rays_of(&mesh_embree, atlas), mesh_rays_of(&mesh_bvh, atlas)};
+    for (int round = 0; round < 300; round++) {
+        double origin[3];
+        random_point(&random, origin, round % 3 == 0 ? 30 : round % 3 == 1 ? 300 : 1e5);
+        compare_tracers(&random, rays, atlas, origin, &tally);
+    }
+    assert_true(tally.hits > tally.rays / 5 && tally.at_edges < tally.rays / 1000);
+    mesh_rays_destroy(rays[0]);
+    mesh_rays_destroy(rays[1]);
+    conus_atlas_destroy(atlas);
+}
+
+#endif
 
 /* ---- Edges ------------------------------------------------------------------------------------------------ */
 
@@ -171,14 +239,14 @@ static void aim_at_edges(uint64_t *random, double direction[3][MESH_RAYS_LIMIT],
 
 /* Rays at the edges of a closed sphere, from inside and far outside, but not at its silhouette; returns how many of
  * them found nothing. */
-static size_t count_lost(double low, double high, size_t *aimed)
+static size_t count_lost(const struct mesh_tracer *tracer, double low, double high, size_t *aimed)
 {
     uint64_t random = 11;
     size_t lost = 0;
     conus_atlas *atlas = mesh_scene_atlas();
     struct mesh sphere = mesh_scene_sphere((double[]){0, 0, 0}, 80, 24, 31);
     mesh_scene_add(atlas, &sphere);
-    struct mesh_rays *rays = mesh_rays_of(atlas);
+    struct mesh_rays *rays = mesh_rays_of(tracer, atlas);
     for (int round = 0; round < 400; round++) {
         double origin[3], direction[3][MESH_RAYS_LIMIT];
         struct mesh_bundle bundle = {.count = MESH_RAYS_LIMIT, .origin = origin};
@@ -206,18 +274,24 @@ static size_t count_lost(double low, double high, size_t *aimed)
 static void no_ray_slips_between_two_triangles(void **test)
 {
     (void)test;
-    size_t aimed = 0;
-    assert_int_equal(count_lost(0.01, 0.99, &aimed), 0);
-    assert_true(aimed > 60000);
+    for (int k = 0; k < TRACERS; k++) {
+        size_t aimed = 0;
+        assert_int_equal(count_lost(tracers[k], 0.01, 0.99, &aimed), 0);
+        assert_true(aimed > 60000);
+    }
 }
 
-/* Where many triangles meet in a point, a ray that hits it to seven digits may slip through: once in thousands. */
+/* Where many triangles meet in a point, a ray that hits it to seven digits may slip through Embree: once in thousands.
+ */
 static void hardly_any_ray_slips_through_a_vertex(void **test)
 {
     (void)test;
-    size_t aimed = 0;
-    size_t lost = count_lost(0, 0, &aimed);
-    assert_true(aimed > 60000 && lost < aimed / 1000);
+    for (int k = 0; k < TRACERS; k++) {
+        size_t aimed = 0;
+        size_t lost = count_lost(tracers[k], 0, 0, &aimed);
+        assert_true(aimed > 60000 && lost < aimed / 1000);
+        assert_true(tracers[k] != &mesh_bvh || lost == 0);
+    }
 }
 
 /* ---- Rules ------------------------------------------------------------------------------------------------ */
@@ -389,9 +463,8 @@ static void compare_places(uint64_t *random, struct mesh_rays *placed, struct me
     }
 }
 
-static void a_placed_mesh_is_hit_as_if_it_were_moved(void **test)
+static void compare_places_of(const struct mesh_tracer *tracer)
 {
-    (void)test;
     uint64_t random = 12;
     conus_atlas *atlas = mesh_scene_atlas();
     struct mesh shape = mesh_scene_torus(20, 8, 24, 12);
@@ -399,8 +472,8 @@ static void a_placed_mesh_is_hit_as_if_it_were_moved(void **test)
     struct mesh_object objects[PLACES];
     place_tori(&random, &shape, places, objects, atlas);
     struct mesh_rays *placed = NULL;
-    assert_ok(mesh_rays_create(&placed, objects, PLACES));
-    struct mesh_rays *moved = mesh_rays_of(atlas);
+    assert_ok(mesh_rays_create_with(&placed, tracer, objects, PLACES));
+    struct mesh_rays *moved = mesh_rays_of(tracer, atlas);
     size_t hits = 0, differ = 0;
     for (int round = 0; round < 20; round++) {
         compare_places(&random, placed, moved, &hits, &differ);
@@ -412,6 +485,14 @@ static void a_placed_mesh_is_hit_as_if_it_were_moved(void **test)
     conus_atlas_destroy(atlas);
 }
 
+static void a_placed_mesh_is_hit_as_if_it_were_moved(void **test)
+{
+    (void)test;
+    for (int k = 0; k < TRACERS; k++) {
+        compare_places_of(tracers[k]);
+    }
+}
+
 static void a_place_without_inverse_is_refused(void **test)
 {
     (void)test;
@@ -419,8 +500,10 @@ static void a_place_without_inverse_is_refused(void **test)
     struct mesh square = square_at(0, false);
     const struct mesh_object object = {&square, flat};
     struct mesh_rays *rays = NULL;
-    assert_fails(mesh_rays_create(&rays, &object, 1), CONUS_ERROR_ARGUMENT);
-    assert_null(rays);
+    for (int k = 0; k < TRACERS; k++) {
+        assert_fails(mesh_rays_create_with(&rays, tracers[k], &object, 1), CONUS_ERROR_ARGUMENT);
+        assert_null(rays);
+    }
     mesh_finish(&square);
 }
 
@@ -442,6 +525,19 @@ static conus_status create_and_look(void *data)
     return status;
 }
 
+/* Two objects, of which the second is placed. */
+static conus_status create_own(void *data)
+{
+    const struct mesh *mesh = data;
+    double place[16];
+    mat4_identity(place);
+    const struct mesh_object objects[] = {{mesh, NULL}, {mesh, place}, {0}};
+    struct mesh_rays *rays = NULL;
+    conus_status status = mesh_rays_create_with(&rays, &mesh_bvh, objects, 3);
+    mesh_rays_destroy(rays);
+    return status;
+}
+
 static void every_failing_allocation_is_reported(void **test)
 {
     (void)test;
@@ -449,6 +545,7 @@ static void every_failing_allocation_is_reported(void **test)
     struct mesh square = square_at(12, false);
     mesh_scene_add(atlas, &square);
     test_every_allocation(create_and_look, atlas);
+    test_every_allocation(create_own, (void *)atlas_object_mesh(atlas, 2));
     conus_atlas_destroy(atlas);
 }
 
@@ -477,6 +574,9 @@ int main(void)
         cmocka_unit_test(a_surface_through_the_apex_is_hit_at_0),
         cmocka_unit_test(finds_the_first_triangle_of_random_ones),
         cmocka_unit_test(finds_the_outermost_of_nested_spheres),
+#if CONUS_EMBREE
+        cmocka_unit_test(embree_and_the_own_tree_agree_on_the_brain),
+#endif
         cmocka_unit_test(no_ray_slips_between_two_triangles),
         cmocka_unit_test(hardly_any_ray_slips_through_a_vertex),
         cmocka_unit_test(both_faces_count_and_open_surfaces_do),

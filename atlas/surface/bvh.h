@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * A bounding volume hierarchy: a tree of boxes along the axes, searched along rays.
+ *
+ * Every box is taken to be a little larger than it is (BVH_SLACK), by far more than rounding in double precision moves
+ * a ray. So a triangle that mesh_is_passed() accepts lies in boxes that the ray hits. */
+#ifndef CONUS_ATLAS_SURFACE_BVH_H
+#define CONUS_ATLAS_SURFACE_BVH_H
+
+#include "base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/** Of the largest coordinate of the boxes and of where the ray begins. */
+#define BVH_SLACK 1e-6
+
+/** Bounds, edges included. */
+struct bvh_box {
+    float low[3], high[3];
+    uint32_t number; /**< Of what is in the box. */
+};
+
+struct bvh_node;
+
+/** A zeroed one is empty: a search finds nothing. */
+struct bvh {
+    struct bvh_node *nodes; /**< Each before those below it; the first one holds all. Owned. */
+    uint32_t *numbers;      /**< [count] of the boxes, leaf by leaf. Owned.                  */
+    size_t count;
+};
+
+/** Lets @p box reach to @p point. */
+void bvh_box_extend(struct bvh_box *box, const float point[3]);
+
+/** A box that holds nothing yet. */
+struct bvh_box bvh_box_empty(uint32_t number);
+
+/** Makes a tree of @p count boxes, at most UINT32_MAX, and reorders them. The same boxes in the same order give the
+ * same tree. CONUS_ERROR_MEMORY. */
+conus_status bvh_init(struct bvh *out, struct bvh_box *boxes, size_t count);
+void bvh_finish(struct bvh *bvh);
+
+/** The nodes that wait in a search: each step down leaves one behind, and halving UINT32_MAX boxes takes 32 steps. */
+enum { BVH_DEPTH = 33 };
+
+/** A search on its way. */
+struct bvh_search {
+    const struct bvh *bvh;
+    double origin[3];
+    double inverse[3]; /**< 1 / direction; infinite where that is 0. */
+    double slack;
+    size_t next, end; /**< What is left of a leaf, in bvh->numbers. */
+    struct bvh_visit {
+        double enter; /**< Where the ray comes into the node's box. */
+        uint32_t node;
+    } visits[BVH_DEPTH]; /**< Those that wait, the last one first. */
+    size_t waiting;
+};
+
+/** Begins a search along a ray from @p origin; both arrays are copied, @p bvh must outlive the search. */
+void bvh_search_init(struct bvh_search *out, const struct bvh *bvh, const double origin[3], const double direction[3]);
+
+/** The next number, about from near to far, whose leaf the ray hits at @p limit (in units of the direction's length) or
+ * before; false after the last. The limit may shrink from call to call. The number's own box may be off the ray. */
+bool bvh_search_next(uint32_t *number, struct bvh_search *search, double limit);
+
+#endif

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The tracer with a tree of our own: over the objects, and over the triangles of each mesh. */
+#include "atlas/surface/bvh.h"
+#include "base/memory.h"
+#include "selection/engine/mesh_tracer.h"
+
+struct scene {
+    struct bvh objects;    /* Boxes in the world; a number is that of a surface. */
+    struct bvh *meshes;    /* [mesh_count]; boxes and numbers are those of triangles. */
+    size_t mesh_count;     /* Objects in a row that have the same mesh share its tree. */
+    size_t *mesh_of;       /* [objects] the index of its tree in `meshes` */
+    struct bvh_box *boxes; /* Of objects, while the scene is made; */
+    size_t box_count;      /* those that are meshes. */
+};
+
+/* ---- Trees ------------------------------------------------------------------------------------------------------ */
+
+static struct bvh_box box_of_triangle(const struct mesh *mesh, size_t triangle)
+{
+    struct bvh_box box = bvh_box_empty((uint32_t)triangle);
+    for (size_t k = 0; k < 3; k++) {
+        bvh_box_extend(&box, mesh->positions + 3 * (size_t)mesh->triangles[3 * triangle + k]);
+    }
+    return box;
+}
+
+/* A box of all, moved to where the object is. It is rounded to single precision, which BVH_SLACK covers. */
+static struct bvh_box place_box(const struct bvh_box *box, const double *world_from_mesh, size_t number)
+{
+    struct bvh_box placed = bvh_box_empty((uint32_t)number);
+    for (int k = 0; k < 8; k++) {
+        float corner[3];
+        double p[3];
+        for (int a = 0; a < 3; a++) {
+            p[a] = (double)(k >> a & 1 ? box->high[a] : box->low[a]);
+        }
+        if (world_from_mesh) {
+            mat4_point(p, world_from_mesh, p);
+        }
+        for (int a = 0; a < 3; a++) {
+            corner[a] = (float)p[a];
+        }
+        bvh_box_extend(&placed, corner);
+    }
+    return placed;
+}
+
+static conus_status add_mesh(struct scene *scene, struct bvh_box *around, const struct mesh *mesh)
+{
+    struct bvh_box *boxes = memory_raw(mesh->triangle_count, sizeof *boxes);
+    if (!boxes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *around = bvh_box_empty(0);
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        boxes[i] = box_of_triangle(mesh, i);
+        bvh_box_extend(around, boxes[i].low);
+        bvh_box_extend(around, boxes[i].high);
+    }
+    conus_status status = bvh_init(&scene->meshes[scene->mesh_count], boxes, mesh->triangle_count);
+    scene->mesh_count += !status;
+    memory_free(boxes);
+    return status;
+}
+
+static conus_status add_objects(struct scene *scene, const struct mesh_object *objects, size_t count)
+{
+    conus_status status = CONUS_OK;
+    const struct mesh *last = NULL;
+    struct bvh_box around;
+    for (size_t i = 0; i < count && !status; i++) {
+        if (objects[i].mesh && objects[i].mesh != last) {
+            last = objects[i].mesh;
+            status = add_mesh(scene, &around, last);
+        }
+        if (objects[i].mesh && !status) {
+            scene->boxes[scene->box_count++] = place_box(&around, objects[i].world_from_mesh, i);
+            scene->mesh_of[i] = scene->mesh_count - 1;
+        }
+    }
+    status = status ? status : bvh_init(&scene->objects, scene->boxes, scene->box_count);
+    memory_free(scene->boxes);
+    scene->boxes = NULL;
+    return status;
+}
+
+static conus_status create(struct mesh_rays *rays, const struct mesh_object *objects, size_t count)
+{
+    struct scene *scene = rays->scene = memory_zeroed(1, sizeof *scene);
+    if (!scene) {
+        return CONUS_ERROR_MEMORY;
+    }
+    scene->meshes = memory_zeroed(count, sizeof *scene->meshes);
+    scene->mesh_of = memory_zeroed(count, sizeof *scene->mesh_of);
+    scene->boxes = memory_raw(count, sizeof *scene->boxes);
+    if (!scene->meshes || !scene->mesh_of || !scene->boxes) {
+        memory_free(scene->boxes);
+        return CONUS_ERROR_MEMORY;
+    }
+    return add_objects(scene, objects, count);
+}
+
+static void destroy(struct mesh_rays *rays)
+{
+    struct scene *scene = rays->scene;
+    if (scene) {
+        for (size_t i = 0; i < scene->mesh_count; i++) {
+            bvh_finish(&scene->meshes[i]);
+        }
+        bvh_finish(&scene->objects);
+        memory_free(scene->meshes);
+        memory_free(scene->mesh_of);
+        memory_free(scene);
+    }
+}
+
+/* ---- Rays ------------------------------------------------------------------------------------------------------- */
+
+/* A ray of a bundle on its way. */
+struct walk {
+    const struct mesh_rays *rays;
+    struct mesh_bundle *bundle;
+    size_t ray;
+    double start;
+    struct mesh_intervals *out; /* NULL = only the first hit */
+};
+
+static conus_status take_triangle(const struct walk *walk, uint32_t object, uint32_t triangle)
+{
+    if (walk->out) {
+        return mesh_intervals_add(walk->out, &(struct crossing){.pixel = (uint32_t)walk->ray, object, triangle});
+    }
+    mesh_tracer_offer(walk->rays, walk->bundle, walk->ray, object, triangle);
+    return CONUS_OK;
+}
+
+static double reach(const struct walk *walk)
+{
+    return mesh_tracer_reach(walk->rays, walk->bundle, walk->ray, walk->start);
+}
+
+static conus_status search_mesh(const struct walk *walk, uint32_t index, const double origin[3],
+                                const double direction[3])
+{
+    const struct scene *scene = walk->rays->scene;
+    const struct surface *surface = &walk->rays->surfaces[index];
+    double p[3] = {origin[0], origin[1], origin[2]};
+    double d[3] = {direction[0], direction[1], direction[2]};
+    if (surface->mesh_from_world) {
+        mat4_point(p, surface->mesh_from_world, origin);
+        mat4_direction(d, surface->mesh_from_world, direction);
+    }
+    struct bvh_search search;
+    conus_status status = CONUS_OK;
+    bvh_search_init(&search, &scene->meshes[scene->mesh_of[index]], p, d);
+    for (uint32_t triangle; !status && bvh_search_next(&triangle, &search, reach(walk));) {
+        if (mesh_is_passed(surface->mesh, triangle, p, d)) {
+            status = take_triangle(walk, index + 1, triangle);
+        }
+    }
+    return status;
+}
+
+static conus_status search_objects(const struct walk *walk)
+{
+    const struct scene *scene = walk->rays->scene;
+    double origin[3], direction[3];
+    for (int a = 0; a < 3; a++) {
+        direction[a] = walk->bundle->direction[a][walk->ray];
+        origin[a] = walk->bundle->origin[a] + walk->start * direction[a];
+    }
+    struct bvh_search search;
+    conus_status status = CONUS_OK;
+    bvh_search_init(&search, &scene->objects, origin, direction);
+    for (uint32_t index; !status && bvh_search_next(&index, &search, reach(walk));) {
+        status = search_mesh(walk, index, origin, direction);
+    }
+    return status;
+}
+
+static conus_status search_bundle(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_intervals *out)
+{
+    struct walk walk = {.rays = rays, .bundle = bundle, .out = out, .start = mesh_tracer_start(rays, bundle->origin)};
+    conus_status status = CONUS_OK;
+    for (; walk.ray < bundle->count && !status; walk.ray++) {
+        status = search_objects(&walk);
+    }
+    return status;
+}
+
+static conus_status walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width)
+{
+    (void)width; /* one ray after the other */
+    return search_bundle(rays, bundle, NULL);
+}
+
+const struct mesh_tracer mesh_bvh = {
+    .name = "own tree", .create = create, .destroy = destroy, .walk = walk, .pierce = search_bundle};
