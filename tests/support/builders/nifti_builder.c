@@ -59,8 +59,8 @@ static uint64_t bits_of(char kind, double value)
 
 static void order(uint8_t out[8], uint64_t bits, size_t size, bool big)
 {
-    for (size_t i = 0; i < size; i++) {
-        out[big ? size - 1 - i : i] = (uint8_t)(bits >> 8 * i);
+    for (size_t i = 0; i < size && i < sizeof bits; i++) {
+        out[i] = (uint8_t)(bits >> 8 * (big ? size - 1 - i : i));
     }
 }
 
