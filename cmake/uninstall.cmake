@@ -1,4 +1,5 @@
-# Removes the files of the last `cmake --install` of a build, below $DESTDIR if that is set. Folders stay.
+# Removes the files of the last `cmake --install` of a build, below $DESTDIR if that is set, and what Python compiled of them.
+# Folders stay.
 file(GLOB manifests ${BUILD}/install_manifest*.txt)
 if(NOT manifests)
   message(FATAL_ERROR "nothing was installed from ${BUILD}")
@@ -6,9 +7,13 @@ endif()
 foreach(manifest IN LISTS manifests)
   file(STRINGS ${manifest} paths)
   foreach(path IN LISTS paths)
-    if(EXISTS "$ENV{DESTDIR}${path}" OR IS_SYMLINK "$ENV{DESTDIR}${path}")
-      message(STATUS "Removing $ENV{DESTDIR}${path}")
-      file(REMOVE "$ENV{DESTDIR}${path}")
+    set(path "$ENV{DESTDIR}${path}")
+    if(EXISTS "${path}" OR IS_SYMLINK "${path}")
+      message(STATUS "Removing ${path}")
+      cmake_path(GET path PARENT_PATH folder)
+      cmake_path(GET path STEM LAST_ONLY name)
+      file(GLOB compiled "${folder}/__pycache__/${name}.*.pyc")
+      file(REMOVE "${path}" ${compiled})
     endif()
   endforeach()
 endforeach()
