@@ -4,6 +4,8 @@
 #include "failure.hpp"
 #include "mapped_file.hpp"
 
+#include <conus/version.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -76,12 +78,31 @@ static void answer(const char *path)
     stream.end();
 }
 
+static const char help[] =
+    "usage: conus-mesh REQUEST\n\nMakes meshes with VTK for conus; see loaders/child/mesh_protocol.h for the file "
+    "REQUEST.\nThe command for people is conus mesh.\n";
+
+// Answers --version and --help; false where the word is neither.
+static bool is_answered(const std::string &word)
+{
+    if (word == "--version") {
+        std::puts("conus " CONUS_VERSION);
+        return true;
+    }
+    if (word == "--help" || word == "-h") {
+        std::fputs(help, stdout);
+        return true;
+    }
+    return false;
+}
+
 int main(int argc, char **argv)
 {
+    if (argc == 2 && is_answered(argv[1])) {
+        return std::fflush(stdout) ? 1 : 0;
+    }
     if (argc != 2 || argv[1][0] == '-') {
-        std::fputs("usage: conus-mesh REQUEST\n\nMakes meshes with VTK for conus; see loaders/child/mesh_protocol.h "
-                   "for the file REQUEST.\nThe command for people is conus mesh.\n",
-                   stderr);
+        std::fputs(help, stderr);
         return 2;
     }
     try {

@@ -333,13 +333,20 @@ static const struct command batch = {
 
 enum { CONTINUE = -1 };
 
+/* Whether the word asks about the program, which has one command: the answer is that command's. */
+static bool is_question(const char *word)
+{
+    return strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "--version") == 0;
+}
+
 static int read_command(struct arguments *arguments, struct batch_settings *settings, int count, char **words)
 {
-    if (count < 2 || strcmp(words[1], batch.name) != 0) {
+    bool named = count > 1 && strcmp(words[1], batch.name) == 0;
+    if (!named && !(count > 1 && is_question(words[1]))) {
         *arguments = (struct arguments){.command = &batch};
-        return print_usage_error("the only command is conus-mpi batch; conus-mpi batch --help explains it");
+        return print_usage_error("the only command is conus-mpi batch; conus-mpi --help explains it");
     }
-    return options_parse(arguments, settings, &batch, count, words, 2);
+    return options_parse(arguments, settings, &batch, count, words, named ? 2 : 1);
 }
 
 /* What is wrong with the command line is said by rank 0, which the others wait for. */

@@ -91,8 +91,8 @@ static void put_commands(FILE *out, const struct program *program)
 {
     fputs("    if [ \"$COMP_CWORD\" -eq 1 ]; then\n        mapfile -t COMPREPLY < <(compgen -W '", out);
     put_command_names(out, program);
-    fprintf(out, "%s' -- \"$word\")\n        return\n    fi\n    case ${COMP_WORDS[1]} in\n",
-            program->commands[1] ? "help --help --version" : "");
+    fprintf(out, "%s--help --version' -- \"$word\")\n        return\n    fi\n    case ${COMP_WORDS[1]} in\n",
+            program->commands[1] ? "help " : "");
     if (program->commands[1]) {
         fputs("    help)\n        value=word words='", out);
         put_command_names(out, program);

@@ -74,11 +74,12 @@ static void put_command_names(FILE *out, const struct program *program)
             fprintf(out, " -f -a %s\n", command->name);
         }
     }
-    if (!program->commands[1]) {
-        return;
+    bool several = program->commands[1] != NULL;
+    if (several) {
+        fprintf(out, "complete -c %s -f -n '%s' -a help -d 'explain a command'\n", program->name, first);
     }
-    fprintf(out, "complete -c %s -f -n '%s' -a help -d 'explain a command'\n", program->name, first);
-    fprintf(out, "complete -c %s -n '%s' -l help -d 'list the commands'\n", program->name, first);
+    fprintf(out, "complete -c %s -n '%s' -l help -d '%s'\n", program->name, first,
+            several ? "list the commands" : "explain the command");
     fprintf(out, "complete -c %s -n '%s' -l version -d 'the version'\n", program->name, first);
 }
 

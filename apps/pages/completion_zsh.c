@@ -72,10 +72,9 @@ static void put_commands(FILE *out, const struct program *program)
     }
     bool several = program->commands[1] != NULL;
     fprintf(out,
-            "%s)\n_arguments -C '1: :->command' '*::argument:->rest'%s\n"
+            "%s)\n_arguments -C '1: :->command' '*::argument:->rest' '(- *)--help[%s]' '(- *)--version[the version]'\n"
             "case $state in\ncommand) _describe command names ;;\nrest)\n    case $line[1] in\n%s",
-            several ? "    help:'explain a command'\n" : "",
-            several ? " '(- *)--help[list the commands]' '(- *)--version[the version]'" : "",
+            several ? "    help:'explain a command'\n" : "", several ? "list the commands" : "explain the command",
             several ? "    help) _describe command names ;;\n" : "");
     for (size_t i = 0; program->commands[i]; i++) {
         const struct command *command = program->commands[i];

@@ -67,6 +67,7 @@ complete_fish() {
     write_pages "$mpi"
     help_options "$mpi" batch >wanted
     man_options pages/conus-mpi.1 | diff wanted -
+    [ "$(complete_bash pages/conus-mpi.bash conus-mpi '' | xargs)" = "batch --help --version" ]
 }
 
 @test "man pages are good roff, and show the text as it is" {

@@ -36,6 +36,22 @@ consumer_answers() {
     grep -qF "$MOVED" libraries
 }
 
+@test "each installed program answers --version and --help, and refuses another option" {
+    local programs=0
+    for program in "$MOVED"/bin/*; do
+        run -0 --separate-stderr "$program" --version
+        [ "$output" = "$(conus --version)" ] && [ -z "$stderr" ] || { echo "$program: $output$stderr"; return 1; }
+        for word in --help -h; do
+            run -0 --separate-stderr "$program" $word
+            [[ "$output" == "usage: conus"* ]] && [ -z "$stderr" ] || { echo "$program: $output$stderr"; return 1; }
+        done
+        run -2 --separate-stderr "$program" --nonsense
+        [ -z "$output" ] && [ -n "$stderr" ] || { echo "$program: $output$stderr"; return 1; }
+        programs=$((programs + 1))
+    done
+    [ "$programs" -eq "$(find "$MOVED/bin" -type f -perm /111 | wc -l)" ] && [ "$programs" -ge 1 ]
+}
+
 @test "no program of the tree has a path of the build folder" {
     needs_plain_build
     for program in "$MOVED"/bin/*; do
