@@ -30,9 +30,13 @@ int view_run(char **words)
         execv(path, words);
     }
     execvp(program, words);
-    print_error_line(
-        "conus view: the program conus-view cannot be started: %s; it is built where GLFW 3.3 and Dear ImGui are",
-        strerror(errno));
+    if (errno == ENOENT) {
+        print_error_line("conus view: the program %s is not installed (Debian package %s): it is neither beside this "
+                         "program nor in PATH",
+                         program, program);
+    } else {
+        print_error_line("conus view: the program %s cannot be started: %s", program, strerror(errno));
+    }
     return EXIT_DATA;
 }
 

@@ -74,7 +74,8 @@ conus_status mesh_child_find(char **path)
     conus_status status = CONUS_OK;
     if (chosen && *chosen) {
         if (!is_program(chosen)) {
-            return fail(CONUS_ERROR_UNSUPPORTED, "CONUS_MESH: %s is no program", chosen);
+            return fail(CONUS_ERROR_UNSUPPORTED, "CONUS_MESH: %s is no program; %s is needed (Debian package %s)",
+                        chosen, program, program);
         }
         found = memory_text(chosen, strlen(chosen));
         status = found ? CONUS_OK : CONUS_ERROR_MEMORY;
@@ -86,9 +87,9 @@ conus_status mesh_child_find(char **path)
     }
     if (!status && !found) {
         return fail(CONUS_ERROR_UNSUPPORTED,
-                    "%s is neither beside this program nor in PATH nor named by CONUS_MESH; it "
-                    "is built where VTK 9.1 is (Debian: libvtk9-dev)",
-                    program);
+                    "the program %s is not installed (Debian package %s): it is neither beside this program nor in "
+                    "PATH nor named by CONUS_MESH",
+                    program, program);
     }
     if (!status) {
         *path = found;

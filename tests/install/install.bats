@@ -52,6 +52,27 @@ consumer_answers() {
     [ "$programs" -eq "$(find "$MOVED/bin" -type f -perm /111 | wc -l)" ] && [ "$programs" -ge 1 ]
 }
 
+@test "a program that is not installed is named, with its package" {
+    cp -r "$MOVED" alone
+    rm -f alone/bin/conus-*
+    sphere --size 16
+    printf 'ply\nformat ascii 1.0\n' >surface.ply
+    export XDG_CACHE_HOME=$PWD/cache
+    wanted_of_mesh='the program conus-mesh is not installed (Debian package conus-mesh)'
+    run -3 --separate-stderr env -u CONUS_MESH PATH=/nowhere "$PWD/alone/bin/conus" mesh sphere.nii.gz -o out
+    check_message "$wanted_of_mesh"
+    run -3 --separate-stderr env -u CONUS_MESH PATH=/nowhere "$PWD/alone/bin/conus" info surface.ply
+    check_message "$wanted_of_mesh"
+    run -3 --separate-stderr env CONUS_MESH=/nowhere/mesh "$PWD/alone/bin/conus" info surface.ply
+    check_message 'CONUS_MESH: /nowhere/mesh is no program; conus-mesh is needed (Debian package conus-mesh)'
+    run -3 --separate-stderr env PATH=/nowhere "$PWD/alone/bin/conus" view sphere.nii.gz
+    check_message 'conus view: the program conus-view is not installed (Debian package conus-view)'
+    mkdir closed # a program that is there and is none
+    printf 'no program' >closed/conus-view
+    run -3 --separate-stderr env PATH="$PWD/closed" "$PWD/alone/bin/conus" view sphere.nii.gz
+    check_message 'conus view: the program conus-view cannot be started: Permission denied'
+}
+
 @test "no program of the tree has a path of the build folder" {
     needs_plain_build
     for program in "$MOVED"/bin/*; do
