@@ -150,7 +150,9 @@ consumer_answers() {
     [ ! -e devel/bin ]
     [ -z "$(find runtime devel doc -name '*.py')" ]
     [ -e doc/share/doc/conus/docs/commands.md ]
-    [ -e doc/share/doc/conus/examples/select_one.c ]
+    for example in "$SOURCES"/../../examples/*.c; do
+        cmp "$example" "doc/share/doc/conus/examples/${example##*/}"
+    done
 }
 
 # check_uninstall TOP: what was installed there, and compiled by Python since, goes away again.

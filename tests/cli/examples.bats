@@ -1,0 +1,65 @@
+#!/usr/bin/env bats
+# The examples of the C interface that read poses and draw; ctest runs the others by themselves.
+load helpers
+: "${CONUS_EXAMPLES:?is the folder of the examples}"
+
+# A ball of radius 20 mm in voxels of 2 mm: those at the axis have centres at z = 19 mm and end at z = 20 mm. From
+# z = 90 mm a ray near the axis first hits them after 70 mm, from x = -60 mm after 40 mm.
+ball() {
+    sphere --size 32 --spacing 2,2,2
+}
+
+# answers_are LINE...: the file said has these lines, with any number of milliseconds.
+answers_are() {
+    sed -E 's/ [0-9]+\.[0-9]{3} ms$/ T ms/' said | diff <(printf '%s\n' "$@") -
+}
+
+@test "live_pose answers each pose when it comes" {
+    ball
+    mkfifo poses
+    "$CONUS_EXAMPLES/live_pose" sphere.nii.gz <poses >said 2>errors 3>&- &
+    local pid=$!
+    children+=("$pid")
+    exec 6>poses
+    printf 'x\ty\tz\ttx\tty\ttz\n0\t0\t90\t0\t0\t0\n' >&6
+    wait_until "$pid" has_lines 1 said
+    answers_are 'Sphere at 70.0 mm, T ms'
+    printf '%s\t0\t0\t%s\t0\t0\n' -60 0 0 0 60 90 >&6 # towards the ball; no direction; away from it
+    wait_until "$pid" has_lines 3 said
+    exec 6>&-
+    wait "$pid"
+    answers_are 'Sphere at 70.0 mm, T ms' 'Sphere at 40.0 mm, T ms' 'nothing, T ms'
+    [ "$(wc -l <errors)" -eq 1 ]
+    grep -q '^line 4: ' errors
+}
+
+@test "live_pose takes a cone's angle from the table, and refuses points" {
+    ball
+    # From 90 mm, 40 mm beside the ball's middle and parallel to it: only a wide cone hits it.
+    printf 'x\ty\tz\tdx\tdy\tdz\tangle\n40\t0\t90\t0\t0\t-1\t5\n40\t0\t90\t0\t0\t-1\t60\n' |
+        "$CONUS_EXAMPLES/live_pose" sphere.nii.gz >said
+    sed -i -E 's/ at [0-9.]+ mm/ at D mm/' said
+    answers_are 'nothing, T ms' 'Sphere at D mm, T ms'
+    printf '1 2 3\n' | "$CONUS_EXAMPLES/live_pose" sphere.nii.gz >said 2>errors
+    [ ! -s said ]
+    [ "$(cat errors)" = 'line 1: a point has no direction' ]
+}
+
+@test "live_pose says what is wrong with the atlas or the poses" {
+    ball
+    run -1 --separate-stderr "$CONUS_EXAMPLES/live_pose" none.nii.gz </dev/null
+    [[ "$stderr" == 'none.nii.gz: '* ]]
+    run -1 --separate-stderr "$CONUS_EXAMPLES/live_pose" sphere.nii.gz <<<'no poses'
+    [ -z "$output" ] && [ "${#stderr_lines[@]}" -eq 1 ]
+}
+
+@test "render_to_memory writes the PNG that conus render writes" {
+    ball
+    unset DISPLAY WAYLAND_DISPLAY
+    gl render sphere.nii.gz -o wanted.png --size 320x240
+    run -0 --separate-stderr "$CONUS_EXAMPLES/render_to_memory" sphere.nii.gz picture.png
+    [[ "$output" == "320 x 240 pixels, $(stat -c %s picture.png) bytes, drawn by "?* ]] || { echo "$output"; return 1; }
+    cmp picture.png wanted.png
+    [ "$(head -c 8 picture.png | od -An -tx1 | tr -d ' ')" = 89504e470d0a1a0a ]
+    run -1 "$CONUS_EXAMPLES/render_to_memory" sphere.nii.gz no/such/folder.png
+}
