@@ -43,7 +43,7 @@ struct conus_atlas {
 /** Makes an atlas from a labelled volume. @p labels has one label per voxel of @p info (0 = background); areas are
  * the labels present and those that @p table (sorted) names, numbered densely by label. @p notes are moved into the
  * atlas, with what is found here added: labels without names, names without voxels, parents that are missing or
- * cyclic (such links are dropped). */
+ * cyclic (such links are dropped). The atlas's notes get the sink of @p notes. */
 conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, const uint32_t *labels,
                           const struct label_table *table, const char *label_source, struct notes *notes);
 

@@ -111,8 +111,8 @@ static conus_status note_conflict(struct notes *notes, size_t conflicts, const s
 {
     return conflicts > CONFLICTS_SHOWN
                ? CONUS_OK
-               : notes_add(notes, "label %u is named twice in the label table: \"%s\" is used, \"%s\" is not",
-                           kept->number, kept->name, dropped->name);
+               : notes_warn(notes, "label %u is named twice in the label table: \"%s\" is used, \"%s\" is not",
+                            kept->number, kept->name, dropped->name);
 }
 
 conus_status label_table_sort(struct label_table *table, struct notes *notes)
@@ -134,7 +134,7 @@ conus_status label_table_sort(struct label_table *table, struct notes *notes)
     }
     table->count = status ? table->count : kept;
     if (!status && conflicts > CONFLICTS_SHOWN) {
-        status = notes_add(notes, "%zu more labels are named twice in the label table", conflicts - CONFLICTS_SHOWN);
+        status = notes_warn(notes, "%zu more labels are named twice in the label table", conflicts - CONFLICTS_SHOWN);
     }
     return status;
 }

@@ -9,26 +9,40 @@
 #include <stdio.h>
 #include <string.h>
 
+static void free_lines(struct notes *notes)
+{
+    memory_free(notes->lines);
+    memory_free(notes->marks);
+    *notes = (struct notes){.sink = notes->sink};
+}
+
 void notes_finish(struct notes *notes)
 {
-    for (size_t i = 0; i < notes->count; i++) {
-        memory_free(notes->lines[i]);
-    }
-    memory_free(notes->lines);
-    *notes = (struct notes){0};
+    notes_cut(notes, 0);
+    free_lines(notes);
 }
 
-static conus_status reserve_line(struct notes *notes, size_t more)
+static conus_status reserve_lines(struct notes *notes, size_t more)
 {
     char **lines = memory_resize(notes->lines, notes->count + more, sizeof *lines);
-    if (!lines) {
-        return CONUS_ERROR_MEMORY;
-    }
-    notes->lines = lines;
-    return CONUS_OK;
+    notes->lines = lines ? lines : notes->lines;
+    struct note_mark *marks = lines ? memory_resize(notes->marks, notes->count + more, sizeof *marks) : NULL;
+    notes->marks = marks ? marks : notes->marks;
+    return marks ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-conus_status notes_add(struct notes *notes, const char *format, ...)
+/* Appends a line, taken over, for which there is room. */
+static void append_line(struct notes *notes, char *line, struct note_mark mark)
+{
+    const struct note_sink *sink = notes->sink;
+    notes->lines[notes->count] = line;
+    notes->marks[notes->count++] = (struct note_mark){mark.severity, mark.heard || sink};
+    if (sink && sink->log && !mark.heard) {
+        sink->log(sink->user, &(const conus_note){mark.severity, sink->path, line});
+    }
+}
+
+conus_status notes_put(struct notes *notes, conus_severity severity, const char *format, ...)
 {
     char text[512];
     va_list args;
@@ -37,11 +51,11 @@ conus_status notes_add(struct notes *notes, const char *format, ...)
     va_end(args);
     text_make_plain(text, "");
     char *line = memory_text(text, strlen(text));
-    if (!line || reserve_line(notes, 1)) {
+    if (!line || reserve_lines(notes, 1)) {
         memory_free(line);
         return CONUS_ERROR_MEMORY;
     }
-    notes->lines[notes->count++] = line;
+    append_line(notes, line, (struct note_mark){.severity = severity});
     return CONUS_OK;
 }
 
@@ -54,13 +68,22 @@ void notes_cut(struct notes *notes, size_t count)
 
 conus_status notes_move(struct notes *notes, struct notes *from)
 {
-    if (reserve_line(notes, from->count + 1)) {
+    if (reserve_lines(notes, from->count + 1)) {
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < from->count; i++) {
-        notes->lines[notes->count++] = from->lines[i];
+        append_line(notes, from->lines[i], from->marks[i]);
     }
-    memory_free(from->lines);
-    *from = (struct notes){0};
+    free_lines(from);
     return CONUS_OK;
+}
+
+conus_status notes_move_in(struct notes *notes, struct notes *from, const char *where)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < from->count; i++) {
+        status = notes_put(notes, from->marks[i].severity, "%s: %s", where, from->lines[i]);
+    }
+    notes_finish(from);
+    return status;
 }

@@ -1,24 +1,48 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Lines of advice gathered on the way, for whoever reads the result. */
+/** @file Lines of advice gathered on the way, for whoever reads the result or hears them at once. */
 #ifndef CONUS_BASE_NOTES_H
 #define CONUS_BASE_NOTES_H
 
 #include "base/status.h"
 
+/** Who hears notes when they are made. */
+struct note_sink {
+    conus_log log; /**< NULL = nobody. */
+    void *user;
+    const char *path; /**< The file that is being read; NULL = none. */
+};
+
+struct note_mark {
+    conus_severity severity;
+    bool heard; /**< A sink has it. */
+};
+
 struct notes {
     char **lines;
+    struct note_mark *marks; /**< [count]; NULL of an atlas that was attached. */
     size_t count;
+    const struct note_sink *sink; /**< Hears what is added; NULL = it waits for notes_move(). */
 };
 
 void notes_finish(struct notes *notes);
 
-/** Adds one line. CONUS_ERROR_MEMORY when it cannot be kept: a lost warning is a failure. */
-conus_status notes_add(struct notes *notes, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/** Adds one line, which the sink hears. CONUS_ERROR_MEMORY when it cannot be kept: a lost warning is a failure. */
+conus_status notes_put(struct notes *notes, conus_severity severity, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/** Adds what was chosen, assumed or left out, as is usual. */
+#define notes_add(notes, ...) notes_put(notes, CONUS_SEVERITY_NOTE, __VA_ARGS__)
+
+/** Adds what looks wrong, so that names, places or answers may be. */
+#define notes_warn(notes, ...) notes_put(notes, CONUS_SEVERITY_WARNING, __VA_ARGS__)
 
 /** Forgets all lines but the first @p count. */
 void notes_cut(struct notes *notes, size_t count);
 
-/** Appends the lines of @p from, which is left empty. */
+/** Appends the lines of @p from, which is left empty and keeps its sink. The sink hears those that no other has. */
 conus_status notes_move(struct notes *notes, struct notes *from);
+
+/** The same, each line with "@p where: " in front. */
+conus_status notes_move_in(struct notes *notes, struct notes *from, const char *where);
 
 #endif

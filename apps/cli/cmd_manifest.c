@@ -39,12 +39,6 @@ static const struct option_group groups[] = {
     {0},
 };
 
-static void say_note(void *user, const char *line)
-{
-    (void)user;
-    print_error_line("note: %s", line);
-}
-
 /* The last part of the folder's full path; NULL without memory or such a folder. The caller frees it. */
 static char *folder_name(const char *folder)
 {
@@ -71,7 +65,7 @@ static char *manifest_path(const char *folder, const char *name)
 static int write_manifest(const char *folder, const char *name, const struct manifest_settings *settings)
 {
     const conus_manifest_options options = {.max_memory = settings->max_memory,
-                                            .log = settings->common.quiet ? NULL : say_note};
+                                            .log = settings->common.quiet ? NULL : log_note};
     char *path = manifest_path(folder, name);
     if (!path) {
         print_error_line("not enough memory");

@@ -93,12 +93,6 @@ static bool show_progress(void *user, size_t done, size_t total)
     return true;
 }
 
-static void say_note(void *user, const char *line)
-{
-    (void)user;
-    print_error_line("note: %s", line);
-}
-
 static int run_mesh(const void *given, const struct arguments *arguments)
 {
     const struct mesh_settings *settings = given;
@@ -112,7 +106,7 @@ static int run_mesh(const void *given, const struct arguments *arguments)
         .decimate = settings->decimate,
         .max_memory = settings->max_memory,
         .progress = !settings->common.quiet && isatty(STDERR_FILENO) ? show_progress : NULL,
-        .log = settings->common.quiet ? NULL : say_note,
+        .log = settings->common.quiet ? NULL : log_note,
     };
     if (options.no_smoothing && option_given(arguments, "pass-band")) {
         return print_usage_error("--pass-band has no effect with --smooth 0");

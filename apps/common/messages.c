@@ -63,10 +63,16 @@ int print_status(conus_status status)
     return exit_code_of(status);
 }
 
-void log_line(void *user, const char *line)
+void log_line(void *user, const conus_note *note)
 {
     (void)user;
-    print_error_line("log: %s", line);
+    print_error_line("log: %s", note->line);
+}
+
+void log_note(void *user, const conus_note *note)
+{
+    (void)user;
+    print_error_line("note: %s", note->line);
 }
 
 static size_t smallest(size_t a, size_t b, size_t c)

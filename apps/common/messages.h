@@ -28,8 +28,11 @@ int print_system_error(const char *path, const char *action);
 /** The exit code that goes with @p status. */
 int exit_code_of(conus_status status);
 
-/** A conus_log that writes to stderr. */
-void log_line(void *user, const char *line);
+/** A conus_log that writes what a driver says to stderr. */
+void log_line(void *user, const conus_note *note);
+
+/** A conus_log that writes notes to stderr. */
+void log_note(void *user, const conus_note *note);
 
 /** The name, among those that @p name_at lists up to its NULL, that @p word was most likely meant to be; NULL if none
  * is close. */

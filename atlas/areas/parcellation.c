@@ -141,8 +141,8 @@ static conus_status link_parents(conus_atlas *atlas, struct label_map *number_of
         conus_object *area = &atlas->objects[number - 1];
         area->parent = (uint32_t)*parent;
         if (!area->parent || is_cyclic(atlas, number)) {
-            status = notes_add(&atlas->notes, "area %u: its parent %u %s: treated as a root", label->number,
-                               label->parent, area->parent ? "lies below it" : "is not in the label table");
+            status = notes_warn(&atlas->notes, "area %u: its parent %u %s: treated as a root", label->number,
+                                label->parent, area->parent ? "lies below it" : "is not in the label table");
             area->parent = 0;
         }
     }
@@ -150,7 +150,8 @@ static conus_status link_parents(conus_atlas *atlas, struct label_map *number_of
 }
 
 /* "N labels ... : 3, 17, 20, ..." for the areas that `wanted` picks. */
-static conus_status note_areas(conus_atlas *atlas, const char *what, bool (*wanted)(const conus_object *))
+static conus_status note_areas(conus_atlas *atlas, conus_severity severity, const char *what,
+                               bool (*wanted)(const conus_object *))
 {
     struct buffer list = {0};
     size_t count = 0;
@@ -161,7 +162,7 @@ static conus_status note_areas(conus_atlas *atlas, const char *what, bool (*want
     }
     conus_status status = buffer_status(&list);
     if (!status && count) {
-        status = notes_add(&atlas->notes, "%s: %zu (%s%s)", what, count, list.data, count > 8 ? ", ..." : "");
+        status = notes_put(&atlas->notes, severity, "%s: %zu (%s%s)", what, count, list.data, count > 8 ? ", ..." : "");
     }
     buffer_finish(&list);
     return status;
@@ -191,11 +192,14 @@ static conus_status add_notes(conus_atlas *atlas, bool has_table)
 {
     conus_status status = CONUS_OK;
     if (has_table) {
-        status = note_areas(atlas, "labels in the volume that the label table does not name", has_no_name);
-        status = status ? status : note_areas(atlas, "areas of the label table without a voxel", has_no_voxels);
+        status = note_areas(atlas, CONUS_SEVERITY_WARNING, "labels in the volume that the label table does not name",
+                            has_no_name);
+        status =
+            status ? status
+                   : note_areas(atlas, CONUS_SEVERITY_NOTE, "areas of the label table without a voxel", has_no_voxels);
     }
     if (!status && !atlas->area_count) {
-        status = notes_add(&atlas->notes, "the volume has no label but 0: nothing can be selected");
+        status = notes_warn(&atlas->notes, "the volume has no label but 0: nothing can be selected");
     }
     return status;
 }
@@ -209,6 +213,7 @@ conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, cons
     if (status) {
         return status;
     }
+    atlas->notes.sink = notes->sink;
     status = count_labels(&map, labels, atlas->volumes[0].voxel_count);
     status = status ? status : append_areas(atlas, &map, table);
     status = status ? status : number_voxels(&atlas->volumes[0], &map, labels, atlas->area_count);

@@ -62,6 +62,8 @@ typedef struct conus_label {
 typedef struct conus_create_options {
     size_t struct_size; /**< Its size, as #CONUS_CREATE_OPTIONS_INIT sets it; 0 = that of this version. */
     bool labels_anyway; /**< Each value is a label, even where the values look like the grey values of an image. */
+    conus_log log;      /**< As conus_load_options.log; the path is conus_voxels.name. */
+    void *log_user;     /**< Passed to @p log. */
 } conus_create_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -37,6 +37,8 @@ typedef struct conus_load_options {
     conus_load_progress progress; /**< NULL = no callback. */
     void *progress_user;          /**< Passed to @p progress. */
     bool labels_anyway; /**< Each value is a label, even where the values look like the grey values of an image. */
+    conus_log log;      /**< Receives the notes of conus_atlas_note() while the atlas is loaded; NULL = no callback. */
+    void *log_user;     /**< Passed to @p log. */
 } conus_load_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -77,6 +79,8 @@ typedef struct conus_pathway_options {
     double threshold;    /**< Values at or above it are the pathway (Eq. 6); 0 = a quarter of the file's scale. */
     const char *name;    /**< NULL = its name in an FSL atlas XML near it, else the file's name without its ending. */
     uint64_t max_memory; /**< As conus_load_options.max_memory. */
+    conus_log log;       /**< As conus_load_options.log. */
+    void *log_user;      /**< Passed to @p log. */
 } conus_pathway_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -112,6 +116,8 @@ typedef struct conus_context_options {
     double block_threshold; /**< Voxels with values at or above it block rays: a skull, say. Rays do not hit what is
                                behind them, and such a pixel has no hit. 0 = no voxel blocks. */
     uint64_t max_memory;    /**< As conus_load_options.max_memory. */
+    conus_log log;          /**< As conus_load_options.log. */
+    void *log_user;         /**< Passed to @p log. */
 } conus_context_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

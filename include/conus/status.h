@@ -44,12 +44,26 @@ CONUS_API const char *conus_status_name(conus_status code);
  */
 CONUS_API const char *conus_message(void);
 
+/** How much a note matters. */
+typedef enum conus_severity {
+    CONUS_SEVERITY_NOTE = 1, /**< What was chosen, assumed or left out, as is usual. */
+    CONUS_SEVERITY_WARNING   /**< Something looks wrong: names, places or answers may be. */
+} conus_severity;
+
+/** One thing that a careful user should know; no error. */
+typedef struct conus_note {
+    conus_severity severity; /**< How much it matters. */
+    const char *path;        /**< The file that was being read, as it was named; NULL = it is about no file. */
+    const char *line;        /**< One line without its end, UTF-8. */
+} conus_note;
+
 /**
- * Receives a note of a driver, an engine or a reader, on the thread that called into the library.
+ * Receives a note of a driver, an engine or a reader when it is made, on the thread that called into the library. Each
+ * note comes once, also of a call that fails afterwards.
  * @param user The pointer that the options gave.
- * @param line One line without its end, UTF-8. Valid until the callback returns.
+ * @param note Valid until the callback returns.
  */
-typedef void (*conus_log)(void *user, const char *line);
+typedef void (*conus_log)(void *user, const conus_note *note);
 
 /**
  * Receives how far a task is, on the thread that called into the library.

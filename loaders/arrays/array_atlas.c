@@ -8,6 +8,7 @@
 #include "loaders/scene/load_scalar.h"
 #include "loaders/volumes/volume_values.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* ---- Labels ------------------------------------------------------------------------------------------------------ */
@@ -76,16 +77,17 @@ static conus_status create_empty(conus_atlas **out)
 }
 
 static conus_status create_of_voxels(conus_atlas **out, struct volume_file *file, const conus_label *labels,
-                                     size_t label_count, bool labels_anyway)
+                                     size_t label_count, const conus_create_options *options)
 {
+    const struct note_sink sink = {options->log, options->log_user, file->path};
     struct label_table table = {0};
-    struct notes notes = {0};
+    struct notes notes = {.sink = &sink};
     uint32_t *numbers = NULL;
     conus_atlas *atlas = NULL;
     file->info.role = CONUS_ROLE_PARCELLATION;
     conus_status status = volume_file_labels(&numbers, file);
     status = status ? status : add_labels(&table, labels, label_count, &notes);
-    status = status || labels_anyway ? status : parcellation_refuse_grey(file, numbers, &table, false);
+    status = status || options->labels_anyway ? status : parcellation_refuse_grey(file, numbers, &table, false);
     status =
         status ? status
                : atlas_create(&atlas, &file->info, numbers, &table, label_count ? "the program" : "none found", &notes);
@@ -97,6 +99,7 @@ static conus_status create_of_voxels(conus_atlas **out, struct volume_file *file
         conus_atlas_destroy(atlas);
         return status;
     }
+    atlas->notes.sink = NULL;
     *out = atlas;
     return CONUS_OK;
 }
@@ -105,7 +108,7 @@ conus_status conus_atlas_create(conus_atlas **out, const conus_voxels *voxels, c
                                 size_t label_count, const conus_create_options *options)
 {
     struct array_volume array = {0};
-    bool labels_anyway = options_of(conus_create_options, options)->labels_anyway;
+    options = options_of(conus_create_options, options);
     if (!out || (label_count && (!labels || !voxels))) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_create: %s",
                     !out      ? "a result is needed"
@@ -116,7 +119,7 @@ conus_status conus_atlas_create(conus_atlas **out, const conus_voxels *voxels, c
         return create_empty(out);
     }
     conus_status status = array_volume_open(&array, voxels);
-    status = status ? status : create_of_voxels(out, &array.file, labels, label_count, labels_anyway);
+    status = status ? status : create_of_voxels(out, &array.file, labels, label_count, options);
     array_volume_finish(&array);
     return status;
 }
@@ -177,6 +180,7 @@ static conus_status add_area(conus_atlas *atlas, const conus_label *area, struct
 conus_status conus_atlas_add_surface(conus_atlas *atlas, const conus_label *area, const float *positions,
                                      size_t vertex_count, const uint32_t *triangles, size_t triangle_count)
 {
+    char where[24];
     struct mesh mesh = {0};
     struct notes notes = {0};
     if (!atlas || !area) {
@@ -189,9 +193,8 @@ conus_status conus_atlas_add_surface(conus_atlas *atlas, const conus_label *area
     if (status) {
         status = fail_in(status, area->name ? area->name : "surface");
     }
-    for (size_t i = 0; i < notes.count && !status; i++) {
-        status = notes_add(&atlas->notes, "area %u: %s", area->number, notes.lines[i]);
-    }
+    snprintf(where, sizeof where, "area %u", area->number);
+    status = status ? status : notes_move_in(&atlas->notes, &notes, where);
     status = status ? status : add_area(atlas, area, &mesh);
     if (status) {
         notes_cut(&atlas->notes, note_count);
@@ -207,12 +210,13 @@ conus_status conus_atlas_add_values(conus_atlas *atlas, const conus_voxels *voxe
                                     const conus_pathway_options *options)
 {
     struct array_volume array = {0};
-    struct notes notes = {0};
     if (!atlas || !voxels) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_values: an atlas and voxels are needed");
     }
     options = options_of(conus_pathway_options, options);
     conus_status status = array_volume_open(&array, voxels);
+    const struct note_sink sink = {options->log, options->log_user, array.file.path};
+    struct notes notes = {.sink = &sink};
     const char *name = options->name && *options->name ? options->name : array.file.path;
     status = status ? status : pathway_add(atlas, &array.file, options->threshold, name, &notes);
     notes_finish(&notes);
@@ -224,12 +228,13 @@ conus_status conus_atlas_set_context_values(conus_atlas *atlas, const conus_voxe
                                             const conus_context_options *options)
 {
     struct array_volume array = {0};
-    struct notes notes = {0};
     if (!atlas || !voxels) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context_values: an atlas and voxels are needed");
     }
     options = options_of(conus_context_options, options);
     conus_status status = array_volume_open(&array, voxels);
+    const struct note_sink sink = {options->log, options->log_user, array.file.path};
+    struct notes notes = {.sink = &sink};
     status = status ? status : context_set(atlas, &array.file, options->block_threshold, &notes);
     notes_finish(&notes);
     array_volume_finish(&array);

@@ -86,7 +86,7 @@ static bool is_ours(int descriptor, mode_t kind)
 
 static conus_status note_others(struct notes *notes, const char *path)
 {
-    return notes_add(notes, "%s: not used, since others can write to it or own it", path);
+    return notes_warn(notes, "%s: not used, since others can write to it or own it", path);
 }
 
 /* The folder, -1 if there is none or if it is not ours alone, which is noted. */

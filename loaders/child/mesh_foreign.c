@@ -224,9 +224,9 @@ static conus_status note_unstated(const struct reading *work)
     }
     const char *path = work->paths[work->first_unstated];
     return work->unstated == 1
-               ? notes_add(work->notes, "%s does not state its space; RAS was taken", path)
-               : notes_add(work->notes, "%zu mesh files do not state their space, %s the first; RAS was taken",
-                           work->unstated, path);
+               ? notes_warn(work->notes, "%s does not state its space; RAS was taken", path)
+               : notes_warn(work->notes, "%zu mesh files do not state their space, %s the first; RAS was taken",
+                            work->unstated, path);
 }
 
 conus_status mesh_foreign_read(struct mesh *out, const char *const *paths, size_t count,
@@ -254,17 +254,18 @@ conus_status mesh_foreign_read(struct mesh *out, const char *const *paths, size_
 }
 
 /* Objects have what is wrong with them in common, mostly: it is said once. */
-static void drop_repeated(struct notes *notes, size_t first)
+static void drop_repeated(struct notes *notes)
 {
-    size_t kept = first;
-    for (size_t i = first; i < notes->count; i++) {
+    size_t kept = 0;
+    for (size_t i = 0; i < notes->count; i++) {
         bool repeated = false;
-        for (size_t k = first; k < kept && !repeated; k++) {
+        for (size_t k = 0; k < kept && !repeated; k++) {
             repeated = strcmp(notes->lines[k], notes->lines[i]) == 0;
         }
         if (repeated) {
             memory_free(notes->lines[i]);
         } else {
+            notes->marks[kept] = notes->marks[i];
             notes->lines[kept++] = notes->lines[i];
         }
     }
@@ -277,14 +278,17 @@ conus_status mesh_foreign_objects(struct mesh_parts *parts, struct label_table *
     static const struct mesh_foreign_options defaults;
     struct mesh_parts objects = {0};
     struct file_state state = {0};
-    size_t first = notes->count;
+    struct notes own = {0};
     struct reading work = {
-        .paths = &path, .count = 1, .options = options ? options : &defaults, .notes = notes, .objects = &objects};
+        .paths = &path, .count = 1, .options = options ? options : &defaults, .notes = &own, .objects = &objects};
     work.names = names;
     work.states = &state;
     conus_status status = read_all(&work);
     status = status ? status : note_unstated(&work);
-    drop_repeated(notes, first);
+    drop_repeated(&own);
+    conus_status moved = notes_move(notes, &own);
+    status = status ? status : moved;
+    notes_finish(&own);
     if (status) {
         mesh_parts_finish(&objects);
         label_table_finish(names);

@@ -85,7 +85,7 @@ static conus_status number_entries(struct label_table *table)
 static conus_status settle_search(struct label_search *search)
 {
     if (search->found) {
-        return search->first_error.size ? notes_add(search->notes, "%s: passed over", search->first_error.data)
+        return search->first_error.size ? notes_warn(search->notes, "%s: passed over", search->first_error.data)
                                         : CONUS_OK;
     }
     if (search->first_error.size) {
@@ -94,7 +94,7 @@ static conus_status settle_search(struct label_search *search)
     const char *name = path_base(search->volume->path);
     buffer_text(&search->source, "none found");
     int stem = (int)volume_stem_length(name);
-    conus_status status = notes_add(
+    conus_status status = notes_warn(
         search->notes,
         "no label table found: areas are called by their numbers (looked inside %s; beside it for %.*s.nii.txt, "
         ".txt, .tsv, .json, .label, .ctbl, .niml.lt, .csv, .lut; in its folder for an inherited dseg.tsv, an "

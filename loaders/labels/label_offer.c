@@ -188,7 +188,7 @@ static conus_status settle_contradiction(struct label_search *search, struct lab
                     "--labels",
                     search->volume->path, clash[0]->name, clash[0]->number, first, clash[1]->number, second);
     }
-    conus_status status = notes_add(
+    conus_status status = notes_warn(
         search->notes,
         "two label tables contradict each other: \"%s\" is label %u in %s, %u in %s; used is the XML, whose x y "
         "z agree with the volume",
@@ -208,13 +208,13 @@ static conus_status reconcile_offer(struct label_search *search, struct label_of
         return settle_contradiction(search, offer, &comparison);
     }
     if (comparison.clashes) {
-        return notes_add(search->notes, "\"%s\" is label %u in %s, which is used, but %u in %s", clash[0]->name,
-                         clash[0]->number, search->source.data, clash[1]->number, offer->source.data);
+        return notes_warn(search->notes, "\"%s\" is label %u in %s, which is used, but %u in %s", clash[0]->name,
+                          clash[0]->number, search->source.data, clash[1]->number, offer->source.data);
     }
     if (2 * comparison.agreed < comparison.common) {
-        return notes_add(search->notes, "label %u is \"%s\" in %s, which is used, but \"%s\" in %s",
-                         comparison.other[0]->number, comparison.other[0]->name, search->source.data,
-                         comparison.other[1]->name, offer->source.data);
+        return notes_warn(search->notes, "label %u is \"%s\" in %s, which is used, but \"%s\" in %s",
+                          comparison.other[0]->number, comparison.other[0]->name, search->source.data,
+                          comparison.other[1]->name, offer->source.data);
     }
     return CONUS_OK;
 }

@@ -29,7 +29,7 @@ static conus_status note_unknown(struct label_search *search, const char *name, 
     const char *dot = strrchr(name, '.');
     bool expected = !inside && !(dot && strcasecmp(dot, ".json") == 0); /* BIDS has a .json beside every image */
     return expected && !search->found
-               ? notes_add(search->notes, "%s is not a label table of a known format: passed over", name)
+               ? notes_warn(search->notes, "%s is not a label table of a known format: passed over", name)
                : CONUS_OK;
 }
 
@@ -52,8 +52,9 @@ conus_status label_search_bytes(struct label_search *search, const char *path, c
     if (!offer.table.count) {
         notes_finish(&offer.notes);
         label_table_finish(&offer.table);
-        return search->found ? CONUS_OK
-                             : notes_add(search->notes, "%s in %s has no label but 0: passed over", format->name, name);
+        return search->found
+                   ? CONUS_OK
+                   : notes_warn(search->notes, "%s in %s has no label but 0: passed over", format->name, name);
     }
     buffer_format(&offer.source, "%s %s %s", format->name, file ? "in" : "inside", name);
     return label_search_offer(search, &offer);
@@ -68,8 +69,8 @@ conus_status label_search_file(struct label_search *search, const char *path)
         return CONUS_OK;
     }
     if (!stat(path, &info) && (uint64_t)info.st_size > limit) { /* tables of results may be called so */
-        return notes_add(search->notes, "%s: %lld bytes, a label table may have %llu: passed over", path_base(path),
-                         (long long)info.st_size, (unsigned long long)limit);
+        return notes_warn(search->notes, "%s: %lld bytes, a label table may have %llu: passed over", path_base(path),
+                          (long long)info.st_size, (unsigned long long)limit);
     }
     conus_status status = label_file_bytes(&bytes, path, search->use.max_memory);
     if (status) {

@@ -29,7 +29,8 @@ conus_status manifest_draft_log(const struct manifest_draft *draft, const char *
     buffer_text(&line, text);
     conus_status status = buffer_status(&line);
     if (!status && draft->options->log) {
-        draft->options->log(draft->options->log_user, line.data);
+        const conus_note note = {CONUS_SEVERITY_NOTE, draft->folder, line.data};
+        draft->options->log(draft->options->log_user, &note);
     }
     buffer_finish(&line);
     return status;

@@ -64,15 +64,20 @@ static conus_status consider_image(struct parcellation *parts, const char *xml_p
     struct notes notes = {0};
     conus_status status = fsl_image_find(&path, xml_path, image);
     if (!status && !path) {
-        status = notes_add(&parts->notes, "image %s of the FSL atlas is not there", image);
+        status = notes_warn(&parts->notes, "image %s of the FSL atlas is not there", image);
     } else if (!status) {
         status = volume_file_open(&file, path, max_memory, &notes);
     }
-    if (!status && path && (!parts->file.path || space_voxel_mm3(&file.info) < space_voxel_mm3(&parts->file.info))) {
+    bool taken =
+        !status && path && (!parts->file.path || space_voxel_mm3(&file.info) < space_voxel_mm3(&parts->file.info));
+    if (taken) {
         struct volume_file other = parts->file;
         parts->file = file;
         file = other;
-        status = notes_move(&parts->notes, &notes);
+    }
+    if (taken || status) {
+        conus_status moved = notes_move(&parts->notes, &notes);
+        status = status ? status : moved;
     }
     memory_free(path);
     volume_file_finish(&file);

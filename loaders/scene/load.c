@@ -9,7 +9,6 @@
 #include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/plan/load_parcellation.h"
 #include "loaders/scene/load_manifest.h"
-#include "loaders/scene/load_progress.h"
 #include "loaders/scene/load_surface.h"
 #include "loaders/surfaces/mesh_file.h"
 
@@ -20,11 +19,11 @@ enum { JSON_LIMIT = 64 << 20 };
 static const char atlas_needed[] = "a labelled volume (NIfTI-1, NIfTI-2, MGH), a surface, a folder of surfaces, a "
                                    "manifest (with the key \"conus_atlas\") or an FSL atlas XML of type Label";
 
-static conus_status load_volume(conus_atlas **out, const char *path, const conus_load_options *options)
+static conus_status load_volume(conus_atlas **out, const char *path, const struct load_progress *progress)
 {
-    struct parcellation parts = {0};
+    struct parcellation parts = {.notes.sink = &progress->sink};
     conus_atlas *atlas = NULL;
-    conus_status status = parcellation_read(&parts, path, options, atlas_needed);
+    conus_status status = parcellation_read(&parts, path, progress->options, atlas_needed);
     status = status ? status : parcellation_atlas(&atlas, &parts);
     status = status ? status : file_sums_move(&atlas->files, &parts.read);
     parcellation_finish(&parts);
@@ -36,7 +35,7 @@ static conus_status load_volume(conus_atlas **out, const char *path, const conus
     return CONUS_OK;
 }
 
-static conus_status load_json(conus_atlas **out, const char *path, const conus_load_options *options)
+static conus_status load_json(conus_atlas **out, const char *path, struct load_progress *progress)
 {
     struct bytes bytes = {0};
     conus_status status = file_read(&bytes, path, JSON_LIMIT);
@@ -44,12 +43,12 @@ static conus_status load_json(conus_atlas **out, const char *path, const conus_l
     if (!status && !manifest_is(text)) {
         status = file_kind_refuse(path, atlas_needed);
     }
-    status = status ? status : manifest_load(out, path, &bytes, options);
+    status = status ? status : manifest_load(out, path, &bytes, progress);
     bytes_finish(&bytes);
     return status;
 }
 
-static conus_status load_folder(conus_atlas **out, const char *path, const conus_load_options *options)
+static conus_status load_folder(conus_atlas **out, const char *path, struct load_progress *progress)
 {
     struct buffer folder = {0};
     struct buffer text = {0};
@@ -58,23 +57,23 @@ static conus_status load_folder(conus_atlas **out, const char *path, const conus
     conus_status status = buffer_status(&folder);
     status = status ? status : manifest_of_surfaces(&text, folder.data);
     const struct bytes bytes = {(uint8_t *)text.data, text.size};
-    status = status ? status : manifest_load(out, folder.data, &bytes, options);
+    status = status ? status : manifest_load(out, folder.data, &bytes, progress);
     buffer_finish(&text);
     buffer_finish(&folder);
     return status;
 }
 
-static conus_status load_any(conus_atlas **out, const char *path, const conus_load_options *options)
+static conus_status load_any(conus_atlas **out, const char *path, struct load_progress *progress)
 {
     if (file_is_folder(path)) {
-        return load_folder(out, path, options);
+        return load_folder(out, path, progress);
     }
     if (file_first_character(path) == '{') {
-        return load_json(out, path, options);
+        return load_json(out, path, progress);
     }
-    struct load_progress progress = {.options = options, .total = 1};
-    conus_status status = load_progress_report(&progress, path, 1);
-    return status ? status : mesh_file_is(path) ? surface_load(out, path, options) : load_volume(out, path, options);
+    progress->total = 1;
+    conus_status status = load_progress_report(progress, path, 1);
+    return status ? status : mesh_file_is(path) ? surface_load(out, path, progress) : load_volume(out, path, progress);
 }
 
 conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)
@@ -83,10 +82,13 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     if (!out || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
     }
-    conus_status status = load_any(&atlas, path, options_of(conus_load_options, options));
+    struct load_progress progress = load_progress_of(path, options_of(conus_load_options, options));
+    conus_status status = load_any(&atlas, path, &progress);
+    load_progress_finish(&progress);
     if (status) {
         return status;
     }
+    atlas->notes.sink = NULL;
     atlas->path = memory_text(path, strlen(path));
     if (!atlas->path) {
         conus_atlas_destroy(atlas);

@@ -96,7 +96,7 @@ static conus_status hand_out_parts(struct surfaces *surfaces, struct area_plan *
             }
         }
         if (area->is_part && area->surface == surface && !surfaces->meshes[i].triangle_count) {
-            status = notes_add(surfaces->notes, "%s: label %u is on no triangle, left out", area->path, area->part);
+            status = notes_warn(surfaces->notes, "%s: label %u is on no triangle, left out", area->path, area->part);
         }
     }
     return status;
@@ -206,16 +206,19 @@ static const struct planned_area *area_of_note(const char **text, const struct a
 }
 
 /* Adds note `first`; if others say the same about other surfaces, "N surfaces (a, b, ...): text", and takes those out.
- */
-static conus_status add_gathered(struct notes *to, const struct area_plan *plan, struct notes *from, size_t first)
+ * It is heard with the path of the first surface. */
+static conus_status add_gathered(struct notes *to, const struct area_plan *plan, struct notes *from, size_t first,
+                                 struct load_progress *progress)
 {
     enum { SHOWN = 3 };
     const char *text = NULL;
     const char *other = NULL;
     struct buffer names = {0};
     size_t count = 0;
-    if (!area_of_note(&text, plan, from->lines[first])) {
-        return notes_add(to, "%s", from->lines[first]);
+    conus_severity severity = from->marks[first].severity;
+    const struct planned_area *about = area_of_note(&text, plan, from->lines[first]);
+    if (!about) {
+        return notes_put(to, severity, "%s", from->lines[first]);
     }
     for (size_t i = first; i < from->count; i++) {
         const struct planned_area *area = from->lines[i] ? area_of_note(&other, plan, from->lines[i]) : NULL;
@@ -231,20 +234,22 @@ static conus_status add_gathered(struct notes *to, const struct area_plan *plan,
         }
     }
     conus_status status = buffer_status(&names);
-    status = status ? status
-             : count == 1
-                 ? notes_add(to, "%s", from->lines[first])
-                 : notes_add(to, "%zu surfaces (%s%s): %s", count, names.data, count > SHOWN ? ", ..." : "", text);
+    status = status ? status : load_progress_at(progress, about->path);
+    status = status       ? status
+             : count == 1 ? notes_put(to, severity, "%s", from->lines[first])
+                          : notes_put(to, severity, "%zu surfaces (%s%s): %s", count, names.data,
+                                      count > SHOWN ? ", ..." : "", text);
     buffer_finish(&names);
     return status;
 }
 
 /* Moves the notes to `to`; what several surfaces have in common is said once. */
-static conus_status gather_notes(struct notes *to, const struct area_plan *plan, struct notes *from)
+static conus_status gather_notes(struct notes *to, const struct area_plan *plan, struct notes *from,
+                                 struct load_progress *progress)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < from->count; i++) {
-        status = from->lines[i] ? add_gathered(to, plan, from, i) : CONUS_OK;
+        status = from->lines[i] ? add_gathered(to, plan, from, i, progress) : CONUS_OK;
     }
     return status;
 }
@@ -369,7 +374,8 @@ conus_status area_plan_load(struct area_plan *plan, conus_atlas *atlas, enum mes
         .space = space, .max_memory = options->max_memory, .notes = &notes, .progress = progress};
     conus_status status = surfaces_init(&surfaces, plan->count);
     status = status ? status : read_all(&surfaces, plan);
-    status = status ? status : gather_notes(&atlas->notes, plan, &notes);
+    conus_status gathered = gather_notes(&atlas->notes, plan, &notes, progress); /* also of what cannot be read */
+    status = status ? status : gathered;
     status = status ? status : add_surfaces(plan, &surfaces, atlas);
     status = status ? status : grow_tree(plan, atlas);
     surfaces_finish(&surfaces);

@@ -25,7 +25,7 @@ struct loading {
     conus_atlas *atlas;
     struct volume_file series; /* kept for the pathways that follow, if any of them is of it */
     const char *series_name;   /* as the manifest writes it; NULL without one */
-    struct load_progress progress;
+    struct load_progress *progress;
 };
 
 /* Puts manifest and key in front of the message. What a manifest asks for in vain is its fault, not the caller's. */
@@ -59,7 +59,7 @@ static conus_status read_parcellation(struct parcellation *parts, struct loading
     char *path = source_path(loading, &from->source);
     conus_status status = path && (labels || !from->labels || options.labels) ? CONUS_OK : CONUS_ERROR_MEMORY;
     options.labels = labels ? labels : options.labels;
-    status = status ? status : load_progress_report(&loading->progress, path, 1);
+    status = status ? status : load_progress_report(loading->progress, path, 1);
     status = status ? status : parcellation_read(parts, path, &options, needed);
     memory_free(path);
     memory_free(labels);
@@ -81,12 +81,24 @@ static conus_status refuse_labels(const struct loading *loading)
                           labels);
 }
 
+static conus_status create_empty(struct loading *loading)
+{
+    if (loading->options->labels) {
+        return refuse_labels(loading);
+    }
+    conus_status status = atlas_create_empty(&loading->atlas, "the manifest");
+    if (!status) {
+        loading->atlas->notes.sink = &loading->progress->sink;
+    }
+    return status;
+}
+
 /* An atlas of the parcellation, if there is one, with all voxels that are no surface's. */
 static conus_status create_atlas(struct loading *loading, struct area_plan *plan)
 {
-    struct parcellation parts = {0};
+    struct parcellation parts = {.notes.sink = &loading->progress->sink};
     if (!loading->manifest->parcellation.source.file) {
-        return loading->options->labels ? refuse_labels(loading) : atlas_create_empty(&loading->atlas, "the manifest");
+        return create_empty(loading);
     }
     conus_status status = read_parcellation(&parts, loading);
     status = status ? status : area_plan_settle(plan, &parts, loading->manifest->prefer);
@@ -110,20 +122,20 @@ static size_t files_besides(const struct manifest *manifest)
 static conus_status load_areas(struct loading *loading)
 {
     struct area_plan plan = {.max_memory = loading->options->max_memory};
-    struct notes notes = {0};
+    struct notes notes = {.sink = &loading->progress->sink};
     conus_status status = area_plan_make(&plan, loading->manifest, loading->path, &notes);
     size_t planned = area_plan_files(&plan);
-    loading->progress.total = files_besides(loading->manifest) + planned;
+    loading->progress->total = files_besides(loading->manifest) + planned;
     status = status ? status : create_atlas(loading, &plan);
-    loading->progress.total -= planned - area_plan_files(&plan); /* the parcellation may have them */
+    loading->progress->total -= planned - area_plan_files(&plan); /* the parcellation may have them */
     status = status ? status : notes_move(&loading->atlas->notes, &notes);
     if (!status && path_base(loading->path)[0]) {
         status = atlas_add_file(loading->atlas, loading->path, loading->file);
     }
     status = status ? status : file_sums_move(&loading->atlas->files, &plan.read);
-    status =
-        status ? status
-               : area_plan_load(&plan, loading->atlas, loading->manifest->space, loading->options, &loading->progress);
+    status = status
+                 ? status
+                 : area_plan_load(&plan, loading->atlas, loading->manifest->space, loading->options, loading->progress);
     area_plan_finish(&plan);
     notes_finish(&notes);
     return status ? fail_in(status, loading->path) : CONUS_OK;
@@ -136,7 +148,7 @@ static conus_status add_volume(struct loading *loading, const struct manifest_pa
                                struct volume_file *file, size_t volume, const char *name, struct notes *notes)
 {
     double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
-    conus_status status = load_progress_report(&loading->progress, file->path, 1);
+    conus_status status = load_progress_report(loading->progress, file->path, 1);
     status = status ? status : volume_file_select(file, volume);
     return status ? status : pathway_add(loading->atlas, file, threshold, name, notes);
 }
@@ -144,10 +156,10 @@ static conus_status add_volume(struct loading *loading, const struct manifest_pa
 static conus_status add_named_volumes(struct loading *loading, const struct manifest_pathway *pathway)
 {
     struct volume_file file = {0};
-    struct notes notes = {0};
+    struct notes notes = {.sink = &loading->progress->sink};
     char *path = file_beside(loading->path, pathway->source.file);
-    conus_status status =
-        path ? volume_file_open_series(&file, path, loading->options->max_memory, &notes) : CONUS_ERROR_MEMORY;
+    conus_status status = path ? load_progress_at(loading->progress, path) : CONUS_ERROR_MEMORY;
+    status = status ? status : volume_file_open_series(&file, path, loading->options->max_memory, &notes);
     if (!status && file.info.volume_count != pathway->name_count) {
         status = fail(CONUS_ERROR_DATA, "names: has %zu entries, %s has %zu volumes: they must be as many",
                       pathway->name_count, pathway->source.file, file.info.volume_count);
@@ -195,6 +207,9 @@ static conus_status consider_image(struct fsl_choice *choice, const struct loadi
         choice->image = file;
         choice->notes = notes;
         return CONUS_OK;
+    }
+    if (status) {
+        (void)notes_move(&loading->atlas->notes, &notes);
     }
     volume_file_finish(&file);
     notes_finish(&notes);
@@ -258,8 +273,12 @@ static conus_status add_fsl(struct loading *loading, const struct manifest_pathw
 {
     struct fsl_choice choice = {0};
     char *xml = file_beside(loading->path, pathway->fsl);
-    conus_status status = xml ? choose_fsl(&choice, loading, pathway, xml) : CONUS_ERROR_MEMORY;
-    loading->progress.total += choice.atlas.labels.count - 1; /* it counted as one so far */
+    conus_status status = xml ? load_progress_at(loading->progress, xml) : CONUS_ERROR_MEMORY;
+    status = status ? status : choose_fsl(&choice, loading, pathway, xml);
+    status = status ? status : load_progress_at(loading->progress, choice.image.path);
+    status = status ? status : notes_move(&loading->atlas->notes, &choice.notes);
+    choice.notes.sink = &loading->progress->sink;
+    loading->progress->total += choice.atlas.labels.count - 1; /* it counted as one so far */
     for (size_t i = 0; !status && i < choice.atlas.labels.count; i++) {
         const struct label *label = &choice.atlas.labels.entries[i];
         status = add_volume(loading, pathway, &choice.image, label->number - 1, label->name, &choice.notes);
@@ -277,10 +296,13 @@ static conus_status add_fsl(struct loading *loading, const struct manifest_pathw
 static conus_status add_one(struct loading *loading, const struct manifest_pathway *pathway)
 {
     double threshold = pathway->threshold > 0 ? pathway->threshold : loading->manifest->threshold;
-    const conus_pathway_options options = {
-        .threshold = threshold, .name = pathway->name, .max_memory = loading->options->max_memory};
+    const conus_pathway_options options = {.threshold = threshold,
+                                           .name = pathway->name,
+                                           .max_memory = loading->options->max_memory,
+                                           .log = loading->options->log,
+                                           .log_user = loading->options->log_user};
     char *path = source_path(loading, &pathway->source);
-    conus_status status = path ? load_progress_report(&loading->progress, path, 1) : CONUS_ERROR_MEMORY;
+    conus_status status = path ? load_progress_report(loading->progress, path, 1) : CONUS_ERROR_MEMORY;
     status = status ? status : conus_atlas_add_pathway(loading->atlas, path, &options);
     memory_free(path);
     return status;
@@ -299,8 +321,8 @@ static conus_status open_series(struct loading *loading, const char *name, struc
     }
     close_series(loading);
     char *path = file_beside(loading->path, name);
-    conus_status status = path ? volume_file_open_series(&loading->series, path, loading->options->max_memory, notes)
-                               : CONUS_ERROR_MEMORY;
+    conus_status status = path ? load_progress_at(loading->progress, path) : CONUS_ERROR_MEMORY;
+    status = status ? status : volume_file_open_series(&loading->series, path, loading->options->max_memory, notes);
     loading->series_name = status ? NULL : name;
     memory_free(path);
     return status;
@@ -309,7 +331,7 @@ static conus_status open_series(struct loading *loading, const char *name, struc
 /* Adds a pathway whose neighbours in the manifest are of the same file. */
 static conus_status add_of_series(struct loading *loading, const struct manifest_pathway *pathway)
 {
-    struct notes notes = {0};
+    struct notes notes = {.sink = &loading->progress->sink};
     conus_status status = open_series(loading, pathway->source.file, &notes);
     status =
         status ? status : add_volume(loading, pathway, &loading->series, pathway->source.volume, pathway->name, &notes);
@@ -365,8 +387,10 @@ static conus_status set_context(struct loading *loading)
     }
     char *path = source_path(loading, &context->source);
     const conus_context_options options = {.block_threshold = context->blocks,
-                                           .max_memory = loading->options ? loading->options->max_memory : 0};
-    conus_status status = path ? load_progress_report(&loading->progress, path, 1) : CONUS_ERROR_MEMORY;
+                                           .max_memory = loading->options->max_memory,
+                                           .log = loading->options->log,
+                                           .log_user = loading->options->log_user};
+    conus_status status = path ? load_progress_report(loading->progress, path, 1) : CONUS_ERROR_MEMORY;
     status = status ? status : conus_atlas_set_context(loading->atlas, path, &options);
     status = status || !context->transfer ? status : set_transfer(loading);
     memory_free(path);
@@ -374,7 +398,7 @@ static conus_status set_context(struct loading *loading)
 }
 
 conus_status manifest_load(conus_atlas **out, const char *path, const struct bytes *file,
-                           const conus_load_options *options)
+                           struct load_progress *progress)
 {
     struct manifest manifest;
     conus_status status = manifest_parse(&manifest, text_from_bytes(file->data, file->size));
@@ -382,7 +406,7 @@ conus_status manifest_load(conus_atlas **out, const char *path, const struct byt
         return fail_in(status, path);
     }
     struct loading loading = {
-        .manifest = &manifest, .path = path, .file = file, .options = options, .progress = {.options = options}};
+        .manifest = &manifest, .path = path, .file = file, .options = progress->options, .progress = progress};
     status = load_areas(&loading);
     status = status ? status : add_pathways(&loading);
     status = status ? status : set_context(&loading);

@@ -4,11 +4,11 @@
 #define CONUS_LOADERS_SCENE_LOAD_MANIFEST_H
 
 #include "base/file.h"
-#include "conus/conus.h"
+#include "loaders/scene/load_progress.h"
 
 /** Loads what the manifest in @p file, the bytes of @p path, names. A path that ends in '/' is a folder for which the
- * manifest was made up. */
+ * manifest was made up. The atlas's notes keep the sink. */
 conus_status manifest_load(conus_atlas **out, const char *path, const struct bytes *file,
-                           const conus_load_options *options);
+                           struct load_progress *progress);
 
 #endif

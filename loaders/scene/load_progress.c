@@ -1,8 +1,31 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Calls the progress callback of conus_load_options. */
+/* Calls the callbacks of conus_load_options. */
 #include "loaders/scene/load_progress.h"
 
-#include "base/status.h"
+#include "base/memory.h"
+
+#include <string.h>
+
+struct load_progress load_progress_of(const char *path, const conus_load_options *options)
+{
+    return (struct load_progress){.options = options, .sink = {options->log, options->log_user, path}};
+}
+
+void load_progress_finish(struct load_progress *progress)
+{
+    memory_free(progress->path);
+}
+
+conus_status load_progress_at(struct load_progress *progress, const char *path)
+{
+    char *copy = memory_text(path, strlen(path));
+    if (!copy) {
+        return CONUS_ERROR_MEMORY;
+    }
+    memory_free(progress->path);
+    progress->sink.path = progress->path = copy;
+    return CONUS_OK;
+}
 
 conus_status load_progress_report(struct load_progress *progress, const char *path, size_t files)
 {
@@ -11,5 +34,5 @@ conus_status load_progress_report(struct load_progress *progress, const char *pa
         return fail(CONUS_ERROR_CANCELLED, "%s: cancelled before it was read", path);
     }
     progress->done += files;
-    return CONUS_OK;
+    return load_progress_at(progress, path);
 }

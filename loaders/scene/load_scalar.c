@@ -163,11 +163,12 @@ conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, double th
 conus_status conus_atlas_add_pathway(conus_atlas *atlas, const char *path, const conus_pathway_options *options)
 {
     struct volume_file file = {0};
-    struct notes notes = {0};
-    options = options_of(conus_pathway_options, options);
     if (!atlas || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_pathway: an atlas and a path are needed");
     }
+    options = options_of(conus_pathway_options, options);
+    const struct note_sink sink = {options->log, options->log_user, path};
+    struct notes notes = {.sink = &sink};
     conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
     status = status ? status : pathway_add(atlas, &file, options->threshold, options->name, &notes);
     notes_finish(&notes);
@@ -208,11 +209,12 @@ conus_status context_set(conus_atlas *atlas, struct volume_file *file, double bl
 conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const conus_context_options *options)
 {
     struct volume_file file = {0};
-    struct notes notes = {0};
     if (!atlas || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_set_context: an atlas and a path are needed");
     }
     options = options_of(conus_context_options, options);
+    const struct note_sink sink = {options->log, options->log_user, path};
+    struct notes notes = {.sink = &sink};
     conus_status status = volume_file_open(&file, path, options->max_memory, &notes);
     status = status ? status : context_set(atlas, &file, options->block_threshold, &notes);
     notes_finish(&notes);

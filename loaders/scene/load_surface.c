@@ -145,6 +145,9 @@ static conus_status make_atlas(conus_atlas **out, struct surface *surface)
 {
     conus_atlas *atlas = NULL;
     conus_status status = atlas_create_empty(&atlas, surface->source.data);
+    if (!status) {
+        atlas->notes.sink = surface->notes.sink;
+    }
     for (size_t i = 0; !status && i < surface->parts.count; i++) {
         status = add_area(atlas, surface, &surface->parts.parts[i]);
     }
@@ -158,13 +161,13 @@ static conus_status make_atlas(conus_atlas **out, struct surface *surface)
     return CONUS_OK;
 }
 
-conus_status surface_load(conus_atlas **out, const char *path, const conus_load_options *options)
+conus_status surface_load(conus_atlas **out, const char *path, const struct load_progress *progress)
 {
-    struct surface surface = {0};
+    struct surface surface = {.notes.sink = &progress->sink};
     struct file_state state;
     conus_atlas *atlas = NULL;
     conus_status status = file_state_find(&state, path);
-    status = status ? status : read_surface(&surface, path, options);
+    status = status ? status : read_surface(&surface, path, progress->options);
     status = status ? status : make_atlas(&atlas, &surface);
     status = status ? status : atlas_note_file(atlas, path, &state);
     status = status ? status : file_sums_move(&atlas->files, &surface.read);

@@ -260,7 +260,9 @@ static conus_status load_text(const struct manifest_draft *draft, const struct b
     conus_atlas *atlas = NULL;
     const struct bytes bytes = {(uint8_t *)text->data, text->size};
     const conus_load_options options = {.max_memory = draft->options->max_memory};
-    conus_status status = manifest_load(&atlas, draft->folder, &bytes, &options);
+    struct load_progress progress = load_progress_of(draft->folder, &options);
+    conus_status status = manifest_load(&atlas, draft->folder, &bytes, &progress);
+    load_progress_finish(&progress);
     conus_atlas_destroy(atlas);
     return status;
 }

@@ -152,19 +152,19 @@ static conus_status note_colours(const struct annot *annot)
         int length = (int)(entry->name.size < 80 ? entry->name.size : 80);
         if (!entry->colour && !label_is_background(entry->name)) {
             status =
-                notes_add(annot->notes, "\"%.*s\" is black, which stands for unlabelled vertices, too: it has none",
-                          length, entry->name.data);
+                notes_warn(annot->notes, "\"%.*s\" is black, which stands for unlabelled vertices, too: it has none",
+                           length, entry->name.data);
         } else if (before && before->colour == entry->colour && entry->colour && collisions++ < NOTES_LIMIT) {
-            status = notes_add(annot->notes,
-                               "\"%.*s\" has the colour of \"%.*s\", by which vertices name their area: all are taken "
-                               "for the latter's",
-                               length, entry->name.data, (int)(before->name.size < 80 ? before->name.size : 80),
-                               before->name.data);
+            status = notes_warn(annot->notes,
+                                "\"%.*s\" has the colour of \"%.*s\", by which vertices name their area: all are taken "
+                                "for the latter's",
+                                length, entry->name.data, (int)(before->name.size < 80 ? before->name.size : 80),
+                                before->name.data);
         }
     }
     return status || collisions <= NOTES_LIMIT
                ? status
-               : notes_add(annot->notes, "%zu areas in all share the colour of another", collisions);
+               : notes_warn(annot->notes, "%zu areas in all share the colour of another", collisions);
 }
 
 /* Entry 0 cannot be label 0, which is no area. */
@@ -218,10 +218,10 @@ static conus_status fill_labels(uint32_t *labels, const struct annot *annot)
         labels[vertex] = entry ? entry->number : 0;
         strangers += colour && !entry;
     }
-    return strangers ? notes_add(annot->notes,
-                                 "%zu vertices have colours that the colour table lacks, and belong to no "
-                                 "area",
-                                 strangers)
+    return strangers ? notes_warn(annot->notes,
+                                  "%zu vertices have colours that the colour table lacks, and belong to no "
+                                  "area",
+                                  strangers)
                      : CONUS_OK;
 }
 

@@ -160,8 +160,8 @@ static conus_status place_in_world(struct mesh *mesh, struct cursor footer, stru
         return notes_add(notes, "FreeSurfer surface in scanner coordinates (useRealRAS): taken as they are");
     }
     if (!geometry.valid) {
-        return notes_add(notes, "FreeSurfer surface without a valid volume geometry: c_ras is not known, surface "
-                                "coordinates were taken as the world's");
+        return notes_warn(notes, "FreeSurfer surface without a valid volume geometry: c_ras is not known, surface "
+                                 "coordinates were taken as the world's");
     }
     if (!freesurfer_world_from_surface(world, geometry.axes, geometry.centre)) {
         return fail(CONUS_ERROR_DATA, "volume geometry: xras, yras and zras are no directions at right angles");

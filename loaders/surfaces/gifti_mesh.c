@@ -41,7 +41,7 @@ static conus_status find_triples(const struct gifti_array **out, const struct gi
                     array->rank, array->dim[1]);
     }
     *out = array;
-    return count > 1 ? notes_add(notes, "%zu %s arrays: the first was used", count, name) : CONUS_OK;
+    return count > 1 ? notes_warn(notes, "%zu %s arrays: the first was used", count, name) : CONUS_OK;
 }
 
 static bool is_identity(const double m[16])
@@ -130,10 +130,10 @@ static conus_status find_place(double world[16], const struct gifti_array *point
         return place_by_geometry(world, &points->geometry, notes);
     }
     status = note_matrix(points, notes);
-    return status
-               ? status
-               : notes_add(notes, "the surface does not say in which space it is (DataSpace is unknown): vertices were "
-                                  "taken as the world's");
+    return status ? status
+                  : notes_warn(notes,
+                               "the surface does not say in which space it is (DataSpace is unknown): vertices were "
+                               "taken as the world's");
 }
 
 static conus_status fill_triangles(struct mesh *mesh, const struct gifti_array *triangles)
@@ -189,7 +189,7 @@ static conus_status fill_labels(uint32_t *labels, const struct gifti_array *arra
         labels[i] = value > 0 ? (uint32_t)value : 0;
         negative += value < 0;
     }
-    return negative ? notes_add(notes, "%zu vertices have labels below 0 and belong to no area", negative) : CONUS_OK;
+    return negative ? notes_warn(notes, "%zu vertices have labels below 0 and belong to no area", negative) : CONUS_OK;
 }
 
 conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *gifti, size_t map, struct notes *notes)

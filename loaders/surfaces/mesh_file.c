@@ -127,17 +127,6 @@ static conus_status take_any(struct mesh *out, struct label *about, const struct
     return file_kind_fail(path, bytes, "a surface (GIFTI, FreeSurfer, or named as VTK, VTP, PLY, STL or OBJ)");
 }
 
-/* Notes of the parsers do not know the path. */
-static conus_status move_notes(struct notes *to, struct notes *from, const char *path)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < from->count; i++) {
-        status = notes_add(to, "%s: %s", path, from->lines[i]);
-    }
-    notes_finish(from);
-    return status;
-}
-
 static conus_status finish_mesh(struct mesh *mesh, const char *path, enum mesh_space space, struct notes *notes)
 {
     static const double turn[16] = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -157,9 +146,9 @@ static conus_status read_own(struct mesh *out, struct label *about, const struct
     struct label said = {0};
     struct notes own = {0};
     conus_status status = take_any(&mesh, &said, bytes, path, options, &own);
-    status = status ? fail_in(status, path) : move_notes(notes, &own, path);
+    conus_status moved = notes_move_in(notes, &own, path); /* also where it failed; parsers do not know the path */
+    status = status ? fail_in(status, path) : moved;
     status = status ? status : finish_mesh(&mesh, path, options->space, notes);
-    notes_finish(&own);
     if (status || !about) {
         label_finish(&said);
     } else {
@@ -244,8 +233,8 @@ conus_status vertex_labels_read(struct vertex_labels *out, const char *path, con
     }
     status = take_labels(&labels, &bytes, path, options, &own);
     bytes_finish(&bytes);
-    status = status ? fail_in(status, path) : move_notes(notes, &own, path);
-    notes_finish(&own);
+    conus_status moved = notes_move_in(notes, &own, path);
+    status = status ? fail_in(status, path) : moved;
     if (status) {
         vertex_labels_finish(&labels);
         return status;

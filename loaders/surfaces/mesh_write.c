@@ -135,7 +135,8 @@ static conus_status check_arguments(const conus_atlas *atlas, const char *folder
 conus_status conus_atlas_write_meshes(const conus_atlas *atlas, const char *folder, const conus_mesh_options *options)
 {
     struct writing work = {.atlas = atlas, .folder = folder, .options = options_of(conus_mesh_options, options)};
-    struct notes notes = {0};
+    const struct note_sink sink = {work.options->log, work.options->log_user, NULL};
+    struct notes notes = {.sink = &sink};
     conus_status status = check_arguments(atlas, folder, work.options);
     if (status) {
         return status;
@@ -145,9 +146,6 @@ conus_status conus_atlas_write_meshes(const conus_atlas *atlas, const char *fold
     status = status ? status : count_files(&work, &notes);
     status = status ? status : write_own_meshes(&work);
     status = status ? status : write_surfaces(&work, &notes);
-    for (size_t i = 0; !status && work.options->log && i < notes.count; i++) {
-        work.options->log(work.options->log_user, notes.lines[i]);
-    }
     notes_finish(&notes);
     buffer_finish(&work.bytes);
     return status;

@@ -126,10 +126,10 @@ static conus_status note_choice(const struct fsl_atlas *atlas, const struct labe
                          "its type is %s",
                          name, taken, best_of(fit), fit.inside, atlas->type);
     }
-    return notes_add(notes,
-                     "%s: %s of a label is taken for its number in the volume, since index 0 is background, although "
-                     "its type is %s",
-                     name, taken, atlas->type);
+    return notes_warn(notes,
+                      "%s: %s of a label is taken for its number in the volume, since index 0 is background, although "
+                      "its type is %s",
+                      name, taken, atlas->type);
 }
 
 /* From index + 1 to index; what was 0 is dropped, without a word if the points prove that it is no area. */

@@ -160,8 +160,8 @@ static conus_status parse_dtable(struct label_table *out, struct text *rest, con
     }
     uint64_t wanted;
     if (!status && text_to_uint(find_attribute(tag, "ni_dimen"), UINT32_MAX, &wanted) && wanted != entries) {
-        status = notes_add(notes, "the AFNI label table has %zu entries, though its ni_dimen says %llu", entries,
-                           (unsigned long long)wanted); /* people write these by hand */
+        status = notes_warn(notes, "the AFNI label table has %zu entries, though its ni_dimen says %llu", entries,
+                            (unsigned long long)wanted); /* people write these by hand */
     }
     return status;
 }

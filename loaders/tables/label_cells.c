@@ -191,10 +191,10 @@ conus_status label_keep(struct label_table *table, struct label *label, conus_st
         }
         status = CONUS_ERROR_MEMORY;
     } else if (!status && label->name && !label_is_background(text_from(label->name))) {
-        status = notes_add(notes,
-                           "the label table calls label 0 \"%s\", but 0 is background: if the table counts from 0 and "
-                           "the volume from 1, all names are off by one",
-                           label->name);
+        status = notes_warn(notes,
+                            "the label table calls label 0 \"%s\", but 0 is background: if the table counts from 0 and "
+                            "the volume from 1, all names are off by one",
+                            label->name);
     }
     label_finish(label);
     return status;

@@ -142,8 +142,8 @@ static conus_status set_hemisphere(struct label *label, struct text cell, const 
     if (!cell.size || label->hemisphere) {
         return CONUS_OK;
     }
-    return notes_add(notes, "label table, %s: hemisphere \"%.*s\" is none of L, R, B: taken as not given", where,
-                     cell.size < 40 ? (int)cell.size : 40, cell.data);
+    return notes_warn(notes, "label table, %s: hemisphere \"%.*s\" is none of L, R, B: taken as not given", where,
+                      cell.size < 40 ? (int)cell.size : 40, cell.data);
 }
 
 static conus_status fill_label(struct label *label, const struct text cells[COLUMN_COUNT], const char *where,
@@ -169,10 +169,10 @@ static conus_status note_rival(struct header *header, uint32_t number, struct te
         return CONUS_OK;
     }
     header->disputed = true;
-    return notes_add(notes,
-                     "label table, %s: two columns could be the label's number, %u and %llu: %u is used, by the order "
-                     "index, LabelValue, id, key, label",
-                     where, number, (unsigned long long)other, number);
+    return notes_warn(notes,
+                      "label table, %s: two columns could be the label's number, %u and %llu: %u is used, by the order "
+                      "index, LabelValue, id, key, label",
+                      where, number, (unsigned long long)other, number);
 }
 
 static conus_status parse_row(struct label_table *out, struct header *header, struct text line, const char *where,

@@ -82,7 +82,7 @@ static conus_status read_placement(struct volume_header *header, const uint8_t *
         read_floats(delta, 3, data + 30);
         read_floats(columns, 9, data + 42);
         read_floats(centre, 3, data + 78);
-    } else if (notes_add(
+    } else if (notes_warn(
                    notes,
                    "goodRASFlag is not set: FreeSurfer's default directions (LIA), 1 mm voxels and a grid centred "
                    "on the origin were used")) {

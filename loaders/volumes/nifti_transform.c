@@ -109,17 +109,17 @@ static conus_status note_other(const conus_volume_info *info, const struct nifti
 {
     double other[16];
     if (place_qform(other, p)) {
-        return notes_add(notes, "the qform (code %d) is not valid and was not used; the sform (code %d) was",
-                         p->qform_code, p->sform_code);
+        return notes_warn(notes, "the qform (code %d) is not valid and was not used; the sform (code %d) was",
+                          p->qform_code, p->sform_code);
     }
     double distance = mm * corner_distance(info, used, other);
     return distance <= 1
                ? CONUS_OK
-               : notes_add(notes,
-                           "the sform (code %d, %s) and the qform (code %d, %s) put a corner of the grid %.4g mm "
-                           "apart; the sform was used",
-                           p->sform_code, space_code_name(p->sform_code), p->qform_code, space_code_name(p->qform_code),
-                           distance);
+               : notes_warn(notes,
+                            "the sform (code %d, %s) and the qform (code %d, %s) put a corner of the grid %.4g mm "
+                            "apart; the sform was used",
+                            p->sform_code, space_code_name(p->sform_code), p->qform_code,
+                            space_code_name(p->qform_code), distance);
 }
 
 /* Millimetres per unit of the header. */
@@ -158,9 +158,10 @@ static conus_status note_choice(const conus_volume_info *info, const struct nift
     if (p->sform_code > 0) {
         return p->qform_code > 0 ? note_other(info, p, mm, used, notes) : CONUS_OK;
     }
-    return p->qform_code > 0 ? CONUS_OK
-                             : notes_add(notes, "neither sform nor qform is set: left and right, and the origin, are a "
-                                                "guess (i towards the left, grid centred on the origin)");
+    return p->qform_code > 0
+               ? CONUS_OK
+               : notes_warn(notes, "neither sform nor qform is set: left and right, and the origin, are a "
+                                   "guess (i towards the left, grid centred on the origin)");
 }
 
 conus_status nifti_place(conus_volume_info *info, const struct nifti_placement *placement, struct notes *notes)

@@ -83,10 +83,10 @@ static conus_status note_rest(const struct gzip_range *range, bool footer, struc
 {
     conus_status status = CONUS_OK;
     if (range->extra && !footer) {
-        status = notes_add(notes, "%llu bytes after the last voxel were ignored", (unsigned long long)range->extra);
+        status = notes_warn(notes, "%llu bytes after the last voxel were ignored", (unsigned long long)range->extra);
     }
     if (!status && range->junk) {
-        status = notes_add(notes, "%zu bytes after the end of the gzip data were ignored", range->junk);
+        status = notes_warn(notes, "%zu bytes after the end of the gzip data were ignored", range->junk);
     }
     return status;
 }
@@ -383,16 +383,6 @@ static conus_status take_all(struct volume_file *file, struct opening *o)
     return CONUS_OK;
 }
 
-/* Moves the notes on, each with the path in front. */
-static conus_status hand_over_notes(struct notes *notes, const struct opening *o, const char *path)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < o->notes.count; i++) {
-        status = notes_add(notes, "%s: %s", path, o->notes.lines[i]);
-    }
-    return status;
-}
-
 /* Opens what `o` asks for, and finishes it. */
 static conus_status open_wanted(struct volume_file *out, const char *path, struct opening *o, struct notes *notes)
 {
@@ -402,7 +392,8 @@ static conus_status open_wanted(struct volume_file *out, const char *path, struc
         fail_in(status, path);
     }
     status = status ? status : take_all(&file, o);
-    status = status ? status : hand_over_notes(notes, o, file.path);
+    conus_status moved = notes_move_in(notes, &o->notes, file.path ? file.path : path); /* also where it failed */
+    status = status ? status : moved;
     if (status) {
         volume_file_finish(&file);
     } else {

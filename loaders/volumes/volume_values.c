@@ -209,8 +209,8 @@ conus_status volume_file_values(float **out, struct volume_file *file, struct no
         decoder->doubles(stored, file->voxels.data + at * size, block, file->swapped);
         bad += block_values(values + at, stored, block, &file->info);
     }
-    if (bad &&
-        notes_add(notes, "%s: %zu voxels are not finite numbers (or beyond float32) and count as 0", file->path, bad)) {
+    if (bad && notes_warn(notes, "%s: %zu voxels are not finite numbers (or beyond float32) and count as 0", file->path,
+                          bad)) {
         memory_free(values);
         return CONUS_ERROR_MEMORY;
     }

@@ -168,6 +168,6 @@ conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
     }
     conus_status status = space_of_name(list, path);
     return status ? status
-                  : notes_add(&list->notes, "no *_%s beside it: contacts are taken as mm, and no space is known",
-                              system_ending);
+                  : notes_warn(&list->notes, "no *_%s beside it: contacts are taken as mm, and no space is known",
+                               system_ending);
 }

@@ -44,8 +44,8 @@ static conus_status begin_list(struct reading *reading, const struct xml_event *
     }
     if (!space) {
         reading->lps = reading->options->space == CONUS_SPACE_LPS;
-        return notes_add(&reading->list->notes, "<%s> names no coordinateSpace; taken as %s", event->name,
-                         reading->lps ? "LPS" : "RAS");
+        return notes_warn(&reading->list->notes, "<%s> names no coordinateSpace; taken as %s", event->name,
+                          reading->lps ? "LPS" : "RAS");
     }
     reading->lps = text_equal_ignoring_case(text_from(space), "LPS");
     return reading->lps || text_equal_ignoring_case(text_from(space), "RAS")

@@ -31,15 +31,15 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
     const char *transform = volume ? volume->transform : "it has no volume";
     enum pose_brain brain = brain_of(transform);
     if (space->brain == POSE_BRAIN_UNKNOWN || brain == POSE_BRAIN_UNKNOWN) {
-        return notes_add(notes, "positions are in \"%s\"; it is not known whether the atlas (%s) is in the same space",
-                         space->name, transform);
+        return notes_warn(notes, "positions are in \"%s\"; it is not known whether the atlas (%s) is in the same space",
+                          space->name, transform);
     }
     if (space->brain == brain && brain != POSE_BRAIN_TEMPLATE) {
         return CONUS_OK;
     }
     if (space->brain == POSE_BRAIN_TEMPLATE || (brain == POSE_BRAIN_TEMPLATE && space->brain != POSE_BRAIN_SUBJECT)) {
-        return notes_add(notes, "positions are in \"%s\", the atlas in another template (%s): some mm may lie between",
-                         space->name, transform);
+        return notes_warn(notes, "positions are in \"%s\", the atlas in another template (%s): some mm may lie between",
+                          space->name, transform);
     }
     return fail(CONUS_ERROR_DATA,
                 "positions are in \"%s\", the atlas in another space (%s): the areas named would be wrong", space->name,

@@ -114,7 +114,12 @@ static void GLAPIENTRY receive_message(GLenum source, GLenum type, GLuint id, GL
     for (char *at = line; *at; at++) {
         *at = (unsigned char)*at < 0x20 ? ' ' : *at;
     }
-    context->log(context->log_user, line);
+    const conus_note note = {
+        .severity = type == GL_DEBUG_TYPE_ERROR || severity == GL_DEBUG_SEVERITY_HIGH ? CONUS_SEVERITY_WARNING
+                                                                                      : CONUS_SEVERITY_NOTE,
+        .line = line,
+    };
+    context->log(context->log_user, &note);
 }
 
 /* With the new context current: what it is, and where its messages go. */

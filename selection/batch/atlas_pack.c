@@ -318,6 +318,8 @@ static conus_atlas bare_atlas(const conus_atlas *atlas)
     bare.files.items = NULL;
     bare.transfer = NULL;
     bare.notes.lines = NULL;
+    bare.notes.marks = NULL;
+    bare.notes.sink = NULL;
     return bare;
 }
 

@@ -270,7 +270,8 @@ static conus_status annotate(conus_image *image, const struct picture *picture, 
     conus_status status = picture->options.no_legend ? CONUS_OK : picture_annotate(image, picture);
     if (status == CONUS_ERROR_UNSUPPORTED) {
         if (renderer->log) {
-            renderer->log(renderer->log_user, conus_message());
+            const conus_note note = {.severity = CONUS_SEVERITY_WARNING, .line = conus_message()};
+            renderer->log(renderer->log_user, &note);
         }
         status = CONUS_OK;
     }

@@ -9,9 +9,9 @@
 #if UINTPTR_MAX == UINT64_MAX
 #define SIZE(type, size) static_assert(sizeof(type) == (size), "callers are compiled with this size of " #type)
 
-SIZE(conus_load_options, 48);
-SIZE(conus_pathway_options, 32);
-SIZE(conus_context_options, 24);
+SIZE(conus_load_options, 64);
+SIZE(conus_pathway_options, 48);
+SIZE(conus_context_options, 40);
 SIZE(conus_pose_options, 32);
 SIZE(conus_selector_options, 88);
 SIZE(conus_tracker_options, 72);
@@ -29,8 +29,9 @@ SIZE(conus_phantom_options, 56);
 SIZE(conus_manifest_options, 32);
 
 SIZE(conus_voxels, 216);
-SIZE(conus_create_options, 16);
+SIZE(conus_create_options, 32);
 
+SIZE(conus_note, 24);
 SIZE(conus_label, 40);
 SIZE(conus_object, 72);
 SIZE(conus_volume_info, 488);

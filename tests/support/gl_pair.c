@@ -12,11 +12,11 @@
 
 static int messages;
 
-void gl_pair_log(void *user, const char *line)
+void gl_pair_log(void *user, const conus_note *note)
 {
     (void)user;
     messages++;
-    print_message("%s\n", line);
+    print_message("%s\n", note->line);
 }
 
 int gl_pair_messages(void)

@@ -29,7 +29,7 @@ struct gl_pair gl_pair_create(const conus_atlas *atlas, conus_sampling sampling)
 void gl_pair_destroy(struct gl_pair *pair);
 
 /** The log of the engines here: prints and counts what drivers say. Its user data is not used. */
-void gl_pair_log(void *user, const char *line);
+void gl_pair_log(void *user, const conus_note *note);
 
 /** Lines that drivers have said so far. */
 int gl_pair_messages(void);

@@ -24,11 +24,11 @@ struct test_gl {
     int messages;
 };
 
-static inline void test_gl_count(void *user, const char *line)
+static inline void test_gl_count(void *user, const conus_note *note)
 {
     struct test_gl *gl = user;
     gl->messages++;
-    print_message("%s\n", line);
+    print_message("%s\n", note->line);
 }
 
 /** Makes a context current, or skips the running test. Pair with test_gl_leave(). */

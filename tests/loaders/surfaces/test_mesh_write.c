@@ -75,11 +75,11 @@ static bool hear_progress(void *user, size_t done, size_t total)
     return done != heard->cancel_at;
 }
 
-static void hear_note(void *user, const char *line)
+static void hear_note(void *user, const conus_note *note)
 {
     struct heard *heard = user;
     heard->notes++;
-    snprintf(heard->note, sizeof heard->note, "%s", line);
+    snprintf(heard->note, sizeof heard->note, "%s", note->line);
 }
 
 static void check_file(const char *path, double size)

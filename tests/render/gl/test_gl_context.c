@@ -117,14 +117,17 @@ static void old_gl_is_refused_in_words(void **state)
 
 struct lines {
     int count;
+    conus_severity severity;
     char last[512];
 };
 
-static void keep_line(void *user, const char *line)
+static void keep_line(void *user, const conus_note *note)
 {
     struct lines *lines = user;
     lines->count++;
-    snprintf(lines->last, sizeof lines->last, "%s", line);
+    lines->severity = note->severity;
+    snprintf(lines->last, sizeof lines->last, "%s", note->line);
+    assert_null(note->path);
 }
 
 static void driver_messages_go_to_the_log(void **state)
@@ -137,6 +140,7 @@ static void driver_messages_go_to_the_log(void **state)
     glBindFramebuffer(GL_FRAMEBUFFER, 12345); /* no such framebuffer */
     assert_int_equal(lines.count, 1);
     assert_non_null(strstr(lines.last, "OpenGL error"));
+    assert_int_equal(lines.severity, CONUS_SEVERITY_WARNING);
     assert_null(strchr(lines.last, '\n'));
     assert_fails(gl_check("a test"), CONUS_ERROR_GL);
     assert_non_null(strstr(conus_message(), "a test"));
