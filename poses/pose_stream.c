@@ -308,6 +308,7 @@ static conus_status open_path(conus_pose_stream *stream, const char *path)
     if (!stream->name) {
         return CONUS_ERROR_MEMORY;
     }
+    stream->whole.sink.path = stream->name;
     stream->path = is_stdin(path) ? NULL : path;
     stream->descriptor = is_stdin(path) ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
     stream->owned = !is_stdin(path) && stream->descriptor >= 0;
@@ -333,6 +334,8 @@ static conus_status create_stream(conus_pose_stream **out, const conus_pose_opti
     stream->descriptor = -1;
     stream->stop = -1;
     stream->lines.descriptor = -1;
+    stream->whole.sink = (struct note_sink){options->log, options->log_user, NULL};
+    stream->whole.notes.sink = &stream->whole.sink;
     *out = stream;
     return CONUS_OK;
 }
@@ -592,5 +595,6 @@ conus_status pose_stream_take_header(conus_pose_list *list, conus_pose_stream *s
     stream->whole.coordsystem = NULL;
     list->electrodes = stream->whole.electrodes;
     stream->whole.electrodes = NULL;
-    return notes_move(&list->notes, &stream->whole.notes);
+    conus_status status = pose_list_hear(list, &stream->whole.sink);
+    return status ? status : notes_move(&list->notes, &stream->whole.notes);
 }

@@ -67,6 +67,9 @@ typedef struct conus_pose_options {
     bool along_shafts;        /**< #CONUS_POSE_FORMAT_ELECTRODES: not points, but poses at the contacts that point along
                                  their shafts, each to the contact with the next higher number. */
     uint64_t max_memory;      /**< Largest file of a format that is read whole, in bytes; 0 = 1 GiB. */
+    conus_log log;            /**< Receives the notes of conus_pose_stream_note(), while the file is opened and from
+                                 conus_pose_stream_match() and conus_pose_list_match(); NULL = no callback. */
+    void *log_user;           /**< Passed to @p log; must outlive the stream or list. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -5,6 +5,8 @@
 #include "base/memory.h"
 #include "poses/rows/pose_row.h"
 
+#include <string.h>
+
 void pose_list_finish(conus_pose_list *list)
 {
     for (size_t i = 0; i < list->count; i++) {
@@ -14,6 +16,7 @@ void pose_list_finish(conus_pose_list *list)
     memory_free(list->rows);
     memory_free(list->electrodes);
     memory_free(list->coordsystem);
+    memory_free(list->name);
     notes_finish(&list->notes);
     *list = (conus_pose_list){0};
 }
@@ -42,6 +45,14 @@ conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, str
     }
     list->rows[list->count++] = copy;
     return CONUS_OK;
+}
+
+conus_status pose_list_hear(conus_pose_list *list, const struct note_sink *sink)
+{
+    list->name = sink->path ? memory_text(sink->path, strlen(sink->path)) : NULL;
+    list->sink = (struct note_sink){sink->log, sink->user, list->name};
+    list->notes.sink = &list->sink;
+    return sink->path && !list->name ? CONUS_ERROR_MEMORY : CONUS_OK;
 }
 
 size_t conus_pose_list_count(const conus_pose_list *list)

@@ -12,6 +12,8 @@ struct conus_pose_list {
     size_t count;
     size_t capacity;
     struct notes notes;
+    struct note_sink sink; /**< Of the notes. */
+    char *name;            /**< Path of the sink; owned, NULL while it is the stream's. */
     struct pose_space space;
     char *electrodes;  /**< The text of a table of electrodes; owned, NULL of other formats. */
     char *coordsystem; /**< Path of the file that says what the space is; owned, NULL if there is none. */
@@ -21,6 +23,9 @@ struct conus_pose_list {
 /** Adds a row with copies of its strings. An @p id that is empty becomes the row's number; one that is too long or not
  * UTF-8, too, and then the row has an error. @p error NULL: none. */
 conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, struct text id, const char *error);
+
+/** Lets the sink hear the notes of the list, which keeps a copy of it and of its path. */
+conus_status pose_list_hear(conus_pose_list *list, const struct note_sink *sink);
 
 /** Frees what is in it. */
 void pose_list_finish(conus_pose_list *list);

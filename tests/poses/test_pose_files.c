@@ -436,6 +436,66 @@ static void spaces_must_fit(void **state)
     conus_atlas_destroy(template);
 }
 
+struct heard {
+    size_t count;
+    conus_severity severity; /* of the last */
+    char path[4096], line[512];
+};
+
+static void hear(void *user, const conus_note *note)
+{
+    struct heard *heard = user;
+    heard->count++;
+    heard->severity = note->severity;
+    snprintf(heard->path, sizeof heard->path, "%s", note->path);
+    snprintf(heard->line, sizeof heard->line, "%s", note->line);
+}
+
+static void assert_heard(const struct heard *heard, size_t count, conus_severity severity, const char *path,
+                         const char *part)
+{
+    assert_int_equal(heard->count, count);
+    assert_int_equal(heard->severity, severity);
+    assert_string_equal(heard->path, path);
+    assert_non_null(strstr(heard->line, part));
+}
+
+/* At once, also by a file that is refused and by later calls on a list or stream, but none twice. */
+static void notes_are_heard(void **state)
+{
+    (void)state;
+    static const char zero_byte[] = "name\tx\ty\tz\tsize\nA1\t1\t2\t3\t\0\n";
+    struct heard heard = {0};
+    const conus_pose_options options = {.log = hear, .log_user = &heard};
+    conus_pose_stream *stream = NULL;
+    conus_pose_list *list = NULL;
+    conus_atlas *atlas = NULL;
+    char path[4096];
+    assert_ok(conus_phantom_write("sphere", test_scratch("heard"), &(conus_phantom_options){.size = 16}));
+    snprintf(path, sizeof path, "%s/sphere.nii.gz", test_scratch("heard"));
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+
+    snprintf(path, sizeof path, "%s", sample("brainsight.txt"));
+    assert_ok(conus_pose_list_load(&list, path, &options));
+    assert_heard(&heard, 1, CONUS_SEVERITY_NOTE, path, "2 rows of landmarks");
+    assert_ok(conus_pose_list_match(list, atlas));
+    assert_heard(&heard, 2, CONUS_SEVERITY_WARNING, path, "it is not known whether the atlas");
+    assert_null(conus_pose_list_note(list, 2));
+    conus_pose_list_destroy(list);
+    heard.count = 0;
+    assert_ok(conus_pose_stream_open(&stream, path, &options));
+    assert_ok(conus_pose_stream_match(stream, atlas));
+    assert_heard(&heard, 2, CONUS_SEVERITY_WARNING, path, "it is not known whether the atlas");
+    conus_pose_stream_destroy(stream);
+    conus_atlas_destroy(atlas);
+
+    heard.count = 0;
+    snprintf(path, sizeof path, "%s", test_scratch("zero_electrodes.tsv"));
+    assert_ok(file_write(path, zero_byte, sizeof zero_byte - 1));
+    assert_fails(conus_pose_stream_open(&stream, path, &options), CONUS_ERROR_DATA);
+    assert_heard(&heard, 1, CONUS_SEVERITY_WARNING, path, "no *_coordsystem.json beside it");
+}
+
 static const char *const samples[] = {"brainsight.txt",
                                       "brainsight-world.txt",
                                       "localite-instrument.xml",
@@ -520,6 +580,7 @@ int main(void)
         cmocka_unit_test(markups_are_lines_and_points),
         cmocka_unit_test(lines_may_be_looked_along_either_way),
         cmocka_unit_test(spaces_must_fit),
+        cmocka_unit_test(notes_are_heard),
         cmocka_unit_test(every_prefix_is_refused_or_shorter),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };
