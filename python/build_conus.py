@@ -16,6 +16,7 @@ HEADERS = HERE.parent / "include" / "conus"
 SOURCE = "#include <conus/conus.h>"
 CALLBACKS = """
 extern "Python" bool conus_py_receive(void *user, const conus_answers *answers);
+extern "Python" void conus_py_log(void *user, const conus_note *note);
 extern "Python" bool conus_py_load_progress(void *user, const char *path, size_t done, size_t total);
 """
 

@@ -2,6 +2,7 @@
 """Atlases and what is asked of them."""
 from __future__ import annotations
 
+import logging
 import math
 import os
 import threading
@@ -30,6 +31,7 @@ Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
 Labels = Union[Mapping[int, str], "pandas.DataFrame", None]
 Progress = Union[bool, Callable[[int, int], object], None]
 
+_LOGGER = logging.getLogger("conus")
 _SCALARS = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
 
 
@@ -87,11 +89,13 @@ def _from_file(path: Path, labels: Any, labels_anyway: bool, max_memory: int, pr
     options, out = ffi.new("conus_load_options *"), ffi.new("conus_atlas **")
     table = ffi.new("char[]", os.fsencode(labels)) if labels is not None else ffi.NULL
     state = _Callback(progress)
-    handle = ffi.new_handle(state)
+    handle = state.hear(options)
     options.labels, options.labels_anyway, options.max_memory = table, labels_anyway, max_memory
     options.progress, options.progress_user = lib.conus_py_load_progress, handle
-    state.check(lib.conus_atlas_load(out, os.fsencode(path), options))
-    return out[0]
+    status = lib.conus_atlas_load(out, os.fsencode(path), options)
+    raw = owned(out[0], lib.conus_atlas_destroy)
+    state.check(status)
+    return raw
 
 
 def _from_array(data: Any, affine: Any, labels: Labels, labels_anyway: bool, name: str, space_code: int) -> Any:
@@ -99,8 +103,12 @@ def _from_array(data: Any, affine: Any, labels: Labels, labels_anyway: bool, nam
     table, count, _words = _fill_labels(labels)
     options, out = ffi.new("conus_create_options *"), ffi.new("conus_atlas **")
     options.labels_anyway = labels_anyway
-    check(lib.conus_atlas_create(out, voxels, table, count, options))
-    return out[0]
+    state = _Callback()
+    _handle = state.hear(options)
+    status = lib.conus_atlas_create(out, voxels, table, count, options)
+    raw = owned(out[0], lib.conus_atlas_destroy)
+    state.check(status)
+    return raw
 
 
 def _image_parts(image: Any) -> tuple[Any, Any, str, int]:
@@ -154,15 +162,14 @@ def load(
         Called with a path, the number of files that are read, and how many there are.
     """
     if isinstance(source, (str, bytes, os.PathLike)):
-        pointer = _from_file(source, labels, labels_anyway, max_memory, progress)
+        raw = _from_file(source, labels, labels_anyway, max_memory, progress)
     elif hasattr(source, "dataobj"):
         data, matrix, name, code = _image_parts(source)
-        pointer = _from_array(data, matrix if affine is None else affine, labels, labels_anyway, name, code)
+        raw = _from_array(data, matrix if affine is None else affine, labels, labels_anyway, name, code)
     elif affine is None:
         raise ArgumentError("affine: an array needs one")
     else:
-        pointer = _from_array(source, affine, labels, labels_anyway, "array", 0)
-    raw = owned(pointer, lib.conus_atlas_destroy)
+        raw = _from_array(source, affine, labels, labels_anyway, "array", 0)
     for pathway in pathways:
         _add_pathway(raw, pathway, max_memory)
     if context is not None:
@@ -180,21 +187,25 @@ def _add_pathway(atlas: Any, pathway: Any, max_memory: int) -> None:
     source, threshold = pathway if isinstance(pathway, tuple) else (pathway, 0)
     options = ffi.new("conus_pathway_options *")
     options.threshold, options.max_memory = threshold, max_memory
+    state = _Callback()
+    _handle = state.hear(options)
     if hasattr(source, "dataobj"):
         voxels, _alive = _fill_voxels(*_image_parts(source))
-        check(lib.conus_atlas_add_values(atlas, voxels, options))
+        state.check(lib.conus_atlas_add_values(atlas, voxels, options))
     else:
-        check(lib.conus_atlas_add_pathway(atlas, os.fsencode(source), options))
+        state.check(lib.conus_atlas_add_pathway(atlas, os.fsencode(source), options))
 
 
 def _set_context(atlas: Any, source: Any, blocks: float, max_memory: int) -> None:
     options = ffi.new("conus_context_options *")
     options.block_threshold, options.max_memory = blocks, max_memory
+    state = _Callback()
+    _handle = state.hear(options)
     if hasattr(source, "dataobj"):
         voxels, _alive = _fill_voxels(*_image_parts(source))
-        check(lib.conus_atlas_set_context_values(atlas, voxels, options))
+        state.check(lib.conus_atlas_set_context_values(atlas, voxels, options))
     else:
-        check(lib.conus_atlas_set_context(atlas, os.fsencode(source), options))
+        state.check(lib.conus_atlas_set_context(atlas, os.fsencode(source), options))
 
 
 # ---- Callbacks -----------------------------------------------------------------------------------------------------
@@ -203,22 +214,43 @@ def _set_context(atlas: Any, source: Any, blocks: float, max_memory: int) -> Non
 class _Callback:
     """What C calls back; an exception in it, Ctrl-C too, ends the call and is raised behind it."""
 
-    def __init__(self, function: Any) -> None:
+    def __init__(self, function: Any = None) -> None:
         self.function = function
         self.error: Optional[BaseException] = None
 
     def call(self, *arguments: Any) -> bool:
+        return self.error is None if self.function is None else self.run(self.function, *arguments)
+
+    def run(self, function: Any, *arguments: Any) -> bool:
         try:
-            if self.function is not None:
-                self.function(*arguments)
+            function(*arguments)
         except BaseException as error:  # pylint: disable=broad-except
-            self.error = error
+            self.error = self.error or error
         return self.error is None
+
+    def hear(self, options: Any) -> Any:
+        """Lets the notes of the call go to the logger; gives the handle, which must live as long as the call."""
+        handle = ffi.new_handle(self)
+        options.log, options.log_user = lib.conus_py_log, handle
+        return handle
 
     def check(self, status: int) -> None:
         if self.error is not None:
             raise self.error
         check(status)
+
+
+def _log_note(note: Any) -> None:
+    path = os.fsdecode(ffi.string(note.path)) if note.path else ""
+    line = text(note.line)
+    level = logging.WARNING if note.severity == lib.CONUS_SEVERITY_WARNING else logging.INFO
+    _LOGGER.log(level, "%s", line if line.startswith(path) else f"{path}: {line}")
+
+
+@ffi.def_extern()  # type: ignore[misc]
+def conus_py_log(user: Any, note: Any) -> None:
+    callback: _Callback = ffi.from_handle(user)
+    callback.run(_log_note, note)
 
 
 @ffi.def_extern()  # type: ignore[misc]

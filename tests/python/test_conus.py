@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The Python package. $PYTHONPATH has it, $CONUS is the program conus."""
 import io
+import logging
 import multiprocessing
 import os
 import pathlib
@@ -60,6 +61,45 @@ def assert_rows_of_the_program(frame, rows):
 
 
 # ---- One cone ------------------------------------------------------------------------------------------------------
+
+
+def heard(caplog):
+    return [(r.name, r.levelno, r.getMessage()) for r in caplog.records]
+
+
+def test_notes_go_to_the_logger(caplog, tmp_path):
+    caplog.set_level(logging.INFO, "conus")
+    twice = pandas.DataFrame({"index": [1, 1, 2], "name": ["left", "other", "right"]})
+    atlas = conus.load(plates(), AFFINE, labels=twice)
+    said = 'label 1 is named twice in the label table: "left" is used, "other" is not'
+    assert heard(caplog) == [("conus", logging.WARNING, "array: " + said)]
+    assert atlas.notes == [said]
+    caplog.clear()
+    image = nibabel.Nifti1Image(np.linspace(0, 1, 8, dtype="f4").reshape(2, 2, 2), AFFINE)
+    nibabel.save(image, tmp_path / "p.nii")
+    conus.load(plates(), AFFINE, labels=NAMES, pathways=[tmp_path / "p.nii"], context=tmp_path / "p.nii")
+    words = "pathway p: values up to 1, taken as probabilities; threshold 0.25"
+    assert heard(caplog) == [("conus", logging.INFO, f"{tmp_path / 'p.nii'}: {words}")]
+
+
+def test_notes_of_a_load_that_fails_go_to_the_logger(caplog, tmp_path):
+    image = nibabel.Nifti1Image(plates(), None)
+    image.header["sform_code"] = image.header["qform_code"] = 0
+    path = tmp_path / "v.nii"
+    nibabel.save(image, path)
+    with pytest.raises(conus.FileError, match="none.txt"):
+        conus.load(path, labels=tmp_path / "none.txt")
+    (note,) = heard(caplog)
+    assert note[1] == logging.WARNING and note[2].startswith(f"{path}: neither sform nor qform is set")
+
+
+def test_what_a_handler_raises_is_raised(monkeypatch):
+    def interrupt(*_unused):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(logging.getLogger("conus"), "handle", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        conus.load(plates(), AFFINE, labels=pandas.DataFrame({"index": [1, 1], "name": ["a", "b"]}))
 
 
 def test_plate_is_hit_where_it_begins(atlas):
