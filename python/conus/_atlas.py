@@ -6,7 +6,6 @@ import logging
 import math
 import os
 import threading
-import warnings
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Union
 
 import numpy as np
@@ -16,13 +15,13 @@ from ._conus import ffi, lib
 from ._library import (
     RESULT,
     ArgumentError,
-    PoseWarning,
     check,
     choice,
     owned,
     text,
     vector,
 )
+from ._poses import Aims, PoseArray, notes_of, pose_of, warn
 
 if TYPE_CHECKING:
     import pandas
@@ -313,47 +312,6 @@ def _progress_function(progress: Progress, total: int) -> Any:
     return progress or None
 
 
-# ---- Poses ---------------------------------------------------------------------------------------------------------
-
-
-def _pose_of(origin: Any, toward: Any, direction: Any, up: Any, pose: Any) -> Any:
-    """A conus_pose of what `select` is given."""
-    out = ffi.new("conus_pose *")
-    if pose is not None:
-        matrix = np.asarray(pose, float)
-        if matrix.shape != (4, 4) or origin is not None or toward is not None or direction is not None:
-            raise ArgumentError("pose: a matrix of shape (4, 4), without origin, toward and direction")
-        check(lib.conus_pose_from_matrix(out, matrix.T.ravel().tolist()))
-        return out
-    if origin is None or (toward is None) == (direction is None):
-        raise ArgumentError("pose: needs origin and either toward or direction")
-    above = ffi.NULL if up is None else vector("up", up)
-    if toward is not None:
-        check(lib.conus_pose_toward(out, vector("origin", origin), vector("toward", toward), above))
-    else:
-        check(lib.conus_pose_along(out, vector("origin", origin), vector("direction", direction), above))
-    return out
-
-
-def _rows(name: str, values: Any, shape: tuple[int, ...]) -> Array:
-    array = np.ascontiguousarray(values, float)
-    if array.shape[1:] != shape:
-        raise ArgumentError(f"{name}: an array of shape {array.shape}, wanted is {('n', *shape)}".replace("'", ""))
-    return array
-
-
-def _warn(astray: Any) -> None:
-    """Says of poses what `conus batch` notes, by their indices."""
-    for oddity, words in (
-        (astray.away, "point away from the atlas"),
-        (astray.tiny, "lie within 1 mm of 0, as if their unit were not mm"),
-        (astray.inside, "begin inside an area or pathway"),
-    ):
-        if oddity.count:
-            message = f"{oddity.count} of {astray.poses} cones {words}, the first is pose {oddity.first}"
-            warnings.warn(message, PoseWarning, stacklevel=4)
-
-
 # ---- Asking --------------------------------------------------------------------------------------------------------
 
 
@@ -405,6 +363,7 @@ class Selector:
         self._is_cylinder = radius > 0
         self._p = owned(out[0], lib.conus_selector_destroy, atlas._p)
         self._lock = threading.Lock()
+        self._aims: Optional[Aims] = None
 
     def _angle(self, angle: Optional[float]) -> float:
         if angle is None:
@@ -422,16 +381,17 @@ class Selector:
         angle: Optional[float] = None,
     ) -> Selection:
         """What is in one cone of ``angle`` degrees (10): see :meth:`Atlas.select`."""
-        aim, out = _pose_of(origin, toward, direction, up, pose), ffi.new("conus_selection **")
-        with self._lock:
-            check(lib.conus_select(out, self._p, aim, self._angle(angle)))
-        return Selection(self.atlas, out[0], self._layers)
+        aim, out = pose_of(origin, toward, direction, up, pose), ffi.new("conus_selection **")
+        opening = self._angle(angle)
+        self._call(lib.conus_select, out, self._p, aim, opening)
+        selection = Selection(self.atlas, out[0], self._layers)
+        self._warn_of(aim, opening)
+        return selection
 
     def near(self, point: Any, radius: float) -> Selection:
         """What is within ``radius`` mm of a point: ``conus query --point``."""
         out = ffi.new("conus_selection **")
-        with self._lock:
-            check(lib.conus_select_ball(out, self._p, vector("point", point), radius))
+        self._call(lib.conus_select_ball, out, self._p, vector("point", point), radius)
         return Selection(self.atlas, out[0], self._layers)
 
     def sweep(
@@ -439,22 +399,25 @@ class Selector:
         angle: float = 60,
     ) -> Sweep:
         """At which opening up to ``angle`` degrees a growing cone admits each object."""
-        aim, out = _pose_of(origin, toward, direction, up, pose), ffi.new("conus_sweep **")
-        with self._lock:
-            check(lib.conus_sweep_create(out, self._p, aim, np.deg2rad(angle)))
-        return Sweep(self.atlas, out[0])
+        aim, out = pose_of(origin, toward, direction, up, pose), ffi.new("conus_sweep **")
+        opening = math.radians(angle)
+        self._call(lib.conus_sweep_create, out, self._p, aim, opening)
+        sweep = Sweep(self.atlas, out[0])
+        self._warn_of(aim, opening)
+        return sweep
 
     def jitter(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
         angle: Optional[float] = None, degrees: float = 0, mm: float = 0, samples: int = 0,
     ) -> Jitter:
         """The chances of each object where the axis tilts by ``degrees`` and the device shifts by ``mm``."""
-        aim, out = _pose_of(origin, toward, direction, up, pose), ffi.new("conus_jitter **")
-        options = ffi.new("conus_jitter_options *")
-        options.tilt, options.shift, options.samples = np.deg2rad(degrees), mm, samples
-        with self._lock:
-            check(lib.conus_jitter_create(out, self._p, aim, self._angle(angle), options))
-        return Jitter(self.atlas, out[0])
+        aim, out = pose_of(origin, toward, direction, up, pose), ffi.new("conus_jitter **")
+        options, opening = ffi.new("conus_jitter_options *"), self._angle(angle)
+        options.tilt, options.shift, options.samples = math.radians(degrees), mm, samples
+        self._call(lib.conus_jitter_create, out, self._p, aim, opening, options)
+        jitter = Jitter(self.atlas, out[0])
+        self._warn_of(aim, opening)
+        return jitter
 
     def select_many(
         self,
@@ -482,59 +445,47 @@ class Selector:
         progress
             True shows tqdm's bar if there is one; a function is called with (done, all).
         """
-        array, alive = self._pose_array(origins, directions, poses, up, angle)
+        array = PoseArray(origins, directions, poses, up, angle)
         options, astray = ffi.new("conus_many_options *"), ffi.new("conus_astray *")
         options.threads = threads or 0
         options.angle = self._angle(None if np.ndim(angle) else angle)
-        collector = _Collector(array.count, _progress_function(progress, array.count))
+        collector = _Collector(len(array), _progress_function(progress, len(array)))
         state = _Callback(collector.take)
         handle = ffi.new_handle(state)
-        with self._lock:
-            state.check(lib.conus_select_many(astray, self._p, array, options, lib.conus_py_receive, handle))
+        self._call(
+            lib.conus_select_many, astray, self._p, array.struct, options, lib.conus_py_receive, handle, state=state
+        )
         collector.finish()
-        _warn(astray)
-        errors = {int(i): self._reason(array, i) for i in np.flatnonzero(collector.status)}
-        del alive
+        errors = {int(i): self._reason(array, int(i)) for i in np.flatnonzero(collector.status)}
+        self._warn(astray, many=True)
         return Answers(self.atlas, collector.results, collector.starts, errors, self._layers)
 
-    def _pose_array(self, origins: Any, directions: Any, poses: Any, up: Any, angle: Any) -> tuple[Any, list[Array]]:
-        """A conus_pose_array, and the arrays that must live as long as it."""
-        array, alive = ffi.new("conus_pose_array *"), []
-
-        def point_to(rows: Array) -> Any:
-            alive.append(rows)
-            return ffi.cast("double *", rows.ctypes.data)
-
-        if poses is not None:
-            matrices = _rows("poses", poses, (4, 4))
-            array.count = len(matrices)
-            array.matrix = point_to(np.ascontiguousarray(matrices.transpose(0, 2, 1)))
-        if origins is not None or directions is not None or poses is None:
-            if poses is not None or origins is None or directions is None:
-                raise ArgumentError("poses: either matrices, or both origins and directions")
-            named = {"origin": _rows("origins", origins, (3,)), "direction": _rows("directions", directions, (3,))}
-            if up is not None:
-                named["up"] = _rows("up", up, (3,))
-            array.count = len(named["origin"])
-            for name, rows in named.items():
-                setattr(array, name, point_to(rows))
-        if np.ndim(angle):
-            array.angle = point_to(np.deg2rad(_rows("angle", angle, ())))
-        if any(len(rows) != array.count for rows in alive):
-            raise ArgumentError(f"poses: arrays of {', '.join(str(len(rows)) for rows in alive)} rows")
-        return array, alive
-
-    def _reason(self, array: Any, index: int) -> str:
-        """Why pose `index` has no answer: asks for it alone."""
-        pose, out = ffi.new("conus_pose *"), ffi.new("conus_selection **")
-        if array.matrix:
-            status = lib.conus_pose_from_matrix(pose, array.matrix + 16 * int(index))
-        else:
-            up = array.up + 3 * int(index) if array.up else ffi.NULL
-            status = lib.conus_pose_along(pose, array.origin + 3 * int(index), array.direction + 3 * int(index), up)
+    def _call(self, function: Any, *arguments: Any, state: Optional[_Callback] = None) -> None:
+        """Asks the library; one thread at a time does."""
+        self.atlas._p  # pylint: disable=pointless-statement  # raises if it is closed
         with self._lock:
-            angle = array.angle[int(index)] if array.angle else self._angle(None)
-            status = status or lib.conus_select(out, self._p, pose, angle)
+            status = function(*arguments)
+        (state.check if state else check)(status)
+
+    def _warn_of(self, pose: Any, angle: float) -> None:
+        """Warns where one pose looks wrong."""
+        with self._lock:
+            self._aims = self._aims or Aims(self._p)
+            found = self._aims.of(pose, angle)
+        self._warn(found)
+
+    def _warn(self, found: Any, many: bool = False) -> None:
+        if found.inside.count or found.away.count or found.tiny.count:
+            with self._lock:
+                notes = notes_of(found, self._p, self.atlas._p, many)
+            warn(notes)
+
+    def _reason(self, array: PoseArray, index: int) -> str:
+        """Why a pose has no answer: asks for it alone."""
+        pose, out = ffi.new("conus_pose *"), ffi.new("conus_selection **")
+        with self._lock:
+            status = array.fill(pose, index)
+            status = status or lib.conus_select(out, self._p, pose, array.angle(index, self._angle(None)))
             reason = text(lib.conus_message()) if status else ""
         if not status:
             lib.conus_selection_destroy(out[0])

@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Poses as the library takes them, and what looks wrong about them."""
+from __future__ import annotations
+
+import sys
+import warnings
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ._answers import Array
+from ._conus import ffi, lib
+from ._library import ArgumentError, PoseWarning, check, owned, text, vector
+
+
+def pose_of(origin: Any, toward: Any, direction: Any, up: Any, pose: Any) -> Any:
+    """A conus_pose of what `select` is given."""
+    out = ffi.new("conus_pose *")
+    if pose is not None:
+        matrix = np.asarray(pose, float)
+        if matrix.shape != (4, 4) or any(other is not None for other in (origin, toward, direction, up)):
+            raise ArgumentError("pose: a matrix of shape (4, 4), without origin, toward, direction and up")
+        check(lib.conus_pose_from_matrix(out, matrix.T.ravel().tolist()))
+        return out
+    if origin is None or (toward is None) == (direction is None):
+        raise ArgumentError("pose: needs origin and either toward or direction")
+    above = ffi.NULL if up is None else vector("up", up)
+    if toward is not None:
+        check(lib.conus_pose_toward(out, vector("origin", origin), vector("toward", toward), above))
+    else:
+        check(lib.conus_pose_along(out, vector("origin", origin), vector("direction", direction), above))
+    return out
+
+
+def rows_of(name: str, values: Any, shape: tuple[int, ...]) -> Array:
+    """(n, *shape) numbers, one after the other in memory."""
+    array = np.ascontiguousarray(values, float)
+    if array.ndim != 1 + len(shape) or array.shape[1:] != shape:
+        raise ArgumentError(f"{name}: an array of shape {array.shape}, wanted is {('n', *shape)}".replace("'", ""))
+    return array
+
+
+class PoseArray:
+    """Many poses: ``struct`` is a conus_pose_array, which lives no longer than this."""
+
+    def __init__(self, origins: Any, directions: Any, poses: Any, up: Any, angle: Any) -> None:
+        self.struct = ffi.new("conus_pose_array *")
+        self._alive: list[Array] = []
+        if poses is not None:
+            if any(other is not None for other in (origins, directions, up)):
+                raise ArgumentError("poses: either matrices, or both origins and directions")
+            matrices = rows_of("poses", poses, (4, 4))
+            self._add("matrix", np.ascontiguousarray(matrices.transpose(0, 2, 1)))
+        elif origins is None or directions is None:
+            raise ArgumentError("poses: either matrices, or both origins and directions")
+        else:
+            self._add("origin", rows_of("origins", origins, (3,)))
+            self._add("direction", rows_of("directions", directions, (3,)))
+            if up is not None:
+                self._add("up", rows_of("up", up, (3,)))
+        if np.ndim(angle):
+            self._add("angle", np.deg2rad(rows_of("angle", angle, ())))
+        self.struct.count = len(self._alive[0])
+        if any(len(rows) != len(self) for rows in self._alive):
+            raise ArgumentError(f"poses: arrays of {', '.join(str(len(rows)) for rows in self._alive)} rows")
+
+    def _add(self, member: str, rows: Array) -> None:
+        self._alive.append(rows)
+        setattr(self.struct, member, ffi.cast("double *", rows.ctypes.data))
+
+    def __len__(self) -> int:
+        return int(self.struct.count)
+
+    def fill(self, pose: Any, index: int) -> int:
+        """Makes a conus_pose of one of them; gives the status."""
+        array = self.struct
+        if array.matrix:
+            return int(lib.conus_pose_from_matrix(pose, array.matrix + 16 * index))
+        up = array.up + 3 * index if array.up else ffi.NULL
+        return int(lib.conus_pose_along(pose, array.origin + 3 * index, array.direction + 3 * index, up))
+
+    def angle(self, index: int, default: float) -> float:
+        """Full opening, radians."""
+        return float(self.struct.angle[index]) if self.struct.angle else default
+
+
+# ---- What looks wrong ----------------------------------------------------------------------------------------------
+
+
+class _Reading(NamedTuple):
+    """In what other way a pose may have been meant."""
+
+    words: str
+    place: int = 1  # factor of x and y of the position
+    axes: int = 1  # factor of x and y of the axes
+    scale: float = 1  # factor of the position
+    back: int = 1  # -1: half a turn about the device's y
+
+
+_READINGS = (
+    _Reading("with x and y negated (LPS for RAS)", place=-1, axes=-1),
+    _Reading("looking the other way", back=-1),
+    _Reading("with x and y of its position negated (LPS for RAS)", place=-1),
+    _Reading("with its position times 1000 (metres for mm)", scale=1000),
+    _Reading("with x and y negated (LPS for RAS) and times 1000 (metres)", place=-1, axes=-1, scale=1000),
+    _Reading("with its position divided by 1000 (micrometres for mm)", scale=0.001),
+    _Reading("with x and y negated (LPS for RAS) and divided by 1000", place=-1, axes=-1, scale=0.001),
+)
+_MICROMETRES = 5000  # no device is so many mm away
+
+
+def _read_as(matrix: Array, reading: _Reading) -> Any:
+    """A conus_pose; the rows of the matrix are the device's axes and its position."""
+    other = matrix.copy()
+    other[:3, :2] *= reading.axes
+    other[[0, 2], :3] *= reading.back
+    other[3, :2] *= reading.place
+    other[3, :3] *= reading.scale
+    return ffi.new("conus_pose *", {"world_from_device": other.ravel().tolist()})
+
+
+def _first_hit(selector: Any, atlas: Any, pose: Any, angle: float) -> str:
+    """What the pose hits first, from outside of it."""
+    out = ffi.new("conus_selection **")
+    if lib.conus_select(out, selector, pose, angle):
+        return ""
+    first = lib.conus_selection_result(out[0], 0)
+    name = text(lib.conus_atlas_object(atlas, first.object).name) if first.pixels and first.distance > 0 else ""
+    lib.conus_selection_destroy(out[0])
+    return name
+
+
+def _remedy(selector: Any, atlas: Any, oddity: Any, tiny: bool) -> str:
+    """The first reading by which the pose hits something, behind "; "."""
+    matrix = np.array(list(oddity.pose.world_from_device)).reshape(4, 4)
+    far = np.abs(matrix[3, :3]).max() > _MICROMETRES
+    for reading in _READINGS:
+        likely = not tiny if reading.scale == 1 else tiny if reading.scale > 1 else far
+        name = _first_hit(selector, atlas, _read_as(matrix, reading), oddity.angle) if likely else ""
+        if name:
+            return f"; {reading.words} it would hit {name} first"
+    return ""
+
+
+class Aims:
+    """Says of one pose after the other what is odd. The atlas's box, which takes milliseconds, is found once."""
+
+    def __init__(self, selector: Any) -> None:
+        out = ffi.new("conus_aims **")
+        check(lib.conus_aims_create(out, selector))
+        self._p = owned(out[0], lib.conus_aims_destroy, selector)
+        self._number = 2**63
+
+    def of(self, pose: Any, angle: float) -> Any:
+        """A conus_astray of this pose alone."""
+        found = lib.conus_aims_found(self._p)
+        before = {kind: getattr(found, kind).count for kind in ("inside", "away", "tiny")}
+        self._number -= 1  # the lowest so far: an oddity is that of the last pose
+        lib.conus_aims_add(self._p, self._number, pose, angle)
+        alone = ffi.new("conus_astray *", found[0])
+        for kind, count in before.items():
+            getattr(alone, kind).count -= count
+        return alone
+
+
+def notes_of(found: Any, selector: Any, atlas: Any, many: bool) -> list[str]:
+    """What the program notes about the poses of a conus_astray; of many by their indices."""
+
+    def say(oddity: Any, one: str, several: str, end: str) -> str:
+        return f"{oddity.count} of {found.poses} {several}, the first is pose {oddity.first}{end}" if many else one
+
+    remedy = _remedy(selector, atlas, found.tiny, True) if found.tiny.count else ""
+    if remedy:  # in metres, all else is otherwise, too
+        near = "within 1 mm of the world's origin"
+        return [say(found.tiny, f"the device lies {near}{remedy}", f"devices lie {near}", remedy)]
+    notes = []
+    if found.inside.count:
+        name = text(lib.conus_atlas_object(atlas, found.inside.object).name)
+        notes.append(say(found.inside, f"the device lies inside {name}", "devices lie inside an area", f", inside {name}"))
+    if found.away.count:
+        words = ("cone", "cones point") if found.away.angle > 0 else ("cylinder", "cylinders point")
+        remedy = _remedy(selector, atlas, found.away, False)
+        one, several = f"the {words[0]} points away from the atlas", f"{words[1]} away from the atlas"
+        notes.append(say(found.away, one + remedy, several, remedy))
+    return notes
+
+
+def warn(notes: list[str]) -> None:
+    """Each note as a warning about the line that called the package."""
+    frame, level = sys._getframe(), 1
+    while frame.f_back and frame.f_globals["__name__"].startswith(f"{__package__}."):
+        frame, level = frame.f_back, level + 1
+    for note in notes:
+        warnings.warn(note, PoseWarning, stacklevel=level)
