@@ -13,7 +13,7 @@
 All positions are RAS mm and all angles degrees, but in ``results`` and ``records``, which are the
 library's own structs.
 """
-from ._answers import Answers, Hit, Jitter, Selection, Sweep
+from ._answers import Answers, Hit, Jitter, Selection, Step, Sweep, Track
 from ._atlas import Atlas, Selector, load
 from ._conus import ffi as _ffi, lib as _lib
 from ._library import (
@@ -27,9 +27,11 @@ from ._library import (
     PoseWarning,
     UnsupportedError,
 )
+from ._track import Tracker
 
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
     "Answers", "ArgumentError", "Atlas", "CancelledError", "DataError", "Error", "FileError", "GLError", "Hit",
-    "Jitter", "OutOfMemoryError", "PoseWarning", "Selection", "Selector", "Sweep", "UnsupportedError", "load",
+    "Jitter", "OutOfMemoryError", "PoseWarning", "Selection", "Selector", "Step", "Sweep", "Track", "Tracker",
+    "UnsupportedError", "load",
 ]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import html
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Iterator
+from typing import TYPE_CHECKING, Any, Iterator, Optional
 
 import numpy as np
 
 from ._conus import ffi, lib
-from ._library import ADMISSION, CHANCE, RESULT, array_of, check, owned, text
+from ._library import ADMISSION, CHANCE, RESULT, STEP, array_of, check, owned, text
 
 if TYPE_CHECKING:
     import pandas
@@ -29,6 +29,10 @@ class Objects:
         self.abbreviations = np.array([""] + [text(o.abbreviation) for o in objects], object)
         self.labels = np.array([0] + [o.label for o in objects], np.uint32)
         self.colours = np.array([[0xBB] * 3] + [list(o.rgb) for o in objects], np.uint8)
+
+    def name(self, number: int) -> Optional[str]:
+        """Of an object; None of 0."""
+        return str(self.names[number]) if number else None
 
 
 def _categories(values: Array, codes: Array) -> Any:
@@ -79,6 +83,24 @@ def _columns(objects: Objects, results: Array, layers: bool) -> dict[str, Any]:
     return columns
 
 
+def _step_columns(steps: Array, results: Array) -> dict[str, Any]:
+    """The columns that `conus track` adds, of the step of each result."""
+    number = results["object"]
+    columns = {"time_s": steps["time_s"]}
+    for name in ("selected", "confirmed"):
+        columns[name] = (number == steps[name]) & (number > 0)
+    return columns
+
+
+@dataclass(frozen=True)
+class Step:
+    """Where a selection stands in its track."""
+
+    time_s: float
+    selected: Optional[str]  #: the first by rank of what is in the cone or has a score from before
+    confirmed: Optional[str]  #: what the trigger, pressed at this step, confirms
+
+
 @dataclass(frozen=True)
 class Hit:
     """One object in the cone, or last of all what hit nothing ("unassigned")."""
@@ -107,6 +129,16 @@ class Selection:
         self.results: Array = array_of(
             lib.conus_selection_result(self._p, 0), lib.conus_selection_count(self._p), RESULT
         )
+        step = lib.conus_selection_step(self._p)
+        self._steps: Array = array_of(step, 1 if step else 0, STEP)
+
+    @property
+    def step(self) -> Optional[Step]:
+        """Where a selection of a :class:`Tracker` stands in its track; None of another."""
+        if not len(self._steps):
+            return None
+        time_s, *numbers = self._steps[0]
+        return Step(float(time_s), *map(self.atlas.objects.name, numbers))
 
     def __len__(self) -> int:
         return len(self.results)
@@ -135,10 +167,13 @@ class Selection:
         return f"<conus.Selection: {hits}{', ...' if len(self) > 3 else ''}>"
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """The rows of ``conus query``, under the names of its columns."""
+        """The rows of ``conus query`` (of a tracker ``conus track``), under the names of its columns."""
         import pandas
 
-        return pandas.DataFrame(_columns(self.atlas.objects, self.results, self._layers))
+        columns = _columns(self.atlas.objects, self.results, self._layers)
+        if len(self._steps):
+            columns.update(_step_columns(self._steps.repeat(len(self)), self.results))
+        return pandas.DataFrame(columns)
 
     def mask(self, of: str = "areas", name: str | None = None) -> Any:
         """The voxels in the cone as a nibabel image on the atlas's grid.
@@ -241,6 +276,10 @@ class Answers:
     def __repr__(self) -> str:
         return f"<conus.Answers to {len(self)} poses: {len(self.results)} results, {len(self.errors)} errors>"
 
+    def _answer_columns(self) -> dict[str, Any]:
+        query = np.repeat(np.arange(len(self)), np.diff(self.starts))
+        return {"query": query, **_columns(self.atlas.objects, self.results, self._layers)}
+
     def to_dataframe(self) -> pandas.DataFrame:
         """The rows of ``conus batch``, under the names of its columns; ``query`` counts from 0.
 
@@ -248,14 +287,61 @@ class Answers:
         """
         import pandas
 
-        query = np.repeat(np.arange(len(self)), np.diff(self.starts))
-        frame = pandas.DataFrame({"query": query, **_columns(self.atlas.objects, self.results, self._layers)}, copy=False)
+        frame = pandas.DataFrame(self._answer_columns(), copy=False)
         if not self.errors:
             return frame
         failed = pandas.DataFrame({"query": list(self.errors), "kind": "error", "name": list(self.errors.values())})
         for column in ("kind", "name"):
             frame[column] = frame[column].astype(object)
         return pandas.concat([frame, failed]).sort_values("query", kind="stable", ignore_index=True)
+
+
+class Track(Answers):
+    """The answers to the steps of a moving device.
+
+    ``steps[i]`` is the library's record of step ``i``: its time, and the numbers of the objects that
+    are selected and confirmed (0 = none). A step without an answer is in ``errors``.
+    """
+
+    def __init__(
+        self, atlas: Atlas, results: Array, starts: Array, errors: dict[int, str], layers: bool, steps: Array
+    ) -> None:
+        super().__init__(atlas, results, starts, errors, layers)
+        self.steps = steps
+
+    def __repr__(self) -> str:
+        return f"<conus.Track of {len(self)} steps: {len(self.results)} results, {len(self.errors)} errors>"
+
+    @property
+    def selected(self) -> Array:
+        """The name of what is selected at each step, None where nothing is."""
+        names = self.atlas.objects.names.copy()
+        names[0] = None
+        return np.asarray(names[self.steps["selected"]])
+
+    def to_dataframe(self, selected: bool = False) -> pandas.DataFrame:
+        """The rows of ``conus track``, under the names of its columns; ``query`` counts from 0.
+
+        Parameters
+        ----------
+        selected
+            Of each step, only the rows of what is selected and confirmed; where nothing is, the row
+            "unassigned".
+
+        Returns
+        -------
+        pandas.DataFrame
+            A step without an answer has no row: it is as a lost frame.
+        """
+        import pandas
+
+        columns = self._answer_columns()
+        steps = self.steps[columns["query"]]
+        frame = pandas.DataFrame({**columns, **_step_columns(steps, self.results)}, copy=False)
+        if not selected:
+            return frame
+        nothing = (self.results["object"] == 0) & (steps["selected"] == 0) & (steps["confirmed"] == 0)
+        return frame[frame["selected"] | frame["confirmed"] | nothing].reset_index(drop=True)
 
 
 class _Study:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Un
 
 import numpy as np
 
-from ._answers import Answers, Array, Jitter, Objects, Selection, Sweep
+from ._answers import Answers, Array, Jitter, Objects, Selection, Sweep, Track
 from ._conus import ffi, lib
 from ._library import (
     RESULT,
@@ -22,6 +22,7 @@ from ._library import (
     vector,
 )
 from ._poses import Aims, PoseArray, notes_of, pose_of, warn
+from ._track import Tracker, follow
 
 if TYPE_CHECKING:
     import pandas
@@ -460,6 +461,46 @@ class Selector:
         self._warn(astray, many=True)
         return Answers(self.atlas, collector.results, collector.starts, errors, self._layers)
 
+    def tracker(self, **constants: Any) -> Tracker:
+        """What follows a device from step to step: see :class:`Tracker` for its constants."""
+        return Tracker(self, **constants)
+
+    def track(
+        self,
+        times_s: Any,
+        origins: Any = None,
+        directions: Any = None,
+        *,
+        poses: Any = None,
+        up: Any = None,
+        angle: Any = None,
+        trigger: Any = None,
+        progress: Progress = None,
+        **constants: Any,
+    ) -> Track:
+        """What a moving device selects, step by step, as ``conus track`` says of a file.
+
+        Parameters
+        ----------
+        times_s
+            (n,) seconds of any clock.
+        origins, directions, poses, up, angle, progress
+            As of :meth:`select_many`.
+        trigger
+            (n,) whether it is held down.
+        **constants
+            Of :class:`Tracker`.
+
+        Returns
+        -------
+        Track
+            A step that has no answer (a number that is not finite, a time before the last step) is
+            left out with a :class:`PoseWarning`, as a lost frame is.
+        """
+        tracker, array = Tracker(self, **constants), PoseArray(origins, directions, poses, up, angle)
+        default = self._angle(None if np.ndim(angle) else angle)
+        return follow(tracker, times_s, array, default, trigger, _progress_function(progress, len(array)))
+
     def _call(self, function: Any, *arguments: Any, state: Optional[_Callback] = None) -> None:
         """Asks the library; one thread at a time does."""
         self.atlas._p  # pylint: disable=pointless-statement  # raises if it is closed
@@ -616,6 +657,18 @@ class Atlas:
         """What is in each of many cones: see :meth:`Selector.select_many`."""
         return self._selector(options).select_many(
             origins, directions, poses=poses, up=up, angle=angle, threads=threads, progress=progress
+        )
+
+    def track(self, times_s: Any, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
+              angle: Any = None, trigger: Any = None, progress: Progress = None, **options: Any) -> Track:
+        """What a moving device selects: see :meth:`Selector.track`.
+
+        ``options`` are those of :class:`Tracker` and of :class:`Selector`: score="intenselect",
+        delay=0.2, ...
+        """
+        constants = {name: options.pop(name) for name in Tracker.CONSTANTS if name in options}
+        return self._selector(options).track(
+            times_s, origins, directions, poses=poses, up=up, angle=angle, trigger=trigger, progress=progress, **constants
         )
 
     def sweep(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,

@@ -42,7 +42,7 @@ class CancelledError(Error):
 
 
 class PoseWarning(UserWarning):
-    """Poses that look as if they came from another space or unit."""
+    """Poses that look as if they came from another space or unit, and steps of a track that are left out."""
 
 
 _ERRORS = {
@@ -113,3 +113,4 @@ def array_of(pointer: Any, count: int, dtype: np.dtype[Any]) -> np.ndarray[Any, 
 RESULT = dtype_of("conus_result")
 ADMISSION = dtype_of("conus_admission")
 CHANCE = dtype_of("conus_chance")
+STEP = dtype_of("conus_step")

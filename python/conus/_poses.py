@@ -80,8 +80,8 @@ class PoseArray:
         return int(lib.conus_pose_along(pose, array.origin + 3 * index, array.direction + 3 * index, up))
 
     def angle(self, index: int, default: float) -> float:
-        """Full opening, radians."""
-        return float(self.struct.angle[index]) if self.struct.angle else default
+        """Full opening, radians; where it is 0, the default."""
+        return float(self.struct.angle[index]) or default if self.struct.angle else default
 
 
 # ---- What looks wrong ----------------------------------------------------------------------------------------------
@@ -151,13 +151,20 @@ class Aims:
         self._p = owned(out[0], lib.conus_aims_destroy, selector)
         self._number = 2**63
 
+    @property
+    def found(self) -> Any:
+        """The conus_astray of all poses so far."""
+        return lib.conus_aims_found(self._p)
+
+    def add(self, number: int, pose: Any, angle: float) -> None:
+        lib.conus_aims_add(self._p, number, pose, angle)
+
     def of(self, pose: Any, angle: float) -> Any:
         """A conus_astray of this pose alone."""
-        found = lib.conus_aims_found(self._p)
-        before = {kind: getattr(found, kind).count for kind in ("inside", "away", "tiny")}
+        before = {kind: getattr(self.found, kind).count for kind in ("inside", "away", "tiny")}
         self._number -= 1  # the lowest so far: an oddity is that of the last pose
-        lib.conus_aims_add(self._p, self._number, pose, angle)
-        alone = ffi.new("conus_astray *", found[0])
+        self.add(self._number, pose, angle)
+        alone = ffi.new("conus_astray *", self.found[0])
         for kind, count in before.items():
             getattr(alone, kind).count -= count
         return alone
