@@ -27,11 +27,12 @@ from ._library import (
     PoseWarning,
     UnsupportedError,
 )
+from ._picture import Picture, Renderer, transfer_presets
 from ._track import Tracker
 
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
     "Answers", "ArgumentError", "Atlas", "CancelledError", "DataError", "Error", "FileError", "GLError", "Hit",
-    "Jitter", "OutOfMemoryError", "PoseWarning", "Selection", "Selector", "Step", "Sweep", "Track", "Tracker",
-    "UnsupportedError", "load",
+    "Jitter", "OutOfMemoryError", "Picture", "PoseWarning", "Renderer", "Selection", "Selector", "Step", "Sweep", "Track",
+    "Tracker", "UnsupportedError", "load", "transfer_presets",
 ]

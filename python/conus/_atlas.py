@@ -21,6 +21,7 @@ from ._library import (
     text,
     vector,
 )
+from ._picture import GLOwner, Picture, Renderer
 from ._poses import Aims, PoseArray, notes_of, pose_of, warn
 from ._track import Tracker, follow
 
@@ -358,11 +359,13 @@ class Selector:
         options.engine = choice("engine", engine, ("auto", "rays", "gl"))
         options.resolution, options.slices, options.range, options.radius = resolution, slices, range, radius
         options.level, options.score = words
+        self._owner = GLOwner() if engine == "gl" else None
         check(lib.conus_selector_create(out, atlas._p, options))
         self.atlas = atlas
         self._layers = layers == "all"
         self._is_cylinder = radius > 0
-        self._p = owned(out[0], lib.conus_selector_destroy, atlas._p)
+        destroy = lib.conus_selector_destroy
+        self._p = owned(out[0], self._owner.ender(destroy) if self._owner else destroy, atlas._p)
         self._lock = threading.Lock()
         self._aims: Optional[Aims] = None
 
@@ -504,6 +507,8 @@ class Selector:
     def _call(self, function: Any, *arguments: Any, state: Optional[_Callback] = None) -> None:
         """Asks the library; one thread at a time does."""
         self.atlas._p  # pylint: disable=pointless-statement  # raises if it is closed
+        if self._owner:
+            self._owner.check("selector")
         with self._lock:
             status = function(*arguments)
         (state.check if state else check)(status)
@@ -610,7 +615,8 @@ class Atlas:
 
     def _selector(self, options: dict[str, Any]) -> Selector:
         self._p  # pylint: disable=pointless-statement  # raises if it is closed
-        key = tuple(sorted((name, tuple(v) if isinstance(v, (list, np.ndarray)) else v) for name, v in options.items()))
+        thread = threading.get_ident() if options.get("engine") == "gl" else 0
+        key = thread, tuple(sorted((name, tuple(v) if isinstance(v, (list, np.ndarray)) else v) for name, v in options.items()))
         if key not in self._selectors:
             self._selectors[key] = Selector(self, **options)
         return self._selectors[key]
@@ -646,6 +652,36 @@ class Atlas:
         return self._selector(options).select(
             origin, toward=toward, direction=direction, up=up, pose=pose, angle=angle
         )
+
+    def renderer(self, *, transfer: Any = None, max_memory: int = 0) -> Renderer:
+        """The atlas made ready to be drawn again and again: see :class:`Renderer`."""
+        return Renderer(self, transfer=transfer, max_memory=max_memory)
+
+    def render(self, selection: Optional[Selection] = None, *, transfer: Any = None, max_memory: int = 0,
+               **view: Any) -> Picture:
+        """Draws one picture in space, as ``conus render`` does.
+
+        Parameters
+        ----------
+        selection
+            Its cone is drawn, with a legend.
+        transfer, max_memory
+            As of :class:`Renderer`.
+        **view
+            Of :meth:`Renderer.render`: size=(700, 525), camera_origin=(0, 0, 500), ...
+
+        Returns
+        -------
+        Picture
+            A notebook shows it; ``save("picture.png")`` writes it.
+
+        Raises
+        ------
+        GLError
+            Without an OpenGL 4.5 driver. Debian's libgl1-mesa-dri has one in software.
+        """
+        with self.renderer(transfer=transfer, max_memory=max_memory) as renderer:
+            return renderer.render(selection, **view)
 
     def near(self, point: Any, radius: float, **options: Any) -> Selection:
         """What is within ``radius`` mm of a point."""

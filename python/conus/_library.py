@@ -2,6 +2,7 @@
 """The border to C: errors, texts, and the library's structs as numpy sees them."""
 from __future__ import annotations
 
+import operator
 from typing import Any, Sequence
 
 import numpy as np
@@ -34,7 +35,7 @@ class UnsupportedError(Error):
 
 
 class GLError(Error, RuntimeError):
-    """There is no usable OpenGL driver."""
+    """There is no usable OpenGL driver, or it was used before the process was forked."""
 
 
 class CancelledError(Error):
@@ -77,6 +78,17 @@ def choice(option: str, value: str, values: Sequence[str]) -> int:
     if value not in values:
         raise ArgumentError(f"{option}: {value!r}, allowed is {', '.join(values)}")
     return list(values).index(value)
+
+
+def whole(name: str, value: Any, low: int = 0, high: int = 2**32 - 1) -> int:
+    """A whole number that C's types hold; the library checks further."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise ArgumentError(f"{name}: {value!r}, wanted is a whole number") from None
+    if not low <= number <= high:
+        raise ArgumentError(f"{name}: {number}, allowed is {low} to {high}")
+    return number
 
 
 def vector(name: str, values: Any) -> list[float]:

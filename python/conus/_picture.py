@@ -1,0 +1,327 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures in space, which OpenGL draws, and what holds for all that uses OpenGL."""
+from __future__ import annotations
+
+import math
+import os
+import threading
+from typing import TYPE_CHECKING, Any, Callable, Optional, Sequence, Union
+
+import numpy as np
+
+from ._answers import Array, Selection, image_bytes, image_channel
+from ._conus import ffi, lib
+from ._library import ArgumentError, GLError, array_of, check, dtype_of, owned, text, whole
+from ._poses import pose_of
+
+if TYPE_CHECKING:
+    from ._atlas import Atlas, Path
+
+
+# ---- OpenGL --------------------------------------------------------------------------------------------------------
+
+
+class _Process:
+    """Whether OpenGL was used by this process, and by one that it was forked from."""
+
+    used = False
+    forked = False
+
+
+def _note_fork() -> None:
+    _Process.forked = _Process.forked or _Process.used
+
+
+os.register_at_fork(after_in_child=_note_fork)
+
+
+class GLOwner:
+    """The thread that makes an object of OpenGL, and alone may use and end it."""
+
+    def __init__(self) -> None:
+        self._thread = threading.get_ident()
+        self.check("")
+
+    def check(self, name: str) -> None:
+        """Comes before each use. Behind a fork the driver would wait for threads that are not there."""
+        if threading.get_ident() != self._thread:
+            raise ArgumentError(f"{name}: with OpenGL it belongs to the thread that made it")
+        if _Process.forked:
+            raise GLError(
+                "OpenGL was used before this process was forked, and does not cross a fork: "
+                "use the method spawn of multiprocessing, or the rays engine"
+            )
+        _Process.used = True
+
+    def ender(self, destroy: Callable[[Any], None]) -> Callable[[Any], None]:
+        """What ends an object; elsewhere it does nothing."""
+        thread = self._thread
+        return lambda p: None if _Process.forked or threading.get_ident() != thread else destroy(p)
+
+
+# ---- Pictures ------------------------------------------------------------------------------------------------------
+
+_SRGB = (np.arange(255) + 0.5) / 255
+_STEPS = np.where(_SRGB <= 0.04045, _SRGB / 12.92, ((_SRGB + 0.055) / 1.055) ** 2.4).astype(np.float32)
+_POINT = dtype_of("conus_transfer_point")
+
+
+class Picture:
+    """A picture of an atlas; a notebook shows it.
+
+    Attributes
+    ----------
+    device : str
+        What drew it, as OpenGL calls it.
+    """
+
+    def __init__(self, pointer: Any, device: str) -> None:
+        self._p = owned(pointer, lib.conus_image_destroy)
+        self._lock = threading.Lock()
+        self.device = device
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height, pixels."""
+        return int(lib.conus_image_width(self._p)), int(lib.conus_image_height(self._p))
+
+    @property
+    def channels(self) -> list[str]:
+        """Names of the channels: R, G, B, A."""
+        names: list[str] = []
+        while name := lib.conus_image_channel(self._p, len(names)):
+            names.append(text(name))
+        return names
+
+    def channel(self, name: str) -> Array:
+        """(height, width) float32, top row first: linear light, as in an OpenEXR file."""
+        return image_channel(self._p, name)
+
+    @property
+    def array(self) -> Array:
+        """(height, width, 4) uint8, top row first: sRGB and opacity 255, the pixels of the PNG."""
+        width, height = self.size
+        rgba = np.full((height, width, 4), 255, np.uint8)
+        for i, name in enumerate("RGB"):
+            rgba[..., i] = np.searchsorted(_STEPS, self.channel(name), "right")
+        return rgba
+
+    def save(self, path: Path) -> None:
+        """Writes the picture.
+
+        Parameters
+        ----------
+        path
+            Ends in .png, or in .exr for linear light as float. The file appears whole or not at all.
+
+        Raises
+        ------
+        ArgumentError
+            For another ending.
+        FileError
+            Where the system refuses.
+        """
+        check(lib.conus_image_write(self._p, os.fsencode(path)))
+
+    def _repr_png_(self) -> bytes:
+        with self._lock:
+            return image_bytes(self._p)
+
+    def __repr__(self) -> str:
+        return f"<conus.Picture of {self.size[0]} x {self.size[1]} pixels, by {self.device}>"
+
+
+class Renderer:
+    """An atlas made ready to be drawn again and again; :meth:`Atlas.render` draws one picture.
+
+    It uses OpenGL 4.5, in hardware or software, and belongs to the thread that makes it.
+
+    Parameters
+    ----------
+    atlas : Atlas
+        What is drawn.
+    transfer : str, path or array, optional
+        Colours and opacities of the context by its values: a preset ("brain", "surface", ...; see
+        :func:`transfer_presets`), a TF file, or (n, 5) points of value, sRGB, and opacity of 1 mm. Without
+        it, what the manifest says, or "brain".
+    max_memory : int
+        Of textures, bytes; 0 = 8 GiB.
+
+    Raises
+    ------
+    GLError
+        Without an OpenGL 4.5 driver, and in a process that was forked from one that used OpenGL.
+    ArgumentError
+        For a transfer function that is none, and for one without a context.
+    """
+
+    def __init__(self, atlas: Atlas, *, transfer: Any = None, max_memory: int = 0) -> None:
+        self.atlas = atlas
+        self._p: Any = None
+        pointer, out = atlas._p, ffi.new("conus_renderer **")
+        options = ffi.new("conus_renderer_options *", {"max_memory": whole("max_memory", max_memory, high=2**64 - 1)})
+        is_name = isinstance(transfer, (str, bytes, os.PathLike))
+        name = ffi.new("char[]", os.fsencode(transfer)) if is_name else ffi.NULL
+        options.transfer = name
+        self._owner = GLOwner()
+        check(lib.conus_renderer_create(out, pointer, options))
+        self._p = owned(out[0], self._owner.ender(lib.conus_renderer_destroy), pointer)
+        if is_name:
+            self._needs_context()
+        elif transfer is not None:
+            self.transfer = transfer
+
+    def close(self) -> None:
+        """Frees its memory. Drawing afterwards is an error."""
+        if self._p is not None:
+            self._owner.check("renderer")
+            ffi.release(self._p)
+        self._p = None
+
+    def __enter__(self) -> Renderer:
+        return self
+
+    def __exit__(self, *unused: object) -> None:
+        self.close()
+
+    def _mine(self) -> Any:
+        self.atlas._p  # pylint: disable=pointless-statement  # raises if it is closed
+        if self._p is None:
+            raise ArgumentError("renderer: it is closed")
+        self._owner.check("renderer")
+        return self._p
+
+    @property
+    def device(self) -> str:
+        """What draws, as OpenGL calls it."""
+        return text(lib.conus_renderer_device(self._mine()))
+
+    @property
+    def transfer(self) -> Array:
+        """(n, 5) points of the context's transfer function: value, sRGB, opacity of 1 mm; it may be set."""
+        count = ffi.new("size_t *")
+        points = array_of(lib.conus_renderer_transfer(count, self._mine()), count[0], _POINT)
+        return np.column_stack([points["value"], points["rgba"]])
+
+    @transfer.setter
+    def transfer(self, points: Any) -> None:
+        array = np.ascontiguousarray(points, float)
+        if array.ndim != 2 or array.shape[1] != 5:
+            raise ArgumentError(f"transfer: an array of shape {array.shape}, wanted is (n, 5)")
+        self._needs_context()
+        values = ffi.cast("conus_transfer_point *", array.ctypes.data)
+        check(lib.conus_renderer_set_transfer(self._mine(), values, len(array)))
+
+    def _needs_context(self) -> None:
+        if not len(self.transfer):
+            raise ArgumentError("transfer: the atlas has no context")
+
+    def render(
+        self,
+        selection: Optional[Selection] = None,
+        *,
+        size: tuple[int, int] = (1400, 1050),
+        camera: Any = None,
+        camera_origin: Any = None,
+        camera_toward: Any = None,
+        camera_up: Any = None,
+        field_of_view: Optional[float] = None,
+        frustum: Optional[Sequence[float]] = None,
+        slices: Optional[int] = None,
+        chosen: Union[str, None] = None,
+        fade: float = 0,
+        legend: bool = True,
+        skipping: bool = True,
+        draft: bool = False,
+    ) -> Picture:
+        """Draws the atlas as ``conus render`` does.
+
+        Parameters
+        ----------
+        selection : Selection, optional
+            Of this atlas: its cone, axis and contacts are drawn, with a legend. With layers="all", areas
+            that are in the cone but occluded are striped.
+        size : (int, int)
+            Width and height, pixels, each 1 to 16384.
+        camera
+            (4, 4) matrix from the camera to the world; the camera points along its -z. Without a
+            camera, the picture shows the whole atlas from the cone's side.
+        camera_origin, camera_toward, camera_up
+            Or where the camera is, the point in the middle of its picture, and its up direction; RAS mm.
+        field_of_view : float
+            From the lower to the upper edge, degrees; 30 if not given.
+        frustum : (left, right, bottom, top)
+            Or the edges of a camera's picture at depth 1.
+        slices : int
+            Planes across the view at which volumes are sampled; sqrt(2) times the longest edge if not
+            given.
+        chosen : str
+            An object that is never pale, with those below it in the area tree.
+        fade : float
+            How much the context is thinned: 0 not at all, 1 it is gone.
+        legend : bool
+            Text.
+        skipping : bool
+            Skip empty space: the same picture, quicker.
+        draft : bool
+            Leave edges rough: quicker.
+
+        Returns
+        -------
+        Picture
+            With a light background.
+
+        Raises
+        ------
+        ArgumentError
+            For a number out of its range, and for a selection of another atlas.
+        GLError
+            Where the driver fails.
+        """
+        pointer, view, out = self._mine(), ffi.new("conus_view *"), ffi.new("conus_image **")
+        view.width, view.height = (whole("size", side, 1) for side in size)
+        alive = _camera_of(camera, camera_origin, camera_toward, camera_up)
+        view.camera = alive or ffi.NULL
+        _set_lens(view, field_of_view, frustum)
+        if slices is not None:
+            view.slices = whole("slices", slices, 1)
+        if selection is not None:
+            if selection.atlas is not self.atlas:
+                raise ArgumentError("selection: it is of another atlas")
+            view.selection = selection._p
+        view.chosen = 0 if chosen is None else self.atlas.find(chosen)
+        view.fade, view.draft, view.no_legend, view.no_skipping = fade, draft, not legend, not skipping
+        check(lib.conus_render(out, pointer, view))
+        return Picture(out[0], self.device)
+
+    def __repr__(self) -> str:
+        return f"<conus.Renderer of {self.atlas!r}>"
+
+
+def _camera_of(camera: Any, origin: Any, toward: Any, up: Any) -> Any:
+    """A conus_pose, or None."""
+    if camera is None and origin is None and toward is None and up is None:
+        return None
+    try:
+        return pose_of(origin, toward, None, up, camera)
+    except ArgumentError as error:
+        raise ArgumentError(f"camera: {error}") from None
+
+
+def _set_lens(view: Any, field_of_view: Optional[float], frustum: Optional[Sequence[float]]) -> None:
+    if field_of_view is not None:
+        if field_of_view == 0:  # which is the library's word for its default
+            raise ArgumentError("field of view of 0 degrees; allowed is more than 0 and less than 180")
+        view.field_of_view = math.radians(field_of_view)
+    if frustum is not None:
+        if len(frustum) != 4 or not any(frustum):
+            raise ArgumentError("frustum: wanted are left < right, bottom < top")
+        view.frustum = [float(edge) for edge in frustum]
+
+
+def transfer_presets() -> list[str]:
+    """Names of the transfer functions that :class:`Renderer` knows."""
+    names: list[str] = []
+    while name := lib.conus_transfer_preset(len(names)):
+        names.append(text(name))
+    return names

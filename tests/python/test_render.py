@@ -1,0 +1,345 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures in space, and what else uses OpenGL. $CONUS is the program conus."""
+import gc
+import io
+import multiprocessing
+import os
+import subprocess
+import sys
+import threading
+
+import matplotlib.image
+import nibabel
+import numpy as np
+import pytest
+
+import conus
+from support import AAL, AFFINE, NAMES, call_conus, needs_aal, plates, same
+
+CONTEXT = "/usr/share/mricron/templates/ch2bet.nii.gz"
+CONE = {"origin": (-90, 20, 20), "toward": (0, -10, 10), "angle": 20}
+SMALL = (200, 150)
+HANG = 120  # s; only what hangs takes so long
+
+
+@pytest.fixture(name="_gl", scope="module", autouse=True)
+def needs_gl():
+    try:
+        conus.load(plates(), AFFINE).render(size=(8, 8))
+    except conus.GLError as error:
+        pytest.skip(f"no OpenGL: {error}")
+
+
+@pytest.fixture(name="aal", scope="module")
+def load_aal():
+    return conus.load(AAL, context=CONTEXT)
+
+
+def pixels_of(png):
+    return np.rint(matplotlib.image.imread(io.BytesIO(png), "png") * 255).astype(np.uint8)
+
+
+# ---- The picture of the program ------------------------------------------------------------------------------------
+
+CAMERA = {"camera_origin": (0, 0, 500), "camera_toward": (0, -20, 0), "camera_up": (0, 1, 0)}
+
+# What the library is asked, and the words for the program: options of the cone, of the picture, and further words.
+CASES = {
+    "atlas": (None, {}, ()),
+    "cone": ({}, {}, ()),
+    "all layers": ({"layers": "all", "resolution": 32}, {}, ()),
+    "cylinder": ({"radius": 4}, {}, ()),
+    "camera": ({}, {**CAMERA, "field_of_view": 20}, ()),
+    "frustum": (None, {**CAMERA, "frustum": (-0.1, 0.3, -0.2, 0.2)}, ()),
+    "slices": (None, {"slices": 40}, ()),
+    "no legend": ({}, {"legend": False}, ("--no-legend",)),
+    "no skipping": (None, {"skipping": False}, ("--no-skipping",)),
+    "transfer": (None, {"transfer": "surface"}, ()),
+}
+
+
+@needs_aal
+@pytest.mark.parametrize("case", CASES)
+def test_picture_is_the_file_of_the_program(aal, tmp_path, case):
+    """To the byte: one library draws both, and the driver is the same."""
+    cone, view, words = CASES[case]
+    hits = None
+    words = [*words, f"--context={CONTEXT}", "--size={}x{}".format(*SMALL), "-q", "-o", tmp_path / "theirs.png"]
+    given = {name: value for name, value in view.items() if not isinstance(value, bool)}
+    if cone is not None:
+        aim = {name: value for name, value in CONE.items() if name != "angle" or "radius" not in cone}
+        hits = aal.select(**aim, **cone)
+        given.update(**aim, **cone)
+    for name, value in given.items():
+        text = ",".join(map(str, value)) if isinstance(value, tuple) else value
+        words.append(f"--{name.replace('_', '-')}={text}")
+    call_conus("render", AAL, *words)
+    picture = aal.render(hits, size=SMALL, **view)
+    theirs = (tmp_path / "theirs.png").read_bytes()
+    assert picture._repr_png_() == theirs
+    assert np.array_equal(picture.array, pixels_of(theirs))
+    picture.save(tmp_path / "ours.png")
+    assert (tmp_path / "ours.png").read_bytes() == theirs
+    assert len(np.unique(picture.array.reshape(-1, 4), axis=0)) > 300  # more than the 56 greys of a background
+
+
+@needs_aal
+def test_transfer_of_points_is_that_of_its_name(aal):
+    with aal.renderer(transfer="surface") as surface, aal.renderer() as other:
+        assert surface.transfer.shape[1] == 5 and (np.diff(surface.transfer[:, 0]) >= 0).all()
+        wanted = surface.render(size=SMALL).array
+        assert not np.array_equal(other.render(size=SMALL).array, wanted)
+        other.transfer = surface.transfer
+        assert np.array_equal(other.render(size=SMALL).array, wanted)
+        assert np.array_equal(aal.render(size=SMALL, transfer=surface.transfer).array, wanted)
+    assert {"brain", "surface"} <= {*conus.transfer_presets()}
+
+
+@needs_aal
+def test_context_fades_and_a_draft_is_rough(aal):
+    """Without its context, the atlas is the picture; a draft has fewer shades at edges."""
+    bare = conus.load(AAL).render(size=SMALL, legend=False, **CAMERA).array
+    with aal.renderer() as renderer:
+        assert np.array_equal(renderer.render(size=SMALL, legend=False, fade=1, **CAMERA).array, bare)
+        whole = renderer.render(size=SMALL, legend=False, **CAMERA).array
+        draft = renderer.render(size=SMALL, legend=False, draft=True, **CAMERA).array
+    assert not np.array_equal(whole, bare) and not np.array_equal(whole, draft)
+
+
+# ---- What is drawn -------------------------------------------------------------------------------------------------
+
+
+def test_camera_sees_the_plates_where_they_are(atlas):
+    """From z = 200 down: x = 29, the middle of the right plate, is at 29 / (200 tan 15) of half the width, 50 pixels."""
+    camera = np.eye(4)
+    camera[:3, 3] = (0, 0, 200)
+    picture = atlas.render(size=(100, 100), legend=False, camera=camera)
+    side = 29 / (200 * np.tan(np.radians(15)))
+    columns = [round(50 + 50 * x) for x in (-side, 0, side)]
+    left, middle, right = (picture.array[50, column, :3].astype(int) for column in columns)
+    info = atlas.objects.colours[1:].astype(int)
+    assert np.ptp(middle) == 0  # the background is grey
+    for seen, colour in ((left, info[0]), (right, info[1])):
+        assert np.abs(seen / seen.max() - colour / colour.max()).max() < 0.2
+
+
+def test_channels_are_linear_light(atlas):
+    picture = atlas.render(size=(40, 30))
+    assert picture.size == (40, 30) and picture.channels == ["R", "G", "B", "A"]
+    assert (picture.channel("A") == 1).all()
+    red = picture.channel("R")
+    assert red.shape == (30, 40) and red.dtype == np.float32
+    srgb = np.where(red <= 0.0031308, 12.92 * red, 1.055 * np.maximum(red, 0) ** (1 / 2.4) - 0.055).clip(0, 1)
+    assert np.abs(255 * srgb - picture.array[..., 0]).max() <= 0.501
+    assert picture.array.dtype == np.uint8 and picture.array.shape == (30, 40, 4)
+    with pytest.raises(KeyError):
+        picture.channel("Z")
+    assert repr(picture).startswith("<conus.Picture of 40 x 30 pixels, by ") and picture.device in repr(picture)
+
+
+def test_picture_is_saved_where_the_path_says(atlas, tmp_path):
+    picture = atlas.render(size=(40, 30))
+    folder = os.fsencode(tmp_path) + b"/a b\xff"
+    os.mkdir(folder)
+    for path in (folder + b"/x.exr", tmp_path / "x.exr", str(tmp_path / "y.png")):
+        picture.save(path)
+        assert open(path, "rb").read(4) in (b"\x76\x2f\x31\x01", b"\x89PNG")
+    for path, error in (("x.jpg", conus.ArgumentError), (tmp_path / "no" / "x.png", conus.FileError)):
+        with pytest.raises(error):
+            picture.save(path)
+
+
+def test_chosen_object_is_not_pale(atlas):
+    hits = atlas.select((0, 0, 0), direction=(1, 0, 0))
+    pale, full = (atlas.render(hits, size=(60, 40), chosen=name).array for name in (None, "left"))
+    assert not np.array_equal(pale, full)
+
+
+def test_a_renderer_is_used_again_and_closed(atlas):
+    once = atlas.render(size=(60, 40)).array
+    with atlas.renderer() as renderer:
+        assert all(np.array_equal(renderer.render(size=(60, 40)).array, once) for _ in range(3))
+        assert renderer.device and repr(renderer) == "<conus.Renderer of <conus.Atlas of 2 objects>>"
+    renderer.close()  # again
+    for ask in (renderer.render, lambda: renderer.device, lambda: renderer.transfer):
+        with pytest.raises(conus.ArgumentError, match="closed"):
+            ask()
+
+
+# ---- What is refused -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "view",
+    [
+        {"size": (0, 10)},
+        {"size": (10, -1)},
+        {"size": (10, 1.5)},
+        {"size": (10, 20000)},
+        {"field_of_view": 0},
+        {"field_of_view": 180},
+        {"field_of_view": np.nan},
+        {"frustum": (-1, 1, -1, 1)},
+        {"frustum": (0, 0, 0, 0), "camera": np.eye(4)},
+        {"frustum": (1, -1, -1, 1), "camera": np.eye(4)},
+        {"frustum": (-1, 1, -1), "camera": np.eye(4)},
+        {"frustum": (-1, 1, -1, 1), "camera": np.eye(4), "field_of_view": 30},
+        {"camera": np.eye(3)},
+        {"camera": 2 * np.eye(4)},
+        {"camera": np.full((4, 4), np.nan)},
+        {"camera": np.eye(4), "camera_origin": (0, 0, 0)},
+        {"camera_origin": (0, 0, 0)},
+        {"camera_up": (0, 0, 1)},
+        {"slices": 0},
+        {"slices": 70000},
+        {"fade": 1.1},
+        {"fade": np.nan},
+        {"chosen": "riht"},
+        {"transfer": "surface"},
+        {"transfer": [[0, 0, 0, 0, 0]]},
+        {"transfer": np.zeros((2, 4))},
+        {"max_memory": -1},
+    ],
+)
+def test_bad_view_is_an_error(atlas, view):
+    with pytest.raises(conus.ArgumentError) as caught:
+        atlas.render(**{"size": (10, 10), **view})
+    assert "\n" not in str(caught.value)
+
+
+def test_selection_of_another_atlas_or_of_a_ball_is_an_error(atlas):
+    other = conus.load(plates(), AFFINE, labels=NAMES)
+    for hits in (other.select((0, 0, 0), direction=(1, 0, 0)), atlas.near((21, 1, 1), 5)):
+        with pytest.raises(conus.ArgumentError, match="selection"):
+            atlas.render(hits, size=(10, 10))
+
+
+def test_bad_transfer_is_an_error(atlas, tmp_path):
+    context = conus.load(plates(), AFFINE, context=nibabel.Nifti1Image(plates("f4"), AFFINE))
+    for transfer, error in (
+        ("nonsense", conus.Error),
+        (tmp_path / "no.json", conus.Error),
+        ([[2, 0, 0, 0, 0], [1, 0, 0, 0, 0]], conus.ArgumentError),
+        ([[0, np.nan, 0, 0, 0]], conus.ArgumentError),
+        (np.empty((0, 5)), conus.ArgumentError),
+    ):
+        with pytest.raises(error):
+            context.render(size=(10, 10), transfer=transfer)
+
+
+def test_textures_above_max_memory_are_an_error(atlas):
+    with pytest.raises(conus.OutOfMemoryError):
+        atlas.render(size=(10, 10), max_memory=1000)
+
+
+def test_closed_atlas_is_not_drawn(atlas):
+    with atlas.renderer() as renderer:
+        picture = renderer.render(size=(10, 10))
+        atlas.close()
+        for ask in (atlas.render, renderer.render):
+            with pytest.raises(conus.ArgumentError, match="closed"):
+                ask()
+    assert picture.array.any()
+
+
+# ---- Threads and processes -----------------------------------------------------------------------------------------
+
+
+def in_thread(function):
+    """What the function returns or raises in another thread."""
+    found = []
+
+    def run():
+        try:
+            found.append(function())
+        except conus.Error as error:
+            found.append(error)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    thread.join()
+    return found[0]
+
+
+def test_each_thread_draws_with_a_renderer_of_its_own(atlas):
+    wanted = atlas.render(size=(60, 40)).array
+    assert np.array_equal(in_thread(lambda: atlas.render(size=(60, 40)).array), wanted)
+    with atlas.renderer() as renderer:
+        error = in_thread(renderer.render)
+        assert isinstance(error, conus.ArgumentError) and "thread" in str(error)
+
+
+def test_each_thread_has_a_gl_selector_of_its_own(atlas):
+    aim = {"origin": (0, 0, 0), "direction": (1, 0, 0)}
+    wanted = atlas.select(**aim, engine="rays").results
+    selector = atlas.selector(engine="gl")
+    for ask in (lambda: atlas.select(**aim, engine="gl").results, lambda: selector.select(**aim).results):
+        assert same(ask(), wanted)
+    assert same(in_thread(lambda: atlas.select(**aim, engine="gl").results), wanted)
+    error = in_thread(lambda: selector.select(**aim))
+    assert isinstance(error, conus.ArgumentError) and "thread" in str(error)
+
+
+def test_what_is_dropped_elsewhere_is_left_alone(atlas):
+    held = [atlas.renderer(), atlas.selector(engine="gl")]
+    in_thread(lambda: (held.clear(), gc.collect()))
+    assert atlas.render(size=(10, 10)).array.any()
+
+
+def draw(atlas):
+    return atlas.render(size=(60, 40)).array
+
+
+def select_by_gl(atlas):
+    return atlas.select((0, 0, 0), direction=(1, 0, 0), engine="gl").results
+
+
+def test_opengl_crosses_no_fork_but_spawn(atlas):
+    drawn, selected = draw(atlas), select_by_gl(atlas)
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        for function in (draw, select_by_gl):
+            with pytest.raises(conus.GLError, match="fork"):
+                pool.apply_async(function, (atlas,)).get(HANG)
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        assert np.array_equal(pool.apply_async(draw, (atlas,)).get(HANG), drawn)
+        assert same(pool.apply_async(select_by_gl, (atlas,)).get(HANG), selected)
+
+
+def test_a_gl_selector_crosses_no_fork():
+    """The rays engine answers in the child, and what uses OpenGL is an error there, also where it is dropped."""
+    script = """
+import gc, os
+import numpy, conus
+atlas = conus.load(numpy.ones((4, 4, 4), "u1"), numpy.eye(4))
+gl, renderer = atlas.selector(engine="gl"), atlas.renderer()
+aim = {"origin": (1.5, 1.5, 50), "toward": (1.5, 1.5, 1.5)}
+def refused(ask):
+    try:
+        ask()
+    except conus.GLError as error:
+        return "fork" in str(error)
+child = os.fork()
+if not child:
+    good = len(atlas.select(**aim)) == 2 and refused(lambda: gl.select(**aim)) and refused(renderer.render)
+    good = good and refused(renderer.close) and refused(atlas.render) and refused(lambda: atlas.selector(engine="gl"))
+    del gl, renderer
+    gc.collect()
+    os._exit(0 if good else 1)
+assert os.waitpid(child, 0)[1] == 0
+assert len(gl.select(**aim)) == 2 and renderer.render(size=(8, 8)).array.any()
+"""
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=HANG)
+
+
+def test_a_child_may_be_the_first_to_draw():
+    script = """
+import os
+import numpy, conus
+atlas = conus.load(numpy.ones((4, 4, 4), "u1"), numpy.eye(4))
+child = os.fork()
+picture = atlas.render(size=(8, 8))
+if not child:
+    os._exit(0 if picture.array.any() else 1)
+assert os.waitpid(child, 0)[1] == 0
+"""
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=HANG)
