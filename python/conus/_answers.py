@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Iterator, Optional
+from typing import TYPE_CHECKING, Any, Iterator, Optional, Union, overload
 
 import numpy as np
 
@@ -143,7 +143,13 @@ class Selection:
     def __len__(self) -> int:
         return len(self.results)
 
-    def __getitem__(self, index: int) -> Hit:
+    @overload
+    def __getitem__(self, index: int) -> Hit: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Hit]: ...
+    def __getitem__(self, index: Union[int, slice]) -> Union[Hit, list[Hit]]:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
         record = self.results[index]
         objects = self.atlas.objects
         number = record["object"]
@@ -163,7 +169,7 @@ class Selection:
         return (self[i] for i in range(len(self)))
 
     def __repr__(self) -> str:
-        hits = ", ".join(f"{hit.name} {100 * hit.share:.1f} %" for hit in list(self)[:3])
+        hits = ", ".join(f"{hit.name} {100 * hit.share:.1f} %" for hit in self[:3])
         return f"<conus.Selection: {hits}{', ...' if len(self) > 3 else ''}>"
 
     def to_dataframe(self) -> pandas.DataFrame:

@@ -17,9 +17,14 @@ from ._library import (
     ArgumentError,
     check,
     choice,
+    numbers,
+    optional,
     owned,
+    path_of,
     text,
+    utf8,
     vector,
+    whole,
 )
 from ._picture import GLOwner, Picture, Renderer
 from ._poses import Aims, PoseArray, notes_of, pose_of, warn
@@ -45,10 +50,10 @@ def _fill_voxels(data: Any, affine: Any, name: str, space_code: int) -> tuple[An
     kind = array.dtype.str[1:]
     if array.ndim != 3 or kind not in _SCALARS:
         raise ArgumentError(f"{name}: an array of {array.dtype}, shape {array.shape}; wanted are 3 axes of numbers")
-    matrix = np.asarray(affine, float)
+    matrix = numbers("affine", affine)
     if matrix.shape != (4, 4):
         raise ArgumentError(f"affine: an array of shape {matrix.shape}, wanted is (4, 4)")
-    voxels, words = ffi.new("conus_voxels *"), ffi.new("char[]", os.fsencode(name))
+    voxels, words = ffi.new("conus_voxels *"), path_of("name", name)
     voxels.data = ffi.cast("void *", array.__array_interface__["data"][0])
     voxels.type = 1 + _SCALARS.index(kind)
     voxels.swapped = not array.dtype.isnative
@@ -58,42 +63,50 @@ def _fill_voxels(data: Any, affine: Any, name: str, space_code: int) -> tuple[An
     return voxels, [array, words]
 
 
-def _label_rows(labels: Labels) -> Iterable[Mapping[str, Any]]:
+def _label_rows(labels: Any) -> list[Mapping[str, Any]]:
+    """What is missing is None."""
     if labels is None:
         return []
-    if isinstance(labels, Mapping):
+    if hasattr(labels, "columns"):
+        table = labels if "index" in labels else labels.rename(columns={"label": "index"})
+        for name in ("index", "name"):
+            if name not in table:
+                raise ArgumentError(f"labels: there is no column {name}")
+        return list(table.astype(object).where(table.notna(), None).to_dict("records"))
+    if hasattr(labels, "items"):
         return [{"index": number, "name": name} for number, name in labels.items()]
-    key = "index" if "index" in labels else "label"
-    return list(labels.rename(columns={key: "index"}).to_dict("records"))
+    raise ArgumentError(f"labels: {type(labels).__name__}, wanted is {{number: name}} or a DataFrame")
 
 
 def _fill_labels(labels: Labels) -> tuple[Any, int, list[Any]]:
     """[count] conus_label, and what must live as long as they."""
-    rows = list(_label_rows(labels))
+    rows = _label_rows(labels)
     table, words = ffi.new("conus_label[]", max(1, len(rows))), []
 
-    def word(value: Any) -> Any:
-        words.append(ffi.new("char[]", str(value).encode()))
+    def word(row: Mapping[str, Any], name: str) -> Any:
+        value = row.get(name)
+        words.append(optional(utf8, f"labels: {name}", None if value is None else str(value)))
         return words[-1]
 
     for entry, row in zip(table, rows):
-        entry.number, entry.name = int(row["index"]), word(row["name"])
-        if row.get("abbreviation"):
-            entry.abbreviation = word(row["abbreviation"])
-        if row.get("hemisphere"):
-            entry.hemisphere = str(row["hemisphere"]).encode()
-        entry.parent = int(row.get("parent") or 0)
+        entry.number = whole("labels: index", row["index"])
+        entry.name, entry.abbreviation = word(row, "name"), word(row, "abbreviation")
+        hemisphere = str(row.get("hemisphere") or "\0").encode()
+        if len(hemisphere) > 1:
+            raise ArgumentError(f"labels: hemisphere: {row['hemisphere']!r}, allowed is L, R or B")
+        entry.hemisphere = hemisphere
+        entry.parent = whole("labels: parent", row.get("parent") or 0)
     return table, len(rows), words
 
 
 def _from_file(path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any) -> Any:
     options, out = ffi.new("conus_load_options *"), ffi.new("conus_atlas **")
-    table = ffi.new("char[]", os.fsencode(labels)) if labels is not None else ffi.NULL
+    table, file = optional(path_of, "labels", labels), path_of("source", path)
     state = _Callback(progress)
     handle = state.hear(options)
     options.labels, options.labels_anyway, options.max_memory = table, labels_anyway, max_memory
     options.progress, options.progress_user = lib.conus_py_load_progress, handle
-    status = lib.conus_atlas_load(out, os.fsencode(path), options)
+    status = lib.conus_atlas_load(out, file, options)
     raw = owned(out[0], lib.conus_atlas_destroy)
     state.check(status)
     return raw
@@ -162,6 +175,7 @@ def load(
     progress
         Called with a path, the number of files that are read, and how many there are.
     """
+    max_memory = whole("max_memory", max_memory, high=2**64 - 1)
     if isinstance(source, (str, bytes, os.PathLike)):
         raw = _from_file(source, labels, labels_anyway, max_memory, progress)
     elif hasattr(source, "dataobj"):
@@ -171,16 +185,19 @@ def load(
         raise ArgumentError("affine: an array needs one")
     else:
         raw = _from_array(source, affine, labels, labels_anyway, "array", 0)
+    if isinstance(pathways, (str, bytes, os.PathLike)):
+        raise ArgumentError("pathways: a path, wanted is a list")
     for pathway in pathways:
         _add_pathway(raw, pathway, max_memory)
+    if context is None and context_blocks:
+        raise ArgumentError("context_blocks: there is no context")
     if context is not None:
         _set_context(raw, context, context_blocks, max_memory)
     how = choice("hemispheres", hemispheres, ("as-is", "split", "merged"))
     if how:
         check(lib.conus_atlas_set_hemispheres(raw, how))
     if only is not None or hide is not None:
-        words = [ffi.NULL if w is None else ffi.new("char[]", w.encode()) for w in (only, hide)]
-        check(lib.conus_atlas_show(raw, *words))
+        check(lib.conus_atlas_show(raw, optional(utf8, "only", only), optional(utf8, "hide", hide)))
     return Atlas(raw)
 
 
@@ -194,7 +211,7 @@ def _add_pathway(atlas: Any, pathway: Any, max_memory: int) -> None:
         voxels, _alive = _fill_voxels(*_image_parts(source))
         state.check(lib.conus_atlas_add_values(atlas, voxels, options))
     else:
-        state.check(lib.conus_atlas_add_pathway(atlas, os.fsencode(source), options))
+        state.check(lib.conus_atlas_add_pathway(atlas, path_of("pathways", source), options))
 
 
 def _set_context(atlas: Any, source: Any, blocks: float, max_memory: int) -> None:
@@ -206,7 +223,7 @@ def _set_context(atlas: Any, source: Any, blocks: float, max_memory: int) -> Non
         voxels, _alive = _fill_voxels(*_image_parts(source))
         state.check(lib.conus_atlas_set_context_values(atlas, voxels, options))
     else:
-        state.check(lib.conus_atlas_set_context(atlas, os.fsencode(source), options))
+        state.check(lib.conus_atlas_set_context(atlas, path_of("context", source), options))
 
 
 # ---- Callbacks -----------------------------------------------------------------------------------------------------
@@ -352,12 +369,13 @@ class Selector:
         engine: str = "auto",
     ) -> None:
         options, out = ffi.new("conus_selector_options *"), ffi.new("conus_selector **")
-        words = [ffi.NULL if w is None else ffi.new("char[]", str(w).encode()) for w in (level, score)]
+        words = [optional(utf8, "level", None if level is None else str(level)), optional(utf8, "score", score)]
         options.layers = choice("layers", layers, ("visible", "all"))
         options.aperture = choice("aperture", aperture, ("circle", "square"))
         options.sampling = choice("sampling", sampling, ("exact", "slices"))
         options.engine = choice("engine", engine, ("auto", "rays", "gl"))
-        options.resolution, options.slices, options.range, options.radius = resolution, slices, range, radius
+        options.resolution, options.slices = whole("resolution", resolution), whole("slices", slices)
+        options.range, options.radius = vector("range", range, 2), radius
         options.level, options.score = words
         self._owner = GLOwner() if engine == "gl" else None
         check(lib.conus_selector_create(out, atlas._p, options))
@@ -366,12 +384,16 @@ class Selector:
         self._is_cylinder = radius > 0
         destroy = lib.conus_selector_destroy
         self._p = owned(out[0], self._owner.ender(destroy) if self._owner else destroy, atlas._p)
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
+        self._is_asked = False
         self._aims: Optional[Aims] = None
 
     def _angle(self, angle: Optional[float]) -> float:
         if angle is None:
             return 0.0 if self._is_cylinder else math.radians(10)
+        if not (angle == 0 if self._is_cylinder else 0 < angle < 180):
+            allowed = "0 of a cylinder" if self._is_cylinder else "more than 0 and less than 180"
+            raise ArgumentError(f"angle: {angle} degrees, allowed is {allowed}")
         return math.radians(angle)
 
     def select(
@@ -417,7 +439,7 @@ class Selector:
         """The chances of each object where the axis tilts by ``degrees`` and the device shifts by ``mm``."""
         aim, out = pose_of(origin, toward, direction, up, pose), ffi.new("conus_jitter **")
         options, opening = ffi.new("conus_jitter_options *"), self._angle(angle)
-        options.tilt, options.shift, options.samples = math.radians(degrees), mm, samples
+        options.tilt, options.shift, options.samples = math.radians(degrees), mm, whole("samples", samples)
         self._call(lib.conus_jitter_create, out, self._p, aim, opening, options)
         jitter = Jitter(self.atlas, out[0])
         self._warn_of(aim, opening)
@@ -451,7 +473,7 @@ class Selector:
         """
         array = PoseArray(origins, directions, poses, up, angle)
         options, astray = ffi.new("conus_many_options *"), ffi.new("conus_astray *")
-        options.threads = threads or 0
+        options.threads = whole("threads", threads or 0)
         options.angle = self._angle(None if np.ndim(angle) else angle)
         collector = _Collector(len(array), _progress_function(progress, len(array)))
         state = _Callback(collector.take)
@@ -460,7 +482,7 @@ class Selector:
             lib.conus_select_many, astray, self._p, array.struct, options, lib.conus_py_receive, handle, state=state
         )
         collector.finish()
-        errors = {int(i): self._reason(array, int(i)) for i in np.flatnonzero(collector.status)}
+        errors = {int(i): self._reason(array, int(i), options.angle) for i in np.flatnonzero(collector.status)}
         self._warn(astray, many=True)
         return Answers(self.atlas, collector.results, collector.starts, errors, self._layers)
 
@@ -510,7 +532,13 @@ class Selector:
         if self._owner:
             self._owner.check("selector")
         with self._lock:
-            status = function(*arguments)
+            if self._is_asked:
+                raise ArgumentError("selector: a callback may not ask the selector that calls it, but another")
+            self._is_asked = True
+            try:
+                status = function(*arguments)
+            finally:
+                self._is_asked = False
         (state.check if state else check)(status)
 
     def _warn_of(self, pose: Any, angle: float) -> None:
@@ -526,12 +554,12 @@ class Selector:
                 notes = notes_of(found, self._p, self.atlas._p, many)
             warn(notes)
 
-    def _reason(self, array: PoseArray, index: int) -> str:
+    def _reason(self, array: PoseArray, index: int, angle: float) -> str:
         """Why a pose has no answer: asks for it alone."""
         pose, out = ffi.new("conus_pose *"), ffi.new("conus_selection **")
         with self._lock:
             status = array.fill(pose, index)
-            status = status or lib.conus_select(out, self._p, pose, array.angle(index, self._angle(None)))
+            status = status or lib.conus_select(out, self._p, pose, array.angle(index, angle))
             reason = text(lib.conus_message()) if status else ""
         if not status:
             lib.conus_selection_destroy(out[0])
@@ -578,10 +606,10 @@ class Atlas:
         check(lib.conus_atlas_pack(ffi.cast("void *", memory.ctypes.data), size, self._p))
         return _unpack, (memory.tobytes(),)
 
-    def find(self, name: str) -> int:
+    def find(self, name: Union[str, int]) -> int:
         """The number of an object, by its name, abbreviation or label."""
         out = ffi.new("uint32_t *")
-        check(lib.conus_atlas_find(out, self._p, name.encode()))
+        check(lib.conus_atlas_find(out, self._p, utf8("name", str(name) if isinstance(name, int) else name)))
         return int(out[0])
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import os
 from typing import Any, Sequence
 
 import numpy as np
@@ -83,7 +84,7 @@ def choice(option: str, value: str, values: Sequence[str]) -> int:
 def whole(name: str, value: Any, low: int = 0, high: int = 2**32 - 1) -> int:
     """A whole number that C's types hold; the library checks further."""
     try:
-        number = operator.index(value)
+        number = int(value) if isinstance(value, float) and value.is_integer() else operator.index(value)
     except TypeError:
         raise ArgumentError(f"{name}: {value!r}, wanted is a whole number") from None
     if not low <= number <= high:
@@ -91,12 +92,49 @@ def whole(name: str, value: Any, low: int = 0, high: int = 2**32 - 1) -> int:
     return number
 
 
-def vector(name: str, values: Any) -> list[float]:
-    """Three numbers, which the library checks further."""
-    array = np.asarray(values, float)
-    if array.shape != (3,):
-        raise ArgumentError(f"{name}: an array of shape {array.shape}, wanted is (3,)")
+def numbers(name: str, values: Any) -> np.ndarray[Any, Any]:
+    """An array of double."""
+    try:
+        return np.asarray(values, float)
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(f"{name}: {error}") from None
+
+
+def vector(name: str, values: Any, size: int = 3) -> list[float]:
+    """So many numbers, which the library checks further."""
+    array = numbers(name, values)
+    if array.shape != (size,):
+        raise ArgumentError(f"{name}: an array of shape {array.shape}, wanted is ({size},)")
     return [float(value) for value in array]
+
+
+def optional(convert: Any, name: str, value: Any) -> Any:
+    """utf8() or path_of() of what is given; None is NULL."""
+    return ffi.NULL if value is None else convert(name, value)
+
+
+def utf8(name: str, value: Any) -> Any:
+    """A text for C."""
+    if not isinstance(value, str):
+        raise ArgumentError(f"{name}: {value!r}, wanted is a text")
+    try:
+        return _chars(name, value, value.encode())
+    except UnicodeEncodeError:
+        raise ArgumentError(f"{name}: {value!r} is not Unicode") from None
+
+
+def path_of(name: str, value: Any) -> Any:
+    """A path for C."""
+    try:
+        return _chars(name, value, os.fsencode(value))
+    except TypeError:
+        raise ArgumentError(f"{name}: {type(value).__name__}, wanted is a path") from None
+
+
+def _chars(name: str, value: Any, data: bytes) -> Any:
+    if b"\0" in data:
+        raise ArgumentError(f"{name}: {value!r} has a zero byte")
+    return ffi.new("char[]", data)
 
 
 _FORMATS = {"uint32_t": "u4", "uint64_t": "u8", "double": "f8", "uint8_t": "u1", "_Bool": "?"}

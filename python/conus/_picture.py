@@ -11,7 +11,19 @@ import numpy as np
 
 from ._answers import Array, Selection, image_bytes, image_channel
 from ._conus import ffi, lib
-from ._library import ArgumentError, GLError, array_of, check, dtype_of, owned, text, whole
+from ._library import (
+    ArgumentError,
+    GLError,
+    array_of,
+    check,
+    dtype_of,
+    numbers,
+    owned,
+    path_of,
+    text,
+    vector,
+    whole,
+)
 from ._poses import pose_of
 
 if TYPE_CHECKING:
@@ -121,7 +133,7 @@ class Picture:
         FileError
             Where the system refuses.
         """
-        check(lib.conus_image_write(self._p, os.fsencode(path)))
+        check(lib.conus_image_write(self._p, path_of("path", path)))
 
     def _repr_png_(self) -> bytes:
         with self._lock:
@@ -161,7 +173,7 @@ class Renderer:
         pointer, out = atlas._p, ffi.new("conus_renderer **")
         options = ffi.new("conus_renderer_options *", {"max_memory": whole("max_memory", max_memory, high=2**64 - 1)})
         is_name = isinstance(transfer, (str, bytes, os.PathLike))
-        name = ffi.new("char[]", os.fsencode(transfer)) if is_name else ffi.NULL
+        name = path_of("transfer", transfer) if is_name else ffi.NULL
         options.transfer = name
         self._owner = GLOwner()
         check(lib.conus_renderer_create(out, pointer, options))
@@ -205,7 +217,7 @@ class Renderer:
 
     @transfer.setter
     def transfer(self, points: Any) -> None:
-        array = np.ascontiguousarray(points, float)
+        array = np.ascontiguousarray(numbers("transfer", points))
         if array.ndim != 2 or array.shape[1] != 5:
             raise ArgumentError(f"transfer: an array of shape {array.shape}, wanted is (n, 5)")
         self._needs_context()
@@ -228,7 +240,7 @@ class Renderer:
         field_of_view: Optional[float] = None,
         frustum: Optional[Sequence[float]] = None,
         slices: Optional[int] = None,
-        chosen: Union[str, None] = None,
+        chosen: Union[str, int, None] = None,
         fade: float = 0,
         legend: bool = True,
         skipping: bool = True,
@@ -255,7 +267,7 @@ class Renderer:
         slices : int
             Planes across the view at which volumes are sampled; sqrt(2) times the longest edge if not
             given.
-        chosen : str
+        chosen : str or int
             An object that is never pale, with those below it in the area tree.
         fade : float
             How much the context is thinned: 0 not at all, 1 it is gone.
@@ -314,9 +326,9 @@ def _set_lens(view: Any, field_of_view: Optional[float], frustum: Optional[Seque
             raise ArgumentError("field of view of 0 degrees; allowed is more than 0 and less than 180")
         view.field_of_view = math.radians(field_of_view)
     if frustum is not None:
-        if len(frustum) != 4 or not any(frustum):
+        view.frustum = vector("frustum", frustum, 4)
+        if not any(view.frustum):
             raise ArgumentError("frustum: wanted are left < right, bottom < top")
-        view.frustum = [float(edge) for edge in frustum]
 
 
 def transfer_presets() -> list[str]:

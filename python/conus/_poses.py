@@ -10,14 +10,14 @@ import numpy as np
 
 from ._answers import Array
 from ._conus import ffi, lib
-from ._library import ArgumentError, PoseWarning, check, owned, text, vector
+from ._library import ArgumentError, PoseWarning, check, numbers, owned, text, vector
 
 
 def pose_of(origin: Any, toward: Any, direction: Any, up: Any, pose: Any) -> Any:
     """A conus_pose of what `select` is given."""
     out = ffi.new("conus_pose *")
     if pose is not None:
-        matrix = np.asarray(pose, float)
+        matrix = numbers("pose", pose)
         if matrix.shape != (4, 4) or any(other is not None for other in (origin, toward, direction, up)):
             raise ArgumentError("pose: a matrix of shape (4, 4), without origin, toward, direction and up")
         check(lib.conus_pose_from_matrix(out, matrix.T.ravel().tolist()))
@@ -34,7 +34,7 @@ def pose_of(origin: Any, toward: Any, direction: Any, up: Any, pose: Any) -> Any
 
 def rows_of(name: str, values: Any, shape: tuple[int, ...]) -> Array:
     """(n, *shape) numbers, one after the other in memory."""
-    array = np.ascontiguousarray(values, float)
+    array = np.ascontiguousarray(numbers(name, values))
     if array.ndim != 1 + len(shape) or array.shape[1:] != shape:
         raise ArgumentError(f"{name}: an array of shape {array.shape}, wanted is {('n', *shape)}".replace("'", ""))
     return array
