@@ -28,6 +28,7 @@ from ._library import (
 )
 from ._picture import GLOwner, Picture, Renderer
 from ._poses import Aims, PoseArray, notes_of, pose_of, warn
+from ._progress import LoadProgress, Progress, telling
 from ._track import Tracker, follow
 
 if TYPE_CHECKING:
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
 
 Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
 Labels = Union[Mapping[int, str], "pandas.DataFrame", None]
-Progress = Union[bool, Callable[[int, int], object], None]
 
 _LOGGER = logging.getLogger("conus")
 _SCALARS = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
@@ -102,13 +102,14 @@ def _fill_labels(labels: Labels) -> tuple[Any, int, list[Any]]:
 def _from_file(path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any) -> Any:
     options, out = ffi.new("conus_load_options *"), ffi.new("conus_atlas **")
     table, file = optional(path_of, "labels", labels), path_of("source", path)
-    state = _Callback(progress)
-    handle = state.hear(options)
     options.labels, options.labels_anyway, options.max_memory = table, labels_anyway, max_memory
-    options.progress, options.progress_user = lib.conus_py_load_progress, handle
-    status = lib.conus_atlas_load(out, file, options)
-    raw = owned(out[0], lib.conus_atlas_destroy)
-    state.check(status)
+    with telling(progress, "file", 1) as tell:
+        state = _Callback(tell)
+        handle = state.hear(options)
+        options.progress, options.progress_user = lib.conus_py_load_progress, handle
+        status = lib.conus_atlas_load(out, file, options)
+        raw = owned(out[0], lib.conus_atlas_destroy)
+        state.check(status)
     return raw
 
 
@@ -145,7 +146,7 @@ def load(
     hide: Optional[str] = None,
     labels_anyway: bool = False,
     max_memory: int = 0,
-    progress: Optional[Callable[[str, int, int], object]] = None,
+    progress: LoadProgress = None,
 ) -> Atlas:
     """Loads an atlas.
 
@@ -173,7 +174,8 @@ def load(
     max_memory
         Largest file and volume, bytes; 0 = 8 GiB.
     progress
-        Called with a path, the number of files that are read, and how many there are.
+        Called with a path, the number of files that are read, and how many there are. True shows
+        tqdm's bar, if tqdm is installed.
     """
     max_memory = whole("max_memory", max_memory, high=2**64 - 1)
     if isinstance(source, (str, bytes, os.PathLike)):
@@ -314,23 +316,6 @@ class _Collector:
         self.results.resize(int(self.starts[-1]), refcheck=False)
 
 
-def _progress_function(progress: Progress, total: int) -> Any:
-    if progress is True:
-        try:
-            from tqdm.auto import tqdm
-        except ImportError:
-            return None
-        bar = tqdm(total=total, unit="pose")
-
-        def show(done: int, total: int) -> None:
-            bar.update(done - bar.n)
-            if done == total:
-                bar.close()
-
-        return show
-    return progress or None
-
-
 # ---- Asking --------------------------------------------------------------------------------------------------------
 
 
@@ -469,18 +454,17 @@ class Selector:
         threads
             None = as many as processors.
         progress
-            True shows tqdm's bar if there is one; a function is called with (done, all).
+            True shows tqdm's bar, if tqdm is installed; a function is called with (done, all).
         """
         array = PoseArray(origins, directions, poses, up, angle)
         options, astray = ffi.new("conus_many_options *"), ffi.new("conus_astray *")
         options.threads = whole("threads", threads or 0)
         options.angle = self._angle(None if np.ndim(angle) else angle)
-        collector = _Collector(len(array), _progress_function(progress, len(array)))
-        state = _Callback(collector.take)
-        handle = ffi.new_handle(state)
-        self._call(
-            lib.conus_select_many, astray, self._p, array.struct, options, lib.conus_py_receive, handle, state=state
-        )
+        with telling(progress, "pose", len(array)) as tell:
+            collector = _Collector(len(array), tell)
+            state = _Callback(collector.take)
+            handle, select = ffi.new_handle(state), lib.conus_select_many
+            self._call(select, astray, self._p, array.struct, options, lib.conus_py_receive, handle, state=state)
         collector.finish()
         errors = {int(i): self._reason(array, int(i), options.angle) for i in np.flatnonzero(collector.status)}
         self._warn(astray, many=True)
@@ -524,7 +508,8 @@ class Selector:
         """
         tracker, array = Tracker(self, **constants), PoseArray(origins, directions, poses, up, angle)
         default = self._angle(None if np.ndim(angle) else angle)
-        return follow(tracker, times_s, array, default, trigger, _progress_function(progress, len(array)))
+        with telling(progress, "step", len(array)) as tell:
+            return follow(tracker, times_s, array, default, trigger, tell)
 
     def _call(self, function: Any, *arguments: Any, state: Optional[_Callback] = None) -> None:
         """Asks the library; one thread at a time does."""

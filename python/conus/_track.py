@@ -14,7 +14,7 @@ from ._poses import Aims, PoseArray, notes_of, pose_of, rows_of, warn
 if TYPE_CHECKING:
     from ._atlas import Selector
 
-Progress = Optional[Callable[[int, int], object]]
+Tell = Optional[Callable[..., object]]
 
 
 class Tracker:
@@ -174,7 +174,7 @@ class _Follower:
         return notes
 
 
-def follow(tracker: Tracker, times_s: Any, poses: PoseArray, angle: float, trigger: Any, progress: Progress) -> Track:
+def follow(tracker: Tracker, times_s: Any, poses: PoseArray, angle: float, trigger: Any, tell: Tell) -> Track:
     """Takes every step; one that has no answer is left out, as a lost frame is."""
     times = rows_of("times_s", times_s, ())
     held = np.zeros(len(poses)) if trigger is None else rows_of("trigger", trigger, ())
@@ -183,8 +183,8 @@ def follow(tracker: Tracker, times_s: Any, poses: PoseArray, angle: float, trigg
     follower = _Follower(tracker, poses, times, held, angle)
     for index in range(len(poses)):
         follower.take(index)
-        if progress:
-            progress(index + 1, len(poses))
+        if tell:
+            tell(index + 1, len(poses))
     warn(follower.notes())
     starts = np.cumsum([0, *map(len, follower.results)])
     results = np.empty(starts[-1], RESULT)
