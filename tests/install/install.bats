@@ -148,9 +148,9 @@ consumer_answers() {
     [ -e devel/include/conus/conus.h ]
     [ -n "$(find devel -name libconus.a)" ]
     [ ! -e devel/bin ]
-    [ -z "$(find runtime devel doc -name '*.py')" ]
+    [ -z "$(find runtime devel -name '*.py')" ]
     [ -e doc/share/doc/conus/docs/commands.md ]
-    for example in "$SOURCES"/../../examples/*.c; do
+    for example in "$SOURCES"/../../examples/*.{c,py}; do
         cmp "$example" "doc/share/doc/conus/examples/${example##*/}"
     done
 }
