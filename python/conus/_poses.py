@@ -195,7 +195,7 @@ def notes_of(found: Any, selector: Any, atlas: Any, many: bool) -> list[str]:
 def warn(notes: list[str]) -> None:
     """Each note as a warning about the line that called the package."""
     frame, level = sys._getframe(), 1
-    while frame.f_back and frame.f_globals["__name__"].startswith(f"{__package__}."):
+    while frame.f_back and str(frame.f_globals.get("__name__")).startswith(f"{__package__}."):
         frame, level = frame.f_back, level + 1
     for note in notes:
         warnings.warn(note, PoseWarning, stacklevel=level)

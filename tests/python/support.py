@@ -2,6 +2,8 @@
 """The atlases of the tests, and the program's answers as tables."""
 import io
 import os
+import pathlib
+import re
 import subprocess
 
 import numpy as np
@@ -20,6 +22,12 @@ def plates(dtype="u1", order="C"):
     labels = np.zeros((40, 30, 30), dtype, order)
     labels[:10], labels[30:] = 1, 2
     return labels
+
+
+def page_blocks():
+    """The Python of docs/python.md, block by block."""
+    page = pathlib.Path(__file__).parents[2] / "docs" / "python.md"
+    return re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.S)
 
 
 def same(a, b):

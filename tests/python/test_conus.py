@@ -3,9 +3,8 @@
 import logging
 import multiprocessing
 import os
-import pathlib
 import pickle
-import re
+import shutil
 import signal
 import threading
 import warnings
@@ -16,7 +15,7 @@ import pandas
 import pytest
 
 import conus
-from support import AAL, AFFINE, NAMES, assert_rows_of_the_program, needs_aal, plates, run_conus, same
+from support import AAL, AFFINE, NAMES, assert_rows_of_the_program, needs_aal, page_blocks, plates, run_conus, same
 
 
 # ---- One cone ------------------------------------------------------------------------------------------------------
@@ -146,14 +145,38 @@ def test_sweep_and_jitter_are_those_of_the_program():
 
 @needs_aal
 def test_ten_lines_of_the_documents_draw_a_figure(tmp_path, monkeypatch, capsys):
-    page = (pathlib.Path(__file__).parents[2] / "docs" / "python.md").read_text()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "agg")
-    lines = re.search(r"```python\n(.*?)```", page, re.S)[1]
+    lines = page_blocks()[0]
     assert len([line for line in lines.splitlines() if line]) <= 10
     exec(lines, {})
     assert capsys.readouterr().out.startswith("Frontal_Inf_Oper_L 0.905")
     assert (tmp_path / "hits.png").read_bytes()[:4] == b"\x89PNG"
+
+
+@needs_aal
+def test_other_lines_of_the_documents_run(tmp_path, monkeypatch):
+    """All but the pictures, on files and arrays of the names that they use."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("aal.nii.gz", "aal.nii.txt"):
+        shutil.copy(os.path.join(os.path.dirname(AAL), name), name)
+    for name in ("cst", "af", "t1"):
+        nibabel.save(nibabel.Nifti1Image(plates("f4") / 2, AFFINE), f"{name}.nii.gz")
+    nibabel.save(nibabel.Nifti1Image(plates(), AFFINE), "labels.nii.gz")
+    with open("scene.atlas.json", "w", encoding="utf-8") as file:
+        file.write('{"conus_atlas": 1, "parcellation": {"file": "aal.nii.gz", "labels": "aal.nii.txt"}}')
+    origins, directions = many_poses(30)
+    given = {
+        "array": plates(), "affine": AFFINE, "table": pandas.DataFrame({"index": [1], "name": ["V1"]}), "pressed": True,
+        "origins": origins, "directions": directions, "times_s": np.arange(30) / 60, "time_s": 0, "pose": np.eye(4),
+        "conus": conus, "nibabel": nibabel,
+    }  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", conus.PoseWarning)
+        for block in page_blocks()[1:]:
+            if "render(" not in block:
+                exec(block, given)
+    assert len(given["answers"]) == len(given["track"]) == 30 and given["hits"].step is not None
 
 
 # ---- Many cones ----------------------------------------------------------------------------------------------------

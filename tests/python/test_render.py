@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import conus
-from support import AAL, AFFINE, NAMES, call_conus, needs_aal, plates, same
+from support import AAL, AFFINE, NAMES, call_conus, needs_aal, page_blocks, plates, same
 
 CONTEXT = "/usr/share/mricron/templates/ch2bet.nii.gz"
 CONE = {"origin": (-90, 20, 20), "toward": (0, -10, 10), "angle": 20}
@@ -104,6 +104,15 @@ def test_context_fades_and_a_draft_is_rough(aal):
         whole = renderer.render(size=SMALL, legend=False, **CAMERA).array
         draft = renderer.render(size=SMALL, legend=False, draft=True, **CAMERA).array
     assert not np.array_equal(whole, bare) and not np.array_equal(whole, draft)
+
+
+@needs_aal
+def test_lines_of_the_documents_draw_pictures(aal, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (block,) = [block for block in page_blocks() if "render(" in block]
+    given = {"atlas": aal, "hits": aal.select(**CONE)}
+    exec(block, given)
+    assert given["picture"].array.shape == (525, 700, 4) and os.listdir() == ["cone.png"]
 
 
 # ---- What is drawn -------------------------------------------------------------------------------------------------
