@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Iterator, Optional, Union, overload
 import numpy as np
 
 from ._conus import ffi, lib
-from ._library import ADMISSION, CHANCE, RESULT, STEP, array_of, check, owned, text
+from ._library import ADMISSION, CHANCE, RESULT, STEP, array_of, check, owned, text, utf8
 
 if TYPE_CHECKING:
     import pandas
@@ -184,8 +184,18 @@ class Selection:
     def mask(self, of: str = "areas", name: str | None = None) -> Any:
         """The voxels in the cone as a nibabel image on the atlas's grid.
 
-        ``of`` is "areas", "region" (background, too), "labels" or "values" (of a pathway); ``name``
-        takes only this object and those below it in the area tree.
+        Parameters
+        ----------
+        of
+            "areas" and "region" (background, too): 1 within; "labels": the label of each voxel's
+            area; "values": of a pathway.
+        name
+            Only this object and those below it in the area tree.
+
+        Returns
+        -------
+        nibabel.Nifti1Image
+            0 outside.
         """
         import nibabel
         from ._library import choice
@@ -206,7 +216,24 @@ class Selection:
         return image
 
     def image(self, channel: str = "object") -> Array:
-        """A channel of the picture that the device sees: "id", "object", "X", "Y", "Z" or "t"."""
+        """A channel of the picture that the device sees.
+
+        Parameters
+        ----------
+        channel
+            "id" (the atlas's own label), "object" (its number), "X", "Y", "Z" (of the hit, RAS mm) or
+            "t" (its distance, mm).
+
+        Returns
+        -------
+        numpy.ndarray
+            (n, n), top row first. Where a ray hits nothing, 0, NaN or, of "t", infinity.
+
+        Raises
+        ------
+        KeyError
+            For another channel.
+        """
         out = ffi.new("conus_image **")
         check(lib.conus_image_of_selection(out, self._p))
         image = owned(out[0], lib.conus_image_destroy)
@@ -244,7 +271,7 @@ def image_channel(image: Any, channel: str) -> Array:
     """A copy of a channel, top row first."""
     shape = (lib.conus_image_height(image), lib.conus_image_width(image))
     for get, dtype in ((lib.conus_image_floats, "f4"), (lib.conus_image_uints, "u4")):
-        pixels = get(image, channel.encode())
+        pixels = get(image, utf8("channel", channel))
         if pixels:
             return array_of(pixels, shape[0] * shape[1], np.dtype(dtype)).reshape(shape)
     raise KeyError(channel)

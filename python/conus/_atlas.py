@@ -176,6 +176,20 @@ def load(
     progress
         Called with a path, the number of files that are read, and how many there are. True shows
         tqdm's bar, if tqdm is installed.
+
+    Returns
+    -------
+    Atlas
+        Its ``notes`` say what was noticed.
+
+    Raises
+    ------
+    FileError, DataError, UnsupportedError
+        For a file that cannot be read, is damaged, or is beyond conus.
+    ArgumentError
+        For an argument out of its range.
+    OutOfMemoryError
+        For what is larger than ``max_memory``.
     """
     max_memory = whole("max_memory", max_memory, high=2**64 - 1)
     if isinstance(source, (str, bytes, os.PathLike)):
@@ -322,10 +336,13 @@ class _Collector:
 class Selector:
     """An atlas made ready to answer, with options that hold for all its answers.
 
-    Any thread may use it; one at a time answers. ``select_many`` uses threads of its own.
+    Any thread may use it, with engine="gl" only the one that made it; one at a time is answered.
+    ``select_many`` uses threads of its own.
 
     Parameters
     ----------
+    atlas
+        What can be hit.
     layers
         "visible", what rays hit first, or "all" that they pass, with volumes and path lengths.
     resolution
@@ -334,7 +351,7 @@ class Selector:
         (nearest, farthest) depth along the axis, mm.
     radius
         mm: a cylinder instead of a cone.
-    level, score, aperture, sampling, engine
+    level, score, aperture, sampling, slices, engine
         As the options of ``conus query``.
     """
 
@@ -400,7 +417,20 @@ class Selector:
         return selection
 
     def near(self, point: Any, radius: float) -> Selection:
-        """What is within ``radius`` mm of a point: ``conus query --point``."""
+        """What is at a point and near it: ``conus query --point``.
+
+        Parameters
+        ----------
+        point
+            (3,) RAS mm.
+        radius
+            mm.
+
+        Returns
+        -------
+        Selection
+            It has no pixels, hence no picture.
+        """
         out = ffi.new("conus_selection **")
         self._call(lib.conus_select_ball, out, self._p, vector("point", point), radius)
         return Selection(self.atlas, out[0], self._layers)
@@ -409,7 +439,20 @@ class Selector:
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
         angle: float = 60,
     ) -> Sweep:
-        """At which opening up to ``angle`` degrees a growing cone admits each object."""
+        """At which opening a growing cone admits each object: ``conus sweep``.
+
+        Parameters
+        ----------
+        origin, toward, direction, up, pose
+            As of :meth:`Atlas.select`.
+        angle
+            Full opening to which it grows, degrees.
+
+        Returns
+        -------
+        Sweep
+            The narrowest first.
+        """
         aim, out = pose_of(origin, toward, direction, up, pose), ffi.new("conus_sweep **")
         opening = math.radians(angle)
         self._call(lib.conus_sweep_create, out, self._p, aim, opening)
@@ -421,7 +464,24 @@ class Selector:
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
         angle: Optional[float] = None, degrees: float = 0, mm: float = 0, samples: int = 0,
     ) -> Jitter:
-        """The chances of each object where the axis tilts by ``degrees`` and the device shifts by ``mm``."""
+        """The chances of each object under errors of the pose: ``conus sweep --jitter``.
+
+        Parameters
+        ----------
+        origin, toward, direction, up, pose, angle
+            As of :meth:`Atlas.select`.
+        degrees
+            Standard deviation of the axis's tilt about each of two axes, 0 to 90.
+        mm
+            Standard deviation of the position along each of three.
+        samples
+            Poses to trace from, a power of two from 16 to 1048576; 0 = 1024. They are always the same.
+
+        Returns
+        -------
+        Jitter
+            The most probable first.
+        """
         aim, out = pose_of(origin, toward, direction, up, pose), ffi.new("conus_jitter **")
         options, opening = ffi.new("conus_jitter_options *"), self._angle(angle)
         options.tilt, options.shift, options.samples = math.radians(degrees), mm, whole("samples", samples)
@@ -455,6 +515,16 @@ class Selector:
             None = as many as processors.
         progress
             True shows tqdm's bar, if tqdm is installed; a function is called with (done, all).
+
+        Returns
+        -------
+        Answers
+            The same, to the bit, for any number of threads. A pose that has no answer is in ``errors``.
+
+        Raises
+        ------
+        ArgumentError
+            For arrays that do not fit together, and for one angle out of its range.
         """
         array = PoseArray(origins, directions, poses, up, angle)
         options, astray = ffi.new("conus_many_options *"), ffi.new("conus_astray *")
@@ -592,7 +662,7 @@ class Atlas:
         return _unpack, (memory.tobytes(),)
 
     def find(self, name: Union[str, int]) -> int:
-        """The number of an object, by its name, abbreviation or label."""
+        """The number of an object, by its name, abbreviation or label; an ArgumentError if there is none."""
         out = ffi.new("uint32_t *")
         check(lib.conus_atlas_find(out, self._p, utf8("name", str(name) if isinstance(name, int) else name)))
         return int(out[0])
@@ -661,6 +731,21 @@ class Atlas:
             Full opening, degrees; 10 if not given.
         **options
             Of :class:`Selector`: layers="all", resolution=64, ...
+
+        Returns
+        -------
+        Selection
+            The hits, best first.
+
+        Raises
+        ------
+        ArgumentError
+            For a pose or an option that is none.
+
+        Warns
+        -----
+        PoseWarning
+            Where the pose looks as if it came from another space or unit.
         """
         return self._selector(options).select(
             origin, toward=toward, direction=direction, up=up, pose=pose, angle=angle
@@ -697,7 +782,7 @@ class Atlas:
             return renderer.render(selection, **view)
 
     def near(self, point: Any, radius: float, **options: Any) -> Selection:
-        """What is within ``radius`` mm of a point."""
+        """What is within ``radius`` mm of a point: see :meth:`Selector.near`."""
         return self._selector(options).near(point, radius)
 
     def select_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,

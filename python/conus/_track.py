@@ -156,7 +156,7 @@ class _Follower:
             self.results.append(np.empty(0, RESULT))
             return
         check(status)
-        selection = owned(out[0], lib.conus_selection_destroy, selector.atlas._p)
+        selection = owned(out[0], lib.conus_selection_destroy)
         count = lib.conus_selection_count(selection)
         self.results.append(array_of(lib.conus_selection_result(selection, 0), count, RESULT))
         self.steps[index] = array_of(lib.conus_selection_step(selection), 1, STEP)[0]
