@@ -116,10 +116,9 @@ static int add_pathways(conus_atlas *atlas, const struct atlas_settings *setting
     int code = EXIT_DONE;
     for (size_t i = 0; !code && i < settings->pathways.count; i++) {
         const char *pathway = settings->pathways.items[i];
-        if (settings->progress) { /* no program cancels */
-            settings->progress(settings->progress_user, pathway, progress->total + i, progress->total + progress->more);
-        }
-        code = add_pathway(atlas, pathway, settings->max_memory);
+        bool goes_on = !settings->progress || settings->progress(settings->progress_user, pathway, progress->total + i,
+                                                                 progress->total + progress->more);
+        code = goes_on ? add_pathway(atlas, pathway, settings->max_memory) : EXIT_DATA;
     }
     return code;
 }
@@ -166,7 +165,7 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
     status = status ? status : conus_atlas_set_hemispheres(atlas, (conus_hemispheres)settings->hemispheres);
     if (status) {
         conus_atlas_destroy(atlas);
-        return print_status(status);
+        return status == CONUS_ERROR_CANCELLED ? EXIT_DATA : print_status(status);
     }
     int code = add_pathways(atlas, settings, &progress);
     code = code || !(settings->only.count + settings->hide.count) ? code : show_objects(atlas, settings);

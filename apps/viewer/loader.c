@@ -2,9 +2,11 @@
 /* The thread that loads the atlas, and its progress. */
 #include "viewer/loader.h"
 
+#include "common/messages.h"
 #include "settings/atlas_input.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +15,8 @@ struct loader {
     pthread_t thread;
     struct loading what;
     conus_atlas *atlas;
-    size_t total;         /* files but for the context; the thread's own */
+    size_t total; /* files but for the context; the thread's own */
+    atomic_bool cancelled;
     pthread_mutex_t lock; /* guards what follows */
     bool done;
     struct loader_progress progress;
@@ -30,7 +33,7 @@ static bool note(void *user, const char *path, size_t done, size_t total)
     snprintf(loader->progress.file, sizeof loader->progress.file, "%s", slash && slash[1] ? slash + 1 : path);
     loader->progress.part = done < total ? (double)done / (double)total : 1;
     pthread_mutex_unlock(&loader->lock);
-    return true;
+    return !atomic_load(&loader->cancelled);
 }
 
 static void *load(void *user)
@@ -42,9 +45,10 @@ static void *load(void *user)
     settings.progress_user = loader;
     int code = settings_load_atlas(&loader->atlas, what->path, &settings);
     if (!code && what->context) {
-        note(loader, what->context, loader->total, loader->total);
+        bool goes_on = note(loader, what->context, loader->total, loader->total);
+        code = goes_on ? settings_load_context(loader->atlas, what->context, 0, what->settings) : EXIT_DATA;
     }
-    if (!code && settings_load_context(loader->atlas, what->context, 0, what->settings)) {
+    if (code || atomic_load(&loader->cancelled)) {
         conus_atlas_destroy(loader->atlas);
         loader->atlas = NULL;
     }
@@ -77,6 +81,11 @@ void loader_ask(struct loader *loader, struct loader_progress *out)
     pthread_mutex_lock(&loader->lock);
     *out = loader->progress;
     pthread_mutex_unlock(&loader->lock);
+}
+
+void loader_cancel(struct loader *loader)
+{
+    atomic_store(&loader->cancelled, true);
 }
 
 bool loader_done(struct loader *loader)

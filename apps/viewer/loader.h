@@ -24,7 +24,9 @@ struct loader_progress {
 bool loader_start(struct loader **out, const struct loading *what);
 void loader_ask(struct loader *loader, struct loader_progress *out);
 bool loader_done(struct loader *loader);
-/** Waits, and ends the loader. NULL: there is no atlas, and it was said why. */
+/** Nobody wants the atlas any more: the file that is being read is the last one. */
+void loader_cancel(struct loader *loader);
+/** Waits, and ends the loader. NULL: there is no atlas, and it was said why unless it was cancelled. */
 conus_atlas *loader_finish(struct loader *loader);
 
 #endif

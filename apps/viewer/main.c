@@ -145,6 +145,7 @@ static conus_atlas *wait_for_atlas(struct window *window, const struct loading *
         glfwWaitEventsTimeout(progress_s);
     }
     if (glfwWindowShouldClose(window->handle)) { /* the file that is being read is read to its end */
+        loader_cancel(loader);
         glfwHideWindow(window->handle);
     }
     return loader_finish(loader);

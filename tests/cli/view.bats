@@ -504,6 +504,44 @@ END
     wait "$child"
 }
 
+# conus-mesh waits with the first file until the window is closed, and gives it then; the second file is no surface.
+@test "closed while the atlas is being loaded, it reads no more files" {
+    need_window
+    [ -x "${CONUS%/*}/conus-mesh" ] || skip "conus-mesh is not built"
+    command -v xdotool >/dev/null || skip "no xdotool"
+    printf 'v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >first.obj
+    echo '<?xml version="1.0"?><GIFTI Version="1.0">' >second.surf.gii
+    echo '{"conus_atlas": 1, "areas": [{"file": "first.obj", "label": 1}, {"file": "second.surf.gii", "label": 2}]}' >two.atlas.json
+    cat >mesh <<END
+#!/bin/sh
+: >'$PWD/begun'
+while [ ! -e '$PWD/closed' ]; do /bin/sleep 0.02; done
+exec '${CONUS%/*}/conus-mesh' "\$@"
+END
+    chmod +x mesh
+    export CONUS_MESH=$PWD/mesh
+    local then code
+    for then in close go; do
+        rm -f begun closed
+        XDG_CACHE_HOME=$PWD/$then background timeout $HANG "$CONUS" view two.atlas.json --quiet 2>said
+        wait_until "$child" test -e begun
+        wait_until "$child" find_window
+        if [ $then = close ]; then
+            close_window "$window"
+            wait_until "$child" not find_window
+            touch closed
+            wait "$child"
+            [ ! -s said ] || { cat said; return 1; }
+        else
+            touch closed
+            code=0
+            wait "$child" || code=$?
+            [ $code -eq 3 ]
+            grep -q 'second.surf.gii' said
+        fi
+    done
+}
+
 @test "closed, the window remembers its size and place" {
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"
