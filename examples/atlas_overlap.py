@@ -5,8 +5,8 @@
 # AAL names gyri, Brodmann's map numbers fields of the cortex. Both lie in MNI space, on the same grid. Which fields are
 # in the gyri that a cone reaches?
 #
-# Needs Debian's mricron-data, python3-nibabel, python3-pandas and python3-matplotlib. Runs as a script or, cell by cell,
-# as a notebook.
+# Needs Debian's mricron-data, python3-nibabel, python3-pandas and python3-matplotlib. Runs as a script or, cell by
+# cell, as a notebook.
 
 # %%
 import matplotlib.pyplot as pyplot
@@ -32,9 +32,9 @@ inside = {}
 for title, atlas in (("AAL", aal), ("Brodmann", brodmann)):
     hits = atlas.select(**CONE)
     inside[title] = hits
-    table = hits.to_dataframe()
+    table = hits.to_dataframe()[["name", "share", "volume_mm3", "fraction"]]
     print(title)
-    print(table.loc[table["volume_mm3"] > 100, ["name", "share", "volume_mm3", "fraction"]].round(3).to_string(index=False))
+    print(table[table["volume_mm3"] > 100].round(3).to_string(index=False))
 
 # %% [markdown]
 # ## Voxel by voxel

@@ -67,7 +67,8 @@ for name in expected.index[:2]:
 # %%
 names = [name for name in expected.index if expected[name] > 0.005]
 colours = {name: tuple(atlas.objects.colours[atlas.find(name)] / 255) for name in names}
-figure, (brain, pulses, bars) = pyplot.subplots(1, 3, figsize=(15, 4.6), width_ratios=(1.1, 1.6, 1), layout="constrained")
+widths = (1.1, 1.6, 1)
+figure, (brain, pulses, bars) = pyplot.subplots(1, 3, figsize=(15, 4.6), width_ratios=widths, layout="constrained")
 
 brain.set_title("the plan")
 brain.axis("off")
@@ -80,8 +81,8 @@ order = np.argsort(share[names[0]].to_numpy())
 shares = [100 * share[name].to_numpy()[order] for name in names]
 shares.append(100 - sum(shares))
 pulses.stackplot(np.arange(PULSES), shares, labels=[*names, "other"], colors=[*colours.values(), "black"], step="mid")
-pulses.set(title="what each pulse reached", xlabel=f"{PULSES} pulses, ordered by {names[0]}", ylabel="share of the cone, %")
-pulses.set(xlim=(0, PULSES - 1), ylim=(0, 100))
+pulses.set(title="what each pulse reached", xlim=(0, PULSES - 1), ylim=(0, 100))
+pulses.set(xlabel=f"{PULSES} pulses, ordered by {names[0]}", ylabel="share of the cone, %")
 pulses.legend(loc="lower right")
 
 place, style = np.arange(len(names)), {"width": 0.38, "color": list(colours.values()), "edgecolor": "black"}

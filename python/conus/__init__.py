@@ -33,6 +33,6 @@ from ._track import Tracker
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
     "Answers", "ArgumentError", "Atlas", "CancelledError", "DataError", "Error", "FileError", "GLError", "Hit",
-    "Jitter", "OutOfMemoryError", "Picture", "PoseWarning", "Renderer", "Selection", "Selector", "Step", "Sweep", "Track",
-    "Tracker", "UnsupportedError", "load", "transfer_presets",
+    "Jitter", "OutOfMemoryError", "Picture", "PoseWarning", "Renderer", "Selection", "Selector", "Step", "Sweep",
+    "Track", "Tracker", "UnsupportedError", "load", "transfer_presets",
 ]

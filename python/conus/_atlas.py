@@ -699,7 +699,8 @@ class Atlas:
     def _selector(self, options: dict[str, Any]) -> Selector:
         self._p  # pylint: disable=pointless-statement  # raises if it is closed
         thread = threading.get_ident() if options.get("engine") == "gl" else 0
-        key = thread, tuple(sorted((name, tuple(v) if isinstance(v, (list, np.ndarray)) else v) for name, v in options.items()))
+        plain = {name: v.tolist() if isinstance(v, np.ndarray) else v for name, v in options.items()}
+        key = thread, repr(sorted(plain.items()))
         if key not in self._selectors:
             self._selectors[key] = Selector(self, **options)
         return self._selectors[key]
@@ -802,7 +803,8 @@ class Atlas:
         """
         constants = {name: options.pop(name) for name in Tracker.CONSTANTS if name in options}
         return self._selector(options).track(
-            times_s, origins, directions, poses=poses, up=up, angle=angle, trigger=trigger, progress=progress, **constants
+            times_s, origins, directions, poses=poses, up=up, angle=angle, trigger=trigger, progress=progress,
+            **constants,
         )
 
     def sweep(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,

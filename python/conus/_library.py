@@ -74,10 +74,15 @@ def owned(pointer: Any, destroy: Any, *needed: Any) -> Any:
     return ffi.gc(pointer, lambda p, keep=needed: destroy(p))
 
 
+def _shown(value: Any) -> str:
+    """A value in a message, which has one line."""
+    return " ".join(repr(value).split())[:60]
+
+
 def choice(option: str, value: str, values: Sequence[str]) -> int:
     """The number of a named value of an option."""
-    if value not in values:
-        raise ArgumentError(f"{option}: {value!r}, allowed is {', '.join(values)}")
+    if not isinstance(value, str) or value not in values:
+        raise ArgumentError(f"{option}: {_shown(value)}, allowed is {', '.join(values)}")
     return list(values).index(value)
 
 
@@ -86,7 +91,7 @@ def whole(name: str, value: Any, low: int = 0, high: int = 2**32 - 1) -> int:
     try:
         number = int(value) if isinstance(value, float) and value.is_integer() else operator.index(value)
     except TypeError:
-        raise ArgumentError(f"{name}: {value!r}, wanted is a whole number") from None
+        raise ArgumentError(f"{name}: {_shown(value)}, wanted is a whole number") from None
     if not low <= number <= high:
         raise ArgumentError(f"{name}: {number}, allowed is {low} to {high}")
     return number
@@ -116,24 +121,24 @@ def optional(convert: Any, name: str, value: Any) -> Any:
 def utf8(name: str, value: Any) -> Any:
     """A text for C."""
     if not isinstance(value, str):
-        raise ArgumentError(f"{name}: {value!r}, wanted is a text")
+        raise ArgumentError(f"{name}: {_shown(value)}, wanted is a text")
     try:
         return _chars(name, value, value.encode())
     except UnicodeEncodeError:
-        raise ArgumentError(f"{name}: {value!r} is not Unicode") from None
+        raise ArgumentError(f"{name}: {_shown(value)} is not Unicode") from None
 
 
 def path_of(name: str, value: Any) -> Any:
     """A path for C."""
     try:
         return _chars(name, value, os.fsencode(value))
-    except TypeError:
-        raise ArgumentError(f"{name}: {type(value).__name__}, wanted is a path") from None
+    except (TypeError, UnicodeEncodeError):
+        raise ArgumentError(f"{name}: {_shown(value)}, wanted is a path") from None
 
 
 def _chars(name: str, value: Any, data: bytes) -> Any:
     if b"\0" in data:
-        raise ArgumentError(f"{name}: {value!r} has a zero byte")
+        raise ArgumentError(f"{name}: {_shown(value)} has a zero byte")
     return ffi.new("char[]", data)
 
 

@@ -183,7 +183,8 @@ def notes_of(found: Any, selector: Any, atlas: Any, many: bool) -> list[str]:
     notes = []
     if found.inside.count:
         name = text(lib.conus_atlas_object(atlas, found.inside.object).name)
-        notes.append(say(found.inside, f"the device lies inside {name}", "devices lie inside an area", f", inside {name}"))
+        one, several = f"the device lies inside {name}", "devices lie inside an area"
+        notes.append(say(found.inside, one, several, f", inside {name}"))
     if found.away.count:
         words = ("cone", "cones point") if found.away.angle > 0 else ("cylinder", "cylinders point")
         remedy = _remedy(selector, atlas, found.away, False)

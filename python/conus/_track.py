@@ -167,7 +167,8 @@ class _Follower:
         notes = []
         if self.errors:
             first, reason = next(iter(self.errors.items()))
-            notes.append(f"{len(self.errors)} of {len(self.poses)} steps are left out, the first is step {first}: {reason}")
+            left_out = f"{len(self.errors)} of {len(self.poses)} steps are left out"
+            notes.append(f"{left_out}, the first is step {first}: {reason}")
         if found.poses and found.poses in (found.away.count, found.inside.count, found.tiny.count):
             with selector._lock:
                 notes += notes_of(found, selector._p, selector.atlas._p, many=True)

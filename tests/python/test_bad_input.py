@@ -73,6 +73,7 @@ ATLASES = {
     "memory below 0": {"max_memory": -1},
     "half a byte": {"max_memory": 0.5},
     "a path with a zero byte": {"source": "a\0b", "affine": None},
+    "a path that is not Unicode": {"source": "a\ud800", "affine": None},
     "a folder": {"source": os.path.dirname(__file__), "affine": None},
     "a table that is a number": {"source": "x.nii", "affine": None, "labels": 3},
 }
@@ -110,11 +111,12 @@ def swapped(array):
 def test_pathways_contexts_and_affines_are_taken_in_any_layout():
     values = np.zeros((40, 30, 30), "f4")
     values[15:18] = 0.9
-    wanted = conus.load(plates(), AFFINE, labels=NAMES, pathways=[image(values)]).select((0, 0, 0), direction=(-1, 0, 0))
+    aim = {"origin": (0, 0, 0), "direction": (-1, 0, 0)}
+    wanted = conus.load(plates(), AFFINE, labels=NAMES, pathways=[image(values)]).select(**aim)
     other = conus.load(swapped(plates("i2")), swapped(AFFINE), labels=NAMES, pathways=[image(swapped(values))])
-    assert wanted[0].kind == "pathway" and same(other.select((0, 0, 0), direction=(-1, 0, 0)).results, wanted.results)
+    assert wanted[0].kind == "pathway" and same(other.select(**aim).results, wanted.results)
     walled = conus.load(plates(), AFFINE, context=image(swapped(values)), context_blocks=0.5)
-    assert walled.select((0, 0, 0), direction=(-1, 0, 0))[0].name == "unassigned"
+    assert walled.select(**aim)[0].name == "unassigned"
 
 
 def test_paths_of_every_file_have_bytes(tmp_path):
@@ -188,10 +190,21 @@ def test_bad_pose_is_an_error(atlas, asked, case):
         {"level": "\udcff"},
         {"engine": "vulkan"},
         {"aperture": None},
+        {"layers": np.eye(3)},
+        {"resolution": np.eye(3)},
+        {"score": np.eye(3)},
     ],
 )
 def test_bad_option_is_an_error(atlas, options):
     assert_is_an_error(lambda: atlas.select(**RIGHT, **options))
+
+
+def test_a_range_is_any_sequence_to_its_last_digit(atlas):
+    """The plate begins at 20 mm: a range to just before it is empty, and is another one than to just behind it."""
+    for kind in (tuple, list, np.array):
+        for far, name in ((20 - 1e-12, "unassigned"), (20 + 1e-12, "right")):
+            hits = atlas.select((0, 0, 0), direction=(1, 0, 0), radius=1, range=kind([0, far]))
+            assert hits[0].name == name
 
 
 @pytest.mark.parametrize("point, radius", [((NAN, 0, 0), 5), ((0, 0), 5), ("abc", 5), ((0, 0, 0), NAN), ((0, 0, 0), 0)])
@@ -200,7 +213,8 @@ def test_bad_ball_is_an_error(atlas, point, radius):
 
 
 @pytest.mark.parametrize(
-    "errors", [{"degrees": NAN}, {"degrees": -1}, {"degrees": 91}, {"mm": -1}, {"mm": np.inf}, {"samples": 17}, {"samples": -1}]
+    "errors",
+    [{"degrees": NAN}, {"degrees": -1}, {"degrees": 91}, {"mm": -1}, {"mm": np.inf}, {"samples": 17}, {"samples": -1}],
 )
 def test_bad_errors_of_the_pose_are_an_error(atlas, errors):
     assert_is_an_error(lambda: atlas.jitter(**RIGHT, **errors))
@@ -230,9 +244,10 @@ def test_bad_arrays_are_an_error(atlas, arrays):
 
 
 def test_every_pose_at_fault_has_its_reason(atlas):
-    answers = atlas.select_many(poses=np.stack([np.full((4, 4), NAN), np.diag([-1, 1, 1, 1]), np.eye(4)]), angle=[5, 5, NAN])
+    poses = np.stack([np.full((4, 4), NAN), np.diag([-1, 1, 1, 1]), np.eye(4)])
+    answers = atlas.select_many(poses=poses, angle=[5, 5, NAN])
     assert list(answers.errors) == [0, 1, 2]
-    assert ["nan in row 0" in answers.errors[0], "left-handed" in answers.errors[1], "nan" in answers.errors[2]] == [True] * 3
+    assert all(why in answers.errors[i] for i, why in enumerate(("nan in row 0", "left-handed", "angle: nan")))
 
 
 def test_arrays_of_poses_are_taken_in_any_layout(atlas):
@@ -266,7 +281,8 @@ def test_a_ball_has_no_picture(atlas):
 
 def test_hits_are_a_sequence(atlas):
     hits = atlas.select(**RIGHT)
-    assert hits[-1].name == "unassigned" and [hit.name for hit in hits[:1]] == ["right"] == [hit.name for hit in hits[-2:-1]]
+    assert hits[-1].name == "unassigned"
+    assert [hit.name for hit in hits[:1]] == ["right"] == [hit.name for hit in hits[-2:-1]]
     assert hits[5:] == [] and len(list(hits)) == len(hits) == 2
     for index in (2, -3):
         with pytest.raises(IndexError):

@@ -39,7 +39,7 @@ def test_every_script_is_tested_and_its_cells_are_marked():
 
 
 def test_tms_session_prints_the_numbers_of_the_recipe(tmp_path):
-    """docs/recipes.md has them of the program: shares 0.551742113 and 0.448257887, p_hit 0.615234375 and 0.384765625."""
+    """docs/recipes.md has them of the program: shares 0.551742113 and 0.448257887, p_hit 0.6152 and 0.3848."""
     printed = run_example("tms_session", tmp_path)
     assert "planned: Postcentral_L 55.2 %" in printed and "planned: Precentral_L 44.8 %" in printed
     assert "expected: Postcentral_L 61.5 %" in printed and "expected: Precentral_L 38.5 %" in printed
@@ -48,7 +48,8 @@ def test_tms_session_prints_the_numbers_of_the_recipe(tmp_path):
 def test_probe_prints_where_its_areas_are(tmp_path):
     """docs/recipes.md has, by the program, entries 10.79 and 18.83 and an exit of 22.36 mm from the same origin."""
     printed = run_example("neuropixels_probe", tmp_path)
-    spans = [(float(a), float(b), name) for a, b, name in re.findall(r"^ *([\d.]+) to +([\d.]+) mm  (\w+)$", printed, re.M)]
+    lines = re.findall(r"^ *([\d.]+) to +([\d.]+) mm  (\w+)$", printed, re.M)
+    spans = [(float(start), float(end), name) for start, end, name in lines]
     assert spans[0][0] == 0 and spans[-1][1] == 15 and all(a[1] == b[0] for a, b in zip(spans, spans[1:]))
     starts = {name: start for start, _, name in reversed(spans)}
     assert starts["l_middle_frontal_gyrus"] == pytest.approx(18.83 - 10.79, abs=0.03)

@@ -119,7 +119,7 @@ def test_lines_of_the_documents_draw_pictures(aal, tmp_path, monkeypatch):
 
 
 def test_camera_sees_the_plates_where_they_are(atlas):
-    """From z = 200 down: x = 29, the middle of the right plate, is at 29 / (200 tan 15) of half the width, 50 pixels."""
+    """From z = 200 down: x = 29, the middle of the right plate, is at 29 / (200 tan 15) of half the width, 50 px."""
     camera = np.eye(4)
     camera[:3, 3] = (0, 0, 200)
     picture = atlas.render(size=(100, 100), legend=False, camera=camera)

@@ -91,7 +91,8 @@ def test_a_tracker_takes_the_same_steps():
         assert (hits.step.time_s, hits.step.selected) == (time, track.selected[i])
         assert tracker.selected() == track.selected[i]
     frame, last = track.to_dataframe(), hits.to_dataframe()
-    assert last.astype(object).equals(frame[frame["query"] == 59].drop(columns="query").reset_index(drop=True).astype(object))
+    rows = frame[frame["query"] == 59].drop(columns="query").reset_index(drop=True)
+    assert last.astype(object).equals(rows.astype(object))
 
 
 def test_a_press_confirms_what_was_selected_before_it(atlas):
