@@ -6,7 +6,7 @@ step() {
     local name=$1 begun=$SECONDS status log=$results/$1.log
     shift
     set +e
-    (set -e; "$@") >"$log" 2>&1 </dev/null
+    (set -ex; "$@") >"$log" 2>&1 </dev/null
     status=$?
     set -e
     [ $status = 0 ] || fail "$name has failed: $(tail -n 1 "$log") (${log#"$PWD/"})"
