@@ -96,7 +96,7 @@ CONUS_API const conus_transfer_point *conus_renderer_transfer(size_t *count, con
  * @param renderer The renderer.
  * @param points [count] Their values never fall. Copied.
  * @param count 1 to 4096.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for other points, and without a context.
+ * @return #CONUS_OK, also without a context, where it changes nothing; #CONUS_ERROR_ARGUMENT for other points.
  * @threads The one that made the renderer.
  * @since 0.1
  */
