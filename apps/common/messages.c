@@ -9,15 +9,27 @@
 
 enum { LINE_SIZE = 2048, WORD_SIZE = 64 };
 
-static void print_error_list(const char *format, va_list args)
+/* The thread's newest. */
+static _Thread_local char said[LINE_SIZE];
+
+void make_plain_line(char *text)
 {
-    char line[LINE_SIZE];
-    vsnprintf(line, sizeof line, format, args);
-    for (char *c = line; (c = strpbrk(c, "\n\t"));) {
+    for (char *c = text; (c = strpbrk(c, "\n\t"));) {
         *c = ' ';
     }
-    conus_plain_text(line);
-    fprintf(stderr, "conus: %s\n", line);
+    conus_plain_text(text);
+}
+
+static void print_error_list(const char *format, va_list args)
+{
+    vsnprintf(said, sizeof said, format, args);
+    make_plain_line(said);
+    fprintf(stderr, "conus: %s\n", said);
+}
+
+const char *error_line(void)
+{
+    return said;
 }
 
 void print_error_line(const char *format, ...)

@@ -16,6 +16,12 @@ enum exit_code {
 /** Writes "conus: " and the line to stderr; control characters become spaces. */
 void print_error_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/** The line that this thread wrote last, without "conus: "; "" if there is none. Until it writes the next. */
+const char *error_line(void);
+
+/** Makes a text harmless for whatever shows it, in place: one line, without control characters. */
+void make_plain_line(char *text);
+
 /** print_error_line(), and EXIT_USAGE. */
 int print_usage_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 

@@ -12,8 +12,9 @@ enum { HELP_COLUMN = 30, HELP_WIDTH = 100 };
 void help_usage(FILE *out, const struct command *command)
 {
     fprintf(out, "%s %s", command->program ? command->program : "conus", command->name);
+    bool may_be_missing = command->optional && !command->form; /* a form is that with all operands */
     for (size_t i = 0; i < OPERAND_LIMIT && command->operands[i]; i++) {
-        fprintf(out, " %s%s", command->operands[i], command->repeats ? "..." : "");
+        fprintf(out, may_be_missing ? " [%s%s]" : " %s%s", command->operands[i], command->repeats ? "..." : "");
     }
     fprintf(out, "%s%s [options]", command->form ? " " : "", command->form ? command->form : "");
 }

@@ -14,6 +14,10 @@ static void draw_panels(struct window *window)
     window->hover.has_place = false;
     window->hover.object = 0;
     window->hover.value = NAN;
+    if (window->start.on) {
+        panel_start(window);
+        return;
+    }
     if (!window->alone) {
         panel_areas(window);
         panel_results(window);
@@ -29,18 +33,23 @@ static void draw_panels(struct window *window)
     if (!window->alone) { /* after the panes, which find what is under the mouse */
         panel_status(window);
     }
-    if (window->show_help) {
-        keys_draw_help(window);
+}
+
+/* What the newest frame shows of the viewer. */
+static void note_shown(struct window *window)
+{
+    window->frames_wanted -= window->frames_wanted > 0;
+    if (window->viewer) {
+        window->shown_version = window->viewer->version;
+        window->shown_said = window->viewer->said;
+        window->shown_head = window->viewer->head.number;
     }
 }
 
 void draw_window(struct window *window)
 {
     double begun = glfwGetTime();
-    window->frames_wanted -= window->frames_wanted > 0;
-    window->shown_version = window->viewer->version;
-    window->shown_said = window->viewer->said;
-    window->shown_head = window->viewer->head.number;
+    note_shown(window);
     window->moving = window->moving && clock_ms() < window->moving_until;
     window_lay_out(window);
     if (window->width < 1 || window->height < 1) { /* minimised */
@@ -54,6 +63,9 @@ void draw_window(struct window *window)
     window_clear(window);
     ui_begin();
     draw_panels(window);
+    if (window->show_help) {
+        keys_draw_help(window);
+    }
     ui_end();
     window->frame_ms = 1e3 * (glfwGetTime() - begun);
     times_add(&window->times, TIMED_FRAME, window->frame_ms);

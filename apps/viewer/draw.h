@@ -5,7 +5,7 @@
 
 #include "viewer/window/window.h"
 
-/** Draws one frame of @p window->viewer. */
+/** Draws one frame of @p window->viewer, or of the start page. */
 void draw_window(struct window *window);
 
 #endif

@@ -218,13 +218,38 @@ static const struct {
     {"c", change_colours, "colours for any colour vision, or the atlas's own"},
     {"o", keep_session, "save the session: conus-DATE-TIME.json, in the folder where conus was started"},
     {"p", keep_picture, "save what the window shows: conus-DATE-TIME.png, there, too"},
+    {"ctrl+o", window_go_to_start, "the start page, for another atlas; Escape comes back"},
     {"tab", enlarge, "one pane after the other fills the window"},
     {"f11", fill_screen, "3-D alone, over the whole screen, and back"},
 };
 enum { KEYS = sizeof keys / sizeof keys[0] };
 
+/* There the digits are those of its lists. */
+static bool press_at_start(struct window *window, const char *key)
+{
+    struct start *start = &window->start;
+    const char *path = key[0] >= '1' && key[0] <= '9' && !key[1] ? start_path(start, (size_t)(key[0] - '1')) : NULL;
+    if (path) {
+        window_want(window, path);
+    } else if (strcasecmp(key, "tab") == 0) {
+        start->takes_keys = true;
+    } else if (strcasecmp(key, "enter") == 0) {
+        window_want_typed(window);
+    } else if (strcasecmp(key, "escape") == 0 && window->viewer) {
+        start->on = false;
+    } else if (strcasecmp(key, "?") == 0) {
+        toggle_help(window);
+    } else {
+        return false;
+    }
+    return true;
+}
+
 bool keys_press(struct window *window, const char *key)
 {
+    if (window->start.on) {
+        return press_at_start(window, key);
+    }
     for (size_t i = 0; i < KEYS; i++) {
         if (strcasecmp(keys[i].key, key) == 0) {
             keys[i].act(window);
@@ -259,7 +284,7 @@ void keys_draw_help(struct window *window)
     const char *key;
     const char *meaning;
     float width = 520 * window->scale;
-    float height = 640 * window->scale;
+    float height = fminf(710 * window->scale, (float)window->height);
     ui_panel("Keys and mouse (? closes this)",
              (struct ui_box){((float)window->width - width) / 2, ((float)window->height - height) / 2, width, height},
              UI_IN_FRONT);

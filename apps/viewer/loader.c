@@ -16,6 +16,7 @@ struct loader {
     struct loading what;
     conus_atlas *atlas;
     size_t total; /* files but for the context; the thread's own */
+    char why[LOADER_WHY];
     atomic_bool cancelled;
     pthread_mutex_t lock; /* guards what follows */
     bool done;
@@ -31,6 +32,7 @@ static bool note(void *user, const char *path, size_t done, size_t total)
     total += loader->what.context != NULL;
     pthread_mutex_lock(&loader->lock);
     snprintf(loader->progress.file, sizeof loader->progress.file, "%s", slash && slash[1] ? slash + 1 : path);
+    make_plain_line(loader->progress.file);
     loader->progress.part = done < total ? (double)done / (double)total : 1;
     pthread_mutex_unlock(&loader->lock);
     return !atomic_load(&loader->cancelled);
@@ -49,6 +51,7 @@ static void *load(void *user)
         code = goes_on ? settings_load_context(loader->atlas, what->context, 0, what->settings) : EXIT_DATA;
     }
     if (code || atomic_load(&loader->cancelled)) {
+        snprintf(loader->why, sizeof loader->why, "%s", atomic_load(&loader->cancelled) ? "" : error_line());
         conus_atlas_destroy(loader->atlas);
         loader->atlas = NULL;
     }
@@ -96,10 +99,11 @@ bool loader_done(struct loader *loader)
     return done;
 }
 
-conus_atlas *loader_finish(struct loader *loader)
+conus_atlas *loader_finish(struct loader *loader, char why[LOADER_WHY])
 {
     pthread_join(loader->thread, NULL);
     conus_atlas *atlas = loader->atlas;
+    memcpy(why, loader->why, LOADER_WHY);
     pthread_mutex_destroy(&loader->lock);
     free(loader);
     return atlas;

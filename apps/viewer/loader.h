@@ -5,6 +5,8 @@
 
 #include "settings/settings.h"
 
+enum { LOADER_WHY = 512 };
+
 struct loader;
 
 struct loading {
@@ -26,7 +28,8 @@ void loader_ask(struct loader *loader, struct loader_progress *out);
 bool loader_done(struct loader *loader);
 /** Nobody wants the atlas any more: the file that is being read is the last one. */
 void loader_cancel(struct loader *loader);
-/** Waits, and ends the loader. NULL: there is no atlas, and it was said why unless it was cancelled. */
-conus_atlas *loader_finish(struct loader *loader);
+/** Waits, and ends the loader. NULL: there is no atlas, and unless it was cancelled it was said why on stderr, which
+ * @p why repeats. */
+conus_atlas *loader_finish(struct loader *loader, char why[LOADER_WHY]);
 
 #endif

@@ -86,7 +86,10 @@ static double rest(const struct window *window, const struct script *script)
     if (ui_wants_keys()) {
         seconds = least(seconds, blink_s);
     }
-    return least(least(seconds, replay_rest(&window->replay, window->viewer, glfwGetTime())), longest_s);
+    if (window->viewer) {
+        seconds = least(seconds, replay_rest(&window->replay, window->viewer, glfwGetTime()));
+    }
+    return least(seconds, longest_s);
 }
 
 static void wait_for_events(struct window *window, double seconds)
@@ -110,18 +113,26 @@ static void draw_frame(struct window *window)
     }
 }
 
-/* One round. False: the script has ended. */
-static bool go_round(struct window *window, struct script *script, int *code)
+/* What happens to the atlas by itself. */
+static void serve_viewer(struct window *window)
 {
-    bool acts = script && !script_waits(script, window);
-    unsigned answer = window->viewer->cone.answer_number;
-    wait_for_events(window, acts ? 0 : rest(window, script));
     if (window->station) {
         hear_tracker(window);
         send_answer(window);
     }
     watch_files(window);
     replay_step(&window->replay, window->viewer, glfwGetTime());
+}
+
+/* One round. False: the script has ended. */
+static bool go_round(struct window *window, struct script *script, int *code)
+{
+    bool acts = script && !script_waits(script, window);
+    unsigned answer = window->viewer ? window->viewer->cone.answer_number : 0;
+    wait_for_events(window, acts ? 0 : rest(window, script));
+    if (window->viewer) {
+        serve_viewer(window);
+    }
     if (!window_wants_frame(window) && !acts && !ui_wants_keys()) {
         return true;
     }
@@ -130,14 +141,17 @@ static bool go_round(struct window *window, struct script *script, int *code)
         return false;
     }
     glfwSwapBuffers(window->handle);
-    note_times(window, answer);
+    if (window->viewer) {
+        note_times(window, answer);
+    }
     return true;
 }
 
-int loop_run(struct window *window, struct script *script)
+bool loop_run(struct window *window, struct script *script, int *code)
 {
-    int code = EXIT_DONE;
-    while (!glfwWindowShouldClose(window->handle) && go_round(window, script, &code)) {
+    bool goes_on = true;
+    while (goes_on && !glfwWindowShouldClose(window->handle) && !window->wanted) {
+        goes_on = go_round(window, script, code);
     }
-    return code;
+    return goes_on && !glfwWindowShouldClose(window->handle);
 }

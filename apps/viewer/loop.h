@@ -7,8 +7,9 @@
 
 #include "viewer/session/script.h"
 
-/** Shows @p window until it is closed, or @p script (NULL = none) ends. Gives the exit code. */
-int loop_run(struct window *window, struct script *script);
+/** Shows @p window until it is closed or @p script (NULL = none) ends, which may set the exit code: false; or until
+ * another atlas is wanted: true. */
+bool loop_run(struct window *window, struct script *script, int *code);
 
 /** Makes the loop look again, from any thread. Costs nothing while it has not looked since the last time. */
 void loop_wake(void);

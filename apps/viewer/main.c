@@ -2,36 +2,13 @@
 /* conus-view: the window. Its options are read and explained by the same tables as those of conus. */
 #include "common/messages.h"
 #include "pages/pages.h"
-#include "settings/atlas_notes.h"
-#include "settings/settings.h"
-#include "settings/station_settings.h"
 #include "viewer/keys.h"
-#include "viewer/loader.h"
 #include "viewer/loop.h"
-#include "viewer/session/session.h"
-#include "viewer/window/screen.h"
+#include "viewer/open.h"
 
 #include <GLFW/glfw3.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-/* Between two looks at how far loading is. */
-static const double progress_s = 0.1;
 
 enum { DEFAULT_WIDTH = 1500, DEFAULT_HEIGHT = 940 };
-
-struct view_settings {
-    struct atlas_settings atlas;
-    struct common_settings common;
-    struct station_settings station;
-    const char *poses;
-    const char *context, *transfer, *script, *session;
-    uint32_t size[2];
-    double scale;
-    bool hidden, safe_colours, full_screen;
-};
 
 static const struct option own_options[] = {
     {.name = "context",
@@ -98,105 +75,26 @@ static const struct option_group groups[] = {
     {0},
 };
 
-/* ---- The loop ---------------------------------------------------------------------------------------------------- */
+/* ---- The window -------------------------------------------------------------------------------------------------- */
 
-/* What is read, and a bar of the files that are. */
-static void draw_progress(const struct window *window, const struct loader_progress *progress, double seconds)
-{
-    static const ui_colour light = {235, 235, 240, 255};
-    static const ui_colour dim = {255, 255, 255, 25};
-    static const ui_colour full = {66, 150, 250, 255};
-    float line = ui_line();
-    float wide = fminf(420 * window->scale, 0.8F * (float)window->width);
-    struct ui_box bar = {((float)window->width - wide) / 2, (float)window->height / 2, wide, 0.4F * line};
-    char text[160];
-    snprintf(text, sizeof text, "reading %s   %.1f s", progress->file, seconds);
-    ui_draw_text((float[]){bar.x + 3, bar.y - 1.5F * line}, light, text);
-    ui_draw_box(bar, dim, 0);
-    bar.width *= (float)progress->part;
-    ui_draw_box(bar, full, 0);
-}
-
-static void draw_loading(struct window *window, struct loader *loader, double seconds)
-{
-    struct loader_progress progress;
-    loader_ask(loader, &progress);
-    window_lay_out(window);
-    window_clear(window);
-    ui_begin();
-    ui_panel("loading", (struct ui_box){0, 0, (float)window->width, (float)window->height}, UI_PLAIN);
-    draw_progress(window, &progress, seconds);
-    ui_panel_end();
-    ui_end();
-    glfwSwapBuffers(window->handle);
-}
-
-/* Waits for the atlas with the window open. NULL: it was closed, or it was said why. */
-static conus_atlas *wait_for_atlas(struct window *window, const struct loading *what)
-{
-    struct loader *loader = NULL;
-    double begun = glfwGetTime();
-    if (!loader_start(&loader, what)) {
-        print_error_line("not enough memory");
-        return NULL;
-    }
-    while (!loader_done(loader) && !glfwWindowShouldClose(window->handle)) {
-        draw_loading(window, loader, glfwGetTime() - begun);
-        glfwWaitEventsTimeout(progress_s);
-    }
-    if (glfwWindowShouldClose(window->handle)) { /* the file that is being read is read to its end */
-        loader_cancel(loader);
-        glfwHideWindow(window->handle);
-    }
-    return loader_finish(loader);
-}
-
-static void set_head(struct head *head, const struct station_settings *settings)
-{
-    double enlarged = settings->enlarged > 0 ? settings->enlarged : 1;
-    head->named = head->on = settings->head;
-    head->size[0] = settings->screen_mm[0] / enlarged; /* in the world */
-    head->size[1] = settings->screen_mm[1] / enlarged;
-}
-
+/* Atlases one after the other, with the start page before and between them. It says, too, why ATLAS cannot be opened:
+ * where a desktop has started the program nobody sees stderr. */
 static int run_window(struct window *window, const struct view_settings *settings, const char *path,
-                      struct script *script)
+                      struct script *script, double started)
 {
-    const struct loading what = {path, &settings->atlas, settings->context, glfwPostEmptyEvent};
-    struct viewer viewer;
-    conus_atlas *atlas = wait_for_atlas(window, &what);
-    if (!atlas) {
-        return glfwWindowShouldClose(window->handle) ? EXIT_DONE : EXIT_DATA;
-    }
-    settings_say_notes(atlas, &settings->common);
-    if (settings->safe_colours) {
-        conus_atlas_use_safe_colours(atlas);
-    }
-    if (viewer_create(&viewer, atlas, path, settings->transfer, settings->common.verbose ? log_line : NULL,
-                      loop_wake)) {
-        print_error_line("not enough memory");
-        conus_atlas_destroy(atlas);
-        return EXIT_DATA;
-    }
-    viewer.display.safe_colours = settings->safe_colours;
-    set_head(&viewer.head, &settings->station);
-    window->viewer = &viewer;
+    int code = EXIT_DONE;
+    start_look(&window->start);
     window->press = keys_press;
-    window_fill_screen(window, settings->full_screen);
-    viewer.cone.pointer = window->station ? POINT_BY_TRACKER : window->replay.poses ? POINT_BY_REPLAY : POINT_BY_MOUSE;
-    if (window->replay.poses) {
-        replay_show(&window->replay, &viewer, 0);
+    if (path) {
+        window_want(window, path);
     }
-    char why[SESSION_REASON];
-    int code = EXIT_DATA;
-    if (settings->session && !session_load(window, settings->session, why)) {
-        print_error_line("%s", why);
-    } else {
-        code = loop_run(window, script);
+    if (window->wanted && !open_wanted(window, settings, true, started) && !window->wanted) {
+        code = glfwWindowShouldClose(window->handle) ? EXIT_DONE : EXIT_DATA;
     }
-    window->press = NULL;
-    window->viewer = NULL;
-    viewer_finish(&viewer);
+    while (!(code && script) && loop_run(window, script, &code)) {
+        open_wanted(window, settings, !path && !window->viewer, clock_ms());
+    }
+    open_finish(window);
     return code;
 }
 
@@ -254,7 +152,7 @@ static int run_view(const void *given, const struct arguments *arguments)
     }
     times_start(&window.times, started);
     code = start_sources(&window, settings);
-    code = code ? code : run_window(&window, settings, arguments->operands[0], script);
+    code = code ? code : run_window(&window, settings, arguments->operands[0], script, started);
     station_stop(window.station);
     conus_pose_list_destroy(window.replay.poses);
     if (!code && !settings->script) {
@@ -270,10 +168,13 @@ static const struct command cmd_view = {
     .name = "view",
     .summary = "browse an atlas in a window and point at it",
     .operands = {"ATLAS"},
+    .optional = true,
     .description =
         "Four panes: the brain in 3-D and its axial, coronal and sagittal cuts. The cone follows the mouse, or a\n"
         "wand moved by keys; the areas that it hits are named, ranked and highlighted. Press ? in the window for\n"
-        "the keys.",
+        "the keys.\n\n"
+        "Without ATLAS the window opens with a page that lists what was opened lately. Drop a file or a folder on\n"
+        "it, or type a path.",
     .examples =
         "  conus view /usr/share/mricron/templates/aal.nii.gz --context /usr/share/mricron/templates/ch2bet.nii.gz\n",
     .groups = groups,

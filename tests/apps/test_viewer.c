@@ -2,9 +2,11 @@
 /* What the window does, without a window. */
 #include "viewer/model/picker.h"
 #include "viewer/window/place.h"
+#include "viewer/window/start.h"
 
 #include "test.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -189,18 +191,23 @@ static void colours_go_and_come_back(void **state)
     viewer_finish(&viewer);
 }
 
+/* Of a file that the window keeps, in a folder of this run. */
+static void find_state(char path[PATH_MAX], const char *name)
+{
+    char here[512];
+    assert_non_null(getcwd(here, sizeof here)); /* relative ones do not count */
+    snprintf(path, PATH_MAX, "%s/%s", here, test_scratch("state"));
+    setenv("XDG_STATE_HOME", path, 1);
+    snprintf(path, PATH_MAX, "%s/%s/conus/%s", here, test_scratch("state"), name);
+}
+
 static void the_window_finds_its_place_again(void **state)
 {
     const struct place left = {.width = 900, .height = 700, .known = true, .x = 11, .y = -22};
     struct place found = {.width = 1, .height = 2};
-    char path[1200];
-    char here[512];
+    char path[PATH_MAX];
     (void)state;
-    assert_non_null(getcwd(here, sizeof here)); /* relative ones do not count */
-    snprintf(path, sizeof path, "%s/%s", here, test_scratch("state"));
-    setenv("XDG_STATE_HOME", path, 1);
-    snprintf(path, sizeof path, "%.1000s/conus/window.json", getenv("XDG_STATE_HOME"));
-    remove(path); /* of an earlier run */
+    find_state(path, "window.json");
     place_load(&found);
     assert_int_equal(found.width, 1);
     place_save(&left);
@@ -222,6 +229,107 @@ static void the_window_finds_its_place_again(void **state)
         assert_int_equal(found.width, 5);
         assert_false(found.known);
     }
+}
+
+static const char three[] = "{\"conus_recent\": 1, \"atlases\": [\"/a\", \"/b/\\u001b.nii\", \"/c,volume=2\"]}";
+
+/* Nothing but what was written: no piece of it, no other form, no path that is relative or too long. */
+static void only_a_whole_list_is_read(void **state)
+{
+    static const char *const bad[] = {
+        "[]",
+        "{}",
+        "{\"conus_recent\": 1}",
+        "{\"conus_recent\": 2, \"atlases\": []}",
+        "{\"conus_recent\": 1, \"atlases\": {}}",
+        "{\"conus_recent\": 1, \"atlases\": [], \"more\": 1}",
+        "{\"conus_recent\": 1, \"atlases\": [], \"atlases\": []}",
+        "{\"conus_recent\": 1, \"atlases\": [\"a\"]}",
+        "{\"conus_recent\": 1, \"atlases\": [\"/a\", \"\"]}",
+        "{\"conus_recent\": 1, \"atlases\": [\"/a\", 5]}",
+        "{\"conus_recent\": 1, \"atlases\": [\"/a\\u0000b\"]}",
+        "{\"conus_recent\":1,\"atlases\":[\"/\",\"/\",\"/\",\"/\",\"/\",\"/\",\"/\",\"/\",\"/\"]}"};
+    struct recent recent = {.count = 5};
+    (void)state;
+    for (size_t size = 0; size < strlen(three); size++) {
+        assert_false(recent_parse(&recent, three, size));
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_false(recent_parse(&recent, bad[i], strlen(bad[i])));
+    }
+    assert_int_equal(recent.count, 5);
+    assert_true(recent_parse(&recent, three, strlen(three)));
+    assert_int_equal(recent.count, 3);
+    assert_string_equal(recent.paths[1], "/b/\x1b.nii");
+    assert_string_equal(recent.paths[2], "/c,volume=2");
+    for (int length = PATH_MAX - 1; length <= PATH_MAX; length++) { /* the longest, and one more */
+        char text[PATH_MAX + 64];
+        int size = snprintf(text, sizeof text, "{\"conus_recent\": 1, \"atlases\": [\"/%0*d\"]}", length - 1, 0);
+        assert_int_equal(recent_parse(&recent, text, (size_t)size), length < PATH_MAX);
+    }
+}
+
+static void what_is_opened_comes_first(void **state)
+{
+    struct recent recent;
+    char path[PATH_MAX];
+    char here[PATH_MAX];
+    (void)state;
+    find_state(path, "recent.json");
+    recent_load(&recent);
+    assert_int_equal(recent.count, 0);
+    recent_add("/\xff"); /* no UTF-8 */
+    recent_add("/folder//");
+    recent_load(&recent);
+    assert_int_equal(recent.count, 1);
+    assert_string_equal(recent.paths[0], "/folder");
+    for (int i = 1; i <= RECENT_LIMIT; i++) {
+        snprintf(path, sizeof path, "/%d", i);
+        recent_add(path);
+    }
+    recent_add("/3");
+    recent_load(&recent);
+    assert_int_equal(recent.count, RECENT_LIMIT); /* 3 8 7 6 5 4 2 1 */
+    assert_string_equal(recent.paths[0], "/3");
+    assert_string_equal(recent.paths[1], "/8");
+    assert_string_equal(recent.paths[5], "/4");
+    assert_string_equal(recent.paths[6], "/2");
+    assert_string_equal(recent.paths[7], "/1");
+    recent_add("./b.nii");
+    recent_load(&recent);
+    assert_non_null(getcwd(here, sizeof here));
+    assert_memory_equal(recent.paths[0], here, strlen(here));
+    assert_string_equal(recent.paths[0] + strlen(here), "/b.nii");
+    assert_string_equal(recent.paths[7], "/2");
+    find_state(path, "recent.json");
+    assert_ok(conus_write_file(path, three, strlen(three) - 1)); /* damaged: it begins anew */
+    recent_add("/a");
+    recent_load(&recent);
+    assert_int_equal(recent.count, 1);
+}
+
+static void the_start_page_shows_no_escapes(void **state)
+{
+    struct start start = {.typed = "~/a~/b"};
+    char words[PATH_MAX];
+    char path[PATH_MAX];
+    (void)state;
+    find_state(path, "recent.json");
+    assert_ok(conus_write_file(path, three, strlen(three)));
+    setenv("XDG_DATA_DIRS", "relative:/none", 1);
+    start_look(&start);
+    assert_string_equal(start_path(&start, 1), "/b/\x1b.nii");
+    assert_string_equal(start_words(words, &start, 1), " .nii");
+    assert_string_equal(words, "/b/ .nii");
+    assert_null(start_path(&start, 3));
+    setenv("HOME", "/home/me", 1);
+    assert_true(start_typed(path, &start));
+    assert_string_equal(path, "/home/me/a~/b");
+    memcpy(start.typed, "~a", 3);
+    assert_true(start_typed(path, &start));
+    assert_string_equal(path, "~a");
+    start.typed[0] = '\0';
+    assert_false(start_typed(path, &start));
 }
 
 /* Opaque from 1 on, the brain phantom's context hides all in it; thinned, less and less. */
@@ -401,6 +509,9 @@ int main(void)
         cmocka_unit_test(settings_of_the_atlas_are_all_set_or_none),
         cmocka_unit_test(edited_points_outlive_other_changes),
         cmocka_unit_test(the_window_finds_its_place_again),
+        cmocka_unit_test(only_a_whole_list_is_read),
+        cmocka_unit_test(what_is_opened_comes_first),
+        cmocka_unit_test(the_start_page_shows_no_escapes),
         cmocka_unit_test(a_device_without_a_pose_is_put_in_front),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

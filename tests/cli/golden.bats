@@ -53,3 +53,13 @@ looks_as() {
     conus phantom u-shape -o .
     looks_as window-head u-shape.nii.gz
 }
+
+@test "the start page" {
+    export XDG_STATE_HOME=$PWD XDG_DATA_DIRS=/none
+    mkdir conus
+    cat >conus/recent.json <<'END'
+{"conus_recent": 1, "atlases": ["/data/atlases/Schaefer2018_400Parcels_7Networks_order_FSLMNI152_1mm.nii.gz",
+ "/data/allen/annotation_25.nii.gz,volume=2", "/data/subjects/bert/surf", "/data/\u001b[31mred\n\u202eback.nii"]}
+END
+    looks_as window-start
+}

@@ -1,57 +1,7 @@
 #!/usr/bin/env bats
 # conus view under a display without a screen (Xvfb) and Mesa's software renderer, driven by scripts and by xdotool.
 load helpers
-
-setup_file() {
-    start_screen 1280x800
-}
-
-teardown_file() {
-    stop_screen
-}
-
-# view ATLAS [OPTION...] <SCRIPT: succeeds without a word.
-view() {
-    cat >script
-    run -0 --separate-stderr timeout $HANG "$CONUS" view "$@" --script script --quiet --size 1000x640
-    [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
-}
-
-# live ATLAS [OPTION...]: a window that does what `tell` says, and waits between that. It is process $child, its window $window.
-live() {
-    need_window
-    command -v xdotool >/dev/null || skip "no xdotool"
-    mkfifo commands
-    exec 4<>commands # to read, too, so that opening it waits for nobody
-    background timeout $HANG "$CONUS" view "$@" --script commands --quiet --size 1000x640 4>&-
-    looks=0
-    tell settle
-    look true
-    window=$(xdotool search --name '^conus$')
-}
-
-tell() {
-    printf '%s\n' "$@" >&4
-}
-
-# leave: the script has ended, and all of it was done.
-leave() {
-    exec 4>&-
-    wait "$child"
-}
-
-# look FILTER: whether FILTER of jq is true of the window's session, after the frames that what xdotool did may take.
-look() {
-    looks=$((looks + 1))
-    tell 'wait 8' "save look$looks.json"
-    wait_until "$child" test -e "look$looks.json"
-    jq -e "$1" "look$looks.json" >/dev/null
-}
-
-# find_window: that of process $child, which has been started.
-find_window() {
-    window=$(xdotool search --onlyvisible --name '^conus$' 2>/dev/null)
-}
+load window
 
 @test "it starts, shows four panes and panels, and ends" {
     need_window
@@ -469,34 +419,11 @@ END
     [ "$(jq .frame_ms.count still.json)" -lt 15 ]
 }
 
-# close_window ID: as a window manager does.
-close_window() {
-    /usr/bin/python3 - "$1" <<'END'
-import ctypes, sys
-class Message(ctypes.Structure):
-    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int),
-                ("display", ctypes.c_void_p), ("window", ctypes.c_ulong), ("message_type", ctypes.c_ulong),
-                ("format", ctypes.c_int), ("data", ctypes.c_long * 5), ("room", ctypes.c_long * 12)]
-x11 = ctypes.CDLL("libX11.so.6")
-x11.XOpenDisplay.restype = ctypes.c_void_p
-x11.XInternAtom.restype = ctypes.c_ulong
-x11.XInternAtom.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int]
-x11.XSendEvent.argtypes = [ctypes.c_void_p, ctypes.c_ulong, ctypes.c_int, ctypes.c_long, ctypes.c_void_p]
-x11.XSync.argtypes = [ctypes.c_void_p, ctypes.c_int]
-display = x11.XOpenDisplay(None)
-window = int(sys.argv[1])
-client_message = 33
-message = Message(client_message, 0, 1, display, window, x11.XInternAtom(display, b"WM_PROTOCOLS", 0), 32)
-message.data[0] = x11.XInternAtom(display, b"WM_DELETE_WINDOW", 0)
-x11.XSendEvent(display, window, 0, 0, ctypes.byref(message))
-x11.XSync(display, 0)
-END
-}
-
 @test "keys pressed while the atlas is being loaded do no harm" {
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"
     conus phantom nested -o . --size 512 # takes a while to load
+    export XDG_STATE_HOME=$PWD/state
     background timeout $HANG "$CONUS" view nested.nii.gz --quiet
     wait_until "$child" find_window
     xdotool key --window "$window" --delay 5 plus h u plus h u plus h u plus h u plus h u plus h u
@@ -504,40 +431,30 @@ END
     wait "$child"
 }
 
-# conus-mesh waits with the first file until the window is closed, and gives it then; the second file is no surface.
 @test "closed while the atlas is being loaded, it reads no more files" {
     need_window
-    [ -x "${CONUS%/*}/conus-mesh" ] || skip "conus-mesh is not built"
     command -v xdotool >/dev/null || skip "no xdotool"
-    printf 'v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >first.obj
-    echo '<?xml version="1.0"?><GIFTI Version="1.0">' >second.surf.gii
-    echo '{"conus_atlas": 1, "areas": [{"file": "first.obj", "label": 1}, {"file": "second.surf.gii", "label": 2}]}' >two.atlas.json
-    cat >mesh <<END
-#!/bin/sh
-: >'$PWD/begun'
-while [ ! -e '$PWD/closed' ]; do /bin/sleep 0.02; done
-exec '${CONUS%/*}/conus-mesh' "\$@"
-END
-    chmod +x mesh
-    export CONUS_MESH=$PWD/mesh
+    hold_mesh
+    export XDG_STATE_HOME=$PWD/state
     local then code
     for then in close go; do
-        rm -f begun closed
+        rm -f begun released
         XDG_CACHE_HOME=$PWD/$then background timeout $HANG "$CONUS" view two.atlas.json --quiet 2>said
         wait_until "$child" test -e begun
         wait_until "$child" find_window
         if [ $then = close ]; then
             close_window "$window"
             wait_until "$child" not find_window
-            touch closed
+            touch released
             wait "$child"
             [ ! -s said ] || { cat said; return 1; }
         else
-            touch closed
+            touch released
+            wait_until "$child" grep -q 'second.surf.gii' said
+            close_window "$window"
             code=0
             wait "$child" || code=$?
             [ $code -eq 3 ]
-            grep -q 'second.surf.gii' said
         fi
     done
 }
@@ -733,7 +650,7 @@ END
 
 # status_of NAME X Y PNG: the status line while the mouse is there over the axial pane of a sphere of that name.
 status_of() {
-    rm -f commands look*.json
+    rm -f commands look*.json pass*.png
     printf 'index\tname\n1\t%s\n' "$1" >sphere.tsv
     live sphere.nii.gz
     tell quiet-status 'angle 5' 'pointer wand'

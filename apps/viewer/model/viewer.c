@@ -62,8 +62,11 @@ static void find_window(struct viewer *viewer)
 conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *path, const char *transfer,
                            conus_log log, void (*wake)(void))
 {
-    struct viewer viewer = {
-        .atlas = atlas, .atlas_path = path, .transfer = transfer, .cone = {.angle = default_angle}, .wake = wake};
+    struct viewer viewer = {.atlas = atlas,
+                            .atlas_path = strdup(path),
+                            .transfer = transfer,
+                            .cone = {.angle = default_angle},
+                            .wake = wake};
     viewer.object_count = conus_atlas_object_count(atlas);
     bool has_shown = shown_init(&viewer.shown, atlas);
     viewer.display.fill = 0.45;
@@ -74,9 +77,10 @@ conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *p
     viewer.magnification = 1;
     memcpy(viewer.crosshair, viewer.centre, sizeof viewer.crosshair);
     orbit_look_at(&viewer.orbit, viewer.centre, viewer.radius);
-    if (!has_shown || !painter_create(&viewer.painter, atlas, transfer, log, wake)) {
+    if (!has_shown || !viewer.atlas_path || !painter_create(&viewer.painter, atlas, transfer, log, wake)) {
         watch_destroy(viewer.watch);
         shown_finish(&viewer.shown);
+        free(viewer.atlas_path);
         return CONUS_ERROR_MEMORY;
     }
     *out = viewer;
@@ -91,6 +95,7 @@ void viewer_finish(struct viewer *viewer)
     conus_selector_destroy(viewer->picker);
     shown_finish(&viewer->shown);
     watch_destroy(viewer->watch);
+    free(viewer->atlas_path);
     conus_atlas_destroy(viewer->atlas);
     *viewer = (struct viewer){0};
 }

@@ -48,7 +48,8 @@ struct display {
 
 struct viewer {
     conus_atlas *atlas;
-    const char *atlas_path, *transfer;
+    char *atlas_path;
+    const char *transfer;
     size_t object_count;
     double centre[3], radius; /**< A ball around the atlas, world mm. */
     struct watch *watch;      /**< NULL without memory. */
@@ -76,7 +77,8 @@ struct viewer {
     unsigned said;    /**< Grows with every message.                    */
 };
 
-/** Gets ready for @p atlas, which is taken over on success; @p log and @p wake (painter.h) may be NULL. */
+/** Gets ready for @p atlas, which is taken over on success, as @p path is not; @p transfer must outlive the viewer; @p
+ * log and @p wake (painter.h) may be NULL. */
 conus_status viewer_create(struct viewer *out, conus_atlas *atlas, const char *path, const char *transfer,
                            conus_log log, void (*wake)(void));
 void viewer_finish(struct viewer *viewer);

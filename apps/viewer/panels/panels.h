@@ -5,6 +5,7 @@
 
 #include "viewer/window/window.h"
 
+void panel_start(struct window *window); /**< In place of all others. */
 void panel_areas(struct window *window);
 void panel_cone(struct window *window);
 void panel_results(struct window *window);

@@ -118,6 +118,23 @@ static bool do_point(struct call *call)
     return true;
 }
 
+/* What is not an atlas is said on the start page or in the status line, as with the mouse. */
+static bool do_drop(struct call *call)
+{
+    const char *path = call->words[1];
+    window_drop(call->window, 1, &path);
+    return true;
+}
+
+static bool do_type(struct call *call)
+{
+    struct start *start = &call->window->start;
+    size_t size = strlen(call->words[1]) + 1;
+    bool fine = start->on && size <= sizeof start->typed;
+    memcpy(start->typed, call->words[1], fine ? size : 0);
+    return fine;
+}
+
 /* Where the screen stands: its middle, a point behind it in the line of sight, its size. */
 static bool do_screen(struct call *call)
 {
@@ -321,33 +338,36 @@ static const struct {
     size_t least, most; /* arguments */
     bool (*act)(struct call *call);
     const char *arguments;
+    bool at_start; /* needs no atlas */
 } commands[] = {
-    {"key", 1, 1, do_key, "KEY"},
-    {"aim", 6, 6, do_aim, "X Y Z TX TY TZ"},
-    {"point", 2, 2, do_point, "RIGHT DOWN, parts of the 3-D pane"},
-    {"screen", 8, 8, do_screen, "X Y Z TX TY TZ WIDTH HEIGHT"},
-    {"head", 1, 3, do_head, "X Y Z, after screen, or lost"},
-    {"angle", 1, 1, do_angle, "DEGREES"},
-    {"pointer", 1, 1, do_pointer, "mouse|wand|replay|tracker"},
-    {"crosshair", 3, 3, do_crosshair, "X Y Z"},
-    {"orbit", 2, 2, do_orbit, "AZIMUTH ELEVATION, degrees"},
-    {"zoom", 1, 1, do_zoom, "CLICKS"},
-    {"fade", 1, 1, do_fade, "PART"},
-    {"search", 0, 1, do_search, "[TEXT]"},
-    {"choose", 1, 1, do_choose, "NAME"},
-    {"threshold", 2, 2, do_threshold, "PATHWAY VALUE"},
-    {"quiet-status", 0, 0, do_quiet_status, ""},
-    {"wait", 1, 1, do_wait, "FRAMES"},
-    {"pause", 1, 1, do_pause, "SECONDS"},
-    {"settle", 0, 0, do_settle, ""},
-    {"until", 1, 1, do_until, "FILE"},
-    {"screenshot", 1, 1, do_screenshot, "FILE.png"},
-    {"picture", 3, 3, do_picture, "FILE.png WIDTH HEIGHT"},
-    {"results", 1, 1, do_results, "FILE.tsv"},
-    {"times", 1, 1, do_times, "FILE.json"},
-    {"size", 2, 2, do_size, "WIDTH HEIGHT"},
-    {"save", 1, 1, do_save, "FILE.json"},
-    {"open", 1, 1, do_open, "FILE.json"},
+    {"key", 1, 1, do_key, "KEY", true},
+    {"drop", 1, 1, do_drop, "PATH", true},
+    {"type", 1, 1, do_type, "PATH, on the start page", true},
+    {"aim", 6, 6, do_aim, "X Y Z TX TY TZ", false},
+    {"point", 2, 2, do_point, "RIGHT DOWN, parts of the 3-D pane", false},
+    {"screen", 8, 8, do_screen, "X Y Z TX TY TZ WIDTH HEIGHT", false},
+    {"head", 1, 3, do_head, "X Y Z, after screen, or lost", false},
+    {"angle", 1, 1, do_angle, "DEGREES", false},
+    {"pointer", 1, 1, do_pointer, "mouse|wand|replay|tracker", false},
+    {"crosshair", 3, 3, do_crosshair, "X Y Z", false},
+    {"orbit", 2, 2, do_orbit, "AZIMUTH ELEVATION, degrees", false},
+    {"zoom", 1, 1, do_zoom, "CLICKS", false},
+    {"fade", 1, 1, do_fade, "PART", false},
+    {"search", 0, 1, do_search, "[TEXT]", false},
+    {"choose", 1, 1, do_choose, "NAME", false},
+    {"threshold", 2, 2, do_threshold, "PATHWAY VALUE", false},
+    {"quiet-status", 0, 0, do_quiet_status, "", true},
+    {"wait", 1, 1, do_wait, "FRAMES", true},
+    {"pause", 1, 1, do_pause, "SECONDS", true},
+    {"settle", 0, 0, do_settle, "", true},
+    {"until", 1, 1, do_until, "FILE", true},
+    {"screenshot", 1, 1, do_screenshot, "FILE.png", true},
+    {"picture", 3, 3, do_picture, "FILE.png WIDTH HEIGHT", false},
+    {"results", 1, 1, do_results, "FILE.tsv", false},
+    {"times", 1, 1, do_times, "FILE.json", true},
+    {"size", 2, 2, do_size, "WIDTH HEIGHT", true},
+    {"save", 1, 1, do_save, "FILE.json", false},
+    {"open", 1, 1, do_open, "FILE.json", false},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
@@ -386,6 +406,11 @@ static bool act(struct call *call)
 {
     for (size_t i = 0; i < COMMANDS; i++) {
         if (strcmp(commands[i].name, call->words[0]) == 0) {
+            if (!commands[i].at_start && !call->window->viewer) {
+                print_error_line("%s:%u: %s needs an atlas, and none is open", call->script->path, call->script->number,
+                                 commands[i].name);
+                return false;
+            }
             bool fits = call->count >= commands[i].least && call->count <= commands[i].most;
             if (fits && commands[i].act(call)) {
                 return true;

@@ -21,9 +21,11 @@ static ImU32 packed(ui_colour c)
 static bool load_font(float scale)
 {
     static const ImWchar ranges[] = {0x20, 0x24f, 0x370, 0x3ff, 0x2010, 0x2044, 0x2190, 0x22ff, 0};
+    static const ImWchar ascii[] = {0x20, 0x7e, 0};
     ImGuiIO &io = ImGui::GetIO();
     io.Fonts->Clear();
-    return io.Fonts->AddFontFromFileTTF(font_file, 15 * scale, nullptr, ranges) != nullptr;
+    return io.Fonts->AddFontFromFileTTF(font_file, 15 * scale, nullptr, ranges) &&
+           io.Fonts->AddFontFromFileTTF(font_file, 30 * scale, nullptr, ascii);
 }
 
 static void set_style(float scale)
@@ -148,6 +150,21 @@ void ui_dim_end(void)
     ImGui::PopStyleVar();
 }
 
+void ui_tint(ui_colour colour)
+{
+    ImGui::PushStyleColor(ImGuiCol_Text, packed(colour));
+}
+
+void ui_tint_end(void)
+{
+    ImGui::PopStyleColor();
+}
+
+void ui_gap(float height)
+{
+    ImGui::Dummy(ImVec2(0, height));
+}
+
 void ui_same_line(void)
 {
     ImGui::SameLine();
@@ -171,6 +188,11 @@ void ui_indent(void)
 void ui_unindent(void)
 {
     ImGui::Unindent();
+}
+
+float ui_room(void)
+{
+    return ImGui::GetContentRegionAvail().x;
 }
 
 void ui_width(float width)
@@ -214,6 +236,13 @@ void ui_text_wrapped(const char *text)
     ImGui::PushTextWrapPos(0);
     ImGui::TextUnformatted(text);
     ImGui::PopTextWrapPos();
+}
+
+void ui_heading(const char *text)
+{
+    ImGui::PushFont(ImGui::GetIO().Fonts->Fonts[1]);
+    ImGui::TextUnformatted(text);
+    ImGui::PopFont();
 }
 
 void ui_tip(const char *text)
@@ -290,6 +319,11 @@ bool ui_numbers(const char *label, double value[3], const char *format)
 {
     return ImGui::InputScalarN(label, ImGuiDataType_Double, value, 3, nullptr, nullptr, format,
                                ImGuiInputTextFlags_EnterReturnsTrue);
+}
+
+void ui_take_keys(void)
+{
+    ImGui::SetKeyboardFocusHere();
 }
 
 bool ui_type(const char *label, char *text, size_t size, const char *hint)
@@ -462,7 +496,7 @@ bool ui_surface(const char *id, struct ui_box box)
 struct ui_box ui_area(const char *id, float height)
 {
     ImVec2 at = ImGui::GetCursorScreenPos();
-    float width = ImGui::GetContentRegionAvail().x;
+    float width = ui_room();
     struct ui_box box = {at.x, at.y, width > 1 ? width : 1, height};
     ImGui::InvisibleButton(id, ImVec2(box.width, box.height));
     return box;

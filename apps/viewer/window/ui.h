@@ -58,11 +58,15 @@ void ui_scroll_end(void);
 void ui_scroll_here(void);
 void ui_dim(float opacity); /**< Of the widgets up to ui_dim_end(). */
 void ui_dim_end(void);
+void ui_tint(ui_colour colour); /**< Of the texts up to ui_tint_end(). */
+void ui_tint_end(void);
+void ui_gap(float height); /**< Nothing, so high. */
 void ui_same_line(void);
 void ui_same_line_at(float x); /**< The next widget x from the panel's left edge. */
 void ui_separator(void);
 void ui_indent(void);
 void ui_unindent(void);
+float ui_room(void);        /**< From where the next widget comes to the panel's right edge. */
 void ui_width(float width); /**< Of the next widget. */
 /** Widgets up to ui_id_end() may have the names of others. */
 void ui_id(uint32_t id);
@@ -73,6 +77,7 @@ void ui_text_coloured(ui_colour colour, const char *format, ...) __attribute__((
 /** One number, by a printf format for a double. */
 void ui_text_number(const char *format, double value);
 void ui_text_wrapped(const char *text);
+void ui_heading(const char *text); /**< In large letters, of ASCII. */
 /** A text over the widget before, where the mouse is on it. */
 void ui_tip(const char *text);
 bool ui_entered(void); /**< Whether Enter was pressed in the line before. */
@@ -87,6 +92,8 @@ bool ui_slider(const char *label, double *value, double low, double high, const 
 bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high);
 bool ui_number(const char *label, double *value, const char *format);
 bool ui_numbers(const char *label, double value[3], const char *format);
+/** The next widget takes the keyboard. */
+void ui_take_keys(void);
 /** A line that is typed; true when it changed. */
 bool ui_type(const char *label, char *text, size_t size, const char *hint);
 void ui_chip(const char *id, ui_colour colour); /**< A small square. */

@@ -85,15 +85,24 @@ static void press_named(GLFWwindow *handle, int key, int scancode, int action, i
     static const struct {
         int key;
         const char *name;
-    } names[] = {{GLFW_KEY_ENTER, "enter"}, {GLFW_KEY_KP_ENTER, "enter"}, {GLFW_KEY_SPACE, "space"},
-                 {GLFW_KEY_TAB, "tab"},     {GLFW_KEY_F11, "f11"},        {GLFW_KEY_UP, "up"},
-                 {GLFW_KEY_DOWN, "down"},   {GLFW_KEY_LEFT, "left"},      {GLFW_KEY_RIGHT, "right"}};
+        int mods;
+    } names[] = {{GLFW_KEY_ENTER, "enter", 0},
+                 {GLFW_KEY_KP_ENTER, "enter", 0},
+                 {GLFW_KEY_SPACE, "space", 0},
+                 {GLFW_KEY_TAB, "tab", 0},
+                 {GLFW_KEY_F11, "f11", 0},
+                 {GLFW_KEY_UP, "up", 0},
+                 {GLFW_KEY_DOWN, "down", 0},
+                 {GLFW_KEY_LEFT, "left", 0},
+                 {GLFW_KEY_RIGHT, "right", 0},
+                 {GLFW_KEY_ESCAPE, "escape", 0},
+                 {GLFW_KEY_O, "ctrl+o", GLFW_MOD_CONTROL}};
     struct window *window = glfwGetWindowUserPointer(handle);
     (void)scancode;
-    (void)mods;
     touch(handle);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        if (names[i].key == key && action != GLFW_RELEASE && !ui_wants_keys()) {
+        bool is_it = names[i].key == key && (mods & names[i].mods) == names[i].mods;
+        if (is_it && action != GLFW_RELEASE && !ui_wants_keys()) {
             window_press(window, names[i].name);
         }
     }
@@ -120,6 +129,15 @@ static void note_scale(GLFWwindow *handle, float x, float y)
     touch(handle);
 }
 
+static void take_drop(GLFWwindow *handle, int count, const char **paths)
+{
+    struct window *window = glfwGetWindowUserPointer(handle);
+    touch(handle);
+    if (window) {
+        window_drop(window, count, paths);
+    }
+}
+
 /* Before ui_create(), which calls what is there already. */
 static void hear_events(GLFWwindow *handle)
 {
@@ -135,6 +153,7 @@ static void hear_events(GLFWwindow *handle)
     glfwSetWindowPosCallback(handle, touch_by_numbers); /* a tracked head sees another part */
     glfwSetWindowRefreshCallback(handle, touch);
     glfwSetWindowContentScaleCallback(handle, note_scale);
+    glfwSetDropCallback(handle, take_drop);
 }
 
 /* ---- The window -------------------------------------------------------------------------------------------------- */
@@ -184,7 +203,7 @@ void window_place(const struct window *window, struct place *out)
 
 bool window_open(struct window *out, const struct place *place, double scale, bool hidden)
 {
-    struct window window = {.enlarged = -1, .scale = 1};
+    struct window window = {.enlarged = -1, .scale = 1, .start.on = true};
     float across;
     glfwSetErrorCallback(print_glfw_error);
     if (!glfwInit()) {
@@ -215,7 +234,8 @@ bool window_open(struct window *out, const struct place *place, double scale, bo
     return true;
 }
 
-void window_close(struct window *window)
+/* Pictures of the viewer's, and what makes them. */
+static void drop_pictures(struct window *window)
 {
     GLuint names[] = {window->painted.name, window->device_view.name, window->cuts[0].texture.name,
                       window->cuts[1].texture.name, window->cuts[2].texture.name};
@@ -223,9 +243,96 @@ void window_close(struct window *window)
     for (int p = 0; p < PLANE_COUNT; p++) {
         conus_cutter_destroy(window->cuts[p].cutter);
     }
+}
+
+void window_close(struct window *window)
+{
+    drop_pictures(window);
+    free(window->wanted);
     ui_destroy();
     glfwDestroyWindow(window->handle);
     glfwTerminate();
+}
+
+void window_show(struct window *window, struct viewer *viewer)
+{
+    drop_pictures(window);
+    *window = (struct window){.handle = window->handle,
+                              .viewer = viewer,
+                              .press = window->press,
+                              .wanted = window->wanted,
+                              .start = window->start,
+                              .replay = {.poses = window->replay.poses},
+                              .station = window->station,
+                              .news = window->news,
+                              .scale = window->scale,
+                              .enlarged = -1,
+                              .alone = window->alone,
+                              .before = window->before,
+                              .times = window->times,
+                              .frames_wanted = FRAMES_PER_EVENT,
+                              .quiet_status = window->quiet_status,
+                              .next_scale = window->next_scale,
+                              .scale_given = window->scale_given};
+    window->start.on = !viewer;
+    window_lay_out(window);
+}
+
+void window_want(struct window *window, const char *path)
+{
+    free(window->wanted);
+    window->wanted = strdup(path);
+    if (!window->wanted) {
+        window_say(window, "not enough memory");
+    }
+}
+
+void window_want_typed(struct window *window)
+{
+    char path[PATH_MAX];
+    if (start_typed(path, &window->start)) {
+        window_want(window, path);
+    }
+}
+
+void window_go_to_start(struct window *window)
+{
+    struct start *start = &window->start;
+    size_t pins = window->viewer ? window->viewer->pin_count : 0;
+    start_look(start);
+    start->why[0] = '\0';
+    if (pins) {
+        snprintf(start->why, sizeof start->why,
+                 "Another atlas ends the list of what was confirmed (%zu). Escape goes back, where O saves it.", pins);
+    }
+    start->on = true;
+}
+
+void window_drop(struct window *window, int count, const char *const *paths)
+{
+    char why[START_WHY];
+    if (count != 1) {
+        snprintf(why, sizeof why, "%d files were dropped: drop one, or the folder that they are in", count);
+        window_say(window, why);
+    } else if (!window->start.on && window->viewer->pin_count) {
+        window_go_to_start(window);
+        snprintf(window->start.typed, sizeof window->start.typed, "%s", paths[0]);
+    } else {
+        window_want(window, paths[0]);
+    }
+}
+
+void window_say(struct window *window, const char *text)
+{
+    char plain[START_WHY];
+    snprintf(plain, sizeof plain, "%s", text);
+    make_plain_line(plain);
+    if (window->start.on) {
+        memcpy(window->start.why, plain, sizeof plain);
+        window->frames_wanted = FRAMES_PER_EVENT;
+    } else {
+        viewer_say(window->viewer, "%s", plain);
+    }
 }
 
 void window_resize(struct window *window, int width, int height)
@@ -272,6 +379,9 @@ bool window_shows_pane(const struct window *window, int pane)
 static bool is_behind(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
+    if (!viewer) {
+        return window->frames_wanted;
+    }
     return window->frames_wanted || window->shown_version != viewer->version || window->shown_said != viewer->said ||
            window->shown_head != viewer->head.number;
 }
@@ -279,7 +389,7 @@ static bool is_behind(const struct window *window)
 bool window_wants_frame(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    bool news = viewer->painter && painter_has_news(viewer->painter);
+    bool news = viewer && viewer->painter && painter_has_news(viewer->painter);
     bool rests = window->moving && clock_ms() >= window->moving_until;
     return news || rests || is_behind(window);
 }
@@ -301,8 +411,8 @@ void window_clear(const struct window *window)
 
 bool window_is_settled(const struct window *window)
 {
-    bool settled = window->painted_fine || !window_shows_pane(window, PANE_3D);
-    for (int p = 0; p < PLANE_COUNT; p++) {
+    bool settled = window->start.on || window->painted_fine || !window_shows_pane(window, PANE_3D);
+    for (int p = 0; p < PLANE_COUNT && !window->start.on; p++) {
         settled = settled && (window->cuts[p].version == window->viewer->version || !window_shows_pane(window, p));
     }
     return settled;

@@ -8,6 +8,7 @@
 #include "viewer/model/times.h"
 #include "viewer/model/viewer.h"
 #include "viewer/window/place.h"
+#include "viewer/window/start.h"
 #include "viewer/window/ui.h"
 
 enum { PANE_COUNT = 4, PANE_3D = 3 /**< After the planes. */, KEY_LIMIT = 32, HOVER_TEXT = 256 };
@@ -37,9 +38,11 @@ struct hover {
 };
 
 struct window {
-    void *handle; /**< GLFWwindow */
-    struct viewer *viewer;
-    bool (*press)(struct window *window, const char *key); /**< What keys do; NULL without a viewer. */
+    void *handle;                                          /**< GLFWwindow */
+    struct viewer *viewer;                                 /**< NULL = there is no atlas. */
+    bool (*press)(struct window *window, const char *key); /**< What keys do; NULL while an atlas is loaded. */
+    char *wanted;                                          /**< Path of the atlas to be opened next; NULL = none. */
+    struct start start;
     struct replay replay;
     struct station *station; /**< NULL = none. */
     struct station_news news;
@@ -78,6 +81,19 @@ struct window {
 /** Opens a window at @p place, hidden where @p hidden, its widgets @p scale times as large as usual (0: as the screen
  * says). False: it was said why, and nothing is open. */
 bool window_open(struct window *out, const struct place *place, double scale, bool hidden);
+/** Shows what @p viewer holds (NULL = the start page), with nothing left of the one before. */
+void window_show(struct window *window, struct viewer *viewer);
+/** Asks for another atlas, in place of what was asked for before. */
+void window_want(struct window *window, const char *path);
+/** Likewise what was typed on the start page, if anything was. */
+void window_want_typed(struct window *window);
+/** Shows the start page, which says what would be lost with the atlas that is open. */
+void window_go_to_start(struct window *window);
+/** Asks for what was dropped on the window, if it is one thing; where confirmed results would be lost, only once it is
+ * opened from the start page. */
+void window_drop(struct window *window, int count, const char *const *paths);
+/** Says one line where it is seen: on the start page, or in the status line. */
+void window_say(struct window *window, const char *text);
 /** Where it is now. */
 void window_place(const struct window *window, struct place *out);
 void window_close(struct window *window);

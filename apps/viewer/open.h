@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Opens one atlas after the other in the same window. */
+#ifndef CONUS_VIEWER_OPEN_H
+#define CONUS_VIEWER_OPEN_H
+
+#include "viewer/view_settings.h"
+#include "viewer/window/window.h"
+
+/** Opens what window->wanted names, in place of what is open; @p begun is the clock from which times count. @p
+ * with_options, where nothing is open: as all @p settings say. Else without those that are for one atlas: labels,
+ * pathways, what is hidden, context, transfer function, session. False: window and atlas stay as they were, and it was
+ * said why, on stderr and in the window, unless the window was closed or something else is wanted meanwhile. */
+bool open_wanted(struct window *window, const struct view_settings *settings, bool with_options, double begun);
+/** Closes the atlas, if there is one. */
+void open_finish(struct window *window);
+
+#endif

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads, changes and writes the list of atlases that were opened lately. */
+#include "viewer/window/recent.h"
+
+#include "viewer/window/state_file.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { VERSION = 1, FILE_LIMIT = 1 << 18 /* each byte of each path may be written as six */ };
+
+static const char name[] = "recent.json";
+
+static bool take_path(struct recent *recent, const json_t *value)
+{
+    const char *path = json_string_value(value);
+    if (!path || path[0] != '/' || json_string_length(value) >= PATH_MAX) {
+        return false;
+    }
+    memcpy(recent->paths[recent->count++], path, strlen(path) + 1);
+    return true;
+}
+
+bool recent_parse(struct recent *out, const char *text, size_t size)
+{
+    json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
+    json_t *list = NULL;
+    int version = 0;
+    struct recent recent = {0};
+    bool fine = !json_unpack_ex(root, NULL, JSON_STRICT, "{s: i, s: o}", "conus_recent", &version, "atlases", &list) &&
+                version == VERSION && json_is_array(list) && json_array_size(list) <= RECENT_LIMIT;
+    for (size_t i = 0; fine && i < json_array_size(list); i++) {
+        fine = take_path(&recent, json_array_get(list, i));
+    }
+    json_decref(root);
+    if (fine) {
+        *out = recent;
+    }
+    return fine;
+}
+
+void recent_load(struct recent *out)
+{
+    size_t size;
+    char *text = state_file_read(&size, name, FILE_LIMIT);
+    out->count = 0;
+    if (text) {
+        recent_parse(out, text, size);
+    }
+    free(text);
+}
+
+/* From the folder where conus was started, without slashes at its end. Links stay what they are called. */
+static bool make_absolute(char out[PATH_MAX], const char *path)
+{
+    char here[PATH_MAX] = "";
+    int size = 0;
+    if (path[0] == '/' || getcwd(here, sizeof here)) {
+        path += strncmp(path, "./", 2) == 0 ? 2 : 0;
+        size = snprintf(out, PATH_MAX, "%s%s%s", here, here[0] ? "/" : "", path);
+    }
+    while (size > 1 && size < PATH_MAX && out[size - 1] == '/') {
+        out[--size] = '\0';
+    }
+    return size > 0 && size < PATH_MAX;
+}
+
+/* The others go down to the place where it was, or the last one goes. */
+static void put_first(struct recent *recent, const char path[PATH_MAX])
+{
+    size_t at = 0;
+    while (at < recent->count && strcmp(recent->paths[at], path) != 0) {
+        at++;
+    }
+    recent->count += at == recent->count && at < RECENT_LIMIT;
+    at = at < RECENT_LIMIT ? at : RECENT_LIMIT - 1;
+    memmove(recent->paths[1], recent->paths[0], at * sizeof recent->paths[0]);
+    memcpy(recent->paths[0], path, PATH_MAX);
+}
+
+void recent_add(const char *path)
+{
+    struct recent recent;
+    char absolute[PATH_MAX] = "";
+    if (!make_absolute(absolute, path)) {
+        return;
+    }
+    recent_load(&recent);
+    put_first(&recent, absolute);
+    json_t *list = json_array();
+    bool fine = list;
+    for (size_t i = 0; fine && i < recent.count; i++) {
+        fine = !json_array_append_new(list, json_string(recent.paths[i]));
+    }
+    json_t *root = fine ? json_pack("{s: i, s: O}", "conus_recent", VERSION, "atlases", list) : NULL;
+    char *text = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
+    if (text) {
+        state_file_write(name, text, strlen(text));
+    }
+    free(text);
+    json_decref(root);
+    json_decref(list);
+}

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The atlases that were opened lately, newest first: conus/recent.json in $XDG_STATE_HOME, else in
+ * ~/.local/state: {"conus_recent": 1, "atlases": ["/absolute/path", ...]}. */
+#ifndef CONUS_VIEWER_WINDOW_RECENT_H
+#define CONUS_VIEWER_WINDOW_RECENT_H
+
+#include <limits.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+enum { RECENT_LIMIT = 8 };
+
+struct recent {
+    char paths[RECENT_LIMIT][PATH_MAX]; /**< Absolute, and shorter than PATH_MAX; whether they are there nobody asks. */
+    size_t count;
+};
+
+/** Reads what was written, and nothing else; false, and @p out stays as it is, where it is not that. */
+bool recent_parse(struct recent *out, const char *text, size_t size);
+/** Reads it into @p out, which is empty where there is none, or none that makes sense. */
+void recent_load(struct recent *out);
+/** Puts an atlas first and writes the file. Nothing happens where its absolute path is too long or no UTF-8. */
+void recent_add(const char *path);
+
+#endif

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds, reads and writes the files of the window's state. */
+#include "viewer/window/state_file.h"
+
+#include <conus/conus.h>
+
+#include <limits.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* False where there is no home, or it is too long. */
+static bool find_path(char path[PATH_MAX], const char *name)
+{
+    const char *state = getenv("XDG_STATE_HOME");
+    const char *home = getenv("HOME");
+    int size = 0;
+    if (state && state[0] == '/') { /* the specification: relative ones are ignored */
+        size = snprintf(path, PATH_MAX, "%s/conus/%s", state, name);
+    } else if (home && home[0] == '/') {
+        size = snprintf(path, PATH_MAX, "%s/.local/state/conus/%s", home, name);
+    }
+    return size > 0 && size < PATH_MAX;
+}
+
+static void make_folders(char *path)
+{
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        mkdir(path, 0700);
+        *slash = '/';
+    }
+}
+
+char *state_file_read(size_t *size, const char *name, size_t limit)
+{
+    char path[PATH_MAX];
+    FILE *file = find_path(path, name) ? fopen(path, "re") : NULL;
+    if (!file) {
+        return NULL;
+    }
+    char *text = malloc(limit + 1);
+    *size = text ? fread(text, 1, limit + 1, file) : 0;
+    if (ferror(file) || *size > limit) {
+        free(text);
+        text = NULL;
+    }
+    fclose(file);
+    return text;
+}
+
+void state_file_write(const char *name, const char *text, size_t size)
+{
+    char path[PATH_MAX];
+    if (find_path(path, name)) {
+        make_folders(path);
+        conus_status status = conus_write_file(path, text, size);
+        (void)status;
+    }
+}

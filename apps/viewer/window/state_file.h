@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Small files that the window keeps from one run to the next, in $XDG_STATE_HOME/conus, else in
+ * ~/.local/state/conus. */
+#ifndef CONUS_VIEWER_WINDOW_STATE_FILE_H
+#define CONUS_VIEWER_WINDOW_STATE_FILE_H
+
+#include <stddef.h>
+
+/** The bytes of the file @p name, to be freed; NULL where there is none, or it has more than @p limit. */
+char *state_file_read(size_t *size, const char *name, size_t limit);
+/** Writes it, whole or not at all; where that cannot be done the next run finds what the one before left. */
+void state_file_write(const char *name, const char *text, size_t size);
+
+#endif

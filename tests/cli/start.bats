@@ -1,0 +1,356 @@
+#!/usr/bin/env bats
+# conus view without ATLAS: the start page, and the ways from it to an atlas and from one atlas to the next.
+load helpers
+load window
+
+# No test finds atlases of this computer or of its user.
+own_folders() {
+    export XDG_STATE_HOME=$PWD/state XDG_DATA_DIRS=$PWD/data HOME=$PWD/home
+}
+
+# page COMMAND...: of the page alone. Mesa forgets 240 bytes of a driver that is unloaded before anything was drawn.
+page() {
+    ASAN_OPTIONS=detect_leaks=0 timeout $HANG "$CONUS" view --quiet "$@"
+}
+
+# remembers PATH...: whether the list of what was opened is that.
+remembers() {
+    [ -e state/conus/recent.json ] || return 1
+    [ "$(jq -c . state/conus/recent.json)" = "$(jq -cn '{conus_recent: 1, atlases: $ARGS.positional}' --args "$@")" ]
+}
+
+# left_open PATH...: leave the list of what was opened.
+left_open() {
+    mkdir -p state/conus
+    jq -n '{conus_recent: 1, atlases: $ARGS.positional}' --args "$@" >state/conus/recent.json
+}
+
+# queried ATLAS [OPTION...]: what conus answers for the pose of the tests.
+queried() {
+    conus query "$@" --origin 3,90,2 --toward 3,0,2 --angle 20 --format tsv --quiet
+}
+
+AIM=$'angle 20\naim 3 90 2 3 0 2'
+
+@test "a path that is typed opens as if it had been given" {
+    need_window
+    own_folders
+    conus phantom nested -o .
+    conus phantom slabs -o home
+    view <<END
+type nested.nii.gz
+key enter
+$AIM
+results typed.tsv
+save typed.json
+END
+    queried nested.nii.gz | diff typed.tsv -
+    [ "$(jq -r .atlas typed.json)" = nested.nii.gz ]
+    view <<END
+type ~/slabs.nii.gz
+key enter
+$AIM
+results home.tsv
+END
+    queried home/slabs.nii.gz | diff home.tsv -
+    # where there is no page, there is nothing to type into
+    printf 'type slabs.nii.gz\n' >script
+    run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --script script --quiet
+    check_message 'script:1: type PATH, on the start page is needed, or it could not be done'
+}
+
+@test "options hold for the first atlas that is opened, and for no other" {
+    need_window
+    own_folders
+    conus phantom nested -o .
+    conus phantom slabs -o .
+    conus phantom sphere -o .
+    printf 'index\tname\n1\tone\n2\ttwo\n3\tthree\n' >names.tsv
+    view --labels names.tsv --hide one --context sphere.nii.gz <<END
+drop nested.nii.gz
+$AIM
+results first.tsv
+key c
+key f
+drop slabs.nii.gz
+$AIM
+results second.tsv
+save second.json
+picture second.png 64 64
+END
+    queried nested.nii.gz --labels names.tsv --hide one | diff first.tsv -
+    queried slabs.nii.gz | diff second.tsv -
+    # what is seen otherwise stays: colours, and which side is which
+    jq -e '.safe_colours and .radiological == 1' second.json
+    printf '%s\npicture alone.png 64 64\n' "$AIM" | view slabs.nii.gz --safe-colours
+    conus diff second.png alone.png
+}
+
+@test "the page lists what was opened, and an atlas of this computer" {
+    need_window
+    own_folders
+    conus phantom nested -o .
+    conus phantom slabs -o 'a folder'
+    mkdir -p data/mricron/templates
+    cp nested.nii.gz data/mricron/templates/aal.nii.gz
+    left_open "$PWD/gone.nii.gz" "$PWD/a folder/slabs.nii.gz"
+    view <<END
+key 2
+$AIM
+results second.tsv
+END
+    queried 'a folder/slabs.nii.gz' | diff second.tsv -
+    # scripts see the list, and leave it as it is
+    remembers "$PWD/gone.nii.gz" "$PWD/a folder/slabs.nii.gz"
+    printf 'key 3\nsave found.json\n' | view
+    [ "$(jq -r .atlas found.json)" = "$PWD/data/mricron/templates/aal.nii.gz" ]
+    printf 'key 4\n' >script
+    run -3 --separate-stderr page --script script
+    check_message 'script:1: key KEY is needed'
+    # opened once, it is listed once
+    left_open "$PWD/data/mricron/templates/aal.nii.gz"
+    run -3 --separate-stderr page --script <(echo key 2)
+    check_message 'key KEY is needed'
+}
+
+# open_from FOLDER ATLAS: with a window that stays until the atlas is remembered, then is closed.
+open_from() {
+    background env -C "$1" timeout $HANG "$CONUS" view "$2" --quiet
+    wait_until "$child" find_window
+    wait_until "$child" remembers "${@:3}"
+    close_window "$window"
+    wait "$child"
+}
+
+@test "what is opened is remembered, newest first, eight of them" {
+    need_window
+    own_folders
+    sphere --size 16
+    open_from . "$PWD/sphere.nii.gz" "$PWD/sphere.nii.gz"
+    mkdir below $'below/ev\x1bil'
+    cp sphere.* below
+    cp sphere.* $'below/ev\x1bil'
+    open_from below ./sphere.nii.gz "$PWD/below/sphere.nii.gz" "$PWD/sphere.nii.gz"
+    open_from $'below/ev\x1bil' sphere.nii.gz $PWD$'/below/ev\x1bil/sphere.nii.gz' "$PWD/below/sphere.nii.gz" \
+        "$PWD/sphere.nii.gz"
+    not grep -q $'\x1b' state/conus/recent.json
+    open_from below sphere.nii.gz "$PWD/below/sphere.nii.gz" $PWD$'/below/ev\x1bil/sphere.nii.gz' "$PWD/sphere.nii.gz"
+    left_open /1 /2 /3 /4 /5 /6 /7 /8
+    open_from . sphere.nii.gz "$PWD/sphere.nii.gz" /1 /2 /3 /4 /5 /6 /7
+    # neither a damaged list nor one of another form stands in the way
+    local bad
+    for bad in '{"conus_recent": 1, "atlases": ["/1"' '{"conus_recent": 1, "atlases": ["relative.nii"]}' \
+        '{"conus_recent": 1, "atlases": ["/1"], "more": 1}' '{"conus_recent": 2, "atlases": ["/1"]}'; do
+        printf '%s' "$bad" >state/conus/recent.json
+        run -3 --separate-stderr page --script <(echo key 1)
+        check_message 'key KEY is needed'
+        open_from . sphere.nii.gz "$PWD/sphere.nii.gz"
+    done
+}
+
+@test "what cannot be opened is said on the page, and another can be tried" {
+    need_window
+    own_folders
+    conus phantom slabs -o .
+    echo nonsense >none.nii
+    cat >script <<END
+wait 3
+screenshot before.png
+type none.nii
+wait 3
+screenshot typed.png
+key enter
+wait 3
+screenshot said.png
+type slabs.nii.gz
+key enter
+$AIM
+results after.tsv
+END
+    run -0 --separate-stderr timeout $HANG "$CONUS" view --script script --quiet --size 640x480
+    check_message 'none.nii: '
+    queried slabs.nii.gz | diff after.tsv -
+    run -1 conus diff before.png typed.png
+    run -1 conus diff typed.png said.png
+    # a session that does not fit is no reason to leave, either
+    echo 'save slabs.json' | view slabs.nii.gz
+    sphere --size 16
+    cat >script <<END
+drop sphere.nii.gz
+drop slabs.nii.gz
+save again.json
+END
+    run -0 --separate-stderr timeout $HANG "$CONUS" view --session slabs.json --script script --quiet
+    check_message 'of an atlas with 2 areas and pathways, this one has 1'
+    diff slabs.json again.json
+}
+
+@test "an ATLAS that cannot be opened leads to the page" {
+    need_window
+    own_folders
+    command -v xdotool >/dev/null || skip "no xdotool"
+    sphere --size 16
+    echo nonsense >none.nii
+    # --only is for none.nii: it would let the sphere fail
+    background timeout $HANG "$CONUS" view none.nii --only Nobody --quiet 2>said
+    wait_until "$child" grep -q '^conus: none.nii: ' said
+    find_window
+    local view=$child code=0
+    timeout $HANG /usr/bin/python3 -B "$BATS_TEST_DIRNAME/x11_client.py" drop "$window" "$PWD/sphere.nii.gz"
+    either() { has_lines 2 said || remembers "$PWD/sphere.nii.gz"; }
+    wait_until "$view" either
+    close_window "$window"
+    wait "$view" || code=$?
+    [ $code -eq 3 ]
+    [ "$(wc -l <said)" -eq 1 ]
+}
+
+@test "without an atlas a script's words for one are refused" {
+    need_window
+    own_folders
+    while read -r words; do
+        echo "$words" >script
+        run -3 --separate-stderr page --script script
+        check_message "script:1: ${words%% *} needs an atlas, and none is open"
+    done <<'END'
+aim 1 2 3 4 5 6
+save one.json
+open one.json
+picture one.png 10 10
+results one.tsv
+END
+}
+
+@test "what is dropped on the page opens" {
+    own_folders
+    conus phantom brain -o .
+    mkdir 'surfaces of 100% ä'
+    mv ./*.gii 'surfaces of 100% ä'
+    conus phantom nested -o .
+    live
+    drop "$PWD/surfaces of 100% ä" # of GIFTI surfaces, whose names say their labels
+    tell "$AIM" 'results folder.tsv'
+    look true
+    [ "$(jq -r .atlas "look$looks.json")" = "$PWD/surfaces of 100% ä" ]
+    queried 'surfaces of 100% ä' | diff folder.tsv -
+    # on an atlas, too, whose place the new one takes; several files are none
+    drop "$PWD/nested.nii.gz" "$PWD/nested.tsv"
+    look '.objects == 11'
+    drop "$PWD/nested.nii.gz"
+    tell "$AIM" 'results dropped.tsv'
+    look '.objects == 3'
+    leave
+    queried nested.nii.gz | diff dropped.tsv -
+}
+
+@test "an atlas stays open when what is dropped on it is none" {
+    own_folders
+    conus phantom slabs -o .
+    echo nonsense >none.nii
+    live slabs.nii.gz 2>said
+    tell "$AIM" 'choose "Slab anterior"' 'key h' 'save before.json'
+    drop "$PWD/none.nii"
+    tell 'save after.json' 'results after.tsv' 'picture after.png 64 64'
+    leave
+    diff before.json after.json
+    queried slabs.nii.gz --hide 'Slab anterior' | diff after.tsv -
+    [ "$(wc -l <said)" -eq 1 ]
+    grep -q '^conus: .*/none.nii: ' said
+}
+
+@test "what is confirmed is not lost by a drop alone" {
+    need_window
+    own_folders
+    conus phantom slabs -o .
+    sphere --size 16
+    view slabs.nii.gz <<END
+$AIM
+key enter
+save before.json
+drop sphere.nii.gz
+save page.json
+key escape
+save after.json
+drop sphere.nii.gz
+key enter
+$AIM
+results opened.tsv
+END
+    diff before.json page.json
+    diff before.json after.json
+    queried sphere.nii.gz | diff opened.tsv -
+}
+
+@test "what is dropped while another is being loaded is opened instead" {
+    own_folders
+    conus phantom slabs -o .
+    hold_mesh
+    live 2>said
+    drop "$PWD/two.atlas.json"
+    wait_until "$child" test -e begun
+    drop "$PWD/slabs.nii.gz"
+    touch released
+    look '.objects == 2 and (.atlas | endswith("/slabs.nii.gz"))'
+    leave
+    [ ! -s said ]
+}
+
+@test "keys and mouse: a path is typed, an entry clicked, and Ctrl+O comes back to the page" {
+    own_folders
+    conus phantom slabs -o .
+    conus phantom nested -o .
+    left_open "$PWD/nested.nii.gz"
+    live
+    xdotool key --window "$window" Tab
+    pass
+    xdotool type --window "$window" "$PWD/slabs.nii.gz"
+    pass
+    xdotool keydown --window "$window" Return # it has to be down when a frame is drawn
+    look '.objects == 2'
+    xdotool keyup --window "$window" Return
+    tell "$AIM" 'save before.json'
+    xdotool key --window "$window" ctrl+o
+    pass
+    xdotool key --window "$window" v # no key of the page
+    xdotool key --window "$window" Escape
+    pass
+    tell 'save after.json'
+    pass
+    diff before.json after.json
+    [ -z "$(find . -name 'conus-2*')" ] # O alone saves the session
+    xdotool key --window "$window" ctrl+o
+    pass
+    local down=100
+    until look '.objects == 3'; do # down the page, until the entry is met
+        down=$((down + 6))
+        [ $down -lt 400 ]
+        xdotool mousemove --window "$window" 700 $down
+        pass
+        xdotool click 1
+    done
+    leave
+}
+
+@test "closed, the page ends without a word" {
+    own_folders
+    need_window
+    command -v xdotool >/dev/null || skip "no xdotool"
+    background page >said 2>&1
+    wait_until "$child" find_window
+    close_window "$window"
+    wait "$child"
+    [ ! -s said ] || { cat said; return 1; }
+    [ -e state/conus/window.json ]
+    [ ! -e state/conus/recent.json ]
+}
+
+@test "help and man page say that there may be no ATLAS" {
+    local view=${CONUS%/*}/conus-view
+    [ -x "$view" ] || skip "conus-view is not built"
+    run -0 "$CONUS" view --help
+    [ "${lines[0]}" = 'usage: conus view [ATLAS] [options]' ]
+    "$view" --write-pages pages
+    grep -qx 'conus\\-view \[ATLAS\] \[options\]' pages/conus-view.1
+    run -0 "$CONUS" batch --help
+    [[ "${lines[0]}" == 'usage: conus batch ATLAS --poses FILE'* ]]
+}

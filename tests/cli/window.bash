@@ -1,0 +1,95 @@
+# What the tests of the window share: a display without a screen for each file, and a window that is told what to do.
+setup_file() {
+    start_screen 1280x800
+}
+
+teardown_file() {
+    stop_screen
+}
+
+# view ATLAS [OPTION...] <SCRIPT: succeeds without a word.
+view() {
+    cat >script
+    run -0 --separate-stderr timeout $HANG "$CONUS" view "$@" --script script --quiet --size 1000x640
+    [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
+}
+
+# live [ATLAS] [OPTION...]: a window that does what `tell` says, and waits between that. It is process $child, its window
+# $window.
+live() {
+    need_window
+    command -v xdotool >/dev/null || skip "no xdotool"
+    mkfifo commands
+    exec 4<>commands # to read, too, so that opening it waits for nobody
+    background timeout $HANG "$CONUS" view "$@" --script commands --quiet --size 1000x640 4>&-
+    looks=0
+    tell settle
+    pass
+    wait_until "$child" find_window
+}
+
+tell() {
+    printf '%s\n' "$@" >&4
+}
+
+# leave: the script has ended, and all of it was done.
+leave() {
+    exec 4>&-
+    wait "$child"
+}
+
+# pass: after the frames that what xdotool did may take.
+pass() {
+    looks=$((looks + 1))
+    tell 'wait 8' "screenshot pass$looks.png"
+    wait_until "$child" test -e "pass$looks.png"
+}
+
+# look FILTER: whether FILTER of jq is true of the window's session, after the frames that what xdotool did may take.
+look() {
+    looks=$((looks + 1))
+    tell 'wait 8' "save look$looks.json"
+    wait_until "$child" test -e "look$looks.json"
+    jq -e "$1" "look$looks.json" >/dev/null
+}
+
+# find_window: that of process $child, which has been started.
+find_window() {
+    window=$(xdotool search --onlyvisible --name '^conus$' 2>/dev/null)
+}
+
+# close_window ID: as a window manager does.
+close_window() {
+    /usr/bin/python3 -B "$BATS_TEST_DIRNAME/x11_client.py" close "$1"
+}
+
+# drop PATH...: as a file manager does, on $window, which is told to look at events meanwhile.
+drop() {
+    local view=$child
+    background timeout $HANG /usr/bin/python3 -B "$BATS_TEST_DIRNAME/x11_client.py" drop "$window" "$@" 4>&-
+    local dropping=$child
+    child=$view
+    while runs "$dropping"; do
+        runs "$view"
+        tell 'wait 8'
+        sleep 0.02
+    done
+    wait "$dropping"
+}
+
+# hold_mesh: two.atlas.json, an atlas of two files. conus-mesh, which reads the first, makes the file begun and waits for
+# the file released; the second is no surface.
+hold_mesh() {
+    [ -x "${CONUS%/*}/conus-mesh" ] || skip "conus-mesh is not built"
+    printf 'v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >first.obj
+    echo '<?xml version="1.0"?><GIFTI Version="1.0">' >second.surf.gii
+    echo '{"conus_atlas": 1, "areas": [{"file": "first.obj", "label": 1}, {"file": "second.surf.gii", "label": 2}]}' >two.atlas.json
+    cat >mesh <<END
+#!/bin/sh
+: >'$PWD/begun'
+while [ ! -e '$PWD/released' ]; do /bin/sleep 0.02; done
+exec '${CONUS%/*}/conus-mesh' "\$@"
+END
+    chmod +x mesh
+    export CONUS_MESH=$PWD/mesh XDG_CACHE_HOME=$PWD/cache
+}

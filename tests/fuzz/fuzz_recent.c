@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What was opened lately: what parses are absolute paths, what does not leaves everything as it was. */
+#include "viewer/window/recent.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static struct recent recent;
+    recent.count = 77;
+    bool fine = recent_parse(&recent, (const char *)data, size);
+    if (fine ? recent.count > RECENT_LIMIT : recent.count != 77) {
+        abort();
+    }
+    for (size_t i = 0; fine && i < recent.count; i++) {
+        if (recent.paths[i][0] != '/' || !memchr(recent.paths[i], '\0', PATH_MAX)) {
+            abort();
+        }
+    }
+    return 0;
+}
