@@ -96,6 +96,7 @@ conus_status bench_brain_frames(struct bench *bench);
 conus_status bench_census(struct bench *bench);
 conus_status bench_batch(struct bench *bench);
 conus_status bench_batch_mesh(struct bench *bench); /**< On surfaces made of the atlas. */
+conus_status bench_python(struct bench *bench);
 conus_status bench_accuracy(struct bench *bench);
 conus_status bench_bonsai(struct bench *bench);
 conus_status bench_colour(struct bench *bench);

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whole batches: poses as text in, rows as text out. */
-#include "bench/bench.h"
+#include "bench/support/program.h"
 #include "bench/support/trace.h"
 
 #include "base/buffer.h"
-#include "base/file.h"
 #include "base/math3.h"
-#include "base/memory.h"
 #include "selection/selection.h"
 #include "selection/selector.h"
 #include "tests/support/oracle_traversal.h"
@@ -16,7 +14,6 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { SEED = 2010 };
 enum { NO_ROWS, PLAIN, RAYS, RAYS_2, GL_ALONE, GL_BLOCKS, VARIANTS };
 
 struct scene {
@@ -41,32 +38,6 @@ struct contender {
 /* ---- The scene ----------------------------------------------------------------------------------------------------
  */
 
-/* As cones_round_grid() has them: a place and a point at which the device points. */
-static conus_status write_poses(struct scene *scene, const struct bench *bench, const conus_volume_info *info)
-{
-    size_t count = bench->options.poses;
-    struct buffer text = {0};
-    struct cone *cones = memory_zeroed(count, sizeof *cones);
-    if (!cones) {
-        return CONUS_ERROR_MEMORY;
-    }
-    cones_round_grid(cones, count, info, bench->options.angle, SEED);
-    buffer_text(&text, "x\ty\tz\ttx\tty\ttz\n");
-    for (size_t i = 0; i < count; i++) {
-        const double *m = cones[i].pose.world_from_device;
-        double target[3];
-        vec3_add_scaled(target, m + 12, -200, m + 8);
-        buffer_format(&text, "%.3f\t%.3f\t%.3f\t%.3f\t%.3f\t%.3f\n", m[12], m[13], m[14], target[0], target[1],
-                      target[2]);
-    }
-    snprintf(scene->path, sizeof scene->path, "%s/poses-%ld.tsv", bench->folder, (long)getpid());
-    conus_status status = buffer_status(&text);
-    status = status ? status : file_write_soon(scene->path, text.data, text.size);
-    buffer_finish(&text);
-    memory_free(cones);
-    return status;
-}
-
 /* The selector takes over the plain engine in the place of its own. */
 static conus_status make_plain(struct scene *scene)
 {
@@ -87,7 +58,11 @@ static conus_status make_scene(struct scene *scene, const struct bench *bench)
     if (!status && !atlas_parcellation(scene->atlas)) {
         status = fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", bench->options.atlas);
     }
-    status = status ? status : write_poses(scene, bench, &scene->atlas->volumes[0].info);
+    if (!status) {
+        snprintf(scene->path, sizeof scene->path, "%s/poses-%ld.tsv", bench->folder, (long)getpid());
+        status = program_write_poses(scene->path, bench->options.poses, &scene->atlas->volumes[0].info,
+                                     bench->options.angle);
+    }
     status = status ? status : conus_selector_create(&scene->selector, scene->atlas, NULL);
     scene->angle = radians_from_degrees(bench->options.angle);
     return status;
@@ -239,14 +214,8 @@ conus_status bench_batch(struct bench *bench)
 /* The areas' surfaces, as `conus mesh` makes them, in a folder of their own. */
 static conus_status make_surfaces(struct scene *scene, const struct bench *bench)
 {
-    char folder[96], program[320] = "";
-    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 32);
-    char *slash = length > 0 ? strrchr(program, '/') : NULL;
-    if (slash) {
-        snprintf(slash, (size_t)(program + sizeof program - slash),
-                 "/../apps/cli/conus-mesh"); /* where the build puts it */
-    }
-    if (slash && access(program, X_OK) == 0) {
+    char folder[96], program[320];
+    if (program_find(program, sizeof program, "conus-mesh", "CONUS_MESH") == CONUS_OK) {
         setenv("CONUS_MESH", program, 0);
     }
     setenv("XDG_CACHE_HOME", bench->folder, 1);

@@ -3,19 +3,13 @@
  * whole program. */
 #include "base/buffer.h"
 #include "base/memory.h"
-#include "bench/bench.h"
+#include "bench/support/program.h"
 
 #include <dirent.h>
 #include <fcntl.h>
-#include <spawn.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
-
-extern char **environ;
 
 enum { PATH_SIZE = 512, QUERIES = 5 };
 
@@ -92,43 +86,10 @@ static void run_query(void *data)
                          "--angle",
                          "10",
                          NULL};
-    posix_spawn_file_actions_t actions;
-    pid_t pid;
-    int how = -1;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    if (!posix_spawn(&pid, job->program, &actions, NULL, arguments, environ)) {
-        while (waitpid(pid, &how, 0) < 0) {
-        }
-    }
-    posix_spawn_file_actions_destroy(&actions);
-    if (!WIFEXITED(how) || WEXITSTATUS(how) != EXIT_SUCCESS) {
-        keep_first_error(job, fail(CONUS_ERROR_ARGUMENT, "%s query %s: it failed", job->program, job->path));
-    }
+    keep_first_error(job, program_run(arguments));
 }
 
 /* ---- The scenario ------------------------------------------------------------------------------------------------ */
-
-/* $CONUS, else conus beside this program or where the build puts it. */
-static conus_status find_program(char *out, size_t size)
-{
-    static const char *const places[] = {"conus", "../apps/cli/conus"};
-    const char *given = getenv("CONUS");
-    char self[PATH_SIZE / 2] = "";
-    if (given) {
-        snprintf(out, size, "%s", given);
-        return CONUS_OK;
-    }
-    ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-    char *slash = length > 0 ? strrchr(self, '/') : NULL;
-    for (size_t i = 0; slash && i < sizeof places / sizeof *places; i++) {
-        snprintf(out, size, "%.*s/%s", (int)(slash - self), self, places[i]);
-        if (access(out, X_OK) == 0) {
-            return CONUS_OK;
-        }
-    }
-    return fail(CONUS_ERROR_ARGUMENT, "there is no program conus beside conus-bench; $CONUS may name it");
-}
 
 /* Runs them all once, for what is wrong with them. */
 static void try_all(struct bench_variant *variants, size_t count)
@@ -186,7 +147,7 @@ static double cpu_of_queries(struct job *labels)
 static conus_status measure_query(struct bench *bench, struct job *labels)
 {
     char program[PATH_SIZE];
-    if (find_program(program, sizeof program)) {
+    if (program_find(program, sizeof program, "conus", "CONUS")) {
         return bench_leave_out(bench, "conus query");
     }
     labels->program = program;

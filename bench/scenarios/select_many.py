@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""select_many.py ATLAS POSES ROWS ANGLE: the part of the scenario `python` that runs in Python.
+
+POSES is a table with x, y, z, tx, ty, tz; ROWS is where `conus batch` writes. For each line read, it works and answers
+with a line. "many": loads the atlas and makes a DataFrame of all answers. "read": reads ROWS into one. "same": yes if
+the two last made hold the same numbers, but for rounding to the nine digits of ROWS.
+"""
+import sys
+
+import numpy as np
+import pandas
+
+import conus
+
+ATLAS, POSES, ROWS, ANGLE = sys.argv[1:]
+FRAMES = {}
+
+
+def many():
+    poses = np.loadtxt(POSES, skiprows=1, ndmin=2)
+    answers = conus.load(ATLAS).select_many(poses[:, :3], poses[:, 3:] - poses[:, :3], angle=float(ANGLE))
+    FRAMES["many"] = answers.to_dataframe()
+    return "done"
+
+
+def read():
+    FRAMES["read"] = pandas.read_csv(ROWS, sep="\t", na_values="n/a", keep_default_na=False)
+    return "done"
+
+
+def same():
+    ours, theirs = FRAMES["many"], FRAMES["read"]
+    if len(ours) != len(theirs):
+        return "no"
+    for column in ours.columns:
+        a, b = ours[column], theirs[column]
+        if column == "query":
+            equal = np.array_equal(a + 1, b)
+        elif a.dtype.kind not in "iuf":
+            equal = list(a.astype(str)) == list(b.fillna("").astype(str))
+        else:
+            equal = np.allclose(a.fillna(0), b.fillna(0), rtol=1e-8, atol=1e-9)
+        if not equal:
+            return "no"
+    return "yes"
+
+
+print("ready", flush=True)
+for line in sys.stdin:
+    print({"many": many, "read": read, "same": same}[line.strip()](), flush=True)
