@@ -21,6 +21,7 @@ from ._library import (
     optional,
     owned,
     path_of,
+    real,
     text,
     utf8,
     vector,
@@ -198,7 +199,7 @@ def load(
         data, matrix, name, code = _image_parts(source)
         raw = _from_array(data, matrix if affine is None else affine, labels, labels_anyway, name, code)
     elif affine is None:
-        raise ArgumentError("affine: an array needs one")
+        raise ArgumentError(f"affine: a {type(source).__name__} needs one; only paths and images of nibabel do not")
     else:
         raw = _from_array(source, affine, labels, labels_anyway, "array", 0)
     if isinstance(pathways, (str, bytes, os.PathLike)):
@@ -393,9 +394,10 @@ class Selector:
     def _angle(self, angle: Optional[float]) -> float:
         if angle is None:
             return 0.0 if self._is_cylinder else math.radians(10)
+        angle = real("angle", angle)
         if not (angle == 0 if self._is_cylinder else 0 < angle < 180):
             allowed = "0 of a cylinder" if self._is_cylinder else "more than 0 and less than 180"
-            raise ArgumentError(f"angle: {angle} degrees, allowed is {allowed}")
+            raise ArgumentError(f"angle: {angle:g} degrees, allowed is {allowed}")
         return math.radians(angle)
 
     def select(
@@ -432,7 +434,7 @@ class Selector:
             It has no pixels, hence no picture.
         """
         out = ffi.new("conus_selection **")
-        self._call(lib.conus_select_ball, out, self._p, vector("point", point), radius)
+        self._call(lib.conus_select_ball, out, self._p, vector("point", point), real("radius", radius))
         return Selection(self.atlas, out[0], self._layers)
 
     def sweep(
@@ -454,7 +456,7 @@ class Selector:
             The narrowest first.
         """
         aim, out = pose_of(origin, toward, direction, up, pose), ffi.new("conus_sweep **")
-        opening = math.radians(angle)
+        opening = math.radians(real("angle", angle))
         self._call(lib.conus_sweep_create, out, self._p, aim, opening)
         sweep = Sweep(self.atlas, out[0])
         self._warn_of(aim, opening)
@@ -484,7 +486,8 @@ class Selector:
         """
         aim, out = pose_of(origin, toward, direction, up, pose), ffi.new("conus_jitter **")
         options, opening = ffi.new("conus_jitter_options *"), self._angle(angle)
-        options.tilt, options.shift, options.samples = math.radians(degrees), mm, whole("samples", samples)
+        options.tilt, options.shift = math.radians(real("degrees", degrees)), real("mm", mm)
+        options.samples = whole("samples", samples)
         self._call(lib.conus_jitter_create, out, self._p, aim, opening, options)
         jitter = Jitter(self.atlas, out[0])
         self._warn_of(aim, opening)

@@ -100,9 +100,19 @@ def whole(name: str, value: Any, low: int = 0, high: int = 2**32 - 1) -> int:
 def numbers(name: str, values: Any) -> np.ndarray[Any, Any]:
     """An array of double."""
     try:
-        return np.asarray(values, float)
+        if not np.iscomplexobj(values):
+            return np.asarray(values, float)
     except (TypeError, ValueError) as error:
         raise ArgumentError(f"{name}: {error}") from None
+    raise ArgumentError(f"{name}: complex numbers, wanted are real ones")
+
+
+def real(name: str, value: Any) -> float:
+    """One number, which the library checks further."""
+    array = numbers(name, value)
+    if array.ndim:
+        raise ArgumentError(f"{name}: an array of shape {array.shape}, wanted is a number")
+    return float(array)
 
 
 def vector(name: str, values: Any, size: int = 3) -> list[float]:

@@ -158,6 +158,11 @@ AIMS = {
     "angle of 0": {"angle": 0},
     "angle below 0": {"angle": -10},
     "angle of 180": {"angle": 180},
+    "angle of texts": {"angle": "ten"},
+    "angle of None in an array": {"angle": [None]},
+    "complex angle": {"angle": 10 + 0j},
+    "complex origin": {"origin": (0, 0, 1j)},
+    "complex matrix": {"origin": None, "direction": None, "pose": np.eye(4) + 0j},
 }
 
 
@@ -207,14 +212,14 @@ def test_a_range_is_any_sequence_to_its_last_digit(atlas):
             assert hits[0].name == name
 
 
-@pytest.mark.parametrize("point, radius", [((NAN, 0, 0), 5), ((0, 0), 5), ("abc", 5), ((0, 0, 0), NAN), ((0, 0, 0), 0)])
+@pytest.mark.parametrize("point, radius", [((NAN, 0, 0), 5), ((0, 0), 5), ((0, 0, 0), "a"), ((0, 0, 0), 5j), ("abc", 5), ((0, 0, 0), NAN), ((0, 0, 0), 0)])
 def test_bad_ball_is_an_error(atlas, point, radius):
     assert_is_an_error(lambda: atlas.near(point, radius))
 
 
 @pytest.mark.parametrize(
     "errors",
-    [{"degrees": NAN}, {"degrees": -1}, {"degrees": 91}, {"mm": -1}, {"mm": np.inf}, {"samples": 17}, {"samples": -1}],
+    [{"degrees": NAN}, {"degrees": -1}, {"degrees": 91}, {"mm": -1}, {"mm": np.inf}, {"samples": 17}, {"samples": -1}, {"degrees": "a"}, {"mm": [1]}],
 )
 def test_bad_errors_of_the_pose_are_an_error(atlas, errors):
     assert_is_an_error(lambda: atlas.jitter(**RIGHT, **errors))
@@ -231,6 +236,8 @@ def test_bad_errors_of_the_pose_are_an_error(atlas, errors):
         {"angle": 180},
         {"angle": [[10]]},
         {"angle": ["a"]},
+        {"angle": "a"},
+        {"origins": [[0j, 0, 0]]},
         {"threads": -1},
         {"threads": 1.5},
         {"origins": None, "directions": None, "poses": np.eye(4)[None], "up": [[0, 0, 1]]},
