@@ -420,6 +420,7 @@ END
 }
 
 @test "keys pressed while the atlas is being loaded do no harm" {
+    export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"
     conus phantom nested -o . --size 512 # takes a while to load
@@ -432,6 +433,7 @@ END
 }
 
 @test "closed while the atlas is being loaded, it reads no more files" {
+    export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"
     hold_mesh
