@@ -17,6 +17,7 @@ from ._library import (
     ArgumentError,
     check,
     choice,
+    flag,
     numbers,
     optional,
     owned,
@@ -103,7 +104,7 @@ def _fill_labels(labels: Labels) -> tuple[Any, int, list[Any]]:
 def _from_file(path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any) -> Any:
     options, out = ffi.new("conus_load_options *"), ffi.new("conus_atlas **")
     table, file = optional(path_of, "labels", labels), path_of("source", path)
-    options.labels, options.labels_anyway, options.max_memory = table, labels_anyway, max_memory
+    options.labels, options.labels_anyway, options.max_memory = table, flag("labels_anyway", labels_anyway), max_memory
     with telling(progress, "file", 1) as tell:
         state = _Callback(tell)
         handle = state.hear(options)
@@ -118,7 +119,7 @@ def _from_array(data: Any, affine: Any, labels: Labels, labels_anyway: bool, nam
     voxels, _alive = _fill_voxels(data, affine, name, space_code)
     table, count, _words = _fill_labels(labels)
     options, out = ffi.new("conus_create_options *"), ffi.new("conus_atlas **")
-    options.labels_anyway = labels_anyway
+    options.labels_anyway = flag("labels_anyway", labels_anyway)
     state = _Callback()
     _handle = state.hear(options)
     status = lib.conus_atlas_create(out, voxels, table, count, options)
@@ -221,7 +222,7 @@ def load(
 def _add_pathway(atlas: Any, pathway: Any, max_memory: int) -> None:
     source, threshold = pathway if isinstance(pathway, tuple) else (pathway, 0)
     options = ffi.new("conus_pathway_options *")
-    options.threshold, options.max_memory = threshold, max_memory
+    options.threshold, options.max_memory = real("pathways", threshold), max_memory
     state = _Callback()
     _handle = state.hear(options)
     if hasattr(source, "dataobj"):
@@ -233,7 +234,7 @@ def _add_pathway(atlas: Any, pathway: Any, max_memory: int) -> None:
 
 def _set_context(atlas: Any, source: Any, blocks: float, max_memory: int) -> None:
     options = ffi.new("conus_context_options *")
-    options.block_threshold, options.max_memory = blocks, max_memory
+    options.block_threshold, options.max_memory = real("context_blocks", blocks), max_memory
     state = _Callback()
     _handle = state.hear(options)
     if hasattr(source, "dataobj"):
@@ -378,7 +379,7 @@ class Selector:
         options.sampling = choice("sampling", sampling, ("exact", "slices"))
         options.engine = choice("engine", engine, ("auto", "rays", "gl"))
         options.resolution, options.slices = whole("resolution", resolution), whole("slices", slices)
-        options.range, options.radius = vector("range", range, 2), radius
+        options.range, options.radius = vector("range", range, 2), real("radius", radius)
         options.level, options.score = words
         self._owner = GLOwner() if engine == "gl" else None
         check(lib.conus_selector_create(out, atlas._p, options))

@@ -107,6 +107,13 @@ def numbers(name: str, values: Any) -> np.ndarray[Any, Any]:
     raise ArgumentError(f"{name}: complex numbers, wanted are real ones")
 
 
+def flag(name: str, value: Any) -> bool:
+    """True or False, or a number that is 1 or 0."""
+    if np.ndim(value) == 0 and value in (0, 1):
+        return bool(value)
+    raise ArgumentError(f"{name}: {_shown(value)}, wanted is True or False")
+
+
 def real(name: str, value: Any) -> float:
     """One number, which the library checks further."""
     array = numbers(name, value)

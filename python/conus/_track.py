@@ -8,7 +8,7 @@ import numpy as np
 
 from ._answers import Array, Selection, Track
 from ._conus import ffi, lib
-from ._library import RESULT, STEP, ArgumentError, array_of, check, owned, text
+from ._library import RESULT, STEP, ArgumentError, array_of, check, flag, owned, real, text
 from ._poses import Aims, PoseArray, notes_of, pose_of, rows_of, warn
 
 if TYPE_CHECKING:
@@ -68,9 +68,9 @@ class Tracker:
         given = {"window": window, "stickiness": stickiness, "snappiness": snappiness, "rate": rate, "growth": growth,
                  "decay": decay, "exponent": exponent}
         for name, value in given.items():
-            if value == 0:  # which is the library's word for its default
+            if real(name, value) == 0:  # which is the library's word for its default
                 raise ArgumentError(f"{name}: 0, allowed is more than 0")
-        if delay is not None and not delay >= 0:
+        if delay is not None and not real("delay", delay) >= 0:
             raise ArgumentError(f"delay: {delay} s, allowed is 0 to the window, {window} s")
         given["delay"] = 0 if delay is None else delay or -1  # 0 is the default, below 0 is none
         out = ffi.new("conus_tracker **")
@@ -114,12 +114,13 @@ class Tracker:
             For a time before the last step, or a pose that is none. The tracker is then as it was.
         """
         aim, out, selector = pose_of(origin, toward, direction, up, pose), ffi.new("conus_selection **"), self.selector
-        selector._call(lib.conus_tracker_step, out, self._p, time_s, aim, selector._angle(angle), bool(trigger))
+        time, opening, down = real("time_s", time_s), selector._angle(angle), flag("trigger", trigger)
+        selector._call(lib.conus_tracker_step, out, self._p, time, aim, opening, down)
         return Selection(selector.atlas, out[0], selector._layers)
 
     def selected(self, ago: float = 0) -> Optional[str]:
         """The name of what was selected ``ago`` seconds, 0 to the window, before the last step; None if nothing was."""
-        if not 0 <= ago <= self._window:
+        if not 0 <= real("ago", ago) <= self._window:
             raise ArgumentError(f"ago: {ago} s, allowed is 0 to the window, {self._window} s")
         with self.selector._lock:
             number = lib.conus_tracker_selected(self._p, ago)

@@ -169,6 +169,9 @@ def test_a_step_that_fails_leaves_the_tracker_as_it_was(atlas):
         {"snappiness": 1.1},
         {"exponent": 1.1},
         {"window": 0.1, "delay": 0.2},
+        {"window": "a"},
+        {"rate": [1]},
+        {"delay": "a"},
     ],
 )
 def test_bad_constant_is_an_error(atlas, constants):
@@ -193,10 +196,17 @@ def test_bad_arrays_are_an_error(atlas, arrays):
         atlas.track(**arrays)
 
 
-@pytest.mark.parametrize("ago", [-0.1, 2.1, np.nan])
+@pytest.mark.parametrize("ago", [-0.1, 2.1, np.nan, "a"])
 def test_bad_ago_is_an_error(atlas, ago):
     with pytest.raises(conus.ArgumentError, match="ago"):
         atlas.selector().tracker().selected(ago)
+
+
+@pytest.mark.parametrize("how", [{"time_s": "a"}, {"time_s": [0]}, {"time_s": 0, "trigger": "no"}])
+def test_a_bad_step_is_an_error(atlas, how):
+    tracker = atlas.selector().tracker()
+    with pytest.raises(conus.ArgumentError):
+        tracker.step(**how, origin=CENTRE, direction=LEFT)
 
 
 def test_a_score_with_a_history_is_for_tracks(atlas):
