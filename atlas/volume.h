@@ -27,7 +27,7 @@ struct volume {
     struct hidden_run *hidden_runs; /**< What the objects of a parcellation do not say any more, since it is hidden. */
     size_t hidden_run_count;
     bool is_borrowed;      /**< The arrays are not the volume's own, and not to be written.               */
-    const void *distances; /**< The distance map of borrowed objects (selection/engine/distance_map.h), in their
+    const void *distances; /**< The distance map of borrowed objects (selection/engine/voxels/distance_map.h), in their
                                 memory; NULL = none. */
 };
 

@@ -4,7 +4,7 @@
 #define CONUS_SELECTION_SELECTION_H
 
 #include "atlas/areas/level.h"
-#include "selection/engine/layers.h"
+#include "selection/evidence/layers.h"
 #include "selection/measure/region.h"
 #include "selection/measure/statistics.h"
 

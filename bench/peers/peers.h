@@ -10,7 +10,7 @@
 #include "atlas/volume.h"
 #include "render/gl/camera.h"
 #include "selection/cone/cone.h"
-#include "selection/engine/mesh_rays.h"
+#include "selection/engine/triangles/mesh_rays.h"
 
 #ifdef __cplusplus
 extern "C" {

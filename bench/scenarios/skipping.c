@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "bench/bench.h"
 #include "bench/support/trace.h"
-#include "selection/engine/distance_map.h"
+#include "selection/engine/voxels/distance_map.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #define CONUS_BENCH_SUPPORT_TRACE_H
 
 #include "selection/engine/engine.h"
-#include "selection/engine/mesh_rays.h"
+#include "selection/engine/triangles/mesh_rays.h"
 
 /** An engine that answers cones; cones of one resolution. */
 struct trace {

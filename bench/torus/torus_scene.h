@@ -5,7 +5,7 @@
 
 #include "atlas/atlas.h"
 #include "selection/cone/cone.h"
-#include "selection/engine/mesh_rays.h"
+#include "selection/engine/triangles/mesh_rays.h"
 
 enum { TORUS_RESOLUTION = 16, TORUS_TRIANGLES = 512 };
 

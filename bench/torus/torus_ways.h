@@ -6,7 +6,7 @@
 #include "bench/bench.h"
 #include "bench/torus/torus_scene.h"
 #include "selection/engine/engine.h"
-#include "selection/engine/layers.h"
+#include "selection/evidence/layers.h"
 
 enum { TORUS_PIXELS = TORUS_RESOLUTION * TORUS_RESOLUTION, LAYER_WAYS = 4 };
 

@@ -4,7 +4,7 @@
  * because distance maps are packed, too. */
 #include "atlas/atlas.h"
 #include "base/memory.h"
-#include "selection/engine/distance_map.h"
+#include "selection/engine/voxels/distance_map.h"
 
 #include <assert.h>
 #include <string.h>

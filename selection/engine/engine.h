@@ -5,7 +5,7 @@
 #define CONUS_SELECTION_ENGINE_ENGINE_H
 
 #include "selection/cone/cone.h"
-#include "selection/engine/evidence.h"
+#include "selection/evidence/evidence.h"
 
 /** An engine for one atlas. */
 struct engine;

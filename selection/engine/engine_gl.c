@@ -7,8 +7,8 @@
 #include "render/gl/context.h"
 #include "render/id/id_pass.h"
 #include "render/id/mesh_pass.h"
-#include "selection/engine/mesh_intervals.h"
-#include "selection/engine/traverse.h"
+#include "selection/engine/triangles/mesh_intervals.h"
+#include "selection/engine/voxels/traverse.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "render/id/slices.h"
 #include "selection/cone/aperture.h"
-#include "selection/engine/mesh_rays.h"
+#include "selection/engine/triangles/mesh_rays.h"
 
 #include <stdio.h>
 #include <string.h>

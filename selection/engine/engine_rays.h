@@ -4,7 +4,7 @@
 #define CONUS_SELECTION_ENGINE_ENGINE_RAYS_H
 
 #include "selection/engine/engine.h"
-#include "selection/engine/traverse.h"
+#include "selection/engine/voxels/traverse.h"
 
 /** engine_rays_create() with @p kernel, which this machine must support. */
 conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atlas,

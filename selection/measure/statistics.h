@@ -4,7 +4,7 @@
 #define CONUS_SELECTION_MEASURE_STATISTICS_H
 
 #include "selection/cone/aperture.h"
-#include "selection/engine/layers.h"
+#include "selection/evidence/layers.h"
 #include "selection/measure/census.h"
 #include "selection/measure/near.h"
 

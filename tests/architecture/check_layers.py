@@ -63,13 +63,17 @@ LIBRARY = {
     "render/colour": "base atlas render/gl render/id render/image",
     "render/flat": "base atlas render/image render/colour",
     "selection/cone": "base poses/rows",
-    "selection/engine": "base atlas/surface atlas render/gl render/id selection/cone",
-    "selection/measure": "base atlas/surface atlas selection/cone selection/engine",
-    "selection": "base atlas atlas/areas selection/engine selection/measure",
+    "selection/evidence": "base atlas selection/cone",
+    "selection/engine/voxels": "base atlas selection/evidence",
+    "selection/engine/triangles": "base atlas/surface selection/evidence",
+    "selection/engine": "base render/gl render/id selection/cone selection/evidence selection/engine/voxels"
+    " selection/engine/triangles",
+    "selection/measure": "base atlas/surface atlas selection/cone selection/evidence",
+    "selection": "base atlas atlas/areas selection/evidence selection/engine selection/measure",
     "selection/study": "base atlas selection/cone selection/measure selection",
     "selection/picture": "base render/image render/colour render/flat selection",
     "selection/report": "base atlas poses/programs selection selection/study",
-    "selection/batch": "base atlas poses selection/engine selection selection/study selection/report",
+    "selection/batch": "base atlas poses selection/engine/voxels selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}
 CIRCLES = {frozenset(("loaders", wing)) for wing in ("loaders/volumes", "loaders/surfaces")}

@@ -4,7 +4,7 @@
 #define CONUS_TESTS_SUPPORT_GL_PAIR_H
 
 #include "selection/engine/engine.h"
-#include "selection/engine/layers.h"
+#include "selection/evidence/layers.h"
 
 /** What a test has compared so far; each test counts what it needs. */
 struct gl_counts {

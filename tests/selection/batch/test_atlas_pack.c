@@ -4,8 +4,8 @@
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "scene.h"
-#include "selection/engine/distance_map.h"
 #include "selection/engine/engine_rays.h"
+#include "selection/engine/voxels/distance_map.h"
 #include "test.h"
 
 #include <string.h>

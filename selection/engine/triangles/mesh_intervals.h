@@ -2,10 +2,10 @@
 /** @file
  * From the points where rays pass through surfaces to the intervals between them (Eq. 10). An engine brings crossings
  * in any order, and may bring one more than once; what an interval is, is decided here for all of them. */
-#ifndef CONUS_SELECTION_ENGINE_MESH_INTERVALS_H
-#define CONUS_SELECTION_ENGINE_MESH_INTERVALS_H
+#ifndef CONUS_SELECTION_ENGINE_TRIANGLES_MESH_INTERVALS_H
+#define CONUS_SELECTION_ENGINE_TRIANGLES_MESH_INTERVALS_H
 
-#include "selection/engine/layers.h"
+#include "selection/evidence/layers.h"
 
 /** A point where a pixel's ray passes through a triangle. */
 struct crossing {

@@ -7,11 +7,11 @@
  * as near within its precision, is weighed by mesh_distance(), and the nearest wins; of equally near ones that of the
  * lower object, then the lower triangle. What stays to Embree is whether a ray passes an edge on this side or that. The
  * tree of our own takes mesh_is_passed()'s word for that. */
-#ifndef CONUS_SELECTION_ENGINE_MESH_RAYS_H
-#define CONUS_SELECTION_ENGINE_MESH_RAYS_H
+#ifndef CONUS_SELECTION_ENGINE_TRIANGLES_MESH_RAYS_H
+#define CONUS_SELECTION_ENGINE_TRIANGLES_MESH_RAYS_H
 
 #include "atlas/surface/mesh.h"
-#include "selection/engine/mesh_intervals.h"
+#include "selection/engine/triangles/mesh_intervals.h"
 
 /** A surface at its place. */
 struct mesh_object {

@@ -2,8 +2,8 @@
 /* The tracer that asks Embree. */
 #include "base/math3.h"
 #include "base/memory.h"
-#include "selection/engine/embree.h"
-#include "selection/engine/mesh_tracer.h"
+#include "selection/engine/triangles/embree.h"
+#include "selection/engine/triangles/mesh_tracer.h"
 
 #include <assert.h>
 #include <pthread.h>

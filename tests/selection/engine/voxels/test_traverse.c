@@ -4,7 +4,7 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "oracle_traversal.h"
-#include "selection/engine/traverse.h"
+#include "selection/engine/voxels/traverse.h"
 #include "test.h"
 
 #include <string.h>

@@ -3,8 +3,8 @@
  * Numbers and truths side by side: LANES singles, which the including file defines, or half as many doubles. Arithmetic
  * is the compiler's vector extension; here is what that lacks or does badly: truths (mask registers on AVX-512),
  * choice, minimum, rounding, bytes from anywhere, single from double. */
-#ifndef CONUS_SELECTION_ENGINE_LANES_H
-#define CONUS_SELECTION_ENGINE_LANES_H
+#ifndef CONUS_SELECTION_ENGINE_VOXELS_LANES_H
+#define CONUS_SELECTION_ENGINE_VOXELS_LANES_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -3,7 +3,7 @@
 #include "base/math3.h"
 #include "mesh_scene.h"
 #include "scene.h"
-#include "selection/engine/mesh_tracer.h"
+#include "selection/engine/triangles/mesh_tracer.h"
 #include "test.h"
 
 #include <string.h>

@@ -6,8 +6,8 @@
  * from it by at most r in every index hold none. There is a margin of empty voxels around the grid, with codes of their
  * own. Bytes lie in lines of 4 x 4 x 4, the size of the processor's, so that neighbours share them whatever the
  * direction of a ray. */
-#ifndef CONUS_SELECTION_ENGINE_DISTANCE_MAP_H
-#define CONUS_SELECTION_ENGINE_DISTANCE_MAP_H
+#ifndef CONUS_SELECTION_ENGINE_VOXELS_DISTANCE_MAP_H
+#define CONUS_SELECTION_ENGINE_VOXELS_DISTANCE_MAP_H
 
 #include "atlas/volume.h"
 

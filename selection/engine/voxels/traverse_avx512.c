@@ -2,4 +2,4 @@
 /* The kernel of the walk for AVX-512. */
 #define LANES 16
 #define KERNEL traverse_walk_avx512
-#include "selection/engine/traverse_lanes.h"
+#include "selection/engine/voxels/traverse_lanes.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Embree 3 and Embree 4 as one: CMake says which it has found. */
-#ifndef CONUS_SELECTION_ENGINE_EMBREE_H
-#define CONUS_SELECTION_ENGINE_EMBREE_H
+#ifndef CONUS_SELECTION_ENGINE_TRIANGLES_EMBREE_H
+#define CONUS_SELECTION_ENGINE_TRIANGLES_EMBREE_H
 
 #if CONUS_EMBREE >= 4
 #include <embree4/rtcore.h>
@@ -52,42 +52,33 @@ static inline void embree_allow_filters(RTCScene scene)
 #endif
 }
 
+/* What rtcIntersect takes in each edition, after the mask of valid rays. */
+#if CONUS_EMBREE >= 4
+#define EMBREE_NEAREST(query, scene, packet) scene, packet, &(query)->nearest
+#else
+#define EMBREE_NEAREST(query, scene, packet) scene, &(query)->context, packet
+#endif
+
 /** Sends @p width rays, 1, 4, 8 or 16, for what is nearest. */
 static inline void embree_intersect(struct embree_query *query, RTCScene scene, const int *valid, void *packet,
                                     unsigned width)
 {
-#if CONUS_EMBREE >= 4
-    struct RTCIntersectArguments *with = &query->nearest;
     switch (width) {
     case 16:
-        rtcIntersect16(valid, scene, packet, with);
+        rtcIntersect16(valid, EMBREE_NEAREST(query, scene, packet));
         break;
     case 8:
-        rtcIntersect8(valid, scene, packet, with);
+        rtcIntersect8(valid, EMBREE_NEAREST(query, scene, packet));
         break;
     case 4:
-        rtcIntersect4(valid, scene, packet, with);
+        rtcIntersect4(valid, EMBREE_NEAREST(query, scene, packet));
         break;
     default:
-        rtcIntersect1(scene, packet, with);
+        rtcIntersect1(EMBREE_NEAREST(query, scene, packet));
     }
-#else
-    struct RTCIntersectContext *with = &query->context;
-    switch (width) {
-    case 16:
-        rtcIntersect16(valid, scene, with, packet);
-        break;
-    case 8:
-        rtcIntersect8(valid, scene, with, packet);
-        break;
-    case 4:
-        rtcIntersect4(valid, scene, with, packet);
-        break;
-    default:
-        rtcIntersect1(scene, with, packet);
-    }
-#endif
 }
+
+#undef EMBREE_NEAREST
 
 /** Sends @p count rays, each @p size bytes behind the one before, for any hit. Embree 4 has no streams. */
 static inline void embree_occlude(struct embree_query *query, RTCScene scene, struct RTCRay *rays, size_t count,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The walk of one ray that lists the intervals in all objects of a volume. */
-#include "selection/engine/traverse.h"
+#include "selection/engine/voxels/traverse.h"
 
 /* Ends the interval at t, where the ray comes into a cell of `object`, and begins that one's. */
 static conus_status change_object(struct layers *out, conus_interval *interval, uint32_t object, double t,

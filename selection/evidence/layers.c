@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Collects, sorts, clips and regroups the intervals of all rays. */
-#include "selection/engine/layers.h"
+#include "selection/evidence/layers.h"
 
 #include "base/memory.h"
 

@@ -2,8 +2,8 @@
 /** @file
  * The evidence: what each pixel's ray hits first. Statistics, scores, reports and pictures use it, whichever engine
  * made it. */
-#ifndef CONUS_SELECTION_ENGINE_EVIDENCE_H
-#define CONUS_SELECTION_ENGINE_EVIDENCE_H
+#ifndef CONUS_SELECTION_EVIDENCE_EVIDENCE_H
+#define CONUS_SELECTION_EVIDENCE_EVIDENCE_H
 
 #include "atlas/atlas.h"
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file What sends rays into surfaces: Embree, or a tree of our own; and what is the same for both. */
-#ifndef CONUS_SELECTION_ENGINE_MESH_TRACER_H
-#define CONUS_SELECTION_ENGINE_MESH_TRACER_H
+#ifndef CONUS_SELECTION_ENGINE_TRIANGLES_MESH_TRACER_H
+#define CONUS_SELECTION_ENGINE_TRIANGLES_MESH_TRACER_H
 
 #include "base/math3.h"
-#include "selection/engine/mesh_rays.h"
+#include "selection/engine/triangles/mesh_rays.h"
 
 struct surface {
     const struct mesh *mesh;       /**< NULL = this object is none. */

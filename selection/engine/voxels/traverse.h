@@ -6,11 +6,11 @@
  * t_a(b) = (b - 1/2 - o_a) * (1 / d_a), evaluated as written. All its crossings, sorted by t and then by axis, make the
  * sequence of its cells; so the cell after any crossing is a function of that crossing alone, however it was reached,
  * and a skip to it gives the same bits as stepping there. */
-#ifndef CONUS_SELECTION_ENGINE_TRAVERSE_H
-#define CONUS_SELECTION_ENGINE_TRAVERSE_H
+#ifndef CONUS_SELECTION_ENGINE_VOXELS_TRAVERSE_H
+#define CONUS_SELECTION_ENGINE_VOXELS_TRAVERSE_H
 
-#include "selection/engine/distance_map.h"
-#include "selection/engine/layers.h"
+#include "selection/engine/voxels/distance_map.h"
+#include "selection/evidence/layers.h"
 
 #include <stdalign.h>
 

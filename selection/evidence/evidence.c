@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes, clears and ends the evidence. */
-#include "selection/engine/evidence.h"
+#include "selection/evidence/evidence.h"
 
 #include "base/memory.h"
 

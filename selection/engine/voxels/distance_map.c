@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes the distance map: it dilates the occupied voxels as bits, and counts farther distances in bricks. */
-#include "selection/engine/distance_map.h"
+#include "selection/engine/voxels/distance_map.h"
 
 #include "base/memory.h"
 

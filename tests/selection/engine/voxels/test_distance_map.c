@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The distance map against a search of all voxels. */
 #include "base/memory.h"
-#include "selection/engine/distance_map.h"
+#include "selection/engine/voxels/distance_map.h"
 #include "test.h"
 
 #include <stdlib.h>

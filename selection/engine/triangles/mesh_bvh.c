@@ -2,7 +2,7 @@
 /* The tracer with a tree of our own: over the objects, and over the triangles of each mesh. */
 #include "atlas/surface/bvh.h"
 #include "base/memory.h"
-#include "selection/engine/mesh_tracer.h"
+#include "selection/engine/triangles/mesh_tracer.h"
 
 struct scene {
     struct bvh objects;    /* Boxes in the world; a number is that of a surface. */

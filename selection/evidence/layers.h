@@ -2,11 +2,11 @@
 /** @file
  * All layers of the evidence (Eq. 10): every interval of every pixel's ray inside an object. Engines append intervals
  * in any order; what is behind them gets them sorted. There is no limit on their number but memory's. */
-#ifndef CONUS_SELECTION_ENGINE_LAYERS_H
-#define CONUS_SELECTION_ENGINE_LAYERS_H
+#ifndef CONUS_SELECTION_EVIDENCE_LAYERS_H
+#define CONUS_SELECTION_EVIDENCE_LAYERS_H
 
 #include "selection/cone/cone.h"
-#include "selection/engine/evidence.h"
+#include "selection/evidence/evidence.h"
 
 /** Intervals of an n x n buffer, pixels outside the aperture too. A zeroed one is empty. */
 struct layers {

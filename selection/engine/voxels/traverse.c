@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The walk of one ray through the cells of a volume, and the choice of a kernel for bundles. */
-#include "selection/engine/traverse.h"
+#include "selection/engine/voxels/traverse.h"
 
 #include "base/math3.h"
 

@@ -2,4 +2,4 @@
 /* The kernel of the walk for any processor. */
 #define LANES 4
 #define KERNEL traverse_walk_plain
-#include "selection/engine/traverse_lanes.h"
+#include "selection/engine/voxels/traverse_lanes.h"

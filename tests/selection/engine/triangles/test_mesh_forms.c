@@ -2,7 +2,7 @@
 /* Contacts on meshes of simple forms against closed formulas. */
 #include "base/math3.h"
 #include "mesh_scene.h"
-#include "selection/engine/mesh_rays.h"
+#include "selection/engine/triangles/mesh_rays.h"
 #include "test.h"
 
 static void contacts_of_a_sphere_lie_on_its_triangles(void **test)

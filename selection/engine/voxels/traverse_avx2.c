@@ -2,4 +2,4 @@
 /* The kernel of the walk for AVX2. */
 #define LANES 8
 #define KERNEL traverse_walk_avx2
-#include "selection/engine/traverse_lanes.h"
+#include "selection/engine/voxels/traverse_lanes.h"

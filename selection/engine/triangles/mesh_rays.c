@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rays through surfaces, whoever finds the triangles. */
 #include "base/memory.h"
-#include "selection/engine/mesh_tracer.h"
+#include "selection/engine/triangles/mesh_tracer.h"
 
 /* Of the scene's size: far above what single precision can move a hit by, far below anything that matters. */
 #define SLACK 1e-5
