@@ -5,87 +5,7 @@
 #include "common/messages.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
-
-/* In what other way a pose may have been meant. */
-struct reading {
-    double place, axes; /* Factors of x and y of the position, and of the axes. */
-    double scale;       /* Of the position. */
-    bool reversed;      /* It looks the other way. */
-    const char *words;
-};
-
-static const struct reading readings[] = {
-    {.place = -1, .axes = -1, .scale = 1, .words = "with x and y negated (LPS for RAS)"},
-    {.place = 1, .axes = 1, .scale = 1, .reversed = true, .words = "looking the other way"},
-    {.place = -1, .axes = 1, .scale = 1, .words = "with x and y of its position negated (LPS for RAS)"},
-    {.place = 1, .axes = 1, .scale = 1000, .words = "with its position times 1000 (metres for mm)"},
-    {.place = -1, .axes = -1, .scale = 1000, .words = "with x and y negated (LPS for RAS) and times 1000 (metres)"},
-    {.place = 1, .axes = 1, .scale = 0.001, .words = "with its position divided by 1000 (micrometres for mm)"},
-    {.place = -1, .axes = -1, .scale = 0.001, .words = "with x and y negated (LPS for RAS) and divided by 1000"},
-};
-
-enum { READINGS = sizeof readings / sizeof readings[0] };
-
-/* Metres of a device beside a head are below 1, micrometres above this. */
-static const double micrometres = 5000;
-
-/* Whether the pose's numbers may have been of that unit. */
-static bool is_likely(const conus_pose *pose, double scale, bool tiny)
-{
-    double largest = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        largest = fmax(largest, fabs(pose->world_from_device[12 + axis]));
-    }
-    return scale == 1 ? !tiny : scale > 1 ? tiny : largest > micrometres;
-}
-
-static conus_pose read_as(const conus_pose *pose, const struct reading *reading)
-{
-    conus_pose out = *pose;
-    double *m = out.world_from_device;
-    for (int column = 0; column < 3; column++) {
-        double back = reading->reversed && column != 1 ? -1 : 1; /* half a turn about the device's y */
-        m[4 * column] *= reading->axes * back;
-        m[4 * column + 1] *= reading->axes * back;
-        m[4 * column + 2] *= back;
-    }
-    m[12] *= reading->place * reading->scale;
-    m[13] *= reading->place * reading->scale;
-    m[14] *= reading->scale;
-    return out;
-}
-
-/* What the pose hits first, from outside of it; NULL = nothing. */
-static const char *first_hit(const conus_pose *pose, double angle, conus_selector *selector, const conus_atlas *atlas)
-{
-    conus_selection *selection = NULL;
-    if (conus_select(&selection, selector, pose, angle)) {
-        return NULL;
-    }
-    const conus_result *first = conus_selection_result(selection, 0);
-    const conus_object *object =
-        first && first->pixels && first->distance > 0 ? conus_atlas_object(atlas, first->object) : NULL;
-    conus_selection_destroy(selection);
-    return object ? object->name : NULL;
-}
-
-/* The first reading by which it hits something, behind "; "; "" if there is none. */
-static const char *remedy(char out[256], const conus_oddity *oddity, bool tiny, conus_selector *selector,
-                          const conus_atlas *atlas)
-{
-    out[0] = '\0';
-    for (int i = 0; i < READINGS && !out[0]; i++) {
-        const conus_pose pose = read_as(&oddity->pose, &readings[i]);
-        bool likely = is_likely(&oddity->pose, readings[i].scale, tiny);
-        const char *name = likely ? first_hit(&pose, oddity->angle, selector, atlas) : NULL;
-        if (name) {
-            snprintf(out, 256, "; %s it would hit %s first", readings[i].words, name);
-        }
-    }
-    return out;
-}
 
 static void say_inside(const conus_astray *found, const conus_atlas *atlas, const char *file)
 {
@@ -124,14 +44,27 @@ static void say_tiny(const conus_astray *found, const char *file, const char *re
     }
 }
 
+/* Behind "; ", or "". */
+static const char *put_reading(char out[256], const conus_reading *reading, const conus_atlas *atlas)
+{
+    out[0] = '\0';
+    if (reading->object) {
+        snprintf(out, 256, "; %s it would hit %s first", reading->words,
+                 conus_atlas_object(atlas, reading->object)->name);
+    }
+    return out;
+}
+
 void aim_notes_say(const conus_astray *found, conus_selector *selector, const conus_atlas *atlas, const char *file,
                    const struct common_settings *settings)
 {
-    char words[256] = "";
-    if (settings->quiet) {
+    char words[256];
+    conus_reading reading = {0};
+    if (settings->quiet || conus_aims_reading(&reading, found, selector)) {
         return;
     }
-    if (found->tiny.count && *remedy(words, &found->tiny, true, selector, atlas)) {
+    put_reading(words, &reading, atlas);
+    if (reading.of_tiny) {
         say_tiny(found, file, words);
         return; /* in metres, all else is otherwise, too */
     }
@@ -139,7 +72,7 @@ void aim_notes_say(const conus_astray *found, conus_selector *selector, const co
         say_inside(found, atlas, file);
     }
     if (found->away.count) {
-        say_away(found, file, remedy(words, &found->away, false, selector, atlas));
+        say_away(found, file, words);
     }
 }
 

@@ -34,6 +34,15 @@ typedef struct conus_astray {
     conus_oddity tiny;   /**< Within 1 mm of 0 in every coordinate, and not at 0. */
 } conus_astray;
 
+/** In what other way the first of some odd poses may have been meant. */
+typedef struct conus_reading {
+    uint32_t object;   /**< What it hits first, so read, from outside of it; 0 = there is no such way. */
+    bool of_tiny;      /**< It is about conus_astray.tiny, and the other findings about that pose mean nothing. Else it
+                          is about conus_astray.away. */
+    const char *words; /**< "with x and y negated (LPS for RAS)", text of the library; NULL if object is 0. */
+    conus_pose pose;   /**< The pose, so read. */
+} conus_reading;
+
 /**
  * Starts to count for the atlas, aperture and radius of a selector.
  * @param[out] out The counts; end them with conus_aims_destroy().
@@ -72,6 +81,18 @@ CONUS_API void conus_aims_add(conus_aims *aims, uint64_t number, const conus_pos
  * @since 0.1
  */
 CONUS_API const conus_astray *conus_aims_found(const conus_aims *aims);
+
+/**
+ * Finds in what other way odd poses may have been meant. It tries the units metres and micrometres, the space LPS and
+ * the other end of the device on the first tiny pose, or else the first that points away, and selects with each.
+ * @param[out] out The first way by which that pose hits something; object 0 if there is none.
+ * @param found Counts of poses.
+ * @param selector That for which they were counted.
+ * @return #CONUS_OK, also without such a way; only #CONUS_ERROR_MEMORY and errors of the engine are expected.
+ * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_aims_reading(conus_reading *out, const conus_astray *found, conus_selector *selector);
 
 #ifdef __cplusplus
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -87,61 +87,6 @@ class PoseArray:
 # ---- What looks wrong ----------------------------------------------------------------------------------------------
 
 
-class _Reading(NamedTuple):
-    """In what other way a pose may have been meant."""
-
-    words: str
-    place: int = 1  # factor of x and y of the position
-    axes: int = 1  # factor of x and y of the axes
-    scale: float = 1  # factor of the position
-    back: int = 1  # -1: half a turn about the device's y
-
-
-_READINGS = (
-    _Reading("with x and y negated (LPS for RAS)", place=-1, axes=-1),
-    _Reading("looking the other way", back=-1),
-    _Reading("with x and y of its position negated (LPS for RAS)", place=-1),
-    _Reading("with its position times 1000 (metres for mm)", scale=1000),
-    _Reading("with x and y negated (LPS for RAS) and times 1000 (metres)", place=-1, axes=-1, scale=1000),
-    _Reading("with its position divided by 1000 (micrometres for mm)", scale=0.001),
-    _Reading("with x and y negated (LPS for RAS) and divided by 1000", place=-1, axes=-1, scale=0.001),
-)
-_MICROMETRES = 5000  # no device is so many mm away
-
-
-def _read_as(matrix: Array, reading: _Reading) -> Any:
-    """A conus_pose; the rows of the matrix are the device's axes and its position."""
-    other = matrix.copy()
-    other[:3, :2] *= reading.axes
-    other[[0, 2], :3] *= reading.back
-    other[3, :2] *= reading.place
-    other[3, :3] *= reading.scale
-    return ffi.new("conus_pose *", {"world_from_device": other.ravel().tolist()})
-
-
-def _first_hit(selector: Any, atlas: Any, pose: Any, angle: float) -> str:
-    """What the pose hits first, from outside of it."""
-    out = ffi.new("conus_selection **")
-    if lib.conus_select(out, selector, pose, angle):
-        return ""
-    first = lib.conus_selection_result(out[0], 0)
-    name = text(lib.conus_atlas_object(atlas, first.object).name) if first.pixels and first.distance > 0 else ""
-    lib.conus_selection_destroy(out[0])
-    return name
-
-
-def _remedy(selector: Any, atlas: Any, oddity: Any, tiny: bool) -> str:
-    """The first reading by which the pose hits something, behind "; "."""
-    matrix = np.array(list(oddity.pose.world_from_device)).reshape(4, 4)
-    far = np.abs(matrix[3, :3]).max() > _MICROMETRES
-    for reading in _READINGS:
-        likely = not tiny if reading.scale == 1 else tiny if reading.scale > 1 else far
-        name = _first_hit(selector, atlas, _read_as(matrix, reading), oddity.angle) if likely else ""
-        if name:
-            return f"; {reading.words} it would hit {name} first"
-    return ""
-
-
 class Aims:
     """Says of one pose after the other what is odd. The atlas's box, which takes milliseconds, is found once."""
 
@@ -176,18 +121,22 @@ def notes_of(found: Any, selector: Any, atlas: Any, many: bool) -> list[str]:
     def say(oddity: Any, one: str, several: str, end: str) -> str:
         return f"{oddity.count} of {found.poses} {several}, the first is pose {oddity.first}{end}" if many else one
 
-    remedy = _remedy(selector, atlas, found.tiny, True) if found.tiny.count else ""
-    if remedy:  # in metres, all else is otherwise, too
+    def name_of(number: int) -> str:
+        return text(lib.conus_atlas_object(atlas, number).name)
+
+    reading = ffi.new("conus_reading *")
+    check(lib.conus_aims_reading(reading, found, selector))
+    remedy = f"; {text(reading.words)} it would hit {name_of(reading.object)} first" if reading.object else ""
+    if reading.of_tiny:  # in metres, all else is otherwise, too
         near = "within 1 mm of the world's origin"
         return [say(found.tiny, f"the device lies {near}{remedy}", f"devices lie {near}", remedy)]
     notes = []
     if found.inside.count:
-        name = text(lib.conus_atlas_object(atlas, found.inside.object).name)
+        name = name_of(found.inside.object)
         one, several = f"the device lies inside {name}", "devices lie inside an area"
         notes.append(say(found.inside, one, several, f", inside {name}"))
     if found.away.count:
         words = ("cone", "cones point") if found.away.angle > 0 else ("cylinder", "cylinders point")
-        remedy = _remedy(selector, atlas, found.away, False)
         one, several = f"the {words[0]} points away from the atlas", f"{words[1]} away from the atlas"
         notes.append(say(found.away, one + remedy, several, remedy))
     return notes

@@ -135,12 +135,18 @@ static void what_is_hit_is_not_missed(void **state)
 
 /* ---- Counts --------------------------------------------------------------------------------------------------- */
 
-static conus_atlas *block(void)
+/* 20 mm wide around (x, y, 0): 1 below, 2 above z = 0. */
+static conus_atlas *block_at(double x, double y)
 {
-    uint32_t labels[8] = {1, 1, 1, 1, 2, 2, 2, 2}; /* 1 below, 2 above z = 0; each voxel 10 mm */
-    const double m[16] = {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -5, -5, -5, 1};
+    uint32_t labels[8] = {1, 1, 1, 1, 2, 2, 2, 2};
+    const double m[16] = {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, x - 5, y - 5, -5, 1};
     const conus_volume_info grid = scene_plain_grid((size_t[]){2, 2, 2}, m);
     return scene_parcellation(&grid, labels);
+}
+
+static conus_atlas *block(void)
+{
+    return block_at(0, 0);
 }
 
 static conus_pose looking_up_from(double x, double y, double z)
@@ -283,6 +289,98 @@ static void the_box_of_a_surface_is_not_its_inside(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* ---- In what other way ---------------------------------------------------------------------------------------- */
+
+/* Counts a pose that looks along `forward`, and reads it. */
+static conus_reading reading_of(conus_selector *selector, const double from[3], const double forward[3])
+{
+    conus_aims *aims = NULL;
+    conus_pose pose;
+    conus_reading reading = {.object = 99};
+    assert_ok(conus_aims_create(&aims, selector));
+    assert_ok(conus_pose_along(&pose, from, forward, NULL));
+    conus_aims_add(aims, 1, &pose, 0.2);
+    assert_ok(conus_aims_reading(&reading, conus_aims_found(aims), selector));
+    conus_aims_destroy(aims);
+    return reading;
+}
+
+/* All of them were meant to be at (160, 42, -5) and to look along -x, which hits 1 at x = 110. Where x and y change
+ * their signs, the cone passes the block at a distance of 72 - 270 tan 0.1 = 45 mm or more. */
+static void a_pose_is_read_in_other_ways(void **state)
+{
+    (void)state;
+    static const struct {
+        double from[3], forward[3];
+        bool of_tiny;
+        const char *words;
+    } cases[] = {
+        {{-160, -42, -5}, {1, 0, 0}, false, "with x and y negated (LPS for RAS)"},
+        {{160, 42, -5}, {1, 0, 0}, false, "looking the other way"},
+        {{-160, -42, -5}, {-1, 0, 0}, false, "with x and y of its position negated (LPS for RAS)"},
+        {{0.16, 0.042, -0.005}, {-1, 0, 0}, true, "with its position times 1000 (metres for mm)"},
+        {{-0.16, -0.042, -0.005}, {1, 0, 0}, true, "with x and y negated (LPS for RAS) and times 1000 (metres)"},
+        {{16e4, 4.2e4, -5e3}, {-1, 0, 0}, false, "with its position divided by 1000 (micrometres for mm)"},
+        {{-16e4, -4.2e4, -5e3}, {1, 0, 0}, false, "with x and y negated (LPS for RAS) and divided by 1000"},
+    };
+    conus_atlas *atlas = block_at(100, 40);
+    conus_selector *selector = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const conus_reading reading = reading_of(selector, cases[i].from, cases[i].forward);
+        const double *m = reading.pose.world_from_device;
+        assert_int_equal(reading.object, 1);
+        assert_int_equal(reading.of_tiny, cases[i].of_tiny);
+        assert_string_equal(reading.words, cases[i].words);
+        assert_near(m[12], 160, 1e-9);
+        assert_near(m[13], 42, 1e-9);
+        assert_near(m[14], -5, 1e-9);
+        assert_near(m[8], 1, 1e-12); /* it looks along -z of its own */
+    }
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
+/* From (0, 0, 50) upwards no way leads to the block, and a good pose needs none. */
+static void a_pose_may_have_no_other_reading(void **state)
+{
+    (void)state;
+    static const double places[][3] = {{0, 0, 50}, {0.1, 0.1, 0.05}, {100, 40, -50}};
+    conus_atlas *atlas = block_at(100, 40);
+    conus_selector *selector = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    for (size_t i = 0; i < 3; i++) {
+        const conus_reading reading = reading_of(selector, places[i], (double[]){0, 0, 1});
+        assert_int_equal(reading.object, 0);
+        assert_false(reading.of_tiny);
+        assert_null(reading.words);
+    }
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
+static void a_reading_without_memory_is_an_error(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = block();
+    conus_selector *selector = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    conus_astray found = {.away = {.count = 1, .angle = 0.2, .pose = looking_up_from(1, 1, 50)}};
+    conus_reading reading = {.object = 99};
+    long failures = 0;
+    conus_status status = CONUS_ERROR_MEMORY;
+    while (status) {
+        test_fail_allocation(failures++);
+        status = conus_aims_reading(&reading, &found, selector);
+        test_fail_allocation(-1);
+        assert_true(status == CONUS_OK || status == CONUS_ERROR_MEMORY);
+        assert_int_equal(reading.object, status ? 99 : 2);
+    }
+    assert_true(failures > 1);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -293,6 +391,9 @@ int main(void)
         cmocka_unit_test(a_cylinder_may_begin_inside),
         cmocka_unit_test(a_device_may_lie_inside_a_closed_surface),
         cmocka_unit_test(the_box_of_a_surface_is_not_its_inside),
+        cmocka_unit_test(a_pose_is_read_in_other_ways),
+        cmocka_unit_test(a_pose_may_have_no_other_reading),
+        cmocka_unit_test(a_reading_without_memory_is_an_error),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
