@@ -138,13 +138,18 @@ static conus_status append_mesh(conus_atlas *atlas, struct mesh *mesh)
     return CONUS_OK;
 }
 
+static conus_status areas_come_first(const conus_atlas *atlas, const conus_object *area)
+{
+    return atlas->object_count > atlas->area_count
+               ? fail(CONUS_ERROR_ARGUMENT, "area %u: areas are added before pathways", area->label)
+               : CONUS_OK;
+}
+
 conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct mesh *mesh)
 {
     conus_object copy = *area;
-    if (atlas->object_count > atlas->area_count) {
-        return fail(CONUS_ERROR_ARGUMENT, "area %u: areas are added before pathways", area->label);
-    }
-    conus_status status = mesh_measure(&mesh->shape, mesh);
+    conus_status status = areas_come_first(atlas, area);
+    status = status ? status : mesh_measure(&mesh->shape, mesh);
     if (!status) {
         copy.kind = CONUS_KIND_AREA;
         copy.triangles = mesh->triangle_count;
@@ -158,17 +163,15 @@ conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct
             object_finish(&atlas->objects[--atlas->object_count]);
         }
     }
-    atlas->area_count = atlas->object_count;
+    atlas->area_count = status ? atlas->area_count : atlas->object_count;
     return status;
 }
 
 conus_status atlas_add_group(conus_atlas *atlas, const conus_object *area)
 {
-    if (atlas->object_count > atlas->area_count) {
-        return fail(CONUS_ERROR_ARGUMENT, "area %u: areas are added before pathways", area->label);
-    }
-    conus_status status = atlas_append_object(atlas, area, (struct object_place){.index = SIZE_MAX});
-    atlas->area_count = atlas->object_count;
+    conus_status status = areas_come_first(atlas, area);
+    status = status ? status : atlas_append_object(atlas, area, (struct object_place){.index = SIZE_MAX});
+    atlas->area_count = status ? atlas->area_count : atlas->object_count;
     return status;
 }
 
@@ -273,30 +276,19 @@ conus_status atlas_exchange_areas(conus_atlas *atlas, conus_atlas *areas)
 
 /* ---- Pathways and context --------------------------------------------------------------------------------------- */
 
-static conus_object pathway_object(const conus_atlas *atlas, const char *name, uint64_t voxels, double voxel_mm3)
-{
-    uint32_t ordinal = (uint32_t)(atlas->object_count - atlas->area_count) + 1;
-    conus_object object = {
-        .kind = CONUS_KIND_PATHWAY, .label = ordinal, .name = name, .abbreviation = "", .named = true};
-    object.voxels = voxels;
-    object.volume_mm3 = (double)voxels * voxel_mm3;
-    palette_colour(object.rgb, 1000 + ordinal);
-    return object;
-}
-
-conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info, float *values, const char *name)
+/* Adds a volume of values as `object`, whose voxels are counted. */
+static conus_status add_scalar(conus_atlas *atlas, const conus_volume_info *info, float *values, conus_object *object)
 {
     struct volume volume = {0};
-    uint64_t voxels = 0;
     size_t index;
     conus_status status = volume_init(&volume, info);
     if (!status) {
         volume.values = values;
-        status = mark_voxels(&volume, (uint32_t)atlas->object_count + 1, &voxels);
+        status = mark_voxels(&volume, (uint32_t)atlas->object_count + 1, &object->voxels);
     }
     if (!status) {
-        conus_object object = pathway_object(atlas, name, voxels, space_voxel_mm3(info));
-        status = atlas_append_object(atlas, &object, (struct object_place){.index = atlas->volume_count});
+        object->volume_mm3 = (double)object->voxels * space_voxel_mm3(info);
+        status = atlas_append_object(atlas, object, (struct object_place){.index = atlas->volume_count});
     }
     if (!status) {
         status = append_volume(atlas, &volume, &index);
@@ -311,11 +303,29 @@ conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info
     return status;
 }
 
+conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info, float *values, const char *name)
+{
+    uint32_t ordinal = (uint32_t)(atlas->object_count - atlas->area_count) + 1;
+    conus_object object = {
+        .kind = CONUS_KIND_PATHWAY, .label = ordinal, .name = name, .abbreviation = "", .named = true};
+    palette_colour(object.rgb, 1000 + ordinal);
+    return add_scalar(atlas, info, values, &object);
+}
+
+conus_status atlas_add_probabilistic_area(conus_atlas *atlas, const conus_volume_info *info, float *values,
+                                          const conus_object *area)
+{
+    conus_object object = *area;
+    conus_status status = areas_come_first(atlas, area);
+    status = status ? status : add_scalar(atlas, info, values, &object);
+    atlas->area_count = status ? atlas->area_count : atlas->object_count;
+    return status;
+}
+
 conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double threshold)
 {
-    const conus_object *object = conus_atlas_object(atlas, number);
-    if (!object || object->kind != CONUS_KIND_PATHWAY) {
-        return fail(CONUS_ERROR_ARGUMENT, "object %zu is no pathway", number);
+    if (!conus_atlas_object(atlas, number) || !atlas_object_is_scalar(atlas, (uint32_t)number)) {
+        return fail(CONUS_ERROR_ARGUMENT, "object %zu is no pathway, and no area of probabilities", number);
     }
     if (!isfinite(threshold)) {
         return fail(CONUS_ERROR_ARGUMENT, "threshold: %g, a number is needed", threshold);
@@ -461,6 +471,31 @@ const struct volume *atlas_object_volume(const conus_atlas *atlas, uint32_t numb
 {
     struct object_place place = atlas->places[number - 1];
     return place.is_mesh || place.index >= atlas->volume_count ? NULL : &atlas->volumes[place.index];
+}
+
+bool atlas_object_is_scalar(const conus_atlas *atlas, uint32_t number)
+{
+    const struct volume *volume = atlas_object_volume(atlas, number);
+    return volume && volume_is_scalar(volume);
+}
+
+bool atlas_has_probabilities(const conus_atlas *atlas)
+{
+    return atlas->area_count && atlas_object_is_scalar(atlas, (uint32_t)atlas->area_count); /* they come last */
+}
+
+float atlas_probability(const conus_atlas *atlas, uint32_t number, const double point[3])
+{
+    const struct volume *volume = atlas_object_volume(atlas, number);
+    size_t voxel;
+    return volume_find_voxel(&voxel, volume, point) ? volume->values[voxel] : NAN;
+}
+
+const conus_volume_info *conus_atlas_volume_of(const conus_atlas *atlas, size_t number)
+{
+    const struct volume *volume =
+        conus_atlas_object(atlas, number) ? atlas_object_volume(atlas, (uint32_t)number) : NULL;
+    return volume ? &volume->info : NULL;
 }
 
 const struct mesh *atlas_object_mesh(const conus_atlas *atlas, uint32_t number)

@@ -77,6 +77,12 @@ static inline bool atlas_is_paired(const conus_atlas *atlas, uint32_t number)
  * taken over on success. */
 conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info, float *values, const char *name);
 
+/** Adds a volume of probabilities, from 0 to 1, as the area @p area of the voxels with values >= info->threshold;
+ * otherwise like atlas_add_pathway(). Areas may overlap. They come before pathways: CONUS_ERROR_ARGUMENT once there is
+ * a pathway. */
+conus_status atlas_add_probabilistic_area(conus_atlas *atlas, const conus_volume_info *info, float *values,
+                                          const conus_object *area);
+
 /** Sets the context volume, replacing one that was there. Voxels with values >= info->threshold stop rays, unless that
  * is 0. @p values is taken over on success. */
 conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info, float *values);
@@ -97,6 +103,15 @@ const char *atlas_path(const conus_atlas *atlas);
 
 /** The parcellation's volume, or NULL. */
 const struct volume *atlas_parcellation(const conus_atlas *atlas);
+
+/** Whether object @p number has a volume of its own, with a value per voxel: a pathway, or an area of probabilities. */
+bool atlas_object_is_scalar(const conus_atlas *atlas, uint32_t number);
+
+/** Whether there are areas of probabilities, which may overlap. */
+bool atlas_has_probabilities(const conus_atlas *atlas);
+
+/** The probability of the area @p number at a world point; NAN outside its volume. */
+float atlas_probability(const conus_atlas *atlas, uint32_t number, const double point[3]);
 
 /** The volume that holds object @p number, hidden or not; NULL if that is a mesh or has no shape. */
 const struct volume *atlas_object_volume(const conus_atlas *atlas, uint32_t number);

@@ -39,6 +39,12 @@ conus_status volume_init(struct volume *out, const conus_volume_info *info);
 /** Copies borrowed arrays, so that they may be changed. On failure the volume is as before. */
 conus_status volume_own(struct volume *volume);
 
+/** Whether its objects follow from its values: of a pathway, or an area of a probabilistic atlas. */
+static inline bool volume_is_scalar(const struct volume *volume)
+{
+    return volume->info.role == CONUS_ROLE_SCALAR || volume->info.role == CONUS_ROLE_PROBABILITY;
+}
+
 /** Whether rays can hit anything in it. */
 static inline bool volume_can_be_hit(const struct volume *volume)
 {

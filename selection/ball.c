@@ -33,8 +33,8 @@ static void add_count(void *user, const struct volume *volume, const size_t at[3
 /* The volume on whose grid the result was counted; NULL for a mesh. */
 static const struct volume *volume_of(const conus_atlas *atlas, const conus_result *result)
 {
-    return result->object && result->kind == CONUS_KIND_PATHWAY ? atlas_object_volume(atlas, result->object)
-                                                                : atlas_parcellation(atlas);
+    return result->object && atlas_object_is_scalar(atlas, result->object) ? atlas_object_volume(atlas, result->object)
+                                                                           : atlas_parcellation(atlas);
 }
 
 /* The share of a ball is that of its voxels, of the grid on which they lie. */

@@ -26,13 +26,14 @@ static bool same_grid(const struct volume *a, const struct volume *b)
     return same;
 }
 
-/* The only pathway, or with `any` one of several that lie on one grid. */
-static conus_status find_pathway(const struct volume **out, const conus_atlas *atlas, const char *what, bool any)
+/* The only volume of values, or with `any` one of several that lie on one grid. */
+static conus_status find_scalar(const struct volume **out, const conus_atlas *atlas, const char *what, bool any)
 {
     const struct volume *first = NULL;
     size_t count = 0;
-    for (uint32_t number = (uint32_t)atlas->area_count + 1; number <= atlas->object_count; number++) {
-        const struct volume *volume = atlas->places[number - 1].is_hidden ? NULL : atlas_object_volume(atlas, number);
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        bool fits = atlas_object_is_scalar(atlas, number) && !atlas->places[number - 1].is_hidden;
+        const struct volume *volume = fits ? atlas_object_volume(atlas, number) : NULL;
         count += volume && !(any && first && same_grid(first, volume));
         first = first ? first : volume;
     }
@@ -56,15 +57,16 @@ static conus_status find_volume(const struct volume **out, const conus_atlas *at
     if (conus_atlas_is_hidden(atlas, options->object)) {
         return fail(CONUS_ERROR_ARGUMENT, "object: %s is hidden", object->name);
     }
-    if (object && object->kind == CONUS_KIND_PATHWAY) {
+    if (object && atlas_object_is_scalar(atlas, options->object)) {
         *out = atlas_object_volume(atlas, options->object);
         return options->content == CONUS_GRID_MAP_OF_LABELS
-                   ? fail(CONUS_ERROR_ARGUMENT, "map of labels: %s is a pathway, an area is needed", object->name)
+                   ? fail(CONUS_ERROR_ARGUMENT, "map of labels: %s is %s, an area is needed", object->name,
+                          object->kind == CONUS_KIND_AREA ? "an area of probabilities" : "a pathway")
                    : CONUS_OK;
     }
     if (options->content == CONUS_GRID_MAP_OF_VALUES) {
         return object ? fail(CONUS_ERROR_ARGUMENT, "map of values: %s is an area, a pathway is needed", object->name)
-                      : find_pathway(out, atlas, "map of values", false);
+                      : find_scalar(out, atlas, "map of values", false);
     }
     if (object && options->content == CONUS_GRID_MASK_OF_REGION) {
         return fail(CONUS_ERROR_ARGUMENT, "mask of everything: %s is an area, which has no effect", object->name);
@@ -74,8 +76,8 @@ static conus_status find_volume(const struct volume **out, const conus_atlas *at
         return fail(CONUS_ERROR_ARGUMENT, "map of labels: the atlas has no labelled voxels");
     }
     return *out ? CONUS_OK
-                : find_pathway(out, atlas, "mask of an atlas without labelled voxels",
-                               options->content == CONUS_GRID_MASK_OF_REGION);
+                : find_scalar(out, atlas, "mask of an atlas without labelled voxels",
+                              options->content == CONUS_GRID_MASK_OF_REGION);
 }
 
 static conus_status choose_objects(struct mask *mask, uint32_t object)

@@ -8,6 +8,7 @@
 #include "settings/atlas_input.h"
 #include "settings/settings.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -88,21 +89,18 @@ static void put_volume(FILE *out, const conus_volume_info *info)
     fprintf(out, "\n  sha256       %s\n", info->sha256);
 }
 
-/* The name of pathway @p ordinal, from 1. */
-static const char *pathway_name(const conus_atlas *atlas, size_t ordinal)
+/* The object that has the volume for itself. */
+static const conus_object *object_of(const conus_atlas *atlas, const conus_volume_info *info)
 {
-    for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
-        const conus_object *object = conus_atlas_object(atlas, i);
-        if (object->kind == CONUS_KIND_PATHWAY && --ordinal == 0) {
-            return object->name;
-        }
+    size_t number = 1;
+    while (conus_atlas_volume_of(atlas, number) != info) {
+        number++;
     }
-    return "";
+    return conus_atlas_object(atlas, number);
 }
 
 static void put_volumes(FILE *out, const conus_atlas *atlas)
 {
-    size_t pathway = 0;
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
         const conus_volume_info *info = conus_atlas_volume(atlas, i);
         fputs(i ? "\n" : "", out);
@@ -110,9 +108,10 @@ static void put_volumes(FILE *out, const conus_atlas *atlas)
             fputs("Atlas\n", out);
             put_volume(out, info);
             fprintf(out, "  labels       %s\n", conus_atlas_label_source(atlas));
-        } else if (info->role == CONUS_ROLE_SCALAR) {
-            pathway++;
-            fprintf(out, "Pathway %zu: %s\n", pathway, pathway_name(atlas, pathway));
+        } else if (info->role != CONUS_ROLE_CONTEXT) {
+            const conus_object *object = object_of(atlas, info);
+            fprintf(out, "%s %" PRIu32 ": %s\n", object->kind == CONUS_KIND_AREA ? "Area" : "Pathway", object->label,
+                    object->name);
             put_volume(out, info);
             fprintf(out, "  threshold    %.9g\n", info->threshold);
         } else {

@@ -207,7 +207,8 @@ const char *settings_input(const conus_atlas *atlas, const struct input *inputs,
 {
     static const char *const roles[] = {[CONUS_ROLE_PARCELLATION] = "the atlas",
                                         [CONUS_ROLE_SCALAR] = "a pathway",
-                                        [CONUS_ROLE_CONTEXT] = "the context"};
+                                        [CONUS_ROLE_CONTEXT] = "the context",
+                                        [CONUS_ROLE_PROBABILITY] = "the atlas"};
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
         const conus_volume_info *info = conus_atlas_volume(atlas, i);
         if (paths_equal(info->path, path)) {

@@ -253,6 +253,9 @@ static conus_status check_atlas(const conus_atlas *atlas)
         return fail(CONUS_ERROR_UNSUPPORTED, "split: %zu areas are surfaces, only areas of voxels can be cut",
                     atlas->mesh_count);
     }
+    if (atlas_has_probabilities(atlas)) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "split: areas of probabilities overlap, only those of labels can be cut");
+    }
     return atlas_parcellation(atlas) ? CONUS_OK : fail(CONUS_ERROR_DATA, "split: there are no areas");
 }
 

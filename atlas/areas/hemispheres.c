@@ -199,6 +199,9 @@ static conus_status note_merging(conus_atlas *atlas, const struct merging *mergi
 
 static conus_status prepare_merging(struct merging *merging)
 {
+    if (atlas_has_probabilities(merging->atlas)) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "merged: areas of probabilities overlap, their sum is no volume");
+    }
     conus_status status = hemispheres_pair(&merging->right_of, merging->atlas);
     status = status ? status : list_pairs(merging);
     if (!status && !merging->pair_count) {

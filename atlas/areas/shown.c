@@ -98,7 +98,7 @@ static conus_status set_hidden(conus_atlas *atlas, const bool *hidden)
     for (size_t i = 0; i < atlas->object_count && !status; i++) {
         struct object_place *place = &atlas->places[i];
         place->is_hidden = hidden[i + 1];
-        if (atlas->objects[i].kind == CONUS_KIND_PATHWAY) {
+        if (atlas_object_is_scalar(atlas, (uint32_t)i + 1)) {
             atlas->volumes[place->index].is_hidden = place->is_hidden;
         }
     }

@@ -48,6 +48,7 @@ typedef struct conus_load_options {
  * Loads an atlas. The content of the file decides what it is, not its name:
  *
  *  - a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, or an FSL atlas XML of type Label;
+ *  - an FSL atlas XML of another type: areas of probabilities, which may overlap;
  *  - a manifest NAME.atlas.json, which joins a parcellation, surfaces, pathways and context;
  *  - a surface (GIFTI, FreeSurfer and what conus-mesh reads), cut by the labels of its vertices if there are any;
  *  - a folder of surfaces, or a BrainGlobe folder.
@@ -99,12 +100,12 @@ CONUS_CHECKED conus_status conus_atlas_add_pathway(conus_atlas *atlas, const cha
                                                    const conus_pathway_options *options);
 
 /**
- * Changes from which value on pathway @p number is one (Eq. 6). Selectors, renderers and cutters that were made before
- * must be made anew.
+ * Changes from which value on a pathway, or an area of probabilities, is one (Eq. 6). Selectors, renderers and cutters
+ * that were made before must be made anew.
  * @param atlas The atlas; unchanged on failure.
  * @param number Number of the object.
  * @param threshold In the units of the volume's scaled values.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where @p number is no pathway or the threshold is out of its range.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where @p number is neither or the threshold is out of its range.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1
  */

@@ -18,7 +18,7 @@ extern "C" {
 
 /** What an object or a result is. */
 typedef enum conus_kind {
-    CONUS_KIND_AREA = 1,  /**< An area of a parcellation, a mesh, or a group of areas. */
+    CONUS_KIND_AREA = 1,  /**< An area of a parcellation or of a probabilistic atlas, a mesh, or a group of areas. */
     CONUS_KIND_PATHWAY,   /**< A scalar volume from a threshold on. */
     CONUS_KIND_UNASSIGNED /**< Only of a result: the pixels that hit no object, or first a context that blocks. */
 } conus_kind;
@@ -42,7 +42,8 @@ typedef struct conus_object {
 
 /**
  * Counts the objects. Areas come first: those of the parcellation, then those that are meshes, each ordered by label,
- * then those that only group others. Pathways follow in the order in which they were added.
+ * then those that only group others, then those of a probabilistic atlas. Pathways follow in the order in which they
+ * were added.
  * @param atlas NULL counts 0.
  * @return How many objects there are; their numbers are 1 to this.
  * @threads Any, while none changes the atlas.
@@ -86,7 +87,8 @@ CONUS_CHECKED conus_status conus_atlas_find(uint32_t *out, const conus_atlas *at
 typedef enum conus_role {
     CONUS_ROLE_PARCELLATION = 1, /**< Its values are labels of areas. */
     CONUS_ROLE_SCALAR,           /**< Its values make a pathway. */
-    CONUS_ROLE_CONTEXT           /**< It is drawn around the areas. */
+    CONUS_ROLE_CONTEXT,          /**< It is drawn around the areas. */
+    CONUS_ROLE_PROBABILITY       /**< Its values, from 0 to 1, make an area of a probabilistic atlas. */
 } conus_role;
 
 /** A volume of an atlas. */
@@ -108,7 +110,8 @@ typedef struct conus_volume_info {
     double intercept;            /**< Of the stored values; 0 if unscaled. */
     double minimum;              /**< Of the scaled values. */
     double maximum;              /**< Of the scaled values. */
-    double threshold;            /**< Of a pathway, or of a context that blocks; else 0. */
+    double threshold; /**< Of a pathway, of an area of a probabilistic atlas, or of a context that blocks; else
+                         0. */
 } conus_volume_info;
 
 /**
@@ -129,6 +132,16 @@ CONUS_API size_t conus_atlas_volume_count(const conus_atlas *atlas);
  * @since 0.1
  */
 CONUS_API const conus_volume_info *conus_atlas_volume(const conus_atlas *atlas, size_t index);
+
+/**
+ * Gives the volume in which an object lies: the parcellation, or one of its own.
+ * @param atlas The atlas.
+ * @param number Number of the object.
+ * @return NULL for a mesh, a group and a number that is no object. Borrowed until the atlas is changed or ends.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API const conus_volume_info *conus_atlas_volume_of(const conus_atlas *atlas, size_t number);
 
 /**
  * Counts the other files that an atlas is made of: a manifest, surfaces, labels of their vertices, lists of what is

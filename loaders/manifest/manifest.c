@@ -143,7 +143,7 @@ static conus_status check_pathway(const struct manifest_pathway *pathway, const 
                                                 : fail(CONUS_ERROR_DATA, "%s: file or fsl is missing", place->key);
 }
 
-static conus_status read_pathway(void *field, const json_t *value, const struct schema_place *place)
+static conus_status read_entry(struct manifest_pathway *out, const json_t *value, const struct schema_place *place)
 {
     static const struct schema_field keys[] = {
         {"file", schema_path, AT(manifest_pathway, source.file), false},
@@ -152,15 +152,33 @@ static conus_status read_pathway(void *field, const json_t *value, const struct 
         {"name", schema_text, AT(manifest_pathway, name), false},
         {"names", read_names, 0, false},
         {"threshold", schema_positive, AT(manifest_pathway, threshold), false},
+        {"scale", schema_positive, AT(manifest_pathway, scale), false},
         {"comment", schema_comment, 0, false},
         {0},
     };
-    struct manifest_pathway *out = field;
     if (json_is_string(value)) {
         return schema_path(&out->source.file, value, place);
     }
     conus_status status = schema_object(out, value, keys, place);
     return status ? status : check_pathway(out, place);
+}
+
+static conus_status read_pathway(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest_pathway *out = field;
+    conus_status status = read_entry(out, value, place);
+    return status || out->scale == 0
+               ? status
+               : fail(CONUS_ERROR_DATA, "%s.scale: is of probabilities, a pathway has a threshold", place->key);
+}
+
+static conus_status read_map(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest_pathway *out = field;
+    conus_status status = read_entry(out, value, place);
+    return status || out->threshold <= 1
+               ? status
+               : fail(CONUS_ERROR_DATA, "%s.threshold: is %g, a probability is up to 1", place->key, out->threshold);
 }
 
 static conus_status read_area_label(void *field, const json_t *value, const struct schema_place *place)
@@ -264,6 +282,12 @@ static conus_status read_pathways(void *field, const json_t *value, const struct
     return schema_list((void **)&out->pathways, &out->pathway_count, sizeof *out->pathways, value, read_pathway, place);
 }
 
+static conus_status read_maps(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest *out = field;
+    return schema_list((void **)&out->maps, &out->map_count, sizeof *out->maps, value, read_map, place);
+}
+
 static conus_status read_areas(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest *out = field;
@@ -303,6 +327,7 @@ static const struct schema_field manifest_keys[] = {
     {"space", read_space, 0, false},
     {"prefer", read_prefer, 0, false},
     {"tree", read_tree, 0, false},
+    {"probabilities", read_maps, 0, false},
     {"pathways", read_pathways, 0, false},
     {"threshold", schema_positive, AT(manifest, threshold), false},
     {"context", read_context, AT(manifest, context), false},
@@ -311,10 +336,14 @@ static const struct schema_field manifest_keys[] = {
 
 static conus_status check_manifest(const struct manifest *manifest)
 {
-    if (!manifest->parcellation.source.file && !manifest->area_count && !manifest->pathway_count) {
-        return fail(CONUS_ERROR_DATA, "nothing to select: parcellation, areas or pathways is needed");
+    bool labelled = manifest->parcellation.source.file || manifest->area_count;
+    if (labelled && manifest->map_count) {
+        return fail(CONUS_ERROR_DATA, "has probabilities and %s, which are areas both: one of them is allowed",
+                    manifest->area_count ? "areas" : "a parcellation");
     }
-    return CONUS_OK;
+    return labelled || manifest->map_count || manifest->pathway_count
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "nothing to select: parcellation, areas, probabilities or pathways is needed");
 }
 
 /* ---- The file ---------------------------------------------------------------------------------------------- */
@@ -374,6 +403,10 @@ void manifest_finish(struct manifest *manifest)
     }
     memory_free(manifest->areas);
     memory_free(manifest->tree);
+    for (size_t i = 0; i < manifest->map_count; i++) {
+        pathway_finish(&manifest->maps[i]);
+    }
+    memory_free(manifest->maps);
     for (size_t i = 0; i < manifest->pathway_count; i++) {
         pathway_finish(&manifest->pathways[i]);
     }

@@ -47,7 +47,7 @@ struct manifest_area {
 /** Which one is the area where a label is a surface's and has voxels in the parcellation. */
 enum manifest_preference { MANIFEST_PREFER_NONE, MANIFEST_PREFER_AREAS, MANIFEST_PREFER_PARCELLATION };
 
-/** One pathway, or with `names` or `fsl` one for each volume of a 4-D file. */
+/** One pathway or area of probabilities, or with `names` or `fsl` one for each volume of a 4-D file. */
 struct manifest_pathway {
     struct manifest_volume source;
     char *fsl; /**< An FSL atlas XML that names the volumes of source.file, or of its own finest image.       */
@@ -55,6 +55,7 @@ struct manifest_pathway {
     char **names;
     size_t name_count;
     double threshold; /**< 0 = the manifest's, else the default.                                              */
+    double scale;     /**< Of probabilities: the value that means "certainly"; 0 = as the values say.         */
 };
 
 struct manifest {
@@ -67,6 +68,8 @@ struct manifest {
     size_t area_count;
     struct label *tree; /**< Parents, and areas without a shape that group others.                                */
     size_t tree_count;
+    struct manifest_pathway *maps; /**< Of probabilities, which are areas.                                    */
+    size_t map_count;
     struct manifest_pathway *pathways;
     size_t pathway_count;
     double threshold; /**< Of pathways that give none; 0 = the default.                                       */

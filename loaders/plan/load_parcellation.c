@@ -114,8 +114,8 @@ static conus_status load_fsl(struct parcellation *parts, const char *path, struc
     }
     if (!atlas.is_label) {
         status = fail(CONUS_ERROR_UNSUPPORTED,
-                      "%s: an FSL atlas of type %s, Label is needed; load one of its summary "
-                      "images instead, and its volumes as pathways (--pathway FILE,volume=K)",
+                      "%s: an FSL atlas of type %s, Label is needed; \"probabilities\" of a manifest takes it, or it "
+                      "is ATLAS itself",
                       path, atlas.type);
     }
     status = status ? status : open_finest(parts, &atlas, path, max_memory);

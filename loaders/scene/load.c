@@ -2,6 +2,7 @@
 /* conus_atlas_load(): a volume, an FSL atlas XML, a manifest, a surface or a folder of surfaces becomes an atlas. */
 #include "atlas/atlas.h"
 #include "base/buffer.h"
+#include "base/formats/xml.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "loaders/file_kind.h"
@@ -11,13 +12,14 @@
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_surface.h"
 #include "loaders/surfaces/mesh_file.h"
+#include "loaders/tables/fsl_atlas.h"
 
 #include <string.h>
 
 enum { JSON_LIMIT = 64 << 20 };
 
 static const char atlas_needed[] = "a labelled volume (NIfTI-1, NIfTI-2, MGH), a surface, a folder of surfaces, a "
-                                   "manifest (with the key \"conus_atlas\") or an FSL atlas XML of type Label";
+                                   "manifest (with the key \"conus_atlas\") or an FSL atlas XML";
 
 static conus_status load_volume(conus_atlas **out, const char *path, const struct load_progress *progress)
 {
@@ -63,6 +65,23 @@ static conus_status load_folder(conus_atlas **out, const char *path, struct load
     return status;
 }
 
+/* Whether the file is an FSL atlas of probabilities: the type Label is a parcellation. */
+static conus_status is_probabilistic(bool *out, const char *path)
+{
+    struct bytes bytes = {0};
+    struct fsl_atlas atlas = {0};
+    *out = false;
+    if (file_first_character(path) != '<' || file_read(&bytes, path, FSL_ATLAS_LIMIT)) {
+        return CONUS_OK; /* what else it is, or why it cannot be read, is said where that is wanted */
+    }
+    struct text text = text_from_bytes(bytes.data, bytes.size);
+    conus_status status = text_equal(xml_root(text), "atlas") ? fsl_atlas_parse(&atlas, text) : CONUS_OK;
+    *out = !status && atlas.type && !atlas.is_label;
+    fsl_atlas_finish(&atlas);
+    bytes_finish(&bytes);
+    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
+}
+
 static conus_status load_any(conus_atlas **out, const char *path, struct load_progress *progress)
 {
     if (file_is_folder(path)) {
@@ -71,8 +90,13 @@ static conus_status load_any(conus_atlas **out, const char *path, struct load_pr
     if (file_first_character(path) == '{') {
         return load_json(out, path, progress);
     }
+    bool probabilistic;
+    conus_status status = is_probabilistic(&probabilistic, path);
+    if (status || probabilistic) {
+        return status ? status : probabilities_load(out, path, progress);
+    }
     progress->total = 1;
-    conus_status status = load_progress_report(progress, path, 1);
+    status = load_progress_report(progress, path, 1);
     return status ? status : mesh_file_is(path) ? surface_load(out, path, progress) : load_volume(out, path, progress);
 }
 

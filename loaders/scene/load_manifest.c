@@ -8,9 +8,10 @@
 #include "loaders/plan/load_parcellation.h"
 #include "loaders/plan/load_plan.h"
 #include "loaders/plan/plan_settle.h"
+#include "loaders/scene/fsl_maps.h"
 #include "loaders/scene/load_areas.h"
+#include "loaders/scene/load_probability.h"
 #include "loaders/scene/load_scalar.h"
-#include "loaders/tables/fsl_find.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -72,6 +73,12 @@ static conus_status read_parcellation(struct parcellation *parts, struct loading
 static conus_status refuse_labels(const struct loading *loading)
 {
     const char *labels = loading->options->labels;
+    if (loading->manifest->map_count) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "--labels %s: areas of probabilities have the names of the atlas XML, or "
+                    "those of the manifest",
+                    labels);
+    }
     bool made_up = !path_base(loading->path)[0];
     return made_up ? fail(CONUS_ERROR_ARGUMENT,
                           "--labels %s: a folder of surfaces is named by its files; a manifest ('conus manifest') can "
@@ -86,7 +93,7 @@ static conus_status create_empty(struct loading *loading)
     if (loading->options->labels) {
         return refuse_labels(loading);
     }
-    conus_status status = atlas_create_empty(&loading->atlas, "the manifest");
+    conus_status status = atlas_create_empty(&loading->atlas, loading->file ? "the manifest" : "FSL atlas XML");
     if (!status) {
         loading->atlas->notes.sink = &loading->progress->sink;
     }
@@ -113,6 +120,9 @@ static size_t files_besides(const struct manifest *manifest)
 {
     size_t files = manifest->parcellation.source.file ? 1 : 0;
     files += manifest->context.source.file ? 1 : 0;
+    for (size_t i = 0; i < manifest->map_count; i++) {
+        files += manifest->maps[i].names ? manifest->maps[i].name_count : 1;
+    }
     for (size_t i = 0; i < manifest->pathway_count; i++) {
         files += manifest->pathways[i].names ? manifest->pathways[i].name_count : 1;
     }
@@ -173,121 +183,132 @@ static conus_status add_named_volumes(struct loading *loading, const struct mani
     return status;
 }
 
-/* ---- Pathways of an FSL atlas -------------------------------------------------------------------------------- */
+/* ---- Maps of an FSL atlas ------------------------------------------------------------------------------------ */
 
-/* An FSL atlas and the image of it that is taken. */
-struct fsl_choice {
-    struct fsl_atlas atlas;
-    struct volume_file image; /* path NULL before there is one */
-    struct notes notes;       /* of opening it */
-};
-
-static void fsl_choice_finish(struct fsl_choice *choice)
+static conus_status open_fsl(struct fsl_maps *out, struct loading *loading, const struct manifest_pathway *entry)
 {
-    fsl_atlas_finish(&choice->atlas);
-    volume_file_finish(&choice->image);
-    notes_finish(&choice->notes);
-}
-
-static double voxel_mm3(const struct volume_file *file)
-{
-    const double *s = file->info.spacing;
-    return s[0] * s[1] * s[2];
-}
-
-/* Takes the image `path` if its voxels are smaller than those of the one that is there. */
-static conus_status consider_image(struct fsl_choice *choice, const struct loading *loading, const char *path)
-{
-    struct volume_file file = {0};
-    struct notes notes = {0};
-    conus_status status = volume_file_open_series(&file, path, loading->options->max_memory, &notes);
-    if (!status && (!choice->image.path || voxel_mm3(&file) < voxel_mm3(&choice->image))) {
-        volume_file_finish(&choice->image);
-        notes_finish(&choice->notes);
-        choice->image = file;
-        choice->notes = notes;
-        return CONUS_OK;
-    }
-    if (status) {
-        (void)notes_move(&loading->atlas->notes, &notes);
-    }
-    volume_file_finish(&file);
-    notes_finish(&notes);
-    return status;
-}
-
-static conus_status choose_image(struct fsl_choice *choice, const struct loading *loading, const char *xml)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < choice->atlas.image_count; i++) {
-        char *path = NULL;
-        const char *image = choice->atlas.images[i].image;
-        status = image ? fsl_image_find(&path, xml, image) : CONUS_OK;
-        status = !status && path ? consider_image(choice, loading, path) : status;
-        memory_free(path);
-    }
-    if (!status && !choice->image.path) {
-        return fail(CONUS_ERROR_DATA, "fsl: none of the %zu images of %s is there (<imagefile> is relative to the XML)",
-                    choice->atlas.image_count, path_base(xml));
-    }
-    return status;
-}
-
-static conus_status read_fsl(struct fsl_choice *choice, const struct loading *loading, const char *xml)
-{
-    struct bytes bytes = {0};
-    conus_status status = file_read(&bytes, xml, FSL_ATLAS_LIMIT);
+    char *xml = file_beside(loading->path, entry->fsl);
+    char *image = entry->source.file ? file_beside(loading->path, entry->source.file) : NULL;
+    conus_status status = xml && (image || !entry->source.file) ? CONUS_OK : CONUS_ERROR_MEMORY;
+    status = status ? status : load_progress_at(loading->progress, xml);
+    status = status ? status : fsl_maps_open(out, loading->atlas, xml, image, loading->options->max_memory);
     if (!status) {
-        status = fsl_atlas_parse(&choice->atlas, text_from_bytes(bytes.data, bytes.size));
-        status = status ? fail_in(status, xml) : CONUS_OK;
+        status = load_progress_at(loading->progress, out->image.path);
+        status = status ? status : notes_move(&loading->atlas->notes, &out->notes);
+        out->notes.sink = &loading->progress->sink;
     }
-    if (!status && choice->atlas.is_label) {
-        status = fail(CONUS_ERROR_DATA,
-                      "fsl: %s is of type Label, which has no volume per pathway: load it as parcellation", xml);
-    }
-    status = status ? status : label_table_sort(&choice->atlas.labels, &loading->atlas->notes);
-    status = status ? status : atlas_add_file(loading->atlas, xml, &bytes);
-    bytes_finish(&bytes);
-    return status;
-}
-
-static conus_status choose_fsl(struct fsl_choice *choice, const struct loading *loading,
-                               const struct manifest_pathway *pathway, const char *xml)
-{
-    conus_status status = read_fsl(choice, loading, xml);
-    if (!status && pathway->source.file) {
-        char *path = file_beside(loading->path, pathway->source.file);
-        status = path ? consider_image(choice, loading, path) : CONUS_ERROR_MEMORY;
-        memory_free(path);
-    } else if (!status) {
-        status = choose_image(choice, loading, xml);
-    }
-    if (!status && choice->atlas.labels.count > choice->image.info.volume_count) {
-        status = fail(CONUS_ERROR_DATA, "fsl: %s has %zu labels, %s has %zu volumes", path_base(xml),
-                      choice->atlas.labels.count, path_base(choice->image.path), choice->image.info.volume_count);
-    }
+    memory_free(xml);
+    memory_free(image);
     return status;
 }
 
 static conus_status add_fsl(struct loading *loading, const struct manifest_pathway *pathway)
 {
-    struct fsl_choice choice = {0};
-    char *xml = file_beside(loading->path, pathway->fsl);
-    conus_status status = xml ? load_progress_at(loading->progress, xml) : CONUS_ERROR_MEMORY;
-    status = status ? status : choose_fsl(&choice, loading, pathway, xml);
-    status = status ? status : load_progress_at(loading->progress, choice.image.path);
-    status = status ? status : notes_move(&loading->atlas->notes, &choice.notes);
-    choice.notes.sink = &loading->progress->sink;
-    loading->progress->total += choice.atlas.labels.count - 1; /* it counted as one so far */
-    for (size_t i = 0; !status && i < choice.atlas.labels.count; i++) {
-        const struct label *label = &choice.atlas.labels.entries[i];
-        status = add_volume(loading, pathway, &choice.image, label->number - 1, label->name, &choice.notes);
+    struct fsl_maps maps = {0};
+    conus_status status = open_fsl(&maps, loading, pathway);
+    loading->progress->total += status ? 0 : maps.atlas.labels.count - 1; /* it counted as one so far */
+    for (size_t i = 0; !status && i < maps.atlas.labels.count; i++) {
+        const struct label *label = &maps.atlas.labels.entries[i];
+        status = add_volume(loading, pathway, &maps.image, label->number - 1, label->name, &maps.notes);
     }
     status = status ? status
-                    : notes_add(&loading->atlas->notes, "pathways of %s: %zu, from %s", path_base(xml),
-                                choice.atlas.labels.count, path_base(choice.image.path));
-    fsl_choice_finish(&choice);
-    memory_free(xml);
+                    : notes_add(&loading->atlas->notes, "pathways of %s: %zu, from %s", path_base(pathway->fsl),
+                                maps.atlas.labels.count, path_base(maps.image.path));
+    fsl_maps_finish(&maps);
+    return status;
+}
+
+/* ---- Areas of probabilities ---------------------------------------------------------------------------------- */
+
+static uint32_t largest_label(const conus_atlas *atlas)
+{
+    uint32_t largest = 0;
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        largest = atlas->objects[i].label > largest ? atlas->objects[i].label : largest;
+    }
+    return largest;
+}
+
+/* Adds a volume of the file for each label, whose number is that of the volume from 1. The areas' labels are these
+ * numbers behind the labels that there are, for a single volume the next one. */
+static conus_status add_labelled(struct loading *loading, const struct manifest_pathway *entry,
+                                 struct volume_file *file, const struct label_table *labels, struct notes *notes)
+{
+    char words[TEXT_NUMBER_SIZE];
+    const uint32_t before = largest_label(loading->atlas);
+    const double threshold = entry->threshold > 0 ? entry->threshold : 0.25; /* as of a pathway */
+    struct probability_scale scale;
+    conus_status status = probability_scale_of(&scale, file, entry->scale, notes);
+    for (size_t i = 0; !status && i < labels->count; i++) {
+        struct label label = labels->entries[i];
+        status = load_progress_report(loading->progress, file->path, 1);
+        label.number = before + (entry->source.chosen ? 1 : label.number);
+        status = status ? status
+                        : probability_add(loading->atlas, file, labels->entries[i].number - 1, &label, &scale,
+                                          threshold, notes);
+    }
+    return status ? status
+                  : notes_add(&loading->atlas->notes, "%s: %zu areas by probabilities of %s and more (values: %s)",
+                              path_base(file->path), labels->count, text_number(words, threshold), scale.words);
+}
+
+static conus_status add_fsl_areas(struct loading *loading, const struct manifest_pathway *entry)
+{
+    struct fsl_maps maps = {0};
+    conus_status status = open_fsl(&maps, loading, entry);
+    loading->progress->total += status ? 0 : maps.atlas.labels.count - 1;
+    status = status ? status : add_labelled(loading, entry, &maps.image, &maps.atlas.labels, &maps.notes);
+    fsl_maps_finish(&maps);
+    return status;
+}
+
+/* The labels of the volumes that the entry means: those that it names, the one that it chooses, or the only one. */
+static conus_status label_volumes(struct label_table *out, const struct manifest_pathway *entry,
+                                  const struct volume_file *file)
+{
+    const char *stem = path_base(file->path);
+    size_t count = entry->names ? entry->name_count : 1;
+    if (entry->names ? count != file->info.volume_count : !entry->source.chosen && file->info.volume_count > 1) {
+        return fail(CONUS_ERROR_DATA, "%s: has %zu volumes: names (one for each), fsl or volume is needed",
+                    entry->source.file, file->info.volume_count);
+    }
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < count; i++) {
+        struct label *label = label_table_add(out, (uint32_t)(entry->source.chosen ? entry->source.volume : i) + 1);
+        const char *name = entry->names ? entry->names[i] : entry->name;
+        const struct text text = name ? text_from(name) : (struct text){stem, volume_stem_length(stem)};
+        status = label ? label_set_text(&label->name, text) : CONUS_ERROR_MEMORY;
+    }
+    return status;
+}
+
+static conus_status add_file_areas(struct loading *loading, const struct manifest_pathway *entry)
+{
+    struct volume_file file = {0};
+    struct notes notes = {.sink = &loading->progress->sink};
+    struct label_table labels = {0};
+    char *path = file_beside(loading->path, entry->source.file);
+    conus_status status = path ? load_progress_at(loading->progress, path) : CONUS_ERROR_MEMORY;
+    status = status ? status : volume_file_open_series(&file, path, loading->options->max_memory, &notes);
+    status = status ? status : label_volumes(&labels, entry, &file);
+    status = status ? status : add_labelled(loading, entry, &file, &labels, &notes);
+    label_table_finish(&labels);
+    volume_file_finish(&file);
+    notes_finish(&notes);
+    memory_free(path);
+    return status;
+}
+
+static conus_status add_probabilities(struct loading *loading)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < loading->manifest->map_count; i++) {
+        char key[48];
+        const struct manifest_pathway *entry = &loading->manifest->maps[i];
+        status = entry->fsl ? add_fsl_areas(loading, entry) : add_file_areas(loading, entry);
+        snprintf(key, sizeof key, "probabilities[%zu]", i);
+        status = status ? fail_at(status, loading, key) : CONUS_OK;
+    }
     return status;
 }
 
@@ -397,6 +418,20 @@ static conus_status set_context(struct loading *loading)
     return status ? fail_at(status, loading, "context") : CONUS_OK;
 }
 
+static conus_status load_scene(conus_atlas **out, struct loading *loading)
+{
+    conus_status status = load_areas(loading);
+    status = status ? status : add_probabilities(loading);
+    status = status ? status : add_pathways(loading);
+    status = status ? status : set_context(loading);
+    if (status) {
+        conus_atlas_destroy(loading->atlas);
+        return status;
+    }
+    *out = loading->atlas;
+    return CONUS_OK;
+}
+
 conus_status manifest_load(conus_atlas **out, const char *path, const struct bytes *file,
                            struct load_progress *progress)
 {
@@ -407,14 +442,20 @@ conus_status manifest_load(conus_atlas **out, const char *path, const struct byt
     }
     struct loading loading = {
         .manifest = &manifest, .path = path, .file = file, .options = progress->options, .progress = progress};
-    status = load_areas(&loading);
-    status = status ? status : add_pathways(&loading);
-    status = status ? status : set_context(&loading);
+    status = load_scene(out, &loading);
     manifest_finish(&manifest);
-    if (status) {
-        conus_atlas_destroy(loading.atlas);
-        return status;
-    }
-    *out = loading.atlas;
-    return CONUS_OK;
+    return status;
+}
+
+conus_status probabilities_load(conus_atlas **out, const char *path, struct load_progress *progress)
+{
+    const char *name = path_base(path);
+    struct manifest_pathway entry = {.fsl = (char *)name};
+    const struct manifest manifest = {.maps = &entry, .map_count = 1};
+    char *folder = name == path ? memory_text("./", 2) : memory_text(path, (size_t)(name - path));
+    struct loading loading = {
+        .manifest = &manifest, .path = folder, .options = progress->options, .progress = progress};
+    conus_status status = folder ? load_scene(out, &loading) : CONUS_ERROR_MEMORY;
+    memory_free(folder);
+    return status;
 }

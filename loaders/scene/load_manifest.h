@@ -11,4 +11,8 @@
 conus_status manifest_load(conus_atlas **out, const char *path, const struct bytes *file,
                            struct load_progress *progress);
 
+/** Loads the FSL atlas XML @p path, of another type than Label: its labels are areas of probabilities, of the finest
+ * image. */
+conus_status probabilities_load(conus_atlas **out, const char *path, struct load_progress *progress);
+
 #endif

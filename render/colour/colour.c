@@ -125,7 +125,7 @@ static bool choose_areas(bool *out, const struct colour_pass *pass, const conus_
 conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *emphasis,
                                  uint64_t max_memory)
 {
-    if (!pathways_first(atlas) || !atlas_parcellation(atlas)) {
+    if (!pathways_shown(atlas)) {
         return CONUS_OK;
     }
     bool *before = pass->drawn;

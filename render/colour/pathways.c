@@ -9,34 +9,54 @@ const struct volume *pathways_first(const conus_atlas *atlas)
 {
     for (size_t i = 0; i < atlas->volume_count; i++) {
         const struct volume *volume = &atlas->volumes[i];
-        if (volume->info.role == CONUS_ROLE_SCALAR && volume_can_be_hit(volume)) {
+        if (volume_is_scalar(volume) && volume_can_be_hit(volume)) {
             return volume;
         }
     }
     return NULL;
 }
 
-/* Object of the pathway whose cell holds the world point, 0 if none. */
-static uint32_t pathway_at(const conus_atlas *atlas, const double world[3])
+bool pathways_shown(const conus_atlas *atlas)
 {
-    for (size_t i = 0; i < atlas->volume_count; i++) {
-        const struct volume *volume = &atlas->volumes[i];
-        const size_t *dim = volume->info.dim;
-        double p[3];
-        mat4_point(p, volume->voxel_from_world, world);
-        bool inside = volume->info.role == CONUS_ROLE_SCALAR && volume_can_be_hit(volume);
-        for (int a = 0; a < 3; a++) {
-            inside = inside && p[a] >= -0.5 && p[a] < (double)dim[a] - 0.5;
-        }
-        if (inside) {
-            size_t voxel = (size_t)(p[0] + 0.5) + dim[0] * ((size_t)(p[1] + 0.5) + dim[1] * (size_t)(p[2] + 0.5));
-            uint32_t object = volume_object(volume, voxel);
-            if (object) {
-                return object;
-            }
+    for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
+        if (!atlas->places[i].is_hidden) {
+            return true;
         }
     }
-    return 0;
+    return false;
+}
+
+/* Which areas are drawn. */
+struct choice {
+    bool all;
+    const bool *drawn; /* [object_count + 1], if not all; NULL = none */
+};
+
+static bool is_drawn(const struct choice *choice, uint32_t area)
+{
+    return choice->all || (choice->drawn && choice->drawn[area]);
+}
+
+/* What has the cell that holds the world point: the most probable of the areas that are drawn, else the first pathway;
+ * 0 if there is none. */
+static uint32_t scalar_at(const conus_atlas *atlas, const struct choice *choice, const double world[3])
+{
+    uint32_t area = 0;
+    uint32_t pathway = 0;
+    float best = 0;
+    for (size_t i = 0; i < atlas->volume_count && !pathway; i++) {
+        const struct volume *volume = &atlas->volumes[i];
+        size_t voxel = 0;
+        bool inside = volume_is_scalar(volume) && volume_can_be_hit(volume) && volume_find_voxel(&voxel, volume, world);
+        uint32_t object = inside ? volume_object(volume, voxel) : 0;
+        if (object > atlas->area_count) {
+            pathway = object;
+        } else if (object && volume->values[voxel] > best && is_drawn(choice, object)) {
+            area = object;
+            best = volume->values[voxel];
+        }
+    }
+    return area ? area : pathway;
 }
 
 /* Where voxels lie next to each other in several volumes, on the grid of one of them. */
@@ -70,8 +90,8 @@ static void find_joint(struct joint *out, const conus_atlas *atlas, const struct
     *out = (struct joint){.info = first->info};
     for (size_t i = 0; i < atlas->volume_count; i++) {
         const struct volume *volume = &atlas->volumes[i];
-        conus_role role = volume->info.role;
-        if (volume_can_be_hit(volume) && (role == CONUS_ROLE_SCALAR || (role == CONUS_ROLE_PARCELLATION && areas))) {
+        bool drawn = volume_is_scalar(volume) || (volume->info.role == CONUS_ROLE_PARCELLATION && areas);
+        if (drawn && volume_can_be_hit(volume)) {
             extend_joint(out, first, volume);
             most = fmax(most, (double)volume->voxel_count);
         }
@@ -88,11 +108,11 @@ static void find_joint(struct joint *out, const conus_atlas *atlas, const struct
 }
 
 /* The area that is drawn and whose cell holds the world point, 0 if none. */
-static uint32_t area_at(const struct volume *parcellation, const bool *drawn, const double world[3])
+static uint32_t area_at(const struct volume *parcellation, const struct choice *choice, const double world[3])
 {
     size_t voxel = 0;
     uint32_t object = volume_find_voxel(&voxel, parcellation, world) ? volume_object(parcellation, voxel) : 0;
-    return drawn[object] ? object : 0;
+    return is_drawn(choice, object) ? object : 0;
 }
 
 conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const bool *drawn)
@@ -100,7 +120,8 @@ conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const b
     const struct volume *first = pathways_first(atlas);
     struct joint grid;
     struct volume joint = {0};
-    const struct volume *parcellation = drawn ? atlas_parcellation(atlas) : NULL;
+    const struct choice choice = {.all = !pathways_shown(atlas), .drawn = drawn};
+    const struct volume *parcellation = choice.all || drawn ? atlas_parcellation(atlas) : NULL;
     find_joint(&grid, atlas, first, parcellation);
     conus_status status = volume_init(&joint, &grid.info);
     joint.objects32 = status ? NULL : memory_raw(joint.voxel_count, sizeof *joint.objects32);
@@ -113,8 +134,8 @@ conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const b
         const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
         double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
         mat4_point(p, grid.info.world_from_voxel, p);
-        uint32_t area = parcellation ? area_at(parcellation, drawn, p) : 0;
-        joint.objects32[v] = area ? area : pathway_at(atlas, p);
+        uint32_t area = parcellation ? area_at(parcellation, &choice, p) : 0;
+        joint.objects32[v] = area ? area : scalar_at(atlas, &choice, p);
     }
     *out = joint;
     return CONUS_OK;

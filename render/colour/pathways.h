@@ -1,15 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What pictures show of an atlas with pathways (Eq. 8): these, and some areas, on one grid. */
+/** @file What pictures show of an atlas with pathways or areas of probabilities (Eq. 8): these, and some areas of the
+ * parcellation, on one grid. */
 #ifndef CONUS_RENDER_COLOUR_PATHWAYS_H
 #define CONUS_RENDER_COLOUR_PATHWAYS_H
 
 #include "atlas/atlas.h"
 
-/** The first pathway that is not hidden; NULL if there is none. */
+/** The first volume of values that is not hidden, of a pathway or an area; NULL if there is none. */
 const struct volume *pathways_first(const conus_atlas *atlas);
 
-/** A volume without values of all pathways and of the areas that @p drawn [object_count + 1] names (NULL = none), on
- * the grid of pathways_first(), extended; where both are, of the area. */
+/** Whether there is a pathway that is not hidden, which opaque areas would hide. */
+bool pathways_shown(const conus_atlas *atlas);
+
+/** A volume without values of all pathways and of the areas that @p drawn [object_count + 1] names (NULL = none), or of
+ * all areas where no pathway is shown, on the grid of pathways_first(), extended. Where several are,
+ * it is of the parcellation's area, the most probable area, or the first pathway, in this order. */
 conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const bool *drawn);
 
 #endif

@@ -105,7 +105,19 @@ void cut_find_grey(struct cut *cut, const struct cut_view *view)
 
 /* ---- Areas and pathways ------------------------------------------------------------------------------------------ */
 
-/* Later volumes lie over earlier ones. */
+/* Whether an area of probabilities yields at the world point to `object`, of the same kind and there more probable. */
+static bool is_beaten(const conus_atlas *atlas, const struct volume *volume, size_t voxel, uint32_t object,
+                      const double p[3])
+{
+    double world[3];
+    if (!object || object > atlas->area_count || !atlas_object_is_scalar(atlas, object)) {
+        return false;
+    }
+    mat4_point(world, volume->info.world_from_voxel, p);
+    return atlas_probability(atlas, object, world) >= volume->values[voxel];
+}
+
+/* Later volumes lie over earlier ones, but of areas of probabilities the most probable lies above. */
 static void find_in_volume(struct cut *cut, const struct cut_view *view, const struct volume *volume)
 {
     const size_t *dim = volume->info.dim;
@@ -121,9 +133,13 @@ static void find_in_volume(struct cut *cut, const struct cut_view *view, const s
             size_t i = (size_t)(p[0] + 0.5);
             size_t j = (size_t)(p[1] + 0.5);
             size_t k = (size_t)(p[2] + 0.5);
-            uint32_t object = volume_object(volume, i + dim[0] * (j + dim[1] * k));
+            size_t voxel = i + dim[0] * (j + dim[1] * k);
+            uint32_t object = volume_object(volume, voxel);
             bool shown = object && object != VOLUME_BLOCKER;
-            to[column] = shown ? object : to[column];
+            if (shown &&
+                (volume->info.role != CONUS_ROLE_PROBABILITY || !is_beaten(cut->atlas, volume, voxel, to[column], p))) {
+                to[column] = object;
+            }
         }
     }
 }
@@ -319,5 +335,6 @@ void cut_find_objects(struct cut *cut, const struct cut_view *view)
     if (cut->contours) {
         find_surfaces(cut, view);
     }
+    find_volumes(cut, view, CONUS_ROLE_PROBABILITY);
     find_volumes(cut, view, CONUS_ROLE_SCALAR);
 }

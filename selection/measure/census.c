@@ -180,7 +180,7 @@ conus_status census_prepare(struct census *census, const conus_atlas *atlas)
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (atlas->volumes[i].info.role == CONUS_ROLE_SCALAR && volume_can_be_hit(&atlas->volumes[i])) {
+        if (volume_is_scalar(&atlas->volumes[i]) && volume_can_be_hit(&atlas->volumes[i])) {
             fresh.boxes[i] = find_box(&atlas->volumes[i]);
         }
     }
@@ -272,7 +272,7 @@ void census_take(struct census *census, const conus_atlas *atlas, const struct r
         const struct volume *volume = &atlas->volumes[i];
         if (volume->info.role == CONUS_ROLE_PARCELLATION) {
             census_walk(region, volume, add_areas, census);
-        } else if (volume->info.role == CONUS_ROLE_SCALAR && volume_can_be_hit(volume)) {
+        } else if (volume_is_scalar(volume) && volume_can_be_hit(volume)) {
             census_walk_box(region, volume, &census->boxes[i], add_values, census);
         }
     }

@@ -277,16 +277,16 @@ static double volume_of_areas(const struct tally *tally, const struct gathering 
     return sum;
 }
 
-static void describe_voxels(conus_result *result, const struct tallied *object, bool pathway)
+static void describe_voxels(conus_result *result, const struct tallied *object, bool has_values)
 {
     result->voxels = object->voxels;
     if (object->weight_in_grid > 0) {
         vec3_scale(result->centroid, object->moment, 1 / object->weight_in_grid);
     }
-    if (pathway) {
+    if (has_values) {
         result->sum_value = object->value;
     }
-    if (pathway && object->voxels) {
+    if (has_values && object->voxels) {
         result->mean_value = object->value / (double)object->voxels;
         result->max_value = object->maximum;
     }
@@ -310,7 +310,7 @@ static void describe_layers(conus_result *result, const struct tallied *object, 
         result->fraction = whole > 0 ? result->volume / whole : NAN;
         result->cone_fraction = pathway || totals->areas == 0 ? NAN : result->volume / totals->areas;
     }
-    describe_voxels(result, object, pathway);
+    describe_voxels(result, object, result->object && atlas_object_is_scalar(gathering->atlas, result->object));
 }
 
 conus_result statistics_empty_result(uint32_t number)

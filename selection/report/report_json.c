@@ -125,7 +125,7 @@ static json_t *json_from_queries(const conus_report *report)
 
 static json_t *json_from_volume(const conus_volume_info *info)
 {
-    static const char *const roles[] = {"", "parcellation", "pathway", "context"};
+    static const char *const roles[] = {"", "parcellation", "pathway", "context", "probability"};
     json_t *volume = json_pack("{s: s, s: o, s: s, s: s, s: I, s: s, s: s, s: o}", "role", roles[info->role], "path",
                                json_from_text(info->path), "sha256", info->sha256, "format", info->format, "volume",
                                (json_int_t)info->volume, "orientation", info->orientation, "transform", info->transform,

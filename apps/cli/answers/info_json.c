@@ -63,7 +63,11 @@ static json_t *value(double number)
 static json_t *volume(const conus_volume_info *info)
 {
     static const char *const roles[] = {
-        [CONUS_ROLE_PARCELLATION] = "parcellation", [CONUS_ROLE_SCALAR] = "pathway", [CONUS_ROLE_CONTEXT] = "context"};
+        [CONUS_ROLE_PARCELLATION] = "parcellation",
+        [CONUS_ROLE_SCALAR] = "pathway",
+        [CONUS_ROLE_CONTEXT] = "context",
+        [CONUS_ROLE_PROBABILITY] = "probability",
+    };
     json_t *json = json_pack(
         "{s:s,s:o,s:s,s:s,s:s,s:o,s:I,s:I,s:o,s:[f,f,f],s:s,s:s,s:f,s:f,s:o,s:o}", "role", roles[info->role], "path",
         text_of_bytes(info->path), "sha256", info->sha256, "format", info->format, "datatype", info->datatype, "dim",

@@ -54,14 +54,7 @@ void viewer_use_transfer(struct viewer *viewer)
 const conus_volume_info *viewer_pathway(const struct viewer *viewer, uint32_t object)
 {
     const conus_object *pathway = conus_atlas_object(viewer->atlas, object);
-    size_t ordinal = pathway && pathway->kind == CONUS_KIND_PATHWAY ? pathway->label : 0;
-    for (size_t i = 0; ordinal && i < conus_atlas_volume_count(viewer->atlas); i++) {
-        const conus_volume_info *info = conus_atlas_volume(viewer->atlas, i);
-        if (info->role == CONUS_ROLE_SCALAR && --ordinal == 0) {
-            return info;
-        }
-    }
-    return NULL;
+    return pathway && pathway->kind == CONUS_KIND_PATHWAY ? conus_atlas_volume_of(viewer->atlas, object) : NULL;
 }
 
 void viewer_set_threshold(struct viewer *viewer, uint32_t object, double threshold)

@@ -156,25 +156,18 @@ bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, con
 }
 
 /* Half the diagonal of the pathway's voxels: a ball of it has the centre of one in it, wherever it is. */
-static double reach_of(const conus_atlas *atlas, uint32_t ordinal)
+static double reach_of(const conus_volume_info *info)
 {
-    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
-        const conus_volume_info *info = conus_atlas_volume(atlas, i);
-        if (info->role == CONUS_ROLE_SCALAR && --ordinal == 0) {
-            const double *s = info->spacing;
-            return 0.51 * sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
-        }
-    }
-    return 1;
+    const double *s = info->spacing;
+    return 0.51 * sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
 }
 
 double viewer_value(struct viewer *viewer, uint32_t object, const double place[3])
 {
-    const conus_object *info = conus_atlas_object(viewer->atlas, object);
+    const conus_volume_info *info = viewer_pathway(viewer, object);
     conus_selection *selection = NULL;
     double value = NAN;
-    if (!info || info->kind != CONUS_KIND_PATHWAY || make_picker(viewer) ||
-        conus_select_ball(&selection, viewer->picker, place, reach_of(viewer->atlas, info->label))) {
+    if (!info || make_picker(viewer) || conus_select_ball(&selection, viewer->picker, place, reach_of(info))) {
         return NAN;
     }
     for (size_t i = 0; i < conus_selection_count(selection); i++) {

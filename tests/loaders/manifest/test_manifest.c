@@ -82,13 +82,13 @@ static const struct {
 } refused[] = {
     {"{\"conus_atlas\": 2}", "conus_atlas: found 2, 1, the version of this format, is needed"},
     {"[]", "content: found a list, an object is needed"},
-    {"{\"conus_atlas\": 1}", "nothing to select: parcellation, areas or pathways is needed"},
+    {"{\"conus_atlas\": 1}", "nothing to select: parcellation, areas, probabilities or pathways is needed"},
     {"{\"pathways\": [\"a\"]}", "conus_atlas is missing"},
     {"{\"conus_atlas\": 1,\n \"pathways\": [,]}", "line 2, column 15: unexpected token near ','"},
     {"{\"conus_atlas\": 1, \"conus_atlas\": 1}", "line 1, column 32: duplicate object key near '\"conus_atlas\"'"},
     {"{\"conus_atlas\": 1, \"pathway\": []}", "pathway: unknown key, allowed are conus_atlas, comment, "
                                               "allow_outside, parcellation, areas, space, prefer, tree, "
-                                              "pathways, threshold, context"},
+                                              "probabilities, pathways, threshold, context"},
     {"{\"conus_atlas\": 1, \"areas\": [{\"name\": \"a\"}]}", "areas[0]: file, files or brainglobe is missing"},
     {"{\"conus_atlas\": 1, \"areas\": [{\"files\": \"a\", \"label\": 1}]}",
      "areas[0].label: unknown key, allowed are files, labels, label_offset, parent, hemisphere, comment"},
@@ -110,7 +110,7 @@ static const struct {
     {"{\"conus_atlas\": 1, \"pathways\": \"a\"}", "pathways: found \"a\", a list is needed"},
     {"{\"conus_atlas\": 1, \"pathways\": [1.5]}", "pathways[0]: found 1.5, an object is needed"},
     {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"treshold\": 1}]}",
-     "pathways[0].treshold: unknown key, allowed are file, volume, fsl, name, names, threshold, comment"},
+     "pathways[0].treshold: unknown key, allowed are file, volume, fsl, name, names, threshold, scale, comment"},
     {"{\"conus_atlas\": 1, \"pathways\": [\"a\", {\"name\": \"x\"}]}", "pathways[1]: file or fsl is missing"},
     {"{\"conus_atlas\": 1, \"pathways\": [{\"file\": \"a\", \"threshold\": -1}]}",
      "pathways[0].threshold: found -1, a number above 0 is needed"},

@@ -276,8 +276,11 @@ static void an_fsl_atlas_loads_its_finest_image(void **state)
     conus_atlas_destroy(atlas);
     atlas = NULL;
     write_text(test_in("a.xml"), "<atlas><type>Probabilistic</type></atlas>");
-    assert_fails(conus_atlas_load(&atlas, test_in("a.xml"), NULL), CONUS_ERROR_UNSUPPORTED);
-    assert_non_null(strstr(conus_message(), "--pathway FILE,volume=K"));
+    assert_fails(conus_atlas_load(&atlas, test_in("a.xml"), NULL), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "none of the 0 images of a.xml is there"));
+    write_text(test_in("a.atlas.json"), "{\"conus_atlas\": 1, \"parcellation\": \"a.xml\"}");
+    assert_fails(conus_atlas_load(&atlas, test_in("a.atlas.json"), NULL), CONUS_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(conus_message(), "Label is needed; \"probabilities\" of a manifest"));
     write_text(test_in("a.xml"), "<atlas><type>Label</type><images><imagefile>/gone</imagefile></images></atlas>");
     assert_fails(conus_atlas_load(&atlas, test_in("a.xml"), NULL), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "none of its 1 images is there"));

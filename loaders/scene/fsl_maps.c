@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* FSL atlases with a volume per label: the XML, and which of its images is taken. */
+#include "loaders/scene/fsl_maps.h"
+
+#include "base/folder.h"
+#include "base/memory.h"
+#include "loaders/tables/fsl_find.h"
+
+void fsl_maps_finish(struct fsl_maps *maps)
+{
+    fsl_atlas_finish(&maps->atlas);
+    volume_file_finish(&maps->image);
+    notes_finish(&maps->notes);
+}
+
+static double voxel_mm3(const struct volume_file *file)
+{
+    const double *s = file->info.spacing;
+    return s[0] * s[1] * s[2];
+}
+
+/* Takes the image `path` if its voxels are smaller than those of the one that is there. */
+static conus_status consider_image(struct fsl_maps *maps, conus_atlas *atlas, const char *path, uint64_t max_memory)
+{
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    conus_status status = volume_file_open_series(&file, path, max_memory, &notes);
+    if (!status && (!maps->image.path || voxel_mm3(&file) < voxel_mm3(&maps->image))) {
+        volume_file_finish(&maps->image);
+        notes_finish(&maps->notes);
+        maps->image = file;
+        maps->notes = notes;
+        return CONUS_OK;
+    }
+    if (status) {
+        (void)notes_move(&atlas->notes, &notes);
+    }
+    volume_file_finish(&file);
+    notes_finish(&notes);
+    return status;
+}
+
+static conus_status choose_image(struct fsl_maps *maps, conus_atlas *atlas, const char *xml, uint64_t max_memory)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < maps->atlas.image_count; i++) {
+        char *path = NULL;
+        const char *image = maps->atlas.images[i].image;
+        status = image ? fsl_image_find(&path, xml, image) : CONUS_OK;
+        status = !status && path ? consider_image(maps, atlas, path, max_memory) : status;
+        memory_free(path);
+    }
+    if (!status && !maps->image.path) {
+        return fail(CONUS_ERROR_DATA, "fsl: none of the %zu images of %s is there (<imagefile> is relative to the XML)",
+                    maps->atlas.image_count, path_base(xml));
+    }
+    return status;
+}
+
+static conus_status read_xml(struct fsl_maps *maps, conus_atlas *atlas, const char *xml)
+{
+    struct bytes bytes = {0};
+    conus_status status = file_read(&bytes, xml, FSL_ATLAS_LIMIT);
+    if (!status) {
+        status = fsl_atlas_parse(&maps->atlas, text_from_bytes(bytes.data, bytes.size));
+        status = status ? fail_in(status, xml) : CONUS_OK;
+    }
+    if (!status && maps->atlas.is_label) {
+        status = fail(CONUS_ERROR_DATA,
+                      "fsl: %s is of type Label, which has no volume per label: load it as parcellation", xml);
+    }
+    status = status ? status : label_table_sort(&maps->atlas.labels, &atlas->notes);
+    status = status ? status : atlas_add_file(atlas, xml, &bytes);
+    bytes_finish(&bytes);
+    return status;
+}
+
+conus_status fsl_maps_open(struct fsl_maps *out, conus_atlas *atlas, const char *xml, const char *image,
+                           uint64_t max_memory)
+{
+    struct fsl_maps maps = {0};
+    conus_status status = read_xml(&maps, atlas, xml);
+    if (!status) {
+        status = image ? consider_image(&maps, atlas, image, max_memory) : choose_image(&maps, atlas, xml, max_memory);
+    }
+    if (!status && maps.atlas.labels.count > maps.image.info.volume_count) {
+        status = fail(CONUS_ERROR_DATA, "fsl: %s has %zu labels, %s has %zu volumes", path_base(xml),
+                      maps.atlas.labels.count, path_base(maps.image.path), maps.image.info.volume_count);
+    }
+    if (status) {
+        fsl_maps_finish(&maps);
+        return status;
+    }
+    *out = maps;
+    return CONUS_OK;
+}

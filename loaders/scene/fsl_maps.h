@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file An FSL atlas of type Probabilistic or Statistic, and the 4-D image with a volume per label. */
+#ifndef CONUS_LOADERS_SCENE_FSL_MAPS_H
+#define CONUS_LOADERS_SCENE_FSL_MAPS_H
+
+#include "atlas/atlas.h"
+#include "loaders/tables/fsl_atlas.h"
+#include "loaders/volumes/volume_file.h"
+
+struct fsl_maps {
+    struct fsl_atlas atlas;   /**< Its labels, sorted; label k is volume k - 1 of the image. */
+    struct volume_file image; /**< A series. */
+    struct notes notes;       /**< Of opening the image. */
+};
+
+/** Reads the atlas @p xml and opens @p image, or the finest of its images where that is NULL. @p atlas gets the XML as
+ * one of its files, and notes about it. Errors begin with "fsl: ". */
+conus_status fsl_maps_open(struct fsl_maps *out, conus_atlas *atlas, const char *xml, const char *image,
+                           uint64_t max_memory);
+void fsl_maps_finish(struct fsl_maps *maps);
+
+#endif

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Areas of probabilistic atlases: which number means "certainly", and volumes divided by it. */
+#include "loaders/scene/load_probability.h"
+
+#include "base/memory.h"
+#include "base/text.h"
+#include "loaders/volumes/volume_values.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Whether the file stores whole numbers of this type, unscaled. */
+static bool is_stored_as(const conus_volume_info *info, const char *datatype)
+{
+    return strcmp(info->datatype, datatype) == 0 && info->slope == 1 && info->intercept == 0;
+}
+
+/* Probabilities are stored as 0 to 1, as percent, or over the whole range of an unsigned type. */
+static conus_status choose_scale(struct probability_scale *out, const conus_volume_info *info, double maximum)
+{
+    char number[TEXT_NUMBER_SIZE];
+    if (maximum <= 1) {
+        *out = (struct probability_scale){1, "0 to 1"};
+    } else if (maximum <= 100) {
+        *out = (struct probability_scale){100, "percent"};
+    } else if (is_stored_as(info, "uint8")) {
+        *out = (struct probability_scale){UINT8_MAX, "0 to 255"};
+    } else if (is_stored_as(info, "uint16") && maximum > UINT16_MAX / 2) {
+        *out = (struct probability_scale){UINT16_MAX, "0 to 65535"};
+    } else {
+        return fail(CONUS_ERROR_DATA,
+                    "%s: its largest value is %s, probabilities are 0 to 1, percent, or over the range of uint8 or "
+                    "uint16; a manifest can state the scale",
+                    info->path, text_number(number, maximum));
+    }
+    return CONUS_OK;
+}
+
+/* The least and the largest value of all volumes. */
+static conus_status find_range(double range[2], struct volume_file *file, struct notes *notes)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < file->info.volume_count; i++) {
+        float *values = NULL;
+        status = volume_file_select(file, i);
+        status = status ? status : volume_file_values(&values, file, notes);
+        if (!status) {
+            range[0] = fmin(range[0], file->info.minimum);
+            range[1] = fmax(range[1], file->info.maximum);
+        }
+        memory_free(values);
+    }
+    return status;
+}
+
+conus_status probability_scale_of(struct probability_scale *out, struct volume_file *file, double stated,
+                                  struct notes *notes)
+{
+    char number[TEXT_NUMBER_SIZE];
+    char most[TEXT_NUMBER_SIZE];
+    double range[2] = {0, 0};
+    struct probability_scale scale = {stated, "as stated"};
+    conus_status status = find_range(range, file, notes);
+    if (!status && range[0] < 0) {
+        status = fail(CONUS_ERROR_DATA, "%s: its least value is %s, no probability is below 0", file->path,
+                      text_number(number, range[0]));
+    }
+    status = status || stated > 0 ? status : choose_scale(&scale, &file->info, range[1]);
+    if (!status && range[1] > scale.value) {
+        status = fail(CONUS_ERROR_DATA, "%s: its largest value is %s, allowed is up to the scale, %s", file->path,
+                      text_number(number, range[1]), text_number(most, scale.value));
+    }
+    if (!status) {
+        *out = scale;
+    }
+    return status;
+}
+
+static void divide_values(struct volume_file *file, float *values, double scale)
+{
+    size_t count = file->info.dim[0] * file->info.dim[1] * file->info.dim[2];
+    for (size_t i = 0; i < count; i++) {
+        values[i] = (float)((double)values[i] / scale);
+    }
+    file->info.slope /= scale;
+    file->info.intercept /= scale;
+    file->info.minimum /= scale;
+    file->info.maximum /= scale;
+}
+
+static conus_status note_rare(const conus_volume_info *info, const conus_object *area, struct notes *notes)
+{
+    return (float)info->maximum >= (float)info->threshold
+               ? CONUS_OK
+               : notes_add(notes, "%s has no voxels: its largest probability is %.4g, the threshold %.4g", area->name,
+                           info->maximum, info->threshold);
+}
+
+conus_status probability_add(conus_atlas *atlas, struct volume_file *file, size_t volume, const struct label *label,
+                             const struct probability_scale *scale, double threshold, struct notes *notes)
+{
+    char digits[LABEL_DIGITS];
+    const conus_object area = label_object(label, atlas->object_count, digits);
+    size_t note_count = atlas->notes.count;
+    float *values = NULL;
+    conus_status status = volume_file_select(file, volume);
+    status = status ? status : volume_file_values(&values, file, notes);
+    if (!status) {
+        const conus_volume_info stored = file->info;
+        divide_values(file, values, scale->value);
+        file->info.role = CONUS_ROLE_PROBABILITY;
+        file->info.threshold = threshold;
+        status = note_rare(&file->info, &area, notes);
+        status = status ? status : notes_move(&atlas->notes, notes);
+        status = status ? status : atlas_add_probabilistic_area(atlas, &file->info, values, &area);
+        file->info = stored;
+    }
+    if (status) {
+        memory_free(values);
+        notes_cut(&atlas->notes, note_count);
+    }
+    return status;
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Areas of probabilistic atlases: one volume of probabilities each. */
+#ifndef CONUS_LOADERS_SCENE_LOAD_PROBABILITY_H
+#define CONUS_LOADERS_SCENE_LOAD_PROBABILITY_H
+
+#include "atlas/atlas.h"
+#include "loaders/volumes/volume_file.h"
+
+/** How a file says how probable something is. */
+struct probability_scale {
+    double value;      /**< What means "certainly". */
+    const char *words; /**< "percent", for notes. */
+};
+
+/** The scale of @p file, opened as a series. It is @p stated unless that is 0; else all volumes are read for it, since
+ * a volume in percent may have no value above 1. CONUS_ERROR_DATA for values below 0 or above the scale, and where
+ * there is no usual scale. */
+conus_status probability_scale_of(struct probability_scale *out, struct volume_file *file, double stated,
+                                  struct notes *notes);
+
+/** Adds volume @p volume of @p file, divided by @p scale, as the area @p label, of the voxels with probabilities from
+ * @p threshold on. On success the atlas has @p notes, too; on failure it is as before. */
+conus_status probability_add(conus_atlas *atlas, struct volume_file *file, size_t volume, const struct label *label,
+                             const struct probability_scale *scale, double threshold, struct notes *notes);
+
+#endif

@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Probabilistic atlases: FSL atlas XMLs and "probabilities" of manifests. All expected numbers follow from the three
+ * volumes of 4 x 1 x 1 voxels below. */
+#include "atlas/atlas.h"
+#include "builders/nifti_builder.h"
+#include "render/colour/pathways.h"
+#include "selection/selection.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* In percent: A reaches 25 % in voxels 2 and 3, B in 1 and 2, C nowhere, and its values alone would pass for 0 to 1. */
+static const double percent[3][4] = {{10, 24, 25, 80}, {0, 60, 90, 0}, {0, 0, 1, 0}};
+
+static const char *xml(const char *type)
+{
+    static char text[512];
+    snprintf(text, sizeof text,
+             "<atlas><header><type>%s</type><images><imagefile>/maps</imagefile></images></header><data>"
+             "<label index=\"0\">A</label><label index=\"1\">B</label><label index=\"2\">C</label></data></atlas>",
+             type);
+    return text;
+}
+
+static void write_text(const char *path, const char *text)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(text, 1, strlen(text), file), strlen(text));
+    assert_int_equal(fclose(file), 0);
+}
+
+/* The volumes divided by `divisor`, of 2 x 3 x 4 mm, the first voxel at (-10, -20, -30). */
+static void write_maps(const char *path, int datatype, double divisor, size_t count)
+{
+    struct nifti_builder builder;
+    nifti_begin(&builder, 1, false, datatype, (int64_t[]){4, 1, 1});
+    nifti_set(&builder, "dim", 0, 4);
+    nifti_set(&builder, "dim", 4, (double)count);
+    for (size_t i = 0; i < 4 * count; i++) {
+        nifti_voxel(&builder, percent[i / 4][i % 4] / divisor);
+    }
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(builder.bytes.data, 1, builder.bytes.size, file), builder.bytes.size);
+    assert_int_equal(fclose(file), 0);
+    buffer_finish(&builder.bytes);
+}
+
+static conus_atlas *load(const char *name)
+{
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, test_in(name), NULL));
+    return atlas;
+}
+
+static void assert_refused(const char *name, conus_status wanted, const char *words)
+{
+    conus_atlas *atlas = NULL;
+    assert_fails(conus_atlas_load(&atlas, test_in(name), NULL), wanted);
+    assert_null(atlas);
+    if (!strstr(conus_message(), words)) {
+        fail_msg("found \"%s\", wanted \"%s\"", conus_message(), words);
+    }
+}
+
+static void assert_note(const conus_atlas *atlas, const char *words)
+{
+    for (size_t i = 0; conus_atlas_note(atlas, i); i++) {
+        if (strstr(conus_atlas_note(atlas, i), words)) {
+            return;
+        }
+    }
+    fail_msg("no note says \"%s\"", words);
+}
+
+static void assert_maps(const conus_atlas *atlas)
+{
+    static const char *const names[] = {"A", "B", "C"};
+    static const uint64_t voxels[] = {2, 2, 0};
+    assert_int_equal(conus_atlas_object_count(atlas), 3);
+    for (uint32_t number = 1; number <= 3; number++) {
+        const conus_object *area = conus_atlas_object(atlas, number);
+        const conus_volume_info *info = conus_atlas_volume_of(atlas, number);
+        assert_int_equal(area->kind, CONUS_KIND_AREA);
+        assert_int_equal(area->label, number);
+        assert_string_equal(area->name, names[number - 1]);
+        assert_int_equal(area->voxels, voxels[number - 1]);
+        assert_near(area->volume_mm3, 24 * (double)voxels[number - 1], 1e-9);
+        assert_near(info->threshold, 0.25, 0);
+        for (size_t v = 0; v < 4; v++) {
+            const double point[3] = {-10 + 2 * (double)v, -20, -30};
+            assert_near(atlas_probability(atlas, number, point), percent[number - 1][v] / 100, 1e-7);
+        }
+    }
+    assert_near(conus_atlas_volume_of(atlas, 1)->maximum, 0.8, 1e-7);
+    assert_note(atlas, "C has no voxels: its largest probability is 0.01, the threshold 0.25");
+}
+
+static void an_fsl_atlas_has_areas(void **state)
+{
+    (void)state;
+    test_folder("fsl");
+    write_maps(test_in("maps.nii"), 2, 1, 3);
+    write_text(test_in("a.xml"), xml("Probabilistic"));
+    conus_atlas *atlas = load("a.xml");
+    assert_maps(atlas);
+    assert_note(atlas, "maps.nii: 3 areas by probabilities of 0.25 and more (values: percent)");
+    conus_atlas_destroy(atlas);
+    write_text(test_in("a.xml"), xml("Statistic"));
+    atlas = load("a.xml");
+    assert_maps(atlas);
+    conus_atlas_destroy(atlas);
+    atlas = NULL;
+    const conus_load_options named = {.labels = test_in("a.xml")};
+    assert_fails(conus_atlas_load(&atlas, test_in("a.xml"), &named), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "areas of probabilities have the names of the atlas XML"));
+}
+
+static void scales_are_told_apart(void **state)
+{
+    (void)state;
+    static const struct {
+        int datatype;
+        double divisor;
+        const char *scale;
+    } cases[] = {{2, 1, ""},
+                 {16, 1, ""},
+                 {16, 100, ""},
+                 {64, 100, ""},
+                 {2, 100.0 / 255, ", \"scale\": 255"},
+                 {16, 0.1, ", \"scale\": 1000"}};
+    test_folder("scales");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[256];
+        snprintf(text, sizeof text,
+                 "{\"conus_atlas\": 1, \"probabilities\": [{\"file\": \"m.nii\", \"names\": [\"A\", \"B\", \"C\"]%s}]}",
+                 cases[i].scale);
+        write_text(test_in("m.atlas.json"), text);
+        write_maps(test_in("m.nii"), cases[i].datatype, cases[i].divisor, 3);
+        conus_atlas *atlas = load("m.atlas.json");
+        if (cases[i].datatype == 2 && cases[i].divisor != 1) { /* rounded to 255ths */
+            assert_near(conus_atlas_volume_of(atlas, 1)->maximum, 204.0 / 255, 1e-12);
+        } else {
+            assert_maps(atlas);
+        }
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* The labels of a second entry follow those of the first, and a chosen volume has the next one. */
+static void entries_follow_each_other(void **state)
+{
+    (void)state;
+    test_folder("entries");
+    write_maps(test_in("maps.nii"), 2, 1, 3);
+    write_maps(test_in("one.nii"), 2, 1, 1);
+    write_text(test_in("a.xml"), xml("Probabilistic"));
+    write_text(test_in("m.atlas.json"),
+               "{\"conus_atlas\": 1, \"probabilities\": [{\"fsl\": \"a.xml\", \"threshold\": 0.1}, \"one.nii\","
+               "{\"file\": \"maps.nii\", \"volume\": 1, \"name\": \"again\", \"threshold\": 0.9}],"
+               " \"pathways\": [{\"file\": \"one.nii\", \"name\": \"tract\", \"threshold\": 80}], \"threshold\": 24}");
+    conus_atlas *atlas = load("m.atlas.json");
+    static const struct {
+        const char *name;
+        uint32_t label;
+        uint64_t voxels;
+    } wanted[] = {{"A", 1, 4}, {"B", 2, 2}, {"C", 3, 0}, {"one", 4, 2}, {"again", 5, 1}, {"tract", 1, 1}};
+    assert_int_equal(conus_atlas_object_count(atlas), 6);
+    for (uint32_t number = 1; number <= 6; number++) {
+        const conus_object *object = conus_atlas_object(atlas, number);
+        assert_string_equal(object->name, wanted[number - 1].name);
+        assert_int_equal(object->label, wanted[number - 1].label);
+        assert_int_equal(object->voxels, wanted[number - 1].voxels);
+        assert_int_equal(object->kind, number < 6 ? CONUS_KIND_AREA : CONUS_KIND_PATHWAY);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+static void what_is_no_probability_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *entry, *words;
+    } cases[] = {
+        {"{\"file\": \"neg.nii\"}", "neg.nii: its least value is -8, no probability is below 0"},
+        {"{\"file\": \"big.nii\"}", "big.nii: its largest value is 800, probabilities are 0 to 1, percent, or over"},
+        {"{\"file\": \"big.nii\", \"scale\": 500}", "its largest value is 800, allowed is up to the scale, 500"},
+        {"{\"file\": \"maps.nii\"}", "maps.nii: has 3 volumes: names (one for each), fsl or volume is needed"},
+        {"{\"file\": \"maps.nii\", \"names\": [\"A\"]}", "maps.nii: has 3 volumes: names"},
+        {"{\"file\": \"maps.nii\", \"volume\": 3}", "volume"},
+        {"{\"file\": \"big.nii\", \"threshold\": 25}", "probabilities[0].threshold: is 25, a probability is up to 1"},
+        {"{\"fsl\": \"label.xml\"}", "is of type Label"},
+        {"{\"name\": \"x\"}", "probabilities[0]: file or fsl is missing"},
+        {"\"big.nii\"], \"parcellation\": \"big.nii\", \"pathways\": [\"big.nii\"",
+         "has probabilities and a parcellation"},
+        {"\"big.nii\"], \"areas\": [\"s.gii\"", "has probabilities and areas"},
+        {"\"maps.nii\"], \"pathways\": [{\"file\": \"maps.nii\", \"scale\": 1}",
+         "pathways[0].scale: is of probabilities"},
+    };
+    test_folder("refused");
+    write_maps(test_in("maps.nii"), 2, 1, 3);
+    write_maps(test_in("neg.nii"), 16, -10, 1);
+    write_maps(test_in("big.nii"), 16, 0.1, 1);
+    write_text(test_in("label.xml"), xml("Label"));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[512];
+        snprintf(text, sizeof text, "{\"conus_atlas\": 1, \"probabilities\": [%s]}", cases[i].entry);
+        write_text(test_in("m.atlas.json"), text);
+        assert_refused("m.atlas.json", CONUS_ERROR_DATA, cases[i].words);
+    }
+}
+
+/* Both ends of the cylinder lie outside: it holds all four centres. A's voxels are 2 and 3, B's 1 and 2. */
+static void overlapping_areas_are_all_reported(void **state)
+{
+    (void)state;
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    test_folder("overlap");
+    write_maps(test_in("maps.nii"), 2, 1, 3);
+    write_text(test_in("a.xml"), xml("Probabilistic"));
+    conus_atlas *atlas = load("a.xml");
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .radius = 0.5, .resolution = 1};
+    assert_ok(conus_pose_along(&pose, (double[]){-30, -20, -30}, (double[]){1, 0, 0}, NULL));
+    assert_ok(conus_selector_create(&selector, atlas, &options));
+    assert_ok(conus_select(&selection, selector, &pose, 0));
+    const conus_result *b = conus_selection_result(selection, 0); /* from x = -9 on, 21 mm away */
+    const conus_result *a = conus_selection_result(selection, 1); /* from x = -7 on */
+    assert_int_equal(b->object, 2);
+    assert_near(b->share, 1, 1e-12);
+    assert_near(b->distance, 21, 1e-9);
+    assert_near(b->mean_value, 0.75, 1e-7);
+    assert_near(b->max_value, 0.9, 1e-7);
+    assert_near(b->exit, 25, 1e-9);
+    assert_int_equal(a->object, 1);
+    assert_int_equal(a->pixels, 0);
+    assert_near(a->entry, 23, 1e-9);
+    assert_near(a->exit, 27, 1e-9);
+    assert_near(a->mean_value, (0.25 + 0.8) / 2, 1e-7);
+    assert_near(a->max_value, 0.8, 1e-7);
+    assert_near(a->cone_fraction, 0.5, 1e-12); /* 48 of 96 mm^3: voxel 2 counts for both */
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    assert_ok(conus_atlas_show(atlas, "A", NULL));
+    assert_ok(conus_selector_create(&selector, atlas, &options));
+    assert_ok(conus_select(&selection, selector, &pose, 0));
+    assert_int_equal(conus_selection_result(selection, 0)->object, 1);
+    assert_near(conus_selection_result(selection, 0)->distance, 23, 1e-9);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
+/* Voxel 2 is A's with 0.25 and B's with 0.9, whichever comes first in the atlas. */
+static void pictures_show_the_most_probable(void **state)
+{
+    (void)state;
+    static const char *const orders[] = {"0}, {\"file\": \"maps.nii\", \"volume\": 1",
+                                         "1}, {\"file\": \"maps.nii\", \"volume\": 0"};
+    static const uint32_t wanted[][4] = {{0, 2, 2, 1}, {0, 1, 1, 2}};
+    const conus_cut_view view = {.centre = {-7, -20, -30}, .mm_per_pixel = 2, .width = 4, .height = 1};
+    test_folder("pictures");
+    write_maps(test_in("maps.nii"), 2, 1, 3);
+    for (size_t i = 0; i < 2; i++) {
+        char text[256];
+        uint8_t rgba[16];
+        uint32_t objects[4];
+        struct volume joint;
+        snprintf(text, sizeof text,
+                 "{\"conus_atlas\": 1, \"probabilities\": [{\"file\": \"maps.nii\", \"volume\": %s}]}", orders[i]);
+        write_text(test_in("m.atlas.json"), text);
+        conus_atlas *atlas = load("m.atlas.json");
+        assert_ok(conus_cut(rgba, objects, atlas, &view));
+        assert_memory_equal(objects, wanted[i], sizeof objects);
+        assert_ok(pathways_join(&joint, atlas, NULL));
+        assert_int_equal(joint.voxel_count, 4);
+        assert_memory_equal(joint.objects32, wanted[i], sizeof objects);
+        volume_finish(&joint);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+static void what_needs_labels_is_refused(void **state)
+{
+    (void)state;
+    test_folder("labels");
+    write_maps(test_in("maps.nii"), 2, 1, 3);
+    write_text(test_in("a.xml"), xml("Probabilistic"));
+    conus_atlas *atlas = load("a.xml");
+    assert_fails(conus_atlas_set_hemispheres(atlas, CONUS_HEMISPHERES_SPLIT), CONUS_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(conus_message(), "areas of probabilities overlap"));
+    assert_fails(conus_atlas_set_hemispheres(atlas, CONUS_HEMISPHERES_MERGED), CONUS_ERROR_UNSUPPORTED);
+    assert_ok(conus_atlas_set_threshold(atlas, 2, 0.7));
+    assert_int_equal(conus_atlas_object(atlas, 2)->voxels, 1);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status load_any(void *name)
+{
+    conus_atlas *atlas = NULL;
+    conus_status status = conus_atlas_load(&atlas, test_in(name), NULL);
+    conus_atlas_destroy(atlas);
+    return status;
+}
+
+static void every_allocation_may_fail(void **state)
+{
+    (void)state;
+    test_folder("memory");
+    write_maps(test_in("maps.nii"), 2, 1, 3);
+    write_text(test_in("a.xml"), xml("Probabilistic"));
+    write_text(test_in("m.atlas.json"), "{\"conus_atlas\": 1, \"probabilities\": [{\"file\": \"maps.nii\", \"names\": "
+                                        "[\"A\", \"B\", \"C\"]}, {\"file\": \"maps.nii\", \"volume\": 1}]}");
+    test_every_allocation(load_any, "a.xml");
+    test_every_allocation(load_any, "m.atlas.json");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_fsl_atlas_has_areas),
+        cmocka_unit_test(scales_are_told_apart),
+        cmocka_unit_test(entries_follow_each_other),
+        cmocka_unit_test(what_is_no_probability_is_refused),
+        cmocka_unit_test(overlapping_areas_are_all_reported),
+        cmocka_unit_test(pictures_show_the_most_probable),
+        cmocka_unit_test(what_needs_labels_is_refused),
+        cmocka_unit_test(every_allocation_may_fail),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
