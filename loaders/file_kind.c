@@ -27,8 +27,7 @@ static const struct file_kind manifest = {"a manifest", "give it as ATLAS"};
 static const struct file_kind fsl_labels = {"an FSL atlas XML of type Label", "give it as ATLAS or --labels"};
 static const struct file_kind fsl_volumes = {"an FSL atlas XML",
                                              "'conus manifest FOLDER' makes pathways of its volumes"};
-static const struct file_kind spm = {"an SPM or CAT12 atlas XML",
-                                     "write its labels as a table with the columns index and name, for --labels"};
+static const struct file_kind spm = {"an SPM or CAT12 atlas XML", "give it as ATLAS or --labels"};
 static const struct file_kind html = {"a web page", NULL};
 static const struct file_kind xml = {"XML of another kind", NULL};
 static const struct file_kind json = {"JSON of another kind", NULL};

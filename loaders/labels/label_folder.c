@@ -64,7 +64,7 @@ static conus_status offer_atlas(void *user, struct fsl_atlas *atlas, const char 
         notes_finish(&offer.notes);
         return status;
     }
-    buffer_format(&offer.source, "FSL atlas XML in %s", path_base(path));
+    buffer_format(&offer.source, "%s atlas XML in %s", atlas->is_spm ? "SPM" : "FSL", path_base(path));
     offer.proved = atlas->proved;
     offer.table = atlas->labels;
     atlas->labels = (struct label_table){0};

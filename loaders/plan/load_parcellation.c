@@ -124,7 +124,7 @@ static conus_status load_fsl(struct parcellation *parts, const char *path, struc
         const struct label_use use = {&parts->file.info, parts->labels, path, max_memory, NULL};
         status = fsl_atlas_number(&atlas, &use, &parts->notes);
     }
-    status = status ? status : set_source(parts, "FSL atlas XML", path_base(path));
+    status = status ? status : set_source(parts, atlas.is_spm ? "SPM atlas XML" : "FSL atlas XML", path_base(path));
     if (!status) {
         parts->table = atlas.labels;
         atlas.labels = (struct label_table){0};

@@ -69,7 +69,7 @@ static conus_status take_fsl(struct manifest_draft *draft, const char *name, con
     status = mark_used(draft, atlas);
     return status ? status
                   : manifest_draft_log(draft,
-                                       atlas->is_label ? "%s: parcellation, an FSL atlas of %zu labels"
+                                       atlas->is_label ? "%s: parcellation, an atlas XML of %zu labels"
                                                        : "%s: FSL atlas, %zu pathways",
                                        name, atlas->labels.count);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file FSL's atlas specification: one XML that names images (in several resolutions) and their labels. */
+/** @file FSL's atlas specification: one XML that names images (in several resolutions) and their labels. And SPM's,
+ * which CAT12 has, too: the same outermost elements, but index and name of a label are elements of their own. */
 #ifndef CONUS_LOADERS_TABLES_FSL_ATLAS_H
 #define CONUS_LOADERS_TABLES_FSL_ATLAS_H
 
@@ -22,6 +23,7 @@ struct fsl_point {
 struct fsl_atlas {
     char *type;    /**< As written.                                                                 */
     bool is_label; /**< Type Label: index should be the voxel value. Else the number of a volume.   */
+    bool is_spm;   /**< SPM's or CAT12's: index is the voxel value, always.                         */
     struct fsl_image *images;
     size_t image_count;
     struct label_table labels; /**< By index + 1, as in the file, until fsl_atlas_number().         */

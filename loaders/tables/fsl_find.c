@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which FSL atlas XML, in a volume's folder or the one above, names the volume. */
+/* Which atlas XML, in a volume's folder or the one above, names the volume. */
 #include "loaders/tables/fsl_find.h"
 
 #include "base/buffer.h"
@@ -42,6 +42,23 @@ static bool names_volume(const struct fsl_atlas *atlas, enum fsl_use use, const 
     return false;
 }
 
+/* Whether SPM's XML is called as the volume is, and names no image that is there: it would be that image's. */
+static conus_status is_beside(bool *out, const struct fsl_atlas *atlas, const char *path, const char *relative)
+{
+    const char *name = path_base(path);
+    size_t length = strlen(name) - strlen(".xml");
+    conus_status status = CONUS_OK;
+    *out = atlas->is_spm && strlen(relative) == length && strncmp(name, relative, length) == 0;
+    for (size_t i = 0; !status && *out && i < atlas->image_count; i++) {
+        char *found = NULL;
+        const char *image = atlas->images[i].image;
+        status = image ? fsl_image_find(&found, path, image) : CONUS_OK;
+        *out = !found;
+        memory_free(found);
+    }
+    return status;
+}
+
 /* XMLs of any kind may lie there: what is no atlas, or damaged, or out of reach speaks of another image. */
 static conus_status try_xml(const struct search *search, const char *path, const char *relative)
 {
@@ -52,7 +69,12 @@ static conus_status try_xml(const struct search *search, const char *path, const
         struct text text = text_from_bytes(bytes.data, bytes.size);
         status = text_equal(xml_root(text), "atlas") ? fsl_atlas_parse(&atlas, text) : CONUS_OK;
         status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
-        if (!status && names_volume(&atlas, search->use, relative)) {
+        bool named = !status && names_volume(&atlas, search->use, relative);
+        bool beside = false;
+        if (!status && !named && search->use == FSL_LABELS) {
+            status = is_beside(&beside, &atlas, path, relative);
+        }
+        if (!status && (named || beside)) {
             status = search->visit(search->user, &atlas, path, &bytes);
         }
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Which FSL atlas XML names a volume, and where the images are that an XML names. */
+/** @file Which atlas XML of FSL or SPM names a volume, and where the images are that an XML names. */
 #ifndef CONUS_LOADERS_TABLES_FSL_FIND_H
 #define CONUS_LOADERS_TABLES_FSL_FIND_H
 
@@ -16,7 +16,7 @@ enum fsl_use {
 typedef conus_status (*fsl_visit)(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file);
 
 /** Visits every atlas XML, in the folder of @p volume_path and in the one above, that names this volume for that use,
- * by name. */
+ * by name; for FSL_LABELS also SPM's that is called as the volume is and names no other image that is there. */
 conus_status fsl_atlas_each(const char *volume_path, enum fsl_use use, fsl_visit visit, void *user);
 
 /** Path of @p image as the FSL atlas @p xml_path writes it: from the XML's folder, mostly without ending; NULL in *out

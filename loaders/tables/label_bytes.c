@@ -11,8 +11,8 @@
 
 #define KNOWN                                                                                                          \
     "MRIcron text, AAL text, ITK-SNAP, FreeSurfer, FSLeyes, MRtrix and Slicer colour tables, BIDS dseg.tsv and other " \
-    "tables with a header, FSL atlas XML, Workbench and AFNI label tables, BrainGlobe structures.json, NiiVue JSON, "  \
-    "MRIcron .lut"
+    "tables with a header, atlas XML of FSL and SPM, Workbench and AFNI label tables, BrainGlobe structures.json, "    \
+    "NiiVue JSON, MRIcron .lut"
 
 bool label_is_lut(const uint8_t *data, size_t size)
 {
@@ -71,14 +71,15 @@ const struct label_format *label_format_of(struct text text)
     return format ? format : label_format_of_rows(text);
 }
 
-/* Two formats have more to say where it is known what for. */
+/* Some formats have more to say where it is known what for. */
 static conus_status parse_for(struct label_table *out, const struct label_format *format, struct text text,
                               const struct label_use *use, struct notes *notes)
 {
     if (format == &label_format_workbench) {
         return label_workbench_parse(out, text, use->info ? use->info->volume : 0, notes);
     }
-    return format == &label_format_fsl ? label_fsl_parse(out, text, use, notes) : format->parse(out, text, notes);
+    bool atlas = format == &label_format_fsl || format == &label_format_spm;
+    return atlas ? label_fsl_parse(out, text, use, notes) : format->parse(out, text, notes);
 }
 
 conus_status label_text_parse(struct label_table *out, const struct label_format *format, struct text text,

@@ -10,13 +10,13 @@
 #include <string.h>
 
 enum column { INDEX, NAME, ABBREVIATION, COLOUR, RED, GREEN, BLUE, HEMISPHERE, PARENT, RIVAL, COLUMN_COUNT };
-enum { NO_COLUMN = -1, SYNONYM_COUNT = 5, FIELD_LIMIT = 1024 };
+enum { NO_COLUMN = -1, SYNONYM_COUNT = 6, FIELD_LIMIT = 1024 };
 
 /* What a column may be called, the preferred word first. A rival is a second column that could be the index. */
 static const char *const names[COLUMN_COUNT][SYNONYM_COUNT] = {
-    [INDEX] = {"index", "LabelValue", "id", "key", "label"},
-    [NAME] = {"name", "region", "structure", "label"},
-    [ABBREVIATION] = {"abbreviation", "acronym", "abbr"},
+    [INDEX] = {"index", "LabelValue", "id", "key", "ROIid", "label"},
+    [NAME] = {"name", "region", "structure", "ROIname", "label"},
+    [ABBREVIATION] = {"abbreviation", "acronym", "abbr", "ROIabbr"},
     [COLOUR] = {"color", "colour", "color_hex_triplet", "hex"},
     [RED] = {"Color_R", "red", "r"},
     [GREEN] = {"Color_G", "green", "g"},

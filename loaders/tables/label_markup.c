@@ -91,6 +91,7 @@ static conus_status parse_fsl(struct label_table *out, struct text text, struct 
 
 const struct label_format label_format_workbench = {"Workbench label table", parse_workbench};
 const struct label_format label_format_fsl = {"FSL atlas XML", parse_fsl};
+const struct label_format label_format_spm = {"SPM atlas XML", parse_fsl};
 
 const struct label_format *label_format_of_markup(struct text text)
 {
@@ -110,7 +111,8 @@ const struct label_format *label_format_of_markup(struct text text)
     struct text root = xml_root(text);
     for (size_t i = 0; i < sizeof roots / sizeof roots[0]; i++) {
         if (text_equal(root, roots[i].root)) {
-            return roots[i].format;
+            bool spm = roots[i].format == &label_format_fsl && text_mentions(text, "<index>");
+            return spm ? &label_format_spm : roots[i].format;
         }
     }
     return NULL;

@@ -11,11 +11,12 @@ const struct label_format *label_format_of_markup(struct text text);
 
 extern const struct label_format label_format_workbench;
 extern const struct label_format label_format_fsl;
+extern const struct label_format label_format_spm; /**< SPM's and CAT12's atlas XML. */
 
 /** Workbench's table of volume @p volume of a 4-D file; label_format_workbench takes the first. */
 conus_status label_workbench_parse(struct label_table *out, struct text text, size_t volume, struct notes *notes);
 
-/** An FSL atlas XML's, numbered as for @p use (fsl_atlas.h); label_format_fsl goes by its type. */
+/** An atlas XML's of FSL or SPM, numbered as for @p use (fsl_atlas.h); label_format_fsl goes by its type. */
 conus_status label_fsl_parse(struct label_table *out, struct text text, const struct label_use *use,
                              struct notes *notes);
 

@@ -61,7 +61,7 @@ static const struct {
      "an FSL atlas XML of type Label", "ATLAS or --labels"},
     {"x.xml", BYTES("<atlas><header><type>Probabilistic</type>"), "an FSL atlas XML", "conus manifest"},
     {"labels_x.xml", BYTES("<atlas version=\"2.0\"><data><label><index>4</index><name>A</name></label>"),
-     "an SPM or CAT12 atlas XML", "columns index and name"},
+     "an SPM or CAT12 atlas XML", "ATLAS or --labels"},
     {"x.xml", BYTES("<LabelTable><Label Key=\"1\">A</Label></LabelTable>"), "a label table", "--labels"},
     {"x.xml", BYTES("<other/>"), "XML of another kind", NULL},
     {"x.nii.gz", BYTES("<!DOCTYPE html>\n<html><body>404"), "a web page", NULL},
@@ -202,9 +202,7 @@ static void each_place_says_what_it_takes(void **state)
     refuse_atlas("a.txt", "this is a label table: give it as --labels; needed is");
     refuse_atlas("lh.annot", "this is a FreeSurfer annotation: give it as --labels, and the surface as ATLAS; needed");
     refuse_atlas("a.md", "content: found plain text, \"Read me first..\"; needed is a labelled volume");
-    refuse_atlas("spm.xml",
-                 "line 2: a label without the attribute index: FSL's atlases have it, those of SPM and CAT12");
-    refuse_labels("v.nii", "spm.xml", "line 2: a label without the attribute index");
+    refuse_atlas("spm.xml", "none of its 0 images is there");
     refuse_labels("v.nii", "v.nii",
                   "this is a volume (NIfTI or MGH): give it as ATLAS, --pathway or --context; needed is "
                   "a label table");

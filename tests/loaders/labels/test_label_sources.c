@@ -251,6 +251,44 @@ static void contradictions_are_never_silent(void **state)
     assert_named("area_1", 2, "MRIcron text in v.txt", "v.csv: CSV label table: line 3");
 }
 
+/* An index of SPM is the voxel's value whatever else is said: no points, no type. */
+static void an_atlas_of_spm_names_its_image(void **state)
+{
+    (void)state;
+    static const char labels[] = "<data><label><index>1</index><name>one</name></label><label><index>2</index><name>two"
+                                 "</name></label></data></atlas>";
+    struct buffer xml = {0};
+    test_folder("spm");
+    write_row("v.nii", 4, 1, NULL);
+    write_row("w.nii", 4, 1, NULL);
+    buffer_format(&xml, "<atlas><header><type>Label</type></header>%s", labels); /* names nothing: by its name */
+    write_text(test_in("w.xml"), xml.data);
+    assert_named("1", 1, "none found", NULL);
+    write_text(test_in("v.xml"), xml.data);
+    assert_named("two", 2, "SPM atlas XML in v.xml", NULL);
+    unlink(test_in("w.xml"));
+    buffer_clear(&xml); /* names an image that is there: that one's, not the one's that is called alike */
+    buffer_format(&xml, "<atlas><header><images><imagefile>w.nii</imagefile></images></header>%s", labels);
+    write_text(test_in("v.xml"), xml.data);
+    assert_named("1", 1, "none found", NULL);
+    unlink(test_in("w.nii")); /* renamed, both of them */
+    assert_named("one", 1, "SPM atlas XML in v.xml", NULL);
+    unlink(test_in("v.xml"));
+    buffer_clear(&xml);
+    buffer_format(&xml, "<atlas><header><images><imagefile>v.nii</imagefile></images></header>%s", labels);
+    write_text(test_in("any.xml"), xml.data);
+    assert_named("one", 1, "SPM atlas XML in any.xml", NULL);
+    write_text(test_in("v.csv"), "ROIid;ROIabbr;ROIname\n2;lO;one\n3;lT;two\n"); /* CAT12's, off by one */
+    assert_contradiction("\"one\" is label 2 in CSV label table in v.csv, 1 in SPM atlas XML in any.xml");
+    unlink(test_in("v.csv"));
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, test_in("any.xml"), NULL));
+    assert_string_equal(conus_atlas_object(atlas, 2)->name, "two");
+    assert_string_equal(conus_atlas_label_source(atlas), "SPM atlas XML in any.xml");
+    conus_atlas_destroy(atlas);
+    buffer_finish(&xml);
+}
+
 static void an_embedded_table_counts_as_one(void **state)
 {
     (void)state;
@@ -438,6 +476,7 @@ int main(void)
         cmocka_unit_test(an_index_0_that_is_background_counts_by_value),
         cmocka_unit_test(a_given_atlas_is_checked_likewise),
         cmocka_unit_test(contradictions_are_never_silent),
+        cmocka_unit_test(an_atlas_of_spm_names_its_image),
         cmocka_unit_test(an_embedded_table_counts_as_one),
         cmocka_unit_test(pathways_have_one_name),
         cmocka_unit_test(background_says_that_nothing_is_there),

@@ -46,6 +46,19 @@ static const struct sample samples[] = {
      "e</label></atlas>",
      "2 Stra\xc3\x9f"
      "e"},
+    {"SPM atlas XML",
+     "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>\n<atlas version=\"2.0\"><header><name>A</name>"
+     "<type>Label</type><images><imagefile>a.nii</imagefile></images></header><data>\n"
+     "<label><index>2001</index><short_name>lPre</short_name><name>Left Precentral</name>"
+     "<RGBA></RGBA><XYZmm>1,2,3</XYZmm></label>\n"
+     "<label><name>Br\xfc"
+     "cke</name><index> 7 </index></label></data></atlas>\n",
+     "7 Br\xc3\xbc"
+     "cke; 2001 Left Precentral (lPre)"},
+    {"SPM atlas XML",
+     "<atlas><data><label><index>0</index><name>Unknown</name></label><label><index>1</index></label>"
+     "</data></atlas>",
+     "1 -"},
     {"AFNI label table",
      "<VALUE_LABEL_DTABLE\n  ni_type=\"2*String\"\n  ni_dimen=\"2\" >\n\"21\" \"post central\"\n"
      "\"3\" \"a &lt; b\"\n</VALUE_LABEL_DTABLE>\n",
@@ -109,6 +122,18 @@ static void damage_is_named_with_its_line(void **state)
     assert_refused("<atlas><label index=\"1\">a</label></atlas>", "no <type>");
     assert_refused("<atlas><type>Labels</type></atlas>", "type \"Labels\", allowed are Label");
     assert_refused("<atlas><type>Label</type>\n</header></atlas>", "line 2: not well-formed XML: mismatched tag");
+    assert_refused("<atlas><label><index>1</index>\n<index>2</index></label></atlas>",
+                   "SPM atlas XML: line 2: a second index of one label");
+    assert_refused("<atlas>\n<label><index>1.5</index></label></atlas>", "line 2: label \"1.5\", a whole number");
+    assert_refused("<atlas><label><name>a</name></label>\n<!--<index>--></atlas>", "line 1: a label without an index");
+    assert_refused("<atlas><label><index>1</index>\n<label><index>2</index></label></label></atlas>",
+                   "line 2: a label inside a label");
+    assert_refused("<atlas><label><index>1</index></label>\n<label index=\"2\">b</label></atlas>",
+                   "line 2: a label with the attribute index, others lack it");
+    assert_refused("<atlas><label index=\"2\">b</label>\n<label><index>1</index></label></atlas>",
+                   "line 2: a label without the attribute index, others have it");
+    assert_refused("<atlas><type>Probabilistic</type><label><index>1</index></label></atlas>",
+                   "type \"Probabilistic\" of an atlas of SPM, allowed is Label");
     assert_refused("<!DOCTYPE atlas [<!ENTITY a \"b\">]>\n<atlas>&a;</atlas>", "line 1: a document type");
     assert_refused("<atlas><type>Label</type><label index=\"0\">x</label></atlas>", "no label but 0");
     assert_refused("<LabelTable><Label Key=\"-1\">a</Label></LabelTable>", "line 1: label \"-1\"");
