@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "loaders/file_kind.h"
 #include "loaders/tables/label_bytes.h"
+#include "loaders/tables/label_rows.h"
 
 #include <string.h>
 
@@ -36,6 +37,36 @@ bool label_table_has_colours(const struct label_table *table)
     return false;
 }
 
+static conus_status apply_colours(struct label_table *table, struct text text)
+{
+    static const struct label_use use;
+    struct label_table colours = {0};
+    struct notes notes = {0};
+    conus_status status = label_text_parse(&colours, &label_format_colours, text, &use, &notes);
+    for (size_t i = 0; !status && i < table->count; i++) {
+        const struct label *colour = label_table_find(&colours, table->entries[i].number);
+        if (colour) {
+            memcpy(table->entries[i].rgb, colour->rgb, sizeof colour->rgb);
+            table->entries[i].has_rgb = true;
+        }
+    }
+    label_table_finish(&colours);
+    notes_finish(&notes);
+    return status;
+}
+
+static conus_status apply_bytes(struct label_table *table, bool *found, const struct bytes *bytes)
+{
+    struct text text = text_from_bytes(bytes->data, bytes->size);
+    *found = true;
+    if (label_is_lut(bytes->data, bytes->size)) {
+        label_lut_apply(table, bytes->data);
+        return CONUS_OK;
+    }
+    *found = label_format_of(text) == &label_format_colours;
+    return *found ? apply_colours(table, text) : CONUS_OK;
+}
+
 conus_status label_file_colours(struct label_table *table, bool *found, const char *path, struct file_sums *read)
 {
     struct bytes bytes = {0};
@@ -47,10 +78,9 @@ conus_status label_file_colours(struct label_table *table, bool *found, const ch
     if (status) {
         return status;
     }
-    if (label_is_lut(bytes.data, bytes.size)) {
-        label_lut_apply(table, bytes.data);
-        *found = true;
-        status = read ? file_sums_add(read, path, &bytes) : CONUS_OK;
+    status = apply_bytes(table, found, &bytes);
+    if (!status && *found && read) {
+        status = file_sums_add(read, path, &bytes);
     }
     bytes_finish(&bytes);
     return status;

@@ -19,8 +19,8 @@ conus_status label_file_bytes(struct bytes *out, const char *path, uint64_t max_
 
 bool label_table_has_colours(const struct label_table *table);
 
-/** Colours @p table from the .lut @p path, and adds that to @p read, unless NULL; *found = false if it is no .lut or
- * not there. */
+/** Colours @p table from the .lut @p path, and adds that to @p read, unless NULL; *found = false if it has no
+ * colours alone (MRIcron's, FSLeyes's without names) or is not there. */
 conus_status label_file_colours(struct label_table *table, bool *found, const char *path, struct file_sums *read);
 
 #endif

@@ -6,6 +6,7 @@
 #include "base/folder.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/tables/label_bytes.h"
+#include "loaders/tables/label_rows.h"
 
 #include <string.h>
 #include <strings.h>
@@ -42,6 +43,9 @@ conus_status label_search_bytes(struct label_search *search, const char *path, c
     const struct label_format *format = label_format_of(text);
     if (!format) {
         return note_unknown(search, name, !file);
+    }
+    if (format == &label_format_colours) { /* X.lut; label_file_colours() is about it */
+        return CONUS_OK;
     }
     use.path = path;
     conus_status status = label_text_parse(&offer.table, format, text, &use, &offer.notes);

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables with a header row: BIDS dseg.tsv, Slicer's CSV, and others. The names of the columns decide what they
- * mean; unknown columns are allowed. */
+ * mean; unknown columns are allowed. And CSV without one, number and name in front. */
 #include "loaders/tables/label_columns.h"
 
 #include "base/memory.h"
 #include "loaders/tables/label_cells.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum column { INDEX, NAME, ABBREVIATION, COLOUR, RED, GREEN, BLUE, HEMISPHERE, PARENT, RIVAL, COLUMN_COUNT };
@@ -31,6 +32,7 @@ struct header {
     int count;
     const char *twice; /* a column that two fields claim, or NULL */
     bool disputed;     /* a rival has been noted */
+    bool by_value;     /* the index is called value */
 };
 
 static bool next_line(struct text *rest, size_t *number, struct text *line)
@@ -62,6 +64,18 @@ static void match_column(struct header *header, int ranks[COLUMN_COUNT], struct 
     }
 }
 
+/* "value,label": a value may be a measurement, so it is the number only in front and without a better one; whether the
+ * rows agree, counts_by_value() tells. */
+static void match_value(struct header *header, struct text first)
+{
+    int *index = &header->at[INDEX];
+    if (text_equal_ignoring_case(first, "value") && (*index == NO_COLUMN || *index == header->at[NAME])) {
+        *index = 0;
+        header->at[RIVAL] = NO_COLUMN;
+        header->by_value = true;
+    }
+}
+
 /* Reads the header row; false if `line` is none, which takes a number and a name. */
 static bool read_header(struct header *header, struct text line)
 {
@@ -74,12 +88,15 @@ static bool read_header(struct header *header, struct text line)
         ranks[column] = SYNONYM_COUNT;
     }
     struct text field;
+    struct text first = {0};
     enum text_quotes quotes;
     for (bool more = true; text_quoted_field(&line, header->separator, &more, &field, &quotes);) {
+        first = header->count ? first : field;
         if (header->count < FIELD_LIMIT) {
             match_column(header, ranks, field, header->count++);
         }
     }
+    match_value(header, first);
     return header->at[INDEX] != NO_COLUMN && header->at[NAME] != NO_COLUMN && header->at[INDEX] != header->at[NAME];
 }
 
@@ -206,15 +223,174 @@ static conus_status parse_table(struct label_table *out, struct text text, struc
     return status;
 }
 
+static bool is_whole(struct text cell)
+{
+    uint64_t number;
+    return text_to_uint(cell, UINT32_MAX, &number);
+}
+
+static bool is_word(struct text cell)
+{
+    double number;
+    return cell.size && !text_equal(cell, "n/a") && !text_to_double(cell, &number);
+}
+
+/* Whether most rows have a whole number in the column of the number, and words in that of the name. */
+static bool counts_by_value(const struct header *header, struct text text)
+{
+    struct text line;
+    size_t number = 0;
+    size_t rows = 0;
+    size_t good = 0;
+    while (next_line(&text, &number, &line)) {
+        struct text cells[COLUMN_COUNT] = {{0}};
+        rows++;
+        good += !read_cells(cells, header, line, "") && is_whole(cells[INDEX]) && is_word(cells[NAME]);
+    }
+    return 2 * good > rows;
+}
+
+/* ---- CSV without a header row -------------------------------------------------------------------------------------
+ */
+
+/* A row without a header: number and name; whether another column has words. */
+struct bare {
+    struct text cells[2];
+    size_t columns;
+    bool more_words;
+    bool closed;
+};
+
+static struct bare read_bare(struct text line, char separator)
+{
+    struct bare row = {.closed = true};
+    struct text field;
+    enum text_quotes quotes;
+    for (bool more = true; text_quoted_field(&line, separator, &more, &field, &quotes); row.columns++) {
+        row.closed = row.closed && quotes != TEXT_UNCLOSED;
+        if (row.columns < 2) {
+            row.cells[row.columns] = field;
+        } else {
+            row.more_words = row.more_words || is_word(field);
+        }
+    }
+    return row;
+}
+
+/* What follows the number that a row begins with: ',' or ';'; 0 if it begins otherwise. */
+static char bare_separator(struct text text)
+{
+    struct text line;
+    size_t number = 0;
+    if (!next_line(&text, &number, &line)) {
+        return 0;
+    }
+    static const char separators[] = {',', ';'};
+    for (size_t i = 0; i < sizeof separators; i++) {
+        struct bare row = read_bare(line, separators[i]);
+        if (row.columns > 1 && is_whole(row.cells[0])) {
+            return separators[i];
+        }
+    }
+    return 0;
+}
+
+static bool is_bare(struct text text)
+{
+    char separator = bare_separator(text);
+    struct text line;
+    size_t number = 0;
+    size_t rows = 0;
+    size_t good = 0;
+    while (separator && next_line(&text, &number, &line)) {
+        struct bare row = read_bare(line, separator);
+        rows++;
+        good += is_whole(row.cells[0]) && is_word(row.cells[1]);
+    }
+    return 2 * good > rows;
+}
+
+static int compare_names(const void *a, const void *b)
+{
+    const struct label *const *x = a;
+    const struct label *const *y = b;
+    return strcmp((*x)->name, (*y)->name);
+}
+
+/* Two numbers with one name, where another column has words, too: the name may be there. */
+static conus_status check_names_differ(const struct label_table *table)
+{
+    const struct label **labels = memory_raw(table->count, sizeof(struct label *));
+    size_t count = 0;
+    if (!labels) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < table->count; i++) {
+        labels[count] = &table->entries[i];
+        count += table->entries[i].name != NULL;
+    }
+    qsort(labels, count, sizeof(struct label *), compare_names);
+    conus_status status = CONUS_OK;
+    for (size_t i = 1; !status && i < count; i++) {
+        if (labels[i - 1]->number != labels[i]->number && compare_names(&labels[i - 1], &labels[i]) == 0) {
+            status = fail(CONUS_ERROR_DATA,
+                          "labels %u and %u are both \"%s\" in column 2, and other columns have words, too: a header "
+                          "row (index,name) must say which is the name",
+                          labels[i - 1]->number, labels[i]->number, labels[i]->name);
+        }
+    }
+    memory_free(labels);
+    return status;
+}
+
+static conus_status parse_bare_row(struct label_table *out, const struct bare *row, size_t columns, const char *where,
+                                   struct notes *notes)
+{
+    struct label label = {0};
+    if (!row->closed) {
+        return fail(CONUS_ERROR_DATA, "%s: a quotation mark is not closed", where);
+    }
+    if (row->columns != columns) {
+        return fail(CONUS_ERROR_DATA, "%s: %zu columns, the first line has %zu", where, row->columns, columns);
+    }
+    conus_status status = label_cell_number(&label.number, row->cells[0], where);
+    status = status ? status : set_text(&label.name, row->cells[1]);
+    return label_keep(out, &label, status, notes);
+}
+
+static conus_status parse_bare(struct label_table *out, struct text text, struct notes *notes)
+{
+    char separator = bare_separator(text);
+    struct text line;
+    size_t number = 0;
+    size_t columns = 0;
+    bool more_words = false;
+    conus_status status = CONUS_OK;
+    while (!status && next_line(&text, &number, &line)) {
+        char where[32];
+        struct bare row = read_bare(line, separator);
+        snprintf(where, sizeof where, "line %zu", number);
+        columns = columns ? columns : row.columns;
+        more_words = more_words || row.more_words;
+        status = parse_bare_row(out, &row, columns, where, notes);
+    }
+    return status || !more_words ? status : check_names_differ(out);
+}
+
 const struct label_format *label_format_of_columns(struct text text)
 {
     static const struct label_format tsv = {"BIDS label table", parse_table};
     static const struct label_format slicer = {"Slicer colour table", parse_table};
     static const struct label_format csv = {"CSV label table", parse_table};
+    static const struct label_format bare = {"CSV without a header", parse_bare};
     struct header header;
     struct text line;
+    struct text rest = text;
     size_t number = 0;
-    if (!next_line(&text, &number, &line) || !read_header(&header, line)) {
+    if (!next_line(&rest, &number, &line) || !read_header(&header, line)) {
+        return is_bare(text) ? &bare : NULL;
+    }
+    if (header.by_value && !counts_by_value(&header, rest)) {
         return NULL;
     }
     bool is_slicer = text_mentions(line, "LabelValue");

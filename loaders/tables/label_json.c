@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Label tables in JSON: BrainGlobe's structures.json, a list of structures with their paths in the tree, and NiiVue's
- * colour maps, an object of parallel lists. */
+/* Label tables in JSON: BrainGlobe's structures.json, a list of structures with their paths in the tree; NiiVue's
+ * colour maps, an object of parallel lists; a map from numbers to names; and a list of objects with a number and a
+ * name. */
 #include "loaders/tables/label_json.h"
 
 #include "base/formats/json_text.h"
@@ -97,6 +98,12 @@ static conus_status parse_structures(struct label_table *out, struct text text, 
     return status;
 }
 
+/* NiiVue's entries below 0 are no voxel's. */
+static bool is_below_zero(const json_t *value)
+{
+    return json_is_integer(value) && json_integer_value(value) < 0;
+}
+
 struct lists {
     const json_t *channels[3]; /* R, G, B */
     const json_t *numbers;     /* I, or NULL: entry i is label i */
@@ -148,6 +155,9 @@ static conus_status parse_lists(struct label_table *out, struct text text, struc
     for (size_t i = 0; !status && i < json_array_size(lists.names); i++) {
         char where[32];
         struct label label = {0};
+        if (is_below_zero(json_array_get(lists.numbers, i))) {
+            continue;
+        }
         snprintf(where, sizeof where, "labels[%zu]", i);
         status = fill_from_lists(&label, &lists, i, where);
         status = label_keep(out, &label, status, notes);
@@ -156,13 +166,186 @@ static conus_status parse_lists(struct label_table *out, struct text text, struc
     return status;
 }
 
+static conus_status parse_map(struct label_table *out, struct text text, struct notes *notes)
+{
+    json_t *root = NULL;
+    const char *key;
+    json_t *name;
+    conus_status status = json_text_load(&root, text);
+    json_object_foreach(root, key, name)
+    {
+        struct label label = {0};
+        if (status) {
+            break;
+        }
+        status = label_cell_number(&label.number, text_from(key), "a key");
+        if (!status && !json_is_string(name)) {
+            status = fail(CONUS_ERROR_DATA, "key %s: the name of the label must be a text", key);
+        }
+        status = status ? status : set_text(&label.name, name);
+        status = label_keep(out, &label, status, notes);
+    }
+    json_decref(root);
+    return status;
+}
+
+/* Fields of the objects in a list, those that count more first. */
+enum { NUMBER_FIELDS = 5, NAME_FIELDS = 4 };
+static const char *const number_fields[NUMBER_FIELDS] = {"index", "LabelValue", "id", "key", "label"};
+static const char *const name_fields[NAME_FIELDS] = {"name", "region", "structure", "label"};
+
+/* Which fields of the objects in a list are number and name. */
+struct fields {
+    const char *number, *rival, *name; /* rival: another that could be the number, or NULL */
+    bool disputed;
+};
+
+static struct fields find_fields(const json_t *object)
+{
+    struct fields fields = {0};
+    for (size_t i = NUMBER_FIELDS; i-- > 0;) {
+        if (json_is_integer(json_object_get(object, number_fields[i]))) {
+            fields.rival = fields.number;
+            fields.number = number_fields[i];
+        }
+    }
+    for (size_t i = NAME_FIELDS; i-- > 0;) {
+        fields.name = json_is_string(json_object_get(object, name_fields[i])) ? name_fields[i] : fields.name;
+    }
+    return fields;
+}
+
+static conus_status note_rival(struct fields *fields, const json_t *object, const char *where, struct notes *notes)
+{
+    json_int_t number = json_integer_value(json_object_get(object, fields->number));
+    const json_t *rival = fields->rival ? json_object_get(object, fields->rival) : NULL;
+    if (fields->disputed || !json_is_integer(rival) || json_integer_value(rival) == number) {
+        return CONUS_OK;
+    }
+    fields->disputed = true;
+    return notes_warn(notes, "label table, %s: two fields could be the label's number, %s and %s: %s is used", where,
+                      fields->number, fields->rival, fields->number);
+}
+
+static conus_status fill_object(struct label *label, struct fields *fields, const json_t *object, const char *where,
+                                struct notes *notes)
+{
+    const json_t *name = json_object_get(object, fields->name);
+    if (!json_is_string(name)) {
+        return fail(CONUS_ERROR_DATA, "%s: %s must be a text as in the first", where, fields->name);
+    }
+    conus_status status = read_number(&label->number, json_object_get(object, fields->number), fields->number, where);
+    status = status ? status : note_rival(fields, object, where, notes);
+    status = status ? status : set_text(&label->name, name);
+    status = status ? status : set_text(&label->abbreviation, json_object_get(object, "abbreviation"));
+    const json_t *colour = json_object_get(object, "color");
+    if (!status && json_is_string(colour)) {
+        label->has_rgb = true;
+        status = label_cell_hex(label->rgb, text_from(json_string_value(colour)), where);
+    }
+    return status;
+}
+
+static conus_status parse_objects(struct label_table *out, struct text text, struct notes *notes)
+{
+    json_t *root = NULL;
+    conus_status status = json_text_load(&root, text);
+    struct fields fields = find_fields(json_array_get(root, 0));
+    if (!status && !(fields.number && fields.name)) {
+        status =
+            fail(CONUS_ERROR_DATA, "the first object has no whole number (index, LabelValue, id, key, label) and name");
+    }
+    for (size_t i = 0; !status && i < json_array_size(root); i++) {
+        char where[32];
+        struct label label = {0};
+        snprintf(where, sizeof where, "object %zu", i + 1);
+        status = fill_object(&label, &fields, json_array_get(root, i), where, notes);
+        status = label_keep(out, &label, status, notes);
+    }
+    json_decref(root);
+    return status;
+}
+
+static struct text after(struct text text, size_t count)
+{
+    return text_trim((struct text){text.data + count, text.size - count});
+}
+
+static bool starts_with(struct text text, char c)
+{
+    return text.size && text.data[0] == c;
+}
+
+/* { "17": "Hippocampus": the first key is a number, and its value a text. */
+static bool is_map(struct text text)
+{
+    size_t digits = 0;
+    struct text rest = after(text, 1);
+    if (!starts_with(text, '{') || !starts_with(rest, '"')) {
+        return false;
+    }
+    rest = after(rest, 1);
+    while (digits < rest.size && rest.data[digits] >= '0' && rest.data[digits] <= '9') {
+        digits++;
+    }
+    if (!digits || digits == rest.size || rest.data[digits] != '"') {
+        return false;
+    }
+    rest = after(rest, digits + 1);
+    return starts_with(rest, ':') && starts_with(after(rest, 1), '"');
+}
+
+/* Whether the field `name` stands at `at` of `object`, behind its mark, with a value that begins like one of `starts`.
+ */
+static bool is_field(struct text object, size_t at, const char *name, const char *starts)
+{
+    size_t length = strlen(name);
+    const char *start = object.data + at;
+    if (at + length >= object.size || start[-1] != '"' || memcmp(start, name, length) != 0 || start[length] != '"') {
+        return false;
+    }
+    struct text rest = after(object, at + length + 1);
+    struct text value = starts_with(rest, ':') ? after(rest, 1) : (struct text){0};
+    return value.size && memchr(starts, value.data[0], strlen(starts));
+}
+
+/* Whether `object`, text of JSON, has one of the fields `names` with a value that begins like one of `starts`. */
+static bool has_field(struct text object, const char *const *names, size_t count, const char *starts)
+{
+    for (size_t i = 0; i < count; i++) {
+        for (size_t at = 1; at < object.size; at++) {
+            if (is_field(object, at, names[i], starts)) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* [ { "label": 1, "name": "Hippocampus": the first object decides. */
+static bool is_objects(struct text text)
+{
+    if (!starts_with(text, '[') || !starts_with(after(text, 1), '{')) {
+        return false;
+    }
+    const char *end = memchr(text.data, '}', text.size);
+    struct text first = {text.data, end ? (size_t)(end - text.data) : text.size};
+    return has_field(first, number_fields, NUMBER_FIELDS, "0123456789") &&
+           has_field(first, name_fields, NAME_FIELDS, "\"");
+}
+
 const struct label_format *label_format_of_json(struct text text)
 {
+    static const struct label_format map = {"JSON map of names", parse_map};
+    static const struct label_format objects = {"JSON list of labels", parse_objects};
     static const struct label_format structures = {"BrainGlobe structures", parse_structures};
     static const struct label_format lists = {"NiiVue labels", parse_lists};
     if (text.data[0] == '[' && text_mentions(text, "\"id\"") &&
         (text_mentions(text, "\"acronym\"") || text_mentions(text, "\"structure_id_path\""))) {
         return &structures;
     }
-    return text.data[0] == '{' && text_mentions(text, "\"labels\"") && text_mentions(text, "\"R\"") ? &lists : NULL;
+    if (text.data[0] == '{' && text_mentions(text, "\"labels\"") && text_mentions(text, "\"R\"")) {
+        return &lists;
+    }
+    return is_map(text) ? &map : is_objects(text) ? &objects : NULL;
 }

@@ -92,7 +92,9 @@ static struct shape shape_of(const struct row *row)
 /* How many rows have what shape. */
 struct census {
     size_t rows, numbered, named, coded, coloured, with_alpha, mrtrix, fsleyes, itk_snap, number_last, pairs;
-    bool tabbed; /* a tab behind every first word and no other: the name is all the rest */
+    size_t unnamed; /* of rows of a number that grows and three numbers from 0 to 1 */
+    uint64_t last;  /* such number */
+    bool tabbed;    /* a tab behind every first word and no other: the name is all the rest */
 };
 
 static bool has_only_first_tab(const struct row *row)
@@ -101,8 +103,24 @@ static bool has_only_first_tab(const struct row *row)
     return tab == row->first.data + row->first.size && !memchr(row->rest.data, '\t', row->rest.size);
 }
 
+static bool is_unnamed(const struct census *census, const struct row *row, uint64_t *number)
+{
+    struct text rest = row->rest;
+    struct text word;
+    size_t words = 0;
+    bool good = text_to_uint(row->first, UINT32_MAX, number) && (!census->rows || *number > census->last);
+    for (; good && text_word(&rest, &word); words++) {
+        double value;
+        good = text_to_double(word, &value) && value >= 0 && value <= 1;
+    }
+    return good && words == 3;
+}
+
 static void count_row(struct census *census, const struct row *row)
 {
+    uint64_t number = 0;
+    census->unnamed += is_unnamed(census, row, &number);
+    census->last = number;
     struct shape s = shape_of(row);
     bool five_numbers = s.numbered && s.words == 4 && s.lead == 4;
     census->tabbed = (census->tabbed || !census->rows) && has_only_first_tab(row);
@@ -409,6 +427,8 @@ static bool says_slicer(struct text text)
     return text_line(&text, &line) && line.size && line.data[0] == '#' && text_mentions(line, "Color table file");
 }
 
+const struct label_format label_format_colours = {"FSLeyes colours", parse_fsleyes};
+
 const struct label_format *label_format_of_rows(struct text text)
 {
     static const struct label_format plain = {"MRIcron text", parse_plain};
@@ -426,6 +446,9 @@ const struct label_format *label_format_of_rows(struct text text)
     }
     if (census.rows >= 2 && census.number_last == census.rows) {
         return &number_last;
+    }
+    if (census.rows >= 2 && census.unnamed == census.rows) {
+        return &label_format_colours;
     }
     if (census.itk_snap > half) {
         return &itk_snap;

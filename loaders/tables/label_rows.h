@@ -5,6 +5,9 @@
 
 #include "loaders/tables/label_format.h"
 
+/** FSLeyes's colours without names: it names nothing. */
+extern const struct label_format label_format_colours;
+
 /** The format of @p text, lines of columns, by its content; NULL if it is none. */
 const struct label_format *label_format_of_rows(struct text text);
 

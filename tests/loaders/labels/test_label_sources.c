@@ -289,6 +289,23 @@ static void an_atlas_of_spm_names_its_image(void **state)
     buffer_finish(&xml);
 }
 
+/* FSLeyes's colours name nothing: they must not keep a table with names away, nor be taken for one. */
+static void colours_without_names_only_colour(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    test_folder("colours");
+    write_row("v.nii", 4, 1, NULL);
+    write_text(test_in("v.lut"), "1 0 1 0\n2 0.2 0 1\n");
+    assert_named("2", 2, "none found, colours in v.lut", NULL);
+    write_xml("a.xml", "Label", "v", by_index);
+    assert_named("area 2", 2, "FSL atlas XML in a.xml, colours in v.lut", NULL);
+    assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
+    assert_int_equal(conus_atlas_object(atlas, 2)->rgb[0], 51); /* 0.2 of 255 */
+    assert_int_equal(conus_atlas_object(atlas, 2)->rgb[2], 255);
+    conus_atlas_destroy(atlas);
+}
+
 static void an_embedded_table_counts_as_one(void **state)
 {
     (void)state;
@@ -477,6 +494,7 @@ int main(void)
         cmocka_unit_test(a_given_atlas_is_checked_likewise),
         cmocka_unit_test(contradictions_are_never_silent),
         cmocka_unit_test(an_atlas_of_spm_names_its_image),
+        cmocka_unit_test(colours_without_names_only_colour),
         cmocka_unit_test(an_embedded_table_counts_as_one),
         cmocka_unit_test(pathways_have_one_name),
         cmocka_unit_test(background_says_that_nothing_is_there),

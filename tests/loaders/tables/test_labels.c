@@ -74,6 +74,25 @@ static const struct sample samples[] = {
      "997 root (root) #ffffff; 312782656 Cerebrum (CH) <997"},
     {"NiiVue labels", "{\"R\":[0,205],\"G\":[0,62],\"B\":[0,78],\"labels\":[\"\",\"Red nucleus\"]}",
      "1 Red nucleus #cd3e4e"},
+    {"NiiVue labels", "{\"R\":[0,1],\"G\":[0,2],\"B\":[0,3],\"I\":[-1,5],\"labels\":[\"none\",\"x\"]}", "5 x #010203"},
+    {"CSV without a header", "1,Precentral_L,2001\n2,Precentral_R,2002\n", "1 Precentral_L; 2 Precentral_R"},
+    {"CSV without a header",
+     "# id, name\r\n0;Background\r\n3 ; \"Gyrus; left\"\r\n7;\"Pole \"\"a\"\"\"\r\n9;\r\n8;6\r\n",
+     "3 Gyrus; left; 7 Pole \"a\"; 8 6; 9 -"},
+    {"CSV without a header", "30 , FLW , frontal left WM\n210 , FLG , frontal left GM\n", "30 FLW; 210 FLG"},
+    {"CSV without a header", "1,Caudate\n2,Caudate\n", "1 Caudate; 2 Caudate"},
+    {"CSV label table", "value,label\n3,Hippocampus\n4,12\n5,Pole\n", "3 Hippocampus; 4 12; 5 Pole"},
+    {"BIDS label table", "value\tlabel\torig_label\themisphere\n1\torbital\t260\tleft\n2\ttecta\t261\tleft\n",
+     "1 orbital L; 2 tecta L"},
+    {"CSV label table", "value,label,name\n0.5,3,Pole\n", "3 Pole"},
+    {"FSLeyes colours", "1 0 0.5 1\n2 1 1 1\n300 0.2 0 0\n", "1 - #0080ff; 2 - #ffffff; 300 - #330000"},
+    {"JSON map of names", "{ \"17\" : \"Hippocampus\", \"0\": \"Unknown\", \"5\": \"V1\" }", "5 V1; 17 Hippocampus"},
+    {"JSON list of labels",
+     "[ {\"label\": 2, \"name\": \"b\", \"color\": \"#0a0b0c\"}, {\"name\": \"a\", \"abbreviation\": \"A\", \"label\": "
+     "1}]",
+     "1 a (A); 2 b #0a0b0c"},
+    {"JSON list of labels", "[{\"index\": 4, \"label\": \"d\"}]", "4 d"},
+    {"JSON list of labels", "[{\"id\": 1, \"name\": \"a\"}]", "1 a"},
     {"NiiVue labels", "{\"R\":[1],\"G\":[2],\"B\":[3],\"I\":[500],\"labels\":[\"x\"]}", "500 x #010203"},
 };
 static void formats_are_detected_from_content(void **state)
@@ -108,6 +127,18 @@ static void bad_cells_are_named_with_their_line(void **state)
     assert_refused("[{\"id\":7,\"acronym\":\"a\",\"rgb_triplet\":[1,2]}]", "three whole numbers");
     assert_refused("[{\"id\":7,\"acronym\":\"a\"},]", "BrainGlobe structures: line 1");
     assert_refused("{\"R\":[0,1],\"G\":[0],\"B\":[0],\"labels\":[\"\"]}", "R has 2 entries, labels has 1");
+    assert_refused("{\"R\":[1],\"G\":[1],\"B\":[1],\"I\":[1.5],\"labels\":[\"x\"]}", "labels[0]: I must be a whole");
+    assert_refused("1,a\n2.5,b\n3,c\n", "CSV without a header: line 2: label \"2.5\"");
+    assert_refused("1,a\n2,Gyrus, left\n", "line 2: 3 columns, the first line has 2");
+    assert_refused("1,a,b\n2,\"c\n3,d,e\n", "line 2: a quotation mark is not closed");
+    assert_refused("1,Left,Caudate\n2,Right,Caudate\n3,Left,Putamen\n", "labels 1 and 3 are both \"Left\" in column 2");
+    assert_refused("{\"1\": \"a\", \"x\": \"b\"}", "JSON map of names: a key: label \"x\"");
+    assert_refused("{\"1\": \"a\", \"2\": 3}", "key 2: the name of the label must be a text");
+    assert_refused("{\"1\": \"a\", \"1\": \"b\"}", "JSON map of names: line 1");
+    assert_refused("[{\"id\": 1, \"name\": \"a\"}, {\"id\": -2, \"name\": \"b\"}]",
+                   "object 2: id must be a whole number");
+    assert_refused("[{\"id\": 1, \"name\": \"a\"}, {\"id\": 2, \"label\": \"b\"}]", "object 2: name must be a text");
+    assert_refused("[{\"id\": 1.5, \"name\": \"a\"}]", "the first object has no whole number");
     assert_refused("0 nothing\n", "no label but 0");
 }
 
@@ -120,6 +151,19 @@ static void what_is_no_table_is_refused(void **state)
     assert_refused("# only comments\n", known);
     assert_refused("<!DOCTYPE html><html><body>404 Not Found</body></html>", known);
     assert_refused("About this atlas: it was made from 20 brains.\nSee http://example.org\n", known);
+    assert_refused("value,label\n0.53,1\n0.61,2\n", known);                 /* a table of results */
+    assert_refused("value,label\n53,1\n61,2\n", known);                     /* likewise */
+    assert_refused("name,value\nHippocampus,3512\n", known);                /* likewise */
+    assert_refused("label,value\nHippocampus,3512\n", known);               /* likewise */
+    assert_refused("1,0.5,0.25\n2,0.5,0.125\n", known);                     /* likewise */
+    assert_refused("Hippocampus,3512\nCaudate,1200\n", known);              /* likewise */
+    assert_refused("1,2,Caudate\n2,1,Putamen\n", known);                    /* which of the two? */
+    assert_refused("[{\"id\": \"T1\", \"name\": \"a\"}]", known);           /* no number */
+    assert_refused("[{\"name\": \"Hippocampus\", \"value\": 7}]", known);   /* a result */
+    assert_refused("{\"EchoTime\": 1, \"labels\": {\"1\": \"a\"}}", known); /* a sidecar */
+    assert_refused("{\"1\": 2}", known);
+    assert_refused("1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", known); /* a transform */
+    assert_refused("1 0.5 0.5 0.5\n", known);
     assert_refused("1 0 0 10\n0 1 0 20\n0 0 1 30\n0 0 0 1\n", known); /* a transform */
     assert_refused("1\n2\n3\n", known);
     assert_refused("{\"Name\": \"a BIDS sidecar\"}", known);
