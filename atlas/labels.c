@@ -37,6 +37,7 @@ void label_table_finish(struct label_table *table)
         label_finish(&table->entries[i]);
     }
     memory_free(table->entries);
+    memory_free(table->zero);
     *table = (struct label_table){0};
 }
 

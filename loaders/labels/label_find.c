@@ -98,7 +98,7 @@ static conus_status settle_search(struct label_search *search)
         search->notes,
         "no label table found: areas are called by their numbers (looked inside %s; beside it for %.*s.nii.txt, "
         ".txt, .tsv, .json, .label, .ctbl, .niml.lt, .csv, .lut; in its folder for an inherited dseg.tsv, an "
-        "FSL atlas XML, structures.json, FreeSurferColorLUT.txt)",
+        "atlas XML of FSL or SPM, a table with a similar name, structures.json, FreeSurferColorLUT.txt)",
         name, stem, name);
     return status ? status : number_entries(&search->table);
 }

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Label tables in a volume's folder that do not bear its name: an inherited BIDS dseg.tsv, an FSL atlas XML that names
- * the volume, and the tables that BrainGlobe and FreeSurfer call by fixed names. */
+/* Label tables in a volume's folder that do not bear its name: an inherited BIDS dseg.tsv, an atlas XML that names the
+ * volume, tables with a similar name, and those that BrainGlobe and FreeSurfer call by fixed names. */
 #include "loaders/labels/label_folder.h"
 
 #include "base/folder.h"
 #include "base/memory.h"
+#include "loaders/labels/label_alike.h"
 #include "loaders/labels/label_search.h"
 #include "loaders/tables/fsl_find.h"
 #include "loaders/tables/fsl_number.h"
@@ -90,6 +91,7 @@ conus_status label_search_folder(struct label_search *search)
     conus_status status = folder ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = status || search->found ? status : search_inherited(search, folder);
     status = status ? status : fsl_atlas_each(search->volume->path, FSL_LABELS, offer_atlas, search);
+    status = status || search->found || search->first_error.size ? status : label_search_alike(search, folder);
     status = status || search->found ? status : search_fixed(search);
     memory_free(folder);
     return status;

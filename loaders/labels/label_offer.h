@@ -8,15 +8,23 @@
 #include "loaders/tables/label_use.h"
 #include "loaders/volumes/volume_file.h"
 
+struct label_search;
+
+/** Says whether @p table, from the file called @p name, may be offered; notes why. */
+typedef conus_status (*label_judge)(bool *taken, struct label_search *search, const struct label_table *table,
+                                    const char *name);
+
 struct label_search {
     const struct volume_file *volume;
     struct label_use use; /**< path: of the table that is being read.                 */
     struct notes *notes;
     struct label_table table;
-    bool found;                /**< table is filled; later ones are only compared with it. */
-    bool proved;               /**< ... and its numbers are those of the volume.           */
-    struct file_sums read;     /**< The files that table is of.                            */
-    struct buffer source;      /**< "MRIcron text in aal.nii.txt".                         */
+    bool found;            /**< table is filled; later ones are only compared with it. */
+    bool proved;           /**< ... and its numbers are those of the volume.           */
+    struct file_sums read; /**< The files that table is of.                            */
+    struct buffer source;  /**< "MRIcron text in aal.nii.txt".                         */
+    label_judge judge;     /**< Asked before a table is offered, of which only the name says that it is the volume's:
+                                what is no table, or damaged, is passed over. NULL: none is asked. */
     struct buffer first_error; /**< The first candidate that was damaged: an error only if nothing else is found. */
 };
 

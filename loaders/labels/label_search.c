@@ -18,6 +18,9 @@ static conus_status keep_error(struct label_search *search, conus_status status)
     if (status == CONUS_ERROR_MEMORY) {
         return status;
     }
+    if (search->judge) {
+        return notes_warn(search->notes, "%s: passed over", conus_message());
+    }
     if (!search->first_error.size) {
         buffer_text(&search->first_error, conus_message());
     }
@@ -42,7 +45,7 @@ conus_status label_search_bytes(struct label_search *search, const char *path, c
     const char *name = path_base(path);
     const struct label_format *format = label_format_of(text);
     if (!format) {
-        return note_unknown(search, name, !file);
+        return search->judge ? CONUS_OK : note_unknown(search, name, !file);
     }
     if (format == &label_format_colours) { /* X.lut; label_file_colours() is about it */
         return CONUS_OK;
@@ -53,12 +56,14 @@ conus_status label_search_bytes(struct label_search *search, const char *path, c
         notes_finish(&offer.notes);
         return keep_error(search, fail_in(status, name));
     }
-    if (!offer.table.count) {
+    bool taken = offer.table.count > 0;
+    status = taken && search->judge ? search->judge(&taken, search, &offer.table, name) : CONUS_OK;
+    if (status || !taken) {
+        bool empty = !status && !offer.table.count && !search->found;
         notes_finish(&offer.notes);
         label_table_finish(&offer.table);
-        return search->found
-                   ? CONUS_OK
-                   : notes_warn(search->notes, "%s in %s has no label but 0: passed over", format->name, name);
+        return empty ? notes_warn(search->notes, "%s in %s has no label but 0: passed over", format->name, name)
+                     : status;
     }
     buffer_format(&offer.source, "%s %s %s", format->name, file ? "in" : "inside", name);
     return label_search_offer(search, &offer);

@@ -7,8 +7,8 @@
 #include "base/formats/xml.h"
 
 /** Appends @p label, if filling it gave @p status CONUS_OK; else returns @p status. Its strings are taken over in any
- * case. Label 0 is background and dropped, with a note where its name does not say so: a table that counts from 0
- * names every area wrongly. */
+ * case. Label 0 is background: only its name is kept (the first), with a note where its name does not say so: a table
+ * that counts from 0 names every area wrongly. */
 conus_status label_keep(struct label_table *table, struct label *label, conus_status status, struct notes *notes);
 
 /** Whether @p name says that what is called so is no area: "unknown", "Air", "*.*.*". */

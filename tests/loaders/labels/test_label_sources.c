@@ -2,7 +2,7 @@
 /* Which number a name belongs to: the points of FSL atlas XMLs, and tables that contradict each other. */
 #include "base/buffer.h"
 #include "base/file.h"
-#include "builders/nifti_builder.h"
+#include "builders/label_row.h"
 #include "loaders/tables/label_cells.h"
 #include "test.h"
 
@@ -12,36 +12,6 @@
 #include <unistd.h>
 
 enum { AREAS = 6 };
-
-static void write_text(const char *path, const char *text)
-{
-    assert_ok(conus_write_file(path, text, strlen(text)));
-}
-
-/* A row of `count` voxels of `edge` mm, that of world x mm holding label x; the world of i = 0 is x = 0. */
-static void write_row(const char *name, size_t count, int edge, const char *embedded)
-{
-    struct nifti_builder file;
-    const int64_t dim[3] = {(int64_t)count, 1, 1};
-    nifti_begin(&file, 1, false, 2, dim);
-    for (size_t i = 0; i < 12; i++) {
-        nifti_set(&file, "srow", i, i == 0 ? edge : i % 5 == 0 ? 1 : 0);
-    }
-    for (size_t i = 1; i < 4; i++) {
-        nifti_set(&file, "pixdim", i, i == 1 ? edge : 1);
-    }
-    if (embedded) {
-        char extension[1024] = "";
-        size_t size = (strlen(embedded) + 8 + 15) / 16 * 16;
-        snprintf(extension, sizeof extension, "%s", embedded);
-        nifti_extend(&file, (int)size, 30, extension, size - 8);
-    }
-    for (size_t i = 0; i < count; i++) {
-        nifti_voxel(&file, (double)i * edge);
-    }
-    assert_ok(conus_write_file(test_in(name), file.bytes.data, file.bytes.size));
-    buffer_finish(&file.bytes);
-}
 
 /* An atlas whose label of index k, "area k", is at voxel k + shift[k] of the row `image` (no point where that is out
  * of the row). */
@@ -55,46 +25,8 @@ static void write_xml(const char *name, const char *type, const char *image, con
     }
     buffer_text(&xml, "</data></atlas>");
     assert_ok(buffer_status(&xml));
-    write_text(test_in(name), xml.data);
+    row_text(test_in(name), xml.data);
     buffer_finish(&xml);
-}
-
-/* The notes with a '\n' behind each, until the next call. */
-static const char *notes_of(const conus_atlas *atlas)
-{
-    static struct buffer text;
-    buffer_clear(&text);
-    buffer_text(&text, "");
-    for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
-        buffer_format(&text, "%s\n", conus_atlas_note(atlas, i));
-    }
-    return text.data ? text.data : "";
-}
-
-/* Loads v.nii; area `label` must have that name, the names must come from `source`, and a note have `note` (NULL: no
- * note speaks of names). */
-static void assert_named(const char *name, uint32_t label, const char *source, const char *note)
-{
-    conus_atlas *atlas = NULL;
-    const conus_object *found = NULL;
-    assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
-    assert_string_equal(conus_atlas_label_source(atlas), source);
-    for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
-        const conus_object *object = conus_atlas_object(atlas, i);
-        found = object->label == label ? object : found;
-    }
-    assert_non_null(found);
-    assert_string_equal(found->name, name);
-    if (note && !strstr(notes_of(atlas), note)) {
-        fail_msg("\"%s\" is not in\n%s", note, notes_of(atlas));
-    }
-    static const char *const words[] = {"contradict", "which is used", "although", "off by one", "passed over"};
-    for (size_t i = 0; !note && i < sizeof words / sizeof words[0]; i++) {
-        if (strstr(notes_of(atlas), words[i])) {
-            fail_msg("unwanted: %s", notes_of(atlas));
-        }
-    }
-    conus_atlas_destroy(atlas);
 }
 
 static void assert_contradiction(const char *message)
@@ -149,10 +81,10 @@ static void points_decide_between_index_and_the_next(void **state)
         {"Probabilistic", {1, 0, 0, 0, 0, 0, AWAY}, 2, "so say x y z of 5 of 6"},
     };
     test_folder("points");
-    write_row("v.nii", 8, 1, NULL);
+    row_write("v.nii", 8, 1, NULL);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         write_xml("a.xml", cases[i].type, "v", cases[i].shift);
-        assert_named("area 2", cases[i].area_2, "FSL atlas XML in a.xml", cases[i].note);
+        assert_row("area 2", cases[i].area_2, "FSL atlas XML in a.xml", cases[i].note);
     }
 }
 
@@ -163,8 +95,8 @@ static void points_are_voxels_of_the_first_image(void **state)
     (void)state;
     struct buffer xml = {0};
     test_folder("first");
-    write_row("v.nii", 16, 1, NULL);
-    write_row("coarse.nii", 8, 2, NULL);
+    row_write("v.nii", 16, 1, NULL);
+    row_write("coarse.nii", 8, 2, NULL);
     for (int k = 0; k < 2; k++) {
         buffer_clear(&xml);
         buffer_format(&xml, "<atlas><type>Probabilistic</type><images><summaryimagefile>/coarse</summaryimagefile>"
@@ -174,8 +106,8 @@ static void points_are_voxels_of_the_first_image(void **state)
                           2 * voxel);
         }
         buffer_text(&xml, "</atlas>");
-        write_text(test_in("a.xml"), xml.data);
-        assert_named("at 6 mm", 6, "FSL atlas XML in a.xml", k ? NULL : "so say x y z of 6 of 6 labels");
+        row_text(test_in("a.xml"), xml.data);
+        assert_row("at 6 mm", 6, "FSL atlas XML in a.xml", k ? NULL : "so say x y z of 6 of 6 labels");
     }
     buffer_finish(&xml);
 }
@@ -184,11 +116,11 @@ static void an_index_0_that_is_background_counts_by_value(void **state)
 {
     (void)state;
     test_folder("zero");
-    write_row("v.nii", 4, 1, NULL);
-    write_text(test_in("a.xml"),
-               "<atlas><type>Probabilistic</type><images><summaryimagefile>/v</summaryimagefile></images>"
-               "<label index=\"0\">*.*.*.*.*</label><label index=\"1\">one</label></atlas>");
-    assert_named("one", 1, "FSL atlas XML in a.xml", "since index 0 is background");
+    row_write("v.nii", 4, 1, NULL);
+    row_text(test_in("a.xml"),
+             "<atlas><type>Probabilistic</type><images><summaryimagefile>/v</summaryimagefile></images>"
+             "<label index=\"0\">*.*.*.*.*</label><label index=\"1\">one</label></atlas>");
+    assert_row("one", 1, "FSL atlas XML in a.xml", "since index 0 is background");
 }
 
 static void a_given_atlas_is_checked_likewise(void **state)
@@ -197,11 +129,11 @@ static void a_given_atlas_is_checked_likewise(void **state)
     conus_atlas *atlas = NULL;
     char xml[512];
     test_folder("given");
-    write_row("v.nii", 8, 1, NULL);
-    write_text(test_in("b.xml"),
-               "<atlas><type>Label</type><images><imagefile>/v</imagefile></images>"
-               "<label index=\"0\" x=\"1\" y=\"0\" z=\"0\">A</label><label index=\"1\" x=\"2\" y=\"0\" z=\"0\">B"
-               "</label></atlas>");
+    row_write("v.nii", 8, 1, NULL);
+    row_text(test_in("b.xml"),
+             "<atlas><type>Label</type><images><imagefile>/v</imagefile></images>"
+             "<label index=\"0\" x=\"1\" y=\"0\" z=\"0\">A</label><label index=\"1\" x=\"2\" y=\"0\" z=\"0\">B"
+             "</label></atlas>");
     assert_ok(conus_atlas_load(&atlas, test_in("b.xml"), NULL));
     assert_string_equal(conus_atlas_object(atlas, 1)->name, "A");
     conus_atlas_destroy(atlas);
@@ -217,38 +149,38 @@ static void contradictions_are_never_silent(void **state)
 {
     (void)state;
     test_folder("two");
-    write_row("v.nii", 8, 1, NULL);
+    row_write("v.nii", 8, 1, NULL);
     write_xml("a.xml", "Probabilistic", "v", nowhere);
     write_xml("b.xml", "Label", "v", nowhere);
     assert_contradiction("v.nii: two label tables contradict each other: \"area 1\" is label 2 in FSL atlas XML in "
                          "a.xml, 1 in FSL atlas XML in b.xml; choose one with --labels");
     write_xml("b.xml", "Label", "v", by_index); /* proved: it wins, wherever it stands */
-    assert_named("area 1", 1, "FSL atlas XML in b.xml", "\"area 1\" is label 2 in FSL atlas XML in a.xml, 1 in FSL");
+    assert_row("area 1", 1, "FSL atlas XML in b.xml", "\"area 1\" is label 2 in FSL atlas XML in a.xml, 1 in FSL");
     write_xml("a.xml", "Label", "v", by_index);
     write_xml("b.xml", "Probabilistic", "v", nowhere);
-    assert_named("area 1", 1, "FSL atlas XML in a.xml", "used is the XML, whose x y z agree with the volume");
+    assert_row("area 1", 1, "FSL atlas XML in a.xml", "used is the XML, whose x y z agree with the volume");
     write_xml("b.xml", "Probabilistic", "v", by_index); /* as the labels say, both agree */
-    assert_named("area 1", 1, "FSL atlas XML in a.xml", NULL);
+    assert_row("area 1", 1, "FSL atlas XML in a.xml", NULL);
     unlink(test_in("b.xml"));
-    write_text(test_in("v.txt"), "1 area_1\n2 Area 2\n3 AREA-3\n");
-    assert_named("area_1", 1, "MRIcron text in v.txt", NULL);
-    write_text(test_in("v.txt"), "2 area_1\n3 Area 2\n4 AREA-3\n"); /* the points prove it wrong */
-    assert_named("area 1", 1, "FSL atlas XML in a.xml", "\"area_1\" is label 2 in MRIcron text in v.txt, 1 in FSL");
+    row_text(test_in("v.txt"), "1 area_1\n2 Area 2\n3 AREA-3\n");
+    assert_row("area_1", 1, "MRIcron text in v.txt", NULL);
+    row_text(test_in("v.txt"), "2 area_1\n3 Area 2\n4 AREA-3\n"); /* the points prove it wrong */
+    assert_row("area 1", 1, "FSL atlas XML in a.xml", "\"area_1\" is label 2 in MRIcron text in v.txt, 1 in FSL");
     write_xml("a.xml", "Label", "v", nowhere);
     assert_contradiction("\"area_1\" is label 2 in MRIcron text in v.txt, 1 in FSL atlas XML in a.xml");
     unlink(test_in("a.xml"));
-    write_text(test_in("v.csv"), "id,name\n1,area_1\n3,Area 2\n4,AREA-3\n"); /* one of three */
-    assert_named("area_1", 2, "MRIcron text in v.txt",
-                 "\"area_1\" is label 2 in MRIcron text in v.txt, which is used, but 1 in CSV label table in v.csv");
-    write_text(test_in("v.csv"), "id,name\n2,Motor\n3,Visual\n4,area 3\n");
-    assert_named("area_1", 2, "MRIcron text in v.txt",
-                 "label 2 is \"area_1\" in MRIcron text in v.txt, which is used, but \"Motor\" in CSV label table");
-    write_text(test_in("v.csv"), "id,name\n2,Motor\n3,area 2\n4,area 3\n"); /* a spelling */
-    assert_named("area_1", 2, "MRIcron text in v.txt", NULL);
-    write_text(test_in("v.csv"), "id,name,abbreviation\n2,Motor,area 1\n3,Visual,AREA_2\n"); /* long and short names */
-    assert_named("area_1", 2, "MRIcron text in v.txt", NULL);
-    write_text(test_in("v.csv"), "id,name\n1,damaged\n2.5,x\n");
-    assert_named("area_1", 2, "MRIcron text in v.txt", "v.csv: CSV label table: line 3");
+    row_text(test_in("v.csv"), "id,name\n1,area_1\n3,Area 2\n4,AREA-3\n"); /* one of three */
+    assert_row("area_1", 2, "MRIcron text in v.txt",
+               "\"area_1\" is label 2 in MRIcron text in v.txt, which is used, but 1 in CSV label table in v.csv");
+    row_text(test_in("v.csv"), "id,name\n2,Motor\n3,Visual\n4,area 3\n");
+    assert_row("area_1", 2, "MRIcron text in v.txt",
+               "label 2 is \"area_1\" in MRIcron text in v.txt, which is used, but \"Motor\" in CSV label table");
+    row_text(test_in("v.csv"), "id,name\n2,Motor\n3,area 2\n4,area 3\n"); /* a spelling */
+    assert_row("area_1", 2, "MRIcron text in v.txt", NULL);
+    row_text(test_in("v.csv"), "id,name,abbreviation\n2,Motor,area 1\n3,Visual,AREA_2\n"); /* long and short names */
+    assert_row("area_1", 2, "MRIcron text in v.txt", NULL);
+    row_text(test_in("v.csv"), "id,name\n1,damaged\n2.5,x\n");
+    assert_row("area_1", 2, "MRIcron text in v.txt", "v.csv: CSV label table: line 3");
 }
 
 /* An index of SPM is the voxel's value whatever else is said: no points, no type. */
@@ -259,26 +191,26 @@ static void an_atlas_of_spm_names_its_image(void **state)
                                  "</name></label></data></atlas>";
     struct buffer xml = {0};
     test_folder("spm");
-    write_row("v.nii", 4, 1, NULL);
-    write_row("w.nii", 4, 1, NULL);
+    row_write("v.nii", 4, 1, NULL);
+    row_write("w.nii", 4, 1, NULL);
     buffer_format(&xml, "<atlas><header><type>Label</type></header>%s", labels); /* names nothing: by its name */
-    write_text(test_in("w.xml"), xml.data);
-    assert_named("1", 1, "none found", NULL);
-    write_text(test_in("v.xml"), xml.data);
-    assert_named("two", 2, "SPM atlas XML in v.xml", NULL);
+    row_text(test_in("w.xml"), xml.data);
+    assert_row("1", 1, "none found", NULL);
+    row_text(test_in("v.xml"), xml.data);
+    assert_row("two", 2, "SPM atlas XML in v.xml", NULL);
     unlink(test_in("w.xml"));
     buffer_clear(&xml); /* names an image that is there: that one's, not the one's that is called alike */
     buffer_format(&xml, "<atlas><header><images><imagefile>w.nii</imagefile></images></header>%s", labels);
-    write_text(test_in("v.xml"), xml.data);
-    assert_named("1", 1, "none found", NULL);
+    row_text(test_in("v.xml"), xml.data);
+    assert_row("1", 1, "none found", NULL);
     unlink(test_in("w.nii")); /* renamed, both of them */
-    assert_named("one", 1, "SPM atlas XML in v.xml", NULL);
+    assert_row("one", 1, "SPM atlas XML in v.xml", NULL);
     unlink(test_in("v.xml"));
     buffer_clear(&xml);
     buffer_format(&xml, "<atlas><header><images><imagefile>v.nii</imagefile></images></header>%s", labels);
-    write_text(test_in("any.xml"), xml.data);
-    assert_named("one", 1, "SPM atlas XML in any.xml", NULL);
-    write_text(test_in("v.csv"), "ROIid;ROIabbr;ROIname\n2;lO;one\n3;lT;two\n"); /* CAT12's, off by one */
+    row_text(test_in("any.xml"), xml.data);
+    assert_row("one", 1, "SPM atlas XML in any.xml", NULL);
+    row_text(test_in("v.csv"), "ROIid;ROIabbr;ROIname\n2;lO;one\n3;lT;two\n"); /* CAT12's, off by one */
     assert_contradiction("\"one\" is label 2 in CSV label table in v.csv, 1 in SPM atlas XML in any.xml");
     unlink(test_in("v.csv"));
     conus_atlas *atlas = NULL;
@@ -295,11 +227,11 @@ static void colours_without_names_only_colour(void **state)
     (void)state;
     conus_atlas *atlas = NULL;
     test_folder("colours");
-    write_row("v.nii", 4, 1, NULL);
-    write_text(test_in("v.lut"), "1 0 1 0\n2 0.2 0 1\n");
-    assert_named("2", 2, "none found, colours in v.lut", NULL);
+    row_write("v.nii", 4, 1, NULL);
+    row_text(test_in("v.lut"), "1 0 1 0\n2 0.2 0 1\n");
+    assert_row("2", 2, "none found, colours in v.lut", NULL);
     write_xml("a.xml", "Label", "v", by_index);
-    assert_named("area 2", 2, "FSL atlas XML in a.xml, colours in v.lut", NULL);
+    assert_row("area 2", 2, "FSL atlas XML in a.xml, colours in v.lut", NULL);
     assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
     assert_int_equal(conus_atlas_object(atlas, 2)->rgb[0], 51); /* 0.2 of 255 */
     assert_int_equal(conus_atlas_object(atlas, 2)->rgb[2], 255);
@@ -310,17 +242,17 @@ static void an_embedded_table_counts_as_one(void **state)
 {
     (void)state;
     test_folder("embedded");
-    write_row("v.nii", 4, 1,
+    row_write("v.nii", 4, 1,
               "<CaretExtension><VolumeInformation Index=\"0\"><LabelTable><Label Key=\"1\">A</Label>"
               "<Label Key=\"2\">B</Label></LabelTable></VolumeInformation></CaretExtension>");
-    assert_named("A", 1, "Workbench label table inside v.nii", NULL);
-    write_text(test_in("v.txt"), "1 A\n2 B\n3 C\n");
-    assert_named("A", 1, "Workbench label table inside v.nii", NULL);
-    write_text(test_in("v.txt"), "2 A\n3 B\n");
+    assert_row("A", 1, "Workbench label table inside v.nii", NULL);
+    row_text(test_in("v.txt"), "1 A\n2 B\n3 C\n");
+    assert_row("A", 1, "Workbench label table inside v.nii", NULL);
+    row_text(test_in("v.txt"), "2 A\n3 B\n");
     assert_contradiction("\"A\" is label 1 in Workbench label table inside v.nii, 2 in MRIcron text in v.txt");
-    write_text(test_in("FreeSurferColorLUT.txt"), "2 A 0 0 0 0\n3 B 0 0 0 0\n"); /* of all volumes */
+    row_text(test_in("FreeSurferColorLUT.txt"), "2 A 0 0 0 0\n3 B 0 0 0 0\n"); /* of all volumes */
     unlink(test_in("v.txt"));
-    assert_named("A", 1, "Workbench label table inside v.nii", NULL);
+    assert_row("A", 1, "Workbench label table inside v.nii", NULL);
 }
 
 static void pathways_have_one_name(void **state)
@@ -333,15 +265,15 @@ static void pathways_have_one_name(void **state)
                                  "<label index=\"0\">%s</label></atlas>";
     char text[512];
     test_folder("pathway");
-    write_row("v.nii", 4, 1, NULL);
+    row_write("v.nii", 4, 1, NULL);
     assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
     snprintf(text, sizeof text, format, "Fornix");
-    write_text(test_in("a.xml"), text);
-    write_text(test_in("b.xml"), text);
+    row_text(test_in("a.xml"), text);
+    row_text(test_in("b.xml"), text);
     assert_ok(conus_atlas_add_pathway(atlas, test_in("v.nii"), &unnamed));
     assert_string_equal(conus_atlas_object(atlas, 4)->name, "Fornix");
     snprintf(text, sizeof text, format, "Cingulum");
-    write_text(test_in("b.xml"), text);
+    row_text(test_in("b.xml"), text);
     assert_fails(conus_atlas_add_pathway(atlas, test_in("v.nii"), &unnamed), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "volume 0 is \"Fornix\" in a.xml, \"Cingulum\" in b.xml; name it"));
     assert_ok(conus_atlas_add_pathway(atlas, test_in("v.nii"), &named));
@@ -385,8 +317,8 @@ static void real_atlases_have_no_contradictions(void **state)
         conus_atlas *atlas = NULL;
         assert_ok(conus_atlas_load(&atlas, test_shared(files[i]), NULL));
         assert_true(conus_atlas_object(atlas, 1)->named);
-        assert_null(strstr(notes_of(atlas), "which is used"));
-        assert_null(strstr(notes_of(atlas), "off by one"));
+        assert_false(test_has_note(atlas, "which is used"));
+        assert_false(test_has_note(atlas, "off by one"));
         conus_atlas_destroy(atlas);
     }
 }
@@ -410,9 +342,9 @@ static void real_fsl_atlases_are_proved(void **state)
         snprintf(path, sizeof path, "prob/fsl/atlases/%s.nii.gz", images[i].image);
         assert_ok(conus_atlas_load(&atlas, test_shared(path), NULL));
         assert_string_equal(conus_atlas_object(atlas, 1)->name, images[i].first);
-        assert_null(strstr(notes_of(atlas), "although"));
-        assert_null(strstr(notes_of(atlas), "contradict"));
-        assert_null(strstr(notes_of(atlas), "off by one"));
+        assert_false(test_has_note(atlas, "although"));
+        assert_false(test_has_note(atlas, "contradict"));
+        assert_false(test_has_note(atlas, "off by one"));
         conus_atlas_destroy(atlas);
     }
 }
@@ -449,7 +381,7 @@ static void tables_take_no_more_memory_than_is_allowed(void **state)
     (void)state;
     enum { MILLION = 1 << 20, MIB = 1 << 20 };
     test_folder("large");
-    write_row("v.nii", 4, 1, NULL);
+    row_write("v.nii", 4, 1, NULL);
     write_repeated("rows.txt", "2 b\n3 c\n", "1 a\n", MILLION - 1, "");
     assert_too_large("rows.txt", 0, "more than 1048576 labels");
     assert_too_large("rows.txt", 64 * MIB, "file of 4194308 bytes, allowed are 1048576 (--max-memory)");
@@ -460,9 +392,8 @@ static void tables_take_no_more_memory_than_is_allowed(void **state)
     assert_too_large("sparse.txt", 0, "file of 4294967296 bytes, allowed are 16777216");
     assert_null(strstr(conus_message(), "--max-memory")); /* it would not help */
     assert_int_equal(rename(test_in("sparse.txt"), test_in("v.txt")), 0);
-    write_text(test_in("v.csv"), "id,name\n1,A\n");
-    assert_named("A", 1, "CSV label table in v.csv",
-                 "v.txt: 4294967296 bytes, a label table may have 16777216: passed");
+    row_text(test_in("v.csv"), "id,name\n1,A\n");
+    assert_row("A", 1, "CSV label table in v.csv", "v.txt: 4294967296 bytes, a label table may have 16777216: passed");
 }
 
 static conus_status load(void *data)
@@ -478,10 +409,10 @@ static void every_failing_allocation_is_clean(void **state)
 {
     (void)state;
     test_folder("allocation");
-    write_row("v.nii", 8, 1, NULL);
+    row_write("v.nii", 8, 1, NULL);
     write_xml("a.xml", "Label", "v", by_index);
     write_xml("b.xml", "Probabilistic", "v", nowhere);
-    write_text(test_in("v.txt"), "1 area 1\n3 area 2\n7 area 6\n");
+    row_text(test_in("v.txt"), "1 area 1\n3 area 2\n7 area 6\n");
     test_every_allocation(load, NULL);
 }
 

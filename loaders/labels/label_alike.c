@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Tables in a volume's folder whose name is like the volume's: labels_X.csv of atlas_X.nii.gz. The name must leave no
+ * other volume in the folder that the table could be of, and the numbers must fit. */
+#include "loaders/labels/label_alike.h"
+
+#include "base/folder.h"
+#include "base/memory.h"
+#include "loaders/labels/label_file.h"
+#include "loaders/labels/label_fit.h"
+#include "loaders/labels/label_search.h"
+#include "loaders/labels/label_words.h"
+#include "loaders/tables/label_bytes.h"
+#include "loaders/tables/label_cells.h"
+
+#include <string.h>
+
+enum {
+    FOLDER_LIMIT = 4096, /* names that names_list() gives at most: one more could be another volume */
+    TABLE_LIMIT = 16,    /* candidates that are read */
+};
+
+/* Length of the name without the ending of a table; 0 if it has none. */
+static size_t table_stem_length(const char *name)
+{
+    static const char *const endings[] = {".nii.txt", ".nii.lut", ".niml.lt", ".txt", ".tsv", ".json",
+                                          ".label",   ".ctbl",    ".csv",     ".lut", ".ctab"};
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        if (path_ends_in(name, endings[i])) {
+            return strlen(name) - strlen(endings[i]);
+        }
+    }
+    return 0;
+}
+
+/* Names that begin with a dot are of no one's making: macOS puts one beside every file of other file systems. */
+static bool is_volume(const char *name)
+{
+    return name[0] != '.' && volume_stem_length(name) < strlen(name);
+}
+
+/* What the names in the folder leave open about one table. */
+struct folder {
+    const struct names *names;
+    const char *folder;
+    struct text stem; /* of the volume */
+    struct label_words volume;
+};
+
+/* Whether another volume, of other words, could be the one that `table` is of. */
+static bool is_of_another(const struct folder *folder, const struct label_words *table)
+{
+    bool exact = label_words_equal(&folder->volume, table);
+    for (size_t i = 0; i < folder->names->count; i++) {
+        const char *name = folder->names->names[i];
+        struct text stem = {name, volume_stem_length(name)};
+        bool own = stem.size == folder->stem.size && memcmp(name, folder->stem.data, stem.size) == 0;
+        struct label_words words;
+        if (!is_volume(name) || own) {
+            continue;
+        }
+        label_words_find(&words, stem);
+        bool same = label_words_equal(&words, &folder->volume);
+        bool could = words.overflow || label_words_contain(&words, table);
+        if (table->count ? could && !same && !exact : same || !exact) {
+            return true; /* a table without words is of the only volume, or the only one without words */
+        }
+    }
+    return false;
+}
+
+/* Whether no other file in the folder is a table of a known format. */
+static conus_status is_only_table(bool *out, const struct folder *folder, const char *table, uint64_t max_memory)
+{
+    conus_status status = CONUS_OK;
+    *out = true;
+    for (size_t i = 0; !status && *out && i < folder->names->count; i++) {
+        const char *name = folder->names->names[i];
+        struct bytes bytes = {0};
+        if (name[0] == '.' || !table_stem_length(name) || strcmp(name, table) == 0) {
+            continue;
+        }
+        char *path = file_beside(folder->folder, name);
+        status = path ? CONUS_OK : CONUS_ERROR_MEMORY;
+        if (!status && file_exists(path)) { /* one that cannot be read may be a table */
+            *out = !label_file_bytes(&bytes, path, max_memory) &&
+                   !label_format_of(text_from_bytes(bytes.data, bytes.size));
+        }
+        bytes_finish(&bytes);
+        memory_free(path);
+    }
+    return status;
+}
+
+static conus_status judge(bool *taken, struct label_search *search, const struct label_table *table, const char *name)
+{
+    struct label_fit fit;
+    const char *volume = path_base(search->volume->path);
+    conus_status status = label_fit_find(&fit, table, &search->use);
+    *taken = !status && label_fit_is_good(&fit, table);
+    if (status) {
+        return status;
+    }
+    if (!*taken && fit.unnamed) {
+        return notes_warn(search->notes,
+                          "%s is not taken for the label table: it has no name for label %u; --labels %s"
+                          " uses it all the same",
+                          name, fit.unnamed, name);
+    }
+    if (!*taken) {
+        return notes_warn(
+            search->notes,
+            "%s is not taken for the label table: of its %zu names %zu have voxels%s; --labels %s uses it "
+            "all the same",
+            name, fit.names, fit.used,
+            table->zero && !label_is_background(text_from(table->zero)) ? ", and it calls 0 an area" : "", name);
+    }
+    if (search->found) {
+        return notes_add(search->notes, "%s fits the labels, too: --labels chooses it", name);
+    }
+    return notes_add(search->notes,
+                     "%s is taken for the label table of %s by its name: all labels have a name in it, and %zu of its "
+                     "%zu names have voxels; --labels chooses another",
+                     name, volume, fit.used, fit.names);
+}
+
+static conus_status try_table(struct label_search *search, const struct folder *folder, const char *name)
+{
+    char *path = file_beside(folder->folder, name);
+    search->judge = judge;
+    conus_status status = path ? label_search_file(search, path) : CONUS_ERROR_MEMORY;
+    search->judge = NULL;
+    memory_free(path);
+    return status;
+}
+
+static conus_status consider(bool *tried, struct label_search *search, const struct folder *folder, const char *name)
+{
+    struct text stem = {name, table_stem_length(name)};
+    struct label_words words;
+    bool only = true;
+    *tried = false;
+    label_words_find(&words, stem);
+    bool same = stem.size == folder->stem.size && memcmp(name, folder->stem.data, stem.size) == 0; /* X.tsv was tried */
+    if (name[0] == '.' || !stem.size || same || !label_words_contain(&folder->volume, &words)) {
+        return CONUS_OK;
+    }
+    bool other = is_of_another(folder, &words);
+    conus_status status = words.count || other ? CONUS_OK : is_only_table(&only, folder, name, search->use.max_memory);
+    *tried = !status && only && !other;
+    return status || !*tried ? status : try_table(search, folder, name);
+}
+
+conus_status label_search_alike(struct label_search *search, const char *folder)
+{
+    const char *name = path_base(search->volume->path);
+    struct names names = {0};
+    struct folder here = {.names = &names, .folder = folder, .stem = {name, volume_stem_length(name)}};
+    size_t tries = 0;
+    conus_status status = search->use.voxels ? names_list(&names, folder, "") : CONUS_OK;
+    label_words_find(&here.volume, here.stem);
+    for (size_t i = 0; !status && names.count < FOLDER_LIMIT && tries < TABLE_LIMIT && i < names.count; i++) {
+        bool tried;
+        status = consider(&tried, search, &here, names.names[i]);
+        tries += !status && tried;
+    }
+    names_finish(&names);
+    return status;
+}

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The words of a file's name that say which atlas it is. */
+#include "loaders/labels/label_words.h"
+
+enum kind { NO_WORD, SMALL, CAPITAL, DIGIT };
+
+static enum kind kind_of(char c)
+{
+    if (c >= '0' && c <= '9') {
+        return DIGIT;
+    }
+    if (c >= 'A' && c <= 'Z') {
+        return CAPITAL;
+    }
+    return (c >= 'a' && c <= 'z') || (c & 0x80) ? SMALL : NO_WORD;
+}
+
+static bool is_neutral(struct text word)
+{
+    static const char *const neutral[] = {
+        "atl",   "atlas",  "atlases", "color",        "colors",  "colortable", "colour",  "colours", "ctab",
+        "desc",  "dseg",   "hemi",    "index",        "indices", "info",       "key",     "keys",    "l",
+        "label", "labels", "left",    "legend",       "lh",      "list",       "lookup",  "lut",     "name",
+        "names", "nii",    "parc",    "parcellation", "r",       "region",     "regions", "rh",      "right",
+        "roi",   "rois",   "seg",     "segmentation", "table",
+    };
+    for (size_t i = 0; i < sizeof neutral / sizeof neutral[0]; i++) {
+        if (text_equal_ignoring_case(word, neutral[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool starts_like(struct text entity, const char *key)
+{
+    struct text wanted = text_from(key);
+    struct text start = {entity.data, entity.size < wanted.size ? entity.size : wanted.size};
+    return text_equal_ignoring_case(start, key);
+}
+
+/* The next word off `rest`; false if none is left. */
+static bool next_word(struct text *rest, struct text *word)
+{
+    size_t start = 0;
+    while (start < rest->size && kind_of(rest->data[start]) == NO_WORD) {
+        start++;
+    }
+    size_t end = start;
+    for (; end < rest->size; end++) {
+        enum kind kind = kind_of(rest->data[end]);
+        enum kind last = end > start ? kind_of(rest->data[end - 1]) : kind;
+        if (kind == NO_WORD || (kind == DIGIT) != (last == DIGIT) || (kind == CAPITAL && last == SMALL)) {
+            break;
+        }
+    }
+    *word = (struct text){rest->data + start, end - start};
+    *rest = (struct text){rest->data + end, rest->size - end};
+    return word->size > 0;
+}
+
+static void add_word(struct label_words *words, struct text word)
+{
+    bool size = text_equal_ignoring_case(word, "mm") && words->count;
+    const struct text *last = size ? &words->items[words->count - 1] : NULL;
+    if (last && kind_of(last->data[0]) == DIGIT && last->data + last->size == word.data) {
+        words->count--;
+    } else if (!is_neutral(word) && words->count == LABEL_WORDS) {
+        words->overflow = true;
+    } else if (!is_neutral(word)) {
+        words->items[words->count++] = word;
+    }
+}
+
+void label_words_find(struct label_words *out, struct text stem)
+{
+    static const char *const places[] = {"space-", "res-", "den-", "tpl-"};
+    struct text entity;
+    *out = (struct label_words){.count = 0};
+    for (bool more = true; text_field(&stem, '_', &more, &entity);) {
+        bool place = false;
+        for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+            place = place || starts_like(entity, places[i]);
+        }
+        for (struct text word; !place && next_word(&entity, &word);) {
+            add_word(out, word);
+        }
+    }
+}
+
+static bool has_word(const struct label_words *words, struct text word)
+{
+    for (size_t i = 0; i < words->count; i++) {
+        if (words->items[i].size == word.size && text_contains(words->items[i], word)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool label_words_contain(const struct label_words *all, const struct label_words *part)
+{
+    for (size_t i = 0; i < part->count; i++) {
+        if (!has_word(all, part->items[i])) {
+            return false;
+        }
+    }
+    return !all->overflow && !part->overflow;
+}
+
+bool label_words_equal(const struct label_words *a, const struct label_words *b)
+{
+    return label_words_contain(a, b) && label_words_contain(b, a);
+}
