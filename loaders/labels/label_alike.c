@@ -91,9 +91,10 @@ static conus_status is_only_table(bool *out, const struct folder *folder, const 
     return status;
 }
 
-static conus_status judge(bool *taken, struct label_search *search, const struct label_table *table, const char *name)
+static conus_status judge(bool *taken, struct label_search *search, const struct label_table *table, const char *path)
 {
     struct label_fit fit;
+    const char *name = path_base(path);
     const char *volume = path_base(search->volume->path);
     conus_status status = label_fit_find(&fit, table, &search->use);
     *taken = !status && label_fit_is_good(&fit, table);

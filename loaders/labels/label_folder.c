@@ -6,6 +6,7 @@
 #include "base/folder.h"
 #include "base/memory.h"
 #include "loaders/labels/label_alike.h"
+#include "loaders/labels/label_freesurfer.h"
 #include "loaders/labels/label_search.h"
 #include "loaders/tables/fsl_find.h"
 #include "loaders/tables/fsl_number.h"
@@ -79,7 +80,9 @@ static conus_status search_fixed(struct label_search *search)
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && !search->found && i < 2; i++) {
         char *path = file_beside(search->volume->path, names[i]);
+        search->judge = i == 1 ? label_judge_freesurfer : NULL;
         status = path ? label_search_file(search, path) : CONUS_ERROR_MEMORY;
+        search->judge = NULL;
         memory_free(path);
     }
     return status;
@@ -93,6 +96,7 @@ conus_status label_search_folder(struct label_search *search)
     status = status ? status : fsl_atlas_each(search->volume->path, FSL_LABELS, offer_atlas, search);
     status = status || search->found || search->first_error.size ? status : label_search_alike(search, folder);
     status = status || search->found ? status : search_fixed(search);
+    status = status || search->found ? status : label_search_freesurfer(search, folder);
     memory_free(folder);
     return status;
 }

@@ -10,9 +10,9 @@
 
 struct label_search;
 
-/** Says whether @p table, from the file called @p name, may be offered; notes why. */
+/** Says whether @p table, from the file @p path, may be offered; notes why. */
 typedef conus_status (*label_judge)(bool *taken, struct label_search *search, const struct label_table *table,
-                                    const char *name);
+                                    const char *path);
 
 struct label_search {
     const struct volume_file *volume;

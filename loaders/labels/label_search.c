@@ -57,7 +57,7 @@ conus_status label_search_bytes(struct label_search *search, const char *path, c
         return keep_error(search, fail_in(status, name));
     }
     bool taken = offer.table.count > 0;
-    status = taken && search->judge ? search->judge(&taken, search, &offer.table, name) : CONUS_OK;
+    status = taken && search->judge ? search->judge(&taken, search, &offer.table, path) : CONUS_OK;
     if (status || !taken) {
         bool empty = !status && !offer.table.count && !search->found;
         notes_finish(&offer.notes);
