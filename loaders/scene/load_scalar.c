@@ -6,6 +6,7 @@
 #include "base/folder.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "loaders/labels/label_volumes.h"
 #include "loaders/tables/fsl_find.h"
 #include "loaders/volumes/volume_values.h"
 
@@ -79,11 +80,11 @@ static conus_status name_by_file(struct buffer *out, const conus_volume_info *in
     return buffer_status(out);
 }
 
-/* What FSL atlas XMLs call a volume. */
+/* What FSL atlas XMLs, and a table beside the file, call a volume. */
 struct title {
     const conus_volume_info *info;
     struct buffer *name;
-    struct buffer from; /* the XML */
+    struct buffer from; /* the file that says so */
 };
 
 static const char *name_in(const struct fsl_atlas *atlas, size_t volume)
@@ -96,29 +97,43 @@ static const char *name_in(const struct fsl_atlas *atlas, size_t volume)
     return NULL;
 }
 
-static conus_status take_title(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
+static conus_status agree_on_title(struct title *title, const char *name, const char *from)
 {
-    struct title *title = user;
-    (void)file;
-    const char *name = name_in(atlas, title->info->volume);
-    if (!name) {
-        return CONUS_OK;
-    }
     if (!title->from.size) {
         buffer_text(title->name, name);
-        buffer_text(&title->from, path_base(path));
+        buffer_text(&title->from, from);
         return buffer_status(title->name);
     }
     return strcasecmp(name, title->name->data) == 0
                ? CONUS_OK
                : fail(CONUS_ERROR_DATA,
-                      "%s: two FSL atlas XMLs contradict each other: volume %zu is \"%s\" in %s, \"%s\" in %s; name it "
+                      "%s: two label tables contradict each other: volume %zu is \"%s\" in %s, \"%s\" in %s; name it "
                       "(--pathway FILE,name=NAME)",
-                      title->info->path, title->info->volume, title->name->data, title->from.data, name,
-                      path_base(path));
+                      title->info->path, title->info->volume, title->name->data, title->from.data, name, from);
 }
 
-/* The name that is wanted, else what an FSL atlas XML calls this volume, else the file's name. */
+static conus_status take_title(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
+{
+    struct title *title = user;
+    (void)file;
+    const char *name = name_in(atlas, title->info->volume);
+    return name ? agree_on_title(title, name, path_base(path)) : CONUS_OK;
+}
+
+static conus_status take_beside(struct title *title, struct notes *notes)
+{
+    struct buffer name = {0};
+    struct buffer from = {0};
+    conus_status status = label_volume_name(&name, &from, title->info, notes);
+    if (!status && from.size) {
+        status = agree_on_title(title, name.data, from.data);
+    }
+    buffer_finish(&name);
+    buffer_finish(&from);
+    return status;
+}
+
+/* The name that is wanted, else what an FSL atlas XML or a table calls this volume, else the file's name. */
 static conus_status choose_name(struct buffer *out, const char *wanted, const conus_volume_info *info,
                                 struct notes *notes)
 {
@@ -128,6 +143,7 @@ static conus_status choose_name(struct buffer *out, const char *wanted, const co
         return buffer_status(out);
     }
     conus_status status = fsl_atlas_each(info->path, FSL_VOLUMES, take_title, &title);
+    status = status ? status : take_beside(&title, notes);
     status = status ? status : buffer_status(&title.from);
     if (!status) {
         status = title.from.size ? notes_add(notes, "pathway %s: named by %s", out->data, title.from.data)

@@ -7,6 +7,7 @@
 #include "base/formats/xml.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "loaders/labels/label_volumes.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/manifest/manifest_surfaces.h"
@@ -111,10 +112,25 @@ static bool is_used(const struct manifest_draft *draft, const char *name)
     return false;
 }
 
-static conus_status name_volume(struct buffer *out, const char *name, size_t index)
+#define NAMED "named by the table beside it"
+
+/* What the table beside the file calls a volume, else its number. */
+static conus_status name_volume(struct buffer *out, bool *named, const struct manifest_draft *draft, const char *name,
+                                size_t index, size_t count)
 {
-    buffer_format(out, "%.*s %zu", (int)volume_stem_length(name), name, index);
-    return buffer_status(out);
+    struct buffer from = {0};
+    struct notes notes = {0};
+    char *path = manifest_draft_path(draft, name);
+    const conus_volume_info info = {.path = path, .volume = index, .volume_count = count};
+    conus_status status = path ? label_volume_name(out, &from, &info, &notes) : CONUS_ERROR_MEMORY;
+    *named = !status && from.size;
+    if (!*named) {
+        buffer_format(out, "%.*s %zu", (int)volume_stem_length(name), name, index);
+    }
+    notes_finish(&notes);
+    buffer_finish(&from);
+    memory_free(path);
+    return status ? status : buffer_status(out);
 }
 
 /* The volumes of `name` that load, each by itself. */
@@ -122,10 +138,11 @@ static conus_status take_volumes(struct manifest_draft *draft, const char *name,
 {
     conus_status status = CONUS_OK;
     size_t taken = 0;
+    bool named = false;
     for (size_t i = 0; !status && i < count; i++) {
         struct buffer text = {0};
         bool loads = false;
-        status = name_volume(&text, name, i);
+        status = name_volume(&text, &named, draft, name, i, count);
         status = status ? status
                         : manifest_draft_append_loading(
                               &loads, draft, draft->pathways, "pathways",
@@ -134,17 +151,19 @@ static conus_status take_volumes(struct manifest_draft *draft, const char *name,
         taken += loads;
         buffer_finish(&text);
     }
-    return status ? status : manifest_draft_log(draft, "%s: %zu pathways, to be named", name, taken);
+    return status ? status
+                  : manifest_draft_log(draft, "%s: %zu pathways, %s", name, taken, named ? NAMED : "to be named");
 }
 
 static conus_status take_series(struct manifest_draft *draft, const char *name, size_t count)
 {
     bool loads = false;
+    bool named = false;
     json_t *names = json_array();
     conus_status status = names ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < count; i++) {
         struct buffer text = {0};
-        status = name_volume(&text, name, i);
+        status = name_volume(&text, &named, draft, name, i, count);
         status = status ? status : manifest_draft_append(names, json_string(text.data));
         buffer_finish(&text);
     }
@@ -155,7 +174,7 @@ static conus_status take_series(struct manifest_draft *draft, const char *name, 
     if (status || !loads) {
         return status ? status : take_volumes(draft, name, count);
     }
-    return manifest_draft_log(draft, "%s: %zu pathways, to be named", name, count);
+    return manifest_draft_log(draft, "%s: %zu pathways, %s", name, count, named ? NAMED : "to be named");
 }
 
 static conus_status take_pathway(struct manifest_draft *draft, const char *name, const char *words)

@@ -54,7 +54,7 @@ LIBRARY = {
     "loaders/manifest": "base base/formats atlas loaders/volumes loaders/tables loaders/labels loaders/child",
     "loaders/plan": "base base/formats atlas loaders loaders/volumes loaders/tables loaders/labels"
     " loaders/surfaces loaders/manifest",
-    "loaders/scene": "base base/formats atlas/surface atlas loaders loaders/volumes loaders/tables"
+    "loaders/scene": "base base/formats atlas/surface atlas loaders loaders/volumes loaders/tables loaders/labels"
     " loaders/child loaders/surfaces loaders/manifest loaders/plan",
     "loaders/arrays": "base atlas loaders/volumes loaders/plan loaders/scene",
     "render/gl": "base",

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The table beside a 4-D file that names its volumes. */
+#ifndef CONUS_LOADERS_LABELS_LABEL_VOLUMES_H
+#define CONUS_LOADERS_LABELS_LABEL_VOLUMES_H
+
+#include "base/buffer.h"
+#include "base/notes.h"
+#include "conus/conus.h"
+
+/** What the table beside the volume's file, X.txt or another, calls the volume: @p name and the table's file, @p from,
+ * get text appended; none where there is no such table, or where it does not say for certain which name is which
+ * volume's, which is a note. A file of one volume has no such table. */
+conus_status label_volume_name(struct buffer *name, struct buffer *from, const conus_volume_info *info,
+                               struct notes *notes);
+
+#endif
