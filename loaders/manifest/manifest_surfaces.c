@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "loaders/manifest/manifest_scan.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static conus_status take_single(bool *taken, struct manifest_draft *draft, const char *folder, const char *name,
@@ -23,6 +24,108 @@ static conus_status take_single(bool *taken, struct manifest_draft *draft, const
     return status;
 }
 
+/* ---- FreeSurfer's hemispheres -------------------------------------------------------------------------------------
+ */
+
+/* 'L' of lh.pial, 'R' of rh.pial, else 0. */
+static char hemisphere_of(const char *name)
+{
+    return strncmp(name, "lh.", 3) == 0 ? 'L' : strncmp(name, "rh.", 3) == 0 ? 'R' : '\0';
+}
+
+/* The annotation of a hemisphere in `folder`: the only one, or aparc of several. NULL in *out if there is none. */
+static conus_status find_annotation(char **out, const struct manifest_draft *draft, const char *folder, char side)
+{
+    struct names names = {0};
+    const char *found = NULL;
+    size_t count = 0;
+    char *path = manifest_draft_path(draft, folder);
+    conus_status status = path ? names_list(&names, path, ".annot") : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < names.count; i++) {
+        if (hemisphere_of(names.names[i]) == side) {
+            found = !count++ || strcmp(names.names[i] + 3, "aparc.annot") == 0 ? names.names[i] : found;
+        }
+    }
+    bool chosen = count == 1 || (count && strcmp(found + 3, "aparc.annot") == 0);
+    struct buffer file = {0};
+    if (!status && chosen) {
+        buffer_format(&file, "%s%s", folder, found);
+        status = buffer_status(&file);
+    }
+    if (!status && count > 1) {
+        status = manifest_draft_log(draft, "%s%ch.*.annot: %zu annotations, %s is taken", folder,
+                                    side == 'L' ? 'l' : 'r', count, chosen ? found : "none");
+    }
+    *out = status ? NULL : file.data;
+    if (status) {
+        buffer_finish(&file);
+    }
+    names_finish(&names);
+    memory_free(path);
+    return status;
+}
+
+/* Takes a surface as the areas of its hemisphere's annotation, beside it or, from surf/, in label/. */
+static conus_status take_annotated(bool *taken, struct manifest_draft *draft, const char *folder, const char *name)
+{
+    char *labels = NULL;
+    struct buffer file = {0};
+    char side = hemisphere_of(name);
+    *taken = false;
+    conus_status status = side ? find_annotation(&labels, draft, folder, side) : CONUS_OK;
+    if (!status && side && !labels && strcmp(folder, "surf/") == 0) {
+        status = find_annotation(&labels, draft, "label/", side);
+    }
+    if (status || !labels) {
+        return status;
+    }
+    buffer_format(&file, "%s%s", folder, name);
+    status = buffer_status(&file);
+    status = status ? status
+                    : manifest_draft_append_loading(taken, draft, draft->areas, "areas",
+                                                    json_pack("{s:s,s:s,s:s#,s:I}", "file", file.data, "vertex_labels",
+                                                              labels, "hemisphere", &side, 1, "label_offset",
+                                                              (json_int_t)draft->label_offset));
+    if (!status && *taken) {
+        draft->label_offset += MANIFEST_LABEL_STEP;
+        status = manifest_draft_log(draft, "%s: cut by %s, labels above %u", file.data, labels,
+                                    draft->label_offset - MANIFEST_LABEL_STEP);
+    } else if (!status) {
+        status = manifest_draft_leave_out(draft, labels);
+    }
+    buffer_finish(&file);
+    memory_free(labels);
+    return status;
+}
+
+/* Whether `name` is the only one of its hemisphere: an annotation is of one surface. */
+static bool is_only_of_side(const struct names *names, const char *name)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < names->count; i++) {
+        count += hemisphere_of(names->names[i]) == hemisphere_of(name);
+    }
+    return hemisphere_of(name) && count == 1;
+}
+
+/* Takes the surfaces that have an annotation, and out of `names`. */
+static conus_status take_all_annotated(struct manifest_draft *draft, const char *folder, struct names *names)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < names->count;) {
+        bool taken = false;
+        char *name = names->names[i];
+        status = is_only_of_side(names, name) ? take_annotated(&taken, draft, folder, name) : CONUS_OK;
+        if (taken) {
+            memory_free(name);
+            memmove(&names->names[i], &names->names[i + 1], (--names->count - i) * sizeof *names->names);
+        } else {
+            i++;
+        }
+    }
+    return status;
+}
+
 static conus_status take_pattern(bool *taken, struct manifest_draft *draft, const char *folder, const char *ending)
 {
     struct buffer pattern = {0};
@@ -36,13 +139,18 @@ static conus_status take_pattern(bool *taken, struct manifest_draft *draft, cons
     return status;
 }
 
-/* Takes the surfaces of one ending in a folder as a pattern if their names give labels, else one by one. */
+/* Takes the surfaces of one ending in a folder that no annotation cuts: as a pattern if their names give labels, else
+ * one by one. */
 static conus_status take_surfaces(struct manifest_draft *draft, const char *folder, const char *ending,
-                                  const struct names *names)
+                                  struct names *names)
 {
     bool all = false;
+    size_t found = names->count;
+    conus_status status = take_all_annotated(draft, folder, names);
     size_t count = names->count;
-    conus_status status = surface_names_give_labels(names) ? take_pattern(&all, draft, folder, ending) : CONUS_OK;
+    if (!status && count == found && surface_names_give_labels(names)) {
+        status = take_pattern(&all, draft, folder, ending);
+    }
     if (!all) {
         count = 0;
         for (size_t i = 0; !status && i < names->count; i++) {
@@ -59,6 +167,28 @@ static conus_status take_surfaces(struct manifest_draft *draft, const char *fold
                               draft->label_offset - MANIFEST_LABEL_STEP);
 }
 
+/* FreeSurfer's surfaces have no ending, and several of them are one hemisphere: the first kind that is there counts. */
+static conus_status look_for_hemispheres(struct manifest_draft *draft, const char *folder, const char *path)
+{
+    static const char *const kinds[] = {".pial", ".pial.T1", ".white", ".smoothwm", ".midthickness"};
+    conus_status status = CONUS_OK;
+    bool taken = false;
+    for (size_t i = 0; !status && !taken && i < sizeof kinds / sizeof kinds[0]; i++) {
+        struct names names = {0};
+        for (size_t side = 0; !status && side < 2; side++) {
+            char name[32];
+            snprintf(name, sizeof name, "%s%s", side ? "rh" : "lh", kinds[i]);
+            char *file = file_beside(path, name);
+            status = !file ? CONUS_ERROR_MEMORY : file_exists(file) ? names_add(&names, name) : CONUS_OK;
+            memory_free(file);
+        }
+        taken = names.count > 0;
+        status = status || !taken ? status : take_surfaces(draft, folder, kinds[i], &names);
+        names_finish(&names);
+    }
+    return status;
+}
+
 /* `folder` is "" or a name with '/' at its end. */
 static conus_status look_for_surfaces(struct manifest_draft *draft, const char *folder)
 {
@@ -66,16 +196,19 @@ static conus_status look_for_surfaces(struct manifest_draft *draft, const char *
     char *path = manifest_draft_path(draft, folder);
     conus_status status = path ? CONUS_OK : CONUS_ERROR_MEMORY;
     bool surf = false;
+    bool any = false;
     for (size_t i = 0; !status && i < sizeof endings / sizeof endings[0]; i++) {
         struct names names = {0};
         bool skip = i == 1 && surf; /* what else is GIFTI there, is no surface */
         status = skip ? CONUS_OK : names_list(&names, path, endings[i]);
         if (!status && names.count) {
             surf = surf || i == 0;
+            any = true;
             status = take_surfaces(draft, folder, endings[i], &names);
         }
         names_finish(&names);
     }
+    status = status || any ? status : look_for_hemispheres(draft, folder, path);
     memory_free(path);
     return status;
 }

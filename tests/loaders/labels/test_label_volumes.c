@@ -101,7 +101,7 @@ static void what_does_not_decide_names_nothing(void **state)
     assert_string_equal(names_beside("q.txt", "1 AF\n2 CST\n3 UF\n", note), "-/-/-"); /* of another file */
 }
 
-/* Three volumes of two voxels, 1 and 2. */
+/* Three volumes of two voxels, 50 and 100. */
 static void write_volumes(void)
 {
     struct nifti_builder file;
@@ -109,7 +109,7 @@ static void write_volumes(void)
     nifti_set(&file, "dim", 0, 4);
     nifti_set(&file, "dim", 4, VOLUMES);
     for (int i = 0; i < 2 * VOLUMES; i++) {
-        nifti_voxel(&file, 1 + i % 2);
+        nifti_voxel(&file, 50 + 50 * (i % 2));
     }
     assert_ok(conus_write_file(test_in("p.nii"), file.bytes.data, file.bytes.size));
     buffer_finish(&file.bytes);
@@ -128,6 +128,21 @@ static conus_status add_second(void *data)
     }
     conus_atlas_destroy(atlas);
     return status;
+}
+
+static void a_manifest_has_these_names(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = NULL;
+    test_folder("written");
+    write_volumes();
+    row_text(test_in("p.txt"), "AF\nCST\nUF\n");
+    assert_ok(conus_manifest_write(test_in("s.atlas.json"), NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("s.atlas.json"), NULL));
+    assert_int_equal(conus_atlas_object_count(atlas), VOLUMES);
+    assert_string_equal(conus_atlas_object(atlas, 1)->name, "AF");
+    assert_string_equal(conus_atlas_object(atlas, 3)->name, "UF");
+    conus_atlas_destroy(atlas);
 }
 
 static void pathways_bear_these_names(void **state)
@@ -157,6 +172,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_say_which_volume_it_is),
         cmocka_unit_test(what_does_not_decide_names_nothing),
+        cmocka_unit_test(a_manifest_has_these_names),
         cmocka_unit_test(pathways_bear_these_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
