@@ -101,6 +101,21 @@ static void what_does_not_decide_names_nothing(void **state)
     assert_string_equal(names_beside("q.txt", "1 AF\n2 CST\n3 UF\n", note), "-/-/-"); /* of another file */
 }
 
+static void every_prefix_is_read_or_refused(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"AF\nCST\nUF left\n", "0 AF\n1 CST\n2 UF\n", "{\"1\": \"AF\", \"2\": \"CST\"}"};
+    char note[512];
+    char text[64];
+    test_folder("prefix");
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        for (size_t size = 0; size < strlen(texts[i]); size++) {
+            snprintf(text, sizeof text, "%.*s", (int)size, texts[i]);
+            (void)names_beside("p.txt", text, note); /* asserts that it is no error */
+        }
+    }
+}
+
 /* Three volumes of two voxels, 50 and 100. */
 static void write_volumes(void)
 {
@@ -170,9 +185,8 @@ static void pathways_bear_these_names(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_say_which_volume_it_is),
-        cmocka_unit_test(what_does_not_decide_names_nothing),
-        cmocka_unit_test(a_manifest_has_these_names),
+        cmocka_unit_test(numbers_say_which_volume_it_is),  cmocka_unit_test(what_does_not_decide_names_nothing),
+        cmocka_unit_test(every_prefix_is_read_or_refused), cmocka_unit_test(a_manifest_has_these_names),
         cmocka_unit_test(pathways_bear_these_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

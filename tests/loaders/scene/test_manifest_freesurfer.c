@@ -120,6 +120,18 @@ static void an_annotation_beside_it_cuts_a_surface(void **state)
     assert_areas("", "1 alpha L; 10001 rh.pial -");
 }
 
+/* Content decides the format: these are FreeSurfer's under GIFTI's ending. */
+static void two_surfaces_of_a_side_are_not_cut(void **state)
+{
+    (void)state;
+    test_folder("sides");
+    write_surface("lh.pial.gii", -20);
+    write_annotation("lh.aparc.annot", 4, "alpha");
+    assert_areas("", "1 alpha L");
+    write_surface("lh.white.gii", -20); /* which of the two? */
+    assert_areas("", "1 lh.pial -; 2 lh.white -");
+}
+
 static void an_annotation_of_another_surface_is_refused(void **state)
 {
     (void)state;
@@ -171,6 +183,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_kind_of_surface_is_taken),
         cmocka_unit_test(an_annotation_beside_it_cuts_a_surface),
+        cmocka_unit_test(two_surfaces_of_a_side_are_not_cut),
         cmocka_unit_test(an_annotation_of_another_surface_is_refused),
         cmocka_unit_test(a_manifest_of_a_subject_takes_its_annotations),
         cmocka_unit_test(every_allocation_may_fail),
