@@ -3,7 +3,8 @@
 """Names, numbers and colours of real label tables against a few lines of Python each.
 
 Every table is read by `conus info`: those of mricron through their volumes, the others with --labels on one of them.
-The parsers here know their one file each and guess nothing, where conus tells the formats apart by content.
+The parsers here know their one file each and guess nothing, where conus tells the formats apart by content. Python's
+own writers also write AAL's names in further formats, which conus must find beside copies of its volume, or refuse.
 
 usage: compare_labels.py CONUS [TEMPLATE_FOLDER] [SHARED_FOLDER]; exit 77 = skipped."""
 
@@ -13,9 +14,11 @@ import io
 import json
 import os
 import re
+import shutil
 import struct
 import subprocess
 import sys
+import tempfile
 import xml.etree.ElementTree as ElementTree
 
 CONUS = sys.argv[1]
@@ -148,8 +151,57 @@ def compare_shared():
             compare(path, areas(full), {n: (label, None) for n, label in numbered(embedded(full), str).items()})
 
 
+def as_csv(names, header, separator):
+    out = io.StringIO()
+    rows = csv.writer(out, delimiter=separator)
+    rows.writerows(([header] if header else []) + [[number, name] for number, name in names.items()])
+    return out.getvalue()
+
+
+def as_spm(names):
+    root = ElementTree.Element("atlas", version="2.0")
+    data = ElementTree.SubElement(root, "data")
+    for number, name in names.items():
+        label = ElementTree.SubElement(data, "label")
+        ElementTree.SubElement(label, "index").text = str(number)
+        ElementTree.SubElement(label, "name").text = name
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def compare_written():
+    names = numbered(text_of(os.path.join(TEMPLATES, "aal.nii.txt")), lambda name: re.sub(r" \d+$", "", name))
+    volume = "atlas_AAL.nii.gz"
+    shifted = {number - 1: name for number, name in names.items()}
+    few = {number: name for number, name in names.items() if number < 100}
+    found = [
+        ("labels_AAL.csv", as_csv(names, None, ",")),
+        ("AAL.csv", as_csv(names, None, ";")),
+        ("aal-names.tsv", as_csv(names, ["value", "label"], "\t")),
+        ("labels.csv", as_csv(names, ["ROIid", "ROIname"], ";")),
+        ("lut_AAL.json", json.dumps({str(number): name for number, name in names.items()}, indent=1)),
+        ("AAL_list.json", json.dumps([{"label": number, "name": name} for number, name in names.items()])),
+        ("atlas_AAL.xml", as_spm(names)),
+    ]
+    refused = [
+        ("labels_AAL.csv", as_csv(shifted, None, ",")),
+        ("labels_AAL.json", json.dumps({str(number): name for number, name in few.items()})),
+        ("labels_AICHA.csv", as_csv(names, None, ",")),
+        ("results_AAL.csv", as_csv(names, None, ",")),
+    ]
+    for tables, wanted in [(found, names), (refused, {})]:
+        for name, text in tables:
+            with tempfile.TemporaryDirectory() as folder:
+                shutil.copy(os.path.join(TEMPLATES, "aal.nii.gz"), os.path.join(folder, volume))
+                with open(os.path.join(folder, name), "w", encoding="utf-8", newline="") as file:
+                    file.write(text)
+                got = areas(os.path.join(folder, volume))
+                compare(f"{name} {'beside' if wanted else 'refused beside'} {volume}", got,
+                        {number: (label, None) for number, label in wanted.items()})
+
+
 if not os.path.exists(os.path.join(TEMPLATES, "brodmann.nii.gz")):
     print(f"skipped: no mricron-data in {TEMPLATES}")
     sys.exit(77)
 compare_templates()
 compare_shared()
+compare_written()
