@@ -189,11 +189,13 @@ void vertex_labels_finish(struct vertex_labels *labels)
 }
 
 static conus_status take_gifti_labels(struct vertex_labels *out, const struct bytes *bytes, const char *path,
-                                      const struct mesh_file_options *options, struct notes *notes)
+                                      struct text wanted, const struct mesh_file_options *options, struct notes *notes)
 {
     struct gifti gifti = {0};
+    size_t map = 0;
     conus_status status = parse_gifti(&gifti, bytes, path, options, notes);
-    status = status ? status : gifti_labels(&out->labels, &out->count, &gifti, 0, notes);
+    status = status ? status : gifti_map_find(&map, &gifti, wanted, notes);
+    status = status ? status : gifti_labels(&out->labels, &out->count, &gifti, map, notes);
     if (!status) {
         out->table = gifti.labels;
         out->hemisphere = gifti.hemisphere;
@@ -203,11 +205,15 @@ static conus_status take_gifti_labels(struct vertex_labels *out, const struct by
     return status;
 }
 
-static conus_status take_labels(struct vertex_labels *out, const struct bytes *bytes, const char *path,
+static conus_status take_labels(struct vertex_labels *out, const struct bytes *bytes, const char *path, struct text map,
                                 const struct mesh_file_options *options, struct notes *notes)
 {
     if (is_gifti(bytes)) {
-        return take_gifti_labels(out, bytes, path, options, notes);
+        return take_gifti_labels(out, bytes, path, map, options, notes);
+    }
+    if (map.size) {
+        return fail(CONUS_ERROR_ARGUMENT, "map: found \"%.*s\", only GIFTI labels have several",
+                    map.size < 60 ? (int)map.size : 60, map.data);
     }
     if (freesurfer_is_surface(bytes->data, bytes->size) || mesh_foreign_is(path)) {
         return CONUS_OK;
@@ -220,18 +226,30 @@ static conus_status take_labels(struct vertex_labels *out, const struct bytes *b
     return status == CONUS_ERROR_DATA ? fail_in(status, "not GIFTI, and as a FreeSurfer annotation") : status;
 }
 
-conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
-                                struct notes *notes)
+/* Splits "path,map=K", unless there is a file of that name. */
+static conus_status split_map(char **path, struct text *map, const char *text)
+{
+    static const char selector[] = ",map=";
+    const char *at = file_exists(text) ? NULL : strstr(path_base(text), selector);
+    *map = text_from(at ? at + strlen(selector) : "");
+    if (at && !map->size) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: map: a number from 0 or a name is needed", text);
+    }
+    *path = memory_text(text, at ? (size_t)(at - text) : strlen(text));
+    return *path ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status read_labels(struct vertex_labels *out, const char *path, struct text map,
+                                const struct mesh_file_options *options, struct notes *notes)
 {
     struct bytes bytes = {0};
     struct vertex_labels labels = {0};
     struct notes own = {0};
-    options = options ? options : &defaults;
     conus_status status = read_unpacked(&bytes, path, options);
     if (status) {
         return status;
     }
-    status = take_labels(&labels, &bytes, path, options, &own);
+    status = take_labels(&labels, &bytes, path, map, options, &own);
     bytes_finish(&bytes);
     conus_status moved = notes_move_in(notes, &own, path);
     status = status ? fail_in(status, path) : moved;
@@ -241,4 +259,15 @@ conus_status vertex_labels_read(struct vertex_labels *out, const char *path, con
     }
     *out = labels;
     return CONUS_OK;
+}
+
+conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
+                                struct notes *notes)
+{
+    char *file = NULL;
+    struct text map;
+    conus_status status = split_map(&file, &map, path);
+    status = status ? status : read_labels(out, file, map, options ? options : &defaults, notes);
+    memory_free(file);
+    return status;
 }

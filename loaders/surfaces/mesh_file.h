@@ -37,8 +37,9 @@ struct vertex_labels {
 
 void vertex_labels_finish(struct vertex_labels *labels);
 
-/** Reads GIFTI labels (.label.gii, the first LABEL array; also those of a surface file itself) or a FreeSurfer
- * annotation (.annot), each plain or gzip. A surface without labels has none: count 0. Notes and errors carry the path.
+/** Reads GIFTI labels (.label.gii, the first LABEL array, or that of ",map=K" or ",map=NAME" behind @p path; also those
+ * of a surface file itself) or a FreeSurfer annotation (.annot), each plain or gzip. A surface without labels has none:
+ * count 0. Notes and errors carry the path.
  * @p options may be NULL. */
 conus_status vertex_labels_read(struct vertex_labels *out, const char *path, const struct mesh_file_options *options,
                                 struct notes *notes);

@@ -227,6 +227,66 @@ static void labels_of_vertices(void **state)
     }
 }
 
+#define MAP(name) "<MetaData><MD><Name>Name</Name><Value>" name "</Value></MD></MetaData>"
+
+/* Three maps, of which vertex 0 has label 1, 2 and 1. */
+static const char *write_maps(void)
+{
+    static const double labels[3][4] = {{1, 1, 1, 1}, {2, 2, 2, 2}, {1, 2, 1, 2}};
+    static const char *const names[3] = {MAP("aparc"), MAP("yeo"), MAP("yeo")};
+    struct buffer bytes = {0};
+    gifti_begin(&bytes, "", 3);
+    buffer_text(&bytes, "<LabelTable><Label Key=\"1\">a</Label><Label Key=\"2\">b</Label></LabelTable>");
+    for (int i = 0; i < 3; i++) {
+        gifti_append(&bytes,
+                     &(struct array_spec){
+                         .intent = "LABEL", .type = "INT32", .rows = 4, .values = labels[i], .inside = names[i]});
+    }
+    gifti_end(&bytes);
+    const char *path = write_bytes("maps", &bytes);
+    buffer_finish(&bytes);
+    return path;
+}
+
+static void maps_are_chosen_by_number_or_name(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *map;
+        uint32_t last; /* label of vertex 3; 0: refused */
+        const char *words;
+    } cases[] = {
+        {"", 1,
+         "3 LABEL arrays: number 0 (from 0) was used, \"aparc\"; add \",map=K\" or \",map=NAME\" to the file of "
+         "labels for another of 0 \"aparc\", 1 \"yeo\", 2 \"yeo\""},
+        {",map=0", 1, NULL},
+        {",map=1", 2, NULL},
+        {",map=2", 2, NULL},
+        {",map=aparc", 1, NULL},
+        {",map=3", 0, "LABEL array 3: the file has 3 (counted from 0)"},
+        {",map=yeo", 0, "map: 2 LABEL arrays are called \"yeo\", one is needed of 0 \"aparc\""},
+        {",map=Aparc", 0, "map: 0 LABEL arrays are called \"Aparc\""},
+        {",map=", 0, "map: a number from 0 or a name is needed"},
+    };
+    char file[4096];
+    snprintf(file, sizeof file, "%s", write_maps());
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct vertex_labels labels = {0};
+        struct notes notes = {0};
+        char path[4200];
+        snprintf(path, sizeof path, "%s%s", file, cases[i].map);
+        conus_status status = vertex_labels_read(&labels, path, NULL, &notes);
+        assert_int_equal(status == CONUS_OK, cases[i].last != 0);
+        assert_true(status || labels.labels[3] == cases[i].last);
+        const char *words = status ? conus_message() : notes.count ? notes.lines[0] : "";
+        if (cases[i].words ? !strstr(words, cases[i].words) : words[0] != '\0') {
+            fail_msg("%s: \"%s\"", cases[i].map, words);
+        }
+        notes_finish(&notes);
+        vertex_labels_finish(&labels);
+    }
+}
+
 static conus_status attempt_labels(void *data)
 {
     struct vertex_labels labels = {0};
@@ -247,6 +307,11 @@ static void labels_without_memory_or_sense(void **state)
     make_labels(&bytes, 2);
     snprintf(path, sizeof path, "%s", write_packed("labels.gii", &bytes));
     test_every_allocation(attempt_labels, path);
+    char map[4200];
+    snprintf(map, sizeof map, "%s,map=aparc", write_maps());
+    test_every_allocation(attempt_labels, map);
+    *strrchr(map, ',') = '\0';
+    test_every_allocation(attempt_labels, map);
     const struct buffer text = {.data = (char *)"hello", .size = 5};
     assert_fails(vertex_labels_read(&labels, write_bytes("text.annot", &text), NULL, &notes), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "found plain text, \"hello\"; needed is labels of vertices (GIFTI labels"));
@@ -259,10 +324,15 @@ static void labels_without_memory_or_sense(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(labels_of_vertices),    cmocka_unit_test(labels_without_memory_or_sense),
-        cmocka_unit_test(content_decides),       cmocka_unit_test(other_formats_by_name),
-        cmocka_unit_test(what_is_a_surface),     cmocka_unit_test(a_given_space_is_not_asked_of_the_file),
-        cmocka_unit_test(errors_carry_the_path), cmocka_unit_test(every_failing_allocation),
+        cmocka_unit_test(labels_of_vertices),
+        cmocka_unit_test(maps_are_chosen_by_number_or_name),
+        cmocka_unit_test(labels_without_memory_or_sense),
+        cmocka_unit_test(content_decides),
+        cmocka_unit_test(other_formats_by_name),
+        cmocka_unit_test(what_is_a_surface),
+        cmocka_unit_test(a_given_space_is_not_asked_of_the_file),
+        cmocka_unit_test(errors_carry_the_path),
+        cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
