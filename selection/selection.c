@@ -216,6 +216,7 @@ conus_status selection_begin(conus_selection **out, conus_selector *selector, co
     }
     selection->atlas = selector->atlas;
     selection->sampling = options->sampling;
+    selection->slice_fraction = options->slice_fraction;
     selection->has_layers = options->layers == CONUS_LAYERS_ALL;
     selection->cone = cone;
     region_from_cone(&selection->region, &cone);

@@ -11,6 +11,7 @@
 struct conus_selection {
     const conus_atlas *atlas; /**< Must outlive the selection. */
     conus_sampling sampling;
+    double slice_fraction; /**< F of Eq. 7; 0 with exact sampling. */
     char engine[96];
     struct cone cone;
     struct region region;     /**< Where voxels are counted: the cone, or a ball. Of a ball, the cone is nothing but

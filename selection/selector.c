@@ -5,11 +5,27 @@
 #include "base/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "base/text.h"
 #include "selection/rank.h"
 
 #include <string.h>
 
 enum { DEFAULT_RESOLUTION = 16 };
+
+/* F of Eq. 7. */
+static conus_status check_slice_fraction(const conus_selector_options *options)
+{
+    double fraction = options->slice_fraction;
+    char text[TEXT_NUMBER_SIZE];
+    if (!(fraction >= 0 && fraction <= 1)) {
+        return fail(CONUS_ERROR_ARGUMENT, "slice_fraction: %s, allowed is more than 0 to 1 (0 = a fifth)",
+                    text_number(text, fraction));
+    }
+    return fraction == 0 || options->sampling == CONUS_SAMPLING_SLICES
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "slice_fraction: %s with exact sampling, which has no slices",
+                      text_number(text, fraction));
+}
 
 static conus_status check_options(const conus_selector_options *options)
 {
@@ -25,7 +41,7 @@ static conus_status check_options(const conus_selector_options *options)
     if (!status && options->slices && options->sampling != CONUS_SAMPLING_SLICES) {
         status = fail(CONUS_ERROR_ARGUMENT, "slices: %u with exact sampling, which has none", options->slices);
     }
-    return status;
+    return status ? status : check_slice_fraction(options);
 }
 
 static conus_status set_level(conus_selector *selector, const char *spec)
@@ -95,8 +111,14 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     status = status ? status : set_level(selector, selector->options.level);
     status = status ? status : measure_objects(selector);
     if (!status) {
-        const struct engine_options engine = {selector->options.sampling, selector->options.slices,
-                                              selector->options.log, selector->options.log_user};
+        if (selector->options.sampling == CONUS_SAMPLING_SLICES && selector->options.slice_fraction == 0) {
+            selector->options.slice_fraction = SLICES_FRACTION;
+        }
+        const struct engine_options engine = {.sampling = selector->options.sampling,
+                                              .slices = selector->options.slices,
+                                              .slice_fraction = selector->options.slice_fraction,
+                                              .log = selector->options.log,
+                                              .log_user = selector->options.log_user};
         status = selector->options.engine == CONUS_ENGINE_GL ? engine_gl_create(&selector->engine, atlas, &engine)
                                                              : engine_rays_create(&selector->engine, atlas, &engine);
     }

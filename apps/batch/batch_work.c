@@ -34,8 +34,8 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
         print_error_line("--summary: other programs' formats have none, tsv, csv and ndjson do");
         return false;
     }
-    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SAMPLING_SLICES) {
-        print_error_line("--slices has no effect without --sampling slices");
+    if (!settings_check_slices(&settings->engine, arguments, "slices") ||
+        !settings_check_slices(&settings->engine, arguments, "slice-fraction")) {
         return false;
     }
     if ((settings->force || settings->resume) && output_is_stdout(settings->output)) {

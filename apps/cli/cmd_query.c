@@ -124,9 +124,9 @@ static bool check_format(const struct inquiry *inquiry)
 /* A ball has a point and a radius, and nothing that is only of cones. */
 static bool check_point(const struct arguments *arguments)
 {
-    static const char *const of_cones[] = {"origin", "toward",   "direction", "up",         "pose",     "angle",
-                                           "layers", "range",    "engine",    "resolution", "aperture", "score",
-                                           "slices", "sampling", "context",   "image",      "deep"};
+    static const char *const of_cones[] = {
+        "origin",     "toward",   "direction", "up",     "pose",     "angle",   "layers", "range", "engine",
+        "resolution", "aperture", "score",     "slices", "sampling", "context", "image",  "deep",  "slice-fraction"};
     for (size_t i = 0; i < sizeof of_cones / sizeof of_cones[0]; i++) {
         if (!options_exclude(arguments, "point", of_cones[i])) {
             return false;

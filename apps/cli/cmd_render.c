@@ -150,8 +150,9 @@ static bool has_camera(const struct arguments *arguments)
 /* Options about the cone mean nothing without one. */
 static bool check_cone(const struct render_settings *settings, const struct arguments *arguments)
 {
-    static const char *const of_cone[] = {"angle", "space",    "resolution", "aperture", "engine", "layers",
-                                          "range", "sampling", "score",      "level",    "radius", NULL};
+    static const char *const of_cone[] = {"angle",          "space",  "resolution", "aperture", "engine",
+                                          "layers",         "range",  "sampling",   "score",    "level",
+                                          "slice-fraction", "radius", NULL};
     if (!settings_check_aim(arguments, false) || !settings_check_score(&settings->engine, false) ||
         !settings_check_shape(&settings->aim, &settings->engine, arguments)) {
         return false;
@@ -168,7 +169,7 @@ static bool check_cone(const struct render_settings *settings, const struct argu
             return false;
         }
     }
-    return true;
+    return settings_check_slices(&settings->engine, arguments, "slice-fraction");
 }
 
 static bool check_frustum(const struct arguments *arguments)

@@ -12,8 +12,8 @@
 
 bool inquiry_check(const struct inquiry_settings *settings, const struct arguments *arguments, bool has_history)
 {
-    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SAMPLING_SLICES) {
-        print_error_line("--slices has no effect without --sampling slices");
+    if (!settings_check_slices(&settings->engine, arguments, "slices") ||
+        !settings_check_slices(&settings->engine, arguments, "slice-fraction")) {
         return false;
     }
     return settings_check_score(&settings->engine, has_history) && settings_check_context(arguments) &&

@@ -180,6 +180,12 @@ const struct option engine_options[] = {
      .value = "KIND",
      .help = "visit every voxel along a ray, or only planes across the view, which can miss thin objects:",
      .choices = samplings},
+    {.name = "slice-fraction",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(engine_settings, slice_fraction),
+     .value = "F",
+     .help = "with --sampling slices: part of the picture's slices that the selection takes, more than 0 to 1 "
+             "(default 0.2, the paper's fifth)"},
     {.name = "level",
      .type = OPTION_TEXT,
      .offset = FIELD(engine_settings, level),
@@ -226,7 +232,7 @@ const struct option slices_options[] = {
      .type = OPTION_COUNT,
      .offset = FIELD(engine_settings, slices),
      .value = "N",
-     .help = "with --sampling slices: slices of the picture, of which the selection takes a fifth "
+     .help = "with --sampling slices: slices of the picture, of which the selection takes --slice-fraction "
              "(default sqrt(2) times the longest edge of the volume)",
      .low = 1,
      .high = 65536},
@@ -345,6 +351,20 @@ bool settings_check_shape(const struct aim_settings *settings, const struct engi
     return true;
 }
 
+bool settings_check_slices(const struct engine_settings *engine, const struct arguments *arguments, const char *name)
+{
+    double fraction = engine->slice_fraction;
+    if (option_given(arguments, name) && engine->sampling != CONUS_SAMPLING_SLICES) {
+        print_error_line("--%s has no effect without --sampling slices", name);
+        return false;
+    }
+    if (option_given(arguments, "slice-fraction") && !(fraction > 0 && fraction <= 1)) {
+        print_error_line("--slice-fraction: %.10g is out of range, allowed is more than 0 to 1", fraction);
+        return false;
+    }
+    return true;
+}
+
 bool settings_check_score(const struct engine_settings *settings, bool has_history)
 {
     conus_score_info score;
@@ -371,6 +391,7 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
         .sampling = (conus_sampling)settings->sampling,
         .resolution = settings->resolution,
         .slices = settings->slices,
+        .slice_fraction = settings->slice_fraction,
         .layers = (conus_layers)settings->layers,
         .range = {settings->range[0], settings->range[1]},
         .radius = settings->radius,

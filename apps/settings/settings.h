@@ -36,6 +36,7 @@ struct engine_settings {
     size_t layers;                     /* conus_layers */
     const char *level;
     double range[2], radius; /* mm */
+    double slice_fraction;   /* 0 = not given */
 };
 
 /** A volume that blocks the view. */
@@ -89,6 +90,10 @@ double settings_angle(const struct aim_settings *settings, const struct engine_s
 /** Whether angle and radius go together; prints an error if not. */
 bool settings_check_shape(const struct aim_settings *settings, const struct engine_settings *engine,
                           const struct arguments *arguments);
+
+/** Whether the option @p name, of slices, stands with --sampling slices, and the fraction of the slices is one; prints
+ * an error if not. */
+bool settings_check_slices(const struct engine_settings *engine, const struct arguments *arguments, const char *name);
 
 /** Whether there is such a score, and what it needs; prints an error if not. */
 bool settings_check_score(const struct engine_settings *settings, bool has_history);

@@ -52,7 +52,7 @@ typedef struct conus_selector_options {
     conus_aperture aperture; /**< Which pixels count as the cone (Eq. 3). */
     conus_sampling sampling; /**< Exact cells (Eq. 5) or the paper's slices (Eq. 7). */
     uint32_t resolution;     /**< n of the n x n buffer, 1 to 1024; 0 = 16. */
-    uint32_t slices;         /**< N of Eq. 7; the ID pass takes N/5. 0 = default. */
+    uint32_t slices;         /**< N of Eq. 7, of which the ID pass takes slice_fraction. 0 = default. */
     conus_layers layers;     /**< What the pixels hit first, or also all that their rays pass (Eq. 10). */
     double range[2];   /**< Nearest and farthest depth along the axis, mm from the apex: what lies outside is as if it
                           were not there. Both 0 = everything. */
@@ -62,6 +62,8 @@ typedef struct conus_selector_options {
     const char *score; /**< Ranking, a name from conus_score() or a formula of them; NULL = "share". */
     conus_log log;     /**< NULL = silent. */
     void *log_user;    /**< Passed to @p log. */
+    double slice_fraction; /**< F of Eq. 7, more than 0 to 1: which part of the slices the ID pass takes. 0 = the
+                              paper's fifth. */
 } conus_selector_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -353,7 +353,7 @@ class Selector:
         (nearest, farthest) depth along the axis, mm.
     radius
         mm: a cylinder instead of a cone.
-    level, score, aperture, sampling, slices, engine
+    level, score, aperture, sampling, slices, slice_fraction, engine
         As the options of ``conus query``.
     """
 
@@ -370,6 +370,7 @@ class Selector:
         aperture: str = "circle",
         sampling: str = "exact",
         slices: int = 0,
+        slice_fraction: float = 0,
         engine: str = "auto",
     ) -> None:
         options, out = ffi.new("conus_selector_options *"), ffi.new("conus_selector **")
@@ -380,6 +381,7 @@ class Selector:
         options.engine = choice("engine", engine, ("auto", "rays", "gl"))
         options.resolution, options.slices = whole("resolution", resolution), whole("slices", slices)
         options.range, options.radius = vector("range", range, 2), real("radius", radius)
+        options.slice_fraction = real("slice_fraction", slice_fraction)
         options.level, options.score = words
         self._owner = GLOwner() if engine == "gl" else None
         check(lib.conus_selector_create(out, atlas._p, options))

@@ -11,10 +11,12 @@ uint32_t slices_default(const size_t dim[3])
     return (uint32_t)floor(sqrt(2) * (double)longest);
 }
 
-uint32_t slices_of_id_pass(uint32_t slices, const size_t dim[3])
+uint32_t slices_of_id_pass(uint32_t slices, double fraction, const size_t dim[3])
 {
-    uint32_t fifth = (slices ? slices : slices_default(dim)) / 5;
-    return fifth ? fifth : 1;
+    static const double rounding = 1e-12; /* 0.29 of 100 are 29, and 28.999999999999996 in double */
+    double all = slices ? slices : slices_default(dim);
+    double part = floor(all * (fraction > 0 ? fraction : SLICES_FRACTION) * (1 + rounding));
+    return part > 1 ? (uint32_t)part : 1;
 }
 
 struct slices slices_over(const size_t dim[3], const double world_from_voxel[16], const double eye[3],

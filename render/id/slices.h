@@ -8,6 +8,9 @@
 
 #include "base/status.h"
 
+/** The part of a picture's planes that an ID pass takes when nobody says otherwise: the paper's. */
+#define SLICES_FRACTION 0.2
+
 struct slices {
     double start;   /**< Depth in mm at which the volume begins in front of the eye.  */
     double spacing; /**< mm between planes.                                           */
@@ -17,8 +20,9 @@ struct slices {
 /** N when nobody says otherwise: floor(sqrt(2) max(dim)), the 362 of 256^3 (Eq. 7). */
 uint32_t slices_default(const size_t dim[3]);
 
-/** Planes of an ID pass, where a colour pass has @p slices (0 = the default): a fifth, at least 1 (Eq. 7). */
-uint32_t slices_of_id_pass(uint32_t slices, const size_t dim[3]);
+/** Planes of an ID pass, where a colour pass has @p slices (0 = the default): @p fraction of them, in (0, 1], 0 = a
+ * fifth; rounded down, at least 1 (Eq. 7). */
+uint32_t slices_of_id_pass(uint32_t slices, double fraction, const size_t dim[3]);
 
 /** @p count planes through the cells of a grid of @p dim, seen from @p eye along the unit vector @p axis. */
 struct slices slices_over(const size_t dim[3], const double world_from_voxel[16], const double eye[3],

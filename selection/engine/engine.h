@@ -4,6 +4,7 @@
 #ifndef CONUS_SELECTION_ENGINE_ENGINE_H
 #define CONUS_SELECTION_ENGINE_ENGINE_H
 
+#include "render/id/slices.h" /* SLICES_FRACTION */
 #include "selection/cone/cone.h"
 #include "selection/evidence/evidence.h"
 
@@ -31,8 +32,9 @@ struct engine {
 
 struct engine_options {
     conus_sampling sampling;
-    uint32_t slices; /**< N of Eq. 7 of the colour pass; the ID pass takes N/5. 0 = default. */
-    conus_log log;   /**< May be NULL. */
+    uint32_t slices;       /**< N of Eq. 7 of the colour pass, 0 = default. */
+    double slice_fraction; /**< F of Eq. 7, 0 = a fifth. */
+    conus_log log;         /**< May be NULL. */
     void *log_user;
 };
 

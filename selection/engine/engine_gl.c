@@ -34,6 +34,7 @@ struct gl_engine {
     struct mesh_intervals intervals;
     conus_sampling sampling;
     uint32_t slices;
+    double slice_fraction;
     size_t *volumes; /* [volume_count] of the atlas, in the order in which the pass has them */
     size_t volume_count;
 };
@@ -146,7 +147,7 @@ static void prepare_planes(const struct gl_engine *gl, const struct volume *volu
     double axis[3];
     vec3_scale(axis, cone->pose.world_from_device + 8, -1); /* the device looks down its -z */
     struct slices slices = slices_over(dim, volume->info.world_from_voxel, cone->pose.world_from_device + 12, axis,
-                                       slices_of_id_pass(gl->slices, dim));
+                                       slices_of_id_pass(gl->slices, gl->slice_fraction, dim));
     for (size_t r = 0; r < count; r++) {
         rays[r].planes.start = slices.start;
         rays[r].planes.spacing = slices.spacing;
@@ -484,6 +485,7 @@ conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, con
     gl->atlas = atlas;
     gl->sampling = options->sampling;
     gl->slices = options->slices;
+    gl->slice_fraction = options->slice_fraction;
     mesh_intervals_init(&gl->intervals, atlas);
     conus_status status = fill_engine(gl, options);
     if (status) {

@@ -311,11 +311,12 @@ static conus_status add_meshes(struct rays_engine *engine, const conus_atlas *at
     return status;
 }
 
-static conus_status add_target(struct rays_engine *engine, const struct volume *volume, uint32_t slices)
+static conus_status add_target(struct rays_engine *engine, const struct volume *volume,
+                               const struct engine_options *options)
 {
     struct target *target = &engine->targets[engine->target_count];
     *target = (struct target){.volume = volume};
-    target->slices = slices_of_id_pass(slices, volume->info.dim);
+    target->slices = slices_of_id_pass(options->slices, options->slice_fraction, volume->info.dim);
     conus_status status = engine->sampling == CONUS_SAMPLING_EXACT ? distance_map_init(&target->map, volume) : CONUS_OK;
     engine->target_count += !status;
     return status;
@@ -337,7 +338,7 @@ conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atl
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < atlas->volume_count && !status; i++) {
         if (volume_can_be_hit(&atlas->volumes[i])) {
-            status = add_target(engine, &atlas->volumes[i], options->slices);
+            status = add_target(engine, &atlas->volumes[i], options);
         }
     }
     status = status ? status : add_meshes(engine, atlas);

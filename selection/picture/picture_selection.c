@@ -165,11 +165,13 @@ conus_status picture_add_selection(conus_image *image, const conus_selection *se
 {
     const struct cone *cone = &selection->cone;
     char angle[TEXT_NUMBER_SIZE];
+    char fraction[TEXT_NUMBER_SIZE];
     char radius[TEXT_NUMBER_SIZE];
     char near[TEXT_NUMBER_SIZE];
     char far[TEXT_NUMBER_SIZE];
     char range[2 * TEXT_NUMBER_SIZE];
     text_number(angle, degrees_from_radians(cone->angle));
+    text_number(fraction, selection->slice_fraction);
     text_number(radius, cone->radius);
     snprintf(range, sizeof range, "%s %s", text_number(near, cone->range[0]), text_number(far, cone->range[1]));
     const char *const pairs[][2] = {
@@ -181,6 +183,7 @@ conus_status picture_add_selection(conus_image *image, const conus_selection *se
         {"conus:aperture", cone->aperture == CONUS_APERTURE_SQUARE ? "square" : "circle"},
         {"conus:spread", cone_is_wide(cone) ? "even" : NULL},
         {"conus:sampling", selection->sampling == CONUS_SAMPLING_SLICES ? "slices" : "exact"},
+        {"conus:sliceFraction", selection->slice_fraction > 0 ? fraction : NULL},
         {"conus:engine", selection->engine},
     };
     conus_status status = CONUS_OK;

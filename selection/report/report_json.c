@@ -210,8 +210,10 @@ static json_t *json_from_settings(const conus_report *report)
         "{s: s, s: s, s: i, s: s, s: s}", "engine", report->engine, "sampling",
         options->sampling == CONUS_SAMPLING_SLICES ? "slices" : "exact", "resolution", (int)options->resolution,
         "aperture", options->aperture == CONUS_APERTURE_SQUARE ? "square" : "circle", "score", report->score);
-    bool whole = options->sampling != CONUS_SAMPLING_SLICES ||
-                 put_value(settings, "slices", options->slices ? json_integer(options->slices) : json_string("auto"));
+    bool whole =
+        options->sampling != CONUS_SAMPLING_SLICES ||
+        (put_value(settings, "slices", options->slices ? json_integer(options->slices) : json_string("auto")) &&
+         put_value(settings, "slice_fraction", json_real(options->slice_fraction)));
     whole = whole && put_value(settings, "layers", json_string(options->layers ? "all" : "visible")) &&
             (options->radius == 0 || put_value(settings, "radius_mm", json_real(options->radius))) &&
             (options->range[1] == 0 ||

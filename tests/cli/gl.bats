@@ -5,7 +5,8 @@ load helpers
 @test "both engines give one answer, exactly and by slices" {
     need_aal
     local aim='--origin=-90,20,20 --toward=0,-10,10 --angle 20'
-    for how in '--sampling exact' '--sampling slices' '--sampling slices --slices 900' '--resolution 33'; do
+    for how in '--sampling exact' '--sampling slices' '--sampling slices --slices 900' \
+        '--sampling slices --slice-fraction 1' '--sampling slices --slices 300 --slice-fraction 0.55' '--resolution 33'; do
         gl query "$aal" $aim $how --engine gl -o gl.tsv
         answers query "$aal" $aim $how --engine rays -o rays.tsv
         answers diff gl.tsv rays.tsv --tolerance 1e-3

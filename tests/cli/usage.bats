@@ -102,6 +102,19 @@ load helpers
     local start='query a.nii --origin 0,0,90 --toward 0,0,0'
     fails 2 '--slices has no effect without --sampling slices' $start --slices 100
     fails 2 '--slices has no effect without --sampling slices' $start --slices 100 --sampling exact
+    fails 2 '--slice-fraction has no effect without --sampling slices' $start --slice-fraction 0.5
+    fails 2 '--slice-fraction has no effect without --sampling slices' $start --slice-fraction 0.2 --sampling exact
+    fails 2 '--slice-fraction has no effect without --sampling slices' batch a.nii --poses p.tsv --slice-fraction 1
+    fails 2 '--slice-fraction has no effect without --sampling slices' sweep a.nii --origin 0,0,90 --toward 0,0,0 \
+        --angles 5,10 --slice-fraction 1
+    fails 2 '--slice-fraction has no effect without --sampling slices' track a.nii --poses p.tsv --slice-fraction 1
+    fails 2 '--slice-fraction has no effect without --sampling slices' render a.nii -o p.png --origin 0,0,90 \
+        --toward 0,0,0 --slice-fraction 1
+    fails 2 '--slice-fraction has no effect without a cone' render a.nii -o p.png --slice-fraction 1
+    for fraction in 0 -0.2 1.01 40; do
+        fails 2 "--slice-fraction: $fraction is out of range, allowed is more than 0 to 1" $start --sampling slices \
+            "--slice-fraction=$fraction"
+    done
     fails 2 '--voxels-of has no effect without --voxels' $start --voxels-of all
     fails 2 '--toward and --direction exclude each other' $start --direction 0,0,1
     fails 2 '--origin and --pose exclude each other' $start --pose poses.tsv

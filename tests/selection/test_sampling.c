@@ -5,6 +5,8 @@
 #include "selection/engine/engine.h"
 #include "test.h"
 
+#include <conus/conus.h>
+
 #include <string.h>
 
 /* What the paper's planes cost (Eq. 7), against the exact walk (Eq. 5): the table in docs/model.md, kept true. */
@@ -158,11 +160,106 @@ static void thin_tubes_on_planes(void **state)
     phantom_drawing_finish(&drawing);
 }
 
+/* Nine slabs of 1 mm with the labels 1 to 9, seen from 20 mm before the first, straight on. With N = 10 there are M =
+ * floor(10 F) planes, the first of them 9 / (2 M) mm into the slabs (Eq. 7). So all pixels hit slab 1 + floor(9 / (2
+ * M)) there, and none of the slabs before it. */
+static conus_atlas *nine_slabs(void)
+{
+    static const uint8_t labels[] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
+    enum { WIDE = 32 };
+    static uint8_t data[9][WIDE][WIDE];
+    conus_voxels voxels = {.data = data, .type = CONUS_SCALAR_UINT8, .dim = {WIDE, WIDE, 9}};
+    mat4_identity(voxels.world_from_voxel);
+    for (size_t k = 0; k < 9; k++) {
+        memset(data[k], labels[k], sizeof data[k]);
+    }
+    conus_atlas *atlas = NULL;
+    const conus_create_options options = {.labels_anyway = true}; /* slabs look like an image's ramp */
+    assert_ok(conus_atlas_create(&atlas, &voxels, NULL, 0, &options));
+    return atlas;
+}
+
+static void check_slab(const conus_atlas *atlas, conus_engine engine, double fraction, uint32_t planes)
+{
+    const conus_selector_options options = {.engine = engine,
+                                            .sampling = CONUS_SAMPLING_SLICES,
+                                            .slices = 10,
+                                            .slice_fraction = fraction,
+                                            .radius = 3}; /* a cylinder: all rays go straight on */
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    double depth = 9.0 / (2 * planes);
+    conus_status status = conus_selector_create(&selector, atlas, &options);
+    if (status == CONUS_ERROR_GL) {
+        print_message("skipped: %s\n", conus_message());
+        skip();
+    }
+    assert_ok(status);
+    assert_ok(conus_pose_along(&pose, (double[]){15.3, 15.4, -20.5}, (double[]){0, 0, 1}, NULL));
+    assert_ok(conus_select(&selection, selector, &pose, 0));
+    const conus_result *first = conus_selection_result(selection, 0);
+    assert_int_equal(first->object, 1 + (uint32_t)depth);
+    assert_true(first->share == 1);
+    assert_near(first->distance, 20 + depth, 1e-9);
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+}
+
+static void check_slabs(conus_engine engine)
+{
+    conus_atlas *atlas = nine_slabs();
+    check_slab(atlas, engine, 0, 2); /* the paper's fifth */
+    check_slab(atlas, engine, 0.2, 2);
+    check_slab(atlas, engine, 0.1, 1);
+    check_slab(atlas, engine, 0.05, 1); /* at least one */
+    check_slab(atlas, engine, 0.3, 3);
+    check_slab(atlas, engine, 0.7, 7);
+    check_slab(atlas, engine, 1, 10);
+    conus_atlas_destroy(atlas);
+}
+
+static void a_fraction_of_the_planes_with_rays(void **state)
+{
+    (void)state;
+    check_slabs(CONUS_ENGINE_RAYS);
+}
+
+static void a_fraction_of_the_planes_with_gl(void **state)
+{
+    (void)state;
+    check_slabs(CONUS_ENGINE_GL);
+}
+
+static void assert_refused(const conus_atlas *atlas, conus_sampling sampling, double fraction, const char *message)
+{
+    const conus_selector_options options = {.sampling = sampling, .slice_fraction = fraction};
+    conus_selector *selector = NULL;
+    assert_int_equal(conus_selector_create(&selector, atlas, &options), CONUS_ERROR_ARGUMENT);
+    assert_string_equal(conus_message(), message);
+    assert_null(selector);
+}
+
+static void a_fraction_is_of_slices_and_up_to_one(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = nine_slabs();
+    assert_refused(atlas, CONUS_SAMPLING_EXACT, 0.5, "slice_fraction: 0.5 with exact sampling, which has no slices");
+    assert_refused(atlas, CONUS_SAMPLING_SLICES, 1.25,
+                   "slice_fraction: 1.25, allowed is more than 0 to 1 (0 = a fifth)");
+    assert_refused(atlas, CONUS_SAMPLING_SLICES, -1, "slice_fraction: -1, allowed is more than 0 to 1 (0 = a fifth)");
+    assert_refused(atlas, CONUS_SAMPLING_SLICES, NAN, "slice_fraction: nan, allowed is more than 0 to 1 (0 = a fifth)");
+    conus_atlas_destroy(atlas);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(aal_on_planes),
         cmocka_unit_test(thin_tubes_on_planes),
+        cmocka_unit_test(a_fraction_of_the_planes_with_rays),
+        cmocka_unit_test(a_fraction_of_the_planes_with_gl),
+        cmocka_unit_test(a_fraction_is_of_slices_and_up_to_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

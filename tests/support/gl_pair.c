@@ -30,9 +30,11 @@ void the_driver_was_silent(void **state)
     assert_int_equal(messages, 0);
 }
 
-struct gl_pair gl_pair_create_slices(const conus_atlas *atlas, conus_sampling sampling, uint32_t slices)
+struct gl_pair gl_pair_create_slices(const conus_atlas *atlas, conus_sampling sampling, uint32_t slices,
+                                     double fraction)
 {
-    const struct engine_options options = {.sampling = sampling, .slices = slices, .log = gl_pair_log};
+    const struct engine_options options = {
+        .sampling = sampling, .slices = slices, .slice_fraction = fraction, .log = gl_pair_log};
     struct gl_pair pair = {.atlas = atlas};
     conus_status status = engine_gl_create(&pair.gl, atlas, &options);
     if (status == CONUS_ERROR_GL) {
@@ -47,7 +49,7 @@ struct gl_pair gl_pair_create_slices(const conus_atlas *atlas, conus_sampling sa
 
 struct gl_pair gl_pair_create(const conus_atlas *atlas, conus_sampling sampling)
 {
-    return gl_pair_create_slices(atlas, sampling, 0);
+    return gl_pair_create_slices(atlas, sampling, 0, 0);
 }
 
 void gl_pair_destroy(struct gl_pair *pair)

@@ -22,9 +22,10 @@ struct gl_pair {
     struct gl_counts counts;
 };
 
-/** Creates both engines. Without GL the running test is skipped, saying why. @p slices counts for CONUS_SAMPLING_SLICES
- * only. */
-struct gl_pair gl_pair_create_slices(const conus_atlas *atlas, conus_sampling sampling, uint32_t slices);
+/** Creates both engines. Without GL the running test is skipped, saying why. @p slices and
+ * @p fraction of them count for CONUS_SAMPLING_SLICES only. */
+struct gl_pair gl_pair_create_slices(const conus_atlas *atlas, conus_sampling sampling, uint32_t slices,
+                                     double fraction);
 struct gl_pair gl_pair_create(const conus_atlas *atlas, conus_sampling sampling);
 void gl_pair_destroy(struct gl_pair *pair);
 

@@ -44,6 +44,19 @@ static bool choose_shape(struct viewer *viewer)
     return changed;
 }
 
+/* Exact sampling has none, so it has no part of them. */
+static bool choose_slices(conus_selector_options *options)
+{
+    double part = options->slice_fraction > 0 ? options->slice_fraction : 0.2; /* the default, Eq. 7 */
+    if (options->sampling == CONUS_SAMPLING_EXACT) {
+        options->slice_fraction = 0;
+        return false;
+    }
+    bool changed = ui_slider("slices", &part, 0.01, 1, "%.2f of the picture's", true);
+    options->slice_fraction = changed ? part : options->slice_fraction;
+    return changed;
+}
+
 static bool choose_look(struct viewer *viewer)
 {
     conus_selector_options *options = &viewer->cone.options;
@@ -61,6 +74,7 @@ static bool choose_look(struct viewer *viewer)
     options->resolution = resolution;
     options->aperture = (conus_aperture)aperture;
     options->sampling = (conus_sampling)sampling;
+    changed = choose_slices(options) || changed;
     options->engine = engine ? CONUS_ENGINE_GL : CONUS_ENGINE_RAYS;
     return changed;
 }

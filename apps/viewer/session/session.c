@@ -24,6 +24,7 @@ struct field {
 /* What a session holds, apart from the viewer; scores are names, not pointers. */
 struct state {
     double pose[16], angle, radius, range[2], resolution, layers, aperture, sampling, engine, pointer, has_pose, frozen;
+    double slice_fraction; /* only with slices; 0 = default */
     double fade, fill, outlines, radiological;
     double orbit[6]; /* centre, distance, azimuth, elevation */
     double crosshair[3], magnification, enlarged;
@@ -87,6 +88,7 @@ static void take_state(struct state *out, const struct window *window)
                           .layers = (double)options->layers,
                           .aperture = (double)options->aperture,
                           .sampling = (double)options->sampling,
+                          .slice_fraction = options->slice_fraction,
                           .engine = (double)options->engine,
                           .pointer = (double)viewer->cone.pointer,
                           .has_pose = viewer->cone.has_pose,
@@ -137,6 +139,7 @@ static void put_state(struct window *window, const struct state *state)
     options->layers = (conus_layers)state->layers;
     options->aperture = (conus_aperture)state->aperture;
     options->sampling = (conus_sampling)state->sampling;
+    options->slice_fraction = options->sampling == CONUS_SAMPLING_SLICES ? state->slice_fraction : 0;
     options->engine = (conus_engine)state->engine;
     viewer->display.fade = state->fade;
     viewer->display.fill = state->fill;
@@ -235,6 +238,9 @@ char *session_text(const struct window *window)
                              viewer->cone.options.score ? viewer->cone.options.score : "share");
     for (size_t i = 0; root && i < count; i++) {
         json_object_set_new(root, fields[i].key, numbers(&fields[i]));
+    }
+    if (state.slice_fraction > 0) {
+        json_object_set_new(root, "slice_fraction", json_real(state.slice_fraction));
     }
     json_object_set_new(root, "hidden", hidden_labels(viewer));
     json_object_set_new(root, "confirmed", pins_of(viewer));
@@ -421,7 +427,8 @@ static bool read_state(struct state *out, const json_t *root, size_t object_coun
             return false;
         }
     }
-    return true;
+    const struct field part = {"slice_fraction", &out->slice_fraction, 1, 0, 1};
+    return !json_object_get(root, part.key) || read_field(root, &part, why);
 }
 
 /* The atlas first, since that may fail. */

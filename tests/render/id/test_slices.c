@@ -10,9 +10,26 @@ static void defaults_are_the_papers(void **state)
     (void)state;
     assert_int_equal(slices_default((size_t[]){256, 256, 256}), 362);
     assert_int_equal(slices_default((size_t[]){1, 181, 10}), 255);
-    assert_int_equal(slices_of_id_pass(0, (size_t[]){256, 256, 256}), 72);
-    assert_int_equal(slices_of_id_pass(362, (size_t[]){1, 1, 1}), 72);
-    assert_int_equal(slices_of_id_pass(3, (size_t[]){1, 1, 1}), 1);
+    assert_int_equal(slices_of_id_pass(0, 0, (size_t[]){256, 256, 256}), 72);
+    assert_int_equal(slices_of_id_pass(362, 0, (size_t[]){1, 1, 1}), 72);
+    assert_int_equal(slices_of_id_pass(3, 0, (size_t[]){1, 1, 1}), 1);
+}
+
+/* Eq. 7: M = floor(F N), at least 1, for F = K/100 and each N: in whole numbers K N / 100. */
+static void a_fraction_is_rounded_down_as_decimals_are(void **state)
+{
+    (void)state;
+    const size_t dim[3] = {1, 1, 1};
+    for (uint32_t n = 1; n <= 3000; n++) {
+        assert_int_equal(slices_of_id_pass(n, 0, dim), n < 5 ? 1 : n / 5);
+        for (uint32_t percent = 1; percent <= 100; percent++) {
+            uint32_t wanted = n * percent / 100;
+            assert_int_equal(slices_of_id_pass(n, percent / 100.0, dim), wanted ? wanted : 1);
+        }
+    }
+    assert_int_equal(slices_of_id_pass(65536, 1e-300, dim), 1);
+    assert_int_equal(slices_of_id_pass(UINT32_MAX, 1, dim), UINT32_MAX);
+    assert_int_equal(slices_of_id_pass(0, 0.5, (size_t[]){256, 256, 256}), 181);
 }
 
 /* Eq. 7: voxels of 2 mm, 10 of them along the axis, seen from outside, from inside and from behind. */
@@ -52,6 +69,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(defaults_are_the_papers),
+        cmocka_unit_test(a_fraction_is_rounded_down_as_decimals_are),
         cmocka_unit_test(planes_share_the_depth_range_evenly),
         cmocka_unit_test(a_diagonal_view_covers_the_diagonal),
     };

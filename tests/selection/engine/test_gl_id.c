@@ -17,7 +17,7 @@ static size_t compare_scenes(uint64_t random, int scenes, conus_sampling samplin
     for (int scene = 0; scene < scenes; scene++) {
         conus_atlas *atlas = scene_atlas(&random, scene % 10 ? 24 : 70, scene % 4);
         uint32_t slices = sampling == CONUS_SAMPLING_SLICES ? (uint32_t)test_random(&random, 0, 200) : 0;
-        struct gl_pair pair = gl_pair_create_slices(atlas, sampling, slices);
+        struct gl_pair pair = gl_pair_create_slices(atlas, sampling, slices, scene % 5 / 4.0);
         for (int pose = 0; pose < 12; pose++) {
             struct cone cone = scene_cone(&random, atlas);
             hits += gl_pair_same_hits(&pair, &cone);
