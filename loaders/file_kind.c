@@ -9,6 +9,7 @@
 #include "loaders/tables/label_bytes.h"
 #include "loaders/volumes/mgh.h"
 #include "loaders/volumes/nifti.h"
+#include "loaders/volumes/volume_text.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -17,7 +18,7 @@
 #define TRACTS "make a volume of its density, for --pathway"
 #define FOREIGN "convert it to NIfTI"
 
-static const struct file_kind volume = {"a volume (NIfTI or MGH)", "give it as ATLAS, --pathway or --context"};
+static const struct file_kind volume = {"a volume", "give it as ATLAS, --pathway or --context"};
 static const struct file_kind surface = {"a surface", "give it as ATLAS"};
 static const struct file_kind vertex_labels = {"labels of the vertices of a surface",
                                                "give it as --labels, and the surface as ATLAS"};
@@ -47,7 +48,6 @@ static const struct {
     {MAGIC("TRACK\0"), {"a TrackVis tractogram", TRACTS}},
     {MAGIC("mrtrix tracks"), {"an MRtrix tractogram", TRACTS}},
     {MAGIC("mrtrix image"), {"an MRtrix image", FOREIGN " (mrconvert)"}},
-    {MAGIC("NRRD00"), {"an NRRD volume", FOREIGN " (3D Slicer)"}},
     {MAGIC("ObjectType ="), {"a MetaImage volume", FOREIGN " (3D Slicer)"}},
     {MAGIC("NDims ="), {"a MetaImage volume", FOREIGN " (3D Slicer)"}},
     {MAGIC("CDF\1"), {"a MINC-1 volume", FOREIGN " (mnc2nii)"}},
@@ -220,7 +220,7 @@ const struct file_kind *file_kind_of(const char *path, const struct bytes *head)
     if (mgh_is_of_vertices(head->data, head->size)) {
         return &vertex_values;
     }
-    if (nifti_has_magic(head->data, head->size) || mgh_is(head->data, head->size)) {
+    if (nifti_has_magic(head->data, head->size) || mgh_is(head->data, head->size) || volume_text_is(head)) {
         return &volume;
     }
     if (freesurfer_is_surface(head->data, head->size)) {

@@ -21,6 +21,7 @@ struct stream {
     size_t count;
     uint8_t *kept;
     bool ended; /* after the last member */
+    bool zlib;  /* which has no members */
     uint8_t scratch[SCRATCH_SIZE];
 };
 
@@ -72,7 +73,7 @@ static void next_member(struct stream *stream)
     stream->rest = next;
     stream->rest_size = size;
     stream->z.avail_in = 0;
-    stream->ended = !gzip_is(next, size) || inflateReset(&stream->z) != Z_OK;
+    stream->ended = stream->zlib || !gzip_is(next, size) || inflateReset(&stream->z) != Z_OK;
 }
 
 /* Inflates until `until` bytes are unpacked, the stream ends or the packed bytes are used up. */
@@ -98,7 +99,7 @@ static conus_status inflate_until(struct stream *stream, uint64_t until)
     return CONUS_OK;
 }
 
-static conus_status stream_open(struct stream **out, const uint8_t *data, size_t size)
+static conus_status stream_open(struct stream **out, const uint8_t *data, size_t size, bool zlib)
 {
     struct stream *stream = memory_zeroed(1, sizeof *stream);
     if (!stream) {
@@ -106,7 +107,8 @@ static conus_status stream_open(struct stream **out, const uint8_t *data, size_t
     }
     stream->rest = data;
     stream->rest_size = size;
-    if (inflateInit2(&stream->z, 16 + MAX_WBITS) != Z_OK) {
+    stream->zlib = zlib;
+    if (inflateInit2(&stream->z, zlib ? MAX_WBITS : 16 + MAX_WBITS) != Z_OK) {
         memory_free(stream);
         return fail(CONUS_ERROR_MEMORY, "gzip: no memory to unpack");
     }
@@ -125,7 +127,7 @@ conus_status gzip_head(struct bytes *out, const uint8_t *data, size_t size, size
     struct stream *stream = NULL;
     limit = smaller_of(limit, INFLATE_RATIO * ((uint64_t)size + 1));
     uint8_t *kept = memory_raw(limit, 1);
-    conus_status status = kept ? stream_open(&stream, data, size) : CONUS_ERROR_MEMORY;
+    conus_status status = kept ? stream_open(&stream, data, size, false) : CONUS_ERROR_MEMORY;
     if (status) {
         memory_free(kept);
         return status;
@@ -144,19 +146,19 @@ conus_status gzip_head(struct bytes *out, const uint8_t *data, size_t size, size
 
 /* The usual case, one intact member of just the right size, in one fast call. Not where the gzip header has a checksum
  * of its own, which libdeflate does not verify. */
-static bool unpack_at_once(uint8_t *out, size_t total, const uint8_t *data, size_t size)
+static bool unpack_at_once(uint8_t *out, size_t total, const uint8_t *data, size_t size, bool zlib)
 {
     enum { FLAGS = 3, FLAG_HEADER_CHECKSUM = 2 };
-    if (size <= FLAGS || data[FLAGS] & FLAG_HEADER_CHECKSUM) {
+    if (!zlib && (size <= FLAGS || data[FLAGS] & FLAG_HEADER_CHECKSUM)) {
         return false;
     }
     struct libdeflate_decompressor *decompressor = libdeflate_alloc_decompressor();
     size_t used = 0;
     size_t got = 0;
-    bool done =
-        decompressor &&
-        libdeflate_gzip_decompress_ex(decompressor, data, size, out, total, &used, &got) == LIBDEFLATE_SUCCESS &&
-        used == size && got == total;
+    bool done = decompressor &&
+                (zlib ? libdeflate_zlib_decompress_ex : libdeflate_gzip_decompress_ex)(
+                    decompressor, data, size, out, total, &used, &got) == LIBDEFLATE_SUCCESS &&
+                used == size && got == total;
     libdeflate_free_decompressor(decompressor);
     return done;
 }
@@ -172,7 +174,7 @@ static size_t count_junk(const uint8_t *data, size_t size)
 static conus_status unpack_in_pieces(uint8_t *kept, struct gzip_range *range, const uint8_t *data, size_t size)
 {
     struct stream *stream = NULL;
-    conus_status status = stream_open(&stream, data, size);
+    conus_status status = stream_open(&stream, data, size, range->zlib);
     if (status) {
         return status;
     }
@@ -207,7 +209,7 @@ conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint
     if (!bytes.data) {
         return CONUS_ERROR_MEMORY;
     }
-    if (whole && unpack_at_once(bytes.data, needed, data, size)) {
+    if (whole && unpack_at_once(bytes.data, needed, data, size, range->zlib)) {
         memmove(bytes.data, bytes.data + range->from, range->count);
     } else {
         conus_status status = unpack_in_pieces(bytes.data, range, data, size);
@@ -217,6 +219,21 @@ conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint
         }
     }
     *out = bytes;
+    return CONUS_OK;
+}
+
+conus_status gzip_keep(struct bytes *out, struct gzip_range *range, struct bytes *bytes)
+{
+    if (bytes->size < range->total) {
+        return fail(CONUS_ERROR_DATA, "voxels: the file has %zu bytes, the header asks for %llu", bytes->size,
+                    (unsigned long long)range->total);
+    }
+    range->extra = bytes->size - range->total;
+    range->junk = 0;
+    memmove(bytes->data, bytes->data + range->from, range->count);
+    uint8_t *less = memory_resize(bytes->data, range->count, 1);
+    *out = (struct bytes){less ? less : bytes->data, range->count};
+    *bytes = (struct bytes){0};
     return CONUS_OK;
 }
 
@@ -257,7 +274,7 @@ static conus_status unpack_growing(struct stream *stream, uint64_t limit)
 conus_status gzip_unpack_all(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit)
 {
     struct stream *stream = NULL;
-    conus_status status = stream_open(&stream, data, size);
+    conus_status status = stream_open(&stream, data, size, false);
     if (status) {
         return status;
     }

@@ -22,6 +22,7 @@ struct gzip_range {
     uint64_t from;  /**< First byte to keep.                                                        */
     size_t count;   /**< Bytes to keep.                                                             */
     uint64_t total; /**< Bytes that the stream must hold at least; from + count or more.            */
+    bool zlib;      /**< It is one stream of zlib (RFC 1950), not gzip.                             */
     uint64_t extra; /**< Out: bytes after `total`.                                                  */
     size_t junk;    /**< Out: bytes after the last gzip member, other than zeros at the very end.   */
 };
@@ -30,5 +31,8 @@ enum { GZIP_EXTRA_LIMIT = 1 << 20 }; /**< More bytes than this after `total` are
 
 /** Unpacks the whole of @p data (one member or several) and keeps the bytes of @p range. */
 conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint8_t *data, size_t size);
+
+/** The same of voxels that are not packed, in place: @p bytes is left empty. */
+conus_status gzip_keep(struct bytes *out, struct gzip_range *range, struct bytes *bytes);
 
 #endif

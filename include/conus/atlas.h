@@ -47,7 +47,8 @@ typedef struct conus_load_options {
 /**
  * Loads an atlas. The content of the file decides what it is, not its name:
  *
- *  - a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, or an FSL atlas XML of type Label;
+ *  - a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, NRRD, MetaImage, AFNI, or an FSL
+ *    atlas XML of type Label;
  *  - an FSL atlas XML of another type: areas of probabilities, which may overlap;
  *  - a manifest NAME.atlas.json, which joins a parcellation, surfaces, pathways and context;
  *  - a surface (GIFTI, FreeSurfer and what conus-mesh reads), cut by the labels of its vertices if there are any;

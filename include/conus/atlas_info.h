@@ -94,8 +94,8 @@ typedef enum conus_role {
 /** A volume of an atlas. */
 typedef struct conus_volume_info {
     conus_role role;             /**< What it is for. */
-    const char *path;            /**< Of the voxels, as opened: bytes, not always UTF-8. */
-    char sha256[65];             /**< Of the bytes of that file, in hexadecimal. */
+    const char *path;            /**< Of the voxels, or of a header of text, as opened: bytes, not always UTF-8. */
+    char sha256[65];             /**< Of that file, in hexadecimal; of a header of text with its voxels behind it. */
     char format[48];             /**< "NIfTI-1, gzip, big-endian". */
     char datatype[16];           /**< "uint8", "float64". */
     size_t dim[3];               /**< Voxels along i, j, k. */

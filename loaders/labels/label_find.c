@@ -8,6 +8,7 @@
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_folder.h"
 #include "loaders/labels/label_search.h"
+#include "loaders/volumes/text/text_volume.h"
 
 enum { EXTENSION_AFNI = 4, EXTENSION_WORKBENCH = 30 };
 
@@ -26,11 +27,28 @@ static conus_status search_extension(struct label_search *search, int code, cons
     return status;
 }
 
+/* The labels of 3D Slicer's segments. */
+static conus_status search_segments(struct label_search *search)
+{
+    struct label_offer offer = {.path = search->volume->path};
+    const struct volume_file *volume = search->volume;
+    conus_status status =
+        volume->text ? text_volume_labels(&offer.table, volume->text, volume->info.volume, &offer.notes) : CONUS_OK;
+    if (status || !offer.table.count) {
+        notes_finish(&offer.notes);
+        label_table_finish(&offer.table);
+        return status;
+    }
+    buffer_format(&offer.source, "Slicer segments inside %s", path_base(volume->path));
+    return label_search_offer(search, &offer);
+}
+
 static conus_status search_inside(struct label_search *search)
 {
     struct text text = search->volume->embedded;
     text = text_from_bytes((const uint8_t *)text.data, text.size);
-    conus_status status = search_extension(search, EXTENSION_WORKBENCH, "<LabelTable");
+    conus_status status = search_segments(search);
+    status = status ? status : search_extension(search, EXTENSION_WORKBENCH, "<LabelTable");
     status = status ? status : search_extension(search, EXTENSION_AFNI, "LABEL_DTABLE");
     status = status ? status : search_extension(search, EXTENSION_AFNI, "ATLAS_LABEL_TABLE");
     if (status || !text.size) {

@@ -18,7 +18,7 @@
 
 enum { JSON_LIMIT = 64 << 20 };
 
-static const char atlas_needed[] = "a labelled volume (NIfTI-1, NIfTI-2, MGH), a surface, a folder of surfaces, a "
+static const char atlas_needed[] = "a labelled volume (NIfTI, MGH, NRRD), a surface, a folder of surfaces, a "
                                    "manifest (with the key \"conus_atlas\") or an FSL atlas XML";
 
 static conus_status load_volume(conus_atlas **out, const char *path, const struct load_progress *progress)

@@ -8,13 +8,14 @@
 #include "loaders/file_kind.h"
 #include "loaders/volumes/mgh.h"
 #include "loaders/volumes/nifti.h"
+#include "loaders/volumes/volume_text.h"
 
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
 static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
-static const char default_needed[] = "a volume (NIfTI-1, NIfTI-2 or MGH)";
+static const char default_needed[] = "a volume (NIfTI, MGH or NRRD)";
 enum {
     HEAD_LIMIT = 1 << 26,  /* of the header file of a pair */
     HEADER_READ = 1 << 16, /* of a file of which the header alone is wanted; packed, it takes less */
@@ -60,22 +61,6 @@ static conus_status stored_head(struct bytes *out, const struct stored *stored, 
     }
     memcpy(copy, stored->bytes.data, size);
     *out = (struct bytes){copy, size};
-    return CONUS_OK;
-}
-
-/* Turns a plain file's bytes, without copying them elsewhere, into those of `range`. */
-static conus_status take_plain(struct bytes *out, struct gzip_range *range, struct bytes *bytes)
-{
-    if (bytes->size < range->total) {
-        return fail(CONUS_ERROR_DATA, "voxels: the file has %zu bytes, the header asks for %llu", bytes->size,
-                    (unsigned long long)range->total);
-    }
-    range->extra = bytes->size - range->total;
-    range->junk = 0;
-    memmove(bytes->data, bytes->data + range->from, range->count);
-    uint8_t *less = memory_resize(bytes->data, range->count, 1);
-    *out = (struct bytes){less ? less : bytes->data, range->count};
-    *bytes = (struct bytes){0};
     return CONUS_OK;
 }
 
@@ -164,7 +149,7 @@ static conus_status split_selector(char **path, bool *chosen, uint64_t *volume, 
 /* What is known while a volume is being opened. */
 struct opening {
     struct stored voxels;
-    struct stored pair_header; /* the .hdr of a pair, else empty */
+    struct stored pair_header; /* the .hdr of a pair, or a header of text, else empty */
     struct volume_header header;
     struct notes notes;
     uint64_t limit;
@@ -178,7 +163,19 @@ static void opening_finish(struct opening *opening)
 {
     stored_finish(&opening->voxels);
     stored_finish(&opening->pair_header);
+    volume_text_finish(&opening->header.text);
     notes_finish(&opening->notes);
+}
+
+static conus_status parse_text(struct volume_header *out, const struct stored *stored, struct notes *notes)
+{
+    struct bytes head = stored->bytes;
+    conus_status status = stored->packed ? stored_head(&head, stored, VOLUME_TEXT_HEAD) : CONUS_OK;
+    if (!status) {
+        status = volume_text_parse(out, &head, notes);
+        bytes_finish(stored->packed ? &head : &(struct bytes){0});
+    }
+    return status;
 }
 
 static conus_status parse_head(struct volume_header *out, const struct stored *stored, const char *needed,
@@ -191,6 +188,7 @@ static conus_status parse_head(struct volume_header *out, const struct stored *s
     }
     status = nifti_is(head.data, head.size) ? nifti_header_parse(out, head.data, head.size, notes)
              : mgh_is(head.data, head.size) ? mgh_header_parse(out, head.data, head.size, notes)
+             : volume_text_is(&head)        ? parse_text(out, stored, notes)
              : head.size || !stored->packed
                  ? file_kind_fail(stored->path, &stored->bytes, needed)
                  : fail(CONUS_ERROR_DATA, "content: the file unpacks to nothing; needed is %s", needed);
@@ -235,10 +233,28 @@ static conus_status open_by_image(struct opening *o, size_t at)
     return status;
 }
 
+/* The voxels of a header of text, if they lie in another file. */
+static conus_status open_text_data(struct opening *o)
+{
+    char *path = NULL;
+    conus_status status = volume_text_data_path(&path, o->header.text, o->voxels.path);
+    if (!status && path) {
+        o->pair_header = o->voxels;
+        o->voxels = (struct stored){0};
+        status = stored_read(&o->voxels, path, o->limit);
+        o->voxels.packed = o->voxels.packed && !o->header.text->file; /* else its header says how they are packed */
+    }
+    memory_free(path);
+    return status;
+}
+
 static conus_status open_by_header(struct opening *o)
 {
     size_t at;
     conus_status status = read_header(o, &o->voxels);
+    if (!status && o->header.text) {
+        return open_text_data(o);
+    }
     if (status || !o->header.pair) {
         return status;
     }
@@ -278,7 +294,8 @@ static conus_status choose_volume(struct opening *o)
         return fail(CONUS_ERROR_ARGUMENT, "volume: found %llu, allowed are 0 to %zu", (unsigned long long)o->volume,
                     count - 1);
     }
-    if (header->volume_size > o->limit || header->offset > o->limit - header->volume_size) {
+    uint64_t before = header->offset + volume_text_scratch(header);
+    if (header->volume_size > o->limit || before > o->limit - header->volume_size) {
         return fail(CONUS_ERROR_MEMORY,
                     "dim: %zu x %zu x %zu voxels of %s take %zu bytes unpacked, allowed are %llu "
                     "(--max-memory)",
@@ -286,7 +303,7 @@ static conus_status choose_volume(struct opening *o)
                     header->volume_size, (unsigned long long)o->limit);
     }
     header->info.volume = (size_t)o->volume;
-    o->all = o->all && count <= (o->limit - header->offset) / header->volume_size;
+    o->all = o->all && count <= (o->limit - before) / header->volume_size;
     return CONUS_OK;
 }
 
@@ -335,7 +352,7 @@ static void describe_format(conus_volume_info *info, const struct volume_header 
 {
     bool big = header->swapped == BIG_ENDIAN_IS_SWAPPED;
     snprintf(info->format, sizeof info->format, "%.16s%s%s%s", header->info.format, header->pair ? " pair" : "",
-             packed ? ", gzip" : "", big ? ", big-endian" : ", little-endian");
+             packed ? ", gzip" : volume_text_encoding(header), big ? ", big-endian" : ", little-endian");
 }
 
 /* Moves the voxels out of what is stored, whose packed bytes are gone afterwards. */
@@ -347,8 +364,9 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
     struct gzip_range range = {.from = header->offset + (o->all ? 0 : header->info.volume * header->volume_size),
                                .count = header->volume_size * (o->all ? header->info.volume_count : 1),
                                .total = header->offset + header->info.volume_count * header->volume_size};
-    conus_status status = stored->packed ? gzip_unpack(out, &range, stored->bytes.data, stored->bytes.size)
-                                         : take_plain(out, &range, &stored->bytes);
+    conus_status status = header->text ? volume_text_voxels(out, &range, header, &stored->bytes, stored->packed, o->all)
+                          : stored->packed ? gzip_unpack(out, &range, stored->bytes.data, stored->bytes.size)
+                                           : gzip_keep(out, &range, &stored->bytes);
     if (!status && o->all) {
         file->voxels =
             (struct bytes){file->series.data + header->info.volume * header->volume_size, header->volume_size};
@@ -356,30 +374,44 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
     return status ? status : note_rest(&range, header->footer, &o->notes);
 }
 
+/* What a careful reader wants to know of the header's file, apart from the header. */
+static conus_status take_around(struct volume_file *file, const struct opening *o)
+{
+    if (o->header.text) {
+        file->embedded = volume_text_table(o->header.text);
+        return CONUS_OK;
+    }
+    conus_status status = take_head(file, o);
+    return status ? status : take_extensions(file, &o->header);
+}
+
 /* Everything into `file`, which the caller finishes on failure. */
 static conus_status take_all(struct volume_file *file, struct opening *o)
 {
-    conus_status status = take_head(file, o);
-    if (!status) {
-        status = take_extensions(file, &o->header);
-    }
+    struct stored *first = o->pair_header.path ? &o->pair_header : &o->voxels;
+    struct stored *named = o->header.text ? first : &o->voxels;
+    conus_status status = take_around(file, o);
     if (status) {
-        return fail_in(status, o->header.pair ? o->pair_header.path : o->voxels.path);
+        return fail_in(status, first->path);
     }
     file->info = o->header.info;
     file->datatype = o->header.datatype;
     file->swapped = o->header.swapped;
     file->intent_code = o->header.intent_code;
     describe_format(&file->info, &o->header, o->voxels.packed);
-    file_sha256(file->info.sha256, &o->voxels.bytes);
+    volume_text_sha256(file->info.sha256, named == first && first != &o->voxels ? &first->bytes : NULL,
+                       &o->voxels.bytes);
     file->max_memory = o->limit;
     status = take_voxels(file, o);
     if (status) {
         return fail_in(status, o->voxels.path);
     }
-    file->path = o->voxels.path;
+    file->path = named->path;
+    named->path = NULL;
     file->info.path = file->path;
-    o->voxels.path = NULL;
+    file->text = o->header.text;
+    o->header.text = NULL;
+    volume_text_choose(file);
     return CONUS_OK;
 }
 
@@ -414,6 +446,7 @@ conus_status volume_file_header(conus_volume_info *out, const char *path)
     if (!status) {
         *out = header.info;
     }
+    volume_text_finish(&header.text);
     notes_finish(&notes);
     stored_finish(&stored);
     return status ? fail_in(status, path) : CONUS_OK;
@@ -470,6 +503,7 @@ conus_status volume_file_select(struct volume_file *file, size_t volume)
     if (file->series.data) {
         file->voxels.data = file->series.data + volume * file->voxels.size;
     }
+    volume_text_choose(file);
     return CONUS_OK;
 }
 
@@ -477,6 +511,7 @@ void volume_file_finish(struct volume_file *file)
 {
     memory_free(file->path);
     memory_free(file->extensions);
+    volume_text_finish(&file->text);
     bytes_finish(&file->head);
     bytes_finish(file->series.data ? &file->series : &file->voxels);
     *file = (struct volume_file){0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * A volume as a file holds it: header, transform and stored voxels, for NIfTI-1/2 and MGH alike. What its values mean
+ * A volume as a file holds it: header, transform and stored voxels, for all formats alike. What its values mean
  * (labels, a probability, grey) is for the caller to decide. */
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_FILE_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_FILE_H
@@ -18,7 +18,7 @@ struct volume_extension {
 
 struct volume_file {
     conus_volume_info info; /**< role, minimum, maximum and threshold not set; info.path is this->path.       */
-    char *path;             /**< Of the voxels, without ",volume=K".                                         */
+    char *path;             /**< Of the voxels, or of a header of text, without ",volume=K".                  */
     struct bytes head;      /**< Everything before the voxels, unpacked: header, extensions, gap.             */
     struct bytes voxels;    /**< The chosen volume's voxels, stored form, unpacked, i fastest.                */
     int datatype;           /**< NIfTI datatype code (DT_UINT8 = 2, ...), for MGH translated.                 */
@@ -28,13 +28,15 @@ struct volume_file {
     struct text embedded; /**< Between the last extension (or header) and the voxels, NULs at both ends left out. */
     int intent_code;      /**< NIfTI intent, 0 if none.                                                    */
     struct bytes series;  /**< The voxels of all volumes, in which `voxels` lies; empty where only those are kept. */
+    struct text_volume *text; /**< Of a format whose header is text: names, scales; else NULL, of which        */
+    const char *title;        /**< ... the chosen volume's name; NULL if it has none.                          */
     uint64_t max_memory;
 };
 
-/** Reads @p path (NIfTI-1/2 single file or either half of a pair, MGH; each plain or gzip, detected from the content),
- * which may end in ",volume=K" with K from 0. Without it a 4-D file of more than one volume is an error that names the
- * choice. What a careful user should know (a qform used because there is no sform, a second transform that differs)
- * goes into
+/** Reads @p path (NIfTI-1/2 single file or either half of a pair, MGH, and the formats of volume_text.h; each plain or
+ * gzip, detected from the content), which may end in ",volume=K" with K from 0. Without it a 4-D file of more than one
+ * volume is an error that names the choice. What a careful user should know (a qform used because there is no sform, a
+ * second transform that differs) goes into
  * @p notes. Errors carry path, field, value found and what is allowed. */
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes);
 

@@ -45,9 +45,10 @@ LIBRARY = {
     "poses": "base poses/rows poses/programs",
     # file_kind.c asks the readers what a file is; they ask it for the words of their errors.
     "loaders": "base base/formats loaders/volumes loaders/tables loaders/surfaces",
-    "loaders/volumes": "base base/formats atlas loaders",
+    "loaders/volumes/text": "base base/formats atlas",
+    "loaders/volumes": "base base/formats atlas loaders loaders/volumes/text",
     "loaders/tables": "base base/formats atlas loaders/volumes",
-    "loaders/labels": "base atlas loaders loaders/volumes loaders/tables",
+    "loaders/labels": "base atlas loaders loaders/volumes loaders/volumes/text loaders/tables",
     "loaders/child": "base atlas/surface atlas loaders",
     "loaders/surfaces": "base base/formats atlas/surface atlas loaders loaders/tables loaders/child",
     "loaders/phantom": "base atlas atlas/phantom loaders/volumes loaders/surfaces",

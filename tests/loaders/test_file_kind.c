@@ -29,7 +29,7 @@ static const struct {
     {"a.vtp", BYTES("<VTKFile type=\"PolyData\"><Piece NumberOfLines=\"0\" NumberOfPolys=\"0\">"), "a surface",
      "ATLAS"},
     {"a.mif", BYTES("mrtrix image\ndim: 3"), "an MRtrix image", "mrconvert"},
-    {"a.nrrd", BYTES("NRRD0004\ntype: uchar\n"), "an NRRD volume", "NIfTI"},
+    {"a.nrrd", BYTES("NRRD0004\ntype: uchar\n"), "a volume", "ATLAS"},
     {"a.mha", BYTES("ObjectType = Image\nNDims = 3\n"), "a MetaImage volume", "NIfTI"},
     {"a.mhd", BYTES("NDims = 3\n"), "a MetaImage volume", "NIfTI"},
     {"a.mnc", BYTES("CDF\1\0\0"), "a MINC-1 volume", "mnc2nii"},
@@ -179,7 +179,7 @@ static void write_volume(const char *name)
 }
 
 static const char atlas_needs[] =
-    "needed is a labelled volume (NIfTI-1, NIfTI-2, MGH), a surface, a folder of surfaces, "
+    "needed is a labelled volume (NIfTI, MGH, NRRD), a surface, a folder of surfaces, "
     "a manifest (with the key \"conus_atlas\") or an FSL atlas XML of type Label";
 
 static void each_place_says_what_it_takes(void **state)
@@ -190,38 +190,38 @@ static void each_place_says_what_it_takes(void **state)
     test_folder("places");
     write_volume("v.nii");
     write_text("a.trk", "TRACK");
-    write_text("a.nrrd", "NRRD0004\n");
+    write_text("a.mif", "mrtrix image\n");
     write_text("a.txt", "1 A\n2 B\n");
     write_text("a.md", "Read me first.\n");
     write_text("lh.annot", "\1\2\3\4\5");
     write_text("a.xml", "<atlas><type>Probabilistic</type></atlas>");
     write_text("spm.xml",
                "<atlas version=\"2.0\">\n<data><label><index>4</index><name>A</name></label></data></atlas>");
-    snprintf(message, sizeof message, "this is an NRRD volume: convert it to NIfTI (3D Slicer); %s", atlas_needs);
-    refuse_atlas("a.nrrd", message);
+    snprintf(message, sizeof message, "this is an MRtrix image: convert it to NIfTI (mrconvert); %s", atlas_needs);
+    refuse_atlas("a.mif", message);
     refuse_atlas("a.txt", "this is a label table: give it as --labels; needed is");
     refuse_atlas("lh.annot", "this is a FreeSurfer annotation: give it as --labels, and the surface as ATLAS; needed");
     refuse_atlas("a.md", "content: found plain text, \"Read me first..\"; needed is a labelled volume");
     refuse_atlas("spm.xml", "none of its 0 images is there");
     refuse_labels("v.nii", "v.nii",
-                  "this is a volume (NIfTI or MGH): give it as ATLAS, --pathway or --context; needed is "
+                  "this is a volume: give it as ATLAS, --pathway or --context; needed is "
                   "a label table");
     refuse_labels("v.nii", "lh.annot",
                   "this is a FreeSurfer annotation: give it as --labels, and the surface as ATLAS");
     refuse_labels("v.nii", "a.md", "not a label table of a known format (known: ");
     assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
     assert_message(conus_atlas_add_pathway(atlas, test_in("a.trk"), NULL), "a.trk",
-                   "needed is a volume (NIfTI-1, NIfTI-2 or MGH)");
+                   "needed is a volume (NIfTI, MGH or NRRD)");
     assert_message(
         conus_atlas_add_pathway(atlas, test_in("a.xml"), NULL), "a.xml",
         "this is an FSL atlas XML: 'conus manifest FOLDER' makes pathways of its volumes; needed is a volume");
     assert_message(conus_atlas_set_context(atlas, test_in("a.txt"), NULL), "a.txt",
-                   "needed is a volume (NIfTI-1, NIfTI-2");
+                   "needed is a volume (NIfTI, MGH");
     conus_atlas_destroy(atlas);
-    write_text("m.atlas.json", "{\"conus_atlas\": 1, \"parcellation\": \"a.nrrd\"}");
+    write_text("m.atlas.json", "{\"conus_atlas\": 1, \"parcellation\": \"a.mif\"}");
     refuse_atlas("m.atlas.json",
-                 "a.nrrd: this is an NRRD volume: convert it to NIfTI (3D Slicer); needed is a labelled "
-                 "volume (NIfTI-1, NIfTI-2 or MGH) or an FSL atlas XML of type Label");
+                 "a.mif: this is an MRtrix image: convert it to NIfTI (mrconvert); needed is a labelled "
+                 "volume (NIfTI, MGH or NRRD) or an FSL atlas XML of type Label");
 }
 
 /* FreeSurfer writes values of vertices as volumes of N x 1 x 1. */

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What a header of text says about a volume, in any of the formats of this folder. */
+#ifndef CONUS_LOADERS_VOLUMES_TEXT_TEXT_VOLUME_H
+#define CONUS_LOADERS_VOLUMES_TEXT_TEXT_VOLUME_H
+
+#include "atlas/labels.h"
+#include "base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/** How the voxels are stored. */
+enum text_encoding {
+    TEXT_RAW,
+    TEXT_GZIP,
+    TEXT_ZLIB,
+    TEXT_NUMBERS, /**< Decimal numbers with white space between them. */
+    TEXT_HEX,     /**< Two hexadecimal digits a byte.                 */
+};
+
+/** The type of a voxel: 'u' unsigned, 'i' signed, 'f' floating point; its bytes: 1, 2, 4, 8. */
+struct text_type {
+    char kind;
+    size_t size;
+};
+
+/** A label that the header names, in one of the volumes. */
+struct text_segment {
+    struct label label;
+    size_t volume;
+};
+
+struct text_volume {
+    const char *format; /**< "NRRD"; static.                                                                   */
+    struct text_type type;
+    bool big_endian;
+    int64_t dim[3];
+    int64_t count;               /**< Of volumes. Sizes are 1 or more, but not yet multiplied.                   */
+    bool interleaved;            /**< All volumes' values of a voxel lie together.                              */
+    double world_from_voxel[16]; /**< To RAS mm; column-major.                                                  */
+    char transform[64];          /**< Where that comes from.                                                    */
+    int space_code;              /**< NIfTI's code of the space; 0 if unknown.                                  */
+    enum text_encoding encoding;
+    uint64_t header_size; /**< Bytes of the header in its file.                                                 */
+    char *file;           /**< Of the voxels, beside the header; NULL: behind it.                               */
+    bool brik;            /**< ... in AFNI's .BRIK beside it, perhaps packed.                                   */
+    uint64_t line_skip;   /**< Lines before the voxels, as stored.                                              */
+    uint64_t byte_skip;   /**< Bytes before them, unpacked.                                                     */
+    bool at_end;          /**< They are the last bytes of their file; nothing is skipped.                       */
+    uint64_t packed_size; /**< Packed bytes; 0: up to the end of the file.                                      */
+    struct text_segment *segments;
+    size_t segment_count;
+    double *slopes; /**< [count], or NULL: unscaled.                                                            */
+    char **titles;  /**< [count] names of the volumes, each NULL where it has none; or NULL.                    */
+    char *labels;   /**< A label table as text; NULL if none.                                                   */
+};
+
+/** Finishes @p volume, which may be NULL, but does not free it. */
+void text_volume_finish(struct text_volume *volume);
+
+/** The labels that the header gives to volume @p index, sorted, into @p out; empty if there are none. */
+conus_status text_volume_labels(struct label_table *out, const struct text_volume *volume, size_t index,
+                                struct notes *notes);
+
+#endif

@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds, unpacks and decodes the voxels of a volume whose header is text. */
+#include "loaders/volumes/text/text_voxels.h"
+
+#include "base/memory.h"
+#include "base/text.h"
+#include "loaders/volumes/text/text_numbers.h"
+
+#include <string.h>
+
+/* Which unpacked bytes of the voxels are wanted: all of interleaved ones. */
+static void aim(struct gzip_range *out, const struct text_range *range, const struct text_volume *volume)
+{
+    bool whole = range->all || volume->interleaved;
+    size_t total = range->volume_size * (size_t)volume->count; /* checked with the header */
+    out->from = whole ? 0 : range->volume * range->volume_size;
+    out->count = whole ? total : range->volume_size;
+    out->total = total;
+}
+
+/* Where the voxels begin in the file as stored, after the header and the lines to skip. */
+static conus_status find_start(size_t *start, const struct text_volume *volume, const struct bytes *stored)
+{
+    size_t at = volume->file || volume->brik ? 0 : (size_t)volume->header_size;
+    for (uint64_t line = 0; line < volume->line_skip; line++) {
+        const uint8_t *end = at < stored->size ? memchr(stored->data + at, '\n', stored->size - at) : NULL;
+        if (!end) {
+            return fail(CONUS_ERROR_DATA, "line skip: found %llu, the file has %llu lines before the voxels",
+                        (unsigned long long)volume->line_skip, (unsigned long long)line);
+        }
+        at = (size_t)(end - stored->data) + 1;
+    }
+    *start = at;
+    return CONUS_OK;
+}
+
+/* Raw voxels, in a file that may be packed as a whole. */
+static conus_status read_raw(struct bytes *out, struct gzip_range *range, const struct text_volume *volume,
+                             struct bytes *stored, bool packed)
+{
+    size_t start = 0;
+    if (packed && (volume->at_end || volume->line_skip)) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "%s: found in a file that is packed as a whole, allowed are bytes to skip",
+                    volume->at_end ? "voxels at the end" : "lines to skip");
+    }
+    if (volume->at_end && stored->size >= range->total) {
+        range->from += stored->size - range->total;
+        range->total = stored->size;
+        return gzip_keep(out, range, stored);
+    }
+    conus_status status = find_start(&start, volume, stored);
+    if (status) {
+        return status;
+    }
+    range->from += start + volume->byte_skip;
+    range->total += start + volume->byte_skip;
+    return packed ? gzip_unpack(out, range, stored->data, stored->size) : gzip_keep(out, range, stored);
+}
+
+/* gzip or zlib data behind the header. */
+static conus_status read_packed(struct bytes *out, struct gzip_range *range, const struct text_volume *volume,
+                                const uint8_t *data, size_t size)
+{
+    if (volume->packed_size > size) {
+        return fail(CONUS_ERROR_DATA, "CompressedDataSize: found %llu, the file has %zu bytes of voxels",
+                    (unsigned long long)volume->packed_size, size);
+    }
+    size = volume->packed_size ? (size_t)volume->packed_size : size;
+    range->zlib = volume->encoding == TEXT_ZLIB && !gzip_is(data, size);
+    if (!range->zlib && !gzip_is(data, size)) {
+        return fail(CONUS_ERROR_DATA, "encoding: found gzip in the header, but the voxels are not packed so");
+    }
+    range->from += volume->byte_skip;
+    range->total += volume->byte_skip;
+    return gzip_unpack(out, range, data, size);
+}
+
+/* Voxels that are text, or packed apart from their header. */
+static conus_status read_coded(struct bytes *out, struct gzip_range *range, const struct text_volume *volume,
+                               const struct bytes *stored, bool packed)
+{
+    size_t start = 0;
+    if (packed) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "encoding: found voxels that are packed or text, in a file that is packed "
+                                             "as a whole; allowed there are raw voxels");
+    }
+    conus_status status = find_start(&start, volume, stored);
+    if (status) {
+        return status;
+    }
+    const uint8_t *data = stored->data + start;
+    size_t size = stored->size - start;
+    if (volume->encoding == TEXT_GZIP || volume->encoding == TEXT_ZLIB) {
+        return read_packed(out, range, volume, data, size);
+    }
+    if (volume->byte_skip > size) {
+        return fail(CONUS_ERROR_DATA, "byte skip: found %llu, the file has %zu bytes of voxels",
+                    (unsigned long long)volume->byte_skip, size);
+    }
+    struct text text = {(const char *)data + volume->byte_skip, size - (size_t)volume->byte_skip};
+    return volume->encoding == TEXT_HEX ? text_hex_read(out, range, text)
+                                        : text_numbers_read(out, range, text, volume->type);
+}
+
+/* From "all volumes of voxel 0, all of voxel 1, ..." to one volume behind the other; `out` has the wanted ones. */
+static conus_status take_apart(struct bytes *out, const struct text_range *range, const struct text_volume *volume)
+{
+    size_t size = volume->type.size;
+    size_t count = (size_t)volume->count;
+    size_t first = range->all ? 0 : range->volume;
+    size_t last = range->all ? count : range->volume + 1;
+    struct bytes whole = *out;
+    uint8_t *apart = memory_raw(last - first, range->volume_size);
+    if (!apart) {
+        return CONUS_ERROR_MEMORY;
+    }
+    uint8_t *to = apart;
+    for (size_t k = first; k < last; k++) {
+        for (size_t at = k * size; at < whole.size; at += count * size, to += size) {
+            memcpy(to, whole.data + at, size);
+        }
+    }
+    bytes_finish(&whole);
+    *out = (struct bytes){apart, (last - first) * range->volume_size};
+    return CONUS_OK;
+}
+
+conus_status text_voxels_read(struct bytes *out, struct text_range *range, const struct text_volume *volume,
+                              struct bytes *stored, bool packed)
+{
+    struct bytes voxels = {0};
+    range->stored = (struct gzip_range){0};
+    aim(&range->stored, range, volume);
+    conus_status status = volume->encoding == TEXT_RAW ? read_raw(&voxels, &range->stored, volume, stored, packed)
+                                                       : read_coded(&voxels, &range->stored, volume, stored, packed);
+    if (!status && volume->interleaved) {
+        status = take_apart(&voxels, range, volume);
+    }
+    if (status) {
+        bytes_finish(&voxels);
+    } else {
+        *out = voxels;
+    }
+    return status;
+}

@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Volumes whose header is text, as volume_file.c wants them. */
+#include "loaders/volumes/volume_text.h"
+
+#include "atlas/space.h"
+#include "base/byte_order.h"
+#include "base/memory.h"
+#include "loaders/volumes/text/nrrd.h"
+#include "loaders/volumes/text/text_voxels.h"
+
+#include <nettle/sha2.h>
+#include <stdio.h>
+
+bool volume_text_is(const struct bytes *head)
+{
+    return nrrd_is(head->data, head->size);
+}
+
+void volume_text_finish(struct text_volume **text)
+{
+    text_volume_finish(*text);
+    memory_free(*text);
+    *text = NULL;
+}
+
+static int datatype_of(struct text_type type)
+{
+    static const struct {
+        struct text_type type;
+        int datatype;
+    } types[] = {{{'u', 1}, VOLUME_UINT8},  {{'i', 1}, VOLUME_INT8},   {{'u', 2}, VOLUME_UINT16},
+                 {{'i', 2}, VOLUME_INT16},  {{'u', 4}, VOLUME_UINT32}, {{'i', 4}, VOLUME_INT32},
+                 {{'u', 8}, VOLUME_UINT64}, {{'i', 8}, VOLUME_INT64},  {{'f', 4}, VOLUME_FLOAT32},
+                 {{'f', 8}, VOLUME_FLOAT64}};
+    size_t i = 0;
+    while (types[i].type.kind != type.kind || types[i].type.size != type.size) { /* the parsers know no others */
+        i++;
+    }
+    return types[i].datatype;
+}
+
+static conus_status describe(struct volume_header *header, const struct text_volume *text)
+{
+    const int64_t dim[7] = {text->dim[0], text->dim[1], text->dim[2], text->count, 1, 1, 1};
+    bool stored_big =
+        text->encoding == TEXT_NUMBERS || text->type.size == 1 ? !BIG_ENDIAN_IS_SWAPPED : text->big_endian;
+    header->swapped = stored_big == BIG_ENDIAN_IS_SWAPPED;
+    header->offset = text->file || text->brik ? 0 : text->header_size;
+    header->info.slope = 1;
+    header->info.space_code = text->space_code;
+    snprintf(header->info.format, sizeof header->info.format, "%s", text->format);
+    conus_status status = volume_header_set_datatype(header, datatype_of(text->type));
+    status = status ? status : volume_header_set_dim(header, dim);
+    return status ? status : space_describe(&header->info, text->world_from_voxel, text->transform);
+}
+
+conus_status volume_text_parse(struct volume_header *out, const struct bytes *head, struct notes *notes)
+{
+    struct volume_header header = {.text = memory_zeroed(1, sizeof *header.text)};
+    conus_status status = header.text ? CONUS_OK : CONUS_ERROR_MEMORY;
+    status = status ? status : nrrd_parse(header.text, head->data, head->size, notes);
+    status = status ? status : describe(&header, header.text);
+    if (status) {
+        volume_text_finish(&header.text);
+    } else {
+        *out = header;
+    }
+    return status;
+}
+
+conus_status volume_text_data_path(char **out, const struct text_volume *text, const char *path)
+{
+    *out = NULL;
+    if (!text->file) {
+        return CONUS_OK;
+    }
+    char *found = file_beside(path, text->file);
+    if (found && !file_exists(found)) {
+        conus_status status = fail(CONUS_ERROR_IO, "%s: the file of the voxels is missing: %s", path, found);
+        memory_free(found);
+        return status;
+    }
+    *out = found;
+    return found ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+uint64_t volume_text_scratch(const struct volume_header *header)
+{
+    bool whole = header->text && header->text->interleaved;
+    return whole ? (uint64_t)header->volume_size * header->info.volume_count : 0; /* below 2^62, as was checked */
+}
+
+const char *volume_text_encoding(const struct volume_header *header)
+{
+    static const char *const words[] = {"", ", gzip", ", zlib", ", text", ", hex"};
+    return words[header->text ? header->text->encoding : TEXT_RAW];
+}
+
+conus_status volume_text_voxels(struct bytes *out, struct gzip_range *range, const struct volume_header *header,
+                                struct bytes *stored, bool packed, bool all)
+{
+    struct text_range wanted = {.volume_size = header->volume_size, .volume = header->info.volume, .all = all};
+    conus_status status = text_voxels_read(out, &wanted, header->text, stored, packed);
+    *range = wanted.stored;
+    return status;
+}
+
+struct text volume_text_table(const struct text_volume *text)
+{
+    return text_from(text->labels ? text->labels : "");
+}
+
+void volume_text_sha256(char out[65], const struct bytes *header, const struct bytes *voxels)
+{
+    struct sha256_ctx context;
+    sha256_init(&context);
+    if (header) {
+        sha256_update(&context, header->size, header->data);
+    }
+    sha256_update(&context, voxels->size, voxels->data);
+    file_sha256_end(out, &context);
+}
+
+void volume_text_choose(struct volume_file *file)
+{
+    const struct text_volume *text = file->text;
+    size_t volume = file->info.volume;
+    file->title = text && text->titles ? text->titles[volume] : NULL;
+    file->info.slope = text && text->slopes ? text->slopes[volume] : file->info.slope;
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Joins the formats whose header is text (loaders/volumes/text) to volume_file.c: NRRD. */
+#ifndef CONUS_LOADERS_VOLUMES_VOLUME_TEXT_H
+#define CONUS_LOADERS_VOLUMES_VOLUME_TEXT_H
+
+#include "base/formats/gzip.h"
+#include "base/notes.h"
+#include "loaders/volumes/text/header_text.h"
+#include "loaders/volumes/text/text_volume.h"
+#include "loaders/volumes/volume_file.h"
+#include "loaders/volumes/volume_header.h"
+
+enum {
+    VOLUME_TEXT_HEAD = HEADER_TEXT_LIMIT
+}; /**< Bytes that volume_text_parse() wants to see, if there are as many. */
+
+/** True where @p head, the first bytes of a file, is a header of one of these formats. */
+bool volume_text_is(const struct bytes *head);
+
+/** Reads the header at the start of @p head. out->text is the caller's to finish. */
+conus_status volume_text_parse(struct volume_header *out, const struct bytes *head, struct notes *notes);
+
+/** Finishes and frees *text, which may be NULL. */
+void volume_text_finish(struct text_volume **text);
+
+/** The file of the voxels of the header @p path, the caller's to memory_free(); NULL where they lie behind the header.
+ * One that is not there is CONUS_ERROR_IO. */
+conus_status volume_text_data_path(char **out, const struct text_volume *text, const char *path);
+
+/** Bytes that decoding takes beyond the voxels that are wanted. */
+uint64_t volume_text_scratch(const struct volume_header *header);
+
+/** ", gzip", ", text" or "": how the voxels are stored. */
+const char *volume_text_encoding(const struct volume_header *header);
+
+/** Reads the chosen volume, or @p all, out of the bytes of their file; @p range gets what is behind them. */
+conus_status volume_text_voxels(struct bytes *out, struct gzip_range *range, const struct volume_header *header,
+                                struct bytes *stored, bool packed, bool all);
+
+/** The label table inside the header, which may be empty. */
+struct text volume_text_table(const struct text_volume *text);
+
+/** SHA-256 of @p header, unless NULL, and @p voxels behind it. */
+void volume_text_sha256(char out[65], const struct bytes *header, const struct bytes *voxels);
+
+/** Sets title and slope of the chosen volume. */
+void volume_text_choose(struct volume_file *file);
+
+#endif

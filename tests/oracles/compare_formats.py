@@ -1,0 +1,140 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""compare_formats.py DUMP_VOLUME CONUS: one atlas in every format whose header is text, against the NIfTI that it was
+made of.
+
+AAL is written here with numpy, from what nibabel reads: NRRD. teem's unu writes the NRRD again in other encodings, byte
+orders and types. Voxels, affine (1e-6) and all rows of a query with all layers must be those of the NIfTI."""
+import gzip
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+try:
+    import nibabel
+    import numpy
+except ImportError as missing:
+    print(f"skipped: {missing}")
+    sys.exit(77)
+
+AAL = "/usr/share/mricron/templates/aal.nii.gz"
+NAMES = "/usr/share/mricron/templates/aal.nii.txt"
+POSE = ["--origin=-90,20,20", "--toward=0,-10,10", "--angle", "20", "--layers", "all", "--format", "tsv", "-q"]
+
+
+def numbers(values):
+    return " ".join(repr(float(value)) for value in values)
+
+
+def points(columns):
+    return " ".join("(" + ",".join(repr(float(value)) for value in column) + ")" for column in columns)
+
+
+# ---- NRRD ------------------------------------------------------------------------------------------------------------
+
+
+def nrrd_header(voxels, affine, space, extra):
+    """The header's text, and the affine in the space that it names."""
+    signs = {"RAS": (1, 1, 1), "left-anterior-superior": (-1, 1, 1), "left-posterior-superior": (-1, -1, 1)}[space]
+    placed = numpy.diag(signs + (1,)) @ affine
+    order = "big" if voxels.dtype.byteorder == ">" else "little"
+    return (f"NRRD0005\ntype: {voxels.dtype.name}\ndimension: 3\nspace: {space}\n"
+            f"sizes: {' '.join(str(n) for n in voxels.shape)}\nspace directions: {points(placed[:3, :3].T)}\n"
+            f"kinds: domain domain domain\nendian: {order}\nspace origin: {points([placed[:3, 3]])}\n{extra}")
+
+
+def write_nrrd(folder, voxels, affine):
+    raw = voxels.tobytes(order="F")
+    wide = voxels.astype(">u4")
+    ras = nrrd_header(voxels, affine, "RAS", "encoding: raw\n\n").encode() + raw
+    las = nrrd_header(wide, affine, "left-anterior-superior", "encoding: gzip\n\n").encode()
+    lps = nrrd_header(voxels, affine, "left-posterior-superior", "encoding: raw\ndata file: lps.raw\nbyte skip: -1\n")
+    yield write(folder, "ras.nrrd", ras)
+    yield write(folder, "las.nrrd", las + gzip.compress(wide.tobytes(order="F"), 1))
+    write(folder, "lps.raw", b"something else first" + raw)
+    yield write(folder, "lps.nhdr", lps.encode())
+    yield from unu(folder, os.path.join(folder, "ras.nrrd"))
+
+
+def unu(folder, source):
+    """The same, written by another program."""
+    if not shutil.which("teem-unu"):
+        print("no teem-unu (teem-apps): NRRD is compared with what is written here only")
+        return
+    for name, convert, save in (("big.nrrd", "short", "-e raw -en big"), ("packed.nrrd", "uint", "-e gzip"),
+                                ("text.nrrd", "ushort", "-e ascii"), ("hex.nrrd", "int", "-e hex"),
+                                ("split.nhdr", "float", "-e gzip")):
+        path = os.path.join(folder, name)
+        subprocess.run(f"teem-unu convert -i {source} -t {convert} | teem-unu save -f nrrd {save} -o {path}", shell=True, check=True)
+        yield path
+
+
+# ---- The comparison --------------------------------------------------------------------------------------------------
+
+
+def write(folder, name, data):
+    path = os.path.join(folder, name)
+    with open(path, "wb") as stream:
+        stream.write(data)
+    return path
+
+
+def dump(program, path, folder):
+    """Voxels and affine."""
+    outputs = [os.path.join(folder, name) for name in ("values", "labels")]
+    run = subprocess.run([program, path] + outputs, capture_output=True, text=True, check=False)
+    if run.returncode:
+        return run.stderr.strip(), None
+    facts = dict(line.partition(" ")[::2] for line in run.stdout.splitlines())
+    dim = [int(n) for n in facts["dim"].split()]
+    affine = numpy.array([float(n) for n in facts["affine"].split()]).reshape(4, 4)
+    return numpy.fromfile(outputs[1], numpy.uint32).reshape(dim, order="F"), affine
+
+
+def ask(program, path):
+    run = subprocess.run([program, "query", path, "--labels", NAMES] + POSE, capture_output=True, text=True, check=False)
+    return run.stdout if run.returncode == 0 else run.stderr
+
+
+def compare(programs, path, folder, voxels, affine, rows):
+    found, placed = dump(programs[0], path, folder)
+    if placed is None:
+        return [found]
+    faults = [] if found.shape == voxels.shape and (found == voxels).all() else ["voxels differ"]
+    if not numpy.allclose(placed, affine, rtol=0, atol=1e-6):
+        faults.append(f"affine {placed.ravel()}, of the NIfTI {affine.ravel()}")
+    return faults if ask(programs[1], path) == rows else faults + ["rows differ: " + ask(programs[1], path)]
+
+
+def main():
+    programs = sys.argv[1:3]
+    if not os.path.exists(AAL):
+        print("skipped: no mricron-data")
+        return 77
+    image = nibabel.load(AAL)
+    turn = numpy.array([[0.96, -0.28, 0, 3], [0.28, 0.96, 0, -5], [0, 0, 1, 7], [0, 0, 0, 1]])
+    voxels = numpy.asarray(image.dataobj)
+    bad = total = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for affine in (image.affine, turn @ image.affine):
+            nifti = os.path.join(folder, "aal.nii")
+            nibabel.save(nibabel.Nifti1Image(voxels, affine), nifti)
+            placed = nibabel.load(nifti).affine
+            rows = ask(programs[1], nifti)
+            assert len(rows.splitlines()) > 5, rows
+            for path in (path for writer in WRITERS for path in writer(folder, voxels, placed)):
+                faults = compare(programs, path, folder, voxels, placed, rows)
+                total += 1
+                bad += bool(faults)
+                name = os.path.basename(path)
+                print(*(f"DIFFERENT {name}: {fault}" for fault in faults) if faults else [f"{name}: equal"], sep="\n")
+    print(f"{total} volumes, {bad} different")
+    return 1 if bad else 0
+
+
+WRITERS = [write_nrrd]
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Text files of which one place is bent. */
+#ifndef CONUS_TESTS_SUPPORT_BUILDERS_BENT_TEXT_H
+#define CONUS_TESTS_SUPPORT_BUILDERS_BENT_TEXT_H
+
+#include "base/buffer.h"
+
+/** Appends @p text to @p out, with @p to in place of the first @p from, which must be there; NULL changes nothing. */
+void append_bent(struct buffer *out, const char *text, const char *from, const char *to);
+
+/** Fails the test unless the last message holds @p part. */
+void assert_said(const char *part);
+
+#endif
