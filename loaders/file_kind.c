@@ -48,8 +48,6 @@ static const struct {
     {MAGIC("TRACK\0"), {"a TrackVis tractogram", TRACTS}},
     {MAGIC("mrtrix tracks"), {"an MRtrix tractogram", TRACTS}},
     {MAGIC("mrtrix image"), {"an MRtrix image", FOREIGN " (mrconvert)"}},
-    {MAGIC("ObjectType ="), {"a MetaImage volume", FOREIGN " (3D Slicer)"}},
-    {MAGIC("NDims ="), {"a MetaImage volume", FOREIGN " (3D Slicer)"}},
     {MAGIC("CDF\1"), {"a MINC-1 volume", FOREIGN " (mnc2nii)"}},
     {MAGIC("CDF\2"), {"a MINC-1 volume", FOREIGN " (mnc2nii)"}},
     {MAGIC("\x89HDF\r\n\x1a\n"), {"an HDF5 file (a MINC-2 volume, say)", FOREIGN " (mnc2nii)"}},

@@ -15,7 +15,7 @@
 #include <strings.h>
 
 static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
-static const char default_needed[] = "a volume (NIfTI, MGH or NRRD)";
+static const char default_needed[] = "a volume (NIfTI, MGH, NRRD or MetaImage)";
 enum {
     HEAD_LIMIT = 1 << 26,  /* of the header file of a pair */
     HEADER_READ = 1 << 16, /* of a file of which the header alone is wanted; packed, it takes less */

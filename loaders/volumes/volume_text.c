@@ -5,6 +5,7 @@
 #include "atlas/space.h"
 #include "base/byte_order.h"
 #include "base/memory.h"
+#include "loaders/volumes/text/metaimage.h"
 #include "loaders/volumes/text/nrrd.h"
 #include "loaders/volumes/text/text_voxels.h"
 
@@ -13,7 +14,7 @@
 
 bool volume_text_is(const struct bytes *head)
 {
-    return nrrd_is(head->data, head->size);
+    return nrrd_is(head->data, head->size) || metaimage_is(head->data, head->size);
 }
 
 void volume_text_finish(struct text_volume **text)
@@ -58,7 +59,8 @@ conus_status volume_text_parse(struct volume_header *out, const struct bytes *he
 {
     struct volume_header header = {.text = memory_zeroed(1, sizeof *header.text)};
     conus_status status = header.text ? CONUS_OK : CONUS_ERROR_MEMORY;
-    status = status ? status : nrrd_parse(header.text, head->data, head->size, notes);
+    bool nrrd = nrrd_is(head->data, head->size);
+    status = status ? status : (nrrd ? nrrd_parse : metaimage_parse)(header.text, head->data, head->size, notes);
     status = status ? status : describe(&header, header.text);
     if (status) {
         volume_text_finish(&header.text);

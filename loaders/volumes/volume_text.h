@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Joins the formats whose header is text (loaders/volumes/text) to volume_file.c: NRRD. */
+/** @file Joins the formats whose header is text (loaders/volumes/text) to volume_file.c: NRRD and MetaImage. */
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_TEXT_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_TEXT_H
 

@@ -30,8 +30,8 @@ static const struct {
      "ATLAS"},
     {"a.mif", BYTES("mrtrix image\ndim: 3"), "an MRtrix image", "mrconvert"},
     {"a.nrrd", BYTES("NRRD0004\ntype: uchar\n"), "a volume", "ATLAS"},
-    {"a.mha", BYTES("ObjectType = Image\nNDims = 3\n"), "a MetaImage volume", "NIfTI"},
-    {"a.mhd", BYTES("NDims = 3\n"), "a MetaImage volume", "NIfTI"},
+    {"a.mha", BYTES("ObjectType = Image\nNDims = 3\n"), "a volume", "ATLAS"},
+    {"a.mhd", BYTES("NDims = 3\n"), "a volume", "ATLAS"},
     {"a.mnc", BYTES("CDF\1\0\0"), "a MINC-1 volume", "mnc2nii"},
     {"a.mnc", BYTES("\x89HDF\r\n\x1a\n\0"), "an HDF5 file (a MINC-2 volume, say)", "mnc2nii"},
     {"a+tlrc.HEAD", BYTES("\ntype = string-attribute\nname = HISTORY_NOTE\n"), "the header of an AFNI data set",
@@ -179,7 +179,7 @@ static void write_volume(const char *name)
 }
 
 static const char atlas_needs[] =
-    "needed is a labelled volume (NIfTI, MGH, NRRD), a surface, a folder of surfaces, "
+    "needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage), a surface, a folder of surfaces, "
     "a manifest (with the key \"conus_atlas\") or an FSL atlas XML of type Label";
 
 static void each_place_says_what_it_takes(void **state)
@@ -211,17 +211,16 @@ static void each_place_says_what_it_takes(void **state)
     refuse_labels("v.nii", "a.md", "not a label table of a known format (known: ");
     assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
     assert_message(conus_atlas_add_pathway(atlas, test_in("a.trk"), NULL), "a.trk",
-                   "needed is a volume (NIfTI, MGH or NRRD)");
+                   "needed is a volume (NIfTI, MGH, NRRD or MetaImage)");
     assert_message(
         conus_atlas_add_pathway(atlas, test_in("a.xml"), NULL), "a.xml",
         "this is an FSL atlas XML: 'conus manifest FOLDER' makes pathways of its volumes; needed is a volume");
-    assert_message(conus_atlas_set_context(atlas, test_in("a.txt"), NULL), "a.txt",
-                   "needed is a volume (NIfTI, MGH");
+    assert_message(conus_atlas_set_context(atlas, test_in("a.txt"), NULL), "a.txt", "needed is a volume (NIfTI, MGH");
     conus_atlas_destroy(atlas);
     write_text("m.atlas.json", "{\"conus_atlas\": 1, \"parcellation\": \"a.mif\"}");
     refuse_atlas("m.atlas.json",
                  "a.mif: this is an MRtrix image: convert it to NIfTI (mrconvert); needed is a labelled "
-                 "volume (NIfTI, MGH or NRRD) or an FSL atlas XML of type Label");
+                 "volume (NIfTI, MGH, NRRD or MetaImage) or an FSL atlas XML of type Label");
 }
 
 /* FreeSurfer writes values of vertices as volumes of N x 1 x 1. */

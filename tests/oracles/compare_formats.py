@@ -3,7 +3,7 @@
 """compare_formats.py DUMP_VOLUME CONUS: one atlas in every format whose header is text, against the NIfTI that it was
 made of.
 
-AAL is written here with numpy, from what nibabel reads: NRRD. teem's unu writes the NRRD again in other encodings, byte
+AAL is written here with numpy, from what nibabel reads: NRRD and MetaImage. teem's unu writes the NRRD again in other encodings, byte
 orders and types. Voxels, affine (1e-6) and all rows of a query with all layers must be those of the NIfTI."""
 import gzip
 import os
@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import zlib
 
 try:
     import nibabel
@@ -69,6 +70,31 @@ def unu(folder, source):
         path = os.path.join(folder, name)
         subprocess.run(f"teem-unu convert -i {source} -t {convert} | teem-unu save -f nrrd {save} -o {path}", shell=True, check=True)
         yield path
+
+
+# ---- MetaImage -------------------------------------------------------------------------------------------------------
+
+
+def metaimage_header(voxels, affine, kind, extra, source):
+    """ITK's: LPS, directions axis by axis."""
+    lps = numpy.diag((-1, -1, 1, 1)) @ affine
+    spacing = numpy.linalg.norm(lps[:3, :3], axis=0)
+    return (f"ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = {voxels.dtype.byteorder == '>'}\n"
+            f"{extra}TransformMatrix = {numbers((lps[:3, :3] / spacing).T.ravel())}\nOffset = {numbers(lps[:3, 3])}\n"
+            f"CenterOfRotation = 0 0 0\nElementSpacing = {numbers(spacing)}\n"
+            f"DimSize = {' '.join(str(n) for n in voxels.shape)}\nElementType = {kind}\nElementDataFile = {source}\n"
+            ).encode()
+
+
+def write_metaimage(folder, voxels, affine):
+    raw = voxels.tobytes(order="F")
+    packed = zlib.compress(raw, 1)
+    wide = voxels.astype(">i2")
+    sized = f"CompressedData = True\nCompressedDataSize = {len(packed)}\n"
+    yield write(folder, "a.mha", metaimage_header(voxels, affine, "MET_UCHAR", "", "LOCAL") + raw)
+    yield write(folder, "packed.mha", metaimage_header(voxels, affine, "MET_UCHAR", sized, "LOCAL") + packed)
+    write(folder, "big.raw", wide.tobytes(order="F"))
+    yield write(folder, "big.mhd", metaimage_header(wide, affine, "MET_SHORT", "", "big.raw"))
 
 
 # ---- The comparison --------------------------------------------------------------------------------------------------
@@ -134,7 +160,7 @@ def main():
     return 1 if bad else 0
 
 
-WRITERS = [write_nrrd]
+WRITERS = [write_nrrd, write_metaimage]
 
 if __name__ == "__main__":
     sys.exit(main())

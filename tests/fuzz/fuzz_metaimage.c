@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* MetaImage headers and voxels. */
+#include "fuzz_text_volume.h"
+
+#include "loaders/volumes/text/metaimage.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (metaimage_is(data, size)) {
+        fuzz_text_file(data, size);
+    }
+    return 0;
+}
