@@ -35,7 +35,6 @@ static const struct file_kind json = {"JSON of another kind", NULL};
 static const struct file_kind dicom = {"a DICOM file", "convert its series to NIfTI (dcm2niix)"};
 static const struct file_kind trx = {"a TRX tractogram", TRACTS};
 static const struct file_kind lines = {"a VTK file of lines", TRACTS};
-static const struct file_kind afni_head = {"the header of an AFNI data set", FOREIGN " (3dAFNItoNIFTI)"};
 static const struct file_kind plain_text = {"plain text", NULL};
 
 /* What begins with given bytes. */
@@ -88,7 +87,7 @@ static const struct {
     struct file_kind kind;
 } endings[] = {
     {".annot", {"a FreeSurfer annotation", "give it as --labels, and the surface as ATLAS"}},
-    {".BRIK", {"the voxels of an AFNI data set", FOREIGN " (3dAFNItoNIFTI)"}},
+    {".BRIK", {"the voxels of an AFNI data set", "give its .HEAD as ATLAS, --pathway or --context"}},
     {".dcm", {"a DICOM file", "convert its series to NIfTI (dcm2niix)"}},
     {".trk", {"a tractogram", TRACTS}},
     {".tck", {"a tractogram", TRACTS}},
@@ -144,9 +143,6 @@ static const struct file_kind *kind_of_text(struct text text)
     }
     if (start.data[0] == '{' && text_mentions(start, "\"conus_atlas\"")) {
         return &manifest;
-    }
-    if (text_starts(start, "type = ") || text_starts(start, "type  = ")) {
-        return &afni_head;
     }
     if (label_format_of(start)) {
         return &table;

@@ -461,8 +461,9 @@ const struct command cmd_info = {
     .operands = {"ATLAS"},
     .description =
         "Shows file, size, orientation and transform of every volume, where the names come from, and the\n"
-        "areas and pathways. ATLAS is a labelled volume: .nii, .hdr/.img, .mgz, .nrrd, .mha or an FSL atlas .xml; for\n"
-        "a 4-D file, FILE,volume=K chooses volume K from 0. Or it is a manifest, .atlas.json, that joins the\n"
+        "areas and pathways. ATLAS is a labelled volume: .nii, .hdr/.img, .mgz, .nrrd, .mha, .HEAD or an FSL atlas\n"
+        ".xml; for a 4-D file, FILE,volume=K chooses volume K from 0. Or it is a manifest, .atlas.json, that joins "
+        "the\n"
         "files of a scene; info then checks all that it names. Surfaces, and folders of them, are atlases, too.",
     .examples = "  conus info aal.nii.gz\n"
                 "  conus info aal.nii.gz --labels my_names.txt --format tsv\n",

@@ -69,9 +69,15 @@ static conus_status choose_threshold(struct volume_file *file, double wanted, co
     return wanted > 0 ? CONUS_OK : notes_add(notes, "pathway %s: %s; threshold %s", name, scale.words, threshold);
 }
 
-/* The file's name without folder and ending, and with the volume where there are several. */
-static conus_status name_by_file(struct buffer *out, const conus_volume_info *info)
+/* What the file calls the volume (but for AFNI's "#0"); else the file's name without folder and ending, and with the
+ * volume where there are several. */
+static conus_status name_by_file(struct buffer *out, const struct volume_file *file)
 {
+    const conus_volume_info *info = &file->info;
+    if (file->title && file->title[0] != '#') {
+        buffer_text(out, file->title);
+        return buffer_status(out);
+    }
     const char *name = path_base(info->path);
     buffer_append(out, name, volume_stem_length(name));
     if (info->volume_count > 1) {
@@ -134,20 +140,20 @@ static conus_status take_beside(struct title *title, struct notes *notes)
 }
 
 /* The name that is wanted, else what an FSL atlas XML or a table calls this volume, else the file's name. */
-static conus_status choose_name(struct buffer *out, const char *wanted, const conus_volume_info *info,
+static conus_status choose_name(struct buffer *out, const char *wanted, const struct volume_file *file,
                                 struct notes *notes)
 {
-    struct title title = {.info = info, .name = out};
+    struct title title = {.info = &file->info, .name = out};
     if (wanted && wanted[0]) {
         buffer_text(out, wanted);
         return buffer_status(out);
     }
-    conus_status status = fsl_atlas_each(info->path, FSL_VOLUMES, take_title, &title);
+    conus_status status = fsl_atlas_each(file->path, FSL_VOLUMES, take_title, &title);
     status = status ? status : take_beside(&title, notes);
     status = status ? status : buffer_status(&title.from);
     if (!status) {
         status = title.from.size ? notes_add(notes, "pathway %s: named by %s", out->data, title.from.data)
-                                 : name_by_file(out, info);
+                                 : name_by_file(out, file);
     }
     buffer_finish(&title.from);
     return status;
@@ -162,7 +168,7 @@ conus_status pathway_add(conus_atlas *atlas, struct volume_file *file, double th
     conus_status status = volume_file_values(&values, file, notes);
     if (!status) {
         file->info.role = CONUS_ROLE_SCALAR;
-        status = choose_name(&name, wanted, &file->info, notes);
+        status = choose_name(&name, wanted, file, notes);
     }
     const char *words = name.data;
     status = status ? status : choose_threshold(file, threshold, words, notes);

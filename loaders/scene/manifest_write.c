@@ -235,7 +235,8 @@ static conus_status look_at_volume(struct manifest_draft *draft, const char *nam
 
 static bool is_volume(const char *name)
 {
-    bool image = path_ends_in(name, ".img") || path_ends_in(name, ".img.gz"); /* its .hdr is taken */
+    bool image = path_ends_in(name, ".img") || path_ends_in(name, ".img.gz") || path_ends_in(name, ".BRIK") ||
+                 path_ends_in(name, ".BRIK.gz"); /* its .hdr or .HEAD is taken */
     return name[0] != '.' && !image && name[volume_stem_length(name)];
 }
 

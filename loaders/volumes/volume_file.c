@@ -15,7 +15,7 @@
 #include <strings.h>
 
 static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
-static const char default_needed[] = "a volume (NIfTI, MGH, NRRD or MetaImage)";
+static const char default_needed[] = "a volume (NIfTI, MGH, NRRD, MetaImage or AFNI)";
 enum {
     HEAD_LIMIT = 1 << 26,  /* of the header file of a pair */
     HEADER_READ = 1 << 16, /* of a file of which the header alone is wanted; packed, it takes less */
@@ -267,11 +267,30 @@ static conus_status open_by_header(struct opening *o)
     return read_other_half(&o->voxels, o->pair_header.path, at, "img", o->limit);
 }
 
+/* By the voxels of an AFNI data set, whose header is `head`. */
+static conus_status open_by_brik(struct opening *o, const char *head)
+{
+    conus_status status = stored_read(&o->pair_header, head, o->limit);
+    status = status ? status : read_header(o, &o->pair_header);
+    if (!status && !(o->header.text && o->header.text->brik)) {
+        return fail(CONUS_ERROR_DATA, "%s: content: a .HEAD beside a .BRIK must be the header of an AFNI data set",
+                    head);
+    }
+    return status;
+}
+
 static conus_status open_files(struct opening *o, const char *path)
 {
     bool image = false;
     size_t at = 0;
+    char *head = NULL;
     conus_status status = stored_read(&o->voxels, path, o->limit);
+    status = status ? status : volume_text_head_path(&head, path);
+    if (head) {
+        status = open_by_brik(o, head);
+        memory_free(head);
+        return status;
+    }
     if (!status) {
         status = is_image_half(&image, &at, &o->voxels);
     }

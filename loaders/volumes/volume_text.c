@@ -4,17 +4,20 @@
 
 #include "atlas/space.h"
 #include "base/byte_order.h"
+#include "base/folder.h"
 #include "base/memory.h"
+#include "loaders/volumes/text/afni.h"
 #include "loaders/volumes/text/metaimage.h"
 #include "loaders/volumes/text/nrrd.h"
 #include "loaders/volumes/text/text_voxels.h"
 
 #include <nettle/sha2.h>
 #include <stdio.h>
+#include <string.h>
 
 bool volume_text_is(const struct bytes *head)
 {
-    return nrrd_is(head->data, head->size) || metaimage_is(head->data, head->size);
+    return nrrd_is(head->data, head->size) || metaimage_is(head->data, head->size) || afni_is(head->data, head->size);
 }
 
 void volume_text_finish(struct text_volume **text)
@@ -60,7 +63,11 @@ conus_status volume_text_parse(struct volume_header *out, const struct bytes *he
     struct volume_header header = {.text = memory_zeroed(1, sizeof *header.text)};
     conus_status status = header.text ? CONUS_OK : CONUS_ERROR_MEMORY;
     bool nrrd = nrrd_is(head->data, head->size);
-    status = status ? status : (nrrd ? nrrd_parse : metaimage_parse)(header.text, head->data, head->size, notes);
+    bool afni = afni_is(head->data, head->size);
+    status = status ? status
+                    : (nrrd   ? nrrd_parse
+                       : afni ? afni_parse
+                              : metaimage_parse)(header.text, head->data, head->size, notes);
     status = status ? status : describe(&header, header.text);
     if (status) {
         volume_text_finish(&header.text);
@@ -70,9 +77,47 @@ conus_status volume_text_parse(struct volume_header *out, const struct bytes *he
     return status;
 }
 
+/* Length of `path` without the ending "HEAD", or "BRIK" perhaps with ".gz"; 0 if it has another. */
+static size_t dataset_length(const char *path, const char *ending)
+{
+    size_t length = strlen(path);
+    length -= length > 3 && strcmp(path + length - 3, ".gz") == 0 && ending[0] == 'B' ? 3 : 0;
+    bool known = length > 5 && path[length - 5] == '.' && strncmp(path + length - 4, ending, 4) == 0;
+    return known ? length - 4 : 0;
+}
+
+conus_status volume_text_head_path(char **out, const char *path)
+{
+    size_t length = dataset_length(path, "BRIK");
+    *out = length ? path_with_ending(path, length, "HEAD") : NULL;
+    return length && !*out ? CONUS_ERROR_MEMORY : CONUS_OK;
+}
+
+/* The .BRIK or .BRIK.gz beside the .HEAD `path`. */
+static conus_status find_brik(char **out, const char *path)
+{
+    size_t length = dataset_length(path, "HEAD");
+    if (!length) {
+        return fail(CONUS_ERROR_DATA, "%s: found the header of an AFNI data set, whose name must end in .HEAD", path);
+    }
+    for (int packed = 0; packed < 2; packed++) {
+        char *found = path_with_ending(path, length, packed ? "BRIK.gz" : "BRIK");
+        if (!found || file_exists(found)) {
+            *out = found;
+            return found ? CONUS_OK : CONUS_ERROR_MEMORY;
+        }
+        memory_free(found);
+    }
+    return fail(CONUS_ERROR_IO, "%s: the file of the voxels is missing: %.*sBRIK or %.*sBRIK.gz", path, (int)length,
+                path, (int)length, path);
+}
+
 conus_status volume_text_data_path(char **out, const struct text_volume *text, const char *path)
 {
     *out = NULL;
+    if (text->brik) {
+        return find_brik(out, path);
+    }
     if (!text->file) {
         return CONUS_OK;
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Joins the formats whose header is text (loaders/volumes/text) to volume_file.c: NRRD and MetaImage. */
+/** @file Joins the formats whose header is text (loaders/volumes/text) to volume_file.c: NRRD, MetaImage and AFNI. */
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_TEXT_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_TEXT_H
 
@@ -22,6 +22,10 @@ conus_status volume_text_parse(struct volume_header *out, const struct bytes *he
 
 /** Finishes and frees *text, which may be NULL. */
 void volume_text_finish(struct text_volume **text);
+
+/** The header of the AFNI data set whose voxels are @p path, by its name: the caller's to memory_free(). NULL if it is
+ * none. */
+conus_status volume_text_head_path(char **out, const char *path);
 
 /** The file of the voxels of the header @p path, the caller's to memory_free(); NULL where they lie behind the header.
  * One that is not there is CONUS_ERROR_IO. */

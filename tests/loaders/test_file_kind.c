@@ -34,9 +34,8 @@ static const struct {
     {"a.mhd", BYTES("NDims = 3\n"), "a volume", "ATLAS"},
     {"a.mnc", BYTES("CDF\1\0\0"), "a MINC-1 volume", "mnc2nii"},
     {"a.mnc", BYTES("\x89HDF\r\n\x1a\n\0"), "an HDF5 file (a MINC-2 volume, say)", "mnc2nii"},
-    {"a+tlrc.HEAD", BYTES("\ntype = string-attribute\nname = HISTORY_NOTE\n"), "the header of an AFNI data set",
-     "3dAFNItoNIFTI"},
-    {"a+tlrc.BRIK.gz", BYTES("\1\2\3\4\5\6\7\0"), "the voxels of an AFNI data set", "3dAFNItoNIFTI"},
+    {"a+tlrc.HEAD", BYTES("\ntype = string-attribute\nname = HISTORY_NOTE\n"), "a volume", "ATLAS"},
+    {"a+tlrc.BRIK.gz", BYTES("\1\2\3\4\5\6\7\0"), "the voxels of an AFNI data set", "its .HEAD"},
     {"lh.aparc.annot", BYTES("\0\0\x27\x0a\0\0\0\0\0"), "a FreeSurfer annotation", "--labels"},
     {"lh.x.label", BYTES("#!ascii label  , from subject\n3\n"), "a FreeSurfer label", ".annot"},
     {"lh.curv", BYTES("\xff\xff\xff\0\0\2\x82\0\0\5\0\0\0\0\1\0\0\0\0"), "values of the vertices of a surface", NULL},
@@ -179,7 +178,7 @@ static void write_volume(const char *name)
 }
 
 static const char atlas_needs[] =
-    "needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage), a surface, a folder of surfaces, "
+    "needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI), a surface, a folder of surfaces, "
     "a manifest (with the key \"conus_atlas\") or an FSL atlas XML of type Label";
 
 static void each_place_says_what_it_takes(void **state)
@@ -211,7 +210,7 @@ static void each_place_says_what_it_takes(void **state)
     refuse_labels("v.nii", "a.md", "not a label table of a known format (known: ");
     assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
     assert_message(conus_atlas_add_pathway(atlas, test_in("a.trk"), NULL), "a.trk",
-                   "needed is a volume (NIfTI, MGH, NRRD or MetaImage)");
+                   "needed is a volume (NIfTI, MGH, NRRD, MetaImage or AFNI)");
     assert_message(
         conus_atlas_add_pathway(atlas, test_in("a.xml"), NULL), "a.xml",
         "this is an FSL atlas XML: 'conus manifest FOLDER' makes pathways of its volumes; needed is a volume");
@@ -220,7 +219,7 @@ static void each_place_says_what_it_takes(void **state)
     write_text("m.atlas.json", "{\"conus_atlas\": 1, \"parcellation\": \"a.mif\"}");
     refuse_atlas("m.atlas.json",
                  "a.mif: this is an MRtrix image: convert it to NIfTI (mrconvert); needed is a labelled "
-                 "volume (NIfTI, MGH, NRRD or MetaImage) or an FSL atlas XML of type Label");
+                 "volume (NIfTI, MGH, NRRD, MetaImage or AFNI) or an FSL atlas XML of type Label");
 }
 
 /* FreeSurfer writes values of vertices as volumes of N x 1 x 1. */

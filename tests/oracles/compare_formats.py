@@ -1,10 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""compare_formats.py DUMP_VOLUME CONUS: one atlas in every format whose header is text, against the NIfTI that it was
+"""compare_formats.py DUMP_VOLUME CONUS [SHARED_DATA]: one atlas in every format whose header is text, against the NIfTI that it was
 made of.
 
-AAL is written here with numpy, from what nibabel reads: NRRD and MetaImage. teem's unu writes the NRRD again in other encodings, byte
-orders and types. Voxels, affine (1e-6) and all rows of a query with all layers must be those of the NIfTI."""
+AAL is written here with numpy, from what nibabel reads: NRRD, MetaImage and AFNI. teem's unu writes the NRRD again in other encodings, byte
+orders and types; nibabel reads the AFNI files, too, and those of the shared data. Voxels, affine (1e-6) and all rows of a query with all layers must be those of the NIfTI."""
+import glob
 import gzip
 import os
 import shutil
@@ -97,6 +98,65 @@ def write_metaimage(folder, voxels, affine):
     yield write(folder, "big.mhd", metaimage_header(wide, affine, "MET_SHORT", "", "big.raw"))
 
 
+# ---- AFNI ------------------------------------------------------------------------------------------------------------
+
+
+def attribute(kind, name, values):
+    count, text = (len(values) + 1, f"'{values}~") if kind == "string" else (len(values), " " + numbers(values))
+    if kind == "integer":
+        text = " " + " ".join(str(int(value)) for value in values)
+    return f"\ntype = {kind}-attribute\nname = {name}\ncount = {count}\n{text}\n"
+
+
+def afni_header(voxels, affine, code, real):
+    """DICOM order is LPS; the plumb axes are those of AAL, which grow to the right, the front and above."""
+    lps = numpy.diag((-1, -1, 1, 1)) @ affine
+    order = "MSB_FIRST" if voxels.dtype.byteorder == ">" else "LSB_FIRST"
+    head = attribute("integer", "DATASET_RANK", (3, 1, 0)) + attribute("integer", "DATASET_DIMENSIONS", voxels.shape + (0, 0))
+    head += attribute("integer", "BRICK_TYPES", (code,)) + attribute("float", "BRICK_FLOAT_FACS", (0,))
+    head += attribute("string", "BYTEORDER_STRING", order) + attribute("integer", "SCENE_DATA", (2, 2, 0))
+    head += attribute("integer", "ORIENT_SPECIFIC", (1, 2, 4)) + attribute("float", "ORIGIN", lps[:3, 3])
+    head += attribute("float", "DELTA", (-1, -1, 1)) + attribute("string", "TYPESTRING", "3DIM_HEAD_FUNC")
+    return (head + (attribute("float", "IJK_TO_DICOM_REAL", lps[:3].ravel()) if real else "")).encode()
+
+
+def write_afni(folder, voxels, affine):
+    plumb = bool((affine[:3, :3] == numpy.eye(3)).all())
+    wide = voxels.astype(">i2")
+    names = ["real+tlrc", "big+tlrc"] + ["plumb+tlrc"] * plumb
+    for name in names:
+        chosen, code = (wide, 1) if name.startswith("big") else (voxels, 0)
+        write(folder, name + ".HEAD", afni_header(chosen, affine, code, not name.startswith("plumb")))
+        raw = chosen.tobytes(order="F")
+        if name.startswith("real"):
+            yield write(folder, name + ".BRIK.gz", gzip.compress(raw, 1))
+        else:
+            write(folder, name + ".BRIK", raw)
+            yield os.path.join(folder, name + ".HEAD")
+        if not name.startswith("plumb"):  # whose matrix nibabel needs
+            image = nibabel.load(os.path.join(folder, name + ".HEAD"))
+            assert (numpy.asarray(image.dataobj).reshape(voxels.shape) == voxels).all(), name
+            assert numpy.allclose(image.affine, affine, rtol=0, atol=1e-6), name
+
+
+def compare_shared(program, shared, folder):
+    """Data sets at hand against nibabel: values and affine."""
+    faults = []
+    for path in sorted(glob.glob(os.path.join(shared, "hostile", "nibabel", "*.BRIK*"))):
+        outputs = [os.path.join(folder, name) for name in ("values", "labels")]
+        facts = subprocess.run([program, path] + outputs, capture_output=True, text=True, check=True).stdout
+        facts = dict(line.partition(" ")[::2] for line in facts.splitlines())
+        image = nibabel.load(path)
+        found = numpy.fromfile(outputs[0], numpy.float32)
+        wanted = numpy.asarray(image.dataobj).ravel(order="F")
+        placed = numpy.array([float(n) for n in facts["affine"].split()]).reshape(4, 4)
+        same = found.shape == wanted.shape and numpy.allclose(found, wanted, rtol=2e-7, atol=0)
+        same = same and numpy.allclose(placed, image.affine, rtol=1e-6)
+        print(f"{path}: {'equal' if same else 'DIFFERENT'}")
+        faults += [] if same else [path]
+    return len(faults)
+
+
 # ---- The comparison --------------------------------------------------------------------------------------------------
 
 
@@ -156,11 +216,13 @@ def main():
                 bad += bool(faults)
                 name = os.path.basename(path)
                 print(*(f"DIFFERENT {name}: {fault}" for fault in faults) if faults else [f"{name}: equal"], sep="\n")
+        if len(sys.argv) > 3:
+            bad += compare_shared(programs[0], os.environ.get("CONUS_SHARED_DATA", sys.argv[3]), folder)
     print(f"{total} volumes, {bad} different")
     return 1 if bad else 0
 
 
-WRITERS = [write_nrrd, write_metaimage]
+WRITERS = [write_nrrd, write_metaimage, write_afni]
 
 if __name__ == "__main__":
     sys.exit(main())

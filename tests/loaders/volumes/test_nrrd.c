@@ -412,6 +412,7 @@ static void bombs_are_refused(void **state)
     assert_fails(status, CONUS_ERROR_DATA);
     assert_said("gzip: ");
     assert_said("cannot unpack to the 1000000000 that the header asks for");
+    notes_finish(&notes);
     buffer_finish(&text);
     buffer_finish(&bytes);
 }

@@ -1,0 +1,411 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads and checks AFNI's headers. */
+#include "loaders/volumes/text/afni.h"
+
+#include "base/math3.h"
+#include "base/memory.h"
+#include "loaders/volumes/text/header_text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum attribute {
+    DIMENSIONS,
+    RANK,
+    TYPES,
+    FACTORS,
+    BYTE_ORDER_OF,
+    ORIENT,
+    ORIGIN,
+    DELTA,
+    MATRIX,
+    LABEL_TABLE,
+    ATLAS_TABLE,
+    TITLES,
+    SCENE,
+    TEMPLATE,
+    ATTRIBUTE_COUNT,
+    VOLUME_LIMIT = 1 << 20
+};
+
+static const struct header_key keys[] = {
+    {"DATASET_DIMENSIONS", DIMENSIONS},
+    {"DATASET_RANK", RANK},
+    {"BRICK_TYPES", TYPES},
+    {"BRICK_FLOAT_FACS", FACTORS},
+    {"BYTEORDER_STRING", BYTE_ORDER_OF},
+    {"ORIENT_SPECIFIC", ORIENT},
+    {"ORIGIN", ORIGIN},
+    {"DELTA", DELTA},
+    {"IJK_TO_DICOM_REAL", MATRIX},
+    {"VALUE_LABEL_DTABLE", LABEL_TABLE},
+    {"ATLAS_LABEL_TABLE", ATLAS_TABLE},
+    {"BRICK_LABS", TITLES},
+    {"SCENE_DATA", SCENE},
+    {"TEMPLATE_SPACE", TEMPLATE},
+};
+
+/* An attribute: the text of its numbers, or its string, and how many of them it says it has. */
+struct value {
+    struct text text;
+    size_t count;
+    bool is_string;
+};
+
+struct header {
+    struct value values[ATTRIBUTE_COUNT];
+    size_t volumes;
+};
+
+static const char *name_of(int attribute)
+{
+    size_t i = 0;
+    while (keys[i].field != attribute) {
+        i++;
+    }
+    return keys[i].name;
+}
+
+bool afni_is(const uint8_t *data, size_t size)
+{
+    struct text rest = text_trim((struct text){(const char *)data, size});
+    struct text word;
+    return text_word(&rest, &word) && text_equal(word, "type") && text_starts(text_trim(rest), "=");
+}
+
+/* ---- Attributes -------------------------------------------------------------------------------------------------- */
+
+/* The value of the next line, which must be "NAME = value". */
+static conus_status read_assignment(struct text *value, struct text *rest, const char *name, size_t *lines)
+{
+    struct text line = {0};
+    struct text word;
+    conus_status status = CONUS_OK;
+    bool there = header_line(rest, &line, lines, &status);
+    struct text tail = line;
+    bool right = there && text_word(&tail, &word) && text_equal(word, name) && text_starts(text_trim(tail), "=");
+    if (status || !right) {
+        return status ? status
+                      : fail(CONUS_ERROR_DATA, "header: found the line \"%.*s\", needed is \"%s = ...\"",
+                             HEADER_SHOW(line), name);
+    }
+    tail = text_trim(tail);
+    *value = text_trim((struct text){tail.data + 1, tail.size - 1});
+    return CONUS_OK;
+}
+
+/* Exactly `count` bytes behind an apostrophe. */
+static conus_status read_string(struct value *out, struct text *rest, size_t count, struct text name)
+{
+    *rest = text_trim(*rest);
+    if (!rest->size || rest->data[0] != '\'' || rest->size - 1 < count) {
+        return fail(CONUS_ERROR_DATA, "%.*s: found no string of %zu characters", HEADER_SHOW(name), count);
+    }
+    *out = (struct value){{rest->data + 1, count}, count, true};
+    *rest = (struct text){rest->data + 1 + count, rest->size - 1 - count};
+    return CONUS_OK;
+}
+
+/* `count` numbers, over several lines. */
+static conus_status read_numbers(struct value *out, struct text *rest, size_t count, struct text name)
+{
+    struct text word;
+    *out = (struct value){{rest->data, 0}, count, false};
+    for (size_t i = 0; i < count; i++) {
+        double number;
+        if (!text_word(rest, &word) || !text_to_double(word, &number)) {
+            return fail(CONUS_ERROR_DATA, "%.*s: found %zu numbers, its count is %zu", HEADER_SHOW(name), i, count);
+        }
+        out->text.size = (size_t)(word.data + word.size - out->text.data);
+    }
+    return CONUS_OK;
+}
+
+static conus_status read_attribute(struct header *header, struct text *rest, size_t *lines)
+{
+    struct text type;
+    struct text name;
+    struct text counted;
+    struct value value;
+    uint64_t count = 0;
+    conus_status status = read_assignment(&type, rest, "type", lines);
+    status = status ? status : read_assignment(&name, rest, "name", lines);
+    status = status ? status : read_assignment(&counted, rest, "count", lines);
+    if (!status && !text_to_uint(counted, HEADER_TEXT_LIMIT, &count)) {
+        return fail(CONUS_ERROR_DATA, "%.*s: count: found \"%.*s\", allowed are whole numbers", HEADER_SHOW(name),
+                    HEADER_SHOW(counted));
+    }
+    bool string = !status && text_equal(type, "string-attribute");
+    if (!status && !string && !text_equal(type, "integer-attribute") && !text_equal(type, "float-attribute")) {
+        return fail(CONUS_ERROR_DATA, "%.*s: type: found \"%.*s\", allowed are string-, integer- and float-attribute",
+                    HEADER_SHOW(name), HEADER_SHOW(type));
+    }
+    if (!status) {
+        status = (string ? read_string : read_numbers)(&value, rest, (size_t)count, name);
+    }
+    int attribute = status ? -1 : header_find(keys, sizeof keys / sizeof keys[0], name);
+    status = attribute < 0 ? status : header_keep(&header->values[attribute].text, value.text, name);
+    if (!status && attribute >= 0) {
+        header->values[attribute] = value;
+    }
+    return status;
+}
+
+static conus_status read_all(struct header *header, struct text rest)
+{
+    size_t lines = 0;
+    conus_status status = CONUS_OK;
+    while (!status && (rest = text_trim(rest)).size) {
+        status = read_attribute(header, &rest, &lines);
+    }
+    return status;
+}
+
+/* ---- What they mean ---------------------------------------------------------------------------------------------- */
+
+/* The first `count` numbers; more may follow. */
+static conus_status take_numbers(double *out, size_t count, const struct header *header, int attribute)
+{
+    const struct value *value = &header->values[attribute];
+    struct text rest = value->text;
+    struct text word;
+    if (!value->text.data || value->is_string || value->count < count) {
+        return fail(CONUS_ERROR_DATA, "%s: %s, %zu numbers are needed", name_of(attribute),
+                    value->text.data ? "found fewer or a string" : "missing", count);
+    }
+    for (size_t i = 0; i < count && text_word(&rest, &word); i++) {
+        (void)text_to_double(word, &out[i]); /* it did so before */
+    }
+    return CONUS_OK;
+}
+
+static conus_status take_whole(int64_t *out, size_t count, const struct header *header, int attribute, int64_t least,
+                               int64_t most)
+{
+    double numbers[8];
+    conus_status status = take_numbers(numbers, count, header, attribute);
+    for (size_t i = 0; !status && i < count; i++) {
+        if (!(numbers[i] >= (double)least && numbers[i] <= (double)most && numbers[i] == floor(numbers[i]))) {
+            return fail(CONUS_ERROR_DATA, "%s: found %g, allowed are whole numbers from %lld to %lld",
+                        name_of(attribute), numbers[i], (long long)least, (long long)most);
+        }
+        out[i] = (int64_t)numbers[i];
+    }
+    return status;
+}
+
+/* A string without the '~' that stands for its end. */
+static struct text string_of(const struct header *header, int attribute)
+{
+    struct text text = header->values[attribute].text;
+    while (text.size && (text.data[text.size - 1] == '~' || text.data[text.size - 1] == '\0')) {
+        text.size--;
+    }
+    return header->values[attribute].is_string ? text : (struct text){0};
+}
+
+static conus_status read_sizes(struct text_volume *out, struct header *header)
+{
+    int64_t rank[2] = {0};
+    conus_status status = take_whole(out->dim, 3, header, DIMENSIONS, 1, INT32_MAX);
+    status = status ? status : take_whole(rank, 2, header, RANK, 1, VOLUME_LIMIT);
+    if (!status && rank[0] != 3) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "DATASET_RANK: found %lld, allowed is 3", (long long)rank[0]);
+    }
+    out->count = rank[1];
+    header->volumes = (size_t)rank[1];
+    return status;
+}
+
+static conus_status read_type(struct text_volume *out, const struct header *header)
+{
+    static const struct text_type types[] = {{'u', 1}, {'i', 2}, {'i', 4}, {'f', 4}, {'f', 8}};
+    double *codes = memory_zeroed(header->volumes, sizeof *codes);
+    conus_status status = codes ? take_numbers(codes, header->volumes, header, TYPES) : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < header->volumes; i++) {
+        if (codes[i] != 0 && codes[i] != 1 && codes[i] != 2 && codes[i] != 3 && codes[i] != 4) {
+            status = fail(CONUS_ERROR_UNSUPPORTED,
+                          "BRICK_TYPES: found %g, allowed are 0 (byte), 1 (short), 2 (int), 3 (float) and 4 (double)",
+                          codes[i]);
+        } else if (codes[i] != codes[0]) {
+            status =
+                fail(CONUS_ERROR_UNSUPPORTED, "BRICK_TYPES: found %g and %g, allowed is one type", codes[0], codes[i]);
+        }
+    }
+    if (!status) {
+        out->type = types[(size_t)codes[0]];
+    }
+    memory_free(codes);
+    return status;
+}
+
+static conus_status read_byte_order(struct text_volume *out, const struct header *header)
+{
+    struct text order = string_of(header, BYTE_ORDER_OF);
+    out->big_endian = text_equal(order, "MSB_FIRST");
+    return out->big_endian || text_equal(order, "LSB_FIRST") || (!order.data && out->type.size == 1)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "BYTEORDER_STRING: found \"%.*s\", allowed are LSB_FIRST and MSB_FIRST",
+                      HEADER_SHOW(order));
+}
+
+/* 0 means: not scaled. */
+static conus_status read_factors(struct text_volume *out, const struct header *header)
+{
+    if (!header->values[FACTORS].text.data) {
+        return CONUS_OK;
+    }
+    out->slopes = memory_zeroed(header->volumes, sizeof *out->slopes);
+    conus_status status =
+        out->slopes ? take_numbers(out->slopes, header->volumes, header, FACTORS) : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < header->volumes; i++) {
+        if (!isfinite(out->slopes[i])) {
+            return fail(CONUS_ERROR_DATA, "BRICK_FLOAT_FACS: found %g, allowed are finite numbers", out->slopes[i]);
+        }
+        out->slopes[i] = out->slopes[i] == 0 ? 1 : out->slopes[i];
+    }
+    return status;
+}
+
+/* ---- The grid ---------------------------------------------------------------------------------------------------- */
+
+/* ORIENT_SPECIFIC, ORIGIN and DELTA: axes along those of DICOM, LPS. Codes: R to L, L to R, P to A, A to P, I to S, S
+ * to I; a step towards R, A or I is negative. */
+static conus_status read_plumb(double lps[16], const struct header *header)
+{
+    static const double signs[6] = {1, -1, -1, 1, 1, -1};
+    int64_t codes[3];
+    double origin[3];
+    double delta[3];
+    conus_status status = take_whole(codes, 3, header, ORIENT, 0, 5);
+    status = status ? status : take_numbers(origin, 3, header, ORIGIN);
+    status = status ? status : take_numbers(delta, 3, header, DELTA);
+    if (status) {
+        return status;
+    }
+    memset(lps, 0, 16 * sizeof *lps);
+    lps[15] = 1;
+    for (size_t i = 0; i < 3; i++) {
+        size_t world = (size_t)codes[i] / 2;
+        if (!(delta[i] * signs[codes[i]] > 0)) {
+            return fail(CONUS_ERROR_DATA, "DELTA: found %g, ORIENT_SPECIFIC %lld needs a step of the other sign",
+                        delta[i], (long long)codes[i]);
+        }
+        lps[4 * i + world] = delta[i];
+        lps[12 + world] = origin[i];
+    }
+    return CONUS_OK;
+}
+
+/* The largest distance between the corners that two matrices give to the grid. */
+static double corner_gap(const double a[16], const double b[16], const int64_t dim[3])
+{
+    double gap = 0;
+    for (int corner = 0; corner < 8; corner++) {
+        double voxel[3];
+        double at[2][3];
+        for (int i = 0; i < 3; i++) {
+            voxel[i] = corner >> i & 1 ? (double)dim[i] - 0.5 : -0.5;
+        }
+        mat4_point(at[0], a, voxel);
+        mat4_point(at[1], b, voxel);
+        vec3_sub(at[0], at[0], at[1]);
+        gap = fmax(gap, vec3_length(at[0]));
+    }
+    return gap;
+}
+
+/* IJK_TO_DICOM_REAL is the scanner's; the plumb axes are those that AFNI's own programs show oblique data with. */
+static conus_status place(struct text_volume *out, const struct header *header, struct notes *notes)
+{
+    static const double tolerance = 1;
+    double rows[12];
+    double plumb[16];
+    bool real = header->values[MATRIX].text.data;
+    conus_status other = read_plumb(plumb, header);
+    conus_status status = real ? take_numbers(rows, 12, header, MATRIX) : other;
+    if (status) {
+        return status;
+    }
+    double *lps = out->world_from_voxel;
+    mat4_identity(lps);
+    for (size_t i = 0; i < 12; i++) {
+        size_t at = 4 * (i % 4) + i / 4;
+        lps[at] = real ? rows[i] : plumb[at];
+    }
+    double gap = other ? 0 : corner_gap(lps, plumb, out->dim);
+    header_turn_lps(out->world_from_voxel);
+    snprintf(out->transform, sizeof out->transform, "%s",
+             real ? "IJK_TO_DICOM_REAL" : "ORIENT_SPECIFIC, ORIGIN, DELTA");
+    return gap > tolerance
+               ? notes_warn(notes,
+                            "IJK_TO_DICOM_REAL was used; ORIENT_SPECIFIC, ORIGIN and DELTA, with which AFNI "
+                            "shows oblique data, put a corner of the grid %.1f mm away",
+                            gap)
+               : CONUS_OK;
+}
+
+/* NIfTI's code: the scanner, AC-PC, or a template. */
+static conus_status read_space(struct text_volume *out, const struct header *header)
+{
+    int64_t view = 0;
+    struct text space = string_of(header, TEMPLATE);
+    conus_status status =
+        header->values[SCENE].text.data ? take_whole(&view, 1, header, SCENE, 0, INT32_MAX) : CONUS_OK;
+    bool mni = text_starts(space, "MNI");
+    bool talairach = !space.data || text_starts(space, "TLRC") || text_starts(space, "TT");
+    out->space_code = view == 0 ? 1 : view == 1 ? 2 : mni ? 4 : talairach ? 3 : 5;
+    return status;
+}
+
+/* ---- Names ------------------------------------------------------------------------------------------------------- */
+
+/* Names of the volumes, each ended by '~'. */
+static conus_status read_titles(struct text_volume *out, const struct header *header)
+{
+    struct text rest = string_of(header, TITLES);
+    struct text field;
+    bool more = true;
+    if (!rest.size) {
+        return CONUS_OK;
+    }
+    out->titles = memory_zeroed(header->volumes, sizeof *out->titles);
+    conus_status status = out->titles ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < header->volumes && text_field(&rest, '~', &more, &field); i++) {
+        status = label_set_text(&out->titles[i], field);
+    }
+    return status;
+}
+
+/* The atlas's table is the richer one where both are there. */
+static conus_status read_table(struct text_volume *out, const struct header *header)
+{
+    struct text table = string_of(header, ATLAS_TABLE);
+    table = table.size ? table : string_of(header, LABEL_TABLE);
+    out->labels = table.size ? memory_text(table.data, table.size) : NULL;
+    return table.size && !out->labels ? CONUS_ERROR_MEMORY : CONUS_OK;
+}
+
+conus_status afni_parse(struct text_volume *out, const uint8_t *data, size_t size, struct notes *notes)
+{
+    struct header header = {0};
+    struct text_volume volume = {.format = "AFNI", .brik = true};
+    conus_status status = size < HEADER_TEXT_LIMIT
+                              ? read_all(&header, (struct text){(const char *)data, size})
+                              : fail(CONUS_ERROR_DATA, "header: found %zu bytes or more, allowed are fewer", size);
+    status = status ? status : read_sizes(&volume, &header);
+    status = status ? status : read_type(&volume, &header);
+    status = status ? status : read_byte_order(&volume, &header);
+    status = status ? status : read_factors(&volume, &header);
+    status = status ? status : place(&volume, &header, notes);
+    status = status ? status : read_space(&volume, &header);
+    status = status ? status : read_titles(&volume, &header);
+    status = status ? status : read_table(&volume, &header);
+    volume.header_size = size;
+    if (status) {
+        text_volume_finish(&volume);
+    } else {
+        *out = volume;
+    }
+    return status;
+}

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* AFNI's headers. The bytes are those of the voxels, too. */
+#include "fuzz_text_volume.h"
+
+#include "loaders/volumes/text/afni.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (afni_is(data, size)) {
+        fuzz_text_file(data, size);
+    }
+    return 0;
+}
