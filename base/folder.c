@@ -9,8 +9,6 @@
 #include <string.h>
 #include <strings.h>
 
-enum { NAME_LIMIT = 4096 };
-
 void names_finish(struct names *names)
 {
     for (size_t i = 0; i < names->count; i++) {
@@ -50,7 +48,7 @@ conus_status names_list(struct names *out, const char *folder, const char *endin
 {
     DIR *directory = opendir(folder);
     conus_status status = CONUS_OK;
-    for (struct dirent *entry; directory && !status && out->count < NAME_LIMIT && (entry = readdir(directory));) {
+    for (struct dirent *entry; directory && !status && out->count < NAMES_LIMIT && (entry = readdir(directory));) {
         status = ends_with(entry->d_name, ending) ? names_add(out, entry->d_name) : CONUS_OK;
     }
     if (directory) {

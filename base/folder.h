@@ -11,8 +11,10 @@ struct names {
     size_t count;
 };
 
-/** The first 4096 names in @p folder that end in @p ending, sorted, so that an answer does not hang on the file system;
- * none if there is no such folder. @p out is the caller's to finish, also on failure. */
+enum { NAMES_LIMIT = 4096 }; /**< Names of a folder that names_list() gives. */
+
+/** The first NAMES_LIMIT names in @p folder that end in @p ending, sorted, so that an answer does not hang on the file
+ * system; none if there is no such folder. @p out is the caller's to finish, also on failure. */
 conus_status names_list(struct names *out, const char *folder, const char *ending);
 void names_finish(struct names *names);
 

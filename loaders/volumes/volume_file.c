@@ -454,21 +454,36 @@ static conus_status open_wanted(struct volume_file *out, const char *path, struc
     return status;
 }
 
-conus_status volume_file_header(conus_volume_info *out, const char *path)
+conus_status volume_file_peek(struct volume_header *out, struct bytes *head, const char *path)
 {
-    struct stored stored = {0};
+    struct stored stored = {.path = memory_text(path, strlen(path))};
     struct notes notes = {0};
     struct volume_header header = {0};
-    conus_status status = file_read_head(&stored.bytes, path, HEADER_READ);
+    conus_status status = stored.path ? file_read_head(&stored.bytes, path, HEADER_READ) : CONUS_ERROR_MEMORY;
     stored.packed = !status && gzip_is(stored.bytes.data, stored.bytes.size);
     status = status ? status : parse_head(&header, &stored, default_needed, &notes);
+    if (!status && !header.pair) {
+        status = stored_head(head, &stored, header.offset < HEADER_READ ? (size_t)header.offset : HEADER_READ);
+    }
     if (!status) {
-        *out = header.info;
+        *out = header;
     }
     volume_text_finish(&header.text);
     notes_finish(&notes);
     stored_finish(&stored);
     return status ? fail_in(status, path) : CONUS_OK;
+}
+
+conus_status volume_file_header(conus_volume_info *out, const char *path)
+{
+    struct volume_header header;
+    struct bytes head = {0};
+    conus_status status = volume_file_peek(&header, &head, path);
+    bytes_finish(&head);
+    if (!status) {
+        *out = header.info;
+    }
+    return status;
 }
 
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes)

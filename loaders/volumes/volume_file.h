@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/notes.h"
 #include "base/text.h"
+#include "loaders/volumes/volume_header.h"
 
 /** One NIfTI header extension. */
 struct volume_extension {
@@ -46,6 +47,10 @@ conus_status volume_file_open_as(struct volume_file *out, const char *path, uint
 
 /** Reads only the header of @p path: dimensions, transform, datatype; out->path is NULL. */
 conus_status volume_file_header(conus_volume_info *out, const char *path);
+
+/** The same, and gives in @p head, the caller's to finish, what stands before the voxels of a single file, unpacked, as
+ * far as the file's first 64 KiB hold it: extensions and text. */
+conus_status volume_file_peek(struct volume_header *out, struct bytes *head, const char *path);
 
 /** Reads @p path as above, but takes it whole for a name: volume 0, and the others for volume_file_select(). They are
  * unpacked together and kept, unless that takes more than @p max_memory (0 = 8 GiB): then each is read when selected.

@@ -57,6 +57,7 @@ LIBRARY = {
     " loaders/surfaces loaders/manifest",
     "loaders/scene": "base base/formats atlas/surface atlas loaders loaders/volumes loaders/tables loaders/labels"
     " loaders/child loaders/surfaces loaders/manifest loaders/plan",
+    "loaders/catalogue": "base base/formats loaders/volumes loaders/tables",
     "loaders/arrays": "base atlas loaders/volumes loaders/plan loaders/scene",
     "render/gl": "base",
     "render/id": "base atlas/surface atlas render/gl",

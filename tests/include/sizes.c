@@ -27,11 +27,14 @@ SIZE(conus_cut_view, 144);
 SIZE(conus_mesh_options, 80);
 SIZE(conus_phantom_options, 56);
 SIZE(conus_manifest_options, 32);
+SIZE(conus_catalogue_options, 24);
 
 SIZE(conus_voxels, 216);
 SIZE(conus_create_options, 32);
 
 SIZE(conus_note, 24);
+SIZE(conus_installed, 64);
+SIZE(conus_catalogue_place, 32);
 SIZE(conus_label, 40);
 SIZE(conus_object, 72);
 SIZE(conus_volume_info, 488);

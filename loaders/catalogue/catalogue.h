@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What a catalogue is while it is filled, and how far it looks. */
+#ifndef CONUS_LOADERS_CATALOGUE_CATALOGUE_H
+#define CONUS_LOADERS_CATALOGUE_CATALOGUE_H
+
+#include "base/folder.h"
+#include "base/notes.h"
+
+#include <stdint.h>
+#include <sys/stat.h>
+
+enum {
+    CATALOGUE_ATLASES = 4096, /**< Of one source; what is behind them is left out, with a note. */
+    CATALOGUE_ENTRIES = 20000 /**< Files and folders that are looked at for one source; likewise. */
+};
+
+/** Which file or folder it is. */
+struct catalogue_id {
+    uint64_t device, inode;
+};
+
+struct catalogue_item {
+    conus_installed atlas; /**< All texts but source and kind are owned. */
+    char *alias;           /**< Another name, or NULL. */
+    struct catalogue_id id;
+};
+
+struct conus_catalogue {
+    struct catalogue_item *items;
+    size_t count, capacity;
+    conus_catalogue_place *places; /**< The paths are owned. */
+    size_t place_count, place_capacity;
+    struct notes notes;
+    struct note_sink sink; /**< Of the notes. */
+
+    /* Of the source that is looked at now. */
+    const char *source;
+    size_t first;                 /**< Its first item. */
+    size_t seen;                  /**< Files and folders so far. */
+    bool full;                    /**< A limit is reached, as a note says. */
+    struct catalogue_id *folders; /**< That were listed, each once: no link leads around in circles. */
+    size_t folder_count, folder_capacity;
+};
+
+/** Begins with another source. */
+void catalogue_source(conus_catalogue *catalogue, const char *source);
+
+/** An atlas that was found. */
+struct catalogue_found {
+    const char *name, *alias; /**< Bytes; made plain here. alias may be NULL. */
+    const char *kind;         /**< Static. */
+    const char *path, *labels;
+    double spacing[3];
+    struct catalogue_id id; /**< Of path. */
+};
+
+/** Adds a copy, unless the source has this file with these labels (or any, where @p found has none) already. */
+conus_status catalogue_add(conus_catalogue *catalogue, const struct catalogue_found *found);
+
+struct catalogue_id catalogue_id_of(const struct stat *info);
+
+/** Lists what is in the folder, sorted, without what is hidden. Nothing of a folder that was listed before, that is
+ * none, that cannot be read (a note) or behind a limit (a note). @p out is the caller's to finish, also on failure. */
+conus_status catalogue_list(struct names *out, conus_catalogue *catalogue, const char *folder);
+
+/** "folder/name", the caller's to memory_free(); NULL without memory. */
+char *catalogue_join(const char *folder, const char *name);
+
+#endif

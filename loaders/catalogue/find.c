@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds the atlas that a name means, and the names that were perhaps meant. */
+#include "base/buffer.h"
+#include "base/memory.h"
+#include "base/text.h"
+#include "loaders/catalogue/catalogue.h"
+
+#include <errno.h>
+#include <string.h>
+#include <strings.h>
+
+enum { CANDIDATES = 6, NEAR = 3, TEXT = 512 };
+
+/* ---- Paths ------------------------------------------------------------------------------------------------------- */
+
+static bool is_there(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0 || (errno != ENOENT && errno != ENOTDIR);
+}
+
+bool conus_atlas_is_path(const char *text)
+{
+    const char *volume = strstr(text, ",volume=");
+    if (strchr(text, '/') || is_there(text)) {
+        return true;
+    }
+    char *path = volume ? memory_text(text, (size_t)(volume - text)) : NULL;
+    bool is = path && is_there(path);
+    memory_free(path);
+    return is;
+}
+
+/* ---- Names ------------------------------------------------------------------------------------------------------- */
+
+/* Writes the text in lower case and without what separates words; a colon stays. */
+static void fold(char out[TEXT], const char *text)
+{
+    size_t size = 0;
+    for (; *text && size + 1 < TEXT; text++) {
+        out[size] = *text >= 'A' && *text <= 'Z' ? (char)(*text - 'A' + 'a') : *text;
+        size += !strchr("-_.+ ", *text);
+    }
+    out[size] = '\0';
+}
+
+static bool same_text(const char *a, const char *b, bool folded)
+{
+    char one[TEXT];
+    char other[TEXT];
+    if (!folded) {
+        return strcmp(a, b) == 0;
+    }
+    fold(one, a);
+    fold(other, b);
+    return strcmp(one, other) == 0;
+}
+
+static bool is_called(const struct catalogue_item *item, const char *name, bool folded)
+{
+    size_t source = strlen(item->atlas.source);
+    bool prefixed = strncasecmp(name, item->atlas.source, source) == 0 && name[source] == ':';
+    for (int i = 0; i < 2; i++) {
+        const char *own = i ? item->alias : item->atlas.name;
+        if (own && (same_text(own, name, folded) || (prefixed && same_text(own, name + source + 1, folded)))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The same file with the same labels, though of another source. */
+static bool is_same(const struct catalogue_item *a, const struct catalogue_item *b)
+{
+    const char *one = a->atlas.labels ? a->atlas.labels : "";
+    const char *other = b->atlas.labels ? b->atlas.labels : "";
+    return a->id.device == b->id.device && a->id.inode == b->id.inode && strcmp(one, other) == 0;
+}
+
+/** What a name may mean. */
+struct candidates {
+    const struct catalogue_item *items[CANDIDATES];
+    size_t count; /* may be more than there is room for */
+};
+
+static void find_candidates(struct candidates *out, const conus_catalogue *catalogue, const char *name, bool folded)
+{
+    for (size_t i = 0; i < catalogue->count; i++) {
+        const struct catalogue_item *item = &catalogue->items[i];
+        bool is = is_called(item, name, folded);
+        for (size_t j = 0; is && j < out->count && j < CANDIDATES; j++) {
+            is = !is_same(item, out->items[j]);
+        }
+        if (is && out->count < CANDIDATES) {
+            out->items[out->count] = item;
+        }
+        out->count += is;
+    }
+}
+
+static conus_status refuse_ambiguous(const char *name, const struct candidates *candidates)
+{
+    struct buffer list = {0};
+    bool one_source = true;
+    for (size_t i = 0; i < candidates->count && i < CANDIDATES; i++) {
+        const conus_installed *atlas = &candidates->items[i]->atlas;
+        one_source = one_source && strcmp(atlas->source, candidates->items[0]->atlas.source) == 0;
+        buffer_format(&list, "%s%s:%s (%s)", i ? ", " : "", atlas->source, atlas->name, atlas->path);
+    }
+    conus_status status = buffer_status(&list);
+    status = status ? status
+                    : fail(CONUS_ERROR_ARGUMENT, "%s: %zu atlases have that name: %s%s; give %s", name,
+                           candidates->count, list.data, candidates->count > CANDIDATES ? ", ..." : "",
+                           one_source ? "the path of one" : "one with its source, or a path");
+    buffer_finish(&list);
+    return status;
+}
+
+/* ---- Names that were perhaps meant ------------------------------------------------------------------------------- */
+
+/* How far `name` is from what the atlas is called; one that contains it is near. */
+static size_t distance(const conus_installed *atlas, const char *name)
+{
+    const char *colon = strchr(name, ':');
+    struct text own = text_from(atlas->name);
+    struct text wanted = text_from(colon ? colon + 1 : name);
+    return wanted.size >= 3 && text_contains(own, wanted) ? 1 : text_distance(wanted, own);
+}
+
+/** Names that are near, the nearest first. */
+struct near {
+    const conus_installed *atlas;
+    size_t distance;
+};
+
+/* Of equal names the first is enough. */
+static void rank(struct near nearest[NEAR], const conus_installed *atlas, size_t far)
+{
+    for (size_t i = 0; i < NEAR; i++) {
+        if (nearest[i].atlas && strcmp(nearest[i].atlas->name, atlas->name) == 0) {
+            return;
+        }
+        if (!nearest[i].atlas || far < nearest[i].distance) {
+            memmove(nearest + i + 1, nearest + i, (NEAR - 1 - i) * sizeof nearest[0]);
+            nearest[i] = (struct near){atlas, far};
+            return;
+        }
+    }
+}
+
+static conus_status refuse_unknown(const conus_catalogue *catalogue, const char *name)
+{
+    struct near nearest[NEAR] = {0};
+    struct buffer list = {0};
+    size_t most = (strlen(name) + 2) / 3;
+    for (size_t i = 0; i < catalogue->count; i++) {
+        size_t far = distance(&catalogue->items[i].atlas, name);
+        if (far <= most) {
+            rank(nearest, &catalogue->items[i].atlas, far);
+        }
+    }
+    buffer_text(&list, "");
+    for (size_t i = 0; i < NEAR && nearest[i].atlas; i++) {
+        buffer_format(&list, "%s%s", i ? " or " : "; did you mean ", nearest[i].atlas->name);
+    }
+    buffer_text(&list, nearest[0].atlas ? "?" : "");
+    conus_status status = buffer_status(&list);
+    status = status ? status
+                    : fail(CONUS_ERROR_IO,
+                           "%s: cannot open: No such file or directory, and no installed atlas has that name "
+                           "('conus atlases' lists them)%s",
+                           name, list.data);
+    buffer_finish(&list);
+    return status;
+}
+
+conus_status conus_catalogue_find(const conus_installed **out, const conus_catalogue *catalogue, const char *name)
+{
+    struct candidates candidates = {0};
+    if (!out || !catalogue || !name) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_catalogue_find: a result, a catalogue and a name are needed");
+    }
+    find_candidates(&candidates, catalogue, name, false);
+    if (!candidates.count) {
+        find_candidates(&candidates, catalogue, name, true);
+    }
+    if (candidates.count == 1) {
+        *out = &candidates.items[0]->atlas;
+        return CONUS_OK;
+    }
+    return candidates.count ? refuse_ambiguous(name, &candidates) : refuse_unknown(catalogue, name);
+}

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Walks a folder: its files first, then the folders in it. */
+#include "loaders/catalogue/folder.h"
+
+#include "base/file.h"
+#include "base/memory.h"
+#include "loaders/catalogue/fsl.h"
+#include "loaders/catalogue/volume_marks.h"
+
+#include <ctype.h>
+#include <fnmatch.h>
+#include <string.h>
+
+static const char manifest_ending[] = ".atlas.json";
+
+static bool matches_any(const char *name, const char *const *patterns)
+{
+    for (; *patterns; patterns++) {
+        if (fnmatch(*patterns, name, 0) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The name without `length` bytes of ending, and without `cut` before that. */
+static char *name_of(const char *name, size_t length, const char *cut)
+{
+    size_t ending = cut ? strlen(cut) : 0;
+    if (ending && length > ending && strncmp(name + length - ending, cut, ending) == 0) {
+        length -= ending;
+    }
+    return memory_text(name, length);
+}
+
+static conus_status add_named(conus_catalogue *catalogue, struct catalogue_found *found, char *name)
+{
+    found->name = name;
+    conus_status status = name ? catalogue_add(catalogue, found) : CONUS_ERROR_MEMORY;
+    memory_free(name);
+    return status;
+}
+
+static conus_status take_volume(conus_catalogue *catalogue, const char *name, struct catalogue_found *found,
+                                const struct folder_rule *rule)
+{
+    bool labels = false;
+    if (rule->patterns && !matches_any(name, rule->patterns)) {
+        return CONUS_OK;
+    }
+    conus_status status = volume_marks_find(&labels, found->spacing, found->path, rule->patterns != NULL);
+    found->kind = "volume";
+    return status || !labels ? status : add_named(catalogue, found, name_of(name, volume_stem_length(name), rule->cut));
+}
+
+static conus_status take_file(conus_catalogue *catalogue, const char *name, struct catalogue_found *found,
+                              const struct folder_rule *rule)
+{
+    if (volume_marks_is_volume(name)) {
+        return take_volume(catalogue, name, found, rule);
+    }
+    if (path_ends_in(name, manifest_ending)) {
+        found->kind = "scene";
+        return add_named(catalogue, found, name_of(name, strlen(name) - strlen(manifest_ending), NULL));
+    }
+    return path_ends_in(name, ".xml") ? fsl_look(catalogue, found->path) : CONUS_OK;
+}
+
+/* ---- BrainGlobe -------------------------------------------------------------------------------------------------- */
+
+static bool is_brainglobe(const char *folder)
+{
+    char *table = catalogue_join(folder, "structures.json");
+    char *meshes = catalogue_join(folder, "meshes");
+    bool is = table && meshes && file_exists(table) && file_is_folder(meshes);
+    memory_free(table);
+    memory_free(meshes);
+    return is;
+}
+
+/* Length of "allen_mouse_25um" of "allen_mouse_25um_v1.2", as BrainGlobe calls an atlas. */
+static size_t unversioned_length(const char *name)
+{
+    size_t length = strlen(name);
+    size_t digits = length;
+    while (digits && (isdigit((unsigned char)name[digits - 1]) || name[digits - 1] == '.')) {
+        digits--;
+    }
+    return digits < length && digits > 2 && name[digits - 1] == 'v' && name[digits - 2] == '_' ? digits - 2 : length;
+}
+
+static conus_status take_brainglobe(conus_catalogue *catalogue, const char *name, struct catalogue_found *found)
+{
+    size_t length = unversioned_length(name);
+    char *alias = name[length] ? memory_text(name, length) : NULL;
+    found->kind = "surfaces";
+    found->name = name;
+    found->alias = alias;
+    conus_status status = name[length] && !alias ? CONUS_ERROR_MEMORY : catalogue_add(catalogue, found);
+    memory_free(alias);
+    return status;
+}
+
+/* ---- The walk ---------------------------------------------------------------------------------------------------- */
+
+/** What is looked at, one after the other: XMLs name volumes, and volumes in the folders below. */
+enum turn { XMLS, OTHER_FILES, FOLDERS, TURNS };
+
+static conus_status look(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule, size_t depth);
+
+/* Whether it is, as far as its name says. */
+static bool may_be_of_turn(enum turn turn, const char *name)
+{
+    return turn == FOLDERS || (turn == XMLS) == path_ends_in(name, ".xml");
+}
+
+/* No deeper than rule->depth. NOLINTNEXTLINE(misc-no-recursion) */
+static conus_status look_at(conus_catalogue *catalogue, const char *folder, const char *name,
+                            const struct folder_rule *rule, size_t depth, enum turn turn)
+{
+    struct stat info;
+    char *path = catalogue_join(folder, name);
+    bool there = path && stat(path, &info) == 0;
+    conus_status status = path ? CONUS_OK : CONUS_ERROR_MEMORY;
+    struct catalogue_found found = {.path = path};
+    if (there) {
+        found.id = catalogue_id_of(&info);
+    }
+    if (there && turn != FOLDERS && S_ISREG(info.st_mode) && info.st_size) { /* TemplateFlow: empty until fetched */
+        status = take_file(catalogue, name, &found, rule);
+    } else if (there && turn == FOLDERS && S_ISDIR(info.st_mode) && depth < rule->depth) {
+        status =
+            is_brainglobe(path) ? take_brainglobe(catalogue, name, &found) : look(catalogue, path, rule, depth + 1);
+    }
+    memory_free(path);
+    return status;
+}
+
+/* NOLINTNEXTLINE(misc-no-recursion) */
+static conus_status look(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule, size_t depth)
+{
+    struct names names = {0};
+    conus_status status = catalogue_list(&names, catalogue, folder);
+    for (enum turn turn = XMLS; turn < TURNS; turn++) {
+        for (size_t i = 0; !status && i < names.count; i++) {
+            const char *name = names.names[i];
+            status = may_be_of_turn(turn, name) ? look_at(catalogue, folder, name, rule, depth, turn) : CONUS_OK;
+        }
+    }
+    names_finish(&names);
+    return status;
+}
+
+conus_status folder_look(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule)
+{
+    return look(catalogue, folder, rule, 0);
+}

@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Subjects of FreeSurfer: mri/aparc+aseg.mgz, label/lh.aparc.annot with surf/lh.pial. */
+#include "loaders/catalogue/freesurfer.h"
+
+#include "base/buffer.h"
+#include "base/file.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/** A subject, and FreeSurfer's label table. */
+struct subject {
+    conus_catalogue *catalogue;
+    const char *name;
+    char *folder;
+    const char *table; /* NULL = there is none */
+};
+
+/* Whether the file can be read at all; *id is which it is. */
+static bool is_file(struct catalogue_id *id, const char *path)
+{
+    struct stat info;
+    bool is = path && stat(path, &info) == 0 && S_ISREG(info.st_mode) && info.st_size > 0;
+    *id = is ? catalogue_id_of(&info) : (struct catalogue_id){0};
+    return is;
+}
+
+/* Adds the file `path` as "subject.stem". */
+static conus_status add_file(const struct subject *subject, const char *stem, size_t length,
+                             struct catalogue_found *found)
+{
+    struct buffer name = {0};
+    buffer_format(&name, "%s.%.*s", subject->name, (int)length, stem);
+    found->name = name.data;
+    conus_status status = buffer_status(&name);
+    status = status ? status : catalogue_add(subject->catalogue, found);
+    buffer_finish(&name);
+    return status;
+}
+
+static conus_status look_at_volumes(const struct subject *subject)
+{
+    static const char *const stems[] = {"aparc+aseg", "aparc.a2009s+aseg", "aparc.DKTatlas+aseg", "aseg", "wmparc"};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < sizeof stems / sizeof stems[0]; i++) {
+        struct buffer path = {0};
+        buffer_format(&path, "%s/mri/%s.mgz", subject->folder, stems[i]);
+        status = buffer_status(&path);
+        struct catalogue_found found = {.kind = "volume", .path = path.data, .labels = subject->table};
+        if (!status && is_file(&found.id, path.data)) {
+            status = add_file(subject, stems[i], strlen(stems[i]), &found);
+        }
+        buffer_finish(&path);
+    }
+    return status;
+}
+
+/* surf/lh.pial, or surf/lh.white; NULL in *out where neither is there. */
+static conus_status find_surface(char **out, struct catalogue_id *id, const struct subject *subject, const char *side)
+{
+    static const char *const surfaces[] = {"pial", "white"};
+    *out = NULL;
+    for (size_t i = 0; !*out && i < 2; i++) {
+        struct buffer path = {0};
+        buffer_format(&path, "%s/surf/%.2s.%s", subject->folder, side, surfaces[i]);
+        if (buffer_status(&path)) {
+            buffer_finish(&path);
+            return CONUS_ERROR_MEMORY;
+        }
+        *out = is_file(id, path.data) ? path.data : NULL;
+        if (!*out) {
+            buffer_finish(&path);
+        }
+    }
+    return CONUS_OK;
+}
+
+/* `name`: "lh.aparc.annot", in the folder `labels`. */
+static conus_status look_at_annotation(const struct subject *subject, const char *labels, const char *name)
+{
+    static const char ending[] = ".annot";
+    struct catalogue_id own;
+    struct catalogue_found found = {.kind = "surface"};
+    bool sided = strncmp(name, "lh.", 3) == 0 || strncmp(name, "rh.", 3) == 0;
+    if (!sided || !path_ends_in(name + 3, ending)) {
+        return CONUS_OK;
+    }
+    char *surface = NULL;
+    char *annotation = catalogue_join(labels, name);
+    conus_status status = annotation ? find_surface(&surface, &found.id, subject, name) : CONUS_ERROR_MEMORY;
+    found.path = surface;
+    found.labels = annotation;
+    if (!status && surface && is_file(&own, annotation)) {
+        status = add_file(subject, name, strlen(name) - strlen(ending), &found);
+    }
+    memory_free(surface);
+    memory_free(annotation);
+    return status;
+}
+
+static conus_status look_at_annotations(const struct subject *subject)
+{
+    struct names names = {0};
+    char *labels = catalogue_join(subject->folder, "label");
+    conus_status status = labels ? catalogue_list(&names, subject->catalogue, labels) : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < names.count; i++) {
+        status = look_at_annotation(subject, labels, names.names[i]);
+    }
+    names_finish(&names);
+    memory_free(labels);
+    return status;
+}
+
+static conus_status look_at_subject(struct subject *subject, const char *folder)
+{
+    subject->folder = catalogue_join(folder, subject->name);
+    conus_status status = subject->folder ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status && file_is_folder(subject->folder)) {
+        status = look_at_volumes(subject);
+        status = status ? status : look_at_annotations(subject);
+    }
+    memory_free(subject->folder);
+    return status;
+}
+
+/* $FREESURFER_HOME/FreeSurferColorLUT.txt; NULL in *out where there is none. */
+static conus_status find_table(char **out)
+{
+    const char *home = getenv("FREESURFER_HOME");
+    struct catalogue_id id;
+    char *path = home && *home ? catalogue_join(home, "FreeSurferColorLUT.txt") : NULL;
+    if (home && *home && !path) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *out = is_file(&id, path) ? path : NULL;
+    if (!*out) {
+        memory_free(path);
+    }
+    return CONUS_OK;
+}
+
+conus_status freesurfer_look(conus_catalogue *catalogue, const char *folder)
+{
+    struct names names = {0};
+    char *table = NULL;
+    conus_status status = find_table(&table);
+    status = status ? status : catalogue_list(&names, catalogue, folder);
+    for (size_t i = 0; !status && i < names.count; i++) {
+        struct subject subject = {.catalogue = catalogue, .name = names.names[i], .table = table};
+        status = look_at_subject(&subject, folder);
+    }
+    names_finish(&names);
+    memory_free(table);
+    return status;
+}

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where programs keep their atlases. A new place is a line of the table. */
+#include "loaders/catalogue/places.h"
+
+#include "base/buffer.h"
+#include "base/file.h"
+#include "base/memory.h"
+#include "base/text.h"
+#include "loaders/catalogue/folder.h"
+#include "loaders/catalogue/freesurfer.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/** A rule begins with a variable, which may hold several folders with ':' between them, or with "(program)", which is
+ * the folder of a program of $PATH. */
+struct place {
+    const char *source, *rule;
+    struct folder_rule how;
+};
+
+static const char *const segmentations[] = {"*_dseg.nii.gz", "*_dseg.nii", NULL};
+
+static const struct place places[] = {
+    {"own", "$CONUS_ATLAS_PATH", {.depth = 2}},
+    {"mricron", "$XDG_DATA_HOME/mricron/templates", {0}},
+    {"mricron", "$XDG_DATA_DIRS/mricron/templates", {0}},
+    {"fsl", "$FSLDIR/data/atlases", {.depth = 1}},
+    {"fsl", "$XDG_DATA_DIRS/fsl/data/atlases", {.depth = 1}},
+    {"freesurfer", "$SUBJECTS_DIR", {.subjects = true}},
+    {"freesurfer", "$FREESURFER_HOME/subjects", {.subjects = true}},
+    {"brainglobe", "$HOME/.brainglobe", {.depth = 1}},
+    {"templateflow", "$TEMPLATEFLOW_HOME", {.depth = 2, .patterns = segmentations, .cut = "_dseg"}},
+    {"templateflow", "$XDG_CACHE_HOME/templateflow", {.depth = 2, .patterns = segmentations, .cut = "_dseg"}},
+    {"afni", "$AFNI_ATLAS_PATH", {0}},
+    {"afni", "$AFNI_SUPP_ATLAS_DIR", {0}},
+    {"afni", "$AFNI_PLUGINPATH", {0}},
+    {"afni", "(afni)", {0}},
+    {"afni", "$XDG_DATA_DIRS/afni/atlases", {0}},
+    {"spm", "$SPM_DIR/tpm", {0}},
+    {"spm", "$SPM_DIR/atlas", {0}},
+    {"spm", "$SPM_DIR/toolbox/AAL3", {0}},
+    {"cat12", "$SPM_DIR/toolbox/cat12", {.depth = 1}},
+    {"nilearn", "$NILEARN_SHARED_DATA", {.depth = 4}},
+    {"nilearn", "$NILEARN_DATA", {.depth = 4}},
+    {"nilearn", "$HOME/nilearn_data", {.depth = 4}},
+    {"mricrogl", "$MRICROGL_DIR/atlas", {0}},
+    {"mricrogl", "$MRICROGL_DIR/Resources/atlas", {0}},
+    {"mricrogl", "(MRIcroGL)/Resources/atlas", {0}},
+    {"mricrogl", "$XDG_DATA_DIRS/MRIcroGL/Resources/atlas", {0}},
+};
+
+/* ---- The environment --------------------------------------------------------------------------------------------- */
+
+static struct text variable(struct text name)
+{
+    char text[64] = "";
+    memcpy(text, name.data, name.size < sizeof text ? name.size : sizeof text - 1);
+    const char *value = getenv(text);
+    return text_from(value ? value : "");
+}
+
+/* What the XDG base directories are without their variables: of those in $HOME, what follows it. */
+static const struct {
+    const char *name, *value;
+    bool in_home;
+} defaults[] = {{"XDG_DATA_DIRS", "/usr/local/share:/usr/share", false},
+                {"XDG_DATA_HOME", "/.local/share", true},
+                {"XDG_CACHE_HOME", "/.cache", true}};
+
+static void append_default(struct buffer *out, struct text name)
+{
+    for (size_t i = 0; i < sizeof defaults / sizeof defaults[0]; i++) {
+        struct text home = variable(text_from("HOME"));
+        if (text_equal(name, defaults[i].name) && (!defaults[i].in_home || home.size)) {
+            buffer_append(out, home.data, defaults[i].in_home ? home.size : 0);
+            buffer_text(out, defaults[i].value);
+        }
+    }
+}
+
+/* The real folder of the program, which may be a link; nothing where it is not installed. */
+static void append_program_folder(struct buffer *out, struct text program)
+{
+    struct text path = variable(text_from("PATH"));
+    struct text folder;
+    for (bool more = true; text_field(&path, ':', &more, &folder);) {
+        char file[PATH_MAX];
+        char real[PATH_MAX];
+        int size =
+            snprintf(file, sizeof file, "%.*s/%.*s", (int)folder.size, folder.data, (int)program.size, program.data);
+        if (folder.size && size < PATH_MAX && access(file, X_OK) == 0 && realpath(file, real) && file_exists(real)) {
+            buffer_append(out, real, (size_t)(strrchr(real, '/') - real));
+            return;
+        }
+    }
+}
+
+/* What the rule begins with, as folders with ':' between them; *rest is what follows. */
+static void expand_rule(struct buffer *out, const char **rest, const char *rule)
+{
+    size_t length = rule[0] == '(' ? strcspn(rule, ")") : strcspn(rule, "/");
+    struct text name = {rule + 1, length - 1};
+    *rest = rule + length + (rule[0] == '(');
+    if (rule[0] == '(') {
+        append_program_folder(out, name);
+        return;
+    }
+    struct text value = variable(name);
+    buffer_append(out, value.data, value.size);
+    if (!value.size) {
+        append_default(out, name);
+    }
+}
+
+/* ---- Looking ----------------------------------------------------------------------------------------------------- */
+
+/* Takes the path over. */
+static conus_status note_place(conus_catalogue *catalogue, const struct place *place, char *path)
+{
+    bool fine = path && memory_reserve(&catalogue->places, &catalogue->place_capacity, catalogue->place_count + 1,
+                                       sizeof *catalogue->places);
+    if (!fine) {
+        memory_free(path);
+        return CONUS_ERROR_MEMORY;
+    }
+    catalogue->places[catalogue->place_count++] =
+        (conus_catalogue_place){place->source, place->rule, path, file_is_folder(path)};
+    return CONUS_OK;
+}
+
+static conus_status look_in(conus_catalogue *catalogue, const struct place *place, const char *folder)
+{
+    return place->how.subjects ? freesurfer_look(catalogue, folder) : folder_look(catalogue, folder, &place->how);
+}
+
+/* In each of the folders. */
+static conus_status look_in_all(conus_catalogue *catalogue, const struct place *place, struct text folders,
+                                const char *rest)
+{
+    conus_status status = CONUS_OK;
+    struct text folder;
+    for (bool more = true; !status && text_field(&folders, ':', &more, &folder);) {
+        if (folder.size) {
+            struct buffer path = {0};
+            buffer_append(&path, folder.data, folder.size);
+            buffer_text(&path, rest);
+            const char *kept = path.data;
+            status = buffer_status(&path);
+            status = status ? (buffer_finish(&path), status) : note_place(catalogue, place, path.data);
+            status = status ? status : look_in(catalogue, place, kept);
+        }
+    }
+    return status;
+}
+
+static conus_status look_at_place(conus_catalogue *catalogue, const struct place *place)
+{
+    struct buffer folders = {0};
+    const char *rest;
+    expand_rule(&folders, &rest, place->rule);
+    conus_status status = buffer_status(&folders);
+    if (!status && !folders.size) {
+        status = note_place(catalogue, place, memory_text("", 0));
+    } else if (!status) {
+        status = look_in_all(catalogue, place, (struct text){folders.data, folders.size}, rest);
+    }
+    buffer_finish(&folders);
+    return status;
+}
+
+conus_status places_look(conus_catalogue *catalogue)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < sizeof places / sizeof places[0]; i++) {
+        if (!catalogue->source || strcmp(catalogue->source, places[i].source) != 0) {
+            catalogue_source(catalogue, places[i].source);
+        }
+        status = look_at_place(catalogue, &places[i]);
+    }
+    return status;
+}

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The marks of a labelled volume. */
+#include "loaders/catalogue/volume_marks.h"
+
+#include "base/folder.h"
+#include "base/memory.h"
+#include "base/text.h"
+#include "loaders/volumes/volume_file.h"
+#include "loaders/volumes/volume_header.h"
+
+#include <fnmatch.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { INTENT_LABEL = 1002 };
+
+/* Of label tables that bear the volume's name. */
+static const char *const tables[] = {".nii.txt", ".txt",     ".tsv", ".csv",     ".label",
+                                     ".ctbl",    ".niml.lt", ".xml", ".nii.lut", ".lut"};
+
+/* In any case. Names that programs and papers give to labelled volumes; no image is called so. */
+static const char *const names[] = {
+    "*atlas*",    "*parc*",     "*aseg*",        "*dseg*",      "*maxprob*", "*labels*",
+    "*rois*",     "roi_mni*",   "schaefer2018*", "yeo2011_*",   "aal*",      "*basc_multiscale*",
+    "*brodmann*", "talairach*", "julich*",       "*destrieux*", "*glasser*"};
+static const char *const others[] = {"*probseg*", "*_mask.*", "*_mask", "*_t1w*", "*_t2w*"};
+
+bool volume_marks_is_volume(const char *name)
+{
+    return name[volume_stem_length(name)] && !path_ends_in(name, ".img") && !path_ends_in(name, ".img.gz");
+}
+
+static bool matches(const char *name, const char *const *patterns, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (fnmatch(patterns[i], name, FNM_CASEFOLD) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_called_so(const char *name)
+{
+    return matches(name, names, sizeof names / sizeof names[0]) &&
+           !matches(name, others, sizeof others / sizeof others[0]);
+}
+
+static conus_status find_table(bool *found, const char *path)
+{
+    for (size_t i = 0; !*found && i < sizeof tables / sizeof tables[0]; i++) {
+        char *table = path_with_ending(path, volume_stem_length(path), tables[i]);
+        if (!table) {
+            return CONUS_ERROR_MEMORY;
+        }
+        *found = access(table, R_OK) == 0;
+        memory_free(table);
+    }
+    return CONUS_OK;
+}
+
+static bool has_table_inside(const struct bytes *head)
+{
+    const struct text text = {(const char *)head->data, head->size};
+    return text_mentions(text, "<LabelTable") || text_mentions(text, "LABEL_DTABLE") ||
+           text_mentions(text, "ATLAS_LABEL_TABLE");
+}
+
+/* One volume, not the values of a surface's vertices. */
+static bool is_one_volume(const conus_volume_info *info)
+{
+    return info->volume_count == 1 && info->dim[1] > 1 && info->dim[2] > 1;
+}
+
+conus_status volume_marks_find(bool *labels, double spacing[3], const char *path, bool known)
+{
+    struct volume_header header = {0};
+    struct bytes head = {0};
+    conus_status status = volume_file_peek(&header, &head, path);
+    *labels = false;
+    if (!status && is_one_volume(&header.info)) {
+        memcpy(spacing, header.info.spacing, sizeof header.info.spacing);
+        *labels =
+            known || header.intent_code == INTENT_LABEL || has_table_inside(&head) || is_called_so(path_base(path));
+        status = *labels ? CONUS_OK : find_table(labels, path);
+    }
+    bytes_finish(&head);
+    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
+}
