@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus info: lists the contents of an atlas as a table, a tree or JSON. */
+#include "cli/answers/aligned.h"
 #include "cli/answers/info_json.h"
 #include "cli/answers/info_tree.h"
 #include "cli/commands.h"
 #include "common/messages.h"
 #include "common/output.h"
 #include "settings/atlas_input.h"
+#include "settings/atlas_name.h"
 #include "settings/settings.h"
 
 #include <inttypes.h>
@@ -138,6 +140,19 @@ static void put_surfaces(FILE *out, const conus_atlas *atlas)
     if (surfaces) {
         fprintf(out, "%sSurfaces\n  %zu, of them %zu closed; %llu triangles\n",
                 conus_atlas_volume_count(atlas) ? "\n" : "", surfaces, closed, triangles);
+    }
+}
+
+/* Which file a name was. */
+static void put_installed(FILE *out, const conus_installed *installed)
+{
+    if (installed) {
+        fprintf(out, "Installed atlas\n  name         %s:%s\n  file         %s\n", installed->source, installed->name,
+                installed->path);
+        if (installed->labels) {
+            fprintf(out, "  labels       %s\n", installed->labels);
+        }
+        fputc('\n', out);
     }
 }
 
@@ -275,62 +290,14 @@ static void put_tsv(FILE *out, const conus_atlas *atlas)
     }
 }
 
-/* Characters on the screen: UTF-8 without continuation bytes. */
-static int text_width(const char *text)
-{
-    int width = 0;
-    for (; *text && *text != '\t' && *text != '\n'; text++) {
-        width += ((unsigned char)*text & 0xc0) != 0x80;
-    }
-    return width;
-}
-
-/* Walks the cells of tab-separated lines. */
-static const char *next_cell(const char *cell)
-{
-    cell += strcspn(cell, "\t\n");
-    return *cell ? cell + 1 : cell;
-}
-
-/** How a column is shown in the table. */
-struct layout {
-    int width[COLUMN_COUNT];
-    bool shown[COLUMN_COUNT]; /* some row has a value */
-};
-
-static struct layout measure_columns(const char *tsv)
-{
-    struct layout layout = {0};
-    size_t cells = 0;
-    for (const char *cell = tsv; *cell; cell = next_cell(cell)) {
-        size_t c = cells % COLUMN_COUNT;
-        int width = text_width(cell);
-        layout.width[c] = width > layout.width[c] ? width : layout.width[c];
-        layout.shown[c] = layout.shown[c] || (cells >= COLUMN_COUNT && strncmp(cell, "n/a", 3) != 0);
-        cells++;
-    }
-    return layout;
-}
-
-static void put_cell(FILE *out, const char *cell, int width, bool right)
-{
-    int length = (int)strcspn(cell, "\t\n");
-    int blank = width - text_width(cell);
-    fprintf(out, "  %*s%.*s%*s", right ? blank : 0, "", length, cell, right ? 0 : blank, "");
-}
-
-/* Sets out the tab-separated lines in columns; those without any value are left out. */
+/* Sets out the tab-separated lines in columns. */
 static void put_aligned(FILE *out, const char *tsv)
 {
-    struct layout layout = measure_columns(tsv);
-    size_t cells = 0;
-    for (const char *cell = tsv; *cell; cell = next_cell(cell)) {
-        size_t c = cells++ % COLUMN_COUNT;
-        if (layout.shown[c]) {
-            put_cell(out, cell, layout.width[c], columns[c].right);
-        }
-        fputs(c + 1 == COLUMN_COUNT ? "\n" : "", out);
+    bool right[COLUMN_COUNT];
+    for (size_t c = 0; c < COLUMN_COUNT; c++) {
+        right[c] = columns[c].right;
     }
+    aligned_put(out, tsv, COLUMN_COUNT, right);
 }
 
 static size_t count_objects(const conus_atlas *atlas, bool (*which)(const conus_object *))
@@ -366,7 +333,7 @@ static void put_tree_size(FILE *out, const conus_atlas *atlas)
     }
 }
 
-static int put_table(FILE *out, const conus_atlas *atlas)
+static int put_table(FILE *out, const conus_atlas *atlas, const conus_installed *installed)
 {
     char *tsv = NULL;
     size_t size = 0;
@@ -380,6 +347,7 @@ static int put_table(FILE *out, const conus_atlas *atlas)
         return EXIT_DATA;
     }
     size_t areas = count_objects(atlas, is_area);
+    put_installed(out, installed);
     put_volumes(out, atlas);
     put_surfaces(out, atlas);
     put_notes(out, atlas);
@@ -393,9 +361,9 @@ static int put_table(FILE *out, const conus_atlas *atlas)
     return EXIT_DONE;
 }
 
-static int put_json(FILE *out, const conus_atlas *atlas)
+static int put_json(FILE *out, const conus_atlas *atlas, const conus_installed *installed)
 {
-    char *text = info_json(atlas);
+    char *text = info_json(atlas, installed);
     if (!text) {
         return EXIT_DATA;
     }
@@ -404,13 +372,13 @@ static int put_json(FILE *out, const conus_atlas *atlas)
     return EXIT_DONE;
 }
 
-static int put_atlas(FILE *out, const conus_atlas *atlas, enum info_format format)
+static int put_atlas(FILE *out, const conus_atlas *atlas, const conus_installed *installed, enum info_format format)
 {
     if (format == INFO_JSON) {
-        return put_json(out, atlas);
+        return put_json(out, atlas, installed);
     }
     if (format == INFO_TABLE) {
-        return put_table(out, atlas);
+        return put_table(out, atlas, installed);
     }
     if (format == INFO_TREE) {
         return info_tree(out, atlas) ? EXIT_DONE : EXIT_DATA;
@@ -420,12 +388,12 @@ static int put_atlas(FILE *out, const conus_atlas *atlas, enum info_format forma
 }
 
 /* All text first, then one write: nothing comes out of a failure. */
-static int write_atlas(const conus_atlas *atlas, enum info_format format)
+static int write_atlas(const conus_atlas *atlas, const conus_installed *installed, enum info_format format)
 {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    int code = out ? put_atlas(out, atlas, format) : EXIT_DATA;
+    int code = out ? put_atlas(out, atlas, installed, format) : EXIT_DATA;
     if (out && fclose(out)) {
         code = EXIT_DATA;
     }
@@ -439,19 +407,29 @@ static int write_atlas(const conus_atlas *atlas, enum info_format format)
     return code;
 }
 
-static int run_info(const void *given, const struct arguments *arguments)
+static int load_and_write(const struct atlas_name *name, const struct info_settings *settings)
 {
-    const struct info_settings *settings = given;
+    struct atlas_settings wanted = settings->atlas;
     conus_atlas *atlas = NULL;
-    int code = settings_load_atlas(&atlas, arguments->operands[0], &settings->atlas);
+    wanted.labels = atlas_name_labels(name, wanted.labels);
+    int code = settings_load_atlas(&atlas, name->path, &wanted);
     if (code) {
         return code;
     }
     code = settings_load_context(atlas, settings->context, 0, &settings->atlas);
     if (!code) {
-        code = write_atlas(atlas, (enum info_format)settings->format);
+        code = write_atlas(atlas, name->atlas, (enum info_format)settings->format);
     }
     conus_atlas_destroy(atlas);
+    return code;
+}
+
+static int run_info(const void *given, const struct arguments *arguments)
+{
+    struct atlas_name name;
+    int code = atlas_name_find(&name, arguments->operands[0]);
+    code = code ? code : load_and_write(&name, given);
+    atlas_name_finish(&name);
     return code;
 }
 
@@ -461,11 +439,13 @@ const struct command cmd_info = {
     .operands = {"ATLAS"},
     .description =
         "Shows file, size, orientation and transform of every volume, where the names come from, and the\n"
-        "areas and pathways. ATLAS is a labelled volume: .nii, .hdr/.img, .mgz, .nrrd, .mha, .HEAD or an FSL atlas\n"
-        ".xml; for a 4-D file, FILE,volume=K chooses volume K from 0. Or it is a manifest, .atlas.json, that joins "
-        "the\n"
-        "files of a scene; info then checks all that it names. Surfaces, and folders of them, are atlases, too.",
+        "areas and pathways. ATLAS is a labelled volume: .nii, .hdr/.img, .mgz, .nrrd, .mha, .HEAD or an FSL\n"
+        "atlas .xml; for a 4-D file, FILE,volume=K chooses volume K from 0. Or it is a manifest, .atlas.json,\n"
+        "that joins the files of a scene; info then checks all that it names. Surfaces, and folders of them, are\n"
+        "atlases, too. Or it is the name of an installed atlas, which conus atlases lists; a file that is there\n"
+        "comes first.",
     .examples = "  conus info aal.nii.gz\n"
+                "  conus info aal\n"
                 "  conus info aal.nii.gz --labels my_names.txt --format tsv\n",
     .groups = groups,
     .settings_size = sizeof(struct info_settings),

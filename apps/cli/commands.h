@@ -5,6 +5,7 @@
 
 #include "settings/options.h"
 
+extern const struct command cmd_atlases;
 extern const struct command cmd_info;
 extern const struct command cmd_query;
 extern const struct command cmd_batch;

@@ -17,6 +17,11 @@ enum completion_value completion_value(const struct option *option)
                                           : COMPLETION_ANY;
 }
 
+bool completion_takes_atlas(const struct command *command)
+{
+    return command->operands[0] && strcmp(command->operands[0], "ATLAS") == 0;
+}
+
 const struct option *completion_option(const struct command *command, size_t index)
 {
     for (const struct option_group *group = command->groups; group && group->title; group++) {

@@ -19,6 +19,9 @@ enum completion_value {
 };
 enum completion_value completion_value(const struct option *option);
 
+/** Whether the operand is an atlas: a file, or a name that `conus atlases --format names` lists. */
+bool completion_takes_atlas(const struct command *command);
+
 /** Option @p index of all groups of a command; NULL past the last. */
 const struct option *completion_option(const struct command *command, size_t index);
 

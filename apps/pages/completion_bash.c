@@ -63,7 +63,7 @@ static void put_command(FILE *out, const struct command *command)
 {
     fputs("        options='", out);
     put_option_names(out, command);
-    fputs("'\n        case $before in\n", out);
+    fprintf(out, "'%s\n        case $before in\n", completion_takes_atlas(command) ? " atlas=yes" : "");
     put_value_cases(out, command);
     fputs("        esac\n", out);
 }
@@ -116,6 +116,7 @@ void completion_bash(FILE *out, const struct program *program)
     put_function_name(out, program->name);
     fputs("()\n{\n"
           "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} options= value= words=\n"
+          "    local atlas= name\n"
           "    COMPREPLY=()\n"
           "    if [ \"$word\" = = ]; then # --option=value is three words\n"
           "        word=\n"
@@ -134,7 +135,18 @@ void completion_bash(FILE *out, const struct program *program)
           "    folder:*) compopt -o filenames 2>/dev/null; mapfile -t COMPREPLY < <(compgen -d -- \"$word\") ;;\n"
           "    none:-*) mapfile -t COMPREPLY < <(compgen -W \"$options\" -- \"$word\") ;;\n"
           "    *) compopt -o filenames 2>/dev/null; mapfile -t COMPREPLY < <(compgen -f -- \"$word\") ;;\n"
-          "    esac\n}\ncomplete -F ",
+          "    esac\n"
+          "    [ \"$atlas:$value\" = yes: ] || return 0\n"
+          "    local source= # \"source:name\" is three words\n"
+          "    if [ \"$word\" = : ]; then\n"
+          "        source=$before: word=\n"
+          "    elif [ \"$before\" = : ]; then\n"
+          "        source=${COMP_WORDS[COMP_CWORD - 2]}:\n"
+          "    fi\n"
+          "    while IFS= read -r name; do # names are never expanded: they come from files\n"
+          "        [[ $name != \"$source$word\"* ]] || COMPREPLY+=(\"${name#\"$source\"}\")\n"
+          "    done < <(conus atlases --quiet --format names 2>/dev/null)\n"
+          "}\ncomplete -F ",
           out);
     put_function_name(out, program->name);
     fprintf(out, " %s\n", program->name);

@@ -54,6 +54,10 @@ static void put_option(FILE *out, const struct option *option)
 static void put_options(FILE *out, const struct program *program, const struct command *command)
 {
     const struct option *option;
+    if (completion_takes_atlas(command)) {
+        put_start(out, program, program->unnamed ? NULL : command->name);
+        fputs(" -a '(conus atlases --quiet --format names 2>/dev/null)' -d 'installed atlas'\n", out);
+    }
     for (size_t i = 0; (option = completion_option(command, i)); i++) {
         put_start(out, program, program->unnamed ? NULL : command->name);
         put_option(out, option);

@@ -59,7 +59,10 @@ static void put_arguments(FILE *out, const struct command *command)
         snprintf(form, sizeof form, "--%s", option->name);
         put_form(out, option, form);
     }
-    fputs(" \\\n        '*:file:_files'", out);
+    fprintf(out, " \\\n        '*:%s'",
+            completion_takes_atlas(command)
+                ? "atlas:{_files; compadd -- ${(f)\"$(conus atlases --quiet --format names 2>/dev/null)\"}}"
+                : "file:_files");
 }
 
 static void put_commands(FILE *out, const struct program *program)

@@ -4,6 +4,7 @@
 
 #include "common/messages.h"
 #include "common/output.h"
+#include "settings/atlas_name.h"
 #include "settings/option_values.h"
 
 #include <limits.h>
@@ -152,16 +153,16 @@ static int show_objects(conus_atlas *atlas, const struct atlas_settings *setting
     return failed ? EXIT_DATA : status ? print_status(status) : EXIT_DONE;
 }
 
-int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings)
+static int load_named(conus_atlas **out, const struct atlas_name *name, const struct atlas_settings *settings)
 {
     struct progress progress = {settings, 0, settings->pathways.count};
-    const conus_load_options options = {.labels = settings->labels,
+    const conus_load_options options = {.labels = atlas_name_labels(name, settings->labels),
                                         .labels_anyway = settings->labels_anyway,
                                         .max_memory = settings->max_memory,
                                         .progress = hear_progress,
                                         .progress_user = &progress};
     conus_atlas *atlas = NULL;
-    conus_status status = conus_atlas_load(&atlas, path, &options);
+    conus_status status = conus_atlas_load(&atlas, name->path, &options);
     status = status ? status : conus_atlas_set_hemispheres(atlas, (conus_hemispheres)settings->hemispheres);
     if (status) {
         conus_atlas_destroy(atlas);
@@ -175,6 +176,15 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
     }
     *out = atlas;
     return EXIT_DONE;
+}
+
+int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings)
+{
+    struct atlas_name name;
+    int code = atlas_name_find(&name, path);
+    code = code ? code : load_named(out, &name, settings);
+    atlas_name_finish(&name);
+    return code;
 }
 
 int settings_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings)

@@ -5,8 +5,8 @@
 
 #include "settings/settings.h"
 
-/** Loads the atlas and adds its pathways. Returns the exit code and prints an error unless it is 0, or the settings'
- * progress cancelled. */
+/** Loads the atlas, a path or the name of an installed one, and adds its pathways. Returns the exit code and prints an
+ * error unless it is 0, or the settings' progress cancelled. */
 int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings);
 
 /** Sets the context, unless @p path is NULL; @p blocks 0 = it does not block. Gives the exit code likewise. */

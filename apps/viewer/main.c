@@ -174,7 +174,7 @@ static const struct command cmd_view = {
         "wand moved by keys; the areas that it hits are named, ranked and highlighted. Press ? in the window for\n"
         "the keys.\n\n"
         "Without ATLAS the window opens with a page that lists what was opened lately. Drop a file or a folder on\n"
-        "it, or type a path.",
+        "it, or type a path, or the name of an installed atlas (conus atlases).",
     .examples =
         "  conus view /usr/share/mricron/templates/aal.nii.gz --context /usr/share/mricron/templates/ch2bet.nii.gz\n",
     .groups = groups,

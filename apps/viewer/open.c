@@ -3,6 +3,7 @@
 #include "viewer/open.h"
 
 #include "common/messages.h"
+#include "settings/atlas_name.h"
 #include "settings/atlas_notes.h"
 #include "viewer/loader.h"
 #include "viewer/loop.h"
@@ -161,6 +162,25 @@ static bool open_path(struct window *window, const char *path, struct view_setti
     return fine;
 }
 
+/* Opens what the user named, a path or an installed atlas, whose path is what is remembered. */
+static bool open_named(struct window *window, const char *text, struct view_settings *settings, bool remember,
+                       char why[LOADER_WHY])
+{
+    struct atlas_name name;
+    bool fine = atlas_name_find(&name, text) == EXIT_DONE;
+    if (fine) {
+        settings->atlas.labels = atlas_name_labels(&name, settings->atlas.labels);
+        fine = open_path(window, name.path, *settings, why);
+    } else {
+        snprintf(why, LOADER_WHY, "%s", error_line());
+    }
+    if (fine && remember) {
+        recent_add(name.path);
+    }
+    atlas_name_finish(&name);
+    return fine;
+}
+
 bool open_wanted(struct window *window, const struct view_settings *settings, bool with_options, double begun)
 {
     struct view_settings used = *settings;
@@ -172,15 +192,12 @@ bool open_wanted(struct window *window, const struct view_settings *settings, bo
     if (!with_options) {
         leave_options(&used);
     }
-    bool fine = open_path(window, path, used, why);
+    bool fine = open_named(window, path, &used, !settings->script, why);
     window->press = press;
     if (fine) {
         times_start(&window->times, begun);
     } else if (why[0]) {
         window_say(window, why);
-    }
-    if (fine && !settings->script) {
-        recent_add(path);
     }
     free(path);
     return fine;

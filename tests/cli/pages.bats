@@ -114,6 +114,41 @@ complete_fish() {
     [ -z "$(complete_bash pages/conus.bash conus query --angle my)" ]
 }
 
+# installed: some atlases, one of which has a name that a shell would run.
+installed() {
+    mkdir -p own
+    conus phantom sphere -o own --size 16
+    cp own/sphere.nii.gz own/ball_atlas.nii.gz
+    cp own/sphere.nii.gz 'own/ball $(touch ran) atlas.nii.gz'
+    export CONUS_ATLAS_PATH=$PWD/own XDG_DATA_DIRS=$PWD HOME=$PWD PATH=${CONUS%/*}:$PATH
+}
+
+@test "shells offer the names of installed atlases" {
+    installed
+    write_pages
+    # env -i of complete_bash has no $CONUS_ATLAS_PATH: a program of that name that has it.
+    mkdir bin
+    printf '#!/bin/sh\nCONUS_ATLAS_PATH="%s" XDG_DATA_DIRS="%s" exec "%s" "$@"\n' "$PWD/own" "$PWD" "$CONUS" >bin/conus
+    chmod +x bin/conus
+    PATH=$PWD/bin:$PATH
+    [ "$(complete_bash pages/conus.bash conus query ball | sort)" = "$(printf 'ball $(touch ran) atlas\nball_atlas')" ]
+    [ "$(complete_bash pages/conus.bash conus info sph)" = sphere ]
+    [ -z "$(complete_bash pages/conus.bash conus diff ball)" ]
+    [ -z "$(complete_bash pages/conus.bash conus query a --angle ball)" ]
+    # "own:ball" comes as three words, of which the last is completed.
+    cp -r own other
+    sed -i "s|$PWD/own|$PWD/own:$PWD/other|" bin/conus
+    [ "$(complete_bash pages/conus.bash conus query own : sph | sort -u)" = sphere ]
+    if command -v fish; then
+        complete_fish pages/conus.fish 'conus query own:sph' | sort -u | grep -qx own:sphere
+    fi
+    if command -v zsh; then
+        zsh -n pages/_conus
+        grep -qF 'conus atlases --quiet --format names' pages/_conus
+    fi
+    [ ! -e ran ]
+}
+
 @test "bash completes conus view as it does conus-view" {
     view_program
     write_pages

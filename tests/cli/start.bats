@@ -59,6 +59,27 @@ END
     check_message 'script:1: type PATH, on the start page is needed, or it could not be done'
 }
 
+@test "the name of an installed atlas opens it, and its path is remembered" {
+    need_window
+    own_folders
+    conus phantom nested -o .
+    mkdir -p data/mricron/templates
+    mv nested.nii.gz data/mricron/templates/nest_atlas.nii.gz
+    mv nested.tsv data/mricron/templates/nest_atlas.tsv
+    view nest-atlas <<END
+$AIM
+results first.tsv
+save first.json
+END
+    queried nest_atlas | diff first.tsv -
+    [ "$(jq -r .atlas first.json)" = "$PWD/data/mricron/templates/nest_atlas.nii.gz" ]
+    printf 'type nest_atlas\nkey enter\n%s\nresults second.tsv\n' "$AIM" | view
+    diff first.tsv second.tsv
+    run -3 --separate-stderr timeout $HANG "$CONUS" view nest --script /dev/null --quiet
+    check_message 'nest: cannot open: No such file or directory'
+    check_message 'did you mean nest_atlas?'
+}
+
 @test "options hold for the first atlas that is opened, and for no other" {
     need_window
     own_folders

@@ -2,7 +2,6 @@
 /* The JSON of conus info. */
 #include "cli/answers/info_json.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,8 +9,7 @@
 
 enum { DIGITS = 9 };
 
-/* Paths may be of any bytes; what is not UTF-8 is taken as ISO-8859-1, as in the library's reports. */
-static json_t *text_of_bytes(const char *bytes)
+json_t *info_json_bytes(const char *bytes)
 {
     json_t *text = json_string(bytes);
     char *copy = text ? NULL : calloc(strlen(bytes) + 1, 2);
@@ -70,7 +68,7 @@ static json_t *volume(const conus_volume_info *info)
     };
     json_t *json = json_pack(
         "{s:s,s:o,s:s,s:s,s:s,s:o,s:I,s:I,s:o,s:[f,f,f],s:s,s:s,s:f,s:f,s:o,s:o}", "role", roles[info->role], "path",
-        text_of_bytes(info->path), "sha256", info->sha256, "format", info->format, "datatype", info->datatype, "dim",
+        info_json_bytes(info->path), "sha256", info->sha256, "format", info->format, "datatype", info->datatype, "dim",
         sizes(info->dim), "volume", (json_int_t)info->volume, "volume_count", (json_int_t)info->volume_count,
         "world_from_voxel", matrix(info->world_from_voxel), "spacing_mm", info->spacing[0], info->spacing[1],
         info->spacing[2], "orientation", info->orientation, "transform", info->transform, "slope", info->slope,
@@ -116,7 +114,16 @@ static json_t *object(const conus_atlas *atlas, size_t number)
                      "triangles", triangles(object), "closed", closed(object), "volume_mm3", volume_mm3(object));
 }
 
-char *info_json(const conus_atlas *atlas)
+json_t *info_json_installed(const conus_installed *atlas)
+{
+    const double *mm = atlas->spacing;
+    return json_pack("{s:s,s:s,s:s,s:o,s:o,s:o}", "name", atlas->name, "source", atlas->source, "kind", atlas->kind,
+                     "voxel_mm", mm[0] > 0 ? json_pack("[f,f,f]", mm[0], mm[1], mm[2]) : json_null(), "labels",
+                     atlas->labels ? info_json_bytes(atlas->labels) : json_null(), "path",
+                     info_json_bytes(atlas->path));
+}
+
+char *info_json(const conus_atlas *atlas, const conus_installed *installed)
 {
     json_t *volumes = json_array();
     json_t *notes = json_array();
@@ -126,13 +133,14 @@ char *info_json(const conus_atlas *atlas)
         whole = json_array_append_new(volumes, volume(conus_atlas_volume(atlas, i))) == 0 && whole;
     }
     for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
-        whole = json_array_append_new(notes, text_of_bytes(conus_atlas_note(atlas, i))) == 0 && whole;
+        whole = json_array_append_new(notes, info_json_bytes(conus_atlas_note(atlas, i))) == 0 && whole;
     }
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
         whole = json_array_append_new(objects, object(atlas, i)) == 0 && whole;
     }
-    json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o}", "conus", conus_version(), "labels",
-                             text_of_bytes(conus_atlas_label_source(atlas)), "volumes", volumes, "notes", notes,
+    json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(), "installed",
+                             installed ? info_json_installed(installed) : json_null(), "labels",
+                             info_json_bytes(conus_atlas_label_source(atlas)), "volumes", volumes, "notes", notes,
                              "objects", objects);
     char *text = whole && root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) : NULL;
     json_decref(root);

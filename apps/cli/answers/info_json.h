@@ -5,7 +5,16 @@
 
 #include <conus/conus.h>
 
-/** The atlas as a JSON text with a final newline; NULL without memory. The caller frees it. */
-char *info_json(const conus_atlas *atlas);
+#include <jansson.h>
+
+/** The atlas as a JSON text with a final newline; NULL without memory. The caller frees it. @p installed: what its name
+ * meant; NULL = it was a path. */
+char *info_json(const conus_atlas *atlas, const conus_installed *installed);
+
+/** An installed atlas as a JSON object; NULL without memory. */
+json_t *info_json_installed(const conus_installed *atlas);
+
+/** A text of any bytes; what is not UTF-8 is taken as ISO-8859-1, as in the library's reports. NULL without memory. */
+json_t *info_json_bytes(const char *bytes);
 
 #endif
