@@ -14,7 +14,7 @@ All positions are RAS mm and all angles degrees, but in ``results`` and ``record
 library's own structs.
 """
 from ._answers import Answers, Hit, Jitter, Selection, Step, Sweep, Track
-from ._atlas import Atlas, Selector, load
+from ._atlas import Atlas, InstalledAtlas, Selector, atlases, load
 from ._conus import ffi as _ffi, lib as _lib
 from ._library import (
     ArgumentError,
@@ -33,6 +33,6 @@ from ._track import Tracker
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
     "Answers", "ArgumentError", "Atlas", "CancelledError", "DataError", "Error", "FileError", "GLError", "Hit",
-    "Jitter", "OutOfMemoryError", "Picture", "PoseWarning", "Renderer", "Selection", "Selector", "Step", "Sweep",
-    "Track", "Tracker", "UnsupportedError", "load", "transfer_presets",
+    "InstalledAtlas", "Jitter", "OutOfMemoryError", "Picture", "PoseWarning", "Renderer", "Selection", "Selector",
+    "Step", "Sweep", "Track", "Tracker", "UnsupportedError", "atlases", "load", "transfer_presets",
 ]

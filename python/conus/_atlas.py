@@ -6,7 +6,7 @@ import logging
 import math
 import os
 import threading
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, Optional, Union
 
 import numpy as np
 
@@ -101,6 +101,55 @@ def _fill_labels(labels: Labels) -> tuple[Any, int, list[Any]]:
     return table, len(rows), words
 
 
+class InstalledAtlas(NamedTuple):
+    """An atlas that is installed on this computer."""
+
+    name: str
+    """What ``load`` takes, if no other has the name."""
+    source: str
+    """Whose folder it is in: "mricron", "fsl"; "own" for $CONUS_ATLAS_PATH."""
+    kind: str
+    """"volume", "surface", "surfaces" or "scene"."""
+    voxel_mm: Optional[tuple[float, float, float]]
+    """Edge lengths of a voxel, where they are known."""
+    path: str
+    labels: Optional[str]
+    """Path of the label table that ``load`` uses; None where it finds one by itself."""
+
+
+def _catalogue() -> Any:
+    out = ffi.new("conus_catalogue **")
+    check(lib.conus_catalogue_create(out, ffi.NULL))
+    return owned(out[0], lib.conus_catalogue_destroy)
+
+
+def _installed(atlas: Any) -> InstalledAtlas:
+    size = (atlas.spacing[0], atlas.spacing[1], atlas.spacing[2])
+    labels = os.fsdecode(ffi.string(atlas.labels)) if atlas.labels else None
+    return InstalledAtlas(text(atlas.name), text(atlas.source), text(atlas.kind), size if size[0] > 0 else None,
+                          os.fsdecode(ffi.string(atlas.path)), labels)
+
+
+def atlases() -> list[InstalledAtlas]:
+    """Lists the atlases that are installed on this computer, as ``conus atlases`` does.
+
+    Each name, or ``source:name``, can be given to ``load``. ``pandas.DataFrame(conus.atlases())``
+    is a table of them.
+    """
+    found = _catalogue()
+    return [_installed(lib.conus_catalogue_atlas(found, i)) for i in range(lib.conus_catalogue_count(found))]
+
+
+def _find(source: Path, labels: Any) -> tuple[Path, Any]:
+    """The path and the labels of what may be a name."""
+    if not isinstance(source, str) or lib.conus_atlas_is_path(path_of("source", source)):
+        return source, labels
+    found, out = _catalogue(), ffi.new("conus_installed **")
+    check(lib.conus_catalogue_find(out, found, path_of("source", source)))
+    atlas = _installed(out[0])
+    return atlas.path, atlas.labels if labels is None else labels
+
+
 def _from_file(path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any) -> Any:
     options, out = ffi.new("conus_load_options *"), ffi.new("conus_atlas **")
     table, file = optional(path_of, "labels", labels), path_of("source", path)
@@ -155,7 +204,8 @@ def load(
     Parameters
     ----------
     source
-        A path (everything that ``conus query`` takes), a nibabel image, or a 3-D array of labels.
+        A path (everything that ``conus query`` takes), the name of an installed atlas (``atlases()``
+        lists them; a file of that name comes first), a nibabel image, or a 3-D array of labels.
     affine
         (4, 4), of an array: maps voxel indices to RAS mm.
     labels
@@ -195,6 +245,7 @@ def load(
     """
     max_memory = whole("max_memory", max_memory, high=2**64 - 1)
     if isinstance(source, (str, bytes, os.PathLike)):
+        source, labels = _find(source, labels)
         raw = _from_file(source, labels, labels_anyway, max_memory, progress)
     elif hasattr(source, "dataobj"):
         data, matrix, name, code = _image_parts(source)
