@@ -85,9 +85,9 @@ bool path_ends_in(const char *path, const char *ending)
 
 size_t volume_stem_length(const char *path)
 {
-    static const char *const endings[] = {".nii.gz", ".hdr.gz", ".img.gz", ".mgh.gz",   ".nii",  ".hdr",
-                                          ".img",    ".mgz",    ".mgh",    ".seg.nrrd", ".nrrd", ".nhdr",
-                                          ".mha",    ".HEAD",   ".BRIK",   ".BRIK.gz",  ".mhd"};
+    static const char *const endings[] = {".nii.gz", ".hdr.gz", ".img.gz",   ".mgh.gz", ".nii",  ".hdr", ".img",
+                                          ".mgz",    ".mgh",    ".seg.nrrd", ".nrrd",   ".nhdr", ".mha", ".mhd",
+                                          ".HEAD",   ".BRIK",   ".BRIK.gz",  ".tiff",   ".tif"};
     size_t length = strlen(path);
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
         if (path_ends_in(path, endings[i])) {

@@ -17,6 +17,7 @@
 
 #define TRACTS "make a volume of its density, for --pathway"
 #define FOREIGN "convert it to NIfTI"
+#define TIFF "a stack of TIFF pages"
 
 static const struct file_kind volume = {"a volume", "give it as ATLAS, --pathway or --context"};
 static const struct file_kind surface = {"a surface", "give it as ATLAS"};
@@ -62,8 +63,10 @@ static const struct {
     {MAGIC("\x89PNG\r\n\x1a\n"), {"a PNG picture", NULL}},
     {MAGIC("\xff\xd8\xff"), {"a JPEG picture", NULL}},
     {MAGIC("\x76\x2f\x31\x01"), {"an OpenEXR picture", NULL}},
-    {MAGIC("II*\0"), {"a TIFF picture", FOREIGN}},
-    {MAGIC("MM\0*"), {"a TIFF picture", FOREIGN}},
+    {MAGIC("II*\0"), {TIFF, "give it as ATLAS, --pathway or --context"}},
+    {MAGIC("MM\0*"), {TIFF, "give it as ATLAS, --pathway or --context"}},
+    {MAGIC("II+\0"), {TIFF, "give it as ATLAS, --pathway or --context"}},
+    {MAGIC("MM\0+"), {TIFF, "give it as ATLAS, --pathway or --context"}},
     {MAGIC("GIF8"), {"a GIF picture", NULL}},
     {MAGIC("%PDF-"), {"a PDF document", NULL}},
     {MAGIC("PK\3\4"), {"a ZIP archive", "unpack it"}},

@@ -47,8 +47,8 @@ typedef struct conus_load_options {
 /**
  * Loads an atlas. The content of the file decides what it is, not its name:
  *
- *  - a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, NRRD, MetaImage, AFNI, or an FSL
- *    atlas XML of type Label;
+ *  - a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, NRRD, MetaImage, AFNI, a TIFF stack, or
+ *    an FSL atlas XML of type Label;
  *  - an FSL atlas XML of another type: areas of probabilities, which may overlap;
  *  - a manifest NAME.atlas.json, which joins a parcellation, surfaces, pathways and context;
  *  - a surface (GIFTI, FreeSurfer and what conus-mesh reads), cut by the labels of its vertices if there are any;
@@ -57,7 +57,8 @@ typedef struct conus_load_options {
  * Values must be whole numbers from 0 to 4294967295; 0 is background. docs/formats.md says how the label table is
  * found, and how an image is told from labels.
  * @param[out] out The atlas; end it with conus_atlas_destroy().
- * @param path May end in ",volume=K" to choose volume K (from 0) of a 4-D file.
+ * @param path May end in ",volume=K" to choose volume K (from 0) of a 4-D file, and of a TIFF stack in
+ * ",resolution=R,orientation=ABC" (docs/spaces.md, "BrainGlobe").
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where a file cannot be read or is damaged, and
  * #CONUS_ERROR_DATA for a volume that looks like an image unless labels_anyway is set; #CONUS_ERROR_UNSUPPORTED for a

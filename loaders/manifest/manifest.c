@@ -28,6 +28,20 @@ static conus_status read_volume_number(void *field, const json_t *value, const s
     return CONUS_OK;
 }
 
+static conus_status read_resolution(void *field, const json_t *value, const struct schema_place *place)
+{
+    struct manifest_volume *out = field;
+    if (json_array_size(value) != 3) {
+        return schema_fail(place, value, "a list of three numbers, in micrometres,");
+    }
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < 3; i++) {
+        struct schema_place inner = schema_element(place, i);
+        status = schema_positive(&out->resolution[i], json_array_get(value, i), &inner);
+    }
+    return status;
+}
+
 static conus_status read_names(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest_pathway *pathway = field;
@@ -106,6 +120,8 @@ static conus_status read_parcellation(void *field, const json_t *value, const st
     static const struct schema_field keys[] = {
         {"file", schema_path, AT(manifest_parcellation, source.file), true},
         {"volume", read_volume_number, AT(manifest_parcellation, source), false},
+        {"resolution", read_resolution, AT(manifest_parcellation, source), false},
+        {"orientation", schema_text, AT(manifest_parcellation, source.orientation), false},
         {"labels", schema_path, AT(manifest_parcellation, labels), false},
         {0},
     };
@@ -119,6 +135,8 @@ static conus_status read_context(void *field, const json_t *value, const struct 
     static const struct schema_field keys[] = {
         {"file", schema_path, AT(manifest_context, source.file), true},
         {"volume", read_volume_number, AT(manifest_context, source), false},
+        {"resolution", read_resolution, AT(manifest_context, source), false},
+        {"orientation", schema_text, AT(manifest_context, source.orientation), false},
         {"transfer", read_transfer, 0, false},
         {"blocks", schema_positive, AT(manifest_context, blocks), false},
         {0},
@@ -130,7 +148,12 @@ static conus_status read_context(void *field, const json_t *value, const struct 
 
 static conus_status check_pathway(const struct manifest_pathway *pathway, const struct schema_place *place)
 {
-    const char *one = pathway->name ? "name" : pathway->source.chosen ? "volume" : NULL;
+    const struct manifest_volume *source = &pathway->source;
+    const char *one = pathway->name               ? "name"
+                      : source->chosen            ? "volume"
+                      : source->orientation       ? "orientation"
+                      : source->resolution[0] > 0 ? "resolution"
+                                                  : NULL;
     const char *many = pathway->fsl ? "fsl" : pathway->names ? "names" : NULL;
     if (pathway->fsl && pathway->names) {
         return fail(CONUS_ERROR_DATA, "%s: has fsl and names, one of them is allowed", place->key);
@@ -148,6 +171,8 @@ static conus_status read_entry(struct manifest_pathway *out, const json_t *value
     static const struct schema_field keys[] = {
         {"file", schema_path, AT(manifest_pathway, source.file), false},
         {"volume", read_volume_number, AT(manifest_pathway, source), false},
+        {"resolution", read_resolution, AT(manifest_pathway, source), false},
+        {"orientation", schema_text, AT(manifest_pathway, source.orientation), false},
         {"fsl", schema_path, AT(manifest_pathway, fsl), false},
         {"name", schema_text, AT(manifest_pathway, name), false},
         {"names", read_names, 0, false},
@@ -371,6 +396,12 @@ conus_status manifest_parse(struct manifest *out, struct text text)
     return CONUS_OK;
 }
 
+static void volume_finish(struct manifest_volume *volume)
+{
+    memory_free(volume->file);
+    memory_free(volume->orientation);
+}
+
 static void pathway_finish(struct manifest_pathway *pathway)
 {
     for (size_t i = 0; i < pathway->name_count; i++) {
@@ -379,7 +410,7 @@ static void pathway_finish(struct manifest_pathway *pathway)
     memory_free(pathway->names);
     memory_free(pathway->name);
     memory_free(pathway->fsl);
-    memory_free(pathway->source.file);
+    volume_finish(&pathway->source);
 }
 
 static void area_finish(struct manifest_area *area)
@@ -411,9 +442,9 @@ void manifest_finish(struct manifest *manifest)
         pathway_finish(&manifest->pathways[i]);
     }
     memory_free(manifest->pathways);
-    memory_free(manifest->parcellation.source.file);
+    volume_finish(&manifest->parcellation.source);
     memory_free(manifest->parcellation.labels);
-    memory_free(manifest->context.source.file);
+    volume_finish(&manifest->context.source);
     memory_free(manifest->context.transfer);
     *manifest = (struct manifest){0};
 }

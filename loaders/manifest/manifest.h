@@ -14,7 +14,9 @@ enum { MANIFEST_VERSION = 1 };
 struct manifest_volume {
     char *file; /**< As written; NULL if the manifest names none.            */
     bool chosen;
-    uint32_t volume; /**< Which of a 4-D file's, from 0, if chosen.               */
+    uint32_t volume;      /**< Which of a 4-D file's, from 0, if chosen.               */
+    double resolution[3]; /**< Of a TIFF stack, micrometres: page, row, column; 0 = as metadata.json says. */
+    char *orientation;    /**< Likewise: where its axes start; NULL = as metadata.json says.               */
 };
 
 struct manifest_parcellation {

@@ -179,6 +179,7 @@ conus_status parcellation_read(struct parcellation *out, const char *path, const
     conus_status status = markup ? load_markup(out, path, options->max_memory, needed)
                                  : volume_file_open_as(&out->file, path, options->max_memory, needed, &out->notes);
     status = status || markup ? status : volume_file_labels(&out->labels, &out->file);
+    status = status ? status : file_sums_move(&out->read, &out->file.read);
     status = status ? status : read_names(out, options->labels, markup);
     out->file.info.role = CONUS_ROLE_PARCELLATION;
     return status || options->labels_anyway ? status

@@ -5,92 +5,17 @@
 
 #include "base/buffer.h"
 #include "base/folder.h"
-#include "base/formats/json_text.h"
 #include "base/memory.h"
+#include "loaders/brainglobe/brainglobe_metadata.h"
 #include "loaders/labels/label_file.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { METADATA_LIMIT = 1 << 20 };
-
 static const double micrometres = 0.001; /* BrainGlobe's unit, in mm */
-
-/* ---- The orientation --------------------------------------------------------------------------------------------- */
-
-conus_status brainglobe_metadata_parse(char out[BRAINGLOBE_ORIENTATION], struct text text)
-{
-    json_t *root = NULL;
-    conus_status status = json_text_load(&root, text);
-    const json_t *orientation = json_object_get(root, "orientation");
-    if (!status && !json_is_object(root)) {
-        status = fail(CONUS_ERROR_DATA, "not a JSON object");
-    }
-    if (!status && orientation && !json_is_string(orientation)) {
-        status = fail(CONUS_ERROR_DATA, "orientation: a text of three letters is needed");
-    }
-    if (!status && orientation) {
-        snprintf(out, BRAINGLOBE_ORIENTATION, "%s", json_string_value(orientation));
-    }
-    json_decref(root);
-    return status;
-}
-
-/* Row and sign of the world axis that grows away from `corner`: BrainGlobe's letters name where an array axis starts.
- */
-static bool read_corner(int *row, double *sign, char corner)
-{
-    static const char letters[] = "LRPAIS"; /* starts there: grows along +x, -x, +y, -y, +z, -z */
-    const char *at = corner ? strchr(letters, corner >= 'a' ? corner - 'a' + 'A' : corner) : NULL;
-    if (!at) {
-        return false;
-    }
-    *row = (int)(at - letters) / 2;
-    *sign = (at - letters) % 2 ? -1 : 1;
-    return true;
-}
-
-static conus_status orient_mesh(double world_from_mesh[16], const char *orientation, double scale)
-{
-    bool used[3] = {false, false, false};
-    memset(world_from_mesh, 0, 16 * sizeof *world_from_mesh);
-    world_from_mesh[15] = 1;
-    for (int axis = 0; axis < 3; axis++) {
-        int row = 0;
-        double sign = 0;
-        if (strlen(orientation) != 3 || !read_corner(&row, &sign, orientation[axis]) || used[row]) {
-            return fail(CONUS_ERROR_DATA,
-                        "orientation: found \"%.8s\", one letter each of R or L, A or P, S or I is needed",
-                        orientation);
-        }
-        used[row] = true;
-        world_from_mesh[4 * axis + row] = sign * scale;
-    }
-    return CONUS_OK;
-}
-
-/* The orientation in metadata.json, "asr" without one. */
-static conus_status read_orientation(char out[BRAINGLOBE_ORIENTATION], const char *folder, struct file_sums *read)
-{
-    struct bytes bytes = {0};
-    struct buffer path = {0};
-    buffer_format(&path, "%s/metadata.json", folder);
-    conus_status status = buffer_status(&path);
-    snprintf(out, BRAINGLOBE_ORIENTATION, "asr");
-    if (!status && file_exists(path.data) && !(status = file_read(&bytes, path.data, METADATA_LIMIT))) {
-        status = brainglobe_metadata_parse(out, (struct text){(const char *)bytes.data, bytes.size});
-        status = status ? fail_in(status, path.data) : file_sums_add(read, path.data, &bytes);
-    }
-    bytes_finish(&bytes);
-    buffer_finish(&path);
-    return status;
-}
 
 /* A BrainGlobe folder while it is looked through. */
 struct brainglobe {
-    /* ---- The structures
-     * ---------------------------------------------------------------------------------------------- */
-
     char *folder;
     struct label_table structures;
     char **meshes;  /* [structures.count] paths, NULL where there is no file */
@@ -181,6 +106,27 @@ static conus_status plan_structures(struct area_plan *plan, size_t entry, struct
     return status;
 }
 
+/* From stored coordinates to the world; *orientation is that of the entry, else of metadata.json, else "asr". */
+static conus_status place_meshes(double world_from_mesh[16], char orientation[BRAINGLOBE_ORIENTATION], double scale,
+                                 const struct brainglobe *brainglobe, const struct manifest_area *area,
+                                 struct file_sums *read)
+{
+    bool found = false;
+    struct buffer folder = {0};
+    struct brainglobe_metadata metadata = {.orientation = "asr"};
+    const double scales[3] = {scale, scale, scale};
+    buffer_format(&folder, "%s/", brainglobe->folder);
+    conus_status status = buffer_status(&folder);
+    if (!status && area->orientation) {
+        snprintf(metadata.orientation, sizeof metadata.orientation, "%s", area->orientation);
+    } else {
+        status = status ? status : brainglobe_metadata_read(&metadata, &found, folder.data, read);
+    }
+    buffer_finish(&folder);
+    memcpy(orientation, metadata.orientation, BRAINGLOBE_ORIENTATION);
+    return status ? status : brainglobe_axes(world_from_mesh, orientation, scales);
+}
+
 conus_status plan_brainglobe(struct area_plan *plan, size_t entry, const struct manifest_area *area, const char *path,
                              struct notes *notes)
 {
@@ -190,12 +136,7 @@ conus_status plan_brainglobe(struct area_plan *plan, size_t entry, const struct 
     double scale = area->scale > 0 ? area->scale : micrometres;
     size_t before = plan->count;
     conus_status status = open_brainglobe(&brainglobe, plan, area, path, notes);
-    if (!status && area->orientation) {
-        snprintf(orientation, sizeof orientation, "%s", area->orientation);
-    } else {
-        status = status ? status : read_orientation(orientation, brainglobe.folder, &plan->read);
-    }
-    status = status ? status : orient_mesh(world_from_mesh, orientation, scale);
+    status = status ? status : place_meshes(world_from_mesh, orientation, scale, &brainglobe, area, &plan->read);
     status = status ? status : plan_structures(plan, entry, &brainglobe, area->all_structures, world_from_mesh);
     if (!status && plan->count == before) {
         status = fail(CONUS_ERROR_DATA, "brainglobe: %s/meshes holds no ID.obj of structures.json", area->brainglobe);

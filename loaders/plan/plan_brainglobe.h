@@ -6,12 +6,6 @@
 #include "loaders/manifest/manifest.h"
 #include "loaders/plan/area_plan.h"
 
-enum { BRAINGLOBE_ORIENTATION = 9 }; /**< Bytes of an orientation, cut off if it is longer than any can be. */
-
-/** Puts the text "orientation" of the object @p text, a metadata.json, into @p out, which stays as it is without one.
- * Damaged JSON, or an orientation that is no text, is CONUS_ERROR_DATA: surfaces would lie anywhere. */
-conus_status brainglobe_metadata_parse(char out[BRAINGLOBE_ORIENTATION], struct text text);
-
 /** Plans "brainglobe". @p path is the manifest's, areas[entry] the entry. */
 conus_status plan_brainglobe(struct area_plan *plan, size_t entry, const struct manifest_area *area, const char *path,
                              struct notes *notes);

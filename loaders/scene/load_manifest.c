@@ -36,15 +36,23 @@ static conus_status fail_at(conus_status status, const struct loading *loading, 
     return fail_in(status, loading->path);
 }
 
-/* The path of `source` from where this process is, with ",volume=K" where one is chosen; NULL without memory. */
+/* The path of `source` from where this process is, with what chooses a volume and places it; NULL without memory. */
 static char *source_path(const struct loading *loading, const struct manifest_volume *source)
 {
     char *path = file_beside(loading->path, source->file);
-    if (!path || !source->chosen) {
-        return path;
-    }
     struct buffer selected = {0};
-    buffer_format(&selected, "%s,volume=%u", path, source->volume);
+    buffer_text(&selected, path ? path : "");
+    if (source->chosen) {
+        buffer_format(&selected, ",volume=%u", source->volume);
+    }
+    if (source->resolution[0] > 0) {
+        const double *r = source->resolution;
+        buffer_format(&selected, ",resolution=%.17g:%.17g:%.17g", r[0], r[1], r[2]);
+    }
+    if (source->orientation) {
+        buffer_format(&selected, ",orientation=%s", source->orientation);
+    }
+    selected.failed = selected.failed || !path;
     memory_free(path);
     return selected.failed ? (buffer_finish(&selected), NULL) : selected.data;
 }

@@ -8,6 +8,8 @@
 #include "loaders/file_kind.h"
 #include "loaders/volumes/mgh.h"
 #include "loaders/volumes/nifti.h"
+#include "loaders/volumes/tiff_volume.h"
+#include "loaders/volumes/volume_selector.h"
 #include "loaders/volumes/volume_text.h"
 
 #include <stdio.h>
@@ -128,22 +130,6 @@ static conus_status read_other_half(struct stored *out, const char *path, size_t
     return status;
 }
 
-/* Splits "path,volume=K". */
-static conus_status split_selector(char **path, bool *chosen, uint64_t *volume, const char *text)
-{
-    static const char selector[] = ",volume=";
-    const char *slash = strrchr(text, '/');
-    const char *at = strstr(slash ? slash : text, selector); /* folders may be called anything */
-    *chosen = at != NULL;
-    *volume = 0;
-    if (at && !text_to_uint(text_from(at + strlen(selector)), SIZE_MAX, volume)) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: volume: found \"%s\", allowed are whole numbers from 0", text,
-                    at + strlen(selector));
-    }
-    *path = memory_text(text, at ? (size_t)(at - text) : strlen(text));
-    return *path ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
 /* ---- Opening ----------------------------------------------------------------------------------------------------- */
 
 /* What is known while a volume is being opened. */
@@ -154,9 +140,10 @@ struct opening {
     struct notes notes;
     uint64_t limit;
     const char *needed; /* in the place where the file stands; NULL: default_needed */
-    bool chosen;        /* the caller says which volume */
-    uint64_t volume;
-    bool all; /* volumes are kept, not only the chosen one */
+    struct volume_selector selector;
+    bool all;         /* volumes are kept, not only the chosen one */
+    struct tiff tiff; /* of a TIFF stack, else no pages */
+    struct file_sums read;
 };
 
 static void opening_finish(struct opening *opening)
@@ -165,6 +152,9 @@ static void opening_finish(struct opening *opening)
     stored_finish(&opening->pair_header);
     volume_text_finish(&opening->header.text);
     notes_finish(&opening->notes);
+    tiff_finish(&opening->tiff);
+    file_sums_finish(&opening->read);
+    volume_selector_finish(&opening->selector);
 }
 
 static conus_status parse_text(struct volume_header *out, const struct stored *stored, struct notes *notes)
@@ -189,6 +179,8 @@ static conus_status parse_head(struct volume_header *out, const struct stored *s
     status = nifti_is(head.data, head.size) ? nifti_header_parse(out, head.data, head.size, notes)
              : mgh_is(head.data, head.size) ? mgh_header_parse(out, head.data, head.size, notes)
              : volume_text_is(&head)        ? parse_text(out, stored, notes)
+             : stored->packed && tiff_is(head.data, head.size)
+                 ? fail(CONUS_ERROR_UNSUPPORTED, "content: TIFF packed with gzip: unpack it")
              : head.size || !stored->packed
                  ? file_kind_fail(stored->path, &stored->bytes, needed)
                  : fail(CONUS_ERROR_DATA, "content: the file unpacks to nothing; needed is %s", needed);
@@ -279,6 +271,26 @@ static conus_status open_by_brik(struct opening *o, const char *head)
     return status;
 }
 
+static conus_status open_tiff(struct opening *o)
+{
+    const struct stored *stored = &o->voxels;
+    struct brainglobe_metadata place = {0};
+    conus_status status = tiff_parse(&o->tiff, stored->bytes.data, stored->bytes.size);
+    status = status ? status : tiff_volume_place(&place, stored->path, &o->selector.place, &o->read);
+    status = status ? status : tiff_volume_header(&o->header, &o->tiff, &place);
+    return status ? fail_in(status, stored->path) : CONUS_OK;
+}
+
+/* Formats that say where their voxels lie are not told so. */
+static conus_status refuse_place(const struct opening *o)
+{
+    const struct brainglobe_metadata *place = &o->selector.place;
+    bool given = place->orientation[0] || place->resolution[0] > 0;
+    return given ? fail(CONUS_ERROR_ARGUMENT, "%s: %s is for TIFF stacks, this file says itself where it lies",
+                        o->voxels.path, place->orientation[0] ? "orientation" : "resolution")
+                 : CONUS_OK;
+}
+
 static conus_status open_files(struct opening *o, const char *path)
 {
     bool image = false;
@@ -287,10 +299,15 @@ static conus_status open_files(struct opening *o, const char *path)
     conus_status status = stored_read(&o->voxels, path, o->limit);
     status = status ? status : volume_text_head_path(&head, path);
     if (head) {
-        status = open_by_brik(o, head);
+        status = status ? status : refuse_place(o);
+        status = status ? status : open_by_brik(o, head);
         memory_free(head);
         return status;
     }
+    if (!status && tiff_is(o->voxels.bytes.data, o->voxels.bytes.size)) {
+        return open_tiff(o);
+    }
+    status = status ? status : refuse_place(o);
     if (!status) {
         status = is_image_half(&image, &at, &o->voxels);
     }
@@ -305,13 +322,13 @@ static conus_status choose_volume(struct opening *o)
 {
     struct volume_header *header = &o->header;
     size_t count = header->info.volume_count;
-    if (!o->chosen && count > 1) {
+    if (!o->selector.chosen && count > 1) {
         return fail(CONUS_ERROR_ARGUMENT,
                     "volume: the file has %zu, choose one by adding \",volume=K\", K from 0 to %zu", count, count - 1);
     }
-    if (o->volume >= count) {
-        return fail(CONUS_ERROR_ARGUMENT, "volume: found %llu, allowed are 0 to %zu", (unsigned long long)o->volume,
-                    count - 1);
+    if (o->selector.volume >= count) {
+        return fail(CONUS_ERROR_ARGUMENT, "volume: found %llu, allowed are 0 to %zu",
+                    (unsigned long long)o->selector.volume, count - 1);
     }
     uint64_t before = header->offset + volume_text_scratch(header);
     if (header->volume_size > o->limit || before > o->limit - header->volume_size) {
@@ -321,7 +338,7 @@ static conus_status choose_volume(struct opening *o)
                     header->info.dim[0], header->info.dim[1], header->info.dim[2], header->info.datatype,
                     header->volume_size, (unsigned long long)o->limit);
     }
-    header->info.volume = (size_t)o->volume;
+    header->info.volume = (size_t)o->selector.volume;
     o->all = o->all && count <= (o->limit - before) / header->volume_size;
     return CONUS_OK;
 }
@@ -329,6 +346,9 @@ static conus_status choose_volume(struct opening *o)
 /* The header file of a pair whole, or what lies before the voxels of a single file. */
 static conus_status take_head(struct volume_file *file, const struct opening *o)
 {
+    if (o->tiff.pages) {
+        return CONUS_OK; /* what lies before the voxels is no table of labels */
+    }
     if (!o->header.pair) {
         return stored_head(&file->head, &o->voxels, (size_t)o->header.offset);
     }
@@ -349,6 +369,9 @@ static conus_status take_extensions(struct volume_file *file, const struct volum
 {
     size_t end = header->header_size;
     conus_status status = CONUS_OK;
+    if (!file->head.size) {
+        return CONUS_OK;
+    }
     if (header->header_size != MGH_HEADER_SIZE) {
         status = nifti_extensions_parse(&file->extensions, &file->extension_count, &end, &file->head, header);
     }
@@ -379,11 +402,14 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
 {
     const struct volume_header *header = &o->header;
     struct stored *stored = &o->voxels;
+    bool scattered = o->tiff.pages && !o->tiff.whole;
     struct bytes *out = o->all ? &file->series : &file->voxels;
     struct gzip_range range = {.from = header->offset + (o->all ? 0 : header->info.volume * header->volume_size),
                                .count = header->volume_size * (o->all ? header->info.volume_count : 1),
                                .total = header->offset + header->info.volume_count * header->volume_size};
-    conus_status status = header->text ? volume_text_voxels(out, &range, header, &stored->bytes, stored->packed, o->all)
+    conus_status status = scattered ? tiff_unpack(out, &o->tiff)
+                          : header->text
+                              ? volume_text_voxels(out, &range, header, &stored->bytes, stored->packed, o->all)
                           : stored->packed ? gzip_unpack(out, &range, stored->bytes.data, stored->bytes.size)
                                            : gzip_keep(out, &range, &stored->bytes);
     if (!status && o->all) {
@@ -421,7 +447,8 @@ static conus_status take_all(struct volume_file *file, struct opening *o)
     volume_text_sha256(file->info.sha256, named == first && first != &o->voxels ? &first->bytes : NULL,
                        &o->voxels.bytes);
     file->max_memory = o->limit;
-    status = take_voxels(file, o);
+    status = file_sums_move(&file->read, &o->read);
+    status = status ? status : take_voxels(file, o);
     if (status) {
         return fail_in(status, o->voxels.path);
     }
@@ -494,18 +521,15 @@ conus_status volume_file_open(struct volume_file *out, const char *path, uint64_
 conus_status volume_file_open_as(struct volume_file *out, const char *path, uint64_t max_memory, const char *needed,
                                  struct notes *notes)
 {
-    char *name = NULL;
     struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY, .needed = needed};
-    conus_status status = split_selector(&name, &opening.chosen, &opening.volume, path);
-    status = status ? status : open_wanted(out, name, &opening, notes);
-    memory_free(name);
-    return status;
+    conus_status status = volume_selector_parse(&opening.selector, path);
+    return status ? status : open_wanted(out, opening.selector.path, &opening, notes);
 }
 
 conus_status volume_file_open_series(struct volume_file *out, const char *path, uint64_t max_memory,
                                      struct notes *notes)
 {
-    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY, .chosen = true, .all = true};
+    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY, .selector.chosen = true, .all = true};
     return open_wanted(out, path, &opening, notes);
 }
 
@@ -514,7 +538,7 @@ static conus_status reopen_volume(struct volume_file *file, size_t volume)
 {
     struct volume_file other = {0};
     struct notes notes = {0};
-    struct opening opening = {.limit = file->max_memory, .chosen = true, .volume = volume};
+    struct opening opening = {.limit = file->max_memory, .selector = {.chosen = true, .volume = volume}};
     conus_status status = open_wanted(&other, file->path, &opening, &notes);
     notes_finish(&notes);
     if (!status) {
@@ -546,6 +570,7 @@ void volume_file_finish(struct volume_file *file)
     memory_free(file->path);
     memory_free(file->extensions);
     volume_text_finish(&file->text);
+    file_sums_finish(&file->read);
     bytes_finish(&file->head);
     bytes_finish(file->series.data ? &file->series : &file->voxels);
     *file = (struct volume_file){0};

@@ -5,7 +5,7 @@
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_FILE_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_FILE_H
 
-#include "base/file.h"
+#include "base/file_sums.h"
 #include "base/notes.h"
 #include "base/text.h"
 #include "loaders/volumes/volume_header.h"
@@ -32,12 +32,13 @@ struct volume_file {
     struct text_volume *text; /**< Of a format whose header is text: names, scales; else NULL, of which        */
     const char *title;        /**< ... the chosen volume's name; NULL if it has none.                          */
     uint64_t max_memory;
+    struct file_sums read; /**< What its place follows from: metadata.json of a TIFF stack. */
 };
 
 /** Reads @p path (NIfTI-1/2 single file or either half of a pair, MGH, and the formats of volume_text.h; each plain or
- * gzip, detected from the content), which may end in ",volume=K" with K from 0. Without it a 4-D file of more than one
- * volume is an error that names the choice. What a careful user should know (a qform used because there is no sform, a
- * second transform that differs) goes into
+ * gzip, detected from the content; TIFF stacks), which may end in ",volume=K" with K from 0, and of TIFF in
+ * ",resolution=R,orientation=ABC". Without it a 4-D file of more than one volume is an error that names the choice.
+ * What a careful user should know (a qform used because there is no sform, a second transform that differs) goes into
  * @p notes. Errors carry path, field, value found and what is allowed. */
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes);
 

@@ -45,8 +45,10 @@ LIBRARY = {
     "poses": "base poses/rows poses/programs",
     # file_kind.c asks the readers what a file is; they ask it for the words of their errors.
     "loaders": "base base/formats loaders/volumes loaders/tables loaders/surfaces",
+    "loaders/tiff": "base",
+    "loaders/brainglobe": "base base/formats",
     "loaders/volumes/text": "base base/formats atlas",
-    "loaders/volumes": "base base/formats atlas loaders loaders/volumes/text",
+    "loaders/volumes": "base base/formats atlas loaders loaders/tiff loaders/brainglobe loaders/volumes/text",
     "loaders/tables": "base base/formats atlas loaders/volumes",
     "loaders/labels": "base atlas loaders loaders/volumes loaders/volumes/text loaders/tables",
     "loaders/child": "base atlas/surface atlas loaders",
@@ -54,7 +56,7 @@ LIBRARY = {
     "loaders/phantom": "base atlas atlas/phantom loaders/volumes loaders/surfaces",
     "loaders/manifest": "base base/formats atlas loaders/volumes loaders/tables loaders/labels loaders/child",
     "loaders/plan": "base base/formats atlas loaders loaders/volumes loaders/tables loaders/labels"
-    " loaders/surfaces loaders/manifest",
+    " loaders/surfaces loaders/manifest loaders/brainglobe",
     "loaders/scene": "base base/formats atlas/surface atlas loaders loaders/volumes loaders/tables loaders/labels"
     " loaders/child loaders/surfaces loaders/manifest loaders/plan",
     "loaders/catalogue": "base base/formats loaders/volumes loaders/tables",

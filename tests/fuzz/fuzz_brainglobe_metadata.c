@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as BrainGlobe's metadata.json. */
-#include "loaders/plan/plan_brainglobe.h"
+#include "loaders/brainglobe/brainglobe_metadata.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,10 +10,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    char orientation[BRAINGLOBE_ORIENTATION] = "asr";
+    struct brainglobe_metadata metadata = {.orientation = "asr", .resolution = {25, 25, 25}};
     const struct text text = {(const char *)data, size};
-    conus_status status = brainglobe_metadata_parse(orientation, text);
-    if (!memchr(orientation, '\0', sizeof orientation) || (status && strcmp(orientation, "asr") != 0)) {
+    double world_from_voxel[16];
+    conus_status status = brainglobe_metadata_parse(&metadata, text);
+    if (!memchr(metadata.orientation, '\0', sizeof metadata.orientation) ||
+        (status && (strcmp(metadata.orientation, "asr") != 0 || metadata.resolution[0] != 25))) {
+        abort();
+    }
+    if (!brainglobe_voxels(world_from_voxel, &metadata) && !isfinite(world_from_voxel[12])) {
         abort();
     }
     return 0;

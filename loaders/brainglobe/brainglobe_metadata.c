@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads metadata.json, and derives the matrices of voxels and vertices. */
+#include "loaders/brainglobe/brainglobe_metadata.h"
+
+#include "base/formats/json_text.h"
+#include "base/math3.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { METADATA_LIMIT = 1 << 20 };
+
+static const double micrometre = 0.001; /* in mm */
+
+/* ---- The file ---------------------------------------------------------------------------------------------------- */
+
+static conus_status read_orientation(struct brainglobe_metadata *out, const json_t *value)
+{
+    if (value && !json_is_string(value)) {
+        return fail(CONUS_ERROR_DATA, "orientation: a text of three letters is needed");
+    }
+    if (value) {
+        snprintf(out->orientation, sizeof out->orientation, "%s", json_string_value(value));
+    }
+    return CONUS_OK;
+}
+
+static conus_status read_resolution(struct brainglobe_metadata *out, const json_t *list)
+{
+    double numbers[3] = {0};
+    bool good = json_is_array(list) && json_array_size(list) == 3;
+    for (size_t i = 0; good && i < 3; i++) {
+        numbers[i] = json_number_value(json_array_get(list, i));
+        good = numbers[i] > 0 && isfinite(numbers[i]);
+    }
+    if (list && !good) {
+        return fail(CONUS_ERROR_DATA, "resolution: three numbers above 0, in micrometres, are needed");
+    }
+    memcpy(out->resolution, list ? numbers : out->resolution, sizeof numbers);
+    return CONUS_OK;
+}
+
+static conus_status read_shape(struct brainglobe_metadata *out, const json_t *list)
+{
+    uint64_t shape[3] = {0};
+    bool good = json_is_array(list) && json_array_size(list) == 3;
+    for (size_t i = 0; good && i < 3; i++) {
+        double number = json_number_value(json_array_get(list, i));
+        good = number >= 1 && number <= INT32_MAX && number == floor(number); /* 528.0 as well */
+        shape[i] = good ? (uint64_t)number : 0;
+    }
+    if (list && !good) {
+        return fail(CONUS_ERROR_DATA, "shape: three whole numbers above 0 are needed");
+    }
+    memcpy(out->shape, list ? shape : out->shape, sizeof shape);
+    return CONUS_OK;
+}
+
+conus_status brainglobe_metadata_parse(struct brainglobe_metadata *out, struct text text)
+{
+    json_t *root = NULL;
+    struct brainglobe_metadata metadata = *out;
+    conus_status status = json_text_load(&root, text);
+    if (!status && !json_is_object(root)) {
+        status = fail(CONUS_ERROR_DATA, "not a JSON object");
+    }
+    status = status ? status : read_orientation(&metadata, json_object_get(root, "orientation"));
+    status = status ? status : read_resolution(&metadata, json_object_get(root, "resolution"));
+    status = status ? status : read_shape(&metadata, json_object_get(root, "shape"));
+    json_decref(root);
+    if (!status) {
+        *out = metadata;
+    }
+    return status;
+}
+
+conus_status brainglobe_metadata_read(struct brainglobe_metadata *out, bool *found, const char *path,
+                                      struct file_sums *read)
+{
+    struct bytes bytes = {0};
+    char *file = file_beside(path, "metadata.json");
+    conus_status status = file ? CONUS_OK : CONUS_ERROR_MEMORY;
+    *found = file && file_exists(file);
+    status = status || !*found ? status : file_read(&bytes, file, METADATA_LIMIT);
+    if (!status && *found) {
+        status = brainglobe_metadata_parse(out, (struct text){(const char *)bytes.data, bytes.size});
+        status = status ? fail_in(status, file) : file_sums_add(read, file, &bytes);
+    }
+    bytes_finish(&bytes);
+    memory_free(file);
+    return status;
+}
+
+/* ---- The axes ---------------------------------------------------------------------------------------------------- */
+
+/* Row and sign of the world axis that grows away from `corner`: BrainGlobe's letters name where an array axis starts.
+ */
+static bool read_corner(int *row, double *sign, char corner)
+{
+    static const char letters[] = "LRPAIS"; /* starts there: grows along +x, -x, +y, -y, +z, -z */
+    const char *at = corner ? strchr(letters, corner >= 'a' ? corner - 'a' + 'A' : corner) : NULL;
+    if (!at) {
+        return false;
+    }
+    *row = (int)(at - letters) / 2;
+    *sign = (at - letters) % 2 ? -1 : 1;
+    return true;
+}
+
+conus_status brainglobe_axes(double world_from_axes[16], const char *orientation, const double scale[3])
+{
+    bool used[3] = {false, false, false};
+    memset(world_from_axes, 0, 16 * sizeof *world_from_axes);
+    world_from_axes[15] = 1;
+    for (int axis = 0; axis < 3; axis++) {
+        int row = 0;
+        double sign = 0;
+        if (strlen(orientation) != 3 || !read_corner(&row, &sign, orientation[axis]) || used[row]) {
+            return fail(CONUS_ERROR_DATA,
+                        "orientation: found \"%.8s\", one letter each of R or L, A or P, S or I is needed",
+                        orientation);
+        }
+        used[row] = true;
+        world_from_axes[4 * axis + row] = sign * scale[axis];
+    }
+    return CONUS_OK;
+}
+
+conus_status brainglobe_voxels(double world_from_voxel[16], const struct brainglobe_metadata *metadata)
+{
+    double axes[16];
+    double scale[3];
+    vec3_scale(scale, metadata->resolution, micrometre);
+    conus_status status = brainglobe_axes(axes, metadata->orientation, scale);
+    if (status) {
+        return status;
+    }
+    mat4_identity(world_from_voxel);
+    for (int axis = 0; axis < 3; axis++) { /* columns of a stack are axis 2, pages axis 0 */
+        memcpy(world_from_voxel + 4 * (2 - axis), axes + 4 * axis, 3 * sizeof *axes);
+        vec3_add_scaled(world_from_voxel + 12, world_from_voxel + 12, 0.5, axes + 4 * axis);
+    }
+    return CONUS_OK;
+}

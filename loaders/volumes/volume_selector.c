@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Takes "path,key=value,..." apart by a table of keys. */
+#include "loaders/volumes/volume_selector.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static conus_status read_volume(struct volume_selector *out, struct text value)
+{
+    out->chosen = true;
+    return text_to_uint(value, SIZE_MAX, &out->volume)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "volume: found \"%.*s\", allowed are whole numbers from 0", (int)value.size,
+                      value.data);
+}
+
+/* "25", or "25:20:20": page, row, column. */
+static conus_status read_resolution(struct volume_selector *out, struct text value)
+{
+    double *numbers = out->place.resolution;
+    struct text rest = value;
+    struct text part;
+    size_t count = 0;
+    bool good = true;
+    for (bool more = true; good && text_field(&rest, ':', &more, &part); count++) {
+        good = count < 3 && text_to_double(part, &numbers[count]) && numbers[count] > 0 && isfinite(numbers[count]);
+    }
+    if (!good || (count != 1 && count != 3)) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "resolution: found \"%.*s\", allowed are one or three (page:row:column) numbers above 0, in "
+                    "micrometres",
+                    (int)value.size, value.data);
+    }
+    for (size_t i = count; i < 3; i++) {
+        numbers[i] = numbers[0];
+    }
+    return CONUS_OK;
+}
+
+static conus_status read_orientation(struct volume_selector *out, struct text value)
+{
+    double matrix[16];
+    const double scale[3] = {1, 1, 1};
+    snprintf(out->place.orientation, sizeof out->place.orientation, "%.*s", (int)value.size, value.data);
+    return brainglobe_axes(matrix, out->place.orientation, scale) ? CONUS_ERROR_ARGUMENT : CONUS_OK;
+}
+
+static const struct {
+    const char *key;
+    conus_status (*read)(struct volume_selector *out, struct text value);
+} keys[] = {
+    {"volume=", read_volume},
+    {"resolution=", read_resolution},
+    {"orientation=", read_orientation},
+};
+enum { KEYS = sizeof keys / sizeof keys[0] };
+
+/* The first ",key=" in the name, or its end. Folders may be called anything. */
+static const char *find_keys(const char *text)
+{
+    const char *slash = strrchr(text, '/');
+    for (const char *at = slash ? slash : text; (at = strchr(at, ',')); at++) {
+        for (size_t i = 0; i < KEYS; i++) {
+            if (strncmp(at + 1, keys[i].key, strlen(keys[i].key)) == 0) {
+                return at;
+            }
+        }
+    }
+    return text + strlen(text);
+}
+
+static conus_status read_key(struct volume_selector *out, struct text field)
+{
+    for (size_t i = 0; i < KEYS; i++) {
+        size_t length = strlen(keys[i].key);
+        if (text_starts(field, keys[i].key)) {
+            return keys[i].read(out, (struct text){field.data + length, field.size - length});
+        }
+    }
+    return fail(CONUS_ERROR_ARGUMENT, "found \"%.*s\", allowed are volume, resolution and orientation", (int)field.size,
+                field.data);
+}
+
+conus_status volume_selector_parse(struct volume_selector *out, const char *text)
+{
+    struct volume_selector selector = {0};
+    const char *at = find_keys(text);
+    struct text rest = text_from(*at ? at + 1 : at);
+    struct text field;
+    conus_status status = CONUS_OK;
+    for (bool more = *at; !status && text_field(&rest, ',', &more, &field);) {
+        status = read_key(&selector, field);
+    }
+    if (status) {
+        return fail_in(status, text);
+    }
+    selector.path = memory_text(text, (size_t)(at - text));
+    *out = selector;
+    return selector.path ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+void volume_selector_finish(struct volume_selector *selector)
+{
+    memory_free(selector->path);
+}

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What stands behind the path of a volume: FILE,volume=K and FILE,resolution=R,orientation=ABC. */
+#ifndef CONUS_LOADERS_VOLUMES_VOLUME_SELECTOR_H
+#define CONUS_LOADERS_VOLUMES_VOLUME_SELECTOR_H
+
+#include "base/status.h"
+#include "loaders/brainglobe/brainglobe_metadata.h"
+
+struct volume_selector {
+    char *path;  /**< Owned; without what follows. */
+    bool chosen; /**< volume says which. */
+    uint64_t volume;
+    struct brainglobe_metadata place; /**< resolution and orientation, as far as they are given. */
+};
+
+/** Takes @p text apart. CONUS_ERROR_ARGUMENT with the key where a value is not allowed. */
+conus_status volume_selector_parse(struct volume_selector *out, const char *text);
+void volume_selector_finish(struct volume_selector *selector);
+
+#endif
