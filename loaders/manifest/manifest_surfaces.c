@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_scan.h"
 
 #include <stdio.h>
@@ -236,16 +237,19 @@ conus_status manifest_surfaces_add(struct manifest_draft *draft, const char *nam
     return status;
 }
 
-conus_status manifest_of_surfaces(struct buffer *out, const char *folder)
+conus_status manifest_of_folder(struct buffer *out, const char *folder, bool meshes)
 {
     static const conus_manifest_options silent;
+    bool voxels = false;
     struct manifest_draft draft = {
         .folder = folder, .options = &silent, .areas = json_array(), .pathways = json_array()};
-    conus_status status = draft.areas && draft.pathways ? manifest_surfaces_add(&draft, "") : CONUS_ERROR_MEMORY;
-    if (!status && !json_array_size(draft.areas)) {
+    conus_status status = draft.areas && draft.pathways ? CONUS_OK : CONUS_ERROR_MEMORY;
+    status = status || meshes ? status : brainglobe_has_voxels(&voxels, folder);
+    status = status ? status : voxels ? manifest_brainglobe_set(&draft) : manifest_surfaces_add(&draft, "");
+    if (!status && !voxels && !json_array_size(draft.areas)) {
         status = fail(CONUS_ERROR_DATA,
-                      "%.*s: no surfaces in this folder (or structures.json and meshes/, as BrainGlobe has them); for "
-                      "volumes: conus manifest",
+                      "%.*s: no surfaces in this folder (or structures.json and annotation.tiff or meshes/, as "
+                      "BrainGlobe has them); for volumes: conus manifest",
                       (int)strlen(folder) - 1, folder);
     }
     status = status ? status : manifest_draft_format(out, &draft);

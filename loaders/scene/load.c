@@ -7,6 +7,7 @@
 #include "base/options.h"
 #include "loaders/file_kind.h"
 #include "loaders/manifest/manifest.h"
+#include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/plan/load_parcellation.h"
 #include "loaders/scene/load_manifest.h"
@@ -51,18 +52,37 @@ static conus_status load_json(conus_atlas **out, const char *path, struct load_p
     return status;
 }
 
+/* A BrainGlobe folder may have a stack of the sides, which nothing here needs. */
+static conus_status note_hemispheres(conus_atlas *atlas, const char *folder)
+{
+    char *path = file_beside(folder, "hemispheres.tiff");
+    bool voxels = false;
+    conus_status status = path ? brainglobe_has_voxels(&voxels, folder) : CONUS_ERROR_MEMORY;
+    if (!status && voxels && file_exists(path)) {
+        status = notes_add(&atlas->notes, "%s (1 is left, 2 is right) is not used: areas are of both sides", path);
+    }
+    memory_free(path);
+    return status;
+}
+
 static conus_status load_folder(conus_atlas **out, const char *path, struct load_progress *progress)
 {
     struct buffer folder = {0};
     struct buffer text = {0};
+    char *atlas = NULL; /* of which the folder is the meshes */
     size_t length = strlen(path);
-    buffer_format(&folder, "%s%s", path, path[length - 1] == '/' ? "" : "/");
-    conus_status status = buffer_status(&folder);
-    status = status ? status : manifest_of_surfaces(&text, folder.data);
+    conus_status status = brainglobe_of_meshes(&atlas, path);
+    buffer_format(&folder, "%s%s", atlas ? atlas : path, atlas || path[length - 1] == '/' ? "" : "/");
+    status = status ? status : buffer_status(&folder);
+    status = status ? status : manifest_of_folder(&text, folder.data, atlas != NULL);
     const struct bytes bytes = {(uint8_t *)text.data, text.size};
     status = status ? status : manifest_load(out, folder.data, &bytes, progress);
+    if (!status && !atlas && (status = note_hemispheres(*out, folder.data))) {
+        conus_atlas_destroy(*out);
+    }
     buffer_finish(&text);
     buffer_finish(&folder);
+    memory_free(atlas);
     return status;
 }
 

@@ -9,6 +9,7 @@
 #include "base/options.h"
 #include "loaders/labels/label_volumes.h"
 #include "loaders/manifest/manifest.h"
+#include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/scene/load_manifest.h"
@@ -240,22 +241,60 @@ static bool is_volume(const char *name)
     return name[0] != '.' && !image && name[volume_stem_length(name)];
 }
 
+/* The voxels of a BrainGlobe folder, if they load; then its other stacks and its meshes are no further areas. */
+static conus_status take_brainglobe(bool *taken, struct manifest_draft *draft)
+{
+    struct volume_guess guess = {0};
+    bool voxels = false;
+    conus_status status = brainglobe_has_voxels(&voxels, draft->folder);
+    if (status || !voxels) {
+        return status;
+    }
+    status = set_parcellation(draft, BRAINGLOBE_ANNOTATION);
+    *taken = is_parcellation(draft, BRAINGLOBE_ANNOTATION);
+    if (status || !*taken) {
+        return status;
+    }
+    status = manifest_draft_log(draft, BRAINGLOBE_ANNOTATION ": parcellation of a BrainGlobe folder");
+    char *path = manifest_draft_path(draft, BRAINGLOBE_REFERENCE);
+    status = status ? status : path ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status && file_exists(path)) {
+        status = volume_guess_make(&guess, path, draft->options->max_memory);
+        status = status == CONUS_ERROR_MEMORY ? status
+                 : status                     ? manifest_draft_leave_out(draft, BRAINGLOBE_REFERENCE)
+                                              : take_context(draft, BRAINGLOBE_REFERENCE, "a BrainGlobe reference");
+    }
+    memory_free(path);
+    return status;
+}
+
+static conus_status look_at_other(struct manifest_draft *draft, const char *name, bool brainglobe)
+{
+    if (!brainglobe || !(path_ends_in(name, ".tiff") || path_ends_in(name, ".tif"))) {
+        return look_at_volume(draft, name);
+    }
+    bool known = strcmp(name, BRAINGLOBE_ANNOTATION) == 0 || strcmp(name, BRAINGLOBE_REFERENCE) == 0;
+    return known ? CONUS_OK : manifest_draft_log(draft, "%s: left out, another stack of the BrainGlobe folder", name);
+}
+
 static conus_status scan_folder(struct manifest_draft *draft)
 {
     struct names names = {0};
+    bool voxels = false;
     conus_status status = names_list(&names, draft->folder, "");
+    status = status ? status : take_brainglobe(&voxels, draft);
     for (size_t i = 0; !status && i < names.count; i++) {
         status = path_ends_in(names.names[i], ".xml") ? look_at_xml(draft, names.names[i]) : CONUS_OK;
     }
     for (size_t i = 0; !status && i < names.count; i++) {
-        status = is_volume(names.names[i]) ? look_at_volume(draft, names.names[i]) : CONUS_OK;
+        status = is_volume(names.names[i]) ? look_at_other(draft, names.names[i], voxels) : CONUS_OK;
     }
     draft->label_offset = draft->parcellation ? MANIFEST_LABEL_STEP : 0;
-    status = status ? status : manifest_surfaces_add(draft, "");
+    status = status || voxels ? status : manifest_surfaces_add(draft, "");
     for (size_t i = 0; !status && i < names.count; i++) {
         char *path = names.names[i][0] == '.' ? NULL : manifest_draft_path(draft, names.names[i]);
-        bool brainglobe = path && strcmp(names.names[i], "meshes") == 0 && json_array_size(draft->areas) &&
-                          json_object_get(json_array_get(draft->areas, 0), "brainglobe");
+        bool known = voxels || json_object_get(json_array_get(draft->areas, 0), "brainglobe");
+        bool brainglobe = path && strcmp(names.names[i], "meshes") == 0 && known;
         status = path && !brainglobe && file_is_folder(path) ? manifest_surfaces_add(draft, names.names[i]) : CONUS_OK;
         memory_free(path);
     }
