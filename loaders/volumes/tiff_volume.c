@@ -22,13 +22,13 @@ conus_status tiff_volume_place(struct brainglobe_metadata *out, const char *path
     }
     bool sized = place.resolution[0] > 0;
     if (!status && (!sized || !place.orientation[0])) {
-        const char *missing = sized                  ? "orientation"
-                              : place.orientation[0] ? "resolution"
-                                                     : "resolution and orientation";
+        const char *missing = sized                  ? "no orientation"
+                              : place.orientation[0] ? "no resolution"
+                                                     : "no resolution and no orientation";
         status = fail(CONUS_ERROR_DATA,
-                      "a TIFF stack does not say where it lies: %s is missing in %s; give FILE,resolution=25,"
+                      "a TIFF stack does not say where it lies: %s %s beside it; give FILE,resolution=25,"
                       "orientation=asr (micrometres; where page, row and column start)",
-                      missing, found ? "metadata.json beside it" : "it, and there is no metadata.json beside it");
+                      missing, found ? "in metadata.json" : "is given, and there is no metadata.json");
     }
     if (!status) {
         *out = place;

@@ -157,11 +157,11 @@ def check_places(dump, folder):
     tifffile.imwrite(path, array_of("u1", True), photometric="minisblack")
     wrong = []
     cases = [
-        ("", None, "resolution and orientation is missing in it, and there is no metadata.json beside it"),
-        (",resolution=25", None, "orientation is missing"),
+        ("", None, ": no resolution and no orientation is given, and there is no metadata.json beside it; give"),
+        (",resolution=25", None, ": no orientation is given, and"),
         (",orientation=asr", {"resolution": [25, 25, 25], "shape": SHAPE}, ""),
         ("", {"resolution": [25, 25, 25], "orientation": "asr"}, ""),
-        ("", {"resolution": [25, 25, 25]}, "orientation is missing in metadata.json beside it"),
+        ("", {"resolution": [25, 25, 25]}, ": no orientation in metadata.json beside it; give"),
         ("", {"resolution": [25, 25], "orientation": "asr"}, "resolution: three numbers above 0"),
         ("", {"resolution": [25, 25, 25], "orientation": "asr", "shape": [67, 5, 83]},
          "shape: metadata.json says 67 x 5 x 83, the stack has 5 pages of 67 rows and 83 columns"),

@@ -139,7 +139,7 @@ static void a_manifest_may_say_where_a_stack_lies(void **state)
     conus_atlas_destroy(atlas);
     write_text("lone.atlas.json", "{\"conus_atlas\": 1, \"parcellation\": \"lone.tif\"}");
     assert_fails(conus_atlas_load(&atlas, test_in("lone.atlas.json"), NULL), CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), "resolution and orientation is missing in it"));
+    assert_non_null(strstr(conus_message(), "no resolution and no orientation is given"));
     assert_fails(conus_atlas_load(&atlas, test_in("lone.tif,resolution=1"), NULL), CONUS_ERROR_DATA);
     assert_fails(conus_atlas_load(&atlas, test_in("lone.tif,resolution=1,orientation=as"), NULL), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_atlas_load(&atlas, test_in("lone.tif,volume=1,resolution=1,orientation=asr"), NULL),
