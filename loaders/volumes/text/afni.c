@@ -182,7 +182,7 @@ static conus_status take_numbers(double *out, size_t count, const struct header 
 static conus_status take_whole(int64_t *out, size_t count, const struct header *header, int attribute, int64_t least,
                                int64_t most)
 {
-    double numbers[8];
+    double numbers[8] = {0};
     conus_status status = take_numbers(numbers, count, header, attribute);
     for (size_t i = 0; !status && i < count; i++) {
         if (!(numbers[i] >= (double)least && numbers[i] <= (double)most && numbers[i] == floor(numbers[i]))) {

@@ -166,8 +166,8 @@ static conus_status read_type(struct text_volume *out, struct text value)
 
 static conus_status read_encoding(struct text_volume *out, const struct header *header)
 {
-    bool binary;
-    bool compressed;
+    bool binary = true;
+    bool compressed = false;
     int64_t size = 0;
     const struct text *fields = header->fields;
     struct text packed = fields[COMPRESSED_SIZE];
@@ -224,7 +224,7 @@ static conus_status read_file(struct text_volume *out, struct text value)
     struct text rest = value;
     struct text word;
     bool list = text_word(&rest, &word) && text_equal_ignoring_case(word, "LIST");
-    bool pattern = memchr(value.data, '%', value.size) && text_trim(rest).size;
+    bool pattern = value.size && memchr(value.data, '%', value.size) && text_trim(rest).size;
     if (list || pattern) {
         return fail(CONUS_ERROR_UNSUPPORTED, "ElementDataFile: found \"%.*s\", allowed are LOCAL and one file",
                     HEADER_SHOW(value));

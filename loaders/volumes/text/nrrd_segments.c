@@ -91,7 +91,7 @@ static conus_status set_colour(struct label *label, struct text value, const cha
     return status;
 }
 
-/* One segment. Before Slicer had layers each segment was a volume of 0 and 1: `legacy`. */
+/* One segment. `legacy`: it is label 1 of a volume of its own. */
 static conus_status take_segment(struct text_segment *out, const struct text fields[NRRD_SEGMENT_FIELDS], size_t number,
                                  int64_t volumes, bool legacy)
 {
@@ -145,7 +145,7 @@ static conus_status refuse_twins(struct text_volume *out)
     return CONUS_OK;
 }
 
-/* Whether no segment has a value or a layer, and each has a volume: files of before 2020. */
+/* Whether no segment has a value or a layer, and each has a volume, as before Slicer had layers. */
 static bool is_legacy(const struct nrrd_segments *segments, int64_t volumes)
 {
     bool bare = (int64_t)segments->count == volumes;

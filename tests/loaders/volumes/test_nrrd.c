@@ -77,7 +77,6 @@ static void units_scale_the_matrix(void **state)
     text_volume_finish(&volume);
 }
 
-/* Allen's CCF counts micrometres and does not say so. */
 static void a_grid_of_metres_is_noted(void **state)
 {
     (void)state;

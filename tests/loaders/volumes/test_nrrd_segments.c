@@ -78,7 +78,7 @@ static void a_layer_is_an_atlas(void **state)
     buffer_finish(&bytes);
 }
 
-/* Before 2020 each segment was a volume of 0 and 1, without value and layer. */
+/* Without value and layer each segment is a volume of 0 and 1. */
 static void segments_without_layers_are_volumes(void **state)
 {
     (void)state;
