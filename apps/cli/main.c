@@ -21,7 +21,7 @@ static const struct program program = {
     .summary = "name the brain areas and pathways in a cone",
     .description = "Which areas and pathways of the brain lie in the cone of a pointing device?\n\n"
                    "Positions are in mm, x right, y anterior, z superior; angles in degrees. Results go to stdout,\n"
-                   "messages to stderr.",
+                   "messages to stderr. ATLAS is a file or a folder, or the name of one that conus atlases lists.",
     .commands = commands,
 };
 

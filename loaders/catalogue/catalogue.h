@@ -54,7 +54,7 @@ struct catalogue_found {
     struct catalogue_id id; /**< Of path. */
 };
 
-/** Adds a copy, unless the source has this file with these labels (or any, where @p found has none) already. */
+/** Adds a copy, unless the source has this file by this name already. */
 conus_status catalogue_add(conus_catalogue *catalogue, const struct catalogue_found *found);
 
 struct catalogue_id catalogue_id_of(const struct stat *info);

@@ -48,7 +48,7 @@ static bool same_text(const char *a, const char *b, bool folded)
 {
     char one[TEXT];
     char other[TEXT];
-    if (!folded) {
+    if (!folded || strlen(a) >= TEXT || strlen(b) >= TEXT) {
         return strcmp(a, b) == 0;
     }
     fold(one, a);

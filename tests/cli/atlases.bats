@@ -220,8 +220,17 @@ END
     put t1.nii.gz "${mni}_T1w.nii.gz" "${mni}_label-GM_probseg.nii.gz" "${mni}_desc-brain_mask.nii.gz"
     # What was not fetched yet is an empty file.
     : >"${mni}_atlas-HOCPA_desc-th25_dseg.nii.gz"
+    # datalad links to what it fetched, and keeps equal files once.
+    put l.nii.gz $cache/.git/annex/objects/content
+    for cohort in 2 3; do
+        mkdir $cache/tpl-MNIInfant/cohort-$cohort
+        ln -s ../../.git/annex/objects/content \
+            $cache/tpl-MNIInfant/cohort-$cohort/tpl-MNIInfant_cohort-${cohort}_res-1_dseg.nii.gz
+    done
+    ln -s ../../.git/annex/objects/missing $cache/tpl-MNIInfant/cohort-3/tpl-MNIInfant_cohort-3_res-2_dseg.nii.gz
     lists "templateflow tpl-MNI152NLin2009cAsym_res-02_atlas-Schaefer2018_desc-100Parcels7Networks" \
-        "templateflow tpl-MNIInfant_cohort-1_res-1"
+        "templateflow tpl-MNIInfant_cohort-1_res-1" "templateflow tpl-MNIInfant_cohort-2_res-1" \
+        "templateflow tpl-MNIInfant_cohort-3_res-1"
     conus info tpl-MNI152NLin2009cAsym_res-02_atlas-Schaefer2018_desc-100Parcels7Networks --format tsv | cut -f 3 |
         xargs | grep -qx 'name one two'
     export TEMPLATEFLOW_HOME=$PWD/elsewhere

@@ -38,6 +38,17 @@ setup_poses() {
     conus batch sphere.nii.gz --poses poses.tsv --format ndjson | cmp - threads.ndjson
 }
 
+@test "the name of an installed atlas" {
+    setup_poses 20
+    mkdir own
+    cp sphere.nii.gz own/ball_atlas.nii.gz
+    cp sphere.tsv own/ball_atlas.tsv
+    export CONUS_ATLAS_PATH=$PWD/own
+    conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv
+    ranks 2 ball_atlas --poses poses.tsv -o ranks.tsv
+    cmp rows.tsv ranks.tsv
+}
+
 @test "error rows and exit codes are those of conus batch" {
     setup_poses
     printf '1\t1\tx\t4\t5\t6\n' >>poses.tsv
