@@ -6,7 +6,9 @@
 #include "base/order.h"
 #include "conus/conus.h"
 
+#include <float.h>
 #include <locale.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -235,6 +237,36 @@ static bool read_short_decimal(struct text text, double *out)
     return count > 0;
 }
 
+/* Into `copy`, with a final NUL; false for what is no decimal number at first sight. */
+static bool copy_number(char copy[NUMBER_LIMIT + 1], struct text text)
+{
+    if (!text.size || text.size > NUMBER_LIMIT || is_space(text.data[0]) || memchr(text.data, 'x', text.size) ||
+        memchr(text.data, 'X', text.size)) {
+        return false;
+    }
+    memcpy(copy, text.data, text.size);
+    copy[text.size] = '\0';
+    return true;
+}
+
+/* Into one of the two, by the rules of the C locale, whatever the process's is. */
+static bool read_number(double *wide, float *narrow, const char *number, size_t size)
+{
+    locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0); /* glibc hands out a static one */
+    char *end;
+    double value = wide ? strtod_l(number, &end, c_locale) : (double)strtof_l(number, &end, c_locale);
+    freelocale(c_locale);
+    if (end != number + size) {
+        return false;
+    }
+    if (wide) {
+        *wide = value;
+    } else {
+        *narrow = (float)value;
+    }
+    return true;
+}
+
 bool text_to_double(struct text text, double *out)
 {
     char copy[NUMBER_LIMIT + 1];
@@ -243,20 +275,25 @@ bool text_to_double(struct text text, double *out)
         *out = value;
         return true;
     }
-    if (!text.size || text.size > NUMBER_LIMIT || is_space(text.data[0]) || memchr(text.data, 'x', text.size) ||
-        memchr(text.data, 'X', text.size)) {
+    return copy_number(copy, text) && read_number(out, NULL, copy, text.size);
+}
+
+bool text_to_float(struct text text, float *out)
+{
+    enum { BELOW_FLOAT = 29 }; /* bits that a double has more */
+    char copy[NUMBER_LIMIT + 1];
+    double value;
+    uint64_t bits;
+    if (!text_to_double(text, &value)) {
         return false;
     }
-    memcpy(copy, text.data, text.size);
-    copy[text.size] = '\0';
-    locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0); /* glibc hands out a static one */
-    char *end = copy;
-    value = strtod_l(copy, &end, c_locale);
-    freelocale(c_locale);
-    if (end != copy + text.size) {
-        return false;
+    memcpy(&bits, &value, sizeof bits);
+    *out = (float)value;
+    bool is_between = (bits & ((UINT64_C(1) << BELOW_FLOAT) - 1)) == UINT64_C(1) << (BELOW_FLOAT - 1);
+    bool is_small = fabs(value) > 0 && fabs(value) < (double)FLT_MIN; /* a float has fewer bits there */
+    if (is_between || is_small) { /* the double may have been rounded to the middle between two floats */
+        return copy_number(copy, text) && read_number(NULL, out, copy, text.size);
     }
-    *out = value;
     return true;
 }
 

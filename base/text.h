@@ -71,6 +71,9 @@ size_t text_distance(struct text a, struct text b);
  */
 bool text_to_double(struct text text, double *out);
 
+/** The same, rounded once from the decimal number to the nearest float. */
+bool text_to_float(struct text text, float *out);
+
 /** The whole of @p text as a decimal integer without sign, at most @p limit. False if it is none. */
 bool text_to_uint(struct text text, uint64_t limit, uint64_t *out);
 

@@ -36,7 +36,9 @@ static void on_start(void *user, const char *name, const char **attributes)
 {
     struct parsing *parsing = user;
     struct xml_event event = {.name = name, .attributes = attributes, .line = line_of(parsing)};
+    event.text = (struct text){parsing->text.data, parsing->text.size};
     parsing->text.size = 0;
+    stop_parser(parsing, buffer_status(&parsing->text));
     if (parsing->status) {
         return;
     }

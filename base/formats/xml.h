@@ -10,7 +10,7 @@
 struct xml_event {
     const char *name;        /**< Of the element.                                               */
     const char **attributes; /**< At its start: name, value, ..., NULL. NULL at its end.        */
-    struct text text;        /**< At its end: the characters behind the last tag, in UTF-8.     */
+    struct text text;        /**< The characters since the last tag, in UTF-8.                  */
     size_t line;             /**< From 1.                                                       */
 };
 
